@@ -1,0 +1,1 @@
+"""How a structure is made smaller. Imports ``vibeam_models`` only."""

@@ -1,0 +1,76 @@
+"""What a solver gives back: how it ended, one steady point, one frequency-response curve."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from enum import Enum
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+VELOCITIES_KEPT = 16
+
+
+class Ended(Enum):
+    """Why a computation ended: the value is the message; the order is the code that kernels and files use."""
+
+    COMPLETE = "ran to the end"
+    EVENT_LIMIT = "stopped at the limit of impacts: raise it, or look for an endless chatter (R = 1 on a pressed stop)"
+    PENETRATED = "the start lies beyond the stop: start from a state with contact displacement ≤ gap"
+    NOT_FINITE = "a number overflowed: the response grew beyond all bounds"
+    NOT_RUN = "not run yet"
+
+    @property
+    def code(self) -> int:
+        """The member's number in files and kernels."""
+        return list(Ended).index(self)
+
+    @classmethod
+    def of_code(cls, code: int) -> Ended:
+        """The member with that number."""
+        return list(cls)[code]
+
+
+@dataclass(frozen=True)
+class FrequencyResponse:
+    """One branch of a frequency-response curve: one entry a point, in the order in which it was swept.
+
+    SI units. A failed point is NaN with its reason in ``ended``. Shapes: (points,) but for ``impact_velocities``
+    (points, 16) and ``mode_energy`` (points, modes).
+    """
+
+    frequency: Array  #: drive frequency, Hz
+    amplitude: Array  #: ½(max − min) of the chosen output over the hold
+    reach: Array  #: gap − min of the contact displacement: how far the contact point swings away from the stop, m
+    maximum: Array  #: max of the chosen output
+    minimum: Array  #: min of the chosen output
+    impacts_per_period: Array  #: impacts a drive period, over the hold
+    impact_velocity: Array  #: mean contact velocity just before impact, m/s (NaN where there is none)
+    impact_velocities: Array  #: the last 16 impact velocities of the hold, oldest first, NaN where there are fewer
+    period: NDArray[np.int64]  #: least number of drive periods after which the motion repeats (1…16), 0 none, −1 no contact
+    rest: Array  #: share of the time at rest on the stop, 0…1
+    mode_energy: Array  #: time-mean energy of each mode over the hold, J
+    ended: NDArray[np.int64]  #: code of ``Ended``
+    impacts: NDArray[np.int64]  #: impacts computed, settling included
+    evaluations: NDArray[np.int64]  #: evaluations of the contact displacement
+    cpu_seconds: Array  #: CPU time of the point
+
+    @property
+    def omega(self) -> Array:
+        """Drive frequency in rad/s."""
+        return 2 * np.pi * self.frequency
+
+    def __len__(self) -> int:
+        return len(self.frequency)
+
+    @classmethod
+    def empty(cls, frequency: Array, modes: int) -> FrequencyResponse:
+        """All points not run yet: NaN, 0 and ``Ended.NOT_RUN``."""
+        n = len(frequency)
+        blank: dict[str, Any] = {f.name: np.full(n, np.nan) for f in fields(cls)}
+        blank |= {name: np.zeros(n, dtype=np.int64) for name in ("period", "impacts", "evaluations")}
+        blank |= {"frequency": np.asarray(frequency, dtype=float), "ended": np.full(n, Ended.NOT_RUN.code)}
+        blank |= {"impact_velocities": np.full((n, VELOCITIES_KEPT), np.nan), "mode_energy": np.full((n, modes), np.nan)}
+        return cls(**blank)
