@@ -5,8 +5,22 @@ The public names, loaded when first used: ``import vibeam`` itself loads no scip
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from vibeam.case import load as load
+    from vibeam.derive import derive as derive
+    from vibeam.response import Ended as Ended
+    from vibeam.response import FrequencyResponse as FrequencyResponse
+    from vibeam.run import run as run
+    from vibeam.simulate import simulate as simulate
+    from vibeam.state import State as State
+    from vibeam.sweep import sweep as sweep
+    from vibeam.system import Drive as Drive
+    from vibeam.system import ImpactSystem as ImpactSystem
 
 __version__ = "0.1.0"
 
@@ -23,14 +37,23 @@ _HOMES = {
     "FrequencyResponse": "vibeam.response",
 }
 
-__all__ = ["__version__", *sorted(_HOMES)]
+
+class _House(ModuleType):
+    """A package in which ``vibeam.sweep`` stays the function, though importing it brings a module of that name."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not (name in _HOMES and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in _HOMES:
+            raise AttributeError(f"module 'vibeam' has no attribute {name!r}")
+        value = getattr(import_module(_HOMES[name]), name)
+        setattr(self, name, value)
+        return value
+
+    def __dir__(self) -> list[str]:
+        return ["__version__", *sorted(_HOMES)]
 
 
-def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'vibeam' has no attribute {name!r}")
-    return getattr(import_module(_HOMES[name]), name)
-
-
-def __dir__() -> list[str]:
-    return list(__all__)
+sys.modules[__name__].__class__ = _House
