@@ -58,9 +58,9 @@ class Structure:
 
     def modes(self, count: int | None = None) -> Modes:
         """The lowest ``count`` undamped modes (all where it is None), each with a positive contact or tip value."""
-        from scipy.linalg import eigh
+        from vibeam_models.eigen import natural_modes
 
-        last = self.size - 1 if count is None else count - 1
-        squared, shapes = eigh(self.K, self.M, subset_by_index=(0, last))
+        squared, shapes = natural_modes(self.K, self.M)
+        squared, shapes = squared[:count], shapes[:, :count]
         signs = np.where(self.contact @ shapes < 0, -1.0, 1.0)
         return Modes(np.sqrt(np.maximum(squared, 0.0)), shapes * signs)

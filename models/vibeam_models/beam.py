@@ -1,0 +1,98 @@
+"""Scene -> Structure: a cantilever of Hermite beam elements, its mass, stop and sensor (paper §6)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam_models.damping import damped
+from vibeam_models.lumped import with_inertia
+from vibeam_models.mesh import nodes
+from vibeam_models.scene import Beam, Scene
+from vibeam_models.space import BeamSpace
+from vibeam_models.structure import Structure
+
+if TYPE_CHECKING:
+    from vibeam_models.effects import Effect
+
+
+def assemble(scene: Scene) -> Structure:
+    """The finite-element structure of a scene, clamped at x = 0, its coordinates relative to the base.
+
+    Outputs ``"sensor"`` and ``"tip"`` in m; the contact row reads the deflection at the stop. ValueError names what
+    stands off the beam.
+    """
+    return assemble_with_space(scene)[0]
+
+
+def assemble_with_space(scene: Scene) -> tuple[Structure, BeamSpace]:
+    """``assemble`` and the finite-element space that its coordinates belong to: rows at any x, mode shapes."""
+    _check_positions(scene)
+    structure, space = bare_beam(scene.beam, _concentrated(scene))
+    structure = _observed(structure, space, scene)
+    structure = with_inertia(structure, space.row(scene.mass.position), scene.mass.mass, translation=1.0)
+    for effect in _effects(scene):
+        structure, space = effect.apply(structure, space)
+    return damped(structure, scene.beam.damping), space
+
+
+def bare_beam(beam: Beam, inserted: Iterable[float] = ()) -> tuple[Structure, BeamSpace]:
+    """The undamped cantilever alone and its space, with extra mesh nodes at ``inserted`` (m).
+
+    Contact and the only output, ``"tip"``, are the deflection at the free end. The load is −M r with the clamp moving
+    along: r is 1 there too.
+    """
+    space = BeamSpace.clamped(nodes(beam.length, beam.elements, inserted))
+    free = space.constraint
+    mass = space.mass(beam.mass_per_length)
+    tip = space.row(beam.length)
+    structure = Structure(
+        M=free.T @ mass @ free,
+        C=np.zeros((space.size, space.size)),
+        K=free.T @ space.stiffness(beam.bending_stiffness) @ free,
+        load=-free.T @ mass @ space.translation(),
+        static=np.zeros(space.size),
+        contact=tip,
+        outputs={"tip": tip},
+        units={"tip": "m"},
+    )
+    return structure, space
+
+
+def _observed(structure: Structure, space: BeamSpace, scene: Scene) -> Structure:
+    outputs = {"sensor": space.row(scene.sensor.position), **structure.outputs}
+    units = dict.fromkeys(outputs, "m")
+    return structure.with_(contact=space.row(scene.stop.position), outputs=outputs, units=units)
+
+
+def _concentrated(scene: Scene) -> list[float]:
+    """Where concentrated loads act: the mass, the stop, the ends of the rigid zone."""
+    middle, half = scene.mass.position, scene.mass.rigid_half_width
+    ends = [] if half is None else [middle - half, middle + half]
+    return [middle, scene.stop.position, *(x for x in ends if 0 < x < scene.beam.length)]
+
+
+def _effects(scene: Scene) -> Iterator[Effect]:
+    """The effects that the scene names, each imported only then."""
+    if scene.added_masses:
+        from vibeam_models.effects.added_mass import PointMass
+
+        yield from (PointMass(added.mass, added.position) for added in scene.added_masses)
+    if scene.mass.rotary_inertia is not None:
+        from vibeam_models.effects.rotary_inertia import RotaryInertia
+
+        yield RotaryInertia(scene.mass.rotary_inertia, scene.mass.position)
+    if scene.mass.rigid_half_width is not None:
+        from vibeam_models.effects.rigid_zone import RigidZone
+
+        yield RigidZone(scene.mass.position, scene.mass.rigid_half_width)
+
+
+def _check_positions(scene: Scene) -> None:
+    places = {"mass": scene.mass.position, "stop": scene.stop.position, "sensor": scene.sensor.position}
+    length = scene.beam.length
+    faults = [f"{name}.position: {x} m is outside (0, {length}] m" for name, x in places.items() if not 0 < x <= length]
+    if faults:
+        raise ValueError("; ".join(faults))

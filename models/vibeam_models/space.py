@@ -1,0 +1,87 @@
+"""BeamSpace: Hermite finite elements on one mesh, with what its constraints have left free."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from skfem import Basis, BilinearForm, ElementLineHermite, MeshLine
+from skfem.helpers import dd
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BeamSpace:
+    """Cubic Hermite elements: deflection and slope at each node, and the constraints upon them.
+
+    ``basis``: the scikit-fem basis; ``constraint`` (dofs, size): dofs = constraint @ x, x the free coordinates.
+    """
+
+    basis: Any
+    constraint: Array
+
+    @classmethod
+    def clamped(cls, nodes: ArrayLike) -> BeamSpace:
+        """The space on ``nodes`` (k,) in m, ascending, clamped at the first one: 2(k−1) coordinates."""
+        element = ElementLineHermite()  # a new one for every mesh: it remembers the first mesh it met
+        basis = Basis(MeshLine(np.asarray(nodes, dtype=float)), element, intorder=6)
+        return cls(basis, np.eye(int(basis.N))[:, 2:])
+
+    @property
+    def nodes(self) -> Array:
+        """Node positions (k,) in m."""
+        return np.asarray(self.basis.mesh.p[0], dtype=float)
+
+    @property
+    def size(self) -> int:
+        """Number of free coordinates."""
+        return int(self.constraint.shape[1])
+
+    def constrained(self, further: Array) -> BeamSpace:
+        """The same space with x = further @ y: ``further`` (size, fewer)."""
+        return replace(self, constraint=self.constraint @ further)
+
+    def mass(self, per_length: float) -> Array:
+        """Consistent mass ∫ρA uv (dofs, dofs) of all degrees of freedom, the clamp's too; ``per_length`` in kg/m."""
+        return self._assembled(lambda u, v, _: per_length * u * v)
+
+    def stiffness(self, bending: float) -> Array:
+        """∫EI u″v″ (dofs, dofs) of all degrees of freedom, the clamp's too; ``bending`` in N m²."""
+        return self._assembled(lambda u, v, _: bending * dd(u)[0, 0] * dd(v)[0, 0])
+
+    def translation(self) -> Array:
+        """Unit translation (dofs,) of every degree of freedom, the clamp's too: deflections 1, slopes 0."""
+        unit = np.zeros(int(self.basis.N))
+        unit[self.basis.nodal_dofs[0]] = 1.0
+        return unit
+
+    def row(self, x: float, derivative: int = 0) -> Array:
+        """Row (size,) that reads the deflection (``derivative=0``, m) or slope (1, rad) at ``x`` m, node or not."""
+        return np.asarray(self.rows([x], derivative)[0])
+
+    def rows(self, positions: ArrayLike, derivative: int = 0) -> Array:
+        """``row`` of many positions (k,) at once: (k, size). ValueError for a position off the beam."""
+        x = np.atleast_1d(np.asarray(positions, dtype=float))
+        end = self.nodes[-1]
+        if np.any((x < 0) | (x > end)):
+            raise ValueError(f"positions must lie in [0, {end}] m: {x[(x < 0) | (x > end)]}")
+        if derivative not in (0, 1):
+            raise ValueError(f"derivative: {derivative}, Hermite elements offer 0 and 1")
+        cells = np.clip(np.searchsorted(self.nodes, x, side="right") - 1, 0, len(self.nodes) - 2)
+        rows = np.zeros((len(x), int(self.basis.N)))
+        for k in range(4):
+            rows[np.arange(len(x)), self.basis.element_dofs[k, cells]] = self._shape(k, x, cells, derivative)
+        return rows @ self.constraint
+
+    def _shape(self, k: int, x: Array, cells: NDArray[np.intp], derivative: int) -> Array:
+        mapping = self.basis.mapping
+        local = mapping.invF(x[np.newaxis, :, np.newaxis], tind=cells)
+        field = self.basis.elem.gbasis(mapping, local, k, tind=cells)[0]
+        return np.asarray(field.grad[0] if derivative else field)[:, 0]
+
+    def _assembled(self, form: Any) -> Array:
+        matrix: Array = BilinearForm(form).assemble(self.basis).toarray()
+        return (matrix + matrix.T) / 2

@@ -1,0 +1,174 @@
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.linalg import eigh
+from skfem import BilinearForm
+from skfem.helpers import dd
+
+from tests.models.bench import RIG, STEEL
+from vibeam_models.beam import assemble, assemble_with_space, bare_beam
+from vibeam_models.effects.added_mass import PointMass
+from vibeam_models.effects.rigid_zone import RigidZone
+from vibeam_models.effects.rotary_inertia import RotaryInertia
+from vibeam_models.scene import AddedMass, Mass
+
+ROOT = Path(__file__).parents[2]
+LIGHT = replace(STEEL, density=7850e-9)
+EI = STEEL.bending_stiffness
+PLAIN = replace(RIG, mass=Mass(0.2, 0.132))
+NAMED = {
+    "added_mass": replace(PLAIN, added_masses=(AddedMass(0.0024, 0.09),)),
+    "rotary_inertia": replace(PLAIN, mass=Mass(0.2, 0.132, rotary_inertia=2.8e-5)),
+    "rigid_zone": replace(PLAIN, mass=Mass(0.2, 0.132, rigid_half_width=0.0117)),
+}
+
+
+def end_flexibility(length):
+    """Deflection and slope at the end of a cantilever under a force and a couple there."""
+    return np.array([[length**3 / 3, length**2 / 2], [length**2 / 2, length]]) / EI
+
+
+def test_point_mass_at_a_place_that_is_no_node():
+    fine = replace(LIGHT, elements=100)
+    structure, _ = PointMass(0.1, 0.0907).apply(*bare_beam(fine))
+    assert structure.modes(1).omega[0] == pytest.approx(np.sqrt(3 * EI / (0.1 * 0.0907**3)), rel=1e-5)
+
+
+def test_point_mass_shares_in_the_base_load():
+    bare, space = bare_beam(STEEL, [0.09])
+    structure, _ = PointMass(0.1, 0.09).apply(bare, space)
+    extra = structure.contact @ np.linalg.solve(structure.K, structure.load - bare.load)
+    assert extra == pytest.approx(-0.1 * 0.09**2 * (3 * 0.18 - 0.09) / (6 * EI), rel=1e-9)
+
+
+def test_mass_with_rotary_inertia_at_the_end_of_a_nearly_massless_beam():
+    structure, space = PointMass(0.2, 0.18).apply(*bare_beam(LIGHT))
+    structure, _ = RotaryInertia(2.8e-5, 0.18).apply(structure, space)
+    squared = eigh(np.linalg.inv(end_flexibility(0.18)), np.diag([0.2, 2.8e-5]), eigvals_only=True)
+    np.testing.assert_allclose(structure.modes(2).omega, np.sqrt(squared), rtol=1e-6)
+
+
+def test_rotary_inertia_brings_no_base_load():
+    bare, space = bare_beam(STEEL)
+    structure, _ = RotaryInertia(2.8e-5, 0.13).apply(bare, space)
+    assert np.array_equal(structure.load, bare.load)
+
+
+def test_rigid_zone_on_a_nearly_massless_beam():
+    """A flexible part of 120.3 mm carries a rigid one whose middle, 11.7 mm on, holds the mass."""
+    arm = np.array([1.0, 0.0117])
+    flexibility = arm @ end_flexibility(0.132 - 0.0117) @ arm
+    light = replace(NAMED["rigid_zone"], beam=LIGHT)
+    assert assemble(light).modes(1).omega[0] == pytest.approx((0.2 * flexibility) ** -0.5, rel=1e-7)
+
+
+def test_rigid_zone_is_the_limit_of_a_stiff_one_and_keeps_the_strips_mass():
+    rigid = assemble(NAMED["rigid_zone"])
+    soft = bare_beam(STEEL, [0.132, 0.132 - 0.0117, 0.132 + 0.0117])
+
+    def bending(u, v, w):
+        factor = np.where(np.abs(w.x[0] - 0.132) < 0.0117, 1e4, 1.0)
+        return factor * EI * dd(u)[0, 0] * dd(v)[0, 0]
+
+    stiff = BilinearForm(bending).assemble(soft[1].basis).toarray()[2:, 2:]
+    mass = PointMass(0.2, 0.132).apply(*soft)[0].M
+    flexibility = eigh(mass, (stiff + stiff.T) / 2, eigvals_only=True)[::-1]
+    np.testing.assert_allclose(rigid.modes(4).omega, flexibility[:4] ** -0.5, rtol=2e-4)
+    assert assemble(PLAIN).modes(3).omega[2] < 0.8 * rigid.modes(3).omega[2]
+
+
+def test_inside_the_rigid_zone_the_deflection_is_linear():
+    structure, space = assemble_with_space(NAMED["rigid_zone"])
+    shape = structure.modes(5).shapes
+    slope = space.rows([0.1204, 0.127, 0.1333, 0.1436], 1) @ shape
+    np.testing.assert_allclose(slope, np.broadcast_to(slope[0], slope.shape), rtol=1e-6)
+    middle, end = space.row(0.132) @ shape, space.row(0.1390) @ shape
+    np.testing.assert_allclose(end - middle, 0.007 * slope[0], rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize("half_width", [0.132, 0.048, 0.2])
+def test_a_rigid_zone_that_reaches_an_end_is_refused(half_width):
+    with pytest.raises(ValueError, match="must lie inside the beam"):
+        assemble(replace(RIG, mass=Mass(0.2, 0.132, rigid_half_width=half_width)))
+
+
+def test_a_rigid_zone_needs_its_nodes():
+    with pytest.raises(ValueError, match="no node at"):
+        RigidZone(0.132, 0.0117).apply(*bare_beam(STEEL))
+
+
+def test_effects_change_the_numbers():
+    plain = assemble(PLAIN).modes(2).omega
+    for scene in NAMED.values():
+        assert np.max(np.abs(assemble(scene).modes(2).omega / plain - 1)) > 1e-3
+
+
+SCRIPT = """
+import hashlib, sys
+for name in {blocked}:
+    sys.modules["vibeam_models.effects." + name] = None   # an import of it now fails
+from vibeam_models.beam import assemble
+from vibeam_models.scene import *
+beam = Beam(0.18, 0.02, 1.034e-3, 210e9, 7850.0, Damping("constant", (0.017,)))
+scene = Scene(beam, Mass({mass}), Stop(0.132, 0.0, 0.72), Sensor(0.1), Base(amplitude=1e-4), {added})
+s = assemble(scene)
+arrays = [s.M, s.C, s.K, s.load, s.static, s.contact, s.outputs["sensor"], s.outputs["tip"]]
+loaded = [n for n in {effects} if sys.modules.get("vibeam_models.effects." + n) is not None]
+print(hashlib.sha256(b"".join(a.tobytes() for a in arrays)).hexdigest(), *loaded)
+"""
+DECLARED = {
+    "added_mass": {"added": "(AddedMass(0.0024, 0.09),)"},
+    "rotary_inertia": {"mass": "0.2, 0.132, 2.8e-5"},
+    "rigid_zone": {"mass": "0.2, 0.132, None, 0.0117"},
+}
+
+
+def built(blocked=(), **declared):
+    """[hash of every array, effects loaded …] of a fresh process in which the ``blocked`` effects do not exist."""
+    given = {"mass": "0.2, 0.132", "added": "()", **declared}
+    script = SCRIPT.format(effects=sorted(DECLARED), blocked=sorted(blocked), **given)
+    path = f"import sys; sys.path[:0] = [{str(ROOT / 'models')!r}]\n"
+    done = subprocess.run([sys.executable, "-c", path + script], capture_output=True, text=True, check=True)
+    return done.stdout.split()
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return built()
+
+
+def test_effects_that_are_absent_are_not_imported(plain):
+    assert len(plain) == 1
+    assert len(plain[0]) == 64
+
+
+def test_absent_effects_cost_nothing(plain):
+    """Bit by bit the same numbers as where the effects' code does not exist."""
+    assert built(blocked=DECLARED) == plain
+
+
+@pytest.mark.parametrize("effect", DECLARED)
+def test_an_effect_is_loaded_alone_where_it_is_named(effect, plain):
+    digest, *loaded = built(**DECLARED[effect])
+    assert loaded == [effect]
+    assert digest != plain[0]
+
+
+@pytest.mark.parametrize("effect", DECLARED)
+def test_without_its_code_a_named_effect_fails(effect, monkeypatch):
+    monkeypatch.setitem(sys.modules, f"vibeam_models.effects.{effect}", None)
+    with pytest.raises(ModuleNotFoundError):
+        assemble(NAMED[effect])
+    assemble(PLAIN)
+
+
+@pytest.mark.parametrize("effect", DECLARED)
+def test_an_effect_used_before_leaves_no_trace(effect):
+    before = assemble(PLAIN)
+    assemble(NAMED[effect])
+    after = assemble(PLAIN)
+    assert all(np.array_equal(getattr(before, name), getattr(after, name)) for name in ("M", "C", "K", "load"))
