@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from vibeam_models.structure import Structure
 
 Array = NDArray[np.float64]
-DIAGONAL = 1e-9  # share of the modal damping matrix that may lie off its diagonal
+DIAGONAL = 1e-6  # share of the modal damping matrix that may lie off its diagonal; fine meshes round to 10⁻⁷
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,194 @@
+"""SDOF parameters from geometry, each beside its finite-element value: what every assumption of the paper costs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from math import pi, sqrt
+from typing import TYPE_CHECKING, Any
+
+from vibeam_models.scene import Scene, SdofScene
+
+if TYPE_CHECKING:
+    from vibeam_models.sdof import SdofModel
+
+
+@dataclass(frozen=True)
+class Row:
+    """One parameter: ``value`` by the paper's formula, ``reference`` of the finite-element model, both in ``unit``.
+
+    ``assumption``: what stands between the two.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    value: float
+    reference: float
+    assumption: str
+
+    @property
+    def error(self) -> float:
+        """value/reference − 1; 0 where both are zero."""
+        return 0.0 if self.value == self.reference else self.value / self.reference - 1
+
+
+@dataclass(frozen=True)
+class Table:
+    """The rows, to be iterated or looked up by name."""
+
+    rows: tuple[Row, ...]
+
+    def __iter__(self) -> Iterator[Row]:
+        return iter(self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __getitem__(self, name: str) -> Row:
+        for row in self.rows:
+            if row.name == name:
+                return row
+        raise KeyError(f"no row {name!r}: there are {', '.join(row.name for row in self.rows)}")
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain numbers and strings, ready for ``json.dumps``."""
+        return {"rows": [{**asdict(row), "error": row.error} for row in self.rows]}
+
+
+@dataclass(frozen=True)
+class _FirstMode:
+    """The first finite-element mode scaled to 1 at the sensor: contact value, N/m, kg, damping ratio, φᵀM1/φᵀMφ."""
+
+    shape: float
+    contact: float
+    stiffness: float
+    mass: float
+    damping_ratio: float
+    base_factor: float
+    static_contact: float
+
+    @property
+    def omega(self) -> float:
+        return sqrt(self.stiffness / self.mass)
+
+
+def derive(case_or_scene: Any) -> Table:
+    """The paper's eq. 44–47 for a Scene (or anything with one as ``.scene``), each with its finite-element value.
+
+    The reference is the first mode of the finite-element model with all effects of the scene, scaled to 1 at the
+    sensor. Mass and frequency come as a ladder: massless beam, with the beam's mass, and with the mass's rotary inertia
+    where the scene gives one. TypeError for what is no scene; ValueError for a SdofScene: it *is* the SDOF model.
+    """
+    scene = getattr(case_or_scene, "scene", case_or_scene)
+    if isinstance(scene, SdofScene):
+        raise ValueError("nothing to derive: this case gives the SDOF directly, there is no beam to derive it from")
+    if not isinstance(scene, Scene):
+        raise TypeError(f"derive takes a case or a scene, not {type(scene).__name__}")
+    from vibeam_models.sdof import sdof_model
+
+    paper, exact = sdof_model(scene), _first_mode(scene)
+    ladder = _ladder(scene, paper)
+    rows = [*_static_rows(paper, exact), *_mass_rows(ladder, exact), *_frequency_rows(ladder, paper, exact)]
+    rows += [*_cost_rows(ladder, paper), *_scaling_rows(scene, paper, exact)]
+    return Table(tuple(rows))
+
+
+MASSLESS, WITH_BEAM, WITH_INERTIA = "massless beam", "with the beam's mass", "with beam mass and rotary inertia"
+
+
+def _ladder(scene: Scene, paper: SdofModel) -> dict[str, float]:
+    """M_S in kg by how much of the mass is kept."""
+    from vibeam_models.sdof import beam_mass, static_slope
+
+    load_at, unit_at = scene.mass.position, scene.sensor.position
+    ladder = {MASSLESS: paper.mass}
+    ladder[WITH_BEAM] = paper.mass + beam_mass(scene.beam, load_at, unit_at)
+    if scene.mass.rotary_inertia is not None:
+        turning = scene.mass.rotary_inertia * static_slope(load_at, load_at, unit_at) ** 2
+        ladder[WITH_INERTIA] = ladder[WITH_BEAM] + turning
+    return ladder
+
+
+def _first_mode(scene: Scene) -> _FirstMode:
+    from vibeam_models.beam import assemble_with_space
+    from vibeam_reductions.static_mode import static_mode
+
+    structure, space = assemble_with_space(scene)
+    modes = structure.modes(1)
+    shape = modes.shapes[:, 0] / float(structure.outputs["sensor"] @ modes.shapes[:, 0])
+    mass, stiffness = (float(shape @ matrix @ shape) for matrix in (structure.M, structure.K))
+    return _FirstMode(
+        shape=float(space.row(scene.mass.position) @ shape),
+        contact=float(structure.contact @ shape),
+        stiffness=stiffness,
+        mass=mass,
+        damping_ratio=float(shape @ structure.C @ shape) / (2 * mass * float(modes.omega[0])),
+        base_factor=-float(structure.load @ shape) / mass,
+        static_contact=float(static_mode(structure).structure.contact[0]),
+    )
+
+
+STATIC_SHAPE = "the static deflection of a uniform strip as mode shape"
+
+
+def _static_rows(paper: SdofModel, exact: _FirstMode) -> list[Row]:
+    return [
+        Row("shape at the mass", "φ(L_m)", "1", paper.shape, exact.shape, STATIC_SHAPE),
+        Row("stiffness", "K_S", "N/m", paper.stiffness, exact.stiffness, STATIC_SHAPE),
+    ]
+
+
+_LEFT_OUT = {
+    MASSLESS: "massless beam, point mass",
+    WITH_BEAM: "point mass",
+    WITH_INERTIA: STATIC_SHAPE,
+}
+
+
+def _mass_rows(ladder: dict[str, float], exact: _FirstMode) -> list[Row]:
+    return [Row(f"mass, {kept}", "M_S", "kg", mass, exact.mass, _LEFT_OUT[kept]) for kept, mass in ladder.items()]
+
+
+def _frequency_rows(ladder: dict[str, float], paper: SdofModel, exact: _FirstMode) -> list[Row]:
+    rows = []
+    for kept, mass in ladder.items():
+        omega, left_out = sqrt(paper.stiffness / mass), _LEFT_OUT[kept]
+        rows.append(Row(f"circular frequency, {kept}", "ω_n", "rad/s", omega, exact.omega, left_out))
+        rows.append(Row(f"frequency, {kept}", "f_n", "Hz", omega / (2 * pi), exact.omega / (2 * pi), left_out))
+    return rows
+
+
+def _cost_rows(ladder: dict[str, float], paper: SdofModel) -> list[Row]:
+    """One assumption at a time: f_n with it against f_n without it, everything else alike."""
+    f = {kept: sqrt(paper.stiffness / mass) / (2 * pi) for kept, mass in ladder.items()}
+    rows = [Row("error of the massless beam", "f_n", "Hz", f[MASSLESS], f[WITH_BEAM], "massless beam")]
+    if WITH_INERTIA in f:
+        rows.append(Row("error of the point mass", "f_n", "Hz", f[WITH_BEAM], f[WITH_INERTIA], "point mass"))
+    return rows
+
+
+def _scaling_rows(scene: Scene, paper: SdofModel, exact: _FirstMode) -> list[Row]:
+    """β_S, base factor, γ or B, and Δ."""
+    damping_time = 2 * exact.damping_ratio / exact.omega
+    ratio = damping_time * paper.omega / 2
+    span = scene.beam.length
+    carried = scene.stop.gap * (exact.static_contact if scene.stop.gap_at == "sensor" else 1.0)
+    return [
+        Row("damping ratio", "β_S", "1", ratio, exact.damping_ratio, "the same D, the ω_n of eq. 45"),
+        Row("base factor", "φᵀM1/φᵀMφ", "1", 1 / paper.shape, exact.base_factor, "massless beam, point mass"),
+        *_drive_rows(scene, paper, exact),
+        Row("gap", "Δ", "1", paper.gap, carried / (exact.contact * span), STATIC_SHAPE),
+    ]
+
+
+def _drive_rows(scene: Scene, paper: SdofModel, exact: _FirstMode) -> list[Row]:
+    from vibeam.fidelity import base_amplitude
+
+    span, why = scene.beam.length, "massless beam, point mass"
+    amplitude, gain = base_amplitude(scene), scene.base.gain
+    rows = [Row("drive", "B", "1", paper.gain(amplitude), amplitude * exact.base_factor / span, why)]
+    if gain is not None:
+        base = paper.base_per_volt(gain)
+        rows.append(Row("gain", "γ", "1/V", gain, base * exact.base_factor / span, why))
+    return rows

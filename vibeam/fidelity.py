@@ -1,0 +1,116 @@
+"""Fidelity: which reduction of which scene, and the system that a solver gets of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal, get_args
+
+import numpy as np
+
+from vibeam.system import ImpactSystem
+from vibeam_models.scene import Scene, SdofScene
+
+if TYPE_CHECKING:
+    from vibeam_models.structure import Structure
+
+ReductionName = Literal["static_mode", "modal", "full"]
+
+
+@dataclass(frozen=True)
+class Fidelity:
+    """How much model: a ``reduction`` (``modes`` of them for ``"modal"``) and the ``solver`` that runs it.
+
+    ValueError for an unknown reduction, or ``modes`` missing, below 1 or given to another reduction.
+    """
+
+    name: str
+    reduction: ReductionName
+    modes: int | None = None
+    solver: str = "flight"
+
+    def __post_init__(self) -> None:
+        known = get_args(ReductionName)
+        if self.reduction not in known:
+            raise ValueError(f"fidelity {self.name!r}: no reduction {self.reduction!r}, there are {', '.join(known)}")
+        if (self.modes is not None) != (self.reduction == "modal") or (self.modes is not None and self.modes < 1):
+            raise ValueError(f"fidelity {self.name!r}: modes = {self.modes} with reduction {self.reduction!r}")
+
+
+def reduced(structure: Structure, fidelity: Fidelity) -> Structure:
+    """``structure`` made as small as ``fidelity`` says; ValueError for more modes than it has."""
+    if fidelity.reduction == "static_mode":
+        from vibeam_reductions.static_mode import static_mode
+
+        return static_mode(structure).structure
+    if fidelity.reduction == "modal":
+        from vibeam_reductions.modal import modal
+
+        return modal(structure, fidelity.modes or 0).structure
+    from vibeam_reductions.full import full
+
+    return full(structure).structure
+
+
+def system(scene: Scene | SdofScene, fidelity: Fidelity) -> ImpactSystem:
+    """What a solver gets of ``scene`` at ``fidelity``: SI units, output ``"sensor"`` (and ``"tip"`` of a beam).
+
+    A SdofScene is one mode whatever the reduction, in its own units. ValueError for what cannot be built: a position
+    off the beam, too many modes, a first-mode restitution that no contact restitution in [0, 1] gives.
+    """
+    return _direct(scene) if isinstance(scene, SdofScene) else _of_beam(scene, fidelity)
+
+
+def base_amplitude(scene: Scene | SdofScene) -> float:
+    """Amplitude of the base motion in m: as given, or γ V φ(L_m) L with φ of the massless beam (eq. 44, 46).
+
+    A SdofScene's own amplitude, in its own unit. ValueError where the scene gives neither, or both.
+    """
+    if isinstance(scene, SdofScene):
+        return scene.amplitude
+    amplitude, voltage, gain = scene.base.amplitude, scene.base.voltage, scene.base.gain
+    if amplitude is not None and voltage is None and gain is None:
+        return amplitude
+    if amplitude is not None or voltage is None or gain is None:
+        raise ValueError("base: give either an amplitude, or a voltage and a gain")
+    from vibeam_models.sdof import sdof_model
+
+    return sdof_model(scene).base_per_volt(gain) * voltage
+
+
+def _direct(scene: SdofScene) -> ImpactSystem:
+    return ImpactSystem.from_modes(
+        [scene.natural_frequency],
+        [scene.damping_ratio],
+        contact=[1.0],
+        load=[1.0],
+        gap=scene.gap,
+        restitution=scene.restitution,
+        outputs={"sensor": [1.0]},
+    )
+
+
+def _of_beam(scene: Scene, fidelity: Fidelity) -> ImpactSystem:
+    from vibeam_models.beam import assemble
+
+    structure = assemble(scene)
+    built = ImpactSystem.from_structure(
+        reduced(structure, fidelity), gap=_contact_gap(scene, structure), restitution=scene.stop.restitution
+    )
+    return built if scene.stop.restitution_of == "contact" else _seen_by_first_mode(built)
+
+
+def _contact_gap(scene: Scene, structure: Structure) -> float:
+    """The gap at the contact in m; one measured at the sensor is carried there by the static mode."""
+    if scene.stop.gap_at == "contact":
+        return scene.stop.gap
+    from vibeam_reductions.static_mode import static_mode
+
+    return scene.stop.gap * float(static_mode(structure).structure.contact[0])
+
+
+def _seen_by_first_mode(built: ImpactSystem) -> ImpactSystem:
+    """The system whose contact restitution makes mode 1 see what was given for the contact."""
+    from vibeam_models.contact import contact_restitution
+
+    mobility = float(np.sum(built.contact**2))
+    return replace(built, restitution=contact_restitution(built.restitution, float(built.contact[0]), mobility))
