@@ -1,0 +1,122 @@
+"""One motion from beginning to end."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibeam.response import Ended
+from vibeam.solvers import solver as solver_named
+from vibeam.solvers.kernels.layout import (
+    BEFORE,
+    CHATTER,
+    DURATION,
+    END,
+    IMPACT,
+    LEFT,
+    REMAINDER,
+    RESTING,
+    START,
+    STUCK,
+    WHAT,
+)
+from vibeam.state import State
+from vibeam.system import Drive, ImpactSystem
+
+if TYPE_CHECKING:
+    from vibeam.solvers.flight import FlightSolver, Segments
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A motion, exact between its events: SI units, times in s; the drive's phase is 0 at time 0.
+
+    ``stats``: impacts, evaluations, cpu_seconds.
+    """
+
+    system: ImpactSystem
+    drive: Drive
+    t_start: float
+    t_end: float
+    state: State
+    ended: Ended
+    stats: Mapping[str, float]
+    _solver: FlightSolver
+    _segments: Segments
+
+    @property
+    def impact_times(self) -> Array:
+        """Times (m,) of the impacts computed one by one, s."""
+        trace = self._impacts()
+        return np.asarray(trace[:, START] + trace[:, DURATION])
+
+    @property
+    def impact_velocities(self) -> Array:
+        """Contact velocities (m,) just before the impacts, positive toward the stop, m/s."""
+        return np.asarray(self._impacts()[:, BEFORE])
+
+    @property
+    def chatters(self) -> Array:
+        """(m, 2): when each accumulation of impacts was over, and a bound of the error of that time, s."""
+        trace = self._segments.trace
+        trace = trace[trace[:, END] == CHATTER]
+        return np.stack([trace[:, START] + trace[:, DURATION] + trace[:, LEFT], trace[:, REMAINDER]], axis=1)
+
+    @property
+    def rests(self) -> Array:
+        """(m, 2): begin (an accumulation of impacts completed) and end of each rest on the stop, s."""
+        trace = self._segments.trace
+        resting = np.flatnonzero(trace[:, WHAT] == RESTING)
+        before = trace[np.maximum(resting - 1, 0)]
+        waited = np.where((resting > 0) & (before[:, END] == CHATTER), before[:, LEFT], 0.0)
+        begin = trace[resting, START]
+        return np.stack([begin + waited, begin + trace[resting, DURATION]], axis=1)
+
+    def at(self, t: ArrayLike, output: str = "contact") -> Array:
+        """The output at times t (any shape), m; ValueError outside [t_start, t_end], KeyError for an unknown name."""
+        return np.asarray(self.modes_at(t)[..., 0, :] @ self.system.output(output))
+
+    def velocity_at(self, t: ArrayLike, output: str = "contact") -> Array:
+        """The output's rate at times t (any shape), m/s; at an impact the one after it."""
+        return np.asarray(self.modes_at(t)[..., 1, :] @ self.system.output(output))
+
+    def modes_at(self, t: ArrayLike) -> Array:
+        """Modal displacements and velocities (…, 2, n) at times t of any shape; ValueError outside the motion."""
+        times = np.asarray(t, dtype=float)
+        if times.size and not (np.min(times) >= self.t_start and np.max(times) <= self.t_end):
+            raise ValueError(f"t: must lie in [{self.t_start}, {self.t_end}]")
+        found = self._solver.poses_at(self.drive, self._segments, np.ascontiguousarray(times.ravel()))
+        return np.asarray(found.reshape(*times.shape, 2, self.system.size))
+
+    def _impacts(self) -> Array:
+        trace = self._segments.trace
+        return np.asarray(trace[np.isin(trace[:, END], (IMPACT, CHATTER, STUCK))])
+
+
+def simulate(
+    system: ImpactSystem,
+    drive: Drive,
+    t_end: float,
+    state: State | None = None,
+    *,
+    t_start: float = 0.0,
+    solver: str = "flight",
+    max_impacts: int = 10_000_000,
+) -> Trajectory:
+    """The motion of ``system`` under ``drive`` from ``t_start`` to ``t_end`` seconds.
+
+    ``state``: where it starts, static equilibrium where None. ``max_impacts``: it ends there with Ended.EVENT_LIMIT.
+    ValueError for times that do not ascend, a state of the wrong shape or an unknown solver; a start beyond the stop
+    ends at once with Ended.PENETRATED.
+    """
+    if not (np.isfinite(t_start) and np.isfinite(t_end) and t_end >= t_start >= 0):
+        raise ValueError(f"times: t_end {t_end} must be finite and not before t_start {t_start} ≥ 0")
+    runner = solver_named(solver, system, drive.omega, t_end - t_start)
+    ended, last, after, segments, stats = runner.simulate(drive, state, t_start, t_end, max_impacts)
+    return Trajectory(system, drive, t_start, last, after, ended, stats, runner, segments)

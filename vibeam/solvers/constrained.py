@@ -1,0 +1,149 @@
+"""The system held on the stop, in 2×2 blocks, for any damping."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.solvers.kernels.layout import (
+    A11,
+    BLOCK_ROWS,
+    CONSTANT1,
+    CONSTANT2,
+    LOAD1,
+    LOAD2,
+    ROW1,
+    ROW2,
+)
+from vibeam.solvers.kernels.tables import rates
+
+Array = NDArray[np.float64]
+CLOSE = 1e-4  # relative distance of two eigenvalues below which their common subspace is taken instead of eigenvectors
+
+
+@dataclass(frozen=True)
+class Constrained:
+    """n − 1 blocks sorted by rate (see ``layout`` for ``blocks``) and the maps between modal and block coordinates.
+
+    The contact force is force + force_load Ω²B sin φ + Σ row·y; η = held + …, with contact·held = gap.
+    """
+
+    omega: Array
+    sigma: Array
+    disc: Array
+    blocks: Array
+    to_blocks: Array
+    from_blocks: Array
+    held: Array
+    force: float
+    force_load: float
+
+
+def constrained(
+    omega: Array, sigma: Array, contact: Array, load: Array, static: Array, gap: float
+) -> Constrained:
+    """The system with contact·η = gap held and contact force F = contact·(f − Dη' − Λη)/S.
+
+    With η = contact·gap/S + Q z, Q an orthonormal basis of contact's complement, z'' + QᵀDQ z' + QᵀΛQ z = Qᵀ(f −
+    Λ held). QᵀΛQ is diagonalised first; where the damping then still couples, (z, z') goes to real 2×2 blocks.
+    """
+    n, mobility = len(omega), float(contact @ contact)
+    stiffness, damping, held = omega**2, 2 * sigma, contact * (gap / mobility)
+    basis = _complement(contact)
+    spring, turn = np.linalg.eigh(basis.T @ (stiffness[:, None] * basis))
+    basis = basis @ turn
+    damper = basis.T @ (damping[:, None] * basis)
+    state = np.block([[np.zeros((n - 1, n - 1)), np.eye(n - 1)], [-np.diag(spring), -damper]])
+    out = _sorted(state, _pairing(n - 1) if _diagonal(damper) else _invariant_planes(state))
+    into = np.linalg.inv(out)
+    a = _diagonal_blocks(into @ state @ out)
+    lift = np.kron(np.eye(2), basis)
+    row = -np.concatenate([contact * stiffness, contact * damping]) @ lift @ out / mobility
+    pushed = into[:, n - 1 :] @ basis.T
+    blocks = np.zeros((BLOCK_ROWS, n - 1))
+    blocks[A11 : A11 + 4] = a.reshape(n - 1, 4).T
+    blocks[[ROW1, ROW2]] = row.reshape(n - 1, 2).T
+    blocks[[CONSTANT1, CONSTANT2]] = (pushed @ (static - stiffness * held)).reshape(n - 1, 2).T
+    blocks[[LOAD1, LOAD2]] = (pushed @ load).reshape(n - 1, 2).T
+    return Constrained(
+        *_pair_constants(a),
+        blocks,
+        np.ascontiguousarray(into @ lift.T),
+        np.ascontiguousarray(lift @ out),
+        held,
+        float(contact @ (static - stiffness * held)) / mobility,
+        float(contact @ load) / mobility,
+    )
+
+
+def _complement(contact: Array) -> Array:
+    """An orthonormal basis (n, n−1) of the vectors orthogonal to ``contact``, by one Householder reflection."""
+    unit = contact / np.linalg.norm(contact)
+    pivot = int(np.argmax(np.abs(unit)))
+    normal = unit.copy()
+    normal[pivot] += np.copysign(1.0, unit[pivot])
+    reflection = np.eye(len(unit)) - 2 * np.outer(normal, normal) / (normal @ normal)
+    return np.delete(reflection, pivot, axis=1)
+
+
+def _diagonal(matrix: Array) -> bool:
+    scale = np.abs(np.diag(matrix)).max(initial=0.0)
+    return bool(np.abs(matrix - np.diag(np.diag(matrix))).max(initial=0.0) <= 1e-14 * scale)
+
+
+def _pairing(m: int) -> Array:
+    """Columns that put z_k beside z_k'."""
+    order = np.stack([np.arange(m), m + np.arange(m)], axis=1).ravel()
+    return np.eye(2 * m)[:, order]
+
+
+def _diagonal_blocks(matrix: Array) -> Array:
+    m = len(matrix) // 2
+    return np.array([matrix[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] for k in range(m)]).reshape(m, 2, 2)
+
+
+def _pair_constants(a: Array) -> tuple[Array, Array, Array]:
+    """ω, σ and σ² − ω² of each block (m, 2, 2)."""
+    sigma = -(a[:, 0, 0] + a[:, 1, 1]) / 2
+    square = a[:, 0, 0] * a[:, 1, 1] - a[:, 0, 1] * a[:, 1, 0]
+    disc = ((a[:, 0, 0] - a[:, 1, 1]) / 2) ** 2 + a[:, 0, 1] * a[:, 1, 0]
+    return np.sqrt(np.maximum(square, 0.0)), np.maximum(sigma, 0.0), disc
+
+
+def _sorted(state: Array, out: Array) -> Array:
+    """The blocks' columns in the order of their rates."""
+    omega, sigma, _ = _pair_constants(_diagonal_blocks(np.linalg.solve(out, state @ out)))
+    order = np.argsort(rates(omega, sigma), kind="stable")
+    return np.asarray(out[:, np.stack([2 * order, 2 * order + 1], axis=1).ravel()])
+
+
+def _invariant_planes(state: Array) -> Array:
+    """Columns that span real two-dimensional invariant subspaces of ``state``."""
+    values, vectors = np.linalg.eig(state)
+    columns = [_orthonormal(vectors[:, k].real, vectors[:, k].imag) for k in np.flatnonzero(values.imag > 0)]
+    real = np.flatnonzero(values.imag == 0)
+    real = real[np.argsort(values[real].real)]
+    for first, second in zip(real[::2], real[1::2], strict=True):
+        pair = values[[first, second]].real
+        if abs(pair[1] - pair[0]) <= CLOSE * abs(pair).max():
+            columns.append(_common_plane(state, pair))
+        else:
+            columns.append(np.stack([vectors[:, first].real, vectors[:, second].real], axis=1))
+    return np.concatenate(columns, axis=1)
+
+
+def _orthonormal(first: Array, second: Array) -> Array:
+    return np.asarray(np.linalg.qr(np.stack([first, second], axis=1))[0])
+
+
+def _common_plane(state: Array, pair: Array) -> Array:
+    """The invariant subspace of two nearly equal eigenvalues, which needs no eigenvectors of its own."""
+    from scipy.linalg import schur
+
+    middle, radius = pair.mean(), max(np.ptp(pair), 1e-6 * abs(pair).max())
+    _, vectors, count = schur(state, output="real", sort=lambda x, y=0.0: abs(complex(x, y) - middle) <= 2 * radius)
+    if count != 2:
+        raise ValueError("the system at rest on the stop has three or more equal real rates: separate them slightly")
+    return np.asarray(vectors[:, :2])

@@ -1,0 +1,185 @@
+"""The flight solver: exact closed form between events, certified first roots, impulses on all modes."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.response import VELOCITIES_KEPT, Ended, FrequencyResponse
+from vibeam.solvers.kernels.compiled import poses_at, steady_point, trace_motion
+from vibeam.solvers.kernels.layout import (
+    COMPLETE,
+    CONTACT_LEAST,
+    COUNT_ROWS,
+    EVENT_LIMIT,
+    FULL,
+    HIGH,
+    IMPACTS,
+    KEPT,
+    KIND,
+    LEAST,
+    NOT_FINITE,
+    PANELS,
+    PENETRATED,
+    REST_TIME,
+    RESTING,
+    RESULT_ROWS,
+    SEGMENTS,
+    SPEED_SUM,
+    START,
+    STATUS_ROWS,
+    STRUCK,
+    TRACE_COLUMNS,
+    VELOCITY,
+)
+from vibeam.solvers.pack import Packed, pack
+from vibeam.solvers.start import equilibrium
+from vibeam.state import State
+from vibeam.system import Drive, ImpactSystem
+
+Array = NDArray[np.float64]
+OUTCOMES = {
+    COMPLETE: Ended.COMPLETE,
+    EVENT_LIMIT: Ended.EVENT_LIMIT,
+    PENETRATED: Ended.PENETRATED,
+    NOT_FINITE: Ended.NOT_FINITE,
+}
+LONGEST_PERIOD = 16
+ROWS = 256  # segments traced before they are read off
+
+
+@dataclass(frozen=True)
+class Segments:
+    """The segments of a motion, in the user's order of modes: trace rows (see ``kernels.layout``) and first poses."""
+
+    trace: Array  # (m, TRACE_COLUMNS), START in s
+    poses: Array  # (m, 2, n)
+
+
+class FlightSolver:
+    """One system, packed once for drives of ``slowest`` rad/s and more; its methods take a state and give one back."""
+
+    def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, limit: int = 100_000) -> None:
+        """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
+        self.packed: Packed = pack(system, slowest, span)
+        self.system, self.limit = system, limit
+
+    def pose(self, state: State | None) -> tuple[Array, Array]:
+        """The kernels' pose and status of a state; None: equilibrium. ValueError where its shape is wrong."""
+        start = equilibrium(self.system) if state is None else state
+        both = np.array([start.displacement, start.velocity], dtype=float)
+        if both.shape != (2, self.system.size) or not np.all(np.isfinite(both)):
+            raise ValueError(f"state: displacement and velocity must be {self.system.size} finite numbers each")
+        status = np.zeros(STATUS_ROWS)
+        status[KIND] = RESTING if start.resting else 0.0
+        return self.packed.inward(both), status
+
+    def state(self, pose: Array, status: Array) -> State:
+        """The public state of a pose."""
+        values = self.packed.outward(pose)
+        return State(values[0], values[1], bool(status[KIND] == RESTING))
+
+    def simulate(
+        self, drive: Drive, state: State | None, start: float, end: float, limit: int
+    ) -> tuple[Ended, float, State, Segments, dict[str, float]]:
+        """The motion from time ``start`` to ``end``: why it ended, when, its last state, all segments, stats."""
+        begun = time.thread_time()
+        pose, status = self.pose(state)
+        status[0] = start
+        rows, done, kept = ROWS, 0.0, []
+        totals = np.zeros(COUNT_ROWS, dtype=np.int64)
+        outcome, span = FULL, end - start
+        while outcome == FULL:
+            trace, poses = np.zeros((rows, TRACE_COLUMNS)), np.zeros((rows, 2, self.system.size))
+            counts = np.zeros(COUNT_ROWS, dtype=np.int64)
+            outcome, step = trace_motion(
+                self.packed.desk, drive.omega, drive.amplitude, pose, status, span - done,
+                limit - int(totals[IMPACTS]), trace, poses, counts,
+            )  # fmt: skip
+            count = int(counts[SEGMENTS])
+            trace[:count, START] += start + done
+            kept.append(Segments(trace[:count], self.packed.outward(poses[:count])))
+            totals += counts
+            done += step
+            rows = min(2 * rows, 65536)
+        segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]))
+        stats = {
+            "impacts": int(totals[IMPACTS]),
+            "evaluations": int(totals[PANELS]),
+            "cpu_seconds": time.thread_time() - begun,
+        }
+        return OUTCOMES[outcome], start + done, self.state(pose, status), segments, stats
+
+    def poses_at(self, drive: Drive, segments: Segments, times: Array) -> Array:
+        """Modal displacements and velocities (m, 2, n) at times (m,) within the segments."""
+        starts = segments.trace[:, START]
+        which = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
+        out = np.empty((len(times), 2, self.system.size))
+        poses_at(
+            self.packed.desk, drive.omega, drive.amplitude, segments.trace, self.packed.inward(segments.poses),
+            which, times - starts[which], np.zeros((2, self.system.size)), out,
+        )  # fmt: skip
+        return self.packed.outward(out)
+
+    def steady(
+        self, omegas: Sequence[float] | Array, amplitude: float, state: State | None, settle: int, hold: int, output: str
+    ) -> tuple[FrequencyResponse, State]:
+        """Steady points at ``omegas`` in turn, the state carried from each to the next; and the last state."""
+        pose, status = self.pose(state)
+        row, rest_row = self._rows(output)
+        n = self.system.size
+        response = FrequencyResponse.empty(np.asarray(omegas, dtype=float) / (2 * np.pi), n)
+        room = (
+            np.zeros((0, TRACE_COLUMNS)), np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n)),
+            np.zeros((hold + 1, 2, n)), np.zeros((2, n)), np.zeros((2, n)),
+        )  # fmt: skip
+        for index, omega in enumerate(omegas):
+            begun = time.thread_time()
+            result, energy, counts = np.zeros(RESULT_ROWS), np.zeros(n), np.zeros(COUNT_ROWS, dtype=np.int64)
+            outcome, period = steady_point(
+                self.packed.desk, omega, amplitude, pose, status, settle, hold, self.limit,
+                row, rest_row, *room, result, energy, counts, LONGEST_PERIOD,
+            )  # fmt: skip
+            spent = time.thread_time() - begun
+            self._write(response, index, OUTCOMES[outcome], period, result, energy, counts, hold, omega)
+            response.cpu_seconds[index] = spent
+            if outcome != COMPLETE:
+                pose, status = self.pose(None)
+        return response, self.state(pose, status)
+
+    def _rows(self, output: str) -> tuple[Array, Array]:
+        row = self.packed.inward(self.system.output(output))
+        rest_row = row @ self.packed.desk.from_blocks[: len(row)]
+        return row, np.ascontiguousarray(rest_row.reshape(-1, 2).T)
+
+    def _write(
+        self, response: FrequencyResponse, i: int, ended: Ended, period: int, result: Array, energy: Array,
+        counts: NDArray[np.int64], hold: int, omega: float,
+    ) -> None:  # fmt: skip
+        response.ended[i] = ended.code
+        response.impacts[i], response.evaluations[i] = counts[IMPACTS], counts[PANELS]
+        if ended is not Ended.COMPLETE:
+            return
+        struck, span = int(result[STRUCK]), hold * 2 * np.pi / omega
+        touched = struck > 0 or result[REST_TIME] > 0
+        response.maximum[i], response.minimum[i] = result[HIGH], result[LEAST]
+        response.amplitude[i] = (result[HIGH] - result[LEAST]) / 2
+        response.reach[i] = self.system.gap - result[CONTACT_LEAST]
+        response.impacts_per_period[i] = struck / hold
+        response.impact_velocity[i] = result[SPEED_SUM] / struck if struck else np.nan
+        response.impact_velocities[i] = _ring(result[VELOCITY:], struck)
+        response.period[i] = period if touched else -1
+        response.rest[i] = result[REST_TIME] / span
+        response.mode_energy[i] = self.packed.outward(energy) / span
+
+
+def _ring(ring: Array, count: int) -> Array:
+    """The last velocities, oldest first, NaN in front where there are fewer."""
+    kept = np.full(VELOCITIES_KEPT, np.nan)
+    held = ring[:count] if count < KEPT else np.roll(ring[:KEPT], -(count % KEPT))
+    kept[VELOCITIES_KEPT - len(held) :] = held
+    return kept

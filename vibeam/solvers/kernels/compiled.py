@@ -1,0 +1,70 @@
+"""Entry points: what Python calls. Each is one compiled function with one signature."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.solvers.kernels.desk import Desk
+from vibeam.solvers.kernels.drive import set_drive
+from vibeam.solvers.kernels.flight import begin_flight, land
+from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.layout import (
+    AT_CLOCK,
+    COMPLETE,
+    RESTING,
+    WHAT,
+)
+from vibeam.solvers.kernels.motion import advance
+from vibeam.solvers.kernels.rest import stay
+from vibeam.solvers.kernels.steady import repetition, settle_and_hold
+
+Array = NDArray[np.float64]
+
+
+@kernel
+def trace_motion(
+    desk: Desk, omega: float, amplitude: float, pose: Array, status: Array, span: float, limit: int,
+    trace: Array, poses: Array, counts: NDArray[np.int64],
+) -> tuple[int, float]:  # fmt: skip
+    """Carry ``pose`` on by ``span`` under one drive and write every segment into ``trace``: outcome, time done."""
+    set_drive(desk, omega, amplitude)
+    return advance(desk, pose, status, span, limit, trace, poses, counts)
+
+
+@kernel
+def steady_point(
+    desk: Desk, omega: float, amplitude: float, pose: Array, status: Array, settle: int, hold: int, limit: int,
+    row: Array, rest_row: Array, nothing: Array, trace: Array, poses: Array, strobes: Array, scratch: Array,
+    frame: Array, result: Array, energy: Array, counts: NDArray[np.int64], longest: int,
+) -> tuple[int, int]:  # fmt: skip
+    """One point of a sweep: outcome, period (0 where the motion does not repeat)."""
+    set_drive(desk, omega, amplitude)
+    outcome = settle_and_hold(
+        desk, pose, status, settle, hold, limit, row, rest_row,
+        nothing, trace, poses, strobes, scratch, frame, result, energy, counts,
+    )  # fmt: skip
+    if outcome != COMPLETE:
+        return outcome, 0
+    return outcome, repetition(desk.pairs, desk.drive, strobes, hold, longest)
+
+
+@kernel
+def poses_at(
+    desk: Desk, omega: float, amplitude: float, trace: Array, poses: Array, which: NDArray[np.int64], after: Array,
+    pose: Array, out: Array,
+) -> None:  # fmt: skip
+    """Set out[i] (2, n) to the pose a time after[i] into segment which[i]."""
+    set_drive(desk, omega, amplitude)
+    for i in range(len(which)):
+        segment = which[i]
+        for k in range(pose.shape[1]):
+            pose[0, k], pose[1, k] = poses[segment, 0, k], poses[segment, 1, k]
+        clock = trace[segment, AT_CLOCK]
+        if trace[segment, WHAT] == RESTING:
+            stay(desk, pose, clock, after[i])
+        else:
+            begin_flight(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, clock)
+            land(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, clock, after[i], False)
+        for k in range(pose.shape[1]):
+            out[i, 0, k], out[i, 1, k] = pose[0, k], pose[1, k]

@@ -1,0 +1,156 @@
+"""One drive: what stays the same from flight to flight, each mode's steady response and the phasor tables."""
+
+from __future__ import annotations
+
+from math import cos, hypot, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.solvers.kernels.desk import Desk
+from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.layout import (
+    A11,
+    A12,
+    A21,
+    A22,
+    AMODE,
+    ATTACHED,
+    CLEARANCE,
+    COARSEST,
+    CONSTANT1,
+    CONSTANT2,
+    CONTACT,
+    CONTACT_IM,
+    CONTACT_RE,
+    GAP,
+    IM,
+    IM1,
+    IM2,
+    KAPPA,
+    LEVELS,
+    LOAD,
+    LOAD1,
+    LOAD2,
+    OFFSET,
+    OFFSET1,
+    OFFSET2,
+    OMEGA,
+    PERIOD,
+    PERIOD_REST,
+    RE,
+    RE1,
+    RE2,
+    SIGMA,
+    STATIC,
+    STEP,
+    STRENGTH,
+    W,
+)
+from vibeam.solvers.kernels.tables import tabulate_drive
+
+Array = NDArray[np.float64]
+NEAR_RESONANCE = 1e-3  # |ω² − Ω² + 2iσΩ| / Ω² below which a mode is attached
+NEARLY_FREE = 0.05  # rate / Ω below which a mode under a static force is attached
+PANEL = 1.1  # the longest panel is at most this over the drive's rate: about a sixth of its period
+
+
+@kernel
+def set_drive(desk: Desk, omega: float, amplitude: float) -> None:
+    """Put the desk under b = amplitude · sin(omega t)."""
+    drive, modes = desk.drive, desk.modes
+    strength = omega * omega * amplitude
+    drive[W], drive[STRENGTH] = omega, strength
+    drive[PERIOD], drive[PERIOD_REST] = exact_period(omega)
+    desk.signal[ATTACHED] = 0.0
+    drive[CONTACT_RE], drive[CONTACT_IM], drive[CLEARANCE] = 0.0, 0.0, drive[GAP]
+    for k in range(modes.shape[1]):
+        modes[RE, k], modes[IM, k], modes[OFFSET, k] = 0.0, 0.0, 0.0
+        own, sigma = desk.pairs[OMEGA, k], desk.pairs[SIGMA, k]
+        if is_attached(own, sigma, modes[LOAD, k] * strength, modes[STATIC, k], omega):
+            desk.attached[AMODE, int(desk.signal[ATTACHED])] = k
+            desk.signal[ATTACHED] += 1.0
+            continue
+        real, imaginary = (own - omega) * (own + omega), 2.0 * sigma * omega
+        if strength != 0.0 and modes[LOAD, k] != 0.0:
+            response = modes[LOAD, k] * strength / (real + 1j * imaginary)
+            modes[RE, k], modes[IM, k] = response.real, response.imag
+        modes[OFFSET, k] = modes[STATIC, k] / (own * own)
+        drive[CONTACT_RE] += modes[CONTACT, k] * modes[RE, k]
+        drive[CONTACT_IM] += modes[CONTACT, k] * modes[IM, k]
+        drive[CLEARANCE] -= modes[CONTACT, k] * modes[OFFSET, k]
+    drive[COARSEST] = coarsest_level(desk.pairs, desk.levels, omega)
+    tabulate_drive(omega, desk.levels)
+    tabulate_drive(omega, desk.rest_levels)
+    rest_response(desk.blocks, omega, strength)
+
+
+@kernel
+def is_attached(own: float, sigma: float, force: float, static: float, omega: float) -> bool:
+    """Whether a mode has no usable steady response: free, nearly free under a static force, or undamped at resonance."""
+    if own == 0.0:
+        return True
+    if static != 0.0 and omega > 0.0 and own + 2.0 * sigma < NEARLY_FREE * omega:
+        return True
+    distance = hypot((own - omega) * (own + omega), 2.0 * sigma * omega)
+    return force != 0.0 and distance < NEAR_RESONANCE * omega * omega
+
+
+@kernel
+def exact_period(omega: float) -> tuple[float, float]:
+    """2π/Ω as an unevaluated sum of two doubles (Dekker's product), so that phases stay exact over very many periods."""
+    if omega == 0.0:
+        return np.inf, 0.0
+    high, low = 6.283185307179586, 2.4492935982947064e-16
+    period = high / omega
+    a, b = 134217729.0 * period, 134217729.0 * omega
+    a1, b1 = a - (a - period), b - (b - omega)
+    a2, b2 = period - a1, omega - b1
+    product = period * omega
+    error = ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2
+    return period, ((high - product) - error + low) / omega
+
+
+@kernel
+def coarsest_level(pairs: Array, levels: Array, omega: float) -> int:
+    """The level of the longest panel worth trying: about a sixth of the drive's period, or of the slowest mode's."""
+    rate = omega
+    if rate == 0.0:
+        for k in range(pairs.shape[1] - 1, -1, -1):
+            if pairs[OMEGA, k] > 0.0:
+                rate = pairs[KAPPA, k]
+    level = 0
+    while level < LEVELS - 1 and levels[STEP, level] * rate > PANEL:
+        level += 1
+    return level
+
+
+@kernel
+def rest_response(blocks: Array, omega: float, strength: float) -> None:
+    """Steady response of every block of the rest regime: (iΩ − A) Y = load Ω²B, and −A⁻¹ constant."""
+    for k in range(blocks.shape[1]):
+        a, b, c, d = blocks[A11, k], blocks[A12, k], blocks[A21, k], blocks[A22, k]
+        f0, f1 = blocks[LOAD1, k] * strength, blocks[LOAD2, k] * strength
+        y0, y1 = 0j, 0j
+        if f0 != 0.0 or f1 != 0.0:
+            determinant = (1j * omega - a) * (1j * omega - d) - b * c
+            y0 = ((1j * omega - d) * f0 + b * f1) / determinant
+            y1 = (c * f0 + (1j * omega - a) * f1) / determinant
+        blocks[RE1, k], blocks[IM1, k], blocks[RE2, k], blocks[IM2, k] = y0.real, y0.imag, y1.real, y1.imag
+        det = a * d - b * c
+        blocks[OFFSET1, k] = -(d * blocks[CONSTANT1, k] - b * blocks[CONSTANT2, k]) / det
+        blocks[OFFSET2, k] = -(a * blocks[CONSTANT2, k] - c * blocks[CONSTANT1, k]) / det
+
+
+@kernel
+def wrap(drive: Array, time: float) -> float:
+    """A time within the drive's period: whole periods taken off exactly."""
+    if drive[W] == 0.0 or time < drive[PERIOD]:
+        return time
+    return float(np.fmod(time, drive[PERIOD]) - np.floor(time / drive[PERIOD]) * drive[PERIOD_REST])
+
+
+@kernel
+def phase(drive: Array, time: float) -> tuple[float, float]:
+    """cos and sin of the drive's phase at a time within its period."""
+    return cos(drive[W] * time), sin(drive[W] * time)

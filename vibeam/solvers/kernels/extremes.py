@@ -1,0 +1,102 @@
+"""The extremes of a signal over a span: panels whose hull cannot reach beyond what is known are passed over."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.solvers.kernels import attached as att
+from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.layout import (
+    ATTACHED,
+    CONST,
+    FOURTH,
+    HARMONIC,
+    LEVELS,
+    P0,
+    P1,
+    Q0,
+    Q1,
+    S0,
+    S1,
+    SLACK,
+    STEP,
+    T0,
+    T1,
+    TURN_IM,
+    TURN_RE,
+    ZI,
+    ZR,
+)
+from vibeam.solvers.kernels.panel import accept, measure
+from vibeam.solvers.kernels.signal import to_node
+
+Array = NDArray[np.float64]
+ACCURACY = 1e-11  # share of the size of the signal's parts
+
+
+@kernel
+def extremes(
+    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, span: float, coarsest: int,
+    least: float, most: float,
+) -> tuple[float, float]:  # fmt: skip
+    """(least, most) widened to the signal's values over [0, span]."""
+    total = to_node(pairs)
+    att.restart(attached, signal)
+    re, im = signal[ZR], signal[ZI]
+    signal[HARMONIC] = sqrt(re * re + im * im)
+    accuracy = ACCURACY * (abs(signal[CONST]) + signal[HARMONIC] + total)
+    time, level = 0.0, coarsest
+    while True:
+        h = levels[STEP, level]
+        measure(pairs, table, levels, signal, attached, time, re, im, level)
+        if time == 0.0:
+            least, most = min(least, signal[P0]), max(most, signal[P0])
+        if time >= span:
+            return least, most
+        error = signal[FOURTH] * h * h * h * h / 384.0 + signal[SLACK]
+        low, high = hull(signal[Q0], signal[T0], signal[Q1], signal[T1], h)
+        if low - error < least or high + error > most:
+            if error > accuracy and level < LEVELS - 1:
+                level += 1
+                continue
+            low, high = cubic_range(signal[P0], signal[S0], signal[P1], signal[S1], h, min(span - time, h))
+            least, most = min(least, low), max(most, high)
+        if signal[ATTACHED] > 0.0:
+            att.carry(attached, signal, time, h)
+        accept(pairs, signal, attached)
+        re, im = (
+            re * levels[TURN_RE, level] - im * levels[TURN_IM, level],
+            im * levels[TURN_RE, level] + re * levels[TURN_IM, level],
+        )
+        time += h
+        level = max(level - 1, coarsest)
+
+
+@kernel
+def hull(p0: float, s0: float, p1: float, s1: float, h: float) -> tuple[float, float]:
+    """Least and greatest Bernstein coefficient of the cubic Hermite interpolant."""
+    b1, b2 = p0 + h * s0 / 3.0, p1 - h * s1 / 3.0
+    return min(min(p0, b1), min(b2, p1)), max(max(p0, b1), max(b2, p1))
+
+
+@kernel
+def cubic_range(p0: float, s0: float, p1: float, s1: float, h: float, end: float) -> tuple[float, float]:
+    """Least and greatest value of the cubic Hermite interpolant on [0, end], end ≤ h."""
+    c1, c2 = h * s0, 3.0 * (p1 - p0) - h * (2.0 * s0 + s1)
+    c3 = 2.0 * (p0 - p1) + h * (s0 + s1)
+    last = end / h
+    value = p0 + last * (c1 + last * (c2 + last * c3))
+    low, high = min(p0, value), max(p0, value)
+    root = c2 * c2 - 3.0 * c1 * c3
+    if root >= 0.0:
+        middle = -(c2 + (sqrt(root) if c2 >= 0.0 else -sqrt(root)))
+        for i in range(2):
+            top, bottom = (middle, 3.0 * c3) if i == 0 else (c1, middle)
+            u = top / bottom if bottom != 0.0 else -1.0
+            if 0.0 < u < last:
+                value = p0 + u * (c1 + u * (c2 + u * c3))
+                low, high = min(low, value), max(high, value)
+    return low, high

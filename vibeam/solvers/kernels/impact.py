@@ -1,0 +1,75 @@
+"""The impact: velocities jump through one impulse; an endless series of impacts is completed by its geometric limit."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.solvers.kernels import attached as att
+from vibeam.solvers.kernels.desk import Desk
+from vibeam.solvers.kernels.flight import begin_flight, contact_derivatives
+from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.layout import (
+    AWEIGHT,
+    AX,
+    CONTACT,
+    GAP,
+    KAPPA,
+    MOBILITY,
+    RESTITUTION,
+    W,
+)
+from vibeam.solvers.kernels.signal import magnitude, to_node
+
+Array = NDArray[np.float64]
+NEAR = 1e-11  # share of the length scale that what is left of a chatter may span before its completion is considered
+NEAR_MODES = 4e-15  # the same where other modes feel the impulses left out
+LATE = 1e-12  # share of the slowest time scale by which the end of the accumulation may be misjudged
+FLOOR = 1e-26  # share of the length scale below which a flight is no longer one
+
+
+@kernel
+def strike(modes: Array, drive: Array, pose: Array) -> float:
+    """η'⁺ = η'⁻ + c p with p = −(1+R) v⁻/S; returns v⁻, the contact velocity before (0 where rounding makes it negative)."""
+    before = 0.0
+    for k in range(modes.shape[1]):
+        before += modes[CONTACT, k] * pose[1, k]
+    if before <= 0.0:
+        return 0.0
+    impulse = -(1.0 + drive[RESTITUTION]) * before / drive[MOBILITY]
+    for k in range(modes.shape[1]):
+        pose[1, k] += modes[CONTACT, k] * impulse
+    return before
+
+
+@kernel
+def chatter_left(desk: Desk, pose: Array, clock: float, after: float, speed: float) -> tuple[float, float]:
+    """Time that the rest of an accumulation of impacts takes, and a bound of its error; (−1, 0) where there is none yet.
+
+    With contact acceleration a toward the stop the flights last 2v/a, 2Rv/a, …: together T = 2v / (a (1 − R)). Its
+    relative error is at most M₃T/a, M₃ bounding the jerk; and the impulses that rest leaves out move the other modes
+    by v T at most (Nordmark & Piiroinen 2009, to first order).
+    """
+    drive = desk.drive
+    toward, _ = contact_derivatives(desk.pairs, desk.modes, drive, pose, clock)
+    if toward <= 0.0 or drive[RESTITUTION] >= 1.0:
+        return -1.0, 0.0
+    left = 2.0 * after / (toward * (1.0 - drive[RESTITUTION]))
+    length = speed * speed / toward
+    if after * left > NEAR * (length + abs(drive[GAP])):
+        return -1.0, 0.0
+    _, _, size = begin_flight(
+        desk.pairs, desk.signal, desk.attached, desk.modes, drive, pose, clock
+    )
+    to_node(desk.pairs)
+    for j in range(desk.attached.shape[1]):
+        size += abs(desk.attached[AWEIGHT, j] * desk.attached[AX, j])
+    jerk = magnitude(desk.pairs, desk.signal, 3) + att.jerk_bound(desk.attached, desk.signal)
+    remainder = left * (jerk * left / toward)
+    if after * left < FLOOR * length:
+        return left, remainder
+    near = NEAR if pose.shape[1] == 1 else NEAR_MODES
+    slowest = max(drive[W], desk.pairs[KAPPA, 0])
+    if after * left > near * max(length, size) or jerk * left > 0.1 * toward or remainder * slowest > LATE:
+        return -1.0, 0.0
+    return left, remainder

@@ -1,0 +1,107 @@
+"""The first root of a signal, with proof: no interval is left behind on which a bound does not exclude a root.
+
+Panels are walked from left to right. Each is rejected with proof, or found to hold exactly one root or one minimum, or
+halved (``hull.verdict``).
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.solvers.kernels import attached as att
+from vibeam.solvers.kernels.hull import CLEAR, MINIMUM, ROOT, SPLIT
+from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.layout import (
+    ATTACHED,
+    CONST,
+    HARMONIC,
+    LEVELS,
+    P1,
+    STEP,
+    TURN_IM,
+    TURN_RE,
+    WHOLE,
+    ZI,
+    ZR,
+)
+from vibeam.solvers.kernels.panel import accept, launching, ordinary, step_pairs
+from vibeam.solvers.kernels.polish import EPSILON, guess, polish, polish_minimum
+from vibeam.solvers.kernels.signal import derivatives, to_node
+from vibeam.solvers.kernels.tables import level_of
+
+Array = NDArray[np.float64]
+
+
+@kernel
+def first_root(
+    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array,
+    order: int, rise: float, span: float, coarsest: int,
+) -> tuple[bool, float, int]:  # fmt: skip
+    """(found, flight time, panels tried) of the first root in (0, span]; there XT, YT and the trial hold the pairs.
+
+    ``order`` 0: the signal starts positive; 1 … 3: it starts with a root of that order and g^{(order)}(0) = ``rise`` > 0.
+    ``coarsest``: the level of the longest panel to try.
+    """
+    total = to_node(pairs)
+    att.restart(attached, signal)
+    re, im = signal[ZR], signal[ZI]
+    harmonic = sqrt(re * re + im * im)
+    signal[HARMONIC] = harmonic
+    tolerance = 8.0 * EPSILON * (abs(signal[CONST]) + harmonic + total)
+    if order == 0 and signal[ATTACHED] == 0.0 and signal[CONST] - harmonic - total > tolerance:
+        return False, span, 0
+    time, level, panels, since, patience = 0.0, coarsest, 0, 0, 1
+    if order > 0:
+        derivatives(pairs, signal, pairs.shape[1], WHOLE)
+        att.add_derivatives(attached, signal, WHOLE)
+        level = first_level(levels, order, rise, signal, coarsest)
+    while time < span:
+        panels += 1
+        h = levels[STEP, level]
+        start_order = order if time == 0.0 else 0
+        if start_order > 0:
+            found = launching(pairs, table, levels, signal, attached, order, rise, level)
+        else:
+            found = ordinary(pairs, table, levels, signal, attached, time, re, im, level, tolerance)
+        if found == SPLIT and level == LEVELS - 1:
+            found = ROOT if signal[P1] <= 0.0 else CLEAR
+        if found == SPLIT:
+            level += 1
+            patience = min(2 * patience, 64) if since == 0 else patience
+            since = 0
+            continue
+        bracket = h
+        if found == MINIMUM:
+            where, value = polish_minimum(pairs, signal, attached, start_order, rise, time, h)
+            found, bracket = (ROOT, where) if value <= 0.0 else (CLEAR, h)
+        if found == ROOT:
+            start = time + guess(signal, h, bracket)
+            root = polish(pairs, signal, attached, start_order, rise, time, start, bracket)
+            return root <= span, min(root, span), panels
+        if start_order > 0:
+            step_pairs(pairs, table, level)
+        if signal[ATTACHED] > 0.0:
+            att.carry(attached, signal, time, h)
+        accept(pairs, signal, attached)
+        re, im = (
+            re * levels[TURN_RE, level] - im * levels[TURN_IM, level],
+            im * levels[TURN_RE, level] + re * levels[TURN_IM, level],
+        )
+        time += h
+        since += 1
+        if level > coarsest and since > patience:
+            level -= 1
+            since = 0
+    return False, span, panels
+
+
+@kernel
+def first_level(levels: Array, order: int, rise: float, signal: Array, coarsest: int) -> int:
+    """The level to start with: a little longer than the flight that the first two derivatives foretell."""
+    ahead = signal[WHOLE + 2]
+    if order > 1 or ahead >= 0.0:
+        return coarsest
+    return max(coarsest, level_of(levels, -4.0 * rise / ahead))

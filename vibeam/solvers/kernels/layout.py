@@ -1,0 +1,71 @@
+"""Where things stand in the kernels' arrays.
+
+The kernels work on a few float arrays with named rows: a compiled call passes an array almost for free, a tuple of
+thirty arrays not at all.
+"""
+
+from __future__ import annotations
+
+LEVELS = 48  # dyadic panel lengths
+SERIES = 26  # Taylor terms of an attached pair: 1.2²⁶/26! = 3e-25
+
+# pairs (PAIR_ROWS, n): the linear system's constants, then the signal's pairs at start, node, trial end and root
+OMEGA, SIGMA, DISC, KAPPA, INVERSE, DECAY = range(6)
+X0, Y0, X, Y, E, X2, Y2, E2, XT, YT = range(6, 16)
+PAIR_ROWS = 16
+
+# modes (MODE_ROWS, n): the free system's modes, and one drive's steady response Im((RE + i IM) e^{iφ}) + OFFSET
+CONTACT, LOAD, STATIC, RE, IM, OFFSET = range(6)
+MODE_ROWS = 6
+
+# levels (LEVEL_ROWS, LEVELS): panel length, pairs it resolves, e^{iΩh}, (e^{iΩh} − 1 − iΩh)/h², (e^{iΩh} − 1)/h
+STEP, COUNT, TURN_RE, TURN_IM, SECOND_RE, SECOND_IM, FIRST_RE, FIRST_IM = range(8)
+LEVEL_ROWS = 8
+
+# signal (SIGNAL_ROWS,): constant, phasor, Ω, drive phase, number of attached pairs, |phasor|; the last panel: value and
+# slope at both ends of the whole and of the interpolated part, bound of its fourth derivative, slack of the rest (3);
+# derivatives 0…5 at the start of the interpolated part and of the whole
+CONST, ZR, ZI, DRIVE, COSINE, SINE, ATTACHED, HARMONIC = range(8)
+P0, S0, P1, S1 = range(8, 12)
+Q0, T0, Q1, T1, FOURTH, SLACK = range(12, 18)
+LOW, WHOLE = 20, 26
+SIGNAL_ROWS = 32
+
+# attached (ATTACHED_ROWS, n): pairs that carry their force F sin φ + s along, which mode each is, its weight in the
+# signal, and room for the terms of its Taylor series
+AX, AY, ASIGMA, AOMEGA, AFORCE, ASTATIC, AMODE, AWEIGHT, NODE_X, NODE_Y, TRIAL_X, TRIAL_Y, TERM = range(13)
+ATTACHED_ROWS = TERM + SERIES
+
+# drive (DRIVE_ROWS,): Ω, Ω²B, 2π/Ω in two parts, contact phasor, gap less the static offsets, coarsest level; the stop
+W, STRENGTH, PERIOD, PERIOD_REST, CONTACT_RE, CONTACT_IM, CLEARANCE, COARSEST = range(8)
+GAP, RESTITUTION, MOBILITY, REST_FORCE, REST_LOAD = range(8, 13)
+DRIVE_ROWS = 13
+
+# blocks (BLOCK_ROWS, n − 1): the rest regime's 2×2 blocks, their rows in the contact force, inputs, steady response
+A11, A12, A21, A22, ROW1, ROW2, CONSTANT1, CONSTANT2, LOAD1, LOAD2 = range(10)
+RE1, RE2, IM1, IM2, OFFSET1, OFFSET2, Z1, Z2 = range(10, 18)
+BLOCK_ROWS = 18
+
+# pose (2, n): modal values, velocities; status (STATUS_ROWS,): time in the drive period, free or resting, order of the
+# contact at the start and g^{(order)} there, the largest impact velocity so far
+CLOCK, KIND, ORDER, RISE, SPEED = range(5)
+STATUS_ROWS = 5
+FREE, RESTING = 0.0, 1.0
+
+# trace (m, TRACE_COLUMNS): a segment each; what ended it, the contact velocity before, what a chatter still takes
+START, DURATION, AT_CLOCK, WHAT, END, BEFORE, LEFT, REMAINDER = range(8)
+TRACE_COLUMNS = 8
+SPAN_END, IMPACT, RELEASE, CHATTER, STUCK = range(5)
+
+# counts (COUNT_ROWS,)
+IMPACTS, PANELS, CHATTERS, SEGMENTS = range(4)
+COUNT_ROWS = 4
+
+# result (RESULT_ROWS,) of the hold: extremes of the output, least contact displacement, impacts, their velocities' sum,
+# time at rest; then the last impact velocities, oldest first after ``aligned``
+HIGH, LEAST, CONTACT_LEAST, STRUCK, SPEED_SUM, REST_TIME, VELOCITY = range(7)
+KEPT = 16
+RESULT_ROWS = VELOCITY + KEPT
+
+# outcomes
+COMPLETE, FULL, EVENT_LIMIT, PENETRATED, NOT_FINITE = range(5)

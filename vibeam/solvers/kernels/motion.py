@@ -1,0 +1,204 @@
+"""The motion from event to event: flight, impact, chatter, rest, release."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.solvers.kernels.desk import Desk
+from vibeam.solvers.kernels.drive import wrap
+from vibeam.solvers.kernels.flight import begin_flight, contact_derivatives, land
+from vibeam.solvers.kernels.impact import chatter_left, strike
+from vibeam.solvers.kernels.isolate import first_root
+from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.layout import (
+    AT_CLOCK,
+    BEFORE,
+    CHATTER,
+    CHATTERS,
+    CLOCK,
+    COARSEST,
+    COMPLETE,
+    DURATION,
+    END,
+    EVENT_LIMIT,
+    FREE,
+    FULL,
+    IMPACT,
+    IMPACTS,
+    KIND,
+    LEFT,
+    NOT_FINITE,
+    ORDER,
+    PANELS,
+    PENETRATED,
+    RELEASE,
+    REMAINDER,
+    RESTING,
+    RESTITUTION,
+    RISE,
+    SEGMENTS,
+    SPAN_END,
+    SPEED,
+    START,
+    STUCK,
+    WHAT,
+)
+from vibeam.solvers.kernels.rest import begin_rest, settle_on_stop, stay
+
+Array = NDArray[np.float64]
+ROUND_OFF = 64.0 * 2.220446049250313e-16
+
+
+@kernel
+def advance(
+    desk: Desk, pose: Array, status: Array, span: float, limit: int, trace: Array, poses: Array, counts: NDArray[np.int64]
+) -> tuple[int, float]:
+    """Carry ``pose`` and ``status`` on by ``span`` seconds: outcome, time done.
+
+    Segments go to ``trace`` (m, TRACE_COLUMNS) and their first poses to ``poses`` (m, 2, n), where m > 0. FULL: no row
+    is left; empty them and call again with the rest of the span.
+    """
+    done, events, rows = 0.0, 0, trace.shape[0]
+    while done < span:
+        if rows > 0 and counts[SEGMENTS] >= rows:
+            return FULL, done
+        if rows > 0:
+            open_segment(trace, poses, pose, status, done, counts[SEGMENTS])
+        if status[KIND] == RESTING:
+            outcome, step = lie(desk, pose, status, span - done, trace, counts)
+        else:
+            outcome, step = fly(desk, pose, status, span - done, trace, counts)
+        if outcome != COMPLETE:
+            return outcome, done
+        done += step
+        events += 1
+        if events > limit:
+            return EVENT_LIMIT, done
+    return COMPLETE, done
+
+
+@kernel
+def open_segment(trace: Array, poses: Array, pose: Array, status: Array, time: float, row: int) -> None:
+    """Note where a segment starts."""
+    trace[row, START], trace[row, AT_CLOCK], trace[row, WHAT] = time, status[CLOCK], status[KIND]
+    trace[row, LEFT], trace[row, REMAINDER] = 0.0, 0.0
+    for k in range(pose.shape[1]):
+        poses[row, 0, k], poses[row, 1, k] = pose[0, k], pose[1, k]
+
+
+@kernel
+def close_segment(trace: Array, duration: float, end: int, before: float, counts: NDArray[np.int64]) -> None:
+    """Note how long it was and what ended it."""
+    if trace.shape[0] > 0:
+        row = counts[SEGMENTS]
+        trace[row, DURATION], trace[row, END], trace[row, BEFORE] = duration, end, before
+        counts[SEGMENTS] = row + 1
+
+
+@kernel
+def fly(
+    desk: Desk, pose: Array, status: Array, span: float, trace: Array, counts: NDArray[np.int64]
+) -> tuple[int, float]:
+    """One flight and the impact at its end: outcome, duration."""
+    value, slope, size = begin_flight(
+        desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, status[CLOCK]
+    )
+    if not np.isfinite(size):
+        return NOT_FINITE, 0.0
+    found, flight = False, 0.0
+    if status[ORDER] == 0.0 and value <= ROUND_OFF * size:
+        if value < -1e4 * ROUND_OFF * size:
+            return PENETRATED, 0.0
+        if slope > 0.0:
+            status[ORDER], status[RISE] = 1.0, slope
+        elif slope < 0.0:
+            found = True
+        elif lift_or_rest(desk, pose, status) == STUCK:
+            return COMPLETE, 0.0
+    if not found:
+        found, flight, panels = first_root(
+            desk.pairs, desk.table, desk.levels, desk.signal, desk.attached,
+            int(status[ORDER]), status[RISE], span, int(desk.drive[COARSEST]),
+        )  # fmt: skip
+        counts[PANELS] += panels
+        status[CLOCK] = land(
+            desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive,
+            pose, status[CLOCK], flight, found,
+        )  # fmt: skip
+    status[ORDER] = 0.0
+    end, before = SPAN_END, 0.0
+    if found:
+        before, end = meet(desk, pose, status, trace, counts[SEGMENTS])
+        counts[IMPACTS] += 1
+        counts[CHATTERS] += 1 if end == CHATTER else 0
+    close_segment(trace, flight, end, before, counts)
+    return COMPLETE, flight
+
+
+@kernel
+def meet(desk: Desk, pose: Array, status: Array, trace: Array, row: int) -> tuple[float, int]:
+    """The impact: velocities through the impulse, then flight, chatter's end or rest. Velocity before, what it was."""
+    before = strike(desk.modes, desk.drive, pose)
+    after = desk.drive[RESTITUTION] * before
+    status[SPEED] = max(status[SPEED], before)
+    if after <= 0.0:
+        settle_on_stop(desk.modes, desk.drive, pose)
+        return before, lift_or_rest(desk, pose, status)
+    left, remainder = chatter_left(desk, pose, status[CLOCK], after, status[SPEED])
+    if left < 0.0:
+        status[ORDER], status[RISE] = 1.0, after
+        return before, IMPACT
+    settle_on_stop(desk.modes, desk.drive, pose)
+    status[KIND], status[ORDER] = RESTING, 0.0
+    if trace.shape[0] > 0:
+        trace[row, LEFT], trace[row, REMAINDER] = left, remainder
+    return before, CHATTER
+
+
+@kernel
+def lift_or_rest(desk: Desk, pose: Array, status: Array) -> int:
+    """On the stop without velocity: pressed against it (or not drawn away) it rests, drawn away it flies."""
+    toward, jerk = contact_derivatives(desk.pairs, desk.modes, desk.drive, pose, status[CLOCK])
+    if toward < 0.0:
+        status[ORDER], status[RISE] = 2.0, -toward
+        return IMPACT
+    if toward == 0.0 and jerk < 0.0:
+        status[ORDER], status[RISE] = 3.0, -jerk
+        return IMPACT
+    status[KIND], status[ORDER] = RESTING, 0.0
+    return STUCK
+
+
+@kernel
+def lie(
+    desk: Desk, pose: Array, status: Array, span: float, trace: Array, counts: NDArray[np.int64]
+) -> tuple[int, float]:
+    """One rest on the stop, until the contact force vanishes: outcome, duration."""
+    force = begin_rest(desk, pose, status[CLOCK])
+    if not np.isfinite(force):
+        return NOT_FINITE, 0.0
+    found, duration = True, 0.0
+    if force > 0.0:
+        found, duration, panels = first_root(
+            desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.no_attached,
+            0, 0.0, span, int(desk.drive[COARSEST]),
+        )  # fmt: skip
+        counts[PANELS] += panels
+        stay(desk, pose, status[CLOCK], duration)
+        status[CLOCK] = wrap(desk.drive, status[CLOCK] + duration)
+        close_segment(trace, duration, RELEASE if found else SPAN_END, 0.0, counts)
+    if found:
+        release(desk, pose, status)
+    return COMPLETE, duration
+
+
+@kernel
+def release(desk: Desk, pose: Array, status: Array) -> None:
+    """Leave the stop: with jerk where the force has just vanished, with acceleration where it never pressed."""
+    toward, jerk = contact_derivatives(desk.pairs, desk.modes, desk.drive, pose, status[CLOCK])
+    status[KIND] = FREE
+    if jerk < 0.0:
+        status[ORDER], status[RISE] = 3.0, -jerk
+    else:
+        status[ORDER], status[RISE] = 2.0, max(abs(toward), 1e-300)

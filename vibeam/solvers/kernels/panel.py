@@ -1,0 +1,210 @@
+"""One panel: the pairs one step on, what is interpolated and what is only bounded, and the verdict.
+
+A flight that starts on the stop has a root of known order m at t = 0; its first panel works on the quotient p = g / t^m,
+whose fourth derivative is bounded by 24/(m+4)! times a bound on g^{(m+4)}.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.solvers.kernels import attached as att
+from vibeam.solvers.kernels.hull import verdict
+from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.layout import (
+    ATTACHED,
+    AWEIGHT,
+    CONST,
+    COUNT,
+    DRIVE,
+    E2,
+    FIRST_IM,
+    FIRST_RE,
+    FOURTH,
+    HARMONIC,
+    INVERSE,
+    KAPPA,
+    LOW,
+    NODE_X,
+    NODE_Y,
+    OMEGA,
+    P0,
+    P1,
+    Q0,
+    Q1,
+    S0,
+    S1,
+    SECOND_IM,
+    SECOND_RE,
+    SIGMA,
+    SLACK,
+    STEP,
+    T0,
+    T1,
+    TRIAL_X,
+    TRIAL_Y,
+    TURN_IM,
+    TURN_RE,
+    WHOLE,
+    X0,
+    X2,
+    Y0,
+    Y2,
+    ZI,
+    ZR,
+    E,
+    X,
+    Y,
+)
+from vibeam.solvers.kernels.signal import derivatives, quotient
+
+Array = NDArray[np.float64]
+FACTORIAL = np.array([1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0, 5040.0])
+
+
+@kernel
+def step_pairs(pairs: Array, table: Array, level: int) -> None:
+    """Trial pairs one panel on from the node."""
+    for k in range(pairs.shape[1]):
+        x, y = pairs[X, k], pairs[Y, k]
+        x2 = table[0, level, k] * x + table[1, level, k] * y
+        y2 = table[2, level, k] * x + table[3, level, k] * y
+        slope = y2 * pairs[INVERSE, k]
+        pairs[X2, k], pairs[Y2, k], pairs[E2, k] = x2, y2, sqrt(x2 * x2 + slope * slope)
+
+
+@kernel
+def accept(pairs: Array, signal: Array, attached: Array) -> None:
+    """The trial end becomes the node."""
+    for k in range(pairs.shape[1]):
+        pairs[X, k], pairs[Y, k], pairs[E, k] = pairs[X2, k], pairs[Y2, k], pairs[E2, k]
+    att.accept(attached, signal)
+
+
+@kernel
+def measure(
+    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, time: float, re: float, im: float, level: int
+) -> None:
+    """Trial pairs, and what the panel from the node shows.
+
+    signal[P0 … S1]: the whole at both ends; signal[Q0 … T1]: the interpolated part; signal[FOURTH]: the bound of its
+    fourth derivative; signal[SLACK …]: bounds on value, slope, curvature of what is not interpolated.
+    """
+    h, w, count = levels[STEP, level], signal[DRIVE], int(levels[COUNT, level])
+    re2 = re * levels[TURN_RE, level] - im * levels[TURN_IM, level]
+    im2 = im * levels[TURN_RE, level] + re * levels[TURN_IM, level]
+    p0, s0, p1, s1 = signal[CONST] + im, w * re, signal[CONST] + im2, w * re2
+    fourth = signal[HARMONIC] * (w * w) * (w * w)
+    slack0, slack1, slack2 = 0.0, 0.0, 0.0
+    begin, begin_slope, end, end_slope = 0.0, 0.0, 0.0, 0.0
+    step_pairs(pairs, table, level)
+    for k in range(count):
+        square = pairs[KAPPA, k] * pairs[KAPPA, k]
+        p0 += pairs[X, k]
+        s0 += pairs[Y, k]
+        p1 += pairs[X2, k]
+        s1 += pairs[Y2, k]
+        fourth += pairs[E, k] * square * square
+    for k in range(count, pairs.shape[1]):
+        slack0 += pairs[E, k]
+        slack1 += pairs[E, k] * pairs[KAPPA, k]
+        slack2 += pairs[E, k] * pairs[KAPPA, k] * pairs[KAPPA, k]
+        begin += pairs[X, k]
+        begin_slope += pairs[Y, k]
+        end += pairs[X2, k]
+        end_slope += pairs[Y2, k]
+    if signal[ATTACHED] > 0.0:
+        fourth += att.bound(attached, signal, time, 4, h)
+        att.carry(attached, signal, time, h)
+        for j in range(int(signal[ATTACHED])):
+            p0 += attached[AWEIGHT, j] * attached[NODE_X, j]
+            s0 += attached[AWEIGHT, j] * attached[NODE_Y, j]
+            p1 += attached[AWEIGHT, j] * attached[TRIAL_X, j]
+            s1 += attached[AWEIGHT, j] * attached[TRIAL_Y, j]
+    signal[Q0], signal[T0], signal[Q1], signal[T1], signal[FOURTH] = p0, s0, p1, s1, fourth
+    signal[SLACK], signal[SLACK + 1], signal[SLACK + 2] = slack0, slack1, slack2
+    signal[P0], signal[S0], signal[P1], signal[S1] = p0 + begin, s0 + begin_slope, p1 + end, s1 + end_slope
+
+
+@kernel
+def ordinary(
+    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array,
+    time: float, re: float, im: float, level: int, tolerance: float,
+) -> int:  # fmt: skip
+    """Verdict on the panel that starts at the node."""
+    measure(pairs, table, levels, signal, attached, time, re, im, level)
+    return verdict(
+        signal[Q0], signal[T0], signal[Q1], signal[T1], levels[STEP, level], signal[FOURTH],
+        signal[SLACK], signal[SLACK + 1], signal[SLACK + 2], signal[P1], signal[S1], tolerance,
+    )  # fmt: skip
+
+
+@kernel
+def launching(
+    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, order: int, rise: float, level: int
+) -> int:
+    """Verdict on the first panel of a flight that starts on the stop with g^{(order)}(0) = ``rise`` > 0, exactly.
+
+    signal[P0 … S1] receive the whole quotient at its ends.
+    """
+    h, count = levels[STEP, level], int(levels[COUNT, level])
+    derivatives(pairs, signal, count, LOW)
+    att.add_derivatives(attached, signal, LOW)
+    m4 = signal[HARMONIC] * signal[DRIVE] ** (order + 4)
+    for k in range(count):
+        m4 += pairs[E, k] * pairs[KAPPA, k] ** (order + 4)
+    slack, hidden = 0.0, 0.0
+    slack1, slack2 = 0.0, 0.0
+    for k in range(count, pairs.shape[1]):
+        part = pairs[E, k] * pairs[KAPPA, k] ** order
+        slack += part
+        slack1 += part * pairs[KAPPA, k]
+        slack2 += part * pairs[KAPPA, k] * pairs[KAPPA, k]
+        hidden += initial_derivative(pairs, k, order)
+    m4 += att.bound(attached, signal, 0.0, order + 4, h)
+    gamma, delta, rest_gamma, rest_delta = growths(pairs, table, levels, signal, attached, count, level)
+    low = rise - hidden
+    p1, s1 = quotient(order, low, signal[LOW + 2], gamma, delta, h)
+    end, end_slope = quotient(order, rise, signal[WHOLE + 2], gamma + rest_gamma, delta + rest_delta, h)
+    signal[P0], signal[S0] = rise / FACTORIAL[order], signal[WHOLE + order + 1] / FACTORIAL[order + 1]
+    signal[P1], signal[S1] = end, end_slope
+    return verdict(
+        low / FACTORIAL[order], signal[LOW + order + 1] / FACTORIAL[order + 1], p1, s1, h,
+        m4 * 24.0 / FACTORIAL[order + 4], slack / FACTORIAL[order], slack1 / FACTORIAL[order + 1],
+        2.0 * slack2 / FACTORIAL[order + 2], end, end_slope, 0.0,
+    )  # fmt: skip
+
+
+@kernel
+def growths(
+    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, count: int, level: int
+) -> tuple[float, float, float, float]:
+    """γ and δ over one panel from the start: of the interpolated part, and of the rest."""
+    gamma = signal[ZR] * levels[SECOND_IM, level] + signal[ZI] * levels[SECOND_RE, level]
+    delta = signal[DRIVE] * (signal[ZR] * levels[FIRST_RE, level] - signal[ZI] * levels[FIRST_IM, level])
+    if signal[ATTACHED] > 0.0:
+        more = att.growth(attached, signal, levels[STEP, level])
+        gamma += more[0]
+        delta += more[1]
+    rest_gamma, rest_delta = 0.0, 0.0
+    for k in range(pairs.shape[1]):
+        x, y = pairs[X0, k], pairs[Y0, k]
+        if k < count:
+            gamma += table[4, level, k] * x + table[5, level, k] * y
+            delta += table[6, level, k] * x + table[7, level, k] * y
+        else:
+            rest_gamma += table[4, level, k] * x + table[5, level, k] * y
+            rest_delta += table[6, level, k] * x + table[7, level, k] * y
+    return gamma, delta, rest_gamma, rest_delta
+
+
+@kernel
+def initial_derivative(pairs: Array, k: int, order: int) -> float:
+    """x_k^{(order)} at the start."""
+    before, now = pairs[X0, k], pairs[Y0, k]
+    for _ in range(order - 1):
+        before, now = now, -2.0 * pairs[SIGMA, k] * now - pairs[OMEGA, k] * pairs[OMEGA, k] * before
+    return float(now)

@@ -1,0 +1,167 @@
+"""A steady point: settle, then hold and watch, period by period."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.solvers.kernels.desk import Desk
+from vibeam.solvers.kernels.energy import energy_at_rest, energy_in_flight
+from vibeam.solvers.kernels.extremes import extremes
+from vibeam.solvers.kernels.flight import begin_flight
+from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.layout import (
+    AT_CLOCK,
+    BEFORE,
+    CHATTER,
+    CLOCK,
+    COARSEST,
+    COMPLETE,
+    CONTACT_LEAST,
+    DURATION,
+    END,
+    FULL,
+    GAP,
+    HIGH,
+    IMPACT,
+    KEPT,
+    LEAST,
+    OMEGA,
+    PERIOD,
+    REST_TIME,
+    RESTING,
+    SEGMENTS,
+    SPEED_SUM,
+    STRUCK,
+    STUCK,
+    VELOCITY,
+    WHAT,
+    W,
+)
+from vibeam.solvers.kernels.motion import advance
+from vibeam.solvers.kernels.output import begin_output, begin_output_at_rest
+
+Array = NDArray[np.float64]
+REPEATS = 1e-5  # share of the motion's size by which states one period apart may differ
+
+
+@kernel
+def settle_and_hold(
+    desk: Desk, pose: Array, status: Array, settle: int, hold: int, limit: int, row: Array, rest_row: Array,
+    nothing: Array, trace: Array, poses: Array, strobes: Array, scratch: Array, frame: Array,
+    result: Array, energy: Array, counts: NDArray[np.int64],
+) -> int:  # fmt: skip
+    """Carry on by settle + hold periods and fill ``result``, ``energy`` (∫ E dt) and ``strobes`` (hold + 1, 2, n).
+
+    ``row`` (n,) and ``rest_row`` (2, n − 1): the output in flight and at rest.
+    """
+    period = desk.drive[PERIOD]
+    outcome, _ = advance(desk, pose, status, settle * period, limit * max(settle, 1), nothing, poses, counts)
+    if outcome != COMPLETE:
+        return outcome
+    result[HIGH], result[LEAST], result[CONTACT_LEAST] = -np.inf, np.inf, np.inf
+    note_strobe(strobes, 0, pose)
+    for turn in range(hold):
+        status[CLOCK] = 0.0
+        left = period
+        while left > 0.0:
+            counts[SEGMENTS] = 0
+            outcome, done = advance(desk, pose, status, left, limit, trace, poses, counts)
+            watch(desk, row, rest_row, trace, poses, scratch, frame, result, energy, counts[SEGMENTS])
+            if outcome == COMPLETE:
+                break
+            if outcome != FULL:
+                return outcome
+            left -= done
+        note_strobe(strobes, turn + 1, pose)
+    status[CLOCK] = 0.0
+    return COMPLETE
+
+
+@kernel
+def note_strobe(strobes: Array, turn: int, pose: Array) -> None:
+    """Keep the state at the end of a period."""
+    for i in range(2):
+        for k in range(pose.shape[1]):
+            strobes[turn, i, k] = pose[i, k]
+
+
+@kernel
+def watch(
+    desk: Desk, row: Array, rest_row: Array, trace: Array, poses: Array, scratch: Array, frame: Array,
+    result: Array, energy: Array, count: int,
+) -> None:  # fmt: skip
+    """Read off the segments just traced. ``scratch``, ``frame``: room for a pose each."""
+    coarsest = int(desk.drive[COARSEST])
+    for i in range(count):
+        clock, duration = trace[i, AT_CLOCK], trace[i, DURATION]
+        for k in range(frame.shape[1]):
+            frame[0, k], frame[1, k] = poses[i, 0, k], poses[i, 1, k]
+        if trace[i, WHAT] == RESTING:
+            result[REST_TIME] += duration
+            result[CONTACT_LEAST] = min(result[CONTACT_LEAST], desk.drive[GAP])
+            begin_output_at_rest(desk, rest_row, row, frame, clock)
+            result[LEAST], result[HIGH] = extremes(
+                desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.no_attached,
+                duration, coarsest, result[LEAST], result[HIGH],
+            )  # fmt: skip
+            energy_at_rest(desk, frame, clock, duration, scratch, energy)
+        elif duration > 0.0:
+            watch_flight(desk, row, frame, clock, duration, coarsest, result, energy)
+        note_impact(trace, i, result)
+
+
+@kernel
+def watch_flight(
+    desk: Desk, row: Array, pose: Array, clock: float, duration: float, coarsest: int, result: Array, energy: Array
+) -> None:
+    """Extremes of the output and of the gap, and the modes' energies, over one flight."""
+    begin_flight(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, clock)
+    energy_in_flight(desk, pose, clock, duration, energy)
+    _, widest = extremes(
+        desk.pairs, desk.table, desk.levels, desk.signal, desk.attached,
+        duration, coarsest, 0.0, desk.drive[GAP] - result[CONTACT_LEAST],
+    )  # fmt: skip
+    result[CONTACT_LEAST] = desk.drive[GAP] - widest
+    begin_output(desk, row, pose, clock)
+    result[LEAST], result[HIGH] = extremes(
+        desk.pairs, desk.table, desk.levels, desk.signal, desk.attached,
+        duration, coarsest, result[LEAST], result[HIGH],
+    )  # fmt: skip
+
+
+@kernel
+def note_impact(trace: Array, i: int, result: Array) -> None:
+    """Count the impact that ends a segment and keep its velocity in a ring."""
+    if trace[i, END] == IMPACT or trace[i, END] == CHATTER or trace[i, END] == STUCK:
+        result[VELOCITY + int(result[STRUCK]) % KEPT] = trace[i, BEFORE]
+        result[STRUCK] += 1.0
+        result[SPEED_SUM] += trace[i, BEFORE]
+
+
+@kernel
+def repetition(pairs: Array, drive: Array, strobes: Array, hold: int, longest: int) -> int:
+    """The least k ≤ longest such that each of the last k strobes repeats the one k periods before, else 0."""
+    size = 0.0
+    for turn in range(hold + 1):
+        size = max(size, distance(pairs, drive, strobes, turn, -1))
+    for k in range(1, min(longest, hold // 2) + 1):
+        worst = 0.0
+        for turn in range(hold - k + 1, hold + 1):
+            worst = max(worst, distance(pairs, drive, strobes, turn, turn - k))
+        if worst <= REPEATS * REPEATS * size:
+            return k
+    return 0
+
+
+@kernel
+def distance(pairs: Array, drive: Array, strobes: Array, first: int, second: int) -> float:
+    """Squared distance of two strobes in velocity units; from the origin where the second is negative."""
+    total = 0.0
+    for k in range(pairs.shape[1]):
+        x, y = strobes[first, 0, k], strobes[first, 1, k]
+        if second >= 0:
+            x -= strobes[second, 0, k]
+            y -= strobes[second, 1, k]
+        total += y * y + (pairs[OMEGA, k] * pairs[OMEGA, k] + drive[W] * drive[W]) * x * x
+    return total

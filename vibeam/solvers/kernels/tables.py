@@ -1,0 +1,93 @@
+"""Propagators and phasors tabulated over dyadic panel lengths.
+
+Panels are 2^top, 2^(top−1), … seconds long: powers of two are never an integer fraction of a drive period, so roots of
+periodic motions do not sit on panel ends, and one table serves every drive.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.layout import (
+    COUNT,
+    DECAY,
+    DISC,
+    FIRST_IM,
+    FIRST_RE,
+    INVERSE,
+    KAPPA,
+    LEVEL_ROWS,
+    LEVELS,
+    OMEGA,
+    PAIR_ROWS,
+    SECOND_IM,
+    SECOND_RE,
+    SIGMA,
+    STEP,
+    TURN_IM,
+    TURN_RE,
+)
+from vibeam.solvers.kernels.pair import increments, phasor_increments
+
+Array = NDArray[np.float64]
+RESOLVED = 1.2  # κh up to which a pair takes part in the interpolant; above it enters by bounds
+
+
+def regime(omega: Array, sigma: Array, disc: Array, top: int) -> tuple[Array, Array, Array]:
+    """``pairs``, ``table`` (8, levels, n) and ``levels`` of pairs already sorted by ``rates``; longest panel 2^top s."""
+    pairs = np.zeros((PAIR_ROWS, len(omega)))
+    over = sigma + np.sqrt(np.maximum(disc, 0.0))
+    pairs[OMEGA], pairs[SIGMA], pairs[DISC], pairs[KAPPA] = omega, sigma, disc, rates(omega, sigma)
+    pairs[INVERSE] = np.where(omega > 0, 1.0 / np.where(omega > 0, omega, 1.0), 0.0)
+    pairs[DECAY] = np.where(disc < 0, sigma, omega**2 / np.where(over > 0, over, 1.0))
+    levels = np.zeros((LEVEL_ROWS, LEVELS))
+    levels[STEP] = np.ldexp(1.0, top - np.arange(LEVELS))
+    levels[COUNT] = np.sum(pairs[KAPPA][None, :] * levels[STEP][:, None] <= RESOLVED, axis=1)
+    table = np.zeros((8, LEVELS, len(omega)))
+    tabulate(pairs, levels, table)
+    return pairs, table, levels
+
+
+def rates(omega: Array, sigma: Array) -> Array:
+    """κ = σ + √(σ² + ω²): every time derivative grows at most by it, in the energy norm (ωx, x')."""
+    return np.asarray(sigma + np.sqrt(sigma**2 + omega**2))
+
+
+@kernel
+def tabulate(pairs: Array, levels: Array, table: Array) -> None:
+    """Fill ``table`` with P00 P01 P10 P11 D0 D1 V0 V1 of every panel length and pair."""
+    for level in range(LEVELS):
+        h = levels[STEP, level]
+        for k in range(pairs.shape[1]):
+            d0, d1, v0, v1 = increments(pairs[SIGMA, k], pairs[OMEGA, k], pairs[DISC, k], h)
+            table[0, level, k] = 1.0 + h * h * d0
+            table[1, level, k] = h + h * h * d1
+            table[2, level, k] = h * v0
+            table[3, level, k] = 1.0 + h * v1
+            table[4, level, k] = d0
+            table[5, level, k] = d1
+            table[6, level, k] = v0
+            table[7, level, k] = v1
+
+
+@kernel
+def tabulate_drive(omega: float, levels: Array) -> None:
+    """Fill the phasor rows of ``levels`` for one drive."""
+    for level in range(LEVELS):
+        h = levels[STEP, level]
+        levels[TURN_RE, level] = np.cos(omega * h)
+        levels[TURN_IM, level] = np.sin(omega * h)
+        second_re, second_im, first_re, first_im = phasor_increments(omega, h)
+        levels[SECOND_RE, level], levels[SECOND_IM, level] = second_re, second_im
+        levels[FIRST_RE, level], levels[FIRST_IM, level] = first_re, first_im
+
+
+@kernel
+def level_of(levels: Array, h: float) -> int:
+    """The level of the longest panel that is no longer than h."""
+    level = 0
+    while level < LEVELS - 1 and levels[STEP, level] > h:
+        level += 1
+    return level

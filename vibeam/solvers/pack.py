@@ -1,0 +1,81 @@
+"""From an ImpactSystem to the arrays that the kernels run on, and back."""
+
+from __future__ import annotations
+
+from math import floor, log2
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.solvers.constrained import constrained
+from vibeam.solvers.kernels.desk import Desk
+from vibeam.solvers.kernels.drive import PANEL
+from vibeam.solvers.kernels.layout import (
+    ATTACHED_ROWS,
+    CONTACT,
+    DRIVE_ROWS,
+    GAP,
+    LOAD,
+    MOBILITY,
+    MODE_ROWS,
+    REST_FORCE,
+    REST_LOAD,
+    RESTITUTION,
+    SIGNAL_ROWS,
+    STATIC,
+)
+from vibeam.solvers.kernels.tables import rates, regime
+from vibeam.system import ImpactSystem
+
+Array = NDArray[np.float64]
+
+
+class Packed:
+    """An ImpactSystem as the kernels see it: modes sorted by rate, and the way back to the user's order."""
+
+    def __init__(self, system: ImpactSystem, slowest: float) -> None:
+        """``slowest``: the lowest rate (rad/s) that panels must serve."""
+        self.system = system
+        self.order = np.argsort(rates(system.omega, system.zeta * system.omega), kind="stable")
+        self.desk = self._desk(floor(log2(PANEL / slowest)))
+
+    def _desk(self, top: int) -> Desk:
+        own, order = self.system, self.order
+        omega, zeta = own.omega[order], own.zeta[order]
+        sigma, contact, load, static = zeta * omega, own.contact[order], own.load[order], own.static[order]
+        modes, drive = np.zeros((MODE_ROWS, own.size)), np.zeros(DRIVE_ROWS)
+        modes[CONTACT], modes[LOAD], modes[STATIC] = contact, load, static
+        drive[GAP], drive[RESTITUTION], drive[MOBILITY] = own.gap, own.restitution, contact @ contact
+        rest = constrained(omega, sigma, contact, load, static, own.gap)
+        drive[REST_FORCE], drive[REST_LOAD] = rest.force, rest.force_load
+        pairs, table, levels = regime(omega, sigma, omega**2 * (zeta - 1.0) * (zeta + 1.0), top)
+        rest_pairs, rest_table, rest_levels = regime(rest.omega, rest.sigma, rest.disc, top)
+        return Desk(
+            pairs, table, levels, np.zeros(SIGNAL_ROWS), np.zeros((ATTACHED_ROWS, own.size)),
+            modes, drive, rest_pairs, rest_table, rest_levels, np.zeros(SIGNAL_ROWS), np.zeros((ATTACHED_ROWS, 0)),
+            rest.blocks, rest.to_blocks, rest.from_blocks, rest.held,
+        )  # fmt: skip
+
+    def inward(self, values: Array) -> Array:
+        """Values (…, n) of the user's modes in the kernels' order."""
+        return np.ascontiguousarray(np.asarray(values, dtype=float)[..., self.order])
+
+    def outward(self, values: Array) -> Array:
+        """Values (…, n) in the kernels' order as the user's modes."""
+        result = np.empty_like(values)
+        result[..., self.order] = values
+        return result
+
+
+def pack(system: ImpactSystem, omega: float, span: float = 0.0) -> Packed:
+    """The system packed for drives of ``omega`` rad/s and more, or, where nothing oscillates, for a time of ``span``."""
+    return Packed(system, _slowest(system, omega, span))
+
+
+def _slowest(system: ImpactSystem, omega: float, span: float) -> float:
+    if omega > 0:
+        return omega
+    moving = system.omega[system.omega > 0]
+    if len(moving):
+        return float(moving.min())
+    return 1.0 / span if span > 0 else 1.0

@@ -1,0 +1,29 @@
+"""Where a computation starts when nobody says: at static equilibrium, on the stop if the stop is in the way."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.state import State
+from vibeam.system import ImpactSystem
+
+Array = NDArray[np.float64]
+
+
+def equilibrium(system: ImpactSystem) -> State:
+    """The static equilibrium, resting on the stop where the free one lies beyond it.
+
+    Modes without stiffness (ω = 0) have no equilibrium of their own: they start at zero displacement, and where that
+    lies beyond the stop, they alone carry the contact point back to it.
+    """
+    moving = system.omega > 0
+    square = np.where(moving, system.omega, 1.0) ** 2
+    free = np.where(moving, system.static / square, 0.0)
+    beyond = float(system.contact @ free) - system.gap
+    if beyond <= 0:
+        return State(free, np.zeros(system.size))
+    loose = ~moving & (system.contact != 0)
+    shape = np.where(loose, system.contact, 0.0) if loose.any() else system.contact / square
+    held = free - shape * (beyond / float(system.contact @ shape))
+    return State(held, np.zeros(system.size), resting=True)

@@ -1,0 +1,98 @@
+"""THE sweep: any system, any solver, any grid; the same call for every fidelity."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibeam.response import FrequencyResponse
+from vibeam.solvers import solver as solver_named
+from vibeam.state import State
+from vibeam.system import ImpactSystem
+
+Array = NDArray[np.float64]
+Direction = Literal["up", "down", "both"]
+
+
+@dataclass(frozen=True)
+class Branches:
+    """The branches of a sweep: one where it went one way only, then the other is None."""
+
+    up: FrequencyResponse | None
+    down: FrequencyResponse | None
+
+
+def march(
+    system: ImpactSystem,
+    omega: ArrayLike,
+    amplitude: float,
+    *,
+    settle: int = 200,
+    hold: int = 50,
+    solver: str = "flight",
+    output: str = "contact",
+    state: State | None = None,
+    block: int = 1,
+) -> Iterator[tuple[FrequencyResponse, State]]:
+    """Steady points in the order of ``omega`` (rad/s), ``block`` at a time, each with the state after it.
+
+    The state is carried from point to point (displacement and velocity relative to the base; the drive's phase starts
+    at 0 at every point); ``state`` None: static equilibrium. ``amplitude``: of the base, m. A point that fails is NaN
+    with its reason, and the next one starts from equilibrium. ValueError for a grid, periods, solver that make no sense,
+    KeyError for an unknown output.
+    """
+    grid = np.atleast_1d(np.asarray(omega, dtype=float))
+    if grid.ndim != 1 or not len(grid) or not np.all(np.isfinite(grid) & (grid > 0)):
+        raise ValueError("omega: must be one or more positive frequencies in rad/s")
+    if settle < 0 or hold < 1 or block < 1:
+        raise ValueError(f"settle {settle} must be ≥ 0, hold {hold} and block {block} ≥ 1")
+    if not np.isfinite(amplitude):
+        raise ValueError(f"amplitude: {amplitude} is not finite")
+    system.output(output)
+    runner = solver_named(solver, system, float(grid.min()))
+    for first in range(0, len(grid), block):
+        response, state = runner.steady(grid[first : first + block], amplitude, state, settle, hold, output)
+        yield response, state
+
+
+def sweep(
+    system: ImpactSystem,
+    *,
+    omega: ArrayLike,
+    amplitude: float,
+    direction: Direction = "up",
+    settle: int = 200,
+    hold: int = 50,
+    solver: str = "flight",
+    output: str = "contact",
+    state: State | None = None,
+) -> FrequencyResponse | Branches:
+    """The frequency-response curve over ``omega`` (rad/s), up or down (in that order), or Branches(up, down) for "both".
+
+    Arguments and errors as in ``march``. "both" goes up, then down again from where the way up ended.
+    """
+    if direction not in ("up", "down", "both"):
+        raise ValueError(f"direction: {direction!r} is none of 'up', 'down', 'both'")
+    grid = np.sort(np.atleast_1d(np.asarray(omega, dtype=float)))
+    legs = {"up": [grid], "down": [grid[::-1]], "both": [grid, grid[::-1]]}[direction]
+    found = []
+    for leg in legs:
+        blocks = list(
+            march(
+                system, leg, amplitude, settle=settle, hold=hold,
+                solver=solver, output=output, state=state, block=len(leg),
+            )
+        )  # fmt: skip
+        found.append(join([response for response, _ in blocks]))
+        state = blocks[-1][1]
+    return found[0] if len(found) == 1 else Branches(found[0], found[1])
+
+
+def join(parts: list[FrequencyResponse]) -> FrequencyResponse:
+    """Consecutive points as one response."""
+    values = {f.name: np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(FrequencyResponse)}
+    return FrequencyResponse(**values)
