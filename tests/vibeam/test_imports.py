@@ -1,0 +1,79 @@
+"""Which part may import which, and what is loaded before it is needed."""
+
+from __future__ import annotations
+
+import ast
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+OURS = {"vibeam", "vibeam_models", "vibeam_reductions"}
+PACKAGES = {
+    "vibeam_models": (ROOT / "models" / "vibeam_models", set()),
+    "vibeam_reductions": (ROOT / "reductions" / "vibeam_reductions", {"vibeam_models"}),
+    "vibeam": (ROOT / "vibeam", {"vibeam_models", "vibeam_reductions"}),
+}
+HEAVY = ("scipy", "matplotlib", "numba", "pint", "skfem", "h5py", "meshio")
+
+
+def imported(path: Path) -> set[str]:
+    """The top-level names that a file imports, anywhere in it, relative ones by their dots."""
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            found.add("." * node.level + (node.module or "").split(".")[0])
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module") and node.args:
+            found.add(ast.unparse(node.args[0]).strip("'\"").split(".")[0])
+    return found
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_packages_lean_one_way(package: str) -> None:
+    folder, allowed = PACKAGES[package]
+    files = list(folder.rglob("*.py"))
+    assert files
+    for path in files:
+        names = imported(path)
+        assert not names & (OURS - allowed - {package}), path
+        assert not any(name.startswith(".") for name in names), f"{path}: relative import"
+        assert not names & {"tests", "models", "reductions"}, path
+
+
+def test_the_check_sees_imports_of_every_kind(tmp_path: Path) -> None:
+    path = tmp_path / "a.py"
+    path.write_text("import vibeam.run\ndef f():\n    from vibeam_models import scene\n    from .x import y\n")
+    assert imported(path) == {"vibeam", "vibeam_models", ".x"}
+
+
+def loaded(code: str) -> list[str]:
+    """Which heavy packages a fresh interpreter has loaded after ``code``."""
+    script = f"import sys\n{code}\nprint('LOADED', *[name for name in {HEAVY!r} if name in sys.modules])"
+    places = {"PYTHONPATH": os.pathsep.join(str(ROOT / part) for part in ("", "models", "reductions"))}
+    command = [sys.executable, "-c", script]
+    done = subprocess.run(command, env=os.environ | places, capture_output=True, text=True, check=True)
+    return done.stdout.splitlines()[-1].split()[1:]
+
+
+HELP = """
+from vibeam.cli import main
+sys.argv = ["vibeam", "{words}"]
+try:
+    main()
+except SystemExit as end:
+    assert not end.code
+"""
+
+
+@pytest.mark.parametrize("code", ["import vibeam", HELP.format(words="--help"), HELP.format(words="--version")])
+def test_nothing_heavy_is_loaded_before_it_is_needed(code: str) -> None:
+    assert loaded(code) == []
+
+
+def test_the_loading_check_can_fail() -> None:
+    assert loaded("import h5py") == ["h5py"]

@@ -1,0 +1,5 @@
+"""``python -m vibeam`` is the command ``vibeam``."""
+
+from vibeam.cli import main
+
+main()

@@ -1,0 +1,57 @@
+"""A case written back as TOML: SI numbers, every default said, so that equal cases have equal texts."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from pydantic import BaseModel
+
+
+def canonical_text(case: BaseModel) -> str:
+    """The case as text that loads as the same case and is its identity."""
+    content = case.model_dump(by_alias=True, exclude_none=True)
+    return "\n".join(_tables("", content)).lstrip("\n") + "\n"
+
+
+def written(value: Any) -> str:
+    """One value as TOML."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{name_of(name)} = {written(inner)}" for name, inner in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(written, value))}]"
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return repr(value)
+
+
+def name_of(key: str) -> str:
+    """A key as TOML: in quotes where it needs them."""
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else written(key)
+
+
+def _tables(name: str, content: Mapping[str, Any]) -> Iterator[str]:
+    """A table's own values, then the tables in it; the grid of a sweep stays in its line."""
+    inner = {key: value for key, value in content.items() if _is_table(key, value)}
+    if name and len(inner) < len(content):
+        yield f"\n[{name}]"
+    yield from (f"{name_of(key)} = {written(value)}" for key, value in content.items() if key not in inner)
+    for key, value in inner.items():
+        path = f"{name}.{name_of(key)}" if name else name_of(key)
+        yield from _tables(path, value) if isinstance(value, Mapping) else _array(path, value)
+
+
+def _array(path: str, tables: tuple[Mapping[str, Any], ...]) -> Iterator[str]:
+    for table in tables:
+        yield f"\n[[{path}]]"
+        yield from (f"{name_of(key)} = {written(value)}" for key, value in table.items())
+
+
+def _is_table(key: str, value: Any) -> bool:
+    if isinstance(value, Mapping):
+        return key != "frequency"
+    return isinstance(value, tuple) and (not value or isinstance(value[0], Mapping))

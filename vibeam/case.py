@@ -1,0 +1,173 @@
+"""The case: what a case file says, checked and in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from hashlib import sha256
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam_models.scene import AddedMass, Base, Beam, Damping, Mass, Scene, SdofScene, Sensor, Stop
+
+if TYPE_CHECKING:
+    from vibeam.fidelity import Fidelity
+    from vibeam.schema import BeamCase, BeamTable, SdofCase, StopTable, SweepTable
+    from vibeam.system import ImpactSystem
+
+Direction = Literal["up", "down", "both"]
+
+
+@dataclass(frozen=True, eq=False)
+class SweepPlan:
+    """The sweep: ``frequency`` in Hz, ascending, shape (points,); ``settle`` and ``hold`` in drive periods.
+
+    ``output`` is the displacement that is read: ``"sensor"``, ``"contact"`` or ``"tip"``.
+    """
+
+    frequency: NDArray[np.float64]
+    direction: Direction
+    settle: int
+    hold: int
+    output: str
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A curve to check against: ``quantity`` of ``fidelity``, within a relative ``tolerance``; ``file`` is absolute."""
+
+    name: str
+    file: Path
+    fidelity: str
+    quantity: str
+    tolerance: float
+    direction: Direction
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A scene, the fidelities that model it, their sweep and what they are checked against.
+
+    ``text`` is the case in canonical form, SI units and overrides included: it loads as the same case, and two cases
+    are the same where their texts (or ``key``) are.
+    """
+
+    path: Path
+    text: str
+    title: str
+    source: str
+    scene: Scene | SdofScene
+    fidelities: dict[str, Fidelity]
+    sweep: SweepPlan
+    references: dict[str, Reference]
+
+    @cached_property
+    def key(self) -> str:
+        """SHA-256 of ``text``, in hexadecimal."""
+        return sha256(self.text.encode()).hexdigest()
+
+    @property
+    def base_amplitude(self) -> float:
+        """Amplitude of the base motion in m (of a SdofScene: in its own unit)."""
+        from vibeam.fidelity import base_amplitude
+
+        return base_amplitude(self.scene)
+
+    def system(self, name: str) -> ImpactSystem:
+        """What a solver gets of one fidelity; KeyError names those there are."""
+        from vibeam.fidelity import system
+
+        if name not in self.fidelities:
+            raise KeyError(f"no fidelity {name!r}: there are {', '.join(self.fidelities)}")
+        return system(self.scene, self.fidelities[name])
+
+
+def load(path: str | PathLike[str], set: Mapping[str, Any] | None = None) -> Case:
+    """The case in a file, with the keys in ``set`` put in the place of the file's.
+
+    ``set`` maps dotted keys to values as in a case file (``{"sweep.frequency.points": 31, "stop.gap": "0.1 mm"}``);
+    None takes a key away. CaseError has every fault of file and overrides.
+    """
+    from vibeam.case_text import read_text
+
+    return parse(read_text(Path(path)), path, set)
+
+
+def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, Any] | None = None) -> Case:
+    """The case that ``text`` says, as ``load``; ``path`` is what faults call it, references lie in its folder."""
+    from vibeam.canonical import canonical_text
+    from vibeam.verdict import accepted
+
+    file = Path(path)
+    declared = accepted(text, file, set or {})
+    sweep = _sweep(declared.sweep)
+    return Case(
+        path=file,
+        text=canonical_text(declared),
+        title=declared.title or file.stem,
+        source=declared.source,
+        scene=_scene(declared),
+        fidelities=_fidelities(declared),
+        sweep=sweep,
+        references=_references(declared, file.parent, sweep.direction),
+    )
+
+
+def _sweep(table: SweepTable) -> SweepPlan:
+    grid: Any = table.frequency
+    points = np.array(grid) if isinstance(grid, tuple) else np.linspace(grid.from_, grid.to, grid.points)
+    points.setflags(write=False)
+    direction: Any = table.direction
+    return SweepPlan(points, direction, table.settle, table.hold, table.output)
+
+
+def _fidelities(case: BeamCase | SdofCase) -> dict[str, Fidelity]:
+    from vibeam.fidelity import Fidelity
+
+    tables: Any = case.fidelity
+    return {name: Fidelity(name=name, **table.model_dump()) for name, table in tables.items()}
+
+
+def _references(case: BeamCase | SdofCase, folder: Path, swept: Direction) -> dict[str, Reference]:
+    found = {}
+    for name, table in case.reference.items():
+        values = table.model_dump() | {"file": (folder / table.file).resolve(), "direction": table.direction or swept}
+        found[name] = Reference(name=name, **values)
+    return found
+
+
+def _scene(case: BeamCase | SdofCase) -> Scene | SdofScene:
+    from vibeam.schema import SdofCase
+
+    if isinstance(case, SdofCase):
+        return SdofScene(
+            natural_frequency=case.sdof.natural_frequency,
+            damping_ratio=case.sdof.damping_ratio,
+            gap=case.stop.gap,
+            restitution=case.stop.restitution,
+            amplitude=case.drive.amplitude,
+        )
+    return Scene(
+        beam=_beam(case.beam),
+        mass=Mass(**dict(case.mass)),
+        stop=_stop(case.stop, case.mass.position),
+        sensor=Sensor(case.sensor.position),
+        base=Base(**dict(case.drive)),
+        added_masses=tuple(AddedMass(**dict(added)) for added in case.added_mass),
+    )
+
+
+def _beam(table: BeamTable) -> Beam:
+    values = dict(table)
+    kind, ratios = values.pop("damping"), values.pop("damping_ratio")
+    damping = Damping("list", kind) if isinstance(kind, tuple) else Damping(kind, ratios)
+    return Beam(damping=damping, **values)
+
+
+def _stop(table: StopTable, mass_position: float) -> Stop:
+    return Stop(**dict(table) | {"position": mass_position if table.position is None else table.position})

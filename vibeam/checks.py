@@ -1,0 +1,127 @@
+"""What the keys of a case say together: positions on the beam, one way to say the drive, fidelities that exist.
+
+Each check takes what could be read (None: could not) and yields complaints, so that one fault does not hide another.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path as File
+from types import SimpleNamespace
+
+from vibeam.faults import cure, shown
+from vibeam.lines import Path
+from vibeam.reading import Complaint
+
+NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
+
+
+def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
+    """Every complaint about keys that do not go together; files are looked for from ``folder``."""
+    if hasattr(case, "beam"):
+        yield from _positions(case)
+        yield from _rigid_zone(case)
+        yield from _damping(case.beam)
+        yield from _drive(case.drive)
+        yield from _modes(case)
+    yield from _grid(case.sweep.frequency)
+    yield from _names(case)
+    yield from _references(case, folder)
+
+
+def _positions(case: SimpleNamespace) -> Iterator[Complaint]:
+    named = {"mass": case.mass, "sensor": case.sensor, "stop": case.stop}
+    places: dict[Path, SimpleNamespace] = {(name, "position"): table for name, table in named.items()}
+    places |= {("added_mass", index, "position"): added for index, added in enumerate(case.added_mass)}
+    length = case.beam.length
+    for path, table in places.items():
+        if length is not None and table.position is not None and table.position > length:
+            yield path, f"{table.position:g} m is beyond the tip: beam.length is {length:g} m"
+
+
+def _rigid_zone(case: SimpleNamespace) -> Iterator[Complaint]:
+    middle, half, length = case.mass.position, case.mass.rigid_half_width, case.beam.length
+    path = ("mass", "rigid_half_width")
+    if half is None or middle is None:
+        return
+    if half >= middle:
+        yield path, f"{half:g} m reaches the clamp: mass.position is {middle:g} m"
+    elif length is not None and middle <= length <= middle + half:
+        yield path, f"{half:g} m reaches the tip, {length - middle:g} m beyond mass.position"
+
+
+def _damping(beam: SimpleNamespace) -> Iterator[Complaint]:
+    path, ratios = ("beam", "damping_ratio"), beam.damping_ratio
+    if isinstance(beam.damping, tuple):
+        if ratios is not None:
+            yield path, "beam.damping lists the ratios already: keep one of the two"
+    elif beam.damping is not None and ratios is None:
+        yield path, "missing (damping ratio of the first mode): write damping_ratio = 0.017"
+    elif beam.damping == "rayleigh" and len(ratios) != 2:
+        yield path, 'damping = "rayleigh" needs the ratios of modes 1 and 2: write damping_ratio = [0.017, 0.02]'
+    elif beam.damping is not None and beam.damping != "rayleigh" and len(ratios) != 1:
+        yield path, f'damping = "{beam.damping}" needs one number; a list of ratios goes into damping'
+
+
+def _drive(drive: SimpleNamespace) -> Iterator[Complaint]:
+    shaker = [name for name in ("voltage", "gain") if getattr(drive, name) is not None]
+    if drive.amplitude is not None and shaker:
+        yield ("drive", "amplitude"), f"the base motion is said twice: keep amplitude, or {' and '.join(shaker)}"
+    elif drive.amplitude is None and not shaker:
+        yield ("drive",), "the base motion is missing: write voltage and gain, or amplitude"
+    elif len(shaker) == 1 and drive.amplitude is None:
+        other = "gain" if shaker == ["voltage"] else "voltage"
+        yield ("drive", other), f"missing: {shaker[0]} needs it beside it"
+
+
+def _modes(case: SimpleNamespace) -> Iterator[Complaint]:
+    most = 2 * (case.beam.elements or 0)
+    for name, fidelity in case.fidelity.items():
+        path = ("fidelity", name, "modes")
+        if fidelity.reduction == "modal" and fidelity.modes is None:
+            yield path, 'missing: reduction = "modal" needs how many; write modes = 8'
+        elif fidelity.reduction not in ("modal", None) and fidelity.modes is not None:
+            yield path, f'goes with reduction = "modal" alone, not "{fidelity.reduction}"'
+        elif fidelity.modes is not None and 0 < most < fidelity.modes:
+            yield path, f"{fidelity.modes} are more than the model has: beam.elements gives {most} at most"
+
+
+def _grid(grid: SimpleNamespace | tuple[float, ...] | None) -> Iterator[Complaint]:
+    if not isinstance(grid, SimpleNamespace) or grid.from_ is None or grid.to is None:
+        return
+    path = ("sweep", "frequency")
+    if grid.from_ > grid.to:
+        yield (*path, "to"), 'is below from; to sweep downwards write direction = "down"'
+    elif grid.points == 1 and grid.from_ < grid.to:
+        yield (*path, "points"), "1 point does not span from … to: make them equal, or take more points"
+    elif grid.points is not None and grid.points > 1 and grid.from_ == grid.to:
+        yield (*path, "points"), f"{grid.points} points from a frequency to itself: points = 1, or another to"
+
+
+def _names(case: SimpleNamespace) -> Iterator[Complaint]:
+    if case.fidelity == {}:
+        yield ("fidelity",), "no fidelity: add a table [fidelity.NAME]"
+    for kind, tables in (("fidelity", case.fidelity), ("reference", case.reference)):
+        for name in tables:
+            if not NAME.fullmatch(name):
+                yield (kind, name), f"the name {shown(name)} must be 1 to 64 letters, digits, - or _"
+
+
+def _references(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
+    for name, reference in case.reference.items():
+        if reference.fidelity is not None and reference.fidelity not in case.fidelity:
+            near = cure(reference.fidelity, filter(NAME.fullmatch, case.fidelity))
+            yield ("reference", name, "fidelity"), f"no fidelity {shown(reference.fidelity)}; {near}"
+        if reference.file is not None and not _is_file(folder, reference.file):
+            yield ("reference", name, "file"), f"no file {shown(reference.file)} in the case file's folder"
+        way, swept = reference.direction, case.sweep.direction
+        if way and swept and swept not in ("both", way):
+            yield ("reference", name, "direction"), f'"{way}" is not swept: sweep.direction is "{swept}"'
+
+
+def _is_file(folder: File, name: str) -> bool:
+    try:
+        return (folder / name).is_file()
+    except (OSError, ValueError):
+        return False

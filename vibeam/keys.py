@@ -1,0 +1,133 @@
+"""The case file's own documentation, read off its declaration: the table of all keys and the commented template."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from textwrap import wrap
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from vibeam.canonical import written
+from vibeam.reading import entry_of, example_of, fields_of, is_repeated, table_of
+from vibeam.schema import BeamCase, SdofCase
+
+COLUMN = 44  # where the template's comments begin
+WIDTH = 120
+# What the template shows of the tables that have names.
+NAMED: dict[str, dict[str, dict[str, Any]]] = {
+    "fidelity": {
+        "sdof": {"reduction": "static_mode"},
+        "two_modes": {"reduction": "modal", "modes": 2},
+        "beam": {"reduction": "modal", "modes": 8},
+    },
+    "reference": {"exact": {}},
+}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One key: its table as headed in a case, what it holds (unit and range), default ("" where there is none)."""
+
+    table: str
+    key: str
+    unit: str
+    default: str
+    required: bool
+    meaning: str
+
+
+def reference_table() -> list[Row]:
+    """Every key of a case, in the order of the template; those of a case with [sdof] after them, marked so."""
+    rows = list(_rows(BeamCase, ""))
+    others = [row for row in _rows(SdofCase, "") if row not in rows]
+    return rows + [row if row.table == "[sdof]" else replace(row, table=f"{row.table} with [sdof]") for row in others]
+
+
+def _rows(model: type[BaseModel], table: str) -> Iterator[Row]:
+    inner = []
+    for name, field in fields_of(model).items():
+        if entry_of(field):
+            yield _row(table, name, field)
+        if table_of(field):
+            inner.append((name, field))
+    for name, field in inner:
+        yield from _rows(table_of(field) or model, _header(table, name, field))
+
+
+def _header(above: str, name: str, field: FieldInfo) -> str:
+    if above:
+        return f"{above} {name}"
+    if not is_repeated(field):
+        return f"[{name}]"
+    return f"[{name}.NAME]" if name in NAMED else f"[[{name}]]"
+
+
+def _row(table: str, name: str, field: FieldInfo) -> Row:
+    entry = entry_of(field)
+    kind = entry.describe() if entry else ""
+    kind = f"table | {kind}" if table_of(field) else kind
+    default = "" if entry is None or field.is_required() or field.default is None else entry.canonical(field.default)
+    return Row(table, name, kind, default and written(default), field.is_required(), field.description or "")
+
+
+def template() -> str:
+    """A complete case to start from, the DTU rig, with every key explained; optional parts are comments."""
+    head = "# A case of vibeam. Quantities are numbers with a unit in quotes, or plain numbers in SI units (Hz).\n"
+    return head + "\n".join(_template()) + "\n"
+
+
+def _template() -> Iterator[str]:
+    fields = fields_of(BeamCase)
+    yield from (_line(name, field) for name, field in fields.items() if entry_of(field))
+    for name, field in fields.items():
+        table = table_of(field)
+        if table:
+            yield from _section(name, table, field)
+
+
+def _section(name: str, table: type[BaseModel], field: FieldInfo) -> Iterator[str]:
+    """A table, or one for each name that the template shows; commented out if the case does without."""
+    aside = "" if field.is_required() else "# "
+    yield ""
+    yield f"# {' '.join((table.__doc__ or '').split())}"
+    if not is_repeated(field):
+        yield f"[{name}]"
+        yield from (_line(inner, key) for inner, key in fields_of(table).items())
+    elif name not in NAMED:
+        yield f"{aside}[[{name}]]"
+        yield from (_line(inner, key, aside) for inner, key in fields_of(table).items())
+    else:
+        for title, values in NAMED[name].items():
+            yield f"{aside}[{name}.{title}]"
+            yield from _named(table, values, aside)
+
+
+def _named(table: type[BaseModel], values: dict[str, Any], aside: str) -> Iterator[str]:
+    for name, field in fields_of(table).items():
+        if not values:
+            yield _line(name, field, aside)
+        elif name in values:
+            yield _commented(f"{aside}{name} = {written(values[name])}", _meaning(field))
+
+
+def _line(name: str, field: FieldInfo, aside: str = "") -> str:
+    extra: Any = field.json_schema_extra or {}
+    aside = aside or ("" if extra.get("written", True) else "# ")
+    return _commented(f"{aside}{name} = {example_of(field)}", _meaning(field))
+
+
+def _commented(text: str, meaning: str) -> str:
+    """The key with its meaning behind it, or above it where both do not fit a line."""
+    line = f"{text.ljust(COLUMN - 2)}  # {meaning}"
+    if len(line) <= WIDTH:
+        return line
+    return "\n".join([*wrap(meaning, WIDTH, initial_indent="# ", subsequent_indent="# "), text])
+
+
+def _meaning(field: FieldInfo) -> str:
+    entry = entry_of(field)
+    kind = entry.describe() if entry and not table_of(field) else ""
+    return f"{field.description} [{kind}]" if kind and kind != "text" else field.description or ""

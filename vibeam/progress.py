@@ -1,0 +1,58 @@
+"""What a run says on stderr while it goes: a bar over the points of all fidelities, with the time that remains."""
+
+from __future__ import annotations
+
+from types import TracebackType
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+
+def stderr() -> Console:
+    """A console on stderr that leaves long lines to the terminal."""
+    return Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
+
+
+class Bar:
+    """A context whose value is called with the points done and their total; the first call says what was there."""
+
+    def __init__(self, console: Console | None = None) -> None:
+        self._console = console or stderr()
+        columns = (TextColumn("sweeping"), BarColumn(), MofNCompleteColumn(), TextColumn("points ·"))
+        times = (TimeElapsedColumn(), TextColumn("· remaining"), TimeRemainingColumn())
+        self._progress = Progress(*columns, *times, console=self._console, transient=True)
+        self._task = self._progress.add_task("points", total=None)
+        self._began = False
+
+    def __enter__(self) -> Bar:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        if self._progress.live.is_started:
+            self._progress.stop()
+
+    def __call__(self, done: int, total: int) -> None:
+        """Show ``done`` of ``total`` points; callable from any thread."""
+        if not self._began:
+            self._began = True
+            self._begin(done, total)
+        self._progress.update(self._task, completed=done, total=total)
+
+    def _begin(self, done: int, total: int) -> None:
+        if done == total:
+            self._console.print(f"all {total} points are there already")
+            return
+        if done:
+            self._console.print(f"continuing: {done} of {total} points are there")
+        compile_first(self._console)
+        if self._console.is_terminal:
+            self._progress.start()
+
+
+def compile_first(console: Console) -> None:
+    """Compile the kernels where that has not been done, and say so: else the first points would seem to hang."""
+    from vibeam import solvers
+
+    if not solvers.compiled():
+        console.print(f"compiling the kernels (first run only, about {solvers.COMPILE_SECONDS} s)")
+        solvers.compile_kernels()

@@ -1,0 +1,47 @@
+"""Results for other programs: JSON on stdout, CSV in a file."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import fields, is_dataclass
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def to_json(value: Any) -> str:
+    """The value as JSON; a number that is none (NaN, ∞) is null."""
+    return json.dumps(plain(value), ensure_ascii=False, indent=2, allow_nan=False)
+
+
+def write_csv(rows: Sequence[Any], path: Path) -> None:
+    """Rows of one dataclass as CSV, a column a field."""
+    table = [plain(row) for row in rows]
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, list(table[0]) if table else [])
+        writer.writeheader()
+        writer.writerows(table)
+
+
+def plain(value: Any) -> Any:
+    """Dataclasses (their properties too), paths and numpy values as what JSON knows."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return {name: plain(getattr(value, name)) for name in _names(type(value))}
+    if isinstance(value, Mapping):
+        return {str(key): plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [plain(inner) for inner in value]
+    if isinstance(value, np.generic):
+        return plain(value.item())
+    if isinstance(value, float):
+        return value if isfinite(value) else None
+    return str(value) if isinstance(value, Path) else value
+
+
+def _names(kind: type[Any]) -> list[str]:
+    properties = [name for name, member in vars(kind).items() if isinstance(member, property)]
+    return [field.name for field in fields(kind)] + properties

@@ -1,0 +1,235 @@
+"""Run a case: every fidelity through the same frequencies, kept on disk as it goes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, fields
+from pathlib import Path
+from threading import Event, Lock
+from time import monotonic
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.faults import CaseError, Fault
+from vibeam.response import FrequencyResponse
+from vibeam.spread import Stopped, spread
+from vibeam.store import Branch, Kept, Store, opened
+from vibeam.sweep import march
+
+if TYPE_CHECKING:
+    from vibeam.case import Case
+    from vibeam.state import State
+    from vibeam.system import ImpactSystem
+
+WRITE_EVERY = 0.2  # seconds: a write costs as much as many points, and a killed run loses no more than this
+Progress = Callable[[int, int], None]
+
+
+class Interrupted(KeyboardInterrupt):
+    """Ctrl-C: the message says what is kept and how to go on."""
+
+
+@dataclass(frozen=True)
+class Branches:
+    """The branches of one fidelity: None where the case does not ask for it."""
+
+    up: FrequencyResponse | None = None
+    down: FrequencyResponse | None = None
+
+    def items(self) -> Iterator[tuple[str, FrequencyResponse]]:
+        """Direction and response of each branch there is, up first."""
+        both = (("up", self.up), ("down", self.down))
+        return ((direction, response) for direction, response in both if response is not None)
+
+
+class Result(Mapping[str, Branches]):
+    """What a run gives: ``result[fidelity].up.amplitude``; ``found`` points of ``total`` were in the file already."""
+
+    def __init__(self, case: Case, branches: Mapping[str, Branches], path: Path | None = None, found: int = 0) -> None:
+        self.case = case
+        self.path = path
+        self.found = found
+        self._branches = dict(branches)
+
+    @property
+    def total(self) -> int:
+        """Points of all branches."""
+        return sum(len(response) for branches in self.values() for _, response in branches.items())
+
+    def __getitem__(self, fidelity: str) -> Branches:
+        return self._branches[fidelity]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._branches)
+
+    def __len__(self) -> int:
+        return len(self._branches)
+
+
+@dataclass(frozen=True)
+class _Job:
+    """One fidelity: its branches in the order in which they are swept, each with what is there of it."""
+
+    name: str
+    system: ImpactSystem
+    solver: str
+    branches: tuple[tuple[Branch, Kept], ...]
+
+
+def run(case: Case, out: str | Path | None = None, progress: Progress | None = None) -> Result:
+    """Sweep every fidelity of ``case``; what the results file ``out`` already holds is not computed again.
+
+    ``out=None`` keeps nothing on disk. ``progress(done, total)`` is called with the points that are there at the start
+    and after each further one, from any thread. CaseError for a fidelity that cannot be built, StoreError where
+    ``out`` cannot be used, Interrupted on Ctrl-C.
+    """
+    systems = _systems(case)
+    plan = {name: _branches(case, name, system.size) for name, system in systems.items()}
+    path = None if out is None else Path(out)
+    with _place(case, path, plan) as store:
+        jobs = [_job(case, name, systems[name], branches, store) for name, branches in plan.items()]
+        count = _Count(jobs, progress)
+        found = count.done
+        try:
+            costly_first = sorted(jobs, key=lambda job: -job.system.size)
+            spread(lambda job, stop: _sweep(case, job, store, count, stop), costly_first)
+        except KeyboardInterrupt:
+            raise Interrupted(_how_to_go_on(count, path)) from None
+    return Result(case, {job.name: _gathered(job) for job in jobs}, path, found)
+
+
+def _systems(case: Case) -> dict[str, ImpactSystem]:
+    """The system of every fidelity; CaseError names all those that cannot be built."""
+    systems, faults = {}, []
+    for name in case.fidelities:
+        try:
+            systems[name] = case.system(name)
+        except ValueError as error:
+            faults.append(Fault(str(case.path), None, f"fidelity.{name}", str(error)))
+    if faults:
+        raise CaseError(faults)
+    return systems
+
+
+class _Count:
+    """Points done of all fidelities, told as they come."""
+
+    def __init__(self, jobs: list[_Job], progress: Progress | None) -> None:
+        kept = [kept for job in jobs for _, kept in job.branches]
+        self._lock = Lock()
+        self._progress = progress or (lambda done, total: None)
+        self.done = sum(part.done for part in kept)
+        self.total = sum(len(part.response) for part in kept)
+        self._progress(self.done, self.total)
+
+    def add(self, points: int) -> None:
+        with self._lock:
+            self.done += points
+            self._progress(self.done, self.total)
+
+
+def _branches(case: Case, name: str, modes: int) -> tuple[Branch, ...]:
+    up = np.sort(case.sweep.frequency)
+    grids = {"up": up, "down": up[::-1].copy()}
+    wanted = ("up", "down") if case.sweep.direction == "both" else (case.sweep.direction,)
+    return tuple(Branch(name, direction, grids[direction], modes) for direction in wanted)
+
+
+def _place(
+    case: Case, path: Path | None, plan: Mapping[str, tuple[Branch, ...]]
+) -> AbstractContextManager[Store | None]:
+    if path is None:
+        return nullcontext()
+    branches = [branch for several in plan.values() for branch in several]
+    return opened(path, text=case.text, key=case.key, branches=branches, unit=output_unit(case))
+
+
+def _job(case: Case, name: str, system: ImpactSystem, branches: tuple[Branch, ...], store: Store | None) -> _Job:
+    kept = tuple((branch, store.restore(branch) if store else _nothing(branch)) for branch in branches)
+    return _Job(name, system, case.fidelities[name].solver, kept)
+
+
+def _nothing(branch: Branch) -> Kept:
+    return Kept(FrequencyResponse.empty(branch.frequency, branch.modes), 0, None)
+
+
+def _sweep(case: Case, job: _Job, store: Store | None, count: _Count, stop: Event) -> None:
+    """All branches of one fidelity, the state carried from each to the next."""
+    carried: State | None = None
+    for branch, kept in job.branches:
+        recorder = _Recorder(branch, kept, store)
+        start = kept.state if kept.done else carried
+        carried = start
+        try:
+            for block, carried in _march(case, job, kept, start):
+                recorder.add(block, carried)
+                count.add(len(block))
+                if stop.is_set():
+                    raise Stopped
+        finally:
+            recorder.write()
+
+
+def _march(case: Case, job: _Job, kept: Kept, state: State | None) -> Iterator[tuple[FrequencyResponse, State]]:
+    """The points that are missing."""
+    plan, omega = case.sweep, kept.response.omega[kept.done :]
+    if not len(omega):
+        return iter(())
+    return march(
+        job.system,
+        omega,
+        case.base_amplitude,
+        settle=plan.settle,
+        hold=plan.hold,
+        solver=job.solver,
+        output=plan.output,
+        state=state,
+    )
+
+
+class _Recorder:
+    """Puts points into a branch's response as they come, and into the file every ``WRITE_EVERY`` seconds."""
+
+    def __init__(self, branch: Branch, kept: Kept, store: Store | None) -> None:
+        self._branch, self._response, self._store = branch, kept.response, store
+        self._done = self._written = kept.done
+        self._state = kept.state
+        self._due = monotonic() + WRITE_EVERY
+
+    def add(self, block: FrequencyResponse, state: State) -> None:
+        points = slice(self._done, self._done + len(block))
+        for field in fields(FrequencyResponse):
+            if field.name != "frequency":  # the grid's own value stays, to the last bit
+                getattr(self._response, field.name)[points] = getattr(block, field.name)
+        self._done, self._state = points.stop, state
+        if monotonic() >= self._due:
+            self.write()
+
+    def write(self) -> None:
+        if self._store and self._state is not None and self._done > self._written:
+            block = _part(self._response, slice(self._written, self._done))
+            self._store.write(self._branch, self._written, block, self._state)
+        self._written, self._due = self._done, monotonic() + WRITE_EVERY
+
+
+def _part(response: FrequencyResponse, points: slice) -> FrequencyResponse:
+    return FrequencyResponse(**{field.name: getattr(response, field.name)[points] for field in fields(response)})
+
+
+def _gathered(job: _Job) -> Branches:
+    return Branches(**{branch.direction: kept.response for branch, kept in job.branches})
+
+
+def _how_to_go_on(count: _Count, path: Path | None) -> str:
+    if path is None or not count.done:
+        return f"stopped after {count.done} of {count.total} points: nothing is kept"
+    return f"stopped: {count.done} of {count.total} points are kept in {path}: the same command goes on from there"
+
+
+def output_unit(case: Case) -> str:
+    """Unit of the outputs: metres, or none where the model is nondimensional."""
+    from vibeam_models.scene import SdofScene
+
+    return "1" if isinstance(case.scene, SdofScene) else "m"

@@ -1,0 +1,223 @@
+"""The case file, declared once: the parser, its messages, the reference table and the template all read this.
+
+A table is a class, a key a field: its annotation says what it may hold, ``key`` what it means and what to write.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from vibeam import units
+from vibeam.entries import NOT_NEGATIVE, POSITIVE, Count, Quantity, Range, Several, TableOr, Text, Word
+
+DIRECTIONS = ("up", "down", "both")
+QUANTITIES = ("amplitude", "reach", "maximum", "minimum", "impact_velocity", "impacts_per_period", "period")
+REDUCTIONS = ("static_mode", "modal", "full")
+SOLVERS = ("flight",)
+MOST_ELEMENTS = 2000
+MOST_POINTS = 1_000_000
+
+Length = Place = Quantity(units.LENGTH, POSITIVE)
+Ratio = Quantity(units.RATIO, NOT_NEGATIVE)
+Unity = Quantity(units.RATIO, Range(0, 1))
+Frequency = Quantity(units.FREQUENCY, POSITIVE)
+Periods = Count(0, MOST_POINTS)
+
+
+def key(meaning: str, example: Any = None, default: Any = ..., *, written: bool = True) -> Any:
+    """A key: what it means, an example for the template (there as a comment unless ``written``), its default."""
+    return Field(default, description=meaning, examples=[example], json_schema_extra={"written": written})
+
+
+class Table(BaseModel):
+    """What all tables share: no unknown keys, never changed."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class BeamTable(Table):
+    """The beam: a uniform cantilever of rectangular section, clamped at 0."""
+
+    length: Annotated[float, Length] = key("free length, clamp to tip", "180 mm")
+    width: Annotated[float, Length] = key("width of the section", "20 mm")
+    thickness: Annotated[float, Length] = key("thickness of the section, in the direction of motion", "1.034 mm")
+    youngs_modulus: Annotated[float, Quantity(units.PRESSURE, POSITIVE)] = key("modulus of elasticity", "210 GPa")
+    density: Annotated[float, Quantity(units.DENSITY, POSITIVE)] = key("mass per volume", "7850 kg/m^3")
+    damping_ratio: Annotated[tuple[float, ...] | None, Several(Ratio, alone=True)] = key(
+        "of the first mode; two of them, modes 1 and 2, for rayleigh; none where damping is a list", 0.017, None
+    )
+    damping: Annotated[str | tuple[float, ...], Several(Ratio, words=("constant", "stiffness", "rayleigh"))] = key(
+        "every mode alike, proportional to stiffness, to mass and stiffness, or the ratios mode by mode",
+        "constant",
+        "constant",
+    )
+    elements: Annotated[int, Count(1, MOST_ELEMENTS)] = key("finite elements along the beam", 36, 36)
+
+
+class MassTable(Table):
+    """The mass attached to the beam."""
+
+    mass: Annotated[float, Quantity(units.MASS, POSITIVE)] = key("attached mass", "0.2 kg")
+    position: Annotated[float, Place] = key("distance from the clamp, in (0, length]", "132 mm")
+    rotary_inertia: Annotated[float | None, Quantity(units.INERTIA, POSITIVE)] = key(
+        "effect: about the axis of bending; absent = a point mass", "2.84e-5 kg m^2", None
+    )
+    rigid_half_width: Annotated[float | None, Length] = key(
+        "effect: the beam is rigid this far on either side of the mass; absent = nowhere", "11.7 mm", None
+    )
+
+
+class StopTable(Table):
+    """The one-sided stop."""
+
+    gap: Annotated[float, Quantity(units.LENGTH)] = key(
+        "gap at rest; negative = the beam is pressed against the stop", "0 mm"
+    )
+    gap_at: Annotated[str, Word(("contact", "sensor"))] = key(
+        "where the gap was measured: at the contact, or as grazing amplitude at the sensor", "contact", "contact"
+    )
+    restitution: Annotated[float, Unity] = key("speed after over speed before an impact", 0.72)
+    restitution_of: Annotated[str, Word(("contact", "first mode"))] = key(
+        "whose it is: the contact's, or mode 1's (each fidelity's own is then derived)", "contact", "contact"
+    )
+    position: Annotated[float | None, Place] = key(
+        "distance from the clamp; absent = at the mass", "132 mm", None, written=False
+    )
+
+
+class SensorTable(Table):
+    """Where the displacement is measured."""
+
+    position: Annotated[float, Place] = key("distance from the clamp, in (0, length]", "100 mm")
+
+
+class AddedMassTable(Table):
+    """Effect: a further point mass, an accelerometer say; one table for each."""
+
+    mass: Annotated[float, Quantity(units.MASS, POSITIVE)] = key("added mass", "2.4 g")
+    position: Annotated[float, Place] = key("distance from the clamp, in (0, length]", "90 mm")
+
+
+class DriveTable(Table):
+    """The base motion amplitude · sin Ωt: say either voltage and gain, or amplitude."""
+
+    voltage: Annotated[float | None, Quantity(units.VOLTAGE, NOT_NEGATIVE)] = key("of the shaker", "0.6 V", None)
+    gain: Annotated[float | None, Quantity(units.PER_VOLT, POSITIVE)] = key("γ of eq. 46, 1/V", 5.16e-4, None)
+    amplitude: Annotated[float | None, Quantity(units.LENGTH, NOT_NEGATIVE)] = key(
+        "of the base, instead of voltage and gain", "0.05 mm", None, written=False
+    )
+
+
+class GridTable(Table):
+    """Evenly spaced drive frequencies."""
+
+    from_: Annotated[float, Frequency] = Field(alias="from", description="first frequency", examples=["14 Hz"])
+    to: Annotated[float, Frequency] = key("last frequency, itself included", "17 Hz")
+    points: Annotated[int, Count(1, MOST_POINTS)] = key("how many", 121)
+
+
+FrequencyGrid = TableOr(GridTable, Several(Frequency, limit=MOST_POINTS, ascending=True))
+
+
+class SweepTable(Table):
+    """The sweep that every fidelity runs: drive frequencies and, at each, periods to settle and to hold."""
+
+    frequency: Annotated[GridTable | tuple[float, ...], FrequencyGrid] = key(
+        "from, to and points, or an ascending list", {"from": "14 Hz", "to": "17 Hz", "points": 121}
+    )
+    direction: Annotated[str, Word(DIRECTIONS)] = key("which way the frequencies are run", "both", "both")
+    settle: Annotated[int, Periods] = key("drive periods left out before the reading", 300)
+    hold: Annotated[int, Count(1, MOST_POINTS)] = key("drive periods read", 50)
+    output: Annotated[str, Word(("sensor", "contact", "tip"))] = key("whose displacement is read", "sensor", "sensor")
+
+
+class FidelityTable(Table):
+    """A fidelity, one table each: which model of the rig is swept."""
+
+    reduction: Annotated[str, Word(REDUCTIONS)] = key(
+        "the static deflection alone, so many modes, or all of the finite elements", "static_mode"
+    )
+    modes: Annotated[int | None, Count(1, 2 * MOST_ELEMENTS)] = key("how many, for modal alone", 8, None)
+    solver: Annotated[str, Word(SOLVERS)] = key("how its motion is found", "flight", "flight")
+
+
+class ReferenceTable(Table):
+    """A curve that a fidelity is checked against, one table each."""
+
+    file: Annotated[str, Text()] = key("CSV file, from the case file's folder", "references/dtu_neutral_sdof.csv")
+    fidelity: Annotated[str, Text()] = key("the fidelity that must meet it", "sdof")
+    quantity: Annotated[str, Word(QUANTITIES)] = key("the column compared", "amplitude")
+    tolerance: Annotated[float, Quantity(units.RATIO, POSITIVE)] = key("largest relative difference", "0.0001 %")
+    direction: Annotated[str | None, Word(DIRECTIONS)] = key(
+        "the branches compared; absent = all that are swept", "both", None, written=False
+    )
+
+
+class SdofTable(Table):
+    """A single degree of freedom in place of beam, mass and sensor: the paper's model, nondimensional."""
+
+    natural_frequency: Annotated[float, Quantity(units.ANGULAR_FREQUENCY, POSITIVE)] = key(
+        "of free motion, with its unit; 1 rad/s = nondimensional time", "1 rad/s", 1.0
+    )
+    damping_ratio: Annotated[float, Ratio] = key("β", 0.015)
+
+
+class SdofStopTable(Table):
+    """The stop of the single degree of freedom."""
+
+    gap: Annotated[float, Quantity(units.RATIO)] = key("Δ, in the unit of the motion", 0.0)
+    restitution: Annotated[float, Unity] = key("speed after over speed before an impact", 0.9)
+
+
+class SdofDriveTable(Table):
+    """The base motion of the single degree of freedom."""
+
+    amplitude: Annotated[float, Ratio] = key("B, in the unit of the motion", 0.5e-3)
+
+
+class SdofSweepTable(SweepTable):
+    """The sweep of the single degree of freedom."""
+
+    output: Annotated[str, Word(("sensor", "contact"))] = key("both are the one motion", "sensor", "sensor")
+
+
+class SdofFidelityTable(Table):
+    """A fidelity of the single degree of freedom, which is one mode already; the table may be empty."""
+
+    reduction: Annotated[str, Word(("static_mode",))] = key("one mode", "static_mode", "static_mode")
+    solver: Annotated[str, Word(SOLVERS)] = key("how its motion is found", "flight", "flight")
+
+
+class BeamCase(Table):
+    """A beam on the bench."""
+
+    title: Annotated[str, Text()] = key(
+        "what the case is; absent = the name of its file", "DTU impacting beam, neutral gap, 0.6 V", ""
+    )
+    source: Annotated[str, Text()] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, Fig. 31(b)", "")
+    beam: BeamTable
+    mass: MassTable
+    added_mass: tuple[AddedMassTable, ...] = key("further point masses", None, (), written=False)
+    stop: StopTable
+    sensor: SensorTable
+    drive: DriveTable
+    sweep: SweepTable
+    fidelity: dict[str, FidelityTable]
+    reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)
+
+
+class SdofCase(Table):
+    """A single degree of freedom by itself."""
+
+    title: Annotated[str, Text()] = key(
+        "what the case is; absent = the name of its file", "single degree of freedom", ""
+    )
+    source: Annotated[str, Text()] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "")
+    sdof: SdofTable
+    stop: SdofStopTable
+    drive: SdofDriveTable
+    sweep: SdofSweepTable
+    fidelity: dict[str, SdofFidelityTable]
+    reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)

@@ -1,0 +1,94 @@
+"""The verdict on a case's text and overrides: the checked tables, or every fault at its line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path as File
+from typing import Any
+
+from pydantic import ValidationError
+
+from vibeam.canonical import name_of
+from vibeam.case_text import parsed
+from vibeam.checks import cross_checks
+from vibeam.faults import OVERRIDE, CaseError, Fault
+from vibeam.lines import Path
+from vibeam.overrides import OverrideError, override
+from vibeam.reading import Complaint, complaints, declaration, known, read
+from vibeam.schema import BeamCase, SdofCase
+
+
+def accepted(text: str, file: File, overrides: Mapping[str, Any]) -> BeamCase | SdofCase:
+    """The declared case in SI units; CaseError with all faults."""
+    tables, lines = parsed(text, file)
+    faults, paths = _override(tables, overrides)
+    place = _Places(str(file), lines, paths)
+    case, wrong = _judged(tables, file.parent)
+    faults += [place.fault(complaint) for complaint in wrong]
+    if faults or case is None:
+        raise CaseError(faults)
+    return case
+
+
+def _override(tables: dict[str, Any], overrides: Mapping[str, Any]) -> tuple[list[Fault], set[Path]]:
+    """Apply the overrides in place: the faults in them, and the paths that they set."""
+    faults, paths = [], set()
+    for key, value in overrides.items():
+        try:
+            paths.add(override(tables, key, value))
+        except OverrideError as error:
+            faults.append(Fault(OVERRIDE, None, ascii(str(key))[1:-1], str(error)))
+    return faults, paths
+
+
+def _judged(tables: dict[str, Any], folder: File) -> tuple[BeamCase | SdofCase | None, list[Complaint]]:
+    model = declaration(tables)
+    case: BeamCase | SdofCase | None = None
+    alone: list[Complaint] = []
+    excused: set[Path] = set()
+    try:
+        case = read(tables)
+    except ValidationError as error:
+        alone, excused = complaints(error, model)
+    together = list(cross_checks(known(model, tables), folder))
+    return case, alone + _new(together, {path for path, _ in alone} | excused)
+
+
+def _new(together: Iterable[Complaint], said: set[Path]) -> list[Complaint]:
+    """Complaints across keys where nothing has been said of the key, or of the table it is in, before."""
+    return [
+        (path, message)
+        for path, message in together
+        if not any(path[:length] in said for length in range(1, len(path) + 1))
+    ]
+
+
+@dataclass(frozen=True)
+class _Places:
+    """Where the keys of a case come from."""
+
+    file: str
+    lines: Mapping[Path, int]
+    overridden: set[Path]
+
+    def fault(self, complaint: Complaint) -> Fault:
+        path, message = complaint
+        key = ".".join(name_of(_short(str(part))) for part in path)
+        places = [path[:length] for length in range(len(path), 0, -1)]
+        if self.overridden.intersection(places):
+            return Fault(OVERRIDE, None, key, message)
+        for place in places:
+            if place in self.lines:
+                return Fault(self.file, self.lines[place], key, message)
+            if self._opened(place):
+                return Fault(OVERRIDE, None, key, message)
+        return Fault(self.file, None, key, message)
+
+    def _opened(self, place: Path) -> bool:
+        """Whether an override opened this table."""
+        return any(path[: len(place)] == place for path in self.overridden)
+
+
+def _short(name: str) -> str:
+    return name if len(name) <= 40 else f"{name[:39]}…"
