@@ -37,11 +37,13 @@ def march(
     output: str = "contact",
     state: State | None = None,
     block: int = 1,
+    slowest: float | None = None,
 ) -> Iterator[tuple[FrequencyResponse, State]]:
     """Steady points in the order of ``omega`` (rad/s), ``block`` at a time, each with the state after it.
 
     The state is carried from point to point (displacement and velocity relative to the base; the drive's phase starts
-    at 0 at every point); ``state`` None: static equilibrium. ``amplitude``: of the base, m. A point that fails is NaN
+    at 0 at every point); ``state`` None: static equilibrium. ``amplitude``: of the base, m. ``slowest``: the lowest
+    frequency of the whole sweep where ``omega`` is only what is left of it (numbers are then the same to the bit). A point that fails is NaN
     with its reason, and the next one starts from equilibrium. ValueError for a grid, periods, solver that make no sense,
     KeyError for an unknown output.
     """
@@ -53,7 +55,7 @@ def march(
     if not np.isfinite(amplitude):
         raise ValueError(f"amplitude: {amplitude} is not finite")
     system.output(output)
-    runner = solver_named(solver, system, float(grid.min()))
+    runner = solver_named(solver, system, float(grid.min()) if slowest is None else slowest)
     for first in range(0, len(grid), block):
         response, state = runner.steady(grid[first : first + block], amplitude, state, settle, hold, output)
         yield response, state

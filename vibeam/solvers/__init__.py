@@ -23,9 +23,9 @@ def solver(name: str, system: ImpactSystem, slowest: float, span: float = 0.0) -
 
 def compiled() -> bool:
     """Whether the kernels of this version lie compiled in numba's cache."""
-    from vibeam.solvers.kernels.compiled import steady_point
+    from vibeam.solvers.kernels.compiled import move
 
-    path = getattr(getattr(steady_point._cache, "_cache_file", None), "_index_path", None)  # type: ignore[attr-defined]
+    path = getattr(getattr(move._cache, "_cache_file", None), "_index_path", None)  # type: ignore[attr-defined]
     if path is None:
         return False
     import os

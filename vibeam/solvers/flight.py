@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.response import VELOCITIES_KEPT, Ended, FrequencyResponse
-from vibeam.solvers.kernels.compiled import poses_at, steady_point, trace_motion
+from vibeam.solvers.kernels.compiled import move, poses_at
 from vibeam.solvers.kernels.layout import (
+    CLOCK,
     COMPLETE,
     CONTACT_LEAST,
     COUNT_ROWS,
@@ -23,12 +24,14 @@ from vibeam.solvers.kernels.layout import (
     KIND,
     LEAST,
     NOT_FINITE,
+    ORDER,
     PANELS,
     PENETRATED,
     REST_TIME,
     RESTING,
     RESULT_ROWS,
     SEGMENTS,
+    SPEED,
     SPEED_SUM,
     START,
     STATUS_ROWS,
@@ -89,16 +92,16 @@ class FlightSolver:
         """The motion from time ``start`` to ``end``: why it ended, when, its last state, all segments, stats."""
         begun = time.thread_time()
         pose, status = self.pose(state)
-        status[0] = start
+        status[CLOCK] = start
         rows, done, kept = ROWS, 0.0, []
         totals = np.zeros(COUNT_ROWS, dtype=np.int64)
         outcome, span = FULL, end - start
         while outcome == FULL:
             trace, poses = np.zeros((rows, TRACE_COLUMNS)), np.zeros((rows, 2, self.system.size))
             counts = np.zeros(COUNT_ROWS, dtype=np.int64)
-            outcome, step = trace_motion(
-                self.packed.desk, drive.omega, drive.amplitude, pose, status, span - done,
-                limit - int(totals[IMPACTS]), trace, poses, counts,
+            outcome, step = move(
+                self.packed.desk, drive.omega, drive.amplitude, pose, status, span - done, 0, 0,
+                limit - int(totals[IMPACTS]), *self._room(None, 0, trace, poses), counts, 0,
             )  # fmt: skip
             count = int(counts[SEGMENTS])
             trace[:count, START] += start + done
@@ -121,7 +124,7 @@ class FlightSolver:
         out = np.empty((len(times), 2, self.system.size))
         poses_at(
             self.packed.desk, drive.omega, drive.amplitude, segments.trace, self.packed.inward(segments.poses),
-            which, times - starts[which], np.zeros((2, self.system.size)), out,
+            which, times - starts[which], np.zeros((2, self.system.size)), np.zeros(STATUS_ROWS), out,
         )  # fmt: skip
         return self.packed.outward(out)
 
@@ -130,19 +133,18 @@ class FlightSolver:
     ) -> tuple[FrequencyResponse, State]:
         """Steady points at ``omegas`` in turn, the state carried from each to the next; and the last state."""
         pose, status = self.pose(state)
-        row, rest_row = self._rows(output)
         n = self.system.size
         response = FrequencyResponse.empty(np.asarray(omegas, dtype=float) / (2 * np.pi), n)
-        room = (
-            np.zeros((0, TRACE_COLUMNS)), np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n)),
-            np.zeros((hold + 1, 2, n)), np.zeros((2, n)), np.zeros((2, n)),
-        )  # fmt: skip
+        trace, poses = np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n))
+        room, counts = self._room(output, hold, trace, poses), np.zeros(COUNT_ROWS, dtype=np.int64)
+        result, energy = room[-2:]
         for index, omega in enumerate(omegas):
             begun = time.thread_time()
-            result, energy, counts = np.zeros(RESULT_ROWS), np.zeros(n), np.zeros(COUNT_ROWS, dtype=np.int64)
-            outcome, period = steady_point(
-                self.packed.desk, omega, amplitude, pose, status, settle, hold, self.limit,
-                row, rest_row, *room, result, energy, counts, LONGEST_PERIOD,
+            result[:], energy[:], counts[:] = 0.0, 0.0, 0
+            status[ORDER], status[SPEED] = 0.0, 0.0  # a point knows of the one before it what a State says, no more
+            outcome, period = move(
+                self.packed.desk, omega, amplitude, pose, status, 0.0, settle, hold, self.limit,
+                *room, counts, LONGEST_PERIOD,
             )  # fmt: skip
             spent = time.thread_time() - begun
             self._write(response, index, OUTCOMES[outcome], period, result, energy, counts, hold, omega)
@@ -151,10 +153,14 @@ class FlightSolver:
                 pose, status = self.pose(None)
         return response, self.state(pose, status)
 
-    def _rows(self, output: str) -> tuple[Array, Array]:
-        row = self.packed.inward(self.system.output(output))
-        rest_row = row @ self.packed.desk.from_blocks[: len(row)]
-        return row, np.ascontiguousarray(rest_row.reshape(-1, 2).T)
+    def _room(self, output: str | None, hold: int, trace: Array, poses: Array) -> tuple[Array, ...]:
+        """The kernels' arrays from ``row`` to ``energy`` (see ``kernels.compiled.move``)."""
+        n = self.system.size
+        row = self.packed.inward(self.system.contact if output is None else self.system.output(output))
+        rest_row = np.ascontiguousarray((row @ self.packed.desk.from_blocks[:n]).reshape(-1, 2).T)
+        nothing, strobes = np.zeros((0, TRACE_COLUMNS)), np.zeros((hold + 1, 2, n))
+        scratch, frame = np.zeros((2, n)), np.zeros((2, n))
+        return row, rest_row, nothing, trace, poses, strobes, scratch, frame, np.zeros(RESULT_ROWS), np.zeros(n)
 
     def _write(
         self, response: FrequencyResponse, i: int, ended: Ended, period: int, result: Array, energy: Array,

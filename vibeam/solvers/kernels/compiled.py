@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.solvers.kernels.desk import Desk
-from vibeam.solvers.kernels.drive import set_drive
+from vibeam.solvers.kernels.drive import phase, set_drive
 from vibeam.solvers.kernels.flight import begin_flight, land
-from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.jit import entry
 from vibeam.solvers.kernels.layout import (
     AT_CLOCK,
-    COMPLETE,
+    CLOCK,
     RESTING,
     WHAT,
 )
@@ -22,37 +22,31 @@ from vibeam.solvers.kernels.steady import repetition, settle_and_hold
 Array = NDArray[np.float64]
 
 
-@kernel
-def trace_motion(
-    desk: Desk, omega: float, amplitude: float, pose: Array, status: Array, span: float, limit: int,
-    trace: Array, poses: Array, counts: NDArray[np.int64],
+@entry
+def move(
+    desk: Desk, omega: float, amplitude: float, pose: Array, status: Array, span: float, settle: int, hold: int,
+    limit: int, row: Array, rest_row: Array, nothing: Array, trace: Array, poses: Array, strobes: Array,
+    scratch: Array, frame: Array, result: Array, energy: Array, counts: NDArray[np.int64], longest: int,
 ) -> tuple[int, float]:  # fmt: skip
-    """Carry ``pose`` on by ``span`` under one drive and write every segment into ``trace``: outcome, time done."""
-    set_drive(desk, omega, amplitude)
-    return advance(desk, pose, status, span, limit, trace, poses, counts)
+    """Carry ``pose`` on under one drive; one function for both uses, so that the engine is compiled once.
 
-
-@kernel
-def steady_point(
-    desk: Desk, omega: float, amplitude: float, pose: Array, status: Array, settle: int, hold: int, limit: int,
-    row: Array, rest_row: Array, nothing: Array, trace: Array, poses: Array, strobes: Array, scratch: Array,
-    frame: Array, result: Array, energy: Array, counts: NDArray[np.int64], longest: int,
-) -> tuple[int, int]:  # fmt: skip
-    """One point of a sweep: outcome, period (0 where the motion does not repeat)."""
+    span > 0: every segment of that time goes to ``trace``: outcome, time done. Otherwise a point of a sweep, ``settle``
+    and ``hold`` periods watched: outcome, period (0 where the motion does not repeat).
+    """
     set_drive(desk, omega, amplitude)
+    if span > 0.0:
+        return advance(desk, pose, status, span, limit, trace, poses, counts)
     outcome = settle_and_hold(
-        desk, pose, status, settle, hold, limit, row, rest_row,
-        nothing, trace, poses, strobes, scratch, frame, result, energy, counts,
+        desk, pose, status, settle, hold, limit, row, rest_row, nothing, trace, poses, strobes,
+        scratch, frame, result, energy, counts,
     )  # fmt: skip
-    if outcome != COMPLETE:
-        return outcome, 0
-    return outcome, repetition(desk.pairs, desk.drive, strobes, hold, longest)
+    return outcome, float(repetition(desk.pairs, desk.drive, strobes, hold, longest))
 
 
-@kernel
+@entry
 def poses_at(
     desk: Desk, omega: float, amplitude: float, trace: Array, poses: Array, which: NDArray[np.int64], after: Array,
-    pose: Array, out: Array,
+    pose: Array, status: Array, out: Array,
 ) -> None:  # fmt: skip
     """Set out[i] (2, n) to the pose a time after[i] into segment which[i]."""
     set_drive(desk, omega, amplitude)
@@ -64,7 +58,9 @@ def poses_at(
         if trace[segment, WHAT] == RESTING:
             stay(desk, pose, clock, after[i])
         else:
-            begin_flight(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, clock)
-            land(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, clock, after[i], False)
+            status[CLOCK] = clock
+            cosine, sine = phase(desk.drive, clock)
+            begin_flight(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, cosine, sine)
+            land(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, status, after[i], False)
         for k in range(pose.shape[1]):
             out[i, 0, k], out[i, 1, k] = pose[0, k], pose[1, k]

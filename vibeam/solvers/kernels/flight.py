@@ -21,6 +21,7 @@ from vibeam.solvers.kernels.layout import (
     AX,
     AY,
     CLEARANCE,
+    CLOCK,
     CONST,
     CONTACT,
     CONTACT_IM,
@@ -33,6 +34,8 @@ from vibeam.solvers.kernels.layout import (
     LOAD,
     OFFSET,
     OMEGA,
+    PHASE_COS,
+    PHASE_SIN,
     RE,
     SIGMA,
     SINE,
@@ -58,10 +61,9 @@ SILENT = 1e-100  # a contact value so small that dividing by it would lose digit
 @kernel
 def begin_flight(
     pairs: Array, signal: Array, attached: Array, modes: Array, drive: Array,
-    pose: Array, clock: float,
+    pose: Array, cosine: float, sine: float,
 ) -> tuple[float, float, float]:  # fmt: skip
-    """The gap g(t) = gap − contact·η as a signal from ``pose``: its value and slope now, and the size of its parts."""
-    cosine, sine = phase(drive, clock)
+    """The gap g(t) = gap − contact·η as a signal from ``pose`` at that drive phase: value, slope, size of its parts."""
     zr = -(drive[CONTACT_RE] * cosine - drive[CONTACT_IM] * sine)
     zi = -(drive[CONTACT_RE] * sine + drive[CONTACT_IM] * cosine)
     signal[CONST], signal[ZR], signal[ZI], signal[DRIVE] = drive[CLEARANCE], zr, zi, drive[W]
@@ -89,17 +91,18 @@ def begin_flight(
 @kernel
 def land(
     pairs: Array, signal: Array, attached: Array, modes: Array, drive: Array,
-    pose: Array, clock: float, flight: float, found: bool,
-) -> float:  # fmt: skip
-    """Set ``pose`` to the state at the end of the flight; returns the clock there.
+    pose: Array, status: Array, flight: float, found: bool,
+) -> None:  # fmt: skip
+    """Set ``pose``, and the clock in ``status``, to the end of the flight.
 
     At a root XT, YT and the trial hold the pairs already; otherwise they are evaluated here.
     """
     if not found:
         att.restart(attached, signal)
         value_at(pairs, signal, attached, 0.0, flight)
-    after = wrap(drive, clock + flight)
-    cosine, sine = phase(drive, after)
+    status[CLOCK] = wrap(drive, status[CLOCK] + flight)
+    cosine, sine = phase(drive, status[CLOCK])
+    status[PHASE_COS], status[PHASE_SIN] = cosine, sine
     w = drive[W]
     for k in range(pairs.shape[1]):
         c = modes[CONTACT, k]
@@ -116,13 +119,12 @@ def land(
     for j in range(int(signal[ATTACHED])):
         k = int(attached[AMODE, j])
         pose[0, k], pose[1, k] = attached[TRIAL_X, j], attached[TRIAL_Y, j]
-    return after
 
 
 @kernel
-def contact_derivatives(pairs: Array, modes: Array, drive: Array, pose: Array, clock: float) -> tuple[float, float]:
+def contact_derivatives(pairs: Array, modes: Array, drive: Array, pose: Array, status: Array) -> tuple[float, float]:
     """contact·η'' and contact·η''' of the free system, positive toward the stop."""
-    cosine, sine = phase(drive, clock)
+    cosine, sine = status[PHASE_COS], status[PHASE_SIN]
     second, third = 0.0, 0.0
     for k in range(pairs.shape[1]):
         damp, spring = 2.0 * pairs[SIGMA, k], pairs[OMEGA, k] * pairs[OMEGA, k]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import sqrt
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,9 +16,15 @@ from vibeam.solvers.kernels.layout import (
     AX,
     CONTACT,
     GAP,
+    HARMONIC,
     KAPPA,
     MOBILITY,
+    PHASE_COS,
+    PHASE_SIN,
     RESTITUTION,
+    SPEED,
+    ZI,
+    ZR,
     W,
 )
 from vibeam.solvers.kernels.signal import magnitude, to_node
@@ -43,7 +51,7 @@ def strike(modes: Array, drive: Array, pose: Array) -> float:
 
 
 @kernel
-def chatter_left(desk: Desk, pose: Array, clock: float, after: float, speed: float) -> tuple[float, float]:
+def chatter_left(desk: Desk, pose: Array, status: Array, after: float) -> tuple[float, float]:
     """Time that the rest of an accumulation of impacts takes, and a bound of its error; (−1, 0) where there is none yet.
 
     With contact acceleration a toward the stop the flights last 2v/a, 2Rv/a, …: together T = 2v / (a (1 − R)). Its
@@ -51,16 +59,17 @@ def chatter_left(desk: Desk, pose: Array, clock: float, after: float, speed: flo
     by v T at most (Nordmark & Piiroinen 2009, to first order).
     """
     drive = desk.drive
-    toward, _ = contact_derivatives(desk.pairs, desk.modes, drive, pose, clock)
+    toward, _ = contact_derivatives(desk.pairs, desk.modes, drive, pose, status)
     if toward <= 0.0 or drive[RESTITUTION] >= 1.0:
         return -1.0, 0.0
     left = 2.0 * after / (toward * (1.0 - drive[RESTITUTION]))
-    length = speed * speed / toward
+    length = status[SPEED] * status[SPEED] / toward
     if after * left > NEAR * (length + abs(drive[GAP])):
         return -1.0, 0.0
     _, _, size = begin_flight(
-        desk.pairs, desk.signal, desk.attached, desk.modes, drive, pose, clock
+        desk.pairs, desk.signal, desk.attached, desk.modes, drive, pose, status[PHASE_COS], status[PHASE_SIN]
     )
+    desk.signal[HARMONIC] = sqrt(desk.signal[ZR] ** 2 + desk.signal[ZI] ** 2)
     to_node(desk.pairs)
     for j in range(desk.attached.shape[1]):
         size += abs(desk.attached[AWEIGHT, j] * desk.attached[AX, j])

@@ -55,8 +55,7 @@ def first_root(
         return False, span, 0
     time, level, panels, since, patience = 0.0, coarsest, 0, 0, 1
     if order > 0:
-        derivatives(pairs, signal, pairs.shape[1], WHOLE)
-        att.add_derivatives(attached, signal, WHOLE)
+        derivatives(pairs, signal, attached, pairs.shape[1], WHOLE, order + 1)
         level = first_level(levels, order, rise, signal, coarsest)
     while time < span:
         panels += 1

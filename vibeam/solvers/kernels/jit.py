@@ -1,7 +1,8 @@
-"""One way to compile: cached on disk, without the interpreter's lock, IEEE arithmetic as written, no allocation.
+"""How kernels are compiled: cached on disk, without the interpreter's lock, IEEE arithmetic as written, no allocation.
 
 Kernels get all their arrays from Python and make none: numba then counts no references, which in loops of a few
-nanoseconds cost more than the arithmetic.
+nanoseconds cost more than the arithmetic. Only ``entry`` functions can be called from Python; the others are compiled
+into them without wrappers of their own.
 """
 
 from __future__ import annotations
@@ -12,8 +13,20 @@ from typing import Any, TypeVar, cast
 from numba import njit
 
 F = TypeVar("F", bound=Callable[..., Any])
+OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": False}
+INNER: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 
 
 def kernel(function: F) -> F:
-    """Compile a kernel when it is first called."""
-    return cast(F, njit(cache=True, nogil=True, error_model="numpy", _nrt=False)(function))
+    """A piece that other kernels call."""
+    return cast(F, njit(**OPTIONS, **INNER)(function))
+
+
+def summing(function: F) -> F:
+    """A piece whose sums may be taken in any order, so that they run side by side in the processor's lanes."""
+    return cast(F, njit(**OPTIONS, **INNER, fastmath={"reassoc", "nsz", "contract"})(function))
+
+
+def entry(function: F) -> F:
+    """A function that Python calls, compiled when it first is and then kept on disk."""
+    return cast(F, njit(**OPTIONS, cache=True)(function))

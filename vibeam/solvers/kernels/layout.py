@@ -47,9 +47,9 @@ RE1, RE2, IM1, IM2, OFFSET1, OFFSET2, Z1, Z2 = range(10, 18)
 BLOCK_ROWS = 18
 
 # pose (2, n): modal values, velocities; status (STATUS_ROWS,): time in the drive period, free or resting, order of the
-# contact at the start and g^{(order)} there, the largest impact velocity so far
-CLOCK, KIND, ORDER, RISE, SPEED = range(5)
-STATUS_ROWS = 5
+# contact at the start and g^{(order)} there, the largest impact velocity so far, cos and sin of the drive's phase
+CLOCK, KIND, ORDER, RISE, SPEED, PHASE_COS, PHASE_SIN = range(7)
+STATUS_ROWS = 7
 FREE, RESTING = 0.0, 1.0
 
 # trace (m, TRACE_COLUMNS): a segment each; what ended it, the contact velocity before, what a chatter still takes

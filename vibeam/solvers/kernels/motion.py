@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.solvers.kernels.desk import Desk
-from vibeam.solvers.kernels.drive import wrap
+from vibeam.solvers.kernels.drive import phase, wrap
 from vibeam.solvers.kernels.flight import begin_flight, contact_derivatives, land
 from vibeam.solvers.kernels.impact import chatter_left, strike
 from vibeam.solvers.kernels.isolate import first_root
@@ -32,6 +32,8 @@ from vibeam.solvers.kernels.layout import (
     ORDER,
     PANELS,
     PENETRATED,
+    PHASE_COS,
+    PHASE_SIN,
     RELEASE,
     REMAINDER,
     RESTING,
@@ -41,6 +43,7 @@ from vibeam.solvers.kernels.layout import (
     SPAN_END,
     SPEED,
     START,
+    STEP,
     STUCK,
     WHAT,
 )
@@ -60,6 +63,7 @@ def advance(
     is left; empty them and call again with the rest of the span.
     """
     done, events, rows = 0.0, 0, trace.shape[0]
+    status[PHASE_COS], status[PHASE_SIN] = phase(desk.drive, status[CLOCK])
     while done < span:
         if rows > 0 and counts[SEGMENTS] >= rows:
             return FULL, done
@@ -102,7 +106,7 @@ def fly(
 ) -> tuple[int, float]:
     """One flight and the impact at its end: outcome, duration."""
     value, slope, size = begin_flight(
-        desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, status[CLOCK]
+        desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, status[PHASE_COS], status[PHASE_SIN]
     )
     if not np.isfinite(size):
         return NOT_FINITE, 0.0
@@ -122,9 +126,9 @@ def fly(
             int(status[ORDER]), status[RISE], span, int(desk.drive[COARSEST]),
         )  # fmt: skip
         counts[PANELS] += panels
-        status[CLOCK] = land(
+        land(
             desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive,
-            pose, status[CLOCK], flight, found,
+            pose, status, flight, found,
         )  # fmt: skip
     status[ORDER] = 0.0
     end, before = SPAN_END, 0.0
@@ -145,7 +149,7 @@ def meet(desk: Desk, pose: Array, status: Array, trace: Array, row: int) -> tupl
     if after <= 0.0:
         settle_on_stop(desk.modes, desk.drive, pose)
         return before, lift_or_rest(desk, pose, status)
-    left, remainder = chatter_left(desk, pose, status[CLOCK], after, status[SPEED])
+    left, remainder = chatter_left(desk, pose, status, after)
     if left < 0.0:
         status[ORDER], status[RISE] = 1.0, after
         return before, IMPACT
@@ -159,7 +163,7 @@ def meet(desk: Desk, pose: Array, status: Array, trace: Array, row: int) -> tupl
 @kernel
 def lift_or_rest(desk: Desk, pose: Array, status: Array) -> int:
     """On the stop without velocity: pressed against it (or not drawn away) it rests, drawn away it flies."""
-    toward, jerk = contact_derivatives(desk.pairs, desk.modes, desk.drive, pose, status[CLOCK])
+    toward, jerk = contact_derivatives(desk.pairs, desk.modes, desk.drive, pose, status)
     if toward < 0.0:
         status[ORDER], status[RISE] = 2.0, -toward
         return IMPACT
@@ -175,30 +179,40 @@ def lie(
     desk: Desk, pose: Array, status: Array, span: float, trace: Array, counts: NDArray[np.int64]
 ) -> tuple[int, float]:
     """One rest on the stop, until the contact force vanishes: outcome, duration."""
-    force = begin_rest(desk, pose, status[CLOCK])
-    if not np.isfinite(force):
+    force, rate, size = begin_rest(desk, pose, status[CLOCK])
+    if not np.isfinite(size):
         return NOT_FINITE, 0.0
-    found, duration = True, 0.0
-    if force > 0.0:
+    order = 0 if force > ROUND_OFF * size else 1
+    found, duration = False, span
+    if order == 1 and (rate <= 0.0 or force < -ROUND_OFF * size):
+        if release(desk, pose, status, False):
+            return COMPLETE, 0.0
+        if size > 0.0:  # force and rate vanish together: the next instant decides
+            duration = min(span, desk.levels[STEP, int(desk.drive[COARSEST])] * 1e-6)
+    else:
         found, duration, panels = first_root(
             desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.no_attached,
-            0, 0.0, span, int(desk.drive[COARSEST]),
+            order, rate, span, int(desk.drive[COARSEST]),
         )  # fmt: skip
         counts[PANELS] += panels
-        stay(desk, pose, status[CLOCK], duration)
-        status[CLOCK] = wrap(desk.drive, status[CLOCK] + duration)
-        close_segment(trace, duration, RELEASE if found else SPAN_END, 0.0, counts)
+    stay(desk, pose, status[CLOCK], duration)
+    status[CLOCK] = wrap(desk.drive, status[CLOCK] + duration)
+    status[PHASE_COS], status[PHASE_SIN] = phase(desk.drive, status[CLOCK])
+    close_segment(trace, duration, RELEASE if found else SPAN_END, 0.0, counts)
     if found:
-        release(desk, pose, status)
+        release(desk, pose, status, True)
     return COMPLETE, duration
 
 
 @kernel
-def release(desk: Desk, pose: Array, status: Array) -> None:
-    """Leave the stop: with jerk where the force has just vanished, with acceleration where it never pressed."""
-    toward, jerk = contact_derivatives(desk.pairs, desk.modes, desk.drive, pose, status[CLOCK])
-    status[KIND] = FREE
-    if jerk < 0.0:
+def release(desk: Desk, pose: Array, status: Array, at_root: bool) -> bool:
+    """Leave the stop where the motion is drawn away from it: with acceleration, or with jerk where the force vanishes."""
+    toward, jerk = contact_derivatives(desk.pairs, desk.modes, desk.drive, pose, status)
+    if jerk < 0.0 and (at_root or toward >= 0.0):
         status[ORDER], status[RISE] = 3.0, -jerk
+    elif toward < 0.0:
+        status[ORDER], status[RISE] = 2.0, -toward
     else:
-        status[ORDER], status[RISE] = 2.0, max(abs(toward), 1e-300)
+        return False
+    status[KIND] = FREE
+    return True

@@ -6,14 +6,12 @@ whose fourth derivative is bounded by 24/(m+4)! times a bound on g^{(m+4)}.
 
 from __future__ import annotations
 
-from math import sqrt
-
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.solvers.kernels import attached as att
 from vibeam.solvers.kernels.hull import verdict
-from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.jit import kernel, summing
 from vibeam.solvers.kernels.layout import (
     ATTACHED,
     AWEIGHT,
@@ -59,21 +57,20 @@ from vibeam.solvers.kernels.layout import (
     X,
     Y,
 )
-from vibeam.solvers.kernels.signal import derivatives, quotient
+from vibeam.solvers.kernels.signal import derivatives, norm, quotient
 
 Array = NDArray[np.float64]
 FACTORIAL = np.array([1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0, 5040.0])
 
 
-@kernel
+@summing
 def step_pairs(pairs: Array, table: Array, level: int) -> None:
     """Trial pairs one panel on from the node."""
     for k in range(pairs.shape[1]):
         x, y = pairs[X, k], pairs[Y, k]
         x2 = table[0, level, k] * x + table[1, level, k] * y
         y2 = table[2, level, k] * x + table[3, level, k] * y
-        slope = y2 * pairs[INVERSE, k]
-        pairs[X2, k], pairs[Y2, k], pairs[E2, k] = x2, y2, sqrt(x2 * x2 + slope * slope)
+        pairs[X2, k], pairs[Y2, k], pairs[E2, k] = x2, y2, norm(x2, y2 * pairs[INVERSE, k])
 
 
 @kernel
@@ -84,7 +81,7 @@ def accept(pairs: Array, signal: Array, attached: Array) -> None:
     att.accept(attached, signal)
 
 
-@kernel
+@summing
 def measure(
     pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, time: float, re: float, im: float, level: int
 ) -> None:
@@ -151,20 +148,20 @@ def launching(
     signal[P0 … S1] receive the whole quotient at its ends.
     """
     h, count = levels[STEP, level], int(levels[COUNT, level])
-    derivatives(pairs, signal, count, LOW)
-    att.add_derivatives(attached, signal, LOW)
-    m4 = signal[HARMONIC] * signal[DRIVE] ** (order + 4)
+    derivatives(pairs, signal, attached, count, LOW, order + 1)
+    m4 = signal[HARMONIC] * power(signal[DRIVE], order + 4)
     for k in range(count):
-        m4 += pairs[E, k] * pairs[KAPPA, k] ** (order + 4)
+        m4 += pairs[E, k] * power(pairs[KAPPA, k], order + 4)
     slack, hidden = 0.0, 0.0
     slack1, slack2 = 0.0, 0.0
     for k in range(count, pairs.shape[1]):
-        part = pairs[E, k] * pairs[KAPPA, k] ** order
+        part = pairs[E, k] * power(pairs[KAPPA, k], order)
         slack += part
         slack1 += part * pairs[KAPPA, k]
         slack2 += part * pairs[KAPPA, k] * pairs[KAPPA, k]
         hidden += initial_derivative(pairs, k, order)
-    m4 += att.bound(attached, signal, 0.0, order + 4, h)
+    if signal[ATTACHED] > 0.0:
+        m4 += att.bound(attached, signal, 0.0, order + 4, h)
     gamma, delta, rest_gamma, rest_delta = growths(pairs, table, levels, signal, attached, count, level)
     low = rise - hidden
     p1, s1 = quotient(order, low, signal[LOW + 2], gamma, delta, h)
@@ -179,6 +176,15 @@ def launching(
 
 
 @kernel
+def power(base: float, exponent: int) -> float:
+    """base^exponent for a small whole exponent."""
+    value = 1.0
+    for _ in range(exponent):
+        value *= base
+    return value
+
+
+@summing
 def growths(
     pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, count: int, level: int
 ) -> tuple[float, float, float, float]:

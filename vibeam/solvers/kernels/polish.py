@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import sqrt
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +10,7 @@ from vibeam.solvers.kernels.layout import (
     ATTACHED,
     CONST,
     DRIVE,
+    HARMONIC,
     KAPPA,
     OMEGA,
     P0,
@@ -21,8 +20,6 @@ from vibeam.solvers.kernels.layout import (
     SIGMA,
     XT,
     YT,
-    ZI,
-    ZR,
     E,
 )
 from vibeam.solvers.kernels.signal import quotient_at, value_at
@@ -76,7 +73,7 @@ def shift(pairs: Array, step: float) -> None:
 @kernel
 def shift_limit(pairs: Array, signal: Array) -> float:
     """The cube of the longest step that ``shift`` takes to round-off: M₃Δ³/6, M₄Δ³/6 below that of value and slope."""
-    harmonic, w = sqrt(signal[ZR] * signal[ZR] + signal[ZI] * signal[ZI]), signal[DRIVE]
+    harmonic, w = signal[HARMONIC], signal[DRIVE]
     cube = w * w * w
     size, first = abs(signal[CONST]) + harmonic, harmonic * w
     third, fourth = harmonic * cube, harmonic * cube * w

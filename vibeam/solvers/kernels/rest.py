@@ -75,12 +75,13 @@ def into_blocks(desk: Desk, pose: Array, clock: float) -> None:
 
 
 @kernel
-def begin_rest(desk: Desk, pose: Array, clock: float) -> float:
-    """The contact force (positive: it presses) as the rest signal; its value now."""
+def begin_rest(desk: Desk, pose: Array, clock: float) -> tuple[float, float, float]:
+    """The contact force (positive: it presses) as the rest signal: its value and rate now, the size of its parts."""
     blocks, drive, signal = desk.blocks, desk.drive, desk.rest_signal
     into_blocks(desk, pose, clock)
     cosine, sine = phase(drive, clock)
-    const, re, im, value = drive[REST_FORCE], drive[REST_LOAD] * drive[STRENGTH], 0.0, 0.0
+    const, re, im = drive[REST_FORCE], drive[REST_LOAD] * drive[STRENGTH], 0.0
+    value, rate, size = 0.0, 0.0, 0.0
     for k in range(blocks.shape[1]):
         r0, r1 = blocks[ROW1, k], blocks[ROW2, k]
         const += r0 * blocks[OFFSET1, k] + r1 * blocks[OFFSET2, k]
@@ -91,9 +92,12 @@ def begin_rest(desk: Desk, pose: Array, clock: float) -> float:
         y += (r0 * blocks[A12, k] + r1 * blocks[A22, k]) * blocks[Z2, k]
         desk.rest_pairs[X0, k], desk.rest_pairs[Y0, k] = x, y
         value += x
+        rate += y
+        size += abs(x)
     signal[CONST], signal[DRIVE], signal[COSINE], signal[SINE] = const, drive[W], cosine, sine
     signal[ZR], signal[ZI] = re * cosine - im * sine, re * sine + im * cosine
-    return float(value + const + signal[ZI])
+    size += abs(const) + abs(signal[ZR]) + abs(signal[ZI])
+    return value + const + signal[ZI], rate + drive[W] * signal[ZR], size
 
 
 @kernel

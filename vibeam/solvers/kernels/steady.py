@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.solvers.kernels.desk import Desk
+from vibeam.solvers.kernels.drive import phase
 from vibeam.solvers.kernels.energy import energy_at_rest, energy_in_flight
 from vibeam.solvers.kernels.extremes import extremes
 from vibeam.solvers.kernels.flight import begin_flight
@@ -116,7 +117,8 @@ def watch_flight(
     desk: Desk, row: Array, pose: Array, clock: float, duration: float, coarsest: int, result: Array, energy: Array
 ) -> None:
     """Extremes of the output and of the gap, and the modes' energies, over one flight."""
-    begin_flight(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, clock)
+    cosine, sine = phase(desk.drive, clock)
+    begin_flight(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, cosine, sine)
     energy_in_flight(desk, pose, clock, duration, energy)
     _, widest = extremes(
         desk.pairs, desk.table, desk.levels, desk.signal, desk.attached,

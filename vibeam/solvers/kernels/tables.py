@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.jit import entry, kernel
 from vibeam.solvers.kernels.layout import (
     COUNT,
     DECAY,
@@ -55,7 +55,7 @@ def rates(omega: Array, sigma: Array) -> Array:
     return np.asarray(sigma + np.sqrt(sigma**2 + omega**2))
 
 
-@kernel
+@entry
 def tabulate(pairs: Array, levels: Array, table: Array) -> None:
     """Fill ``table`` with P00 P01 P10 P11 D0 D1 V0 V1 of every panel length and pair."""
     for level in range(LEVELS):
