@@ -62,7 +62,7 @@ class MassTable(Table):
     mass: Annotated[float, Quantity(units.MASS, POSITIVE)] = key("attached mass", "0.2 kg")
     position: Annotated[float, Place] = key("distance from the clamp, in (0, length]", "132 mm")
     rotary_inertia: Annotated[float | None, Quantity(units.INERTIA, POSITIVE)] = key(
-        "effect: about the axis of bending; absent = a point mass", "2.84e-5 kg m^2", None
+        "effect: about the axis of bending; absent = a point mass", "2.988e-5 kg m^2", None
     )
     rigid_half_width: Annotated[float | None, Length] = key(
         "effect: the beam is rigid this far on either side of the mass; absent = nowhere", "11.7 mm", None

@@ -39,7 +39,7 @@ class Rig:
     elements: int = 36
     mass: str = "0.2"
     position: str = "0.132"
-    rotary_inertia: str = "2.84e-5"
+    rotary_inertia: str = "2.988e-5"
     rigid_half_width: str = "0.0117"
     sensor: str = "0.100"
 

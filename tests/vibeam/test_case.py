@@ -38,7 +38,7 @@ def test_the_rig_in_si_units():
     case = vibeam.load(CASES / "dtu_neutral.toml")
     assert case.scene == Scene(
         beam=RIG,
-        mass=Mass(0.2, 0.132, 2.84e-5, 0.0117),
+        mass=Mass(0.2, 0.132, 2.988e-5, 0.0117),
         stop=Stop(0.132, 0.0, 0.72),
         sensor=Sensor(0.1),
         base=Base(voltage=0.6, gain=5.16e-4),

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.solvers.kernels.desk import Desk
-from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.jit import joined, kernel
 from vibeam.solvers.kernels.layout import (
     A11,
     A12,
@@ -142,7 +142,7 @@ def rest_response(blocks: Array, omega: float, strength: float) -> None:
         blocks[OFFSET2, k] = -(a * blocks[CONSTANT2, k] - c * blocks[CONSTANT1, k]) / det
 
 
-@kernel
+@joined
 def wrap(drive: Array, time: float) -> float:
     """A time within the drive's period: whole periods taken off exactly."""
     if drive[W] == 0.0 or time < drive[PERIOD]:
@@ -150,7 +150,7 @@ def wrap(drive: Array, time: float) -> float:
     return float(np.fmod(time, drive[PERIOD]) - np.floor(time / drive[PERIOD]) * drive[PERIOD_REST])
 
 
-@kernel
+@joined
 def phase(drive: Array, time: float) -> tuple[float, float]:
     """cos and sin of the drive's phase at a time within its period."""
     return cos(drive[W] * time), sin(drive[W] * time)

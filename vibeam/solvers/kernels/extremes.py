@@ -12,19 +12,9 @@ from vibeam.solvers.kernels.jit import kernel
 from vibeam.solvers.kernels.layout import (
     ATTACHED,
     CONST,
-    FOURTH,
     HARMONIC,
     LEVELS,
-    P0,
-    P1,
-    Q0,
-    Q1,
-    S0,
-    S1,
-    SLACK,
     STEP,
-    T0,
-    T1,
     TURN_IM,
     TURN_RE,
     ZI,
@@ -51,18 +41,20 @@ def extremes(
     time, level = 0.0, coarsest
     while True:
         h = levels[STEP, level]
-        measure(pairs, table, levels, signal, attached, time, re, im, level)
+        p0, s0, p1, s1, fourth, slack, _, _, begin, begin_slope, end, end_slope = measure(
+            pairs, table, levels, signal, attached, time, re, im, level
+        )
         if time == 0.0:
-            least, most = min(least, signal[P0]), max(most, signal[P0])
+            least, most = min(least, p0 + begin), max(most, p0 + begin)
         if time >= span:
             return least, most
-        error = signal[FOURTH] * h * h * h * h / 384.0 + signal[SLACK]
-        low, high = hull(signal[Q0], signal[T0], signal[Q1], signal[T1], h)
+        error = fourth * h * h * h * h / 384.0 + slack
+        low, high = hull(p0, s0, p1, s1, h)
         if low - error < least or high + error > most:
             if error > accuracy and level < LEVELS - 1:
                 level += 1
                 continue
-            low, high = cubic_range(signal[P0], signal[S0], signal[P1], signal[S1], h, min(span - time, h))
+            low, high = cubic_range(p0 + begin, s0 + begin_slope, p1 + end, s1 + end_slope, h, min(span - time, h))
             least, most = min(least, low), max(most, high)
         if signal[ATTACHED] > 0.0:
             att.carry(attached, signal, time, h)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from vibeam.solvers.kernels import attached as att
 from vibeam.solvers.kernels.drive import phase, wrap
-from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.jit import joined
 from vibeam.solvers.kernels.layout import (
     AFORCE,
     AMODE,
@@ -58,7 +58,7 @@ Array = NDArray[np.float64]
 SILENT = 1e-100  # a contact value so small that dividing by it would lose digits; such modes are carried by themselves
 
 
-@kernel
+@joined
 def begin_flight(
     pairs: Array, signal: Array, attached: Array, modes: Array, drive: Array,
     pose: Array, cosine: float, sine: float,
@@ -88,7 +88,7 @@ def begin_flight(
     return value, slope, size
 
 
-@kernel
+@joined
 def land(
     pairs: Array, signal: Array, attached: Array, modes: Array, drive: Array,
     pose: Array, status: Array, flight: float, found: bool,
@@ -121,7 +121,7 @@ def land(
         pose[0, k], pose[1, k] = attached[TRIAL_X, j], attached[TRIAL_Y, j]
 
 
-@kernel
+@joined
 def contact_derivatives(pairs: Array, modes: Array, drive: Array, pose: Array, status: Array) -> tuple[float, float]:
     """contact·η'' and contact·η''' of the free system, positive toward the stop."""
     cosine, sine = status[PHASE_COS], status[PHASE_SIN]

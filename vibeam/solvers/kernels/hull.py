@@ -8,13 +8,14 @@ and curvature.
 
 from __future__ import annotations
 
-from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.jit import joined
 
 CLEAR, ROOT, MINIMUM, SPLIT = 0, 1, 2, 3
+THIRD, VALUE = 1.0 / 3.0, 1.0 / 384.0
 SLOPE = 0.0080187537387448  # √3/216
 
 
-@kernel
+@joined
 def verdict(
     p0: float,
     s0: float,
@@ -35,19 +36,21 @@ def verdict(
     one (p1, s1: those of the interpolated part).
     """
     square = h * h
-    b1 = p0 + h * s0 / 3.0
-    b2 = p1 - h * s1 / 3.0
-    if min(min(p0, b1), min(b2, p1)) > m4 * square * square / 384.0 + slack0 + tolerance:
+    third = h * THIRD
+    b1 = p0 + third * s0
+    b2 = p1 - third * s1
+    if min(min(p0, b1), min(b2, p1)) > m4 * square * square * VALUE + slack0 + tolerance:
         return CLEAR
-    d1 = 3.0 * (b2 - b1) / h
+    inverse = 1.0 / h
+    d1 = 3.0 * (b2 - b1) * inverse
     slope_error = SLOPE * m4 * square * h + slack1
     if max(max(s0, d1), s1) < -slope_error:  # falling throughout
         return CLEAR if end > 0.0 else ROOT
     if min(min(s0, d1), s1) > slope_error:  # rising throughout
         return CLEAR
-    c0 = 2.0 * (d1 - s0) / h
-    c1 = 2.0 * (s1 - d1) / h
-    curvature_error = m4 * square / 12.0 + slack2
+    c0 = 2.0 * (d1 - s0) * inverse
+    c1 = 2.0 * (s1 - d1) * inverse
+    curvature_error = m4 * square * (1.0 / 12.0) + slack2
     if max(c0, c1) < -curvature_error:  # concave: least at an end
         return CLEAR if end > 0.0 else ROOT
     if min(c0, c1) > curvature_error:  # convex: one crossing, or one minimum, or neither

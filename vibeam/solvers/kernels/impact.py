@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from vibeam.solvers.kernels import attached as att
 from vibeam.solvers.kernels.desk import Desk
 from vibeam.solvers.kernels.flight import begin_flight, contact_derivatives
-from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.jit import joined
 from vibeam.solvers.kernels.layout import (
     AWEIGHT,
     AX,
@@ -36,7 +36,7 @@ LATE = 1e-12  # share of the slowest time scale by which the end of the accumula
 FLOOR = 1e-26  # share of the length scale below which a flight is no longer one
 
 
-@kernel
+@joined
 def strike(modes: Array, drive: Array, pose: Array) -> float:
     """η'⁺ = η'⁻ + c p with p = −(1+R) v⁻/S; returns v⁻, the contact velocity before (0 where rounding makes it negative)."""
     before = 0.0
@@ -50,7 +50,7 @@ def strike(modes: Array, drive: Array, pose: Array) -> float:
     return before
 
 
-@kernel
+@joined
 def chatter_left(desk: Desk, pose: Array, status: Array, after: float) -> tuple[float, float]:
     """Time that the rest of an accumulation of impacts takes, and a bound of its error; (−1, 0) where there is none yet.
 
@@ -62,10 +62,10 @@ def chatter_left(desk: Desk, pose: Array, status: Array, after: float) -> tuple[
     toward, _ = contact_derivatives(desk.pairs, desk.modes, drive, pose, status)
     if toward <= 0.0 or drive[RESTITUTION] >= 1.0:
         return -1.0, 0.0
-    left = 2.0 * after / (toward * (1.0 - drive[RESTITUTION]))
-    length = status[SPEED] * status[SPEED] / toward
-    if after * left > NEAR * (length + abs(drive[GAP])):
+    loss, square = 1.0 - drive[RESTITUTION], status[SPEED] * status[SPEED]
+    if 2.0 * after * after > NEAR * loss * (square + toward * abs(drive[GAP])):
         return -1.0, 0.0
+    left, length = 2.0 * after / (toward * loss), square / toward
     _, _, size = begin_flight(
         desk.pairs, desk.signal, desk.attached, desk.modes, drive, pose, status[PHASE_COS], status[PHASE_SIN]
     )

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vibeam.solvers.kernels import attached as att
 from vibeam.solvers.kernels.hull import CLEAR, MINIMUM, ROOT, SPLIT
-from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.jit import joined, kernel
 from vibeam.solvers.kernels.layout import (
     ATTACHED,
     CONST,
@@ -46,7 +46,8 @@ def first_root(
     ``coarsest``: the level of the longest panel to try.
     """
     total = to_node(pairs)
-    att.restart(attached, signal)
+    if signal[ATTACHED] > 0.0:
+        att.restart(attached, signal)
     re, im = signal[ZR], signal[ZI]
     harmonic = sqrt(re * re + im * im)
     signal[HARMONIC] = harmonic
@@ -97,7 +98,7 @@ def first_root(
     return False, span, panels
 
 
-@kernel
+@joined
 def first_level(levels: Array, order: int, rise: float, signal: Array, coarsest: int) -> int:
     """The level to start with: a little longer than the flight that the first two derivatives foretell."""
     ahead = signal[WHOLE + 2]

@@ -22,9 +22,14 @@ def kernel(function: F) -> F:
     return cast(F, njit(**OPTIONS, **INNER)(function))
 
 
+def joined(function: F) -> F:
+    """A piece that is taken whole into every place that calls it."""
+    return cast(F, njit(**OPTIONS, **INNER, forceinline=True)(function))
+
+
 def summing(function: F) -> F:
     """A piece whose sums may be taken in any order, so that they run side by side in the processor's lanes."""
-    return cast(F, njit(**OPTIONS, **INNER, fastmath={"reassoc", "nsz", "contract"})(function))
+    return cast(F, njit(**OPTIONS, **INNER, forceinline=True, fastmath={"reassoc", "nsz", "contract"})(function))
 
 
 def entry(function: F) -> F:

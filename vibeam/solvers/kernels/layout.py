@@ -11,8 +11,8 @@ SERIES = 26  # Taylor terms of an attached pair: 1.2²⁶/26! = 3e-25
 
 # pairs (PAIR_ROWS, n): the linear system's constants, then the signal's pairs at start, node, trial end and root
 OMEGA, SIGMA, DISC, KAPPA, INVERSE, DECAY = range(6)
-X0, Y0, X, Y, E, X2, Y2, E2, XT, YT = range(6, 16)
-PAIR_ROWS = 16
+X0, Y0, X, Y, E, X2, Y2, XT, YT = range(6, 15)
+PAIR_ROWS = 15
 
 # modes (MODE_ROWS, n): the free system's modes, and one drive's steady response Im((RE + i IM) e^{iφ}) + OFFSET
 CONTACT, LOAD, STATIC, RE, IM, OFFSET = range(6)
@@ -22,13 +22,11 @@ MODE_ROWS = 6
 STEP, COUNT, TURN_RE, TURN_IM, SECOND_RE, SECOND_IM, FIRST_RE, FIRST_IM = range(8)
 LEVEL_ROWS = 8
 
-# signal (SIGNAL_ROWS,): constant, phasor, Ω, drive phase, number of attached pairs, |phasor|; the last panel: value and
-# slope at both ends of the whole and of the interpolated part, bound of its fourth derivative, slack of the rest (3);
-# derivatives 0…5 at the start of the interpolated part and of the whole
+# signal (SIGNAL_ROWS,): constant, phasor, Ω, drive phase, number of attached pairs, |phasor|; value and slope at both ends
+# of the last panel; derivatives 0…5 at the start of the interpolated part and of the whole; derivatives 0…7 at a guess
 CONST, ZR, ZI, DRIVE, COSINE, SINE, ATTACHED, HARMONIC = range(8)
 P0, S0, P1, S1 = range(8, 12)
-Q0, T0, Q1, T1, FOURTH, SLACK = range(12, 18)
-LOW, WHOLE = 20, 26
+LOW, WHOLE, TAYLOR = 12, 18, 24
 SIGNAL_ROWS = 32
 
 # attached (ATTACHED_ROWS, n): pairs that carry their force F sin φ + s along, which mode each is, its weight in the

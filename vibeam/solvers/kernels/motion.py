@@ -10,7 +10,7 @@ from vibeam.solvers.kernels.drive import phase, wrap
 from vibeam.solvers.kernels.flight import begin_flight, contact_derivatives, land
 from vibeam.solvers.kernels.impact import chatter_left, strike
 from vibeam.solvers.kernels.isolate import first_root
-from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.jit import joined, kernel
 from vibeam.solvers.kernels.layout import (
     AT_CLOCK,
     BEFORE,
@@ -82,7 +82,7 @@ def advance(
     return COMPLETE, done
 
 
-@kernel
+@joined
 def open_segment(trace: Array, poses: Array, pose: Array, status: Array, time: float, row: int) -> None:
     """Note where a segment starts."""
     trace[row, START], trace[row, AT_CLOCK], trace[row, WHAT] = time, status[CLOCK], status[KIND]
@@ -91,7 +91,7 @@ def open_segment(trace: Array, poses: Array, pose: Array, status: Array, time: f
         poses[row, 0, k], poses[row, 1, k] = pose[0, k], pose[1, k]
 
 
-@kernel
+@joined
 def close_segment(trace: Array, duration: float, end: int, before: float, counts: NDArray[np.int64]) -> None:
     """Note how long it was and what ended it."""
     if trace.shape[0] > 0:
@@ -100,7 +100,7 @@ def close_segment(trace: Array, duration: float, end: int, before: float, counts
         counts[SEGMENTS] = row + 1
 
 
-@kernel
+@joined
 def fly(
     desk: Desk, pose: Array, status: Array, span: float, trace: Array, counts: NDArray[np.int64]
 ) -> tuple[int, float]:
@@ -140,7 +140,7 @@ def fly(
     return COMPLETE, flight
 
 
-@kernel
+@joined
 def meet(desk: Desk, pose: Array, status: Array, trace: Array, row: int) -> tuple[float, int]:
     """The impact: velocities through the impulse, then flight, chatter's end or rest. Velocity before, what it was."""
     before = strike(desk.modes, desk.drive, pose)
@@ -160,7 +160,7 @@ def meet(desk: Desk, pose: Array, status: Array, trace: Array, row: int) -> tupl
     return before, CHATTER
 
 
-@kernel
+@joined
 def lift_or_rest(desk: Desk, pose: Array, status: Array) -> int:
     """On the stop without velocity: pressed against it (or not drawn away) it rests, drawn away it flies."""
     toward, jerk = contact_derivatives(desk.pairs, desk.modes, desk.drive, pose, status)

@@ -10,18 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.solvers.kernels import attached as att
-from vibeam.solvers.kernels.hull import verdict
-from vibeam.solvers.kernels.jit import kernel, summing
+from vibeam.solvers.kernels.hull import CLEAR, verdict
+from vibeam.solvers.kernels.jit import joined, kernel, summing
 from vibeam.solvers.kernels.layout import (
     ATTACHED,
     AWEIGHT,
     CONST,
     COUNT,
     DRIVE,
-    E2,
     FIRST_IM,
     FIRST_RE,
-    FOURTH,
     HARMONIC,
     INVERSE,
     KAPPA,
@@ -31,17 +29,12 @@ from vibeam.solvers.kernels.layout import (
     OMEGA,
     P0,
     P1,
-    Q0,
-    Q1,
     S0,
     S1,
     SECOND_IM,
     SECOND_RE,
     SIGMA,
-    SLACK,
     STEP,
-    T0,
-    T1,
     TRIAL_X,
     TRIAL_Y,
     TURN_IM,
@@ -57,7 +50,8 @@ from vibeam.solvers.kernels.layout import (
     X,
     Y,
 )
-from vibeam.solvers.kernels.signal import derivatives, norm, quotient
+from vibeam.solvers.kernels.pair import norm, power
+from vibeam.solvers.kernels.signal import derivatives, quotient
 
 Array = NDArray[np.float64]
 FACTORIAL = np.array([1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0, 5040.0])
@@ -68,52 +62,61 @@ def step_pairs(pairs: Array, table: Array, level: int) -> None:
     """Trial pairs one panel on from the node."""
     for k in range(pairs.shape[1]):
         x, y = pairs[X, k], pairs[Y, k]
-        x2 = table[0, level, k] * x + table[1, level, k] * y
-        y2 = table[2, level, k] * x + table[3, level, k] * y
-        pairs[X2, k], pairs[Y2, k], pairs[E2, k] = x2, y2, norm(x2, y2 * pairs[INVERSE, k])
+        pairs[X2, k] = table[0, level, k] * x + table[1, level, k] * y
+        pairs[Y2, k] = table[2, level, k] * x + table[3, level, k] * y
 
 
-@kernel
+@joined
 def accept(pairs: Array, signal: Array, attached: Array) -> None:
     """The trial end becomes the node."""
     for k in range(pairs.shape[1]):
-        pairs[X, k], pairs[Y, k], pairs[E, k] = pairs[X2, k], pairs[Y2, k], pairs[E2, k]
-    att.accept(attached, signal)
+        x, y = pairs[X2, k], pairs[Y2, k]
+        pairs[X, k], pairs[Y, k], pairs[E, k] = x, y, norm(x, y * pairs[INVERSE, k])
+    if signal[ATTACHED] > 0.0:
+        att.accept(attached, signal)
 
 
 @summing
 def measure(
     pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, time: float, re: float, im: float, level: int
-) -> None:
+) -> tuple[float, float, float, float, float, float, float, float, float, float, float, float]:
     """Trial pairs, and what the panel from the node shows.
 
-    signal[P0 … S1]: the whole at both ends; signal[Q0 … T1]: the interpolated part; signal[FOURTH]: the bound of its
-    fourth derivative; signal[SLACK …]: bounds on value, slope, curvature of what is not interpolated.
+    Value and slope at both ends of the interpolated part; the bound of its fourth derivative; bounds on value, slope
+    and curvature of the rest; value and slope of the rest at both ends.
     """
-    h, w, count = levels[STEP, level], signal[DRIVE], int(levels[COUNT, level])
+    w, count = signal[DRIVE], int(levels[COUNT, level])
     re2 = re * levels[TURN_RE, level] - im * levels[TURN_IM, level]
     im2 = im * levels[TURN_RE, level] + re * levels[TURN_IM, level]
     p0, s0, p1, s1 = signal[CONST] + im, w * re, signal[CONST] + im2, w * re2
     fourth = signal[HARMONIC] * (w * w) * (w * w)
     slack0, slack1, slack2 = 0.0, 0.0, 0.0
     begin, begin_slope, end, end_slope = 0.0, 0.0, 0.0, 0.0
-    step_pairs(pairs, table, level)
     for k in range(count):
+        x, y = pairs[X, k], pairs[Y, k]
+        x2 = table[0, level, k] * x + table[1, level, k] * y
+        y2 = table[2, level, k] * x + table[3, level, k] * y
+        pairs[X2, k], pairs[Y2, k] = x2, y2
         square = pairs[KAPPA, k] * pairs[KAPPA, k]
-        p0 += pairs[X, k]
-        s0 += pairs[Y, k]
-        p1 += pairs[X2, k]
-        s1 += pairs[Y2, k]
         fourth += pairs[E, k] * square * square
+        p0 += x
+        s0 += y
+        p1 += x2
+        s1 += y2
     for k in range(count, pairs.shape[1]):
-        slack0 += pairs[E, k]
-        slack1 += pairs[E, k] * pairs[KAPPA, k]
-        slack2 += pairs[E, k] * pairs[KAPPA, k] * pairs[KAPPA, k]
-        begin += pairs[X, k]
-        begin_slope += pairs[Y, k]
-        end += pairs[X2, k]
-        end_slope += pairs[Y2, k]
+        x, y, bound = pairs[X, k], pairs[Y, k], pairs[E, k]
+        x2 = table[0, level, k] * x + table[1, level, k] * y
+        y2 = table[2, level, k] * x + table[3, level, k] * y
+        pairs[X2, k], pairs[Y2, k] = x2, y2
+        slack0 += bound
+        slack1 += bound * pairs[KAPPA, k]
+        slack2 += bound * pairs[KAPPA, k] * pairs[KAPPA, k]
+        begin += x
+        begin_slope += y
+        end += x2
+        end_slope += y2
     if signal[ATTACHED] > 0.0:
+        h = levels[STEP, level]
         fourth += att.bound(attached, signal, time, 4, h)
         att.carry(attached, signal, time, h)
         for j in range(int(signal[ATTACHED])):
@@ -121,25 +124,26 @@ def measure(
             s0 += attached[AWEIGHT, j] * attached[NODE_Y, j]
             p1 += attached[AWEIGHT, j] * attached[TRIAL_X, j]
             s1 += attached[AWEIGHT, j] * attached[TRIAL_Y, j]
-    signal[Q0], signal[T0], signal[Q1], signal[T1], signal[FOURTH] = p0, s0, p1, s1, fourth
-    signal[SLACK], signal[SLACK + 1], signal[SLACK + 2] = slack0, slack1, slack2
-    signal[P0], signal[S0], signal[P1], signal[S1] = p0 + begin, s0 + begin_slope, p1 + end, s1 + end_slope
+    return p0, s0, p1, s1, fourth, slack0, slack1, slack2, begin, begin_slope, end, end_slope
 
 
-@kernel
+@joined
 def ordinary(
     pairs: Array, table: Array, levels: Array, signal: Array, attached: Array,
     time: float, re: float, im: float, level: int, tolerance: float,
 ) -> int:  # fmt: skip
-    """Verdict on the panel that starts at the node."""
-    measure(pairs, table, levels, signal, attached, time, re, im, level)
-    return verdict(
-        signal[Q0], signal[T0], signal[Q1], signal[T1], levels[STEP, level], signal[FOURTH],
-        signal[SLACK], signal[SLACK + 1], signal[SLACK + 2], signal[P1], signal[S1], tolerance,
-    )  # fmt: skip
+    """Verdict on the panel that starts at the node; signal[P0 … S1] receive the whole signal at its ends."""
+    p0, s0, p1, s1, fourth, slack0, slack1, slack2, begin, begin_slope, end, end_slope = measure(
+        pairs, table, levels, signal, attached, time, re, im, level
+    )
+    h, end, end_slope = levels[STEP, level], p1 + end, s1 + end_slope
+    found = verdict(p0, s0, p1, s1, h, fourth, slack0, slack1, slack2, end, end_slope, tolerance)
+    if found != CLEAR:
+        signal[P0], signal[S0], signal[P1], signal[S1] = p0 + begin, s0 + begin_slope, end, end_slope
+    return found
 
 
-@kernel
+@joined
 def launching(
     pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, order: int, rise: float, level: int
 ) -> int:
@@ -173,15 +177,6 @@ def launching(
         m4 * 24.0 / FACTORIAL[order + 4], slack / FACTORIAL[order], slack1 / FACTORIAL[order + 1],
         2.0 * slack2 / FACTORIAL[order + 2], end, end_slope, 0.0,
     )  # fmt: skip
-
-
-@kernel
-def power(base: float, exponent: int) -> float:
-    """base^exponent for a small whole exponent."""
-    value = 1.0
-    for _ in range(exponent):
-        value *= base
-    return value
 
 
 @summing

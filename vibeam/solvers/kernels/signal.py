@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.solvers.kernels.attached import add_derivatives, carry, growth, trial_sum
-from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.jit import joined, kernel
 from vibeam.solvers.kernels.layout import (
     ATTACHED,
     CONST,
@@ -35,13 +35,13 @@ from vibeam.solvers.kernels.layout import (
     X,
     Y,
 )
-from vibeam.solvers.kernels.pair import increments, phasor_increments, propagator
+from vibeam.solvers.kernels.pair import increments, norm, phasor_increments, power, propagator
 
 Array = NDArray[np.float64]
 FORGOTTEN = 75.0  # decay exponents beyond this leave less than 1e-32
 
 
-@kernel
+@joined
 def value_at(pairs: Array, signal: Array, attached: Array, node: float, t: float) -> tuple[float, float, float]:
     """Value, slope and curvature at flight time t; XT, YT and the trial receive the pairs there."""
     w = signal[DRIVE]
@@ -92,7 +92,7 @@ def quotient_at(
     return p, slope, 0.0
 
 
-@kernel
+@joined
 def quotient(order: int, rise: float, second: float, gamma: float, delta: float, h: float) -> tuple[float, float]:
     """p and p' at t = h of p = g / t^m, m = 1, 2, 3, from g = g' h + γh², g' = g'(0) + δh; ``second`` = g''(0) as computed."""
     if order == 1:
@@ -102,7 +102,7 @@ def quotient(order: int, rise: float, second: float, gamma: float, delta: float,
     return (gamma - 0.5 * second) / h, (delta - second - 3.0 * (gamma - 0.5 * second)) / (h * h)
 
 
-@kernel
+@joined
 def derivatives(pairs: Array, signal: Array, attached: Array, count: int, start: int, depth: int) -> None:
     """signal[start + j] = j-th derivative at the start, j = 0 … depth ≤ 5, of all but the pairs from ``count`` on."""
     w = signal[DRIVE]
@@ -119,17 +119,11 @@ def derivatives(pairs: Array, signal: Array, attached: Array, count: int, start:
         for j in range(2, depth + 1):
             before, now = now, -damp * now - spring * before
             signal[start + j] += now
-    add_derivatives(attached, signal, start)
+    if signal[ATTACHED] > 0.0:
+        add_derivatives(attached, signal, start)
 
 
-@kernel
-def norm(a: float, b: float) -> float:
-    """√(a² + b²) from above, at most 8 % more, without the root: the chord of the circle's octant."""
-    a, b = abs(a), abs(b)
-    return max(a, b) + 0.41421356237309515 * min(a, b)
-
-
-@kernel
+@joined
 def to_node(pairs: Array) -> float:
     """The node goes to the start; the sum of the energies e_k ≥ √(x² + (x'/ω)²), which bound |x_k| for all later times."""
     total = 0.0
@@ -143,7 +137,7 @@ def to_node(pairs: Array) -> float:
 @kernel
 def magnitude(pairs: Array, signal: Array, order: int) -> float:
     """Bound of the order-th derivative of the harmonic and every pair, from the node on."""
-    total = signal[HARMONIC] * signal[DRIVE] ** order
+    total = signal[HARMONIC] * power(signal[DRIVE], order)
     for k in range(pairs.shape[1]):
-        total += pairs[E, k] * pairs[KAPPA, k] ** order
+        total += pairs[E, k] * power(pairs[KAPPA, k], order)
     return total
