@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from vibeam.response import Array, Ended, FrequencyResponse
 
 if TYPE_CHECKING:
-    from vibeam.run import Branches, Result
+    from vibeam.response import Branches
+    from vibeam.run import Result
 
 Flags = NDArray[np.bool_]
 

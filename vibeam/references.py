@@ -16,7 +16,8 @@ from vibeam.response import Ended, FrequencyResponse
 
 if TYPE_CHECKING:
     from vibeam.case import Case, Reference
-    from vibeam.run import Branches, Result
+    from vibeam.response import Branches
+    from vibeam.run import Result
 
 QUANTITIES = ("amplitude", "maximum", "minimum", "reach", "impacts_per_period", "impact_velocity", "period")
 COLUMNS = ("frequency_hz", "direction", *QUANTITIES)

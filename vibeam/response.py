@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from enum import Enum
 from typing import Any
@@ -49,7 +50,9 @@ class FrequencyResponse:
     impacts_per_period: Array  #: impacts a drive period, over the hold
     impact_velocity: Array  #: mean contact velocity just before impact, m/s (NaN where there is none)
     impact_velocities: Array  #: the last 16 impact velocities of the hold, oldest first, NaN where there are fewer
-    period: NDArray[np.int64]  #: least number of drive periods after which the motion repeats (1…16), 0 none, −1 no contact
+    period: NDArray[
+        np.int64
+    ]  #: least number of drive periods after which the motion repeats (1…16), 0 none, −1 no contact
     rest: Array  #: share of the time at rest on the stop, 0…1
     mode_energy: Array  #: time-mean energy of each mode over the hold, J
     ended: NDArray[np.int64]  #: code of ``Ended``
@@ -72,5 +75,21 @@ class FrequencyResponse:
         blank: dict[str, Any] = {f.name: np.full(n, np.nan) for f in fields(cls)}
         blank |= {name: np.zeros(n, dtype=np.int64) for name in ("period", "impacts", "evaluations")}
         blank |= {"frequency": np.asarray(frequency, dtype=float), "ended": np.full(n, Ended.NOT_RUN.code)}
-        blank |= {"impact_velocities": np.full((n, VELOCITIES_KEPT), np.nan), "mode_energy": np.full((n, modes), np.nan)}
+        blank |= {
+            "impact_velocities": np.full((n, VELOCITIES_KEPT), np.nan),
+            "mode_energy": np.full((n, modes), np.nan),
+        }
         return cls(**blank)
+
+
+@dataclass(frozen=True)
+class Branches:
+    """The branches of a sweep: None where it was not asked for."""
+
+    up: FrequencyResponse | None = None
+    down: FrequencyResponse | None = None
+
+    def items(self) -> Iterator[tuple[str, FrequencyResponse]]:
+        """Direction and response of each branch there is, up first."""
+        both = (("up", self.up), ("down", self.down))
+        return ((direction, response) for direction, response in both if response is not None)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.faults import CaseError, Fault
-from vibeam.response import FrequencyResponse
+from vibeam.response import Branches, FrequencyResponse
 from vibeam.spread import Stopped, spread
 from vibeam.store import Branch, Kept, Store, opened
 from vibeam.sweep import march
@@ -29,19 +29,6 @@ Progress = Callable[[int, int], None]
 
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C: the message says what is kept and how to go on."""
-
-
-@dataclass(frozen=True)
-class Branches:
-    """The branches of one fidelity: None where the case does not ask for it."""
-
-    up: FrequencyResponse | None = None
-    down: FrequencyResponse | None = None
-
-    def items(self) -> Iterator[tuple[str, FrequencyResponse]]:
-        """Direction and response of each branch there is, up first."""
-        both = (("up", self.up), ("down", self.down))
-        return ((direction, response) for direction, response in both if response is not None)
 
 
 class Result(Mapping[str, Branches]):
@@ -186,6 +173,7 @@ def _march(case: Case, job: _Job, kept: Kept, state: State | None) -> Iterator[t
         solver=job.solver,
         output=plan.output,
         state=state,
+        slowest=float(kept.response.omega.min()),
     )
 
 

@@ -3,27 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.response import FrequencyResponse
+from vibeam.response import Branches, FrequencyResponse
 from vibeam.solvers import solver as solver_named
 from vibeam.state import State
 from vibeam.system import ImpactSystem
 
 Array = NDArray[np.float64]
 Direction = Literal["up", "down", "both"]
-
-
-@dataclass(frozen=True)
-class Branches:
-    """The branches of a sweep: one where it went one way only, then the other is None."""
-
-    up: FrequencyResponse | None
-    down: FrequencyResponse | None
 
 
 def march(
@@ -43,9 +35,9 @@ def march(
 
     The state is carried from point to point (displacement and velocity relative to the base; the drive's phase starts
     at 0 at every point); ``state`` None: static equilibrium. ``amplitude``: of the base, m. ``slowest``: the lowest
-    frequency of the whole sweep where ``omega`` is only what is left of it (numbers are then the same to the bit). A point that fails is NaN
-    with its reason, and the next one starts from equilibrium. ValueError for a grid, periods, solver that make no sense,
-    KeyError for an unknown output.
+    frequency of the whole sweep, where ``omega`` is only what is left of it: numbers are then the same to the bit.
+    A point that fails is NaN with its reason, and the next one starts from equilibrium. ValueError for a grid, periods
+    or solver that make no sense, KeyError for an unknown output.
     """
     grid = np.atleast_1d(np.asarray(omega, dtype=float))
     if grid.ndim != 1 or not len(grid) or not np.all(np.isfinite(grid) & (grid > 0)):
@@ -73,7 +65,7 @@ def sweep(
     output: str = "contact",
     state: State | None = None,
 ) -> FrequencyResponse | Branches:
-    """The frequency-response curve over ``omega`` (rad/s), up or down (in that order), or Branches(up, down) for "both".
+    """The frequency-response curve over ``omega`` (rad/s), in the order swept, or Branches(up, down) for "both".
 
     Arguments and errors as in ``march``. "both" goes up, then down again from where the way up ended.
     """

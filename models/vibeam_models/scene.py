@@ -44,7 +44,7 @@ class Beam:
 
 @dataclass(frozen=True)
 class Mass:
-    """The attached mass: kg, m; ``rotary_inertia`` in kg m² and ``rigid_half_width`` in m are effects, None = absent."""
+    """Attached mass: kg, m; ``rotary_inertia`` in kg m² and ``rigid_half_width`` in m are effects, None if absent."""
 
     mass: float
     position: float

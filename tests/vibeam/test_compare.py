@@ -13,8 +13,8 @@ from vibeam.case import Reference
 from vibeam.compare import compare, distance, period_one_range
 from vibeam.faults import CaseError
 from vibeam.references import CheckRow, check, read_reference
-from vibeam.response import Ended
-from vibeam.run import Branches, Result
+from vibeam.response import Branches, Ended
+from vibeam.run import Result
 
 GRID = np.linspace(14.0, 17.0, 7)
 HUMP = np.array([1.0, 2.0, 4.0, 8.0, 4.0, 2.0, 1.0])

@@ -21,7 +21,8 @@ from vibeam.report.units import Units, units_of
 from vibeam.response import Array, FrequencyResponse
 
 if TYPE_CHECKING:
-    from vibeam.run import Branches, Result
+    from vibeam.response import Branches
+    from vibeam.run import Result
     from vibeam.system import ImpactSystem
 
 TOGETHER = 3  # so many fidelities share a panel

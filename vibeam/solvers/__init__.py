@@ -22,15 +22,11 @@ def solver(name: str, system: ImpactSystem, slowest: float, span: float = 0.0) -
 
 
 def compiled() -> bool:
-    """Whether the kernels of this version lie compiled in numba's cache."""
+    """Whether the kernels, as they are, lie compiled in numba's cache."""
     from vibeam.solvers.kernels.compiled import move
+    from vibeam.solvers.kernels.jit import is_compiled
 
-    path = getattr(getattr(move._cache, "_cache_file", None), "_index_path", None)  # type: ignore[attr-defined]
-    if path is None:
-        return False
-    import os
-
-    return os.path.exists(path)
+    return is_compiled(move)
 
 
 def compile_kernels() -> None:

@@ -41,9 +41,7 @@ class Constrained:
     force_load: float
 
 
-def constrained(
-    omega: Array, sigma: Array, contact: Array, load: Array, static: Array, gap: float
-) -> Constrained:
+def constrained(omega: Array, sigma: Array, contact: Array, load: Array, static: Array, gap: float) -> Constrained:
     """The system with contact·η = gap held and contact force F = contact·(f − Dη' − Λη)/S.
 
     With η = contact·gap/S + Q z, Q an orthonormal basis of contact's complement, z'' + QᵀDQ z' + QᵀΛQ z = Qᵀ(f −
@@ -114,7 +112,7 @@ def _pair_constants(a: Array) -> tuple[Array, Array, Array]:
 
 def _sorted(state: Array, out: Array) -> Array:
     """The blocks' columns in the order of their rates."""
-    omega, sigma, _ = _pair_constants(_diagonal_blocks(np.linalg.solve(out, state @ out)))
+    omega, sigma, _ = _pair_constants(_diagonal_blocks(np.asarray(np.linalg.inv(out) @ state @ out)))
     order = np.argsort(rates(omega, sigma), kind="stable")
     return np.asarray(out[:, np.stack([2 * order, 2 * order + 1], axis=1).ravel()])
 

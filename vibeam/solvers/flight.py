@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from vibeam.response import VELOCITIES_KEPT, Ended, FrequencyResponse
 from vibeam.solvers.kernels.compiled import move, poses_at
+from vibeam.solvers.kernels.desk import Room
 from vibeam.solvers.kernels.layout import (
     CLOCK,
     COMPLETE,
@@ -101,7 +102,7 @@ class FlightSolver:
             counts = np.zeros(COUNT_ROWS, dtype=np.int64)
             outcome, step = move(
                 self.packed.desk, drive.omega, drive.amplitude, pose, status, span - done, 0, 0,
-                limit - int(totals[IMPACTS]), *self._room(None, 0, trace, poses), counts, 0,
+                limit - int(totals[IMPACTS]), self._room(None, 0, trace, poses), counts, 0,
             )  # fmt: skip
             count = int(counts[SEGMENTS])
             trace[:count, START] += start + done
@@ -129,7 +130,13 @@ class FlightSolver:
         return self.packed.outward(out)
 
     def steady(
-        self, omegas: Sequence[float] | Array, amplitude: float, state: State | None, settle: int, hold: int, output: str
+        self,
+        omegas: Sequence[float] | Array,
+        amplitude: float,
+        state: State | None,
+        settle: int,
+        hold: int,
+        output: str,
     ) -> tuple[FrequencyResponse, State]:
         """Steady points at ``omegas`` in turn, the state carried from each to the next; and the last state."""
         pose, status = self.pose(state)
@@ -137,30 +144,28 @@ class FlightSolver:
         response = FrequencyResponse.empty(np.asarray(omegas, dtype=float) / (2 * np.pi), n)
         trace, poses = np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n))
         room, counts = self._room(output, hold, trace, poses), np.zeros(COUNT_ROWS, dtype=np.int64)
-        result, energy = room[-2:]
         for index, omega in enumerate(omegas):
             begun = time.thread_time()
-            result[:], energy[:], counts[:] = 0.0, 0.0, 0
+            room.result[:], room.energy[:], counts[:] = 0.0, 0.0, 0
             status[ORDER], status[SPEED] = 0.0, 0.0  # a point knows of the one before it what a State says, no more
             outcome, period = move(
                 self.packed.desk, omega, amplitude, pose, status, 0.0, settle, hold, self.limit,
-                *room, counts, LONGEST_PERIOD,
+                room, counts, LONGEST_PERIOD,
             )  # fmt: skip
             spent = time.thread_time() - begun
-            self._write(response, index, OUTCOMES[outcome], period, result, energy, counts, hold, omega)
+            self._write(response, index, OUTCOMES[outcome], int(period), room.result, room.energy, counts, hold, omega)
             response.cpu_seconds[index] = spent
             if outcome != COMPLETE:
                 pose, status = self.pose(None)
         return response, self.state(pose, status)
 
-    def _room(self, output: str | None, hold: int, trace: Array, poses: Array) -> tuple[Array, ...]:
-        """The kernels' arrays from ``row`` to ``energy`` (see ``kernels.compiled.move``)."""
+    def _room(self, output: str | None, hold: int, trace: Array, poses: Array) -> Room:
         n = self.system.size
         row = self.packed.inward(self.system.contact if output is None else self.system.output(output))
         rest_row = np.ascontiguousarray((row @ self.packed.desk.from_blocks[:n]).reshape(-1, 2).T)
         nothing, strobes = np.zeros((0, TRACE_COLUMNS)), np.zeros((hold + 1, 2, n))
         scratch, frame = np.zeros((2, n)), np.zeros((2, n))
-        return row, rest_row, nothing, trace, poses, strobes, scratch, frame, np.zeros(RESULT_ROWS), np.zeros(n)
+        return Room(row, rest_row, nothing, trace, poses, strobes, scratch, frame, np.zeros(RESULT_ROWS), np.zeros(n))
 
     def _write(
         self, response: FrequencyResponse, i: int, ended: Ended, period: int, result: Array, energy: Array,

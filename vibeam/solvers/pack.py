@@ -68,7 +68,7 @@ class Packed:
 
 
 def pack(system: ImpactSystem, omega: float, span: float = 0.0) -> Packed:
-    """The system packed for drives of ``omega`` rad/s and more, or, where nothing oscillates, for a time of ``span``."""
+    """The system packed for drives of ``omega`` rad/s and more, or, where nothing oscillates, a time of ``span``."""
     return Packed(system, _slowest(system, omega, span))
 
 

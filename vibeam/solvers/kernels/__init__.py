@@ -1,1 +1,1 @@
-"""The compiled inner loops of the flight solver: pure functions on arrays, no Python objects, no global interpreter lock."""
+"""The compiled inner loops of the flight solver: functions on arrays, no Python objects, no interpreter lock."""

@@ -7,7 +7,7 @@ then solved by Taylor series, panel by panel, to round-off.
 
 from __future__ import annotations
 
-from math import ceil, cos, hypot, sin
+from math import cos, hypot, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +45,9 @@ def series(attached: Array, j: int, x: float, y: float, cosine: float, sine: flo
     attached[TERM + 1, j] = y * h
     for i in range(SERIES - 2):
         push = attached[AFORCE, j] * force + (attached[ASTATIC, j] if i == 0 else 0.0)
-        attached[TERM + i + 2, j] = (h * h * push - damp * (i + 1) * attached[TERM + i + 1, j] - spring * attached[TERM + i, j]) / ((i + 1) * (i + 2))
+        attached[TERM + i + 2, j] = (
+            h * h * push - damp * (i + 1) * attached[TERM + i + 1, j] - spring * attached[TERM + i, j]
+        ) / ((i + 1) * (i + 2))
         force, after = after, -turn * turn * force / ((i + 1) * (i + 2))
 
 
@@ -70,7 +72,7 @@ def fastest(attached: Array, signal: Array) -> float:
 @kernel
 def carry(attached: Array, signal: Array, node: float, t: float) -> None:
     """Trial = node carried on by t; ``node`` is the node's flight time."""
-    pieces = max(1, int(ceil(fastest(attached, signal) * t)))
+    pieces = max(1, int(np.ceil(fastest(attached, signal) * t)))
     h = t / pieces
     for j in range(int(signal[ATTACHED])):
         x, y = attached[NODE_X, j], attached[NODE_Y, j]
@@ -171,4 +173,3 @@ def jerk_bound(attached: Array, signal: Array) -> float:
         motion = rate * rate * abs(attached[AY, j]) + rate**3 * abs(attached[AX, j])
         total += abs(attached[AWEIGHT, j]) * (push + motion)
     return total
-

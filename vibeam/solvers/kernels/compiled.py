@@ -5,19 +5,23 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.solvers.kernels.desk import Desk
+from vibeam.solvers.kernels.desk import Desk, Room
 from vibeam.solvers.kernels.drive import phase, set_drive
 from vibeam.solvers.kernels.flight import begin_flight, land
 from vibeam.solvers.kernels.jit import entry
 from vibeam.solvers.kernels.layout import (
     AT_CLOCK,
     CLOCK,
+    COMPLETE,
+    FULL,
+    PERIOD,
     RESTING,
+    SEGMENTS,
     WHAT,
 )
 from vibeam.solvers.kernels.motion import advance
 from vibeam.solvers.kernels.rest import stay
-from vibeam.solvers.kernels.steady import repetition, settle_and_hold
+from vibeam.solvers.kernels.steady import note_strobe, repetition, start_watching, watch
 
 Array = NDArray[np.float64]
 
@@ -25,22 +29,36 @@ Array = NDArray[np.float64]
 @entry
 def move(
     desk: Desk, omega: float, amplitude: float, pose: Array, status: Array, span: float, settle: int, hold: int,
-    limit: int, row: Array, rest_row: Array, nothing: Array, trace: Array, poses: Array, strobes: Array,
-    scratch: Array, frame: Array, result: Array, energy: Array, counts: NDArray[np.int64], longest: int,
+    limit: int, room: Room, counts: NDArray[np.int64], longest: int,
 ) -> tuple[int, float]:  # fmt: skip
     """Carry ``pose`` on under one drive; one function for both uses, so that the engine is compiled once.
 
-    span > 0: every segment of that time goes to ``trace``: outcome, time done. Otherwise a point of a sweep, ``settle``
-    and ``hold`` periods watched: outcome, period (0 where the motion does not repeat).
+    span > 0: every segment of that time goes to ``room.trace``: outcome, time done. Otherwise a point of a sweep,
+    ``settle`` and ``hold`` periods watched: outcome, period (0 where the motion does not repeat).
     """
     set_drive(desk, omega, amplitude)
     if span > 0.0:
-        return advance(desk, pose, status, span, limit, trace, poses, counts)
-    outcome = settle_and_hold(
-        desk, pose, status, settle, hold, limit, row, rest_row, nothing, trace, poses, strobes,
-        scratch, frame, result, energy, counts,
-    )  # fmt: skip
-    return outcome, float(repetition(desk.pairs, desk.drive, strobes, hold, longest))
+        return advance(desk, pose, status, span, limit, room.trace, room.poses, counts)
+    outcome, _ = advance(
+        desk, pose, status, settle * desk.drive[PERIOD], limit * max(settle, 1), room.nothing, room.poses, counts
+    )
+    start_watching(room, pose)
+    turn, left = 0, desk.drive[PERIOD]
+    while outcome == COMPLETE and turn < hold:
+        counts[SEGMENTS] = 0
+        status[CLOCK] = desk.drive[PERIOD] - left
+        outcome, done = advance(desk, pose, status, left, limit, room.trace, room.poses, counts)
+        watch(desk, room, counts[SEGMENTS])
+        left -= done
+        if outcome == FULL:
+            outcome = COMPLETE
+        else:
+            turn, left = turn + 1, desk.drive[PERIOD]
+            note_strobe(room.strobes, turn, pose)
+    status[CLOCK] = 0.0
+    if outcome != COMPLETE:
+        return outcome, 0.0
+    return outcome, float(repetition(desk.pairs, desk.drive, room.strobes, hold, longest))
 
 
 @entry

@@ -29,3 +29,18 @@ class Desk(NamedTuple):
     to_blocks: Array  # (2(n−1), 2n): block coordinates from (η − held, η')
     from_blocks: Array  # (2n, 2(n−1))
     held: Array  # (n,) contact · gap / Σ contact²
+
+
+class Room(NamedTuple):
+    """What a point of a sweep is watched with: an output's rows, the segments traced, what is read off them."""
+
+    row: Array  # (n,) the output in flight
+    rest_row: Array  # (2, n − 1) and at rest
+    nothing: Array  # (0, TRACE_COLUMNS): no trace is kept
+    trace: Array  # (m, TRACE_COLUMNS)
+    poses: Array  # (m, 2, n)
+    strobes: Array  # (hold + 1, 2, n)
+    scratch: Array  # (2, n)
+    frame: Array  # (2, n)
+    result: Array  # (RESULT_ROWS,)
+    energy: Array  # (n,) ∫ E dt of each mode

@@ -87,7 +87,7 @@ def set_drive(desk: Desk, omega: float, amplitude: float) -> None:
 
 @kernel
 def is_attached(own: float, sigma: float, force: float, static: float, omega: float) -> bool:
-    """Whether a mode has no usable steady response: free, nearly free under a static force, or undamped at resonance."""
+    """Whether a mode has no usable steady response: free, nearly free under a static force, undamped at resonance."""
     if own == 0.0:
         return True
     if static != 0.0 and omega > 0.0 and own + 2.0 * sigma < NEARLY_FREE * omega:
@@ -98,7 +98,7 @@ def is_attached(own: float, sigma: float, force: float, static: float, omega: fl
 
 @kernel
 def exact_period(omega: float) -> tuple[float, float]:
-    """2π/Ω as an unevaluated sum of two doubles (Dekker's product), so that phases stay exact over very many periods."""
+    """2π/Ω as an unevaluated sum of two doubles (Dekker's product): phases stay exact over very many periods."""
     if omega == 0.0:
         return np.inf, 0.0
     high, low = 6.283185307179586, 2.4492935982947064e-16

@@ -1,4 +1,4 @@
-"""Time integral of each mode's energy ½(η'² + ω²η²) over a segment, by Simpson's rule on a step that resolves the mode."""
+"""Time integral of each mode's energy ½(η'² + ω²η²) over a segment, by Simpson's rule, step by the mode's rate."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from vibeam.solvers.kernels.rest import stay
 
 Array = NDArray[np.float64]
 RESOLUTION = 0.2  # rate times step
-MOST = 400  # steps a segment: beyond it a mode rings so fast that its energy is smooth between the samples
+MOST = 128  # steps a segment: beyond it a mode rings so fast that its energy is smooth between the samples
 
 
 @kernel
@@ -77,10 +77,10 @@ def energy_in_flight(desk: Desk, pose: Array, clock: float, duration: float, ene
 @kernel
 def carried(attached: Array, signal: Array, k: int) -> bool:
     """Whether mode k is attached."""
+    found = False
     for j in range(int(signal[ATTACHED])):
-        if int(attached[AMODE, j]) == k:
-            return True
-    return False
+        found = found or int(attached[AMODE, j]) == k
+    return found
 
 
 @kernel

@@ -30,7 +30,7 @@ def verdict(
     end_slope: float,
     tolerance: float,
 ) -> int:
-    """CLEAR: p > 0 on (0, h]; ROOT: exactly one root there; MINIMUM: p is convex and positive at both ends; SPLIT: open.
+    """CLEAR: p > 0 on (0, h]; ROOT: exactly one root there; MINIMUM: p is convex, positive at both ends; SPLIT: open.
 
     p is known positive just after the left end; ``end`` and ``end_slope`` are its whole value and slope at the right
     one (p1, s1: those of the interpolated part).

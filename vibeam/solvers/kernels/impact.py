@@ -38,7 +38,7 @@ FLOOR = 1e-26  # share of the length scale below which a flight is no longer one
 
 @joined
 def strike(modes: Array, drive: Array, pose: Array) -> float:
-    """η'⁺ = η'⁻ + c p with p = −(1+R) v⁻/S; returns v⁻, the contact velocity before (0 where rounding makes it negative)."""
+    """η'⁺ = η'⁻ + c p with p = −(1+R) v⁻/S; returns v⁻, the contact velocity before (0 where round-off made it < 0)."""
     before = 0.0
     for k in range(modes.shape[1]):
         before += modes[CONTACT, k] * pose[1, k]
@@ -52,7 +52,7 @@ def strike(modes: Array, drive: Array, pose: Array) -> float:
 
 @joined
 def chatter_left(desk: Desk, pose: Array, status: Array, after: float) -> tuple[float, float]:
-    """Time that the rest of an accumulation of impacts takes, and a bound of its error; (−1, 0) where there is none yet.
+    """Time that the rest of an accumulation of impacts takes, and a bound of its error; (−1, 0) where it is too early.
 
     With contact acceleration a toward the stop the flights last 2v/a, 2Rv/a, …: together T = 2v / (a (1 − R)). Its
     relative error is at most M₃T/a, M₃ bounding the jerk; and the impulses that rest leaves out move the other modes

@@ -42,7 +42,7 @@ def first_root(
 ) -> tuple[bool, float, int]:  # fmt: skip
     """(found, flight time, panels tried) of the first root in (0, span]; there XT, YT and the trial hold the pairs.
 
-    ``order`` 0: the signal starts positive; 1 … 3: it starts with a root of that order and g^{(order)}(0) = ``rise`` > 0.
+    ``order`` 0: the signal starts positive; 1 … 3: it starts with a root of that order, g^{(order)}(0) = ``rise`` > 0.
     ``coarsest``: the level of the longest panel to try.
     """
     total = to_node(pairs)

@@ -22,8 +22,8 @@ MODE_ROWS = 6
 STEP, COUNT, TURN_RE, TURN_IM, SECOND_RE, SECOND_IM, FIRST_RE, FIRST_IM = range(8)
 LEVEL_ROWS = 8
 
-# signal (SIGNAL_ROWS,): constant, phasor, Ω, drive phase, number of attached pairs, |phasor|; value and slope at both ends
-# of the last panel; derivatives 0…5 at the start of the interpolated part and of the whole; derivatives 0…7 at a guess
+# signal (SIGNAL_ROWS,): constant, phasor, Ω, drive phase, number of attached pairs, |phasor|; value and slope at both
+# ends of the last panel; derivatives 0…5 at the start of the interpolated part and of the whole, 0…7 at a guess
 CONST, ZR, ZI, DRIVE, COSINE, SINE, ATTACHED, HARMONIC = range(8)
 P0, S0, P1, S1 = range(8, 12)
 LOW, WHOLE, TAYLOR = 12, 18, 24

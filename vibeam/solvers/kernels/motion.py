@@ -55,7 +55,14 @@ ROUND_OFF = 64.0 * 2.220446049250313e-16
 
 @kernel
 def advance(
-    desk: Desk, pose: Array, status: Array, span: float, limit: int, trace: Array, poses: Array, counts: NDArray[np.int64]
+    desk: Desk,
+    pose: Array,
+    status: Array,
+    span: float,
+    limit: int,
+    trace: Array,
+    poses: Array,
+    counts: NDArray[np.int64],
 ) -> tuple[int, float]:
     """Carry ``pose`` and ``status`` on by ``span`` seconds: outcome, time done.
 
@@ -206,7 +213,7 @@ def lie(
 
 @kernel
 def release(desk: Desk, pose: Array, status: Array, at_root: bool) -> bool:
-    """Leave the stop where the motion is drawn away from it: with acceleration, or with jerk where the force vanishes."""
+    """Leave the stop where the motion is drawn away from it: with acceleration, or with jerk at the force's root."""
     toward, jerk = contact_derivatives(desk.pairs, desk.modes, desk.drive, pose, status)
     if jerk < 0.0 and (at_root or toward >= 0.0):
         status[ORDER], status[RISE] = 3.0, -jerk

@@ -1,7 +1,7 @@
 """One panel: the pairs one step on, what is interpolated and what is only bounded, and the verdict.
 
-A flight that starts on the stop has a root of known order m at t = 0; its first panel works on the quotient p = g / t^m,
-whose fourth derivative is bounded by 24/(m+4)! times a bound on g^{(m+4)}.
+A flight that starts on the stop has a root of known order m at t = 0; its first panel works on the quotient
+p = g / t^m, whose fourth derivative is bounded by 24/(m+4)! times a bound on g^{(m+4)}.
 """
 
 from __future__ import annotations
@@ -78,7 +78,15 @@ def accept(pairs: Array, signal: Array, attached: Array) -> None:
 
 @summing
 def measure(
-    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, time: float, re: float, im: float, level: int
+    pairs: Array,
+    table: Array,
+    levels: Array,
+    signal: Array,
+    attached: Array,
+    time: float,
+    re: float,
+    im: float,
+    level: int,
 ) -> tuple[float, float, float, float, float, float, float, float, float, float, float, float]:
     """Trial pairs, and what the panel from the node shows.
 

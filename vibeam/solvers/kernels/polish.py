@@ -91,7 +91,7 @@ def expand(pairs: Array, signal: Array, t: float, value: float, slope: float, cu
 
 @joined
 def taylor_root(signal: Array, step: float) -> float:
-    """The root near ``step`` of the Taylor polynomial in signal[TAYLOR …]; infinite where Newton does not settle at once."""
+    """The root near ``step`` of the Taylor polynomial in signal[TAYLOR …]; infinite where Newton does not settle."""
     for _ in range(3):
         value, slope = signal[TAYLOR + DEGREE], 0.0
         for j in range(DEGREE - 1, -1, -1):
@@ -163,7 +163,7 @@ def converged(signal: Array, rest: float, step: float, t: float) -> bool:
 def polish_minimum(
     pairs: Array, signal: Array, attached: Array, order: int, rise: float, node: float, h: float
 ) -> tuple[float, float]:
-    """(where after the node, value) of the one minimum of a convex panel, or of the first point found at or below zero."""
+    """(where after the node, value) of the one minimum of a convex panel, or of the first point found ≤ 0."""
     low, high = 0.0, h
     down, up = signal[S0], signal[S1]
     if down >= 0.0:

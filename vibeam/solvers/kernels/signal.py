@@ -94,7 +94,7 @@ def quotient_at(
 
 @joined
 def quotient(order: int, rise: float, second: float, gamma: float, delta: float, h: float) -> tuple[float, float]:
-    """p and p' at t = h of p = g / t^m, m = 1, 2, 3, from g = g' h + γh², g' = g'(0) + δh; ``second`` = g''(0) as computed."""
+    """p and p' at t = h of p = g / t^m from g = g'(0) h + γh², g' = g'(0) + δh; ``second`` = g''(0) as computed."""
     if order == 1:
         return rise + h * gamma, delta - gamma
     if order == 2:
@@ -125,7 +125,7 @@ def derivatives(pairs: Array, signal: Array, attached: Array, count: int, start:
 
 @joined
 def to_node(pairs: Array) -> float:
-    """The node goes to the start; the sum of the energies e_k ≥ √(x² + (x'/ω)²), which bound |x_k| for all later times."""
+    """The node goes to the start; the sum of the e_k ≥ √(x² + (x'/ω)²), which bound |x_k| for all later times."""
     total = 0.0
     for k in range(pairs.shape[1]):
         x, y = pairs[X0, k], pairs[Y0, k]
@@ -140,4 +140,4 @@ def magnitude(pairs: Array, signal: Array, order: int) -> float:
     total = signal[HARMONIC] * power(signal[DRIVE], order)
     for k in range(pairs.shape[1]):
         total += pairs[E, k] * power(pairs[KAPPA, k], order)
-    return total
+    return float(total)

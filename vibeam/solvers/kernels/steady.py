@@ -1,11 +1,11 @@
-"""A steady point: settle, then hold and watch, period by period."""
+"""What is read off a steady point: extremes, energies, impacts, strobes, and after how many periods it repeats."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.solvers.kernels.desk import Desk
+from vibeam.solvers.kernels.desk import Desk, Room
 from vibeam.solvers.kernels.drive import phase
 from vibeam.solvers.kernels.energy import energy_at_rest, energy_in_flight
 from vibeam.solvers.kernels.extremes import extremes
@@ -15,23 +15,18 @@ from vibeam.solvers.kernels.layout import (
     AT_CLOCK,
     BEFORE,
     CHATTER,
-    CLOCK,
     COARSEST,
-    COMPLETE,
     CONTACT_LEAST,
     DURATION,
     END,
-    FULL,
     GAP,
     HIGH,
     IMPACT,
     KEPT,
     LEAST,
     OMEGA,
-    PERIOD,
     REST_TIME,
     RESTING,
-    SEGMENTS,
     SPEED_SUM,
     STRUCK,
     STUCK,
@@ -39,7 +34,6 @@ from vibeam.solvers.kernels.layout import (
     WHAT,
     W,
 )
-from vibeam.solvers.kernels.motion import advance
 from vibeam.solvers.kernels.output import begin_output, begin_output_at_rest
 
 Array = NDArray[np.float64]
@@ -47,36 +41,10 @@ REPEATS = 1e-5  # share of the motion's size by which states one period apart ma
 
 
 @kernel
-def settle_and_hold(
-    desk: Desk, pose: Array, status: Array, settle: int, hold: int, limit: int, row: Array, rest_row: Array,
-    nothing: Array, trace: Array, poses: Array, strobes: Array, scratch: Array, frame: Array,
-    result: Array, energy: Array, counts: NDArray[np.int64],
-) -> int:  # fmt: skip
-    """Carry on by settle + hold periods and fill ``result``, ``energy`` (∫ E dt) and ``strobes`` (hold + 1, 2, n).
-
-    ``row`` (n,) and ``rest_row`` (2, n − 1): the output in flight and at rest.
-    """
-    period = desk.drive[PERIOD]
-    outcome, _ = advance(desk, pose, status, settle * period, limit * max(settle, 1), nothing, poses, counts)
-    if outcome != COMPLETE:
-        return outcome
-    result[HIGH], result[LEAST], result[CONTACT_LEAST] = -np.inf, np.inf, np.inf
-    note_strobe(strobes, 0, pose)
-    for turn in range(hold):
-        status[CLOCK] = 0.0
-        left = period
-        while left > 0.0:
-            counts[SEGMENTS] = 0
-            outcome, done = advance(desk, pose, status, left, limit, trace, poses, counts)
-            watch(desk, row, rest_row, trace, poses, scratch, frame, result, energy, counts[SEGMENTS])
-            if outcome == COMPLETE:
-                break
-            if outcome != FULL:
-                return outcome
-            left -= done
-        note_strobe(strobes, turn + 1, pose)
-    status[CLOCK] = 0.0
-    return COMPLETE
+def start_watching(room: Room, pose: Array) -> None:
+    """Nothing is seen yet."""
+    room.result[HIGH], room.result[LEAST], room.result[CONTACT_LEAST] = -np.inf, np.inf, np.inf
+    note_strobe(room.strobes, 0, pose)
 
 
 @kernel
@@ -88,27 +56,25 @@ def note_strobe(strobes: Array, turn: int, pose: Array) -> None:
 
 
 @kernel
-def watch(
-    desk: Desk, row: Array, rest_row: Array, trace: Array, poses: Array, scratch: Array, frame: Array,
-    result: Array, energy: Array, count: int,
-) -> None:  # fmt: skip
-    """Read off the segments just traced. ``scratch``, ``frame``: room for a pose each."""
+def watch(desk: Desk, room: Room, count: int) -> None:
+    """Read off the segments just traced."""
+    trace, frame, result = room.trace, room.frame, room.result
     coarsest = int(desk.drive[COARSEST])
     for i in range(count):
         clock, duration = trace[i, AT_CLOCK], trace[i, DURATION]
         for k in range(frame.shape[1]):
-            frame[0, k], frame[1, k] = poses[i, 0, k], poses[i, 1, k]
+            frame[0, k], frame[1, k] = room.poses[i, 0, k], room.poses[i, 1, k]
         if trace[i, WHAT] == RESTING:
             result[REST_TIME] += duration
             result[CONTACT_LEAST] = min(result[CONTACT_LEAST], desk.drive[GAP])
-            begin_output_at_rest(desk, rest_row, row, frame, clock)
+            begin_output_at_rest(desk, room.rest_row, room.row, frame, clock)
             result[LEAST], result[HIGH] = extremes(
                 desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.no_attached,
                 duration, coarsest, result[LEAST], result[HIGH],
             )  # fmt: skip
-            energy_at_rest(desk, frame, clock, duration, scratch, energy)
+            energy_at_rest(desk, frame, clock, duration, room.scratch, room.energy)
         elif duration > 0.0:
-            watch_flight(desk, row, frame, clock, duration, coarsest, result, energy)
+            watch_flight(desk, room.row, frame, clock, duration, coarsest, result, room.energy)
         note_impact(trace, i, result)
 
 

@@ -36,7 +36,7 @@ RESOLVED = 1.2  # κh up to which a pair takes part in the interpolant; above it
 
 
 def regime(omega: Array, sigma: Array, disc: Array, top: int) -> tuple[Array, Array, Array]:
-    """``pairs``, ``table`` (8, levels, n) and ``levels`` of pairs already sorted by ``rates``; longest panel 2^top s."""
+    """``pairs``, ``table`` (8, levels, n) and ``levels`` of pairs sorted by ``rates``; longest panel 2^top s."""
     pairs = np.zeros((PAIR_ROWS, len(omega)))
     over = sigma + np.sqrt(np.maximum(disc, 0.0))
     pairs[OMEGA], pairs[SIGMA], pairs[DISC], pairs[KAPPA] = omega, sigma, disc, rates(omega, sigma)
