@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from pydantic import BaseModel
 
 
-def canonical_text(case: BaseModel) -> str:
-    """The case as text that loads as the same case and is its identity."""
-    content = case.model_dump(by_alias=True, exclude_none=True)
+def canonical_text(case: BaseModel, without: Collection[str] = ()) -> str:
+    """The case as text that loads as the same case, less the tables and keys in ``without``."""
+    content = case.model_dump(by_alias=True, exclude_none=True, exclude=set(without))
     return "\n".join(_tables("", content)).lstrip("\n") + "\n"
 
 

@@ -53,12 +53,14 @@ class Reference:
 class Case:
     """A scene, the fidelities that model it, their sweep and what they are checked against.
 
-    ``text`` is the case in canonical form, SI units and overrides included: it loads as the same case, and two cases
-    are the same where their texts (or ``key``) are.
+    ``text`` is the case in canonical form, SI units and overrides included: it loads as the same case. ``numbers`` is
+    the part of it that decides what a run computes (no title, source, references): two cases compute the same where
+    that text, or ``key``, is the same.
     """
 
     path: Path
     text: str
+    numbers: str
     title: str
     source: str
     scene: Scene | SdofScene
@@ -68,8 +70,8 @@ class Case:
 
     @cached_property
     def key(self) -> str:
-        """SHA-256 of ``text``, in hexadecimal."""
-        return sha256(self.text.encode()).hexdigest()
+        """SHA-256 of ``numbers``, in hexadecimal."""
+        return sha256(self.numbers.encode()).hexdigest()
 
     @property
     def base_amplitude(self) -> float:
@@ -109,6 +111,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
     return Case(
         path=file,
         text=canonical_text(declared),
+        numbers=canonical_text(declared, without={"title", "source", "reference"}),
         title=declared.title or file.stem,
         source=declared.source,
         scene=_scene(declared),

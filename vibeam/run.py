@@ -130,7 +130,7 @@ def _place(
     if path is None:
         return nullcontext()
     branches = [branch for several in plan.values() for branch in several]
-    return opened(path, text=case.text, key=case.key, branches=branches, unit=output_unit(case))
+    return opened(path, text=case.numbers, key=case.key, branches=branches, unit=output_unit(case))
 
 
 def _job(case: Case, name: str, system: ImpactSystem, branches: tuple[Branch, ...], store: Store | None) -> _Job:

@@ -98,6 +98,7 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
     values = {
         "path": Path("case.toml"),
         "text": f'title = "a case"\nkey = "{key}"\n',
+        "numbers": f'key = "{key}"\n',
         "key": key,
         "title": "a case",
         "scene": None,

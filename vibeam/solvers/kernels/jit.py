@@ -38,7 +38,7 @@ def summing(function: F) -> F:
 def entry(function: F) -> F:
     """A function that Python calls, compiled when it first is and then kept on disk."""
     dispatcher = njit(**OPTIONS, cache=True)(function)
-    dispatcher._cache = _Cache(function)
+    dispatcher._cache = _Cache(function)  # type: ignore[no-untyped-call]
     return cast(F, dispatcher)
 
 
@@ -56,8 +56,8 @@ def _digest() -> str:
 SOURCES = _digest()
 
 
-class _Cache(FunctionCache):  # type: ignore[misc]
+class _Cache(FunctionCache):
     """numba's cache notices a change in an entry's own file only; this one in any kernel's."""
 
     def _index_key(self, signature: Any, codegen: Any) -> tuple[Any, ...]:
-        return (*super()._index_key(signature, codegen), SOURCES)
+        return (*super()._index_key(signature, codegen), SOURCES)  # type: ignore[no-untyped-call]
