@@ -1,24 +1,52 @@
-"""Solvers: state in, state out, nothing remembered."""
+"""Solvers: state in, state out, nothing remembered.
+
+A solver is made for one system and then asked for steady points or for a motion; it never knows which reduction made
+its system. ``solver`` makes one by name.
+"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
-    from vibeam.solvers.flight import FlightSolver
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from vibeam.response import FrequencyResponse
+    from vibeam.state import State
     from vibeam.system import ImpactSystem
 
-NAMES = ("flight",)
+HOMES = {"flight": "vibeam.solvers.flight:FlightSolver"}
+NAMES = tuple(HOMES)
 COMPILE_SECONDS = 20  # about, on two cores
 
 
-def solver(name: str, system: ImpactSystem, slowest: float, span: float = 0.0) -> FlightSolver:
-    """The solver of that name for one system and drives of ``slowest`` rad/s and more; ValueError names those known."""
-    if name not in NAMES:
-        raise ValueError(f"no solver {name!r}: there are {', '.join(NAMES)}")
-    from vibeam.solvers.flight import FlightSolver
+class Solver(Protocol):
+    """What every solver does. It is made as ``Class(system, slowest, span, **options)`` and raises ValueError there
+    for a system or an option that it cannot take.
+    """
 
-    return FlightSolver(system, slowest, span)
+    def steady(
+        self,
+        omegas: Sequence[float] | NDArray[np.float64],
+        amplitude: float,
+        state: State | None,
+        settle: int,
+        hold: int,
+        output: str,
+    ) -> tuple[FrequencyResponse, State]:
+        """Steady points at ``omegas`` (rad/s) in turn under base motion of ``amplitude`` m, the state carried."""
+        ...
+
+
+def solver(name: str, system: ImpactSystem, slowest: float, span: float = 0.0, **options: Any) -> Any:
+    """The solver of that name for one system and drives of ``slowest`` rad/s and more; ValueError names those known."""
+    if name not in HOMES:
+        raise ValueError(f"no solver {name!r}: there are {', '.join(NAMES)}")
+    module, kind = HOMES[name].split(":")
+    return getattr(import_module(module), kind)(system, slowest, span, **options)
 
 
 def compiled() -> bool:
