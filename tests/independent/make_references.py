@@ -268,8 +268,10 @@ def header(name: str, curve: Curve) -> list[str]:
         f"# as soon as the strobes repeat to {SAME} one repetition is read: settling is cut short there; an orbit that",
         f"# repeats only to {REPEATS} by then is followed on to {SAME}",
         "# amplitude, maximum, minimum: sensor; reach: gap - min of the contact displacement; impact_velocity: mean",
-        "# contact velocity before impact; period: least n <= 16, -1 no impact; all empty where the motion of the point or",
-        "# of a neighbour does not repeat: there round-off decides what a point locks to, and nothing is to be compared;",
+        "# contact velocity before impact; period: least n <= 16, -1 no impact; all empty where the motion of the "
+        "point or",
+        "# of a neighbour does not repeat: there round-off decides what a point locks to, and nothing is to be "
+        "compared;",
         "# impacts_per_period and impact_velocity are empty where a chatter ends in rest: its impacts are countless",
         f"# made by: python tests/independent/make_references.py {name}",
     ]

@@ -146,13 +146,38 @@ def _growth(system: Modes, drive: Drive, start: State, nudge: float, digits: int
 
 
 def grazing_cases() -> Iterator[dict[str, Any]]:
-    """Touch and miss at four depths for systems of 1, 2 and 3 modes."""
+    """Touch and miss at seven depths for systems of 1, 2 and 3 modes."""
     rng = np.random.default_rng(SEED + 1)
     for n in (1, 2, 3):
         system, drive, start, crest = _with_crest(rng, n)
         for share in (1e-2, 1e-4, 1e-6, 1e-7):
             for kind in ("touch", "miss"):
                 yield _graze(system, drive, start, crest, share, kind)
+        for share in (1e-8, 1e-9, 1e-10):
+            for kind in ("touch", "miss"):
+                near = _aim(system, drive, start, crest, share if kind == "touch" else -share)
+                yield _graze(system, drive, near, _crest(system, drive, near), share, kind)
+
+
+def _aim(system: Modes, drive: Drive, start: State, crest: dict[str, mpf], share: float) -> State:
+    """A start a few thousand ulps away whose crest lies so deep (below for share < 0) beyond a double.
+
+    Depths below an ulp of the gap cannot be had by choosing the gap. The height changes by A with an ulp of the first
+    displacement and by B with one of the first velocity: of all j, l the height + jA + lB − depth nearest a double.
+    """
+    x, v = start.displacement[0], start.velocity[0]
+    moved = [replace(start, displacement=[math.nextafter(x, math.inf), *start.displacement[1:]])]
+    moved += [replace(start, velocity=[math.nextafter(v, math.inf), *start.velocity[1:]])]
+    a, b = (float(_crest(system, drive, near)["height"] - crest["height"]) for near in moved)
+    base = float(crest["height"])
+    depth = mpf(share) * abs(mpf(share)) * crest["speed_scale"] ** 2 / (2 * crest["deceleration"])
+    rest = float(crest["height"] - base - depth)
+    j, k = np.meshgrid(np.arange(3000), np.arange(400), indexing="ij")
+    ulps = (rest + j * a + k * b) / math.ulp(base)
+    at = int(np.argmin(np.abs(ulps - np.round(ulps))))
+    x += int(j.flat[at]) * math.ulp(x)
+    v += int(k.flat[at]) * math.ulp(v)
+    return replace(start, displacement=[x, *start.displacement[1:]], velocity=[v, *start.velocity[1:]])
 
 
 def _graze(

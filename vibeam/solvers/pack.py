@@ -23,6 +23,7 @@ from vibeam.solvers.kernels.layout import (
     RESTITUTION,
     SIGNAL_ROWS,
     STATIC,
+    ZETA,
 )
 from vibeam.solvers.kernels.tables import rates, regime
 from vibeam.system import ImpactSystem
@@ -44,7 +45,7 @@ class Packed:
         omega, zeta = own.omega[order], own.zeta[order]
         sigma, contact, load, static = zeta * omega, own.contact[order], own.load[order], own.static[order]
         modes, drive = np.zeros((MODE_ROWS, own.size)), np.zeros(DRIVE_ROWS)
-        modes[CONTACT], modes[LOAD], modes[STATIC] = contact, load, static
+        modes[CONTACT], modes[LOAD], modes[STATIC], modes[ZETA] = contact, load, static, zeta
         drive[GAP], drive[RESTITUTION], drive[MOBILITY] = own.gap, own.restitution, contact @ contact
         rest = constrained(omega, sigma, contact, load, static, own.gap)
         drive[REST_FORCE], drive[REST_LOAD] = rest.force, rest.force_load

@@ -15,6 +15,7 @@ from vibeam.solvers.kernels.layout import (
     A21,
     A22,
     AMODE,
+    AMPLITUDE,
     ATTACHED,
     CLEARANCE,
     COARSEST,
@@ -60,7 +61,7 @@ def set_drive(desk: Desk, omega: float, amplitude: float) -> None:
     """Put the desk under b = amplitude · sin(omega t)."""
     drive, modes = desk.drive, desk.modes
     strength = omega * omega * amplitude
-    drive[W], drive[STRENGTH] = omega, strength
+    drive[W], drive[STRENGTH], drive[AMPLITUDE] = omega, strength, amplitude
     drive[PERIOD], drive[PERIOD_REST] = exact_period(omega)
     desk.signal[ATTACHED] = 0.0
     drive[CONTACT_RE], drive[CONTACT_IM], drive[CLEARANCE] = 0.0, 0.0, drive[GAP]

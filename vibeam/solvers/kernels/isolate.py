@@ -27,23 +27,27 @@ from vibeam.solvers.kernels.layout import (
     ZI,
     ZR,
 )
+from vibeam.solvers.kernels.pair import power
 from vibeam.solvers.kernels.panel import accept, launching, ordinary, step_pairs
 from vibeam.solvers.kernels.polish import EPSILON, guess, polish, polish_minimum
-from vibeam.solvers.kernels.signal import derivatives, to_node
+from vibeam.solvers.kernels.sharp import sharp_gap
+from vibeam.solvers.kernels.signal import derivatives, to_node, value_at
 from vibeam.solvers.kernels.tables import level_of
 
 Array = NDArray[np.float64]
+SHALLOW = 1e9  # times round-off: how far from zero a minimum is still judged, and its touch found, sharply
 
 
 @kernel
 def first_root(
     pairs: Array, table: Array, levels: Array, signal: Array, attached: Array,
-    order: int, rise: float, span: float, coarsest: int,
+    order: int, rise: float, span: float, coarsest: int, modes: Array, drive: Array, pose: Array, clock: float,
 ) -> tuple[bool, float, int]:  # fmt: skip
     """(found, flight time, panels tried) of the first root in (0, span]; there XT, YT and the trial hold the pairs.
 
     ``order`` 0: the signal starts positive; 1 … 3: it starts with a root of that order, g^{(order)}(0) = ``rise`` > 0.
-    ``coarsest``: the level of the longest panel to try.
+    ``coarsest``: the level of the longest panel to try. ``clock`` ≥ 0: the signal is the gap of ``modes`` from ``pose``
+    at that drive time, and a minimum that round-off leaves in doubt is judged in twice the precision.
     """
     total = to_node(pairs)
     if signal[ATTACHED] > 0.0:
@@ -77,6 +81,12 @@ def first_root(
         if found == MINIMUM:
             where, value = polish_minimum(pairs, signal, attached, start_order, rise, time, h)
             found, bracket = (ROOT, where) if value <= 0.0 else (CLEAR, h)
+            shallow = SHALLOW * tolerance if start_order == 0 else SHALLOW * tolerance / power(where, start_order)
+            if clock >= 0.0 and value < shallow and signal[ATTACHED] == 0.0:
+                touch = graze(pairs, signal, attached, modes, drive, pose, clock, time, time + where)
+                if 0.0 < touch <= span:
+                    return True, touch, panels
+                found = CLEAR
         if found == ROOT:
             start = time + guess(signal, h, bracket)
             root = polish(pairs, signal, attached, start_order, rise, time, start, bracket)
@@ -105,3 +115,29 @@ def first_level(levels: Array, order: int, rise: float, signal: Array, coarsest:
     if order > 1 or ahead >= 0.0:
         return coarsest
     return max(coarsest, level_of(levels, -4.0 * rise / ahead))
+
+
+@kernel
+def graze(
+    pairs: Array, signal: Array, attached: Array, modes: Array, drive: Array, pose: Array, clock: float,
+    node: float, where: float,
+) -> float:  # fmt: skip
+    """The flight time at which a gap with its minimum near ``where`` touches the stop, or −1 where it does not.
+
+    The depth d below the stop comes from ``sharp_gap``; with curvature a it is struck √(2d/a) before the minimum.
+    """
+    t = where
+    for _ in range(3):
+        _, slope, curvature = value_at(pairs, signal, attached, node, t)
+        if curvature <= 0.0:
+            return -1.0
+        t -= slope / curvature
+    depth = -sharp_gap(pairs, modes, drive, pose, clock, t)
+    if depth < 0.0:
+        return -1.0
+    touch = t - sqrt(2.0 * depth / curvature)
+    for _ in range(4 if depth > 0.0 else 0):
+        _, slope, _ = value_at(pairs, signal, attached, node, touch)
+        touch -= sharp_gap(pairs, modes, drive, pose, clock, touch) / slope
+    value_at(pairs, signal, attached, node, touch)
+    return float(touch)

@@ -15,8 +15,8 @@ X0, Y0, X, Y, E, X2, Y2, XT, YT = range(6, 15)
 PAIR_ROWS = 15
 
 # modes (MODE_ROWS, n): the free system's modes, and one drive's steady response Im((RE + i IM) e^{iφ}) + OFFSET
-CONTACT, LOAD, STATIC, RE, IM, OFFSET = range(6)
-MODE_ROWS = 6
+CONTACT, LOAD, STATIC, ZETA, RE, IM, OFFSET = range(7)
+MODE_ROWS = 7
 
 # levels (LEVEL_ROWS, LEVELS): panel length, pairs it resolves, e^{iΩh}, (e^{iΩh} − 1 − iΩh)/h², (e^{iΩh} − 1)/h
 STEP, COUNT, TURN_RE, TURN_IM, SECOND_RE, SECOND_IM, FIRST_RE, FIRST_IM = range(8)
@@ -36,8 +36,8 @@ ATTACHED_ROWS = TERM + SERIES
 
 # drive (DRIVE_ROWS,): Ω, Ω²B, 2π/Ω in two parts, contact phasor, gap less the static offsets, coarsest level; the stop
 W, STRENGTH, PERIOD, PERIOD_REST, CONTACT_RE, CONTACT_IM, CLEARANCE, COARSEST = range(8)
-GAP, RESTITUTION, MOBILITY, REST_FORCE, REST_LOAD = range(8, 13)
-DRIVE_ROWS = 13
+GAP, RESTITUTION, MOBILITY, REST_FORCE, REST_LOAD, AMPLITUDE = range(8, 14)
+DRIVE_ROWS = 14
 
 # blocks (BLOCK_ROWS, n − 1): the rest regime's 2×2 blocks, their rows in the contact force, inputs, steady response
 A11, A12, A21, A22, ROW1, ROW2, CONSTANT1, CONSTANT2, LOAD1, LOAD2 = range(10)

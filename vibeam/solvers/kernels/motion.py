@@ -131,6 +131,7 @@ def fly(
         found, flight, panels = first_root(
             desk.pairs, desk.table, desk.levels, desk.signal, desk.attached,
             int(status[ORDER]), status[RISE], span, int(desk.drive[COARSEST]),
+            desk.modes, desk.drive, pose, status[CLOCK],
         )  # fmt: skip
         counts[PANELS] += panels
         land(
@@ -199,7 +200,7 @@ def lie(
     else:
         found, duration, panels = first_root(
             desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.no_attached,
-            order, rate, span, int(desk.drive[COARSEST]),
+            order, rate, span, int(desk.drive[COARSEST]), desk.modes, desk.drive, pose, -1.0,
         )  # fmt: skip
         counts[PANELS] += panels
     stay(desk, pose, status[CLOCK], duration)
