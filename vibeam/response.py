@@ -22,6 +22,7 @@ class Ended(Enum):
     PENETRATED = "the start lies beyond the stop: start from a state with contact displacement ≤ gap"
     NOT_FINITE = "a number overflowed: the response grew beyond all bounds"
     NOT_RUN = "not run yet"
+    NO_ORBIT = "no stable motion of the kind this solver looks for at this frequency"
 
     @property
     def code(self) -> int:

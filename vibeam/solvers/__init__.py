@@ -18,7 +18,11 @@ if TYPE_CHECKING:
     from vibeam.state import State
     from vibeam.system import ImpactSystem
 
-HOMES = {"flight": "vibeam.solvers.flight:FlightSolver"}
+HOMES = {
+    "flight": "vibeam.solvers.flight:FlightSolver",
+    "averaging": "vibeam.solvers.averaging:AveragingSolver",
+    "mapping": "vibeam.solvers.mapping:MappingSolver",
+}
 NAMES = tuple(HOMES)
 COMPILE_SECONDS = 25  # about, on two cores
 
