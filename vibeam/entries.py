@@ -148,6 +148,28 @@ class Text(Entry):
 
 
 @dataclass(frozen=True)
+class Options(Entry):
+    """A table of names and plain values, whose meaning is another's: a solver's options."""
+
+    def parse(self, value: Any) -> dict[str, str | float]:
+        """As ``Entry.parse``."""
+        if not isinstance(value, dict):
+            raise ValueError(f"must be {self.describe()}, not {shown(value)}")
+        wrong = [name for name, each in value.items() if not _is_plain(each)]
+        if wrong:
+            raise ValueError(f"{', '.join(wrong)}: must be a finite number or text in quotes")
+        return dict(value)
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return "table { name = value, … }"
+
+
+def _is_plain(value: Any) -> bool:
+    return isinstance(value, str) or (isinstance(value, int | float) and math.isfinite(value))
+
+
+@dataclass(frozen=True)
 class Several(Entry):
     """A list of at least one quantity; also one alone, or a word instead, where ``alone`` or ``words`` say so."""
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
@@ -18,7 +19,7 @@ ReductionName = Literal["static_mode", "modal", "full"]
 
 @dataclass(frozen=True)
 class Fidelity:
-    """How much model: a ``reduction`` (``modes`` of them for ``"modal"``) and the ``solver`` that runs it.
+    """How much model: a ``reduction`` (``modes`` of them for ``"modal"``) and what runs it: ``solver``, ``options``.
 
     ValueError for an unknown reduction, or ``modes`` missing, below 1 or given to another reduction.
     """
@@ -27,6 +28,7 @@ class Fidelity:
     reduction: ReductionName
     modes: int | None = None
     solver: str = "flight"
+    options: Mapping[str, str | float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         known = get_args(ReductionName)

@@ -14,12 +14,14 @@ import numpy as np
 
 from vibeam.faults import CaseError, Fault
 from vibeam.response import Branches, FrequencyResponse
+from vibeam.solvers import solver
 from vibeam.spread import Stopped, spread
 from vibeam.store import Branch, Kept, Store, opened
 from vibeam.sweep import march
 
 if TYPE_CHECKING:
     from vibeam.case import Case
+    from vibeam.fidelity import Fidelity
     from vibeam.state import State
     from vibeam.system import ImpactSystem
 
@@ -61,7 +63,7 @@ class _Job:
 
     name: str
     system: ImpactSystem
-    solver: str
+    fidelity: Fidelity
     branches: tuple[tuple[Branch, Kept], ...]
 
 
@@ -88,11 +90,13 @@ def run(case: Case, out: str | Path | None = None, progress: Progress | None = N
 
 
 def _systems(case: Case) -> dict[str, ImpactSystem]:
-    """The system of every fidelity; CaseError names all those that cannot be built."""
+    """The system of every fidelity; CaseError names all that cannot be built or that their solver cannot take."""
     systems, faults = {}, []
-    for name in case.fidelities:
+    slowest = 2 * np.pi * float(np.min(case.sweep.frequency))
+    for name, fidelity in case.fidelities.items():
         try:
             systems[name] = case.system(name)
+            solver(fidelity.solver, systems[name], slowest, 0.0, **fidelity.options)
         except ValueError as error:
             faults.append(Fault(str(case.path), None, f"fidelity.{name}", str(error)))
     if faults:
@@ -135,7 +139,7 @@ def _place(
 
 def _job(case: Case, name: str, system: ImpactSystem, branches: tuple[Branch, ...], store: Store | None) -> _Job:
     kept = tuple((branch, store.restore(branch) if store else _nothing(branch)) for branch in branches)
-    return _Job(name, system, case.fidelities[name].solver, kept)
+    return _Job(name, system, case.fidelities[name], kept)
 
 
 def _nothing(branch: Branch) -> Kept:
@@ -170,7 +174,8 @@ def _march(case: Case, job: _Job, kept: Kept, state: State | None) -> Iterator[t
         case.base_amplitude,
         settle=plan.settle,
         hold=plan.hold,
-        solver=job.solver,
+        solver=job.fidelity.solver,
+        options=job.fidelity.options,
         output=plan.output,
         state=state,
         slowest=float(kept.response.omega.min()),

@@ -10,12 +10,12 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from vibeam import units
-from vibeam.entries import NOT_NEGATIVE, POSITIVE, Count, Quantity, Range, Several, TableOr, Text, Word
+from vibeam.entries import NOT_NEGATIVE, POSITIVE, Count, Options, Quantity, Range, Several, TableOr, Text, Word
+from vibeam.solvers import NAMES as SOLVERS
 
 DIRECTIONS = ("up", "down", "both")
 QUANTITIES = ("amplitude", "reach", "maximum", "minimum", "impact_velocity", "impacts_per_period", "period")
 REDUCTIONS = ("static_mode", "modal", "full")
-SOLVERS = ("flight",)
 MOST_ELEMENTS = 2000
 MOST_POINTS = 1_000_000
 
@@ -141,6 +141,9 @@ class FidelityTable(Table):
     )
     modes: Annotated[int | None, Count(1, 2 * MOST_ELEMENTS)] = key("how many, for modal alone", 8, None)
     solver: Annotated[str, Word(SOLVERS)] = key("how its motion is found", "flight", "flight")
+    options: Annotated[dict[str, str | float], Options()] = key(
+        "of the solver, by name; absent = its own defaults", None, {}, written=False
+    )
 
 
 class ReferenceTable(Table):
@@ -188,6 +191,9 @@ class SdofFidelityTable(Table):
 
     reduction: Annotated[str, Word(("static_mode",))] = key("one mode", "static_mode", "static_mode")
     solver: Annotated[str, Word(SOLVERS)] = key("how its motion is found", "flight", "flight")
+    options: Annotated[dict[str, str | float], Options()] = key(
+        "of the solver, by name; absent = its own defaults", None, {}, written=False
+    )
 
 
 class BeamCase(Table):

@@ -117,6 +117,8 @@ def simulate(
     """
     if not (np.isfinite(t_start) and np.isfinite(t_end) and t_end >= t_start >= 0):
         raise ValueError(f"times: t_end {t_end} must be finite and not before t_start {t_start} ≥ 0")
+    if solver != "flight":
+        raise ValueError(f"solver: {solver!r} keeps no exact path, only 'flight' does; its class has motion() instead")
     runner = solver_named(solver, system, drive.omega, t_end - t_start)
     ended, last, after, segments, stats = runner.simulate(drive, state, t_start, t_end, max_impacts)
     return Trajectory(system, drive, t_start, last, after, ended, stats, runner, segments)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import fields
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,14 +30,15 @@ def march(
     state: State | None = None,
     block: int = 1,
     slowest: float | None = None,
+    options: Mapping[str, Any] | None = None,
 ) -> Iterator[tuple[FrequencyResponse, State]]:
     """Steady points in the order of ``omega`` (rad/s), ``block`` at a time, each with the state after it.
 
     The state is carried from point to point (displacement and velocity relative to the base; the drive's phase starts
     at 0 at every point); ``state`` None: static equilibrium. ``amplitude``: of the base, m. ``slowest``: the lowest
     frequency of the whole sweep, where ``omega`` is only what is left of it: numbers are then the same to the bit.
-    A point that fails is NaN with its reason, and the next one starts from equilibrium. ValueError for a grid, periods
-    or solver that make no sense, KeyError for an unknown output.
+    ``options``: the solver's own. A point that fails is NaN with its reason, and the next one starts from equilibrium.
+    ValueError for a grid, periods or solver that make no sense, KeyError for an unknown output.
     """
     grid = np.atleast_1d(np.asarray(omega, dtype=float))
     if grid.ndim != 1 or not len(grid) or not np.all(np.isfinite(grid) & (grid > 0)):
@@ -47,7 +48,7 @@ def march(
     if not np.isfinite(amplitude):
         raise ValueError(f"amplitude: {amplitude} is not finite")
     system.output(output)
-    runner = solver_named(solver, system, float(grid.min()) if slowest is None else slowest)
+    runner = solver_named(solver, system, float(grid.min()) if slowest is None else slowest, **(options or {}))
     for first in range(0, len(grid), block):
         response, state = runner.steady(grid[first : first + block], amplitude, state, settle, hold, output)
         yield response, state
@@ -64,6 +65,7 @@ def sweep(
     solver: str = "flight",
     output: str = "contact",
     state: State | None = None,
+    options: Mapping[str, Any] | None = None,
 ) -> FrequencyResponse | Branches:
     """The frequency-response curve over ``omega`` (rad/s), in the order swept, or Branches(up, down) for "both".
 
@@ -78,7 +80,7 @@ def sweep(
         blocks = list(
             march(
                 system, leg, amplitude, settle=settle, hold=hold,
-                solver=solver, output=output, state=state, block=len(leg),
+                solver=solver, output=output, state=state, block=len(leg), options=options,
             )
         )  # fmt: skip
         found.append(join([response for response, _ in blocks]))

@@ -102,7 +102,7 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
         "key": key,
         "title": "a case",
         "scene": None,
-        "fidelities": {name: SimpleNamespace(name=name, solver="flight") for name in systems},
+        "fidelities": {name: SimpleNamespace(name=name, solver="flight", options={}) for name in systems},
         "sweep": sweep,
         "references": {},
         "system": systems.__getitem__,

@@ -13,6 +13,7 @@ import vibeam
 from vibeam.case import parse
 from vibeam.faults import CaseError, Fault
 from vibeam.keys import template
+from vibeam.solvers import NAMES
 
 RIG = """title = "rig"
 [beam]
@@ -69,6 +70,7 @@ def test_the_text_that_the_wrong_ones_start_from_is_right():
     assert parse(SDOF)
 
 
+SOLVERS = " | ".join(f'"{name}"' for name in NAMES)
 WRONG = [
     # keys
     ("density =", "densty =", "7: beam.densty: unknown key; did you mean 'density'?"),
@@ -108,7 +110,7 @@ WRONG = [
     ('"14 Hz"', '"0 Hz"', "22: sweep.frequency.from: '0 Hz' must be > 0"),
     ("hold = 5", 'direction = "upp"\nhold = 5', "24: sweep.direction: 'upp' is not one of \"up\" | \"down\" | \"both\"; did you mean 'up'?"),
     ("static_mode", "nothing", "26: fidelity.sdof.reduction: 'nothing' is not one of \"static_mode\" | \"modal\" | \"full\""),
-    ("static_mode\"", "full\"\nsolver = \"ode\"", "27: fidelity.sdof.solver: 'ode' is not one of \"flight\""),
+    ("static_mode\"", "full\"\nsolver = \"ode\"", f"27: fidelity.sdof.solver: 'ode' is not one of {SOLVERS}"),
     ('{ from = "14 Hz", to = "17 Hz", points = 4 }', '"14 Hz"', "22: sweep.frequency: must be { from, to, points } or a list of Hz > 0, not '14 Hz'"),
     ('{ from = "14 Hz", to = "17 Hz", points = 4 }', "[14, -1]", "22: sweep.frequency: number 2 of the list: -1 must be > 0"),
     ('{ from = "14 Hz", to = "17 Hz", points = 4 }', "[14, 13]", "22: sweep.frequency: the list must ascend, each number once; the direction is said elsewhere"),
@@ -175,7 +177,7 @@ def test_references(right, wrong, message):
         ("amplitude = 0.5e-3", "voltage = 1\namplitude = 0", "7: drive.voltage: unknown key; known here: amplitude"),
         ("[stop]", "natural_frequency = 2\n[stop]", "3: sdof.natural_frequency: 2 may be rad/s or Hz: write '2 rad/s' or '2 Hz'"),
         ("exact]", "exact]\nreduction = \"full\"", "13: fidelity.exact.reduction: 'full' is not one of \"static_mode\""),
-        ("exact]", "exact]\nmodes = 2", "13: fidelity.exact.modes: unknown key; known here: reduction, solver"),
+        ("exact]", "exact]\nmodes = 2", "13: fidelity.exact.modes: unknown key; known here: reduction, solver, options"),
         ("[stop]", "[mass]\n[stop]", "3: mass: [mass] and [sdof] do not go together: keep [sdof], or the beam's tables"),
     ],
 )  # fmt: skip

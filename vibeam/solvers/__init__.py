@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib import import_module
+from inspect import signature
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
@@ -22,6 +23,10 @@ HOMES = {
     "flight": "vibeam.solvers.flight:FlightSolver",
     "averaging": "vibeam.solvers.averaging:AveragingSolver",
     "mapping": "vibeam.solvers.mapping:MappingSolver",
+    "direct": "vibeam.solvers.ode:DirectSolver",
+    "zhuravlev": "vibeam.solvers.zhuravlev:ZhuravlevSolver",
+    "ivanov": "vibeam.solvers.ivanov:IvanovSolver",
+    "moreau": "vibeam.solvers.timestepping:MoreauSolver",
 }
 NAMES = tuple(HOMES)
 COMPILE_SECONDS = 25  # about, on two cores
@@ -46,11 +51,19 @@ class Solver(Protocol):
 
 
 def solver(name: str, system: ImpactSystem, slowest: float, span: float = 0.0, **options: Any) -> Any:
-    """The solver of that name for one system and drives of ``slowest`` rad/s and more; ValueError names those known."""
+    """The solver of that name for one system and drives of ``slowest`` rad/s and more.
+
+    ValueError names the solvers or the options that there are, or says why this one cannot take the system.
+    """
     if name not in HOMES:
         raise ValueError(f"no solver {name!r}: there are {', '.join(NAMES)}")
     module, kind = HOMES[name].split(":")
-    return getattr(import_module(module), kind)(system, slowest, span, **options)
+    made = getattr(import_module(module), kind)
+    known = [key for key in signature(made).parameters if key not in ("system", "slowest", "span")]
+    unknown = [key for key in options if key not in known]
+    if unknown:
+        raise ValueError(f"solver {name!r} has no option {', '.join(unknown)}: there are {', '.join(known) or 'none'}")
+    return made(system, slowest, span, **options)
 
 
 def compiled() -> bool:

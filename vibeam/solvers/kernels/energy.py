@@ -31,13 +31,13 @@ from vibeam.solvers.kernels.rest import stay
 
 Array = NDArray[np.float64]
 RESOLUTION = 0.2  # rate times step
-MOST = 128  # steps a segment: beyond it a mode rings so fast that its energy is smooth between the samples
+MOST, MOST_AT_REST = 128, 1024  # steps a segment: a faster mode rings so that its energy is smooth between samples
 
 
 @kernel
-def steps(rate: float, duration: float) -> int:
+def steps(rate: float, duration: float, most: int) -> int:
     """An even number of Simpson steps."""
-    return 2 * max(1, int(min(MOST / 2, ceil(rate * duration / (2.0 * RESOLUTION)))))
+    return 2 * max(1, int(min(most / 2, ceil(rate * duration / (2.0 * RESOLUTION)))))
 
 
 @kernel
@@ -54,7 +54,7 @@ def energy_in_flight(desk: Desk, pose: Array, clock: float, duration: float, ene
     pairs, modes, w = desk.pairs, desk.modes, desk.drive[W]
     cosine, sine = phase(desk.drive, clock)
     for k in range(pairs.shape[1]):
-        count = steps(max(w, pairs[KAPPA, k]), duration)
+        count = steps(max(w, pairs[KAPPA, k]), duration, MOST)
         h, own = duration / count, pairs[OMEGA, k] * pairs[OMEGA, k]
         p00, p01, p10, p11 = propagator(pairs[SIGMA, k], pairs[OMEGA, k], pairs[DISC, k], h)
         turn_re, turn_im = cos(w * h), sin(w * h)
@@ -86,7 +86,7 @@ def carried(attached: Array, signal: Array, k: int) -> bool:
 @kernel
 def energy_attached(attached: Array, signal: Array, duration: float, energy: Array) -> None:
     """Add the attached modes' part."""
-    count = steps(att.fastest(attached, signal), duration)
+    count = steps(att.fastest(attached, signal), duration, MOST)
     h = duration / count
     att.restart(attached, signal)
     for i in range(count + 1):
@@ -102,7 +102,7 @@ def energy_attached(attached: Array, signal: Array, duration: float, energy: Arr
 def energy_at_rest(desk: Desk, pose: Array, clock: float, duration: float, scratch: Array, energy: Array) -> None:
     """Add ∫ E_k dt over a rest from ``pose`` to ``energy`` (n,)."""
     n = pose.shape[1]
-    count = steps(max(desk.drive[W], desk.pairs[KAPPA, 0]), duration)
+    count = steps(max(desk.drive[W], desk.pairs[KAPPA, n - 1]), duration, MOST_AT_REST)
     for i in range(count + 1):
         for k in range(n):
             scratch[0, k], scratch[1, k] = pose[0, k], pose[1, k]
