@@ -13,6 +13,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from vibeam.case import load as load
     from vibeam.derive import derive as derive
+    from vibeam.periodic.boundaries import boundaries as boundaries
+    from vibeam.periodic.curve import orbit_curve as orbit_curve
+    from vibeam.periodic.follow import follow as follow
+    from vibeam.periodic.line import Kind as Kind
+    from vibeam.periodic.orbit import Orbit as Orbit
+    from vibeam.periodic.orbit import orbits as orbits
+    from vibeam.periodic.several import settled_orbit as settled_orbit
+    from vibeam.periodic.several import train_orbit as train_orbit
     from vibeam.response import Ended as Ended
     from vibeam.response import FrequencyResponse as FrequencyResponse
     from vibeam.run import run as run
@@ -33,6 +41,14 @@ _HOMES = {
     "State": "vibeam.state",
     "simulate": "vibeam.simulate",
     "sweep": "vibeam.sweep",
+    "orbits": "vibeam.periodic.orbit",
+    "Orbit": "vibeam.periodic.orbit",
+    "orbit_curve": "vibeam.periodic.curve",
+    "boundaries": "vibeam.periodic.boundaries",
+    "Kind": "vibeam.periodic.line",
+    "follow": "vibeam.periodic.follow",
+    "settled_orbit": "vibeam.periodic.several",
+    "train_orbit": "vibeam.periodic.several",
     "Ended": "vibeam.response",
     "FrequencyResponse": "vibeam.response",
 }

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 HOMES = {
     "flight": "vibeam.solvers.flight:FlightSolver",
+    "orbit": "vibeam.solvers.orbit:OrbitSolver",
     "averaging": "vibeam.solvers.averaging:AveragingSolver",
     "mapping": "vibeam.solvers.mapping:MappingSolver",
     "direct": "vibeam.solvers.ode:DirectSolver",

@@ -164,6 +164,16 @@ def accept(attached: Array, signal: Array) -> None:
 
 
 @kernel
+def swing(attached: Array, signal: Array, span: float) -> float:
+    """Size of the attached pairs' part over a flight of ``span``: |x| + t|y| + t²(|F| + |s|), weighted."""
+    total = 0.0
+    for j in range(int(signal[ATTACHED])):
+        push = abs(attached[AFORCE, j]) + abs(attached[ASTATIC, j])
+        total += abs(attached[AWEIGHT, j]) * (abs(attached[AX, j]) + span * (abs(attached[AY, j]) + span * push))
+    return total
+
+
+@kernel
 def jerk_bound(attached: Array, signal: Array) -> float:
     """Bound of the attached pairs' part in g'''."""
     total = 0.0

@@ -37,7 +37,7 @@ def extremes(
     att.restart(attached, signal)
     re, im = signal[ZR], signal[ZI]
     signal[HARMONIC] = sqrt(re * re + im * im)
-    accuracy = ACCURACY * (abs(signal[CONST]) + signal[HARMONIC] + total)
+    accuracy = ACCURACY * (abs(signal[CONST]) + signal[HARMONIC] + total + att.swing(attached, signal, span))
     time, level = 0.0, coarsest
     while True:
         h = levels[STEP, level]

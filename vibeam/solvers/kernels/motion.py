@@ -69,7 +69,8 @@ def advance(
     Segments go to ``trace`` (m, TRACE_COLUMNS) and their first poses to ``poses`` (m, 2, n), where m > 0. FULL: no row
     is left; empty them and call again with the rest of the span.
     """
-    done, events, rows = 0.0, 0, trace.shape[0]
+    done, rows = 0.0, trace.shape[0]
+    most = counts[IMPACTS] + limit
     status[PHASE_COS], status[PHASE_SIN] = phase(desk.drive, status[CLOCK])
     while done < span:
         if rows > 0 and counts[SEGMENTS] >= rows:
@@ -83,8 +84,7 @@ def advance(
         if outcome != COMPLETE:
             return outcome, done
         done += step
-        events += 1
-        if events > limit:
+        if counts[IMPACTS] >= most and done < span:
             return EVENT_LIMIT, done
     return COMPLETE, done
 

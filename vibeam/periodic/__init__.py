@@ -1,0 +1,7 @@
+"""Periodic motions with one impact per n drive periods, exact for any number of modes (periodic Green's function).
+
+``sums`` reduces the modes to a few numbers a frequency, ``balance`` solves the quadratic for the impulse,
+``multipliers`` judges stability through the saltation matrix; ``curve`` does so for whole frequency axes, ``orbit`` for
+one drive, certified by the flight solver in ``certify``; ``boundaries`` finds where a branch ends or changes, and
+``follow`` takes such a point along a second parameter. ``several`` refines motions with up to four impacts a span.
+"""

@@ -1,0 +1,83 @@
+"""Whole frequency curves of periodic motions, by formula."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibeam.periodic.balance import Roots, balance
+from vibeam.periodic.multipliers import multipliers, real_crossing
+from vibeam.periodic.sums import Sums, fault, sums
+from vibeam.system import ImpactSystem
+
+Array = NDArray[np.float64]
+CERTAIN = 1e8  # size of D(±1) up to which its sign counts
+
+
+@dataclass(frozen=True)
+class OrbitCurve:
+    """Motions with one impact per ``periods`` drive periods; arrays (points, 2), NaN where there is none.
+
+    The two columns are the two roots, the harder impact first, each smooth along the axis. They satisfy contact and
+    restitution at the impact; whether they stay clear of the stop in between is for ``orbits`` to say.
+    """
+
+    omega: Array
+    periods: int
+    impulse: Array  #: N s per unit modal mass, negative: away from the stop
+    phase: Array  #: drive phase Ωt at the impact, 0 … 2π
+    velocity: Array  #: before the impact, toward the stop, m/s
+    stable: NDArray[np.bool_]  #: all 2n Floquet multipliers within the unit circle; False where there is no motion
+    beyond_plus: Array  #: D(1): negative proves a multiplier > 1
+    beyond_minus: Array  #: D(−1): negative proves a multiplier < −1
+
+
+def checked(system: ImpactSystem, omega: ArrayLike, periods: int) -> Array:
+    """The frequencies as an array; ValueError where the question makes no sense."""
+    grid = np.atleast_1d(np.asarray(omega, dtype=float))
+    if grid.ndim != 1 or not np.all(np.isfinite(grid) & (grid > 0)):
+        raise ValueError("omega: must be positive frequencies in rad/s")
+    if periods < 1 or periods != int(periods):
+        raise ValueError(f"periods: {periods} must be a whole number ≥ 1")
+    reason = fault(system)
+    if reason:
+        raise ValueError(reason)
+    return grid
+
+
+def orbit_curve(system: ImpactSystem, omega: ArrayLike, amplitude: float, periods: int = 1) -> OrbitCurve:
+    """Both motions at every frequency ``omega`` (points,) rad/s under base motion of ``amplitude`` m.
+
+    The cost of motion and of D(±1) is linear in the number of modes; eigenvalues (n³) are asked for only where D(±1)
+    leave stability open, never at both roots of a point. Exact resonances of undamped modes are NaN. ValueError as in
+    ``orbits``.
+    """
+    grid = checked(system, omega, periods)
+    total = sums(system, grid, periods)
+    found = balance(system, total, amplitude, system.gap)
+    real = found.impulse < 0
+    beyond = [
+        np.stack([real_crossing(system, part, found.lean[:, k]) for k in (0, 1)], axis=1)
+        for part in (total.plus, total.minus)
+    ]
+    impulse, phase, velocity, plus, minus = (
+        np.where(real, row, np.nan) for row in (found.impulse, found.phase, found.velocity, *beyond)
+    )
+    stable = _stable(system, total, found, real & ~_proven(beyond[0]) & ~_proven(beyond[1]))
+    return OrbitCurve(grid, int(periods), impulse, phase, velocity, stable, plus, minus)
+
+
+def _proven(beyond: Array) -> NDArray[np.bool_]:
+    """Where D < 0 beyond doubt: near the double pole of an undamped mode its sign is round-off."""
+    return (beyond < 0) & (beyond > -CERTAIN)
+
+
+def _stable(system: ImpactSystem, total: Sums, found: Roots, open_: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Stability of the motions that ``open_`` marks, by their multipliers; False for the others."""
+    stable = np.zeros(open_.shape, dtype=bool)
+    rows, _ = np.nonzero(open_)
+    values = multipliers(system, total.span[rows], found.lean[open_])
+    stable[open_] = np.abs(values[:, 0]) < 1
+    return stable

@@ -1,0 +1,136 @@
+"""The modes of a system reduced to a few sums a frequency: all that its periodic motions depend on.
+
+A mode struck once per span nT answers the impulse p with η_i = p c_i g_i(t), g_i periodic with a unit velocity jump:
+
+    g_i(0) = p01/det(1 − P),   g_i'(0⁺) = (1 − p00)/det(1 − P)                    (periodic Green's function)
+    G₀ = Σ c_i² g_i(0),  G₁ = Σ c_i² g_i'(0⁺),  G₂ = Σ c_i² g_i''(0⁻),  S = Σ c_i²
+
+and the drive with Im(H e^{iφ}), H = Σ c_i load_i Ω²B/(ω_i² − Ω² + 2iσ_iΩ) (Babitsky & Krupenin's method). A mode
+without stiffness answers only forces without mean: its static force must balance the impulse, s_i nT + c_i p = 0, and
+then g_i = t(nT − t)/(2nT) up to a constant, which the contact fixes.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.periodic.pair import Pair, pair
+from vibeam.system import ImpactSystem
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+PARALLEL = 1e-12  # share by which the static force on modes without stiffness may miss the contact's direction
+
+
+class Transfer(NamedTuple):
+    """Σ c_i² of P(λ − P)⁻¹ at one λ: rows 12 and 22, and the damped combinations that the saltation matrix asks for."""
+
+    t12: Array
+    t22: Array
+    k11: Array  # Σ c²(2σ t12 − t11)
+    k21: Array  # Σ c²(2σ t22 − t21)
+
+
+class Sums(NamedTuple):
+    """One entry a frequency."""
+
+    omega: Array
+    span: Array
+    unit: Complex  # H for a base motion of 1 m
+    g0: Array
+    g1: Array
+    g2: Array
+    plus: Transfer  # at λ = 1; NaN where a mode has no stiffness
+    minus: Transfer  # at λ = −1
+    offset: float  # static contact displacement of the modes with stiffness
+    fixed: Array | None  # the impulse that modes without stiffness ask for
+
+
+def fault(system: ImpactSystem) -> str:
+    """Why the system has no periodic motion with impacts at any drive; empty where it may."""
+    free = (system.omega == 0) & ((system.contact != 0) | (system.static != 0))
+    if not free.any():
+        return ""
+    contact, static = system.contact[free], system.static[free]
+    share = static @ contact / max(contact @ contact, np.finfo(float).tiny)
+    if share <= 0 or np.linalg.norm(static - share * contact) > PARALLEL * np.linalg.norm(static):
+        return "omega: a mode without stiffness needs a static force toward the stop, along contact, to come back to it"
+    return ""
+
+
+def resonant(system: ImpactSystem, omega: float, periods: int) -> str:
+    """Why there is no steady response at this drive; empty where there is one."""
+    undamped = (system.omega > 0) & (system.zeta == 0)
+    if np.any(undamped & (system.omega == omega) & (system.load != 0)):
+        return f"drive: an undamped mode is driven at its own frequency {omega} rad/s and grows without bound"
+    turns = system.omega * periods / omega
+    if np.any(undamped & (system.contact != 0) & (turns == np.rint(turns))):
+        return f"drive: an undamped mode makes a whole number of turns in {periods} periods: impacts make it grow"
+    return ""
+
+
+def sums(system: ImpactSystem, omega: Array, periods: int) -> Sums:
+    """The sums at drives ``omega`` (points,) rad/s, in one pass over the modes: the cost is linear in their number."""
+    span = 2 * np.pi * periods / omega
+    unit, g = np.zeros(len(omega), dtype=complex), np.zeros((3, len(omega)))
+    plus, minus = (np.zeros((4, len(omega))) for _ in range(2))
+    for own, zeta, contact, load in zip(system.omega, system.zeta, system.contact, system.load, strict=True):
+        sigma, square = zeta * own, contact**2
+        if contact == 0:
+            continue
+        p = pair(own, zeta, span)
+        unit += contact * load * phasor(own, sigma, omega)
+        g += square * _green(own, sigma, p, span)
+        plus += square * _transfer(p, sigma, 1.0)
+        minus += square * _transfer(p, sigma, -1.0)
+    return Sums(
+        omega, span, unit, g[0], g[1], g[2], Transfer(*plus), Transfer(*minus),
+        float(system.contact @ offsets(system)), _fixed(system, span),
+    )  # fmt: skip
+
+
+def phasor(own: float, sigma: float, omega: Array) -> Complex:
+    """Steady response Ω²/(ω² − Ω² + 2iσΩ) of a mode to a base motion of 1 m."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(omega**2 / ((own - omega) * (own + omega) + 2j * sigma * omega))
+
+
+def offsets(system: ImpactSystem) -> Array:
+    """Static displacements (n,), 0 for modes without stiffness."""
+    stiff = system.omega > 0
+    return np.where(stiff, system.static / np.where(stiff, system.omega, 1.0) ** 2, 0.0)
+
+
+def green(own: float, sigma: float, p: Pair) -> tuple[Array, Array]:
+    """g(0) and g'(0⁺) of one mode; 0 and ½ where it has no stiffness."""
+    if own == 0:
+        return np.zeros_like(p.rise), np.full_like(p.rise, 0.5)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return p.p01 / p.closing, p.rise / p.closing
+
+
+def _green(own: float, sigma: float, p: Pair, span: Array) -> Array:
+    g0, g1 = green(own, sigma, p)
+    with np.errstate(invalid="ignore"):
+        g2 = -1 / span if own == 0 else -2 * sigma * (g1 - 1) - own * own * g0
+    return np.stack([g0, g1, g2])
+
+
+def _transfer(p: Pair, sigma: float, sign: float) -> Array:
+    """t12, t22, 2σ t12 − t11 and 2σ t22 − t21 of T = P(λ − P)⁻¹ = (λP − det P)/det(λ − P) at λ = ±1."""
+    bottom = p.closing if sign > 0 else p.opening
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t11, t12 = (sign * p.p00 - p.det) / bottom, sign * p.p01 / bottom
+        t21, t22 = sign * p.p10 / bottom, (sign * p.p11 - p.det) / bottom
+        return np.stack([t12, t22, 2 * sigma * t12 - t11, 2 * sigma * t22 - t21])
+
+
+def _fixed(system: ImpactSystem, span: Array) -> Array | None:
+    free = (system.omega == 0) & (system.contact != 0)
+    if not free.any():
+        return None
+    contact, static = system.contact[free], system.static[free]
+    return np.asarray(-span * (static @ contact) / (contact @ contact))

@@ -1,0 +1,103 @@
+"""The orbit solver: steady motions with one impact per n drive periods by formula, one frequency at a time."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.periodic.certify import Witness
+from vibeam.periodic.curve import checked
+from vibeam.periodic.motion import phasors
+from vibeam.periodic.orbit import Orbit, orbits
+from vibeam.periodic.sums import offsets, resonant
+from vibeam.response import VELOCITIES_KEPT, Ended, FrequencyResponse
+from vibeam.solvers.start import equilibrium
+from vibeam.state import State
+from vibeam.system import Drive, ImpactSystem
+
+Array = NDArray[np.float64]
+
+
+class OrbitSolver:
+    """Stable, admissible motions with one impact per ``periods`` drive periods; where there is none but the motion
+    under the drive alone stays clear of the stop, that one. Every other point is NaN with its reason.
+
+    Each point stands by itself: the state carried into it, ``settle`` and ``hold`` do not change what is found.
+    """
+
+    def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, periods: int = 1) -> None:
+        checked(system, slowest, periods)
+        self.system, self.periods, self.witness = system, periods, Witness(system, slowest)
+
+    def steady(
+        self,
+        omegas: Sequence[float] | Array,
+        amplitude: float,
+        state: State | None,
+        settle: int,
+        hold: int,
+        output: str,
+    ) -> tuple[FrequencyResponse, State]:
+        """Steady points at ``omegas``; and the state of the last one at the drive's phase 0."""
+        grid = np.asarray(omegas, dtype=float)
+        self.system.output(output)
+        response = FrequencyResponse.empty(grid / (2 * np.pi), self.system.size)
+        last = equilibrium(self.system) if state is None else state
+        for index, omega in enumerate(grid):
+            begun = time.thread_time()
+            found, last = self._point(Drive(float(omega), amplitude), hold, output)
+            _copy(found, response, index)
+            response.cpu_seconds[index] = time.thread_time() - begun
+        return response, last
+
+    def _point(self, drive: Drive, hold: int, output: str) -> tuple[FrequencyResponse, State]:
+        orbit = self._orbit(drive)
+        if orbit is not None:
+            seen, last = self.witness.watched(drive, orbit.state, orbit.time, self.periods, output)
+            return _struck(seen, orbit, hold), last
+        linear = self._linear(drive)
+        if linear is not None:
+            return self.witness.watched(drive, linear, 0.0, 1, output)
+        blank = FrequencyResponse.empty(np.array([drive.omega / (2 * np.pi)]), self.system.size)
+        return replace(blank, ended=np.array([Ended.NO_ORBIT.code])), equilibrium(self.system)
+
+    def _orbit(self, drive: Drive) -> Orbit | None:
+        """The stable admissible motion, with the harder impact where there are two."""
+        if resonant(self.system, drive.omega, self.periods):
+            return None
+        found = orbits(self.system, drive, self.periods, self.witness)
+        return next((orbit for orbit in found if orbit.stable and orbit.admissible), None)
+
+    def _linear(self, drive: Drive) -> State | None:
+        """The motion under the drive alone at its phase 0, where it exists and never reaches the stop."""
+        h, rest = phasors(self.system, drive), offsets(self.system)
+        loose = np.any((self.system.omega == 0) & (self.system.static != 0))
+        high = float(abs(self.system.contact @ h) + self.system.contact @ rest)
+        if loose or not np.all(np.isfinite(h)) or not high < self.system.gap:
+            return None
+        return State(h.imag + rest, drive.omega * h.real)
+
+
+def _struck(seen: FrequencyResponse, orbit: Orbit, hold: int) -> FrequencyResponse:
+    """What was seen over one span, with the impact counted exactly once wherever in the drive's period it falls."""
+    count = min(VELOCITIES_KEPT, max(1, hold // orbit.periods))
+    velocities = np.full((1, VELOCITIES_KEPT), np.nan)
+    velocities[0, VELOCITIES_KEPT - count :] = orbit.velocity
+    return replace(
+        seen,
+        impacts_per_period=np.array([1 / orbit.periods]),
+        impact_velocity=np.array([orbit.velocity]),
+        impact_velocities=velocities,
+        period=np.array([orbit.periods]),
+        rest=np.zeros(1),
+    )
+
+
+def _copy(point: FrequencyResponse, response: FrequencyResponse, index: int) -> None:
+    for each in fields(FrequencyResponse):
+        if each.name != "frequency":
+            getattr(response, each.name)[index] = getattr(point, each.name)[0]
