@@ -50,7 +50,7 @@ def march(
     system.output(output)
     runner = solver_named(solver, system, float(grid.min()) if slowest is None else slowest, **(options or {}))
     for first in range(0, len(grid), block):
-        response, state = runner.steady(grid[first : first + block], amplitude, state, settle, hold, output)
+        response, state = runner.steady(grid[first : first + block], float(amplitude), state, settle, hold, output)
         yield response, state
 
 

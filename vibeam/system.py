@@ -26,6 +26,8 @@ class Drive:
     def __post_init__(self) -> None:
         if not (np.isfinite(self.omega) and self.omega >= 0 and np.isfinite(self.amplitude)):
             raise ValueError(f"drive: omega {self.omega} must be finite and ≥ 0, amplitude {self.amplitude} finite")
+        object.__setattr__(self, "omega", float(self.omega))
+        object.__setattr__(self, "amplitude", float(self.amplitude))
 
 
 @dataclass(frozen=True)

@@ -49,12 +49,11 @@ def constrained(omega: Array, sigma: Array, contact: Array, load: Array, static:
     """
     n, mobility = len(omega), float(contact @ contact)
     stiffness, damping, held = omega**2, 2 * sigma, contact * (gap / mobility)
-    basis = _complement(contact)
-    spring, turn = np.linalg.eigh(basis.T @ (stiffness[:, None] * basis))
-    basis = basis @ turn
+    basis = _basis(contact, stiffness)
     damper = basis.T @ (damping[:, None] * basis)
-    state = np.block([[np.zeros((n - 1, n - 1)), np.eye(n - 1)], [-np.diag(spring), -damper]])
-    out = _sorted(state, _pairing(n - 1) if _diagonal(damper) else _invariant_planes(state))
+    spring = np.diag(np.diag(basis.T @ (stiffness[:, None] * basis)))
+    state = np.block([[np.zeros((n - 1, n - 1)), np.eye(n - 1)], [-spring, -damper]])
+    out = _sorted(state, _decoupled(state, int(np.count_nonzero(contact)) - 1))
     into = np.linalg.inv(out)
     a = _diagonal_blocks(into @ state @ out)
     lift = np.kron(np.eye(2), basis)
@@ -76,6 +75,17 @@ def constrained(omega: Array, sigma: Array, contact: Array, load: Array, static:
     )
 
 
+def _basis(contact: Array, stiffness: Array) -> Array:
+    """An orthonormal basis (n, n−1) of contact's complement, stiffness diagonal in it; silent modes last, alone."""
+    loud = contact != 0
+    complement = _complement(contact[loud])
+    turn = np.linalg.eigh(complement.T @ (stiffness[loud, None] * complement))[1]
+    basis = np.zeros((len(contact), len(contact) - 1))
+    basis[np.ix_(loud, np.arange(complement.shape[1]))] = complement @ turn
+    basis[np.flatnonzero(~loud), np.arange(complement.shape[1], len(contact) - 1)] = 1.0
+    return basis
+
+
 def _complement(contact: Array) -> Array:
     """An orthonormal basis (n, n−1) of the vectors orthogonal to ``contact``, by one Householder reflection."""
     unit = contact / np.linalg.norm(contact)
@@ -84,6 +94,17 @@ def _complement(contact: Array) -> Array:
     normal[pivot] += np.copysign(1.0, unit[pivot])
     reflection = np.eye(len(unit)) - 2 * np.outer(normal, normal) / (normal @ normal)
     return np.delete(reflection, pivot, axis=1)
+
+
+def _decoupled(state: Array, coupled: int) -> Array:
+    """Columns that take ``state`` of (z, z') to 2×2 blocks; only the first ``coupled`` z can be coupled by damping."""
+    m = len(state) // 2
+    out = _pairing(m)
+    rows = np.concatenate([np.arange(coupled), m + np.arange(coupled)])
+    inner = state[np.ix_(rows, rows)]
+    if not _diagonal(inner[coupled:, coupled:]):
+        out[np.ix_(rows, np.arange(2 * coupled))] = _invariant_planes(inner)
+    return out
 
 
 def _diagonal(matrix: Array) -> bool:
@@ -120,11 +141,12 @@ def _sorted(state: Array, out: Array) -> Array:
 def _invariant_planes(state: Array) -> Array:
     """Columns that span real two-dimensional invariant subspaces of ``state``."""
     values, vectors = np.linalg.eig(state)
-    columns = [_orthonormal(vectors[:, k].real, vectors[:, k].imag) for k in np.flatnonzero(values.imag > 0)]
-    real = np.flatnonzero(values.imag == 0)
-    real = real[np.argsort(values[real].real)]
+    near = np.abs(values.imag) <= CLOSE * np.abs(values)
+    columns = [_orthonormal(vectors[:, k].real, vectors[:, k].imag) for k in np.flatnonzero(~near & (values.imag > 0))]
+    real = np.flatnonzero(near)
+    real = real[np.lexsort((values[real].imag, values[real].real))]
     for first, second in zip(real[::2], real[1::2], strict=True):
-        pair = values[[first, second]].real
+        pair = values[[first, second]]
         if abs(pair[1] - pair[0]) <= CLOSE * abs(pair).max():
             columns.append(_common_plane(state, pair))
         else:
@@ -136,11 +158,11 @@ def _orthonormal(first: Array, second: Array) -> Array:
     return np.asarray(np.linalg.qr(np.stack([first, second], axis=1))[0])
 
 
-def _common_plane(state: Array, pair: Array) -> Array:
+def _common_plane(state: Array, pair: NDArray[np.complex128]) -> Array:
     """The invariant subspace of two nearly equal eigenvalues, which needs no eigenvectors of its own."""
     from scipy.linalg import schur
 
-    middle, radius = pair.mean(), max(np.ptp(pair), 1e-6 * abs(pair).max())
+    middle, radius = pair.mean().real, abs(pair[1] - pair[0]) + 1e-9 * float(np.abs(state).max())
     _, vectors, count = schur(state, output="real", sort=lambda x, y=0.0: abs(complex(x, y) - middle) <= 2 * radius)
     if count != 2:
         raise ValueError("the system at rest on the stop has three or more equal real rates: separate them slightly")

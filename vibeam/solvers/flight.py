@@ -13,10 +13,12 @@ from vibeam.response import VELOCITIES_KEPT, Ended, FrequencyResponse
 from vibeam.solvers.kernels.compiled import move, poses_at
 from vibeam.solvers.kernels.desk import Room
 from vibeam.solvers.kernels.layout import (
+    AT_CLOCK,
     CLOCK,
     COMPLETE,
     CONTACT_LEAST,
     COUNT_ROWS,
+    DURATION,
     EVENT_LIMIT,
     FULL,
     HIGH,
@@ -39,6 +41,7 @@ from vibeam.solvers.kernels.layout import (
     STRUCK,
     TRACE_COLUMNS,
     VELOCITY,
+    WHAT,
 )
 from vibeam.solvers.pack import Packed, pack
 from vibeam.solvers.start import equilibrium
@@ -101,7 +104,7 @@ class FlightSolver:
             trace, poses = np.zeros((rows, TRACE_COLUMNS)), np.zeros((rows, 2, self.system.size))
             counts = np.zeros(COUNT_ROWS, dtype=np.int64)
             outcome, step = move(
-                self.packed.desk, drive.omega, drive.amplitude, pose, status, span - done, 0, 0,
+                self.packed.desk, drive.omega, drive.amplitude, pose, status, float(span - done), 0, 0,
                 limit - int(totals[IMPACTS]), self._room(None, 0, trace, poses), counts, 0,
             )  # fmt: skip
             count = int(counts[SEGMENTS])
@@ -111,12 +114,21 @@ class FlightSolver:
             done += step
             rows = min(2 * rows, 65536)
         segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]))
+        if not len(segments.trace):  # ended where it began: the start is all there is
+            segments = self._instant(start, pose, status)
         stats = {
             "impacts": int(totals[IMPACTS]),
             "evaluations": int(totals[PANELS]),
             "cpu_seconds": time.thread_time() - begun,
         }
-        return OUTCOMES[outcome], start + done, self.state(pose, status), segments, stats
+        last = end if outcome == COMPLETE else float(segments.trace[-1, START] + segments.trace[-1, DURATION])
+        return OUTCOMES[outcome], last, self.state(pose, status), segments, stats
+
+    def _instant(self, time: float, pose: Array, status: Array) -> Segments:
+        """A segment without duration."""
+        trace = np.zeros((1, TRACE_COLUMNS))
+        trace[0, START], trace[0, AT_CLOCK], trace[0, WHAT] = time, status[CLOCK], status[KIND]
+        return Segments(trace, self.packed.outward(pose[None]))
 
     def poses_at(self, drive: Drive, segments: Segments, times: Array) -> Array:
         """Modal displacements and velocities (m, 2, n) at times (m,) within the segments."""

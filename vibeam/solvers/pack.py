@@ -53,8 +53,8 @@ class Packed:
         rest_pairs, rest_table, rest_levels = regime(rest.omega, rest.sigma, rest.disc, top)
         return Desk(
             pairs, table, levels, np.zeros(SIGNAL_ROWS), np.zeros((ATTACHED_ROWS, own.size)),
-            modes, drive, rest_pairs, rest_table, rest_levels, np.zeros(SIGNAL_ROWS), np.zeros((ATTACHED_ROWS, 0)),
-            rest.blocks, rest.to_blocks, rest.from_blocks, rest.held,
+            modes, drive, rest_pairs, rest_table, rest_levels, np.zeros(SIGNAL_ROWS),
+            np.zeros((ATTACHED_ROWS, own.size)), rest.blocks, rest.to_blocks, rest.from_blocks, rest.held,
         )  # fmt: skip
 
     def inward(self, values: Array) -> Array:

@@ -1,8 +1,8 @@
 """Attached pairs: those without a usable steady response carry their force along.
 
 A mode that is free (ω = 0), nearly so under a static force, or driven at its undamped resonance has a steady response
-that is infinite or so large that taking it out would lose digits. Its own equation X'' + 2σX' + ω²X = F sin φ + s is
-then solved by Taylor series, panel by panel, to round-off.
+that is infinite or so large that taking it out would lose digits. Its own equation
+X'' + 2σX' + ω²X = F sin φ + G cos φ + s is then solved by Taylor series, panel by panel, to round-off.
 """
 
 from __future__ import annotations
@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 
 from vibeam.solvers.kernels.jit import kernel
 from vibeam.solvers.kernels.layout import (
-    AFORCE,
+    ACOSINE,
     AOMEGA,
     ASIGMA,
+    ASINE,
     ASTATIC,
     ATTACHED,
     AWEIGHT,
@@ -40,15 +41,21 @@ Array = NDArray[np.float64]
 def series(attached: Array, j: int, x: float, y: float, cosine: float, sine: float, drive: float, h: float) -> None:
     """Set rows TERM + i, i < SERIES, to X^{(i)} h^i / i! of pair j from (x, y) at drive phase (cosine, sine)."""
     damp, spring, turn = 2.0 * attached[ASIGMA, j] * h, (attached[AOMEGA, j] * h) ** 2, drive * h
-    force, after = sine, turn * cosine
+    pull, draw = sine, cosine  # Taylor terms of sin φ and cos φ
     attached[TERM, j] = x
     attached[TERM + 1, j] = y * h
     for i in range(SERIES - 2):
-        push = attached[AFORCE, j] * force + (attached[ASTATIC, j] if i == 0 else 0.0)
+        push = attached[ASINE, j] * pull + attached[ACOSINE, j] * draw + (attached[ASTATIC, j] if i == 0 else 0.0)
         attached[TERM + i + 2, j] = (
             h * h * push - damp * (i + 1) * attached[TERM + i + 1, j] - spring * attached[TERM + i, j]
         ) / ((i + 1) * (i + 2))
-        force, after = after, -turn * turn * force / ((i + 1) * (i + 2))
+        pull, draw = turn * draw / (i + 1), -turn * pull / (i + 1)
+
+
+@kernel
+def force_of(attached: Array, j: int) -> float:
+    """Bound of the harmonic force on pair j."""
+    return float(abs(attached[ASINE, j]) + abs(attached[ACOSINE, j]))
 
 
 @kernel
@@ -64,7 +71,7 @@ def fastest(attached: Array, signal: Array) -> float:
     rate = 0.0
     for j in range(int(signal[ATTACHED])):
         rate = max(rate, max(2.0 * attached[ASIGMA, j], attached[AOMEGA, j]))
-        if attached[AFORCE, j] != 0.0:
+        if force_of(attached, j) != 0.0:
             rate = max(rate, signal[DRIVE])
     return rate
 
@@ -128,7 +135,7 @@ def bound(attached: Array, signal: Array, time: float, order: int, h: float) -> 
             factorial *= i
         z = abs(attached[TERM + order, j]) * factorial / h**order
         slope = abs(attached[TERM + order + 1, j]) * factorial * (order + 1) / h ** (order + 1)
-        push = h * abs(attached[AFORCE, j]) * signal[DRIVE] ** order
+        push = h * force_of(attached, j) * signal[DRIVE] ** order
         total += abs(attached[AWEIGHT, j]) * (z + h * (hypot(slope, attached[AOMEGA, j] * z) + push))
     return total
 
@@ -138,10 +145,10 @@ def trial_sum(attached: Array, signal: Array, t: float) -> tuple[float, float, f
     """Weighted value, slope and curvature of the trial at flight time t."""
     value, slope, curvature = 0.0, 0.0, 0.0
     if int(signal[ATTACHED]) > 0:
-        _, sine = phase_after(signal, t)
+        cosine, sine = phase_after(signal, t)
         for j in range(int(signal[ATTACHED])):
             x, y, weight = attached[TRIAL_X, j], attached[TRIAL_Y, j], attached[AWEIGHT, j]
-            push = attached[AFORCE, j] * sine + attached[ASTATIC, j]
+            push = attached[ASINE, j] * sine + attached[ACOSINE, j] * cosine + attached[ASTATIC, j]
             own = attached[AOMEGA, j]
             value += weight * x
             slope += weight * y
@@ -168,7 +175,7 @@ def swing(attached: Array, signal: Array, span: float) -> float:
     """Size of the attached pairs' part over a flight of ``span``: |x| + t|y| + t²(|F| + |s|), weighted."""
     total = 0.0
     for j in range(int(signal[ATTACHED])):
-        push = abs(attached[AFORCE, j]) + abs(attached[ASTATIC, j])
+        push = force_of(attached, j) + abs(attached[ASTATIC, j])
         total += abs(attached[AWEIGHT, j]) * (abs(attached[AX, j]) + span * (abs(attached[AY, j]) + span * push))
     return total
 
@@ -179,7 +186,7 @@ def jerk_bound(attached: Array, signal: Array) -> float:
     total = 0.0
     for j in range(int(signal[ATTACHED])):
         rate = max(2.0 * attached[ASIGMA, j], attached[AOMEGA, j])
-        push = abs(attached[AFORCE, j]) * (signal[DRIVE] + rate) + abs(attached[ASTATIC, j]) * rate
+        push = force_of(attached, j) * (signal[DRIVE] + rate) + abs(attached[ASTATIC, j]) * rate
         motion = rate * rate * abs(attached[AY, j]) + rate**3 * abs(attached[AX, j])
         total += abs(attached[AWEIGHT, j]) * (push + motion)
     return total

@@ -73,7 +73,9 @@ def poses_at(
         for k in range(pose.shape[1]):
             pose[0, k], pose[1, k] = poses[segment, 0, k], poses[segment, 1, k]
         clock = trace[segment, AT_CLOCK]
-        if trace[segment, WHAT] == RESTING:
+        if after[i] == 0.0:
+            pass
+        elif trace[segment, WHAT] == RESTING:
             stay(desk, pose, clock, after[i])
         else:
             status[CLOCK] = clock

@@ -24,7 +24,7 @@ class Desk(NamedTuple):
     rest_table: Array
     rest_levels: Array
     rest_signal: Array
-    no_attached: Array
+    rest_attached: Array
     blocks: Array
     to_blocks: Array  # (2(n−1), 2n): block coordinates from (η − held, η')
     from_blocks: Array  # (2n, 2(n−1))

@@ -17,6 +17,7 @@ from vibeam.solvers.kernels.layout import (
     AMODE,
     AMPLITUDE,
     ATTACHED,
+    CARRIED,
     CLEARANCE,
     COARSEST,
     CONSTANT1,
@@ -53,6 +54,7 @@ from vibeam.solvers.kernels.tables import tabulate_drive
 Array = NDArray[np.float64]
 NEAR_RESONANCE = 1e-3  # |ω² − Ω² + 2iσΩ| / Ω² below which a mode is attached
 NEARLY_FREE = 0.05  # rate / Ω below which a mode under a static force is attached
+LOOSE = 1e-7  # share of the fastest rate below which a held block counts as without stiffness
 PANEL = 1.1  # the longest panel is at most this over the drive's rate: about a sixth of its period
 
 
@@ -83,7 +85,7 @@ def set_drive(desk: Desk, omega: float, amplitude: float) -> None:
     drive[COARSEST] = coarsest_level(desk.pairs, desk.levels, omega)
     tabulate_drive(omega, desk.levels)
     tabulate_drive(omega, desk.rest_levels)
-    rest_response(desk.blocks, omega, strength)
+    rest_response(desk.rest_pairs, desk.blocks, omega, strength)
 
 
 @kernel
@@ -127,20 +129,33 @@ def coarsest_level(pairs: Array, levels: Array, omega: float) -> int:
 
 
 @kernel
-def rest_response(blocks: Array, omega: float, strength: float) -> None:
-    """Steady response of every block of the rest regime: (iΩ − A) Y = load Ω²B, and −A⁻¹ constant."""
-    for k in range(blocks.shape[1]):
-        a, b, c, d = blocks[A11, k], blocks[A12, k], blocks[A21, k], blocks[A22, k]
-        f0, f1 = blocks[LOAD1, k] * strength, blocks[LOAD2, k] * strength
-        y0, y1 = 0j, 0j
-        if f0 != 0.0 or f1 != 0.0:
-            determinant = (1j * omega - a) * (1j * omega - d) - b * c
-            y0 = ((1j * omega - d) * f0 + b * f1) / determinant
-            y1 = (c * f0 + (1j * omega - a) * f1) / determinant
+def rest_response(pairs: Array, blocks: Array, omega: float, strength: float) -> None:
+    """Steady response of every block of the rest regime, (iΩ − A) Y = load Ω²B and −A⁻¹ constant, or CARRIED."""
+    m = blocks.shape[1]
+    for k in range(m):
+        blocks[RE1 : OFFSET2 + 1, k] = 0.0
+        own, sigma = pairs[OMEGA, k], pairs[SIGMA, k]
+        force = strength * (abs(blocks[LOAD1, k]) + abs(blocks[LOAD2, k]))
+        static = abs(blocks[CONSTANT1, k]) + abs(blocks[CONSTANT2, k])
+        loose = own <= LOOSE * max(omega, pairs[KAPPA, m - 1])
+        blocks[CARRIED, k] = 1.0 if loose or is_attached(own, sigma, force, static, omega) else 0.0
+        if blocks[CARRIED, k] == 0.0:
+            block_response(blocks, k, omega, strength)
+
+
+@kernel
+def block_response(blocks: Array, k: int, omega: float, strength: float) -> None:
+    """Steady response of one block."""
+    a, b, c, d = blocks[A11, k], blocks[A12, k], blocks[A21, k], blocks[A22, k]
+    f0, f1 = blocks[LOAD1, k] * strength, blocks[LOAD2, k] * strength
+    if f0 != 0.0 or f1 != 0.0:
+        determinant = (1j * omega - a) * (1j * omega - d) - b * c
+        y0 = ((1j * omega - d) * f0 + b * f1) / determinant
+        y1 = (c * f0 + (1j * omega - a) * f1) / determinant
         blocks[RE1, k], blocks[IM1, k], blocks[RE2, k], blocks[IM2, k] = y0.real, y0.imag, y1.real, y1.imag
-        det = a * d - b * c
-        blocks[OFFSET1, k] = -(d * blocks[CONSTANT1, k] - b * blocks[CONSTANT2, k]) / det
-        blocks[OFFSET2, k] = -(a * blocks[CONSTANT2, k] - c * blocks[CONSTANT1, k]) / det
+    det = a * d - b * c
+    blocks[OFFSET1, k] = -(d * blocks[CONSTANT1, k] - b * blocks[CONSTANT2, k]) / det
+    blocks[OFFSET2, k] = -(a * blocks[CONSTANT2, k] - c * blocks[CONSTANT1, k]) / det
 
 
 @joined

@@ -11,10 +11,11 @@ from vibeam.solvers.kernels import attached as att
 from vibeam.solvers.kernels.drive import phase, wrap
 from vibeam.solvers.kernels.jit import joined
 from vibeam.solvers.kernels.layout import (
-    AFORCE,
+    ACOSINE,
     AMODE,
     AOMEGA,
     ASIGMA,
+    ASINE,
     ASTATIC,
     ATTACHED,
     AWEIGHT,
@@ -82,7 +83,8 @@ def begin_flight(
         k = int(attached[AMODE, j])
         attached[AX, j], attached[AY, j] = pose[0, k], pose[1, k]
         attached[ASIGMA, j], attached[AOMEGA, j] = pairs[SIGMA, k], pairs[OMEGA, k]
-        attached[AFORCE, j], attached[ASTATIC, j] = modes[LOAD, k] * drive[STRENGTH], modes[STATIC, k]
+        attached[ASINE, j], attached[ACOSINE, j] = modes[LOAD, k] * drive[STRENGTH], 0.0
+        attached[ASTATIC, j] = modes[STATIC, k]
         attached[AWEIGHT, j] = -modes[CONTACT, k]
         pairs[X0, k], pairs[Y0, k] = 0.0, 0.0
     return value, slope, size

@@ -29,9 +29,9 @@ P0, S0, P1, S1 = range(8, 12)
 LOW, WHOLE, TAYLOR = 12, 18, 24
 SIGNAL_ROWS = 32
 
-# attached (ATTACHED_ROWS, n): pairs that carry their force F sin φ + s along, which mode each is, its weight in the
-# signal, and room for the terms of its Taylor series
-AX, AY, ASIGMA, AOMEGA, AFORCE, ASTATIC, AMODE, AWEIGHT, NODE_X, NODE_Y, TRIAL_X, TRIAL_Y, TERM = range(13)
+# attached (ATTACHED_ROWS, n): pairs that carry their force F sin φ + G cos φ + s along, which mode each is, its
+# weight in the signal, and room for the terms of its Taylor series
+AX, AY, ASIGMA, AOMEGA, ASINE, ACOSINE, ASTATIC, AMODE, AWEIGHT, NODE_X, NODE_Y, TRIAL_X, TRIAL_Y, TERM = range(14)
 ATTACHED_ROWS = TERM + SERIES
 
 # drive (DRIVE_ROWS,): Ω, Ω²B, 2π/Ω in two parts, contact phasor, gap less the static offsets, coarsest level; the stop
@@ -39,10 +39,11 @@ W, STRENGTH, PERIOD, PERIOD_REST, CONTACT_RE, CONTACT_IM, CLEARANCE, COARSEST = 
 GAP, RESTITUTION, MOBILITY, REST_FORCE, REST_LOAD, AMPLITUDE = range(8, 14)
 DRIVE_ROWS = 14
 
-# blocks (BLOCK_ROWS, n − 1): the rest regime's 2×2 blocks, their rows in the contact force, inputs, steady response
+# blocks (BLOCK_ROWS, n − 1): the rest regime's 2×2 blocks, their rows in the contact force, inputs, steady response,
+# what is left of them, and whether they have none and carry their force along
 A11, A12, A21, A22, ROW1, ROW2, CONSTANT1, CONSTANT2, LOAD1, LOAD2 = range(10)
-RE1, RE2, IM1, IM2, OFFSET1, OFFSET2, Z1, Z2 = range(10, 18)
-BLOCK_ROWS = 18
+RE1, RE2, IM1, IM2, OFFSET1, OFFSET2, Z1, Z2, WEIGHT1, WEIGHT2, CARRIED = range(10, 21)
+BLOCK_ROWS = 21
 
 # pose (2, n): modal values, velocities; status (STATUS_ROWS,): time in the drive period, free or resting, order of the
 # contact at the start and g^{(order)} there, the largest impact velocity so far, cos and sin of the drive's phase

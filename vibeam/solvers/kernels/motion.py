@@ -199,7 +199,7 @@ def lie(
             duration = min(span, desk.levels[STEP, int(desk.drive[COARSEST])] * 1e-6)
     else:
         found, duration, panels = first_root(
-            desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.no_attached,
+            desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.rest_attached,
             order, rate, span, int(desk.drive[COARSEST]), desk.modes, desk.drive, pose, -1.0,
         )  # fmt: skip
         counts[PANELS] += panels

@@ -13,7 +13,20 @@ from vibeam.solvers.kernels.layout import (
     A12,
     A21,
     A22,
+    ACOSINE,
+    AMODE,
+    AOMEGA,
+    ASIGMA,
+    ASINE,
+    ASTATIC,
+    ATTACHED,
+    AWEIGHT,
+    AX,
+    AY,
+    CARRIED,
     CONST,
+    CONSTANT1,
+    CONSTANT2,
     CONTACT,
     COSINE,
     DISC,
@@ -21,6 +34,9 @@ from vibeam.solvers.kernels.layout import (
     GAP,
     IM1,
     IM2,
+    KAPPA,
+    LOAD1,
+    LOAD2,
     MOBILITY,
     OFFSET1,
     OFFSET2,
@@ -31,9 +47,12 @@ from vibeam.solvers.kernels.layout import (
     REST_LOAD,
     ROW1,
     ROW2,
+    SERIES,
     SIGMA,
     SINE,
     STRENGTH,
+    WEIGHT1,
+    WEIGHT2,
     X0,
     Y0,
     Z1,
@@ -77,27 +96,83 @@ def into_blocks(desk: Desk, pose: Array, clock: float) -> None:
 @kernel
 def begin_rest(desk: Desk, pose: Array, clock: float) -> tuple[float, float, float]:
     """The contact force (positive: it presses) as the rest signal: its value and rate now, the size of its parts."""
-    blocks, drive, signal = desk.blocks, desk.drive, desk.rest_signal
+    blocks, drive = desk.blocks, desk.drive
     into_blocks(desk, pose, clock)
-    cosine, sine = phase(drive, clock)
-    const, re, im = drive[REST_FORCE], drive[REST_LOAD] * drive[STRENGTH], 0.0
-    value, rate, size = 0.0, 0.0, 0.0
     for k in range(blocks.shape[1]):
-        r0, r1 = blocks[ROW1, k], blocks[ROW2, k]
+        blocks[WEIGHT1, k], blocks[WEIGHT2, k] = blocks[ROW1, k], blocks[ROW2, k]
+    return weigh(desk, drive[REST_FORCE], drive[REST_LOAD] * drive[STRENGTH], clock)
+
+
+@kernel
+def weigh(desk: Desk, const: float, re: float, clock: float) -> tuple[float, float, float]:
+    """const + re sin φ + Σ weight·y as the rest signal, y in blocks[Z1], blocks[Z2]: value, rate, size of its parts."""
+    blocks, signal, w = desk.blocks, desk.rest_signal, desk.drive[W]
+    cosine, sine = phase(desk.drive, clock)
+    im, value, rate, size = 0.0, 0.0, 0.0, 0.0
+    signal[ATTACHED] = 0.0
+    for k in range(blocks.shape[1]):
+        r0, r1, z1, z2 = blocks[WEIGHT1, k], blocks[WEIGHT2, k], blocks[Z1, k], blocks[Z2, k]
         const += r0 * blocks[OFFSET1, k] + r1 * blocks[OFFSET2, k]
         re += r0 * blocks[RE1, k] + r1 * blocks[RE2, k]
         im += r0 * blocks[IM1, k] + r1 * blocks[IM2, k]
-        x = r0 * blocks[Z1, k] + r1 * blocks[Z2, k]
-        y = (r0 * blocks[A11, k] + r1 * blocks[A21, k]) * blocks[Z1, k]
-        y += (r0 * blocks[A12, k] + r1 * blocks[A22, k]) * blocks[Z2, k]
+        x = r0 * z1 + r1 * z2
+        y = (r0 * blocks[A11, k] + r1 * blocks[A21, k]) * z1 + (r0 * blocks[A12, k] + r1 * blocks[A22, k]) * z2
         desk.rest_pairs[X0, k], desk.rest_pairs[Y0, k] = x, y
+        if blocks[CARRIED, k] > 0.0:
+            y = attach(desk, k, x, y, sine)
         value += x
         rate += y
         size += abs(x)
-    signal[CONST], signal[DRIVE], signal[COSINE], signal[SINE] = const, drive[W], cosine, sine
+    signal[CONST], signal[DRIVE], signal[COSINE], signal[SINE] = const, w, cosine, sine
     signal[ZR], signal[ZI] = re * cosine - im * sine, re * sine + im * cosine
     size += abs(const) + abs(signal[ZR]) + abs(signal[ZI])
-    return value + const + signal[ZI], rate + drive[W] * signal[ZR], size
+    return value + const + signal[ZI], rate + w * signal[ZR], size
+
+
+@kernel
+def attach(desk: Desk, k: int, x: float, y: float, sine: float) -> float:
+    """Block k as an attached pair of the rest signal; returns its rate.
+
+    For x = r·y, y' = A y + u with A² = −2σA − ω²: x'' + 2σx' + ω²x = 2σ r·u + r·A u + r·u', with
+    u = constant + load Ω²B sin φ.
+    """
+    blocks, attached, pairs = desk.blocks, desk.rest_attached, desk.rest_pairs
+    j, sigma, strength = int(desk.rest_signal[ATTACHED]), pairs[SIGMA, k], desk.drive[STRENGTH]
+    r0, r1 = blocks[WEIGHT1, k], blocks[WEIGHT2, k]
+    s0 = 2.0 * sigma * r0 + r0 * blocks[A11, k] + r1 * blocks[A21, k]
+    s1 = 2.0 * sigma * r1 + r0 * blocks[A12, k] + r1 * blocks[A22, k]
+    load = strength * (r0 * blocks[LOAD1, k] + r1 * blocks[LOAD2, k])
+    attached[ASIGMA, j], attached[AOMEGA, j], attached[AWEIGHT, j] = sigma, pairs[OMEGA, k], 1.0
+    attached[ASTATIC, j] = s0 * blocks[CONSTANT1, k] + s1 * blocks[CONSTANT2, k]
+    attached[ASINE, j] = strength * (s0 * blocks[LOAD1, k] + s1 * blocks[LOAD2, k])
+    attached[ACOSINE, j] = desk.drive[W] * load
+    slope = y + r0 * blocks[CONSTANT1, k] + r1 * blocks[CONSTANT2, k] + load * sine
+    attached[AX, j], attached[AY, j], attached[AMODE, j] = x, slope, k
+    pairs[X0, k], pairs[Y0, k] = 0.0, 0.0
+    desk.rest_signal[ATTACHED] += 1.0
+    return float(slope)
+
+
+@kernel
+def carry_block(desk: Desk, k: int, clock: float, duration: float) -> None:
+    """Carry blocks[Z1], blocks[Z2] of a block without steady response on, by Taylor series of y' = A y + u."""
+    blocks, w, strength = desk.blocks, desk.drive[W], desk.drive[STRENGTH]
+    rate = max(w, desk.rest_pairs[KAPPA, k] + abs(blocks[A12, k]) + abs(blocks[A21, k]))
+    pieces = max(1, int(np.ceil(rate * duration)))
+    h = duration / pieces
+    for piece in range(pieces):
+        draw, pull = phase(desk.drive, clock + piece * h)
+        first, second = blocks[Z1, k], blocks[Z2, k]
+        for i in range(SERIES):
+            u1 = strength * blocks[LOAD1, k] * pull + (blocks[CONSTANT1, k] if i == 0 else 0.0)
+            u2 = strength * blocks[LOAD2, k] * pull + (blocks[CONSTANT2, k] if i == 0 else 0.0)
+            first, second = (
+                h * (blocks[A11, k] * first + blocks[A12, k] * second + u1) / (i + 1),
+                h * (blocks[A21, k] * first + blocks[A22, k] * second + u2) / (i + 1),
+            )
+            blocks[Z1, k] += first
+            blocks[Z2, k] += second
+            pull, draw = h * w * draw / (i + 1), -h * w * pull / (i + 1)
 
 
 @kernel
@@ -111,6 +186,9 @@ def stay(desk: Desk, pose: Array, clock: float, duration: float) -> None:
     for k in range(n - 1):
         sigma, z1, z2 = pairs[SIGMA, k], blocks[Z1, k], blocks[Z2, k]
         even, odd = even_odd(sigma, pairs[OMEGA, k], pairs[DISC, k], duration)
+        if blocks[CARRIED, k] > 0.0:
+            carry_block(desk, k, clock, duration)
+            even, odd, z1, z2 = 1.0, 0.0, blocks[Z1, k], blocks[Z2, k]
         y1 = even * z1 + odd * ((blocks[A11, k] + sigma) * z1 + blocks[A12, k] * z2)
         y2 = even * z2 + odd * (blocks[A21, k] * z1 + (blocks[A22, k] + sigma) * z2)
         y1 += blocks[OFFSET1, k] + blocks[RE1, k] * sine + blocks[IM1, k] * cosine

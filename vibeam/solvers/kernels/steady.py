@@ -69,7 +69,7 @@ def watch(desk: Desk, room: Room, count: int) -> None:
             result[CONTACT_LEAST] = min(result[CONTACT_LEAST], desk.drive[GAP])
             begin_output_at_rest(desk, room.rest_row, room.row, frame, clock)
             result[LEAST], result[HIGH] = extremes(
-                desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.no_attached,
+                desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.rest_attached,
                 duration, coarsest, result[LEAST], result[HIGH],
             )  # fmt: skip
             energy_at_rest(desk, frame, clock, duration, room.scratch, room.energy)
