@@ -241,7 +241,7 @@ found = vibeam.sweep(system, omega=[1.0], amplitude=0.1, settle=5, hold=4, state
 assert found.ended[0] == vibeam.Ended.COMPLETE.code
 before = vibeam.simulate(system, vibeam.Drive(1.0, 0.1), 10 * np.pi, state).state
 path = vibeam.simulate(system, vibeam.Drive(1.0, 0.1), 8 * np.pi, before)
-values = path.at(np.linspace(0, 8 * np.pi, 100_001))
+values = path.at(np.concatenate([np.linspace(0, 8 * np.pi, 100_001), path.impact_times]))
 assert abs(found.minimum[0] - values.min()) < 1e-8 * np.ptp(values) + 1e-12
 assert abs(found.maximum[0] - values.max()) < 1e-8 * np.ptp(values) + 1e-12
 """
