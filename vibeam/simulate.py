@@ -76,7 +76,8 @@ class Trajectory:
         before = trace[np.maximum(resting - 1, 0)]
         waited = np.where((resting > 0) & (before[:, END] == CHATTER), before[:, LEFT], 0.0)
         begin = trace[resting, START]
-        return np.stack([begin + waited, begin + trace[resting, DURATION]], axis=1)
+        end = begin + trace[resting, DURATION]
+        return np.stack([np.minimum(begin + waited, end), end], axis=1)
 
     def at(self, t: ArrayLike, output: str = "contact") -> Array:
         """The output at times t (any shape), m; ValueError outside [t_start, t_end], KeyError for an unknown name."""

@@ -31,7 +31,7 @@ def held(omega: list[float], zeta: list[float], drive: vibeam.Drive, seed: int =
     """Contact, load and start at random (the start held on the stop), pressed by a load on the first mode."""
     rng = np.random.default_rng(seed)
     n = len(omega)
-    contact = np.r_[1.0, rng.uniform(-0.8, 0.8, n - 1)]
+    contact = rest.pop("contact", np.r_[1.0, rng.uniform(-0.8, 0.8, n - 1)])
     static = np.r_[0.5, rng.uniform(-0.1, 0.1, n - 1)]
     given = {"gap": -0.3, "restitution": 0.6, "static": static, **rest}
     system = vibeam.ImpactSystem.from_modes(omega, zeta, contact, np.r_[1.0, rng.normal(size=n - 1) / 3], **given)
@@ -61,6 +61,11 @@ CASES = {
 CASES["no drive"] = held([1.0, 2.7, 5.3], [0.05, 0.2, 0.01], vibeam.Drive(0.0, 0.0), 1)
 # two rigid-body modes: once held, what is left of them turns without any stiffness
 CASES["a free rod"] = held([0.0, 0.0, 5.3], [0.0, 0.0, 0.1], PULL, 4)
+# a critical mode that the stop does not feel, its double rate between those of the overdamped ones
+CASES["a double rate among others"] = held([1.0, 1.2, 4.2], [0.0, 1.0, 2.0], PULL, 8, contact=[1.0, 0.0, 0.1])
+CASES["a double rate among four"] = held(
+    [1.0, 1.778, 3.162, 5.623, 10.0], [0.0, 0.0, 1.0, 2.0, 1.75], PULL, 8, contact=[1.0, 1.0, 0.0, 1.0, 0.1]
+)
 CASES["a silent free mode"] = Held(
     vibeam.ImpactSystem.from_modes([1.0, 0.0], [0.05, 0.0], [1.0, 0.0], [1.0, 0.3], gap=-0.3, static=[0.5, 0.1]),
     PULL,

@@ -145,13 +145,26 @@ def _invariant_planes(state: Array) -> Array:
     columns = [_orthonormal(vectors[:, k].real, vectors[:, k].imag) for k in np.flatnonzero(~near & (values.imag > 0))]
     real = np.flatnonzero(near)
     real = real[np.lexsort((values[real].imag, values[real].real))]
-    for first, second in zip(real[::2], real[1::2], strict=True):
+    for first, second in _couples(real, values[real]):
         pair = values[[first, second]]
         if abs(pair[1] - pair[0]) <= CLOSE * abs(pair).max():
             columns.append(_common_plane(state, pair))
         else:
             columns.append(np.stack([vectors[:, first].real, vectors[:, second].real], axis=1))
     return np.concatenate(columns, axis=1)
+
+
+def _couples(indices: NDArray[np.int64], values: NDArray[np.complex128]) -> list[tuple[int, int]]:
+    """Sorted eigenvalues two by two: those that nearly coincide together, the others as they come."""
+    couples, single, i = [], [], 0
+    while i < len(indices):
+        if i + 1 < len(indices) and abs(values[i + 1] - values[i]) <= CLOSE * abs(values[i]):
+            couples.append((int(indices[i]), int(indices[i + 1])))
+            i += 2
+        else:
+            single.append(int(indices[i]))
+            i += 1
+    return couples + list(zip(single[::2], single[1::2], strict=True))
 
 
 def _orthonormal(first: Array, second: Array) -> Array:
