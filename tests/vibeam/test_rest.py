@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from apart import run_apart
 from exact_motion import exact_motion
 from scipy.integrate import solve_ivp
 
@@ -222,3 +223,31 @@ def test_rest_after_chatter_is_the_same_rest(mode: int) -> None:
     found = solve_ivp(slope, (middle, end), begin_y, method="DOP853", t_eval=times, rtol=1e-12, atol=1e-14)
     expected = found.y.T.reshape(-1, 2, n)
     np.testing.assert_allclose(path.modes_at(times), expected, atol=1e-9 * np.abs(expected).max())
+
+
+NO_FORCE = """
+import numpy as np
+import vibeam
+
+system = vibeam.ImpactSystem.from_modes({modes}, gap=0.0, restitution={restitution})
+start = vibeam.State(np.array({x}), np.array({v}))
+path = vibeam.simulate(system, vibeam.Drive(1.0, 0.0), {end}, start, max_impacts=20_000)
+assert path.ended is vibeam.Ended.COMPLETE, path.ended
+assert len(path.impact_times) < 100, len(path.impact_times)
+times = np.linspace(0, {end}, 2001)
+assert path.at(times).max() < 1e-14
+assert all(begin <= end for begin, end in path.rests)
+"""
+
+
+def test_a_contact_without_any_force_of_its_own_after_a_plastic_impact() -> None:
+    """Two modes alike, gap 0, R = 0: struck once, the contact point stands while the modes swing against each other."""
+    modes = "[1.0, 1.0], 0.0, [-0.38853799, -0.82927784], [1.0, 1.0]"
+    x, v = [0.11253899, 0.51518469], [0.0, 0.095222408]
+    run_apart(NO_FORCE.format(modes=modes, restitution=0.0, x=x, v=v, end=18.84955592))
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+def test_a_contact_force_that_decays_while_a_mode_that_the_stop_does_not_feel_swings_on(restitution: float) -> None:
+    modes = "[1.0, 1.7, 1.9], [6.0, 1.0, 0.005], [-0.8, 0.3, 0.0], [1.0, 1.0, 1.0]"
+    run_apart(NO_FORCE.format(modes=modes, restitution=restitution, x=[0.1, 0.0, 0.4], v=[-0.5, 0.3, 0.2], end=400.0))

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from vibeam.solvers.kernels import attached as att
 from vibeam.solvers.kernels.drive import phase, wrap
-from vibeam.solvers.kernels.jit import joined
+from vibeam.solvers.kernels.jit import joined, kernel
 from vibeam.solvers.kernels.layout import (
     ACOSINE,
     AMODE,
@@ -56,6 +56,7 @@ from vibeam.solvers.kernels.pair import propagator
 from vibeam.solvers.kernels.signal import value_at
 
 Array = NDArray[np.float64]
+ROUND_OFF = 64.0 * 2.220446049250313e-16  # share of the parts of a sum below which it is none
 SILENT = 1e-100  # a contact value so small that dividing by it would lose digits; such modes are carried by themselves
 
 
@@ -134,4 +135,20 @@ def contact_derivatives(pairs: Array, modes: Array, drive: Array, pose: Array, s
         acceleration = push * sine + modes[STATIC, k] - damp * pose[1, k] - spring * pose[0, k]
         second += modes[CONTACT, k] * acceleration
         third += modes[CONTACT, k] * (push * drive[W] * cosine - damp * acceleration - spring * pose[1, k])
+    return second, third
+
+
+@kernel
+def pull(pairs: Array, modes: Array, drive: Array, pose: Array, status: Array) -> tuple[float, float]:
+    """As ``contact_derivatives``, each 0 where it is but the round-off of what it is the sum of."""
+    second, third = contact_derivatives(pairs, modes, drive, pose, status)
+    second_size, third_size = 0.0, 0.0
+    for k in range(pairs.shape[1]):
+        weight, spring = abs(modes[CONTACT, k]), pairs[OMEGA, k] * pairs[OMEGA, k]
+        damp, push = 2.0 * pairs[SIGMA, k], abs(modes[LOAD, k] * drive[STRENGTH])
+        parts = push + abs(modes[STATIC, k]) + damp * abs(pose[1, k]) + spring * abs(pose[0, k])
+        second_size += weight * parts
+        third_size += weight * (push * drive[W] + damp * parts + spring * abs(pose[1, k]) + pairs[OMEGA, k] * parts)
+    second = second if abs(second) > ROUND_OFF * second_size else 0.0
+    third = third if abs(third) > ROUND_OFF * third_size else 0.0
     return second, third

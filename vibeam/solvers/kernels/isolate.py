@@ -55,7 +55,10 @@ def first_root(
     re, im = signal[ZR], signal[ZI]
     harmonic = sqrt(re * re + im * im)
     signal[HARMONIC] = harmonic
-    tolerance = 8.0 * EPSILON * (abs(signal[CONST]) + harmonic + total)
+    size = abs(signal[CONST]) + harmonic + total
+    if signal[ATTACHED] > 0.0:
+        size += att.swing(attached, signal, min(span, levels[STEP, coarsest]))
+    tolerance = 8.0 * EPSILON * size
     if order == 0 and signal[ATTACHED] == 0.0 and signal[CONST] - harmonic - total > tolerance:
         return False, span, 0
     time, level, panels, since, patience = 0.0, coarsest, 0, 0, 1

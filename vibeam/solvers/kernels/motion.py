@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from vibeam.solvers.kernels.desk import Desk
 from vibeam.solvers.kernels.drive import phase, wrap
-from vibeam.solvers.kernels.flight import begin_flight, contact_derivatives, land
+from vibeam.solvers.kernels.flight import ROUND_OFF, begin_flight, land, pull
 from vibeam.solvers.kernels.impact import chatter_left, strike
 from vibeam.solvers.kernels.isolate import first_root
 from vibeam.solvers.kernels.jit import joined, kernel
@@ -19,6 +19,7 @@ from vibeam.solvers.kernels.layout import (
     CLOCK,
     COARSEST,
     COMPLETE,
+    CONST,
     DURATION,
     END,
     EVENT_LIMIT,
@@ -26,6 +27,7 @@ from vibeam.solvers.kernels.layout import (
     FULL,
     IMPACT,
     IMPACTS,
+    KAPPA,
     KIND,
     LEFT,
     NOT_FINITE,
@@ -43,14 +45,13 @@ from vibeam.solvers.kernels.layout import (
     SPAN_END,
     SPEED,
     START,
-    STEP,
     STUCK,
     WHAT,
+    W,
 )
 from vibeam.solvers.kernels.rest import begin_rest, settle_on_stop, stay
 
 Array = NDArray[np.float64]
-ROUND_OFF = 64.0 * 2.220446049250313e-16
 
 
 @kernel
@@ -171,7 +172,7 @@ def meet(desk: Desk, pose: Array, status: Array, trace: Array, row: int) -> tupl
 @joined
 def lift_or_rest(desk: Desk, pose: Array, status: Array) -> int:
     """On the stop without velocity: pressed against it (or not drawn away) it rests, drawn away it flies."""
-    toward, jerk = contact_derivatives(desk.pairs, desk.modes, desk.drive, pose, status)
+    toward, jerk = pull(desk.pairs, desk.modes, desk.drive, pose, status)
     if toward < 0.0:
         status[ORDER], status[RISE] = 2.0, -toward
         return IMPACT
@@ -190,19 +191,19 @@ def lie(
     force, rate, size = begin_rest(desk, pose, status[CLOCK])
     if not np.isfinite(size):
         return NOT_FINITE, 0.0
-    order = 0 if force > ROUND_OFF * size else 1
-    found, duration = False, span
-    if order == 1 and (rate <= 0.0 or force < -ROUND_OFF * size):
+    none = ROUND_OFF * size  # no more of a force than round-off
+    order = 0 if force > none else 1
+    fastest = max(desk.drive[W], desk.pairs[KAPPA, pose.shape[1] - 1])
+    if order == 1 and (rate <= none * fastest or force < -none):
         if release(desk, pose, status, False):
             return COMPLETE, 0.0
-        if size > 0.0:  # force and rate vanish together: the next instant decides
-            duration = min(span, desk.levels[STEP, int(desk.drive[COARSEST])] * 1e-6)
-    else:
-        found, duration, panels = first_root(
-            desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.rest_attached,
-            order, rate, span, int(desk.drive[COARSEST]), desk.modes, desk.drive, pose, -1.0,
-        )  # fmt: skip
-        counts[PANELS] += panels
+        order = 0  # no force that can be told from none: it holds until one draws the contact away
+        desk.rest_signal[CONST] += 2.0 * none
+    found, duration, panels = first_root(
+        desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.rest_attached,
+        order, rate, span, int(desk.drive[COARSEST]), desk.modes, desk.drive, pose, -1.0,
+    )  # fmt: skip
+    counts[PANELS] += panels
     stay(desk, pose, status[CLOCK], duration)
     status[CLOCK] = wrap(desk.drive, status[CLOCK] + duration)
     status[PHASE_COS], status[PHASE_SIN] = phase(desk.drive, status[CLOCK])
@@ -215,7 +216,7 @@ def lie(
 @kernel
 def release(desk: Desk, pose: Array, status: Array, at_root: bool) -> bool:
     """Leave the stop where the motion is drawn away from it: with acceleration, or with jerk at the force's root."""
-    toward, jerk = contact_derivatives(desk.pairs, desk.modes, desk.drive, pose, status)
+    toward, jerk = pull(desk.pairs, desk.modes, desk.drive, pose, status)
     if jerk < 0.0 and (at_root or toward >= 0.0):
         status[ORDER], status[RISE] = 3.0, -jerk
     elif toward < 0.0:

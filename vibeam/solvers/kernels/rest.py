@@ -35,6 +35,7 @@ from vibeam.solvers.kernels.layout import (
     IM1,
     IM2,
     KAPPA,
+    LOAD,
     LOAD1,
     LOAD2,
     MOBILITY,
@@ -50,6 +51,7 @@ from vibeam.solvers.kernels.layout import (
     SERIES,
     SIGMA,
     SINE,
+    STATIC,
     STRENGTH,
     WEIGHT1,
     WEIGHT2,
@@ -100,7 +102,13 @@ def begin_rest(desk: Desk, pose: Array, clock: float) -> tuple[float, float, flo
     into_blocks(desk, pose, clock)
     for k in range(blocks.shape[1]):
         blocks[WEIGHT1, k], blocks[WEIGHT2, k] = blocks[ROW1, k], blocks[ROW2, k]
-    return weigh(desk, drive[REST_FORCE], drive[REST_LOAD] * drive[STRENGTH], clock)
+    force, rate, size = weigh(desk, drive[REST_FORCE], drive[REST_LOAD] * drive[STRENGTH], clock)
+    parts = 0.0  # of the force, mode by mode, before they cancel
+    for k in range(pose.shape[1]):
+        own, damp = desk.pairs[OMEGA, k], 2.0 * desk.pairs[SIGMA, k]
+        push = abs(desk.modes[STATIC, k]) + abs(desk.modes[LOAD, k] * drive[STRENGTH])
+        parts += abs(desk.modes[CONTACT, k]) * (own * own * abs(pose[0, k]) + damp * abs(pose[1, k]) + push)
+    return force, rate, max(size, parts / drive[MOBILITY])
 
 
 @kernel
