@@ -52,6 +52,8 @@ from vibeam.solvers.kernels.layout import (
 from vibeam.solvers.kernels.rest import begin_rest, settle_on_stop, stay
 
 Array = NDArray[np.float64]
+SMALLEST = 1e-300
+EVENTS_AN_IMPACT = 4  # flight, impact, rest, release: more are no motion but a fault, and end it
 
 
 @kernel
@@ -71,7 +73,7 @@ def advance(
     is left; empty them and call again with the rest of the span.
     """
     done, rows = 0.0, trace.shape[0]
-    most = counts[IMPACTS] + limit
+    most, events = counts[IMPACTS] + limit, 0
     status[PHASE_COS], status[PHASE_SIN] = phase(desk.drive, status[CLOCK])
     while done < span:
         if rows > 0 and counts[SEGMENTS] >= rows:
@@ -85,7 +87,8 @@ def advance(
         if outcome != COMPLETE:
             return outcome, done
         done += step
-        if counts[IMPACTS] >= most and done < span:
+        events += 1
+        if (counts[IMPACTS] >= most or events > EVENTS_AN_IMPACT * (limit + 100)) and done < span:
             return EVENT_LIMIT, done
     return COMPLETE, done
 
@@ -191,7 +194,7 @@ def lie(
     force, rate, size = begin_rest(desk, pose, status[CLOCK])
     if not np.isfinite(size):
         return NOT_FINITE, 0.0
-    none = ROUND_OFF * size  # no more of a force than round-off
+    none = max(ROUND_OFF * size, SMALLEST)  # no more of a force than round-off
     order = 0 if force > none else 1
     fastest = max(desk.drive[W], desk.pairs[KAPPA, pose.shape[1] - 1])
     if order == 1 and (rate <= none * fastest or force < -none):
