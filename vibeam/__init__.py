@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from vibeam.case import load as load
     from vibeam.derive import derive as derive
+    from vibeam.outcome import Outcome as Outcome
     from vibeam.periodic.boundaries import boundaries as boundaries
     from vibeam.periodic.curve import orbit_curve as orbit_curve
     from vibeam.periodic.follow import follow as follow
@@ -50,6 +51,7 @@ _HOMES = {
     "settled_orbit": "vibeam.periodic.several",
     "train_orbit": "vibeam.periodic.several",
     "Ended": "vibeam.response",
+    "Outcome": "vibeam.outcome",
     "FrequencyResponse": "vibeam.response",
 }
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vibeam.outcome import Outcome, outcome_of
 from vibeam.response import Ended
 from vibeam.solvers import solver as solver_named
 from vibeam.solvers.kernels.layout import (
@@ -28,6 +30,7 @@ from vibeam.state import State
 from vibeam.system import Drive, ImpactSystem
 
 if TYPE_CHECKING:
+    from vibeam.sensitivity import Errors
     from vibeam.solvers.flight import FlightSolver, Segments
 
 Array = NDArray[np.float64]
@@ -49,6 +52,26 @@ class Trajectory:
     stats: Mapping[str, float]
     _solver: FlightSolver
     _segments: Segments
+
+    @property
+    def segments(self) -> Segments:
+        """Flights and rests as the solver left them (``kernels.layout``)."""
+        return self._segments
+
+    @property
+    def outcome(self) -> Outcome:
+        """What became of the motion."""
+        return outcome_of(self)
+
+    @cached_property
+    def errors(self) -> Errors:
+        """How far round-off has grown at each impact, and how many impacts still mean something; computed when asked.
+
+        A state carried in is taken as exact to its last digit.
+        """
+        from vibeam.sensitivity import errors_of
+
+        return errors_of(self)
 
     @property
     def impact_times(self) -> Array:

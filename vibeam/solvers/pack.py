@@ -23,6 +23,7 @@ from vibeam.solvers.kernels.layout import (
     RESTITUTION,
     SIGNAL_ROWS,
     STATIC,
+    YIELD,
     ZETA,
 )
 from vibeam.solvers.kernels.tables import rates, regime
@@ -46,6 +47,7 @@ class Packed:
         sigma, contact, load, static = zeta * omega, own.contact[order], own.load[order], own.static[order]
         modes, drive = np.zeros((MODE_ROWS, own.size)), np.zeros(DRIVE_ROWS)
         modes[CONTACT], modes[LOAD], modes[STATIC], modes[ZETA] = contact, load, static, zeta
+        modes[YIELD] = _yield(omega, contact)
         drive[GAP], drive[RESTITUTION], drive[MOBILITY] = own.gap, own.restitution, contact @ contact
         rest = constrained(omega, sigma, contact, load, static, own.gap)
         drive[REST_FORCE], drive[REST_LOAD] = rest.force, rest.force_load
@@ -66,6 +68,16 @@ class Packed:
         result = np.empty_like(values)
         result[..., self.order] = values
         return result
+
+
+def _yield(omega: Array, contact: Array) -> Array:
+    """Displacements that move the contact by 1 with the least energy: c/ω² over its sum, free modes alone if any."""
+    loose = (omega == 0.0) & (contact != 0.0)
+    softest = np.min(omega[contact != 0.0])
+    weight = (
+        np.where(loose, contact, 0.0) if loose.any() else contact * (softest / np.where(omega > 0, omega, 1.0)) ** 2
+    )
+    return np.asarray(weight / (contact @ weight))
 
 
 def pack(system: ImpactSystem, omega: float, span: float = 0.0) -> Packed:

@@ -23,6 +23,7 @@ from vibeam.solvers.kernels.layout import (
     PHASE_SIN,
     RESTITUTION,
     SPEED,
+    YIELD,
     ZI,
     ZR,
     W,
@@ -38,16 +39,19 @@ FLOOR = 1e-26  # share of the length scale below which a flight is no longer one
 
 @joined
 def strike(modes: Array, drive: Array, pose: Array) -> float:
-    """η'⁺ = η'⁻ + c p with p = −(1+R) v⁻/S; returns v⁻, the contact velocity before (0 where round-off made it < 0)."""
-    before = 0.0
+    """η'⁺ = η'⁻ + c p with p = −(1+R) v⁻/S; returns v⁻, the contact velocity before (0 where round-off made it < 0).
+
+    The contact is put exactly on the stop, so that round-off does not pile up from impact to impact.
+    """
+    before, beyond = 0.0, -drive[GAP]
     for k in range(modes.shape[1]):
         before += modes[CONTACT, k] * pose[1, k]
-    if before <= 0.0:
-        return 0.0
-    impulse = -(1.0 + drive[RESTITUTION]) * before / drive[MOBILITY]
+        beyond += modes[CONTACT, k] * pose[0, k]
+    impulse = -(1.0 + drive[RESTITUTION]) * max(before, 0.0) / drive[MOBILITY]
     for k in range(modes.shape[1]):
+        pose[0, k] -= modes[YIELD, k] * beyond
         pose[1, k] += modes[CONTACT, k] * impulse
-    return before
+    return max(before, 0.0)
 
 
 @joined

@@ -14,9 +14,10 @@ OMEGA, SIGMA, DISC, KAPPA, INVERSE, DECAY = range(6)
 X0, Y0, X, Y, E, X2, Y2, XT, YT = range(6, 15)
 PAIR_ROWS = 15
 
-# modes (MODE_ROWS, n): the free system's modes, and one drive's steady response Im((RE + i IM) e^{iφ}) + OFFSET
-CONTACT, LOAD, STATIC, ZETA, RE, IM, OFFSET = range(7)
-MODE_ROWS = 7
+# modes (MODE_ROWS, n): the free system's modes, one drive's steady response Im((RE + i IM) e^{iφ}) + OFFSET, and how
+# each yields where the contact is brought back onto the stop
+CONTACT, LOAD, STATIC, ZETA, RE, IM, OFFSET, YIELD = range(8)
+MODE_ROWS = 8
 
 # levels (LEVEL_ROWS, LEVELS): panel length, pairs it resolves, e^{iΩh}, (e^{iΩh} − 1 − iΩh)/h², (e^{iΩh} − 1)/h
 STEP, COUNT, TURN_RE, TURN_IM, SECOND_RE, SECOND_IM, FIRST_RE, FIRST_IM = range(8)
