@@ -75,14 +75,16 @@ class Trajectory:
 
     @property
     def impact_times(self) -> Array:
-        """Times (m,) of the impacts computed one by one, s."""
-        trace = self._impacts()
-        return np.asarray(trace[:, START] + trace[:, DURATION])
+        """Times (m,) of the impacts computed one by one, s: at one of them ``velocity_at`` is the one after it."""
+        trace = self._segments.trace
+        ends = trace[:, START] + trace[:, DURATION]
+        ends[:-1] = trace[1:, START]  # where the next segment begins, to the bit
+        return np.asarray(ends[self._struck()])
 
     @property
     def impact_velocities(self) -> Array:
         """Contact velocities (m,) just before the impacts, positive toward the stop, m/s."""
-        return np.asarray(self._impacts()[:, BEFORE])
+        return np.asarray(self._segments.trace[self._struck(), BEFORE])
 
     @property
     def chatters(self) -> Array:
@@ -118,9 +120,9 @@ class Trajectory:
         found = self._solver.poses_at(self.drive, self._segments, np.ascontiguousarray(times.ravel()))
         return np.asarray(found.reshape(*times.shape, 2, self.system.size))
 
-    def _impacts(self) -> Array:
-        trace = self._segments.trace
-        return np.asarray(trace[np.isin(trace[:, END], (IMPACT, CHATTER, STUCK))])
+    def _struck(self) -> NDArray[np.bool_]:
+        """Which segments (m,) end with an impact."""
+        return np.isin(self._segments.trace[:, END], (IMPACT, CHATTER, STUCK))
 
 
 def simulate(
