@@ -11,6 +11,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from vibeam import observe as observe
     from vibeam.case import load as load
     from vibeam.derive import derive as derive
     from vibeam.outcome import Outcome as Outcome
@@ -54,6 +55,7 @@ _HOMES = {
     "Outcome": "vibeam.outcome",
     "FrequencyResponse": "vibeam.response",
 }
+_MODULES = ("observe",)  # handed on whole
 
 
 class _House(ModuleType):
@@ -64,6 +66,8 @@ class _House(ModuleType):
             super().__setattr__(name, value)
 
     def __getattr__(self, name: str) -> Any:
+        if name in _MODULES:
+            return import_module(f"vibeam.{name}")
         if name not in _HOMES:
             raise AttributeError(f"module 'vibeam' has no attribute {name!r}")
         value = getattr(import_module(_HOMES[name]), name)
@@ -71,7 +75,7 @@ class _House(ModuleType):
         return value
 
     def __dir__(self) -> list[str]:
-        return ["__version__", *sorted(_HOMES)]
+        return ["__version__", *sorted([*_HOMES, *_MODULES])]
 
 
 sys.modules[__name__].__class__ = _House

@@ -70,7 +70,12 @@ except SystemExit as end:
 """
 
 
-@pytest.mark.parametrize("code", ["import vibeam", HELP.format(words="--help"), HELP.format(words="--version")])
+OBSERVE = "import vibeam\nfor name in dir(vibeam.observe):\n    getattr(vibeam.observe, name)"
+
+
+@pytest.mark.parametrize(
+    "code", ["import vibeam", OBSERVE, HELP.format(words="--help"), HELP.format(words="--version")]
+)
 def test_nothing_heavy_is_loaded_before_it_is_needed(code: str) -> None:
     assert loaded(code) == []
 
