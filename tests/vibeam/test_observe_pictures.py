@@ -1,0 +1,85 @@
+"""Sections, portraits and spectra of motions known in closed form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from observed import OMEGA, SIZE, rectified_sine, settled
+
+import vibeam
+
+observe = vibeam.observe
+
+
+def test_stroboscopic_section_of_a_rectified_sine() -> None:
+    found = observe.stroboscopic_section(rectified_sine(), periods=3, phase=1.0)
+    np.testing.assert_allclose(np.mod(2 * OMEGA * found.time, 2 * np.pi), 1.0, rtol=1e-12)
+    np.testing.assert_allclose(found.displacement, -SIZE * np.sin(0.5), rtol=1e-12)
+    np.testing.assert_allclose(found.velocity, -SIZE * OMEGA * np.cos(0.5), rtol=1e-12)
+    assert len(found.time) == 3
+
+
+def test_a_sampled_section_finds_the_same_points() -> None:
+    path = rectified_sine()
+    exact = observe.stroboscopic_section(path, periods=4, phase=1.0)
+    t = np.linspace(0.0, path.t_end, 4001)
+    found = observe.sampled_section(t, path.at(t, "sensor"), path.velocity_at(t, "sensor"), 2 * OMEGA, phase=1.0)
+    np.testing.assert_allclose(found.time, exact.time, rtol=1e-12)
+    np.testing.assert_allclose(found.displacement, exact.displacement, rtol=1e-10)
+
+
+def test_impact_section_of_an_orbit_is_its_phase_and_velocity() -> None:
+    orbit, path = settled("beam", 15.3, periods=4.4)
+    found = observe.impact_section(path, periods=4)
+    np.testing.assert_allclose(found.phase, orbit.phase, rtol=1e-8)
+    np.testing.assert_allclose(found.velocity, orbit.velocity, rtol=1e-8)
+    assert len(found.time) == 4
+
+
+def test_a_portrait_shows_both_sides_of_a_jump() -> None:
+    orbit, path = settled("beam", 15.3, periods=4.4)
+    found = observe.phase_portrait(path, "contact", periods=2, points=500)
+    before, after = found.jumps, found.jumps + 1
+    assert len(before) == 2
+    np.testing.assert_array_equal(found.time[before], found.time[after])
+    np.testing.assert_allclose(found.velocity[before], orbit.velocity, rtol=1e-8)
+    np.testing.assert_allclose(found.velocity[after], -path.system.restitution * orbit.velocity, rtol=1e-8)
+    np.testing.assert_allclose(found.displacement[before], path.system.gap, atol=1e-14)
+    assert np.all(np.diff(found.time) >= 0)
+    sensor = observe.phase_portrait(path, "sensor", periods=2, points=500)
+    jump = orbit.impulse * path.system.output("sensor") @ path.system.contact
+    np.testing.assert_allclose(sensor.velocity[after] - sensor.velocity[before], jump, rtol=1e-6)
+
+
+def test_velocities_at_impact_times_are_those_after() -> None:
+    path = settled("beam", 15.3, periods=30.4)[1]
+    assert len(path.impact_times) == 30
+    assert np.all(path.velocity_at(path.impact_times) < 0)
+
+
+@pytest.mark.parametrize("window", ["boxcar", "hann", "flattop"])
+def test_a_sine_reads_its_peak_value_and_its_mean_square(window: str) -> None:
+    t = np.arange(2000) / 1000.0
+    x = 0.7 * np.sin(2 * np.pi * 50 * t) + 3.0
+    found = observe.spectrum_of(t, x, window=window)
+    line = np.argmin(np.abs(found.frequency - 50))
+    assert found.amplitude[line] == pytest.approx(0.7, rel=1e-12)
+    assert np.sum(found.density) * found.frequency[1] == pytest.approx(0.7**2 / 2, rel=1e-9)
+    expected = {"boxcar": 0.5, "hann": 0.75, "flattop": 3.77 / 2}[window]  # 1, 1.5, 3.77 lines of ½ Hz
+    assert found.resolution == pytest.approx(expected, rel=2e-3)
+
+
+def test_white_noise_has_a_flat_density() -> None:
+    t = np.arange(200_000) / 500.0
+    x = np.random.default_rng(3).standard_normal(len(t)) * 0.2
+    found = observe.spectrum_of(t, x, segment=1.0)
+    inside = found.density[2:-2]
+    assert np.mean(inside) == pytest.approx(0.04 / 250, rel=0.01)
+    assert np.std(inside) / np.mean(inside) < 0.1
+
+
+def test_uneven_samples_are_refused() -> None:
+    with pytest.raises(ValueError, match="evenly spaced"):
+        observe.spectrum_of([0.0, 1.0, 3.0], [0.0, 1.0, 2.0])
+    with pytest.raises(ValueError, match="segment: 9 s"):
+        observe.spectrum_of([0.0, 1.0, 2.0], [0.0, 1.0, 2.0], segment=9)
