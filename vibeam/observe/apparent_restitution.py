@@ -1,0 +1,133 @@
+"""The coefficient of restitution that a sensor sees, picked in four ways (paper Fig. 25–26, Table 1).
+
+What to measure a picking by is a question of time scale. The contact's own R is ``true_restitution``. Away from the
+contact the impulse arrives as a bending wave: the more modes, the less does the sensor's velocity jump at the instant
+of impact (its coefficient tends to −1), and what a record seems to show is the slow part, the first mode's:
+``mode_restitution``, R₁ where only mode 1 moves before the impact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibeam.observe.path import Path, impacts_within, modes_around_impacts
+from vibeam.observe.slow import SlowPart, solved
+from vibeam.system import ImpactSystem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Restitution:
+    """One entry an impact: ``time`` s, velocities ``before`` and ``after`` m/s, NaN where they could not be read."""
+
+    time: Array
+    before: Array
+    after: Array
+
+    @property
+    def coefficient(self) -> Array:
+        """−after/before of each impact."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(np.where(self.before != 0, -self.after / self.before, np.nan))
+
+    @property
+    def mean(self) -> float:
+        """Over the impacts that could be read; NaN without any."""
+        read = self.coefficient[np.isfinite(self.coefficient)]
+        return float(np.mean(read)) if len(read) else float("nan")
+
+
+def true_restitution(path: Path, output: str = "contact") -> Restitution:
+    """From the exact velocities of an output just before and after every impact; KeyError for an unknown output."""
+    hits = impacts_within(path, path.t_start, path.t_end)
+    row = path.system.output(output)
+    before, after = modes_around_impacts(path, hits)
+    return Restitution(hits[:, 0], before[:, 1] @ row, after[:, 1] @ row)
+
+
+def mode_restitution(path: Path, mode: int = 0) -> Restitution:
+    """The same of one mode alone: −η'⁺/η'⁻, in modal velocities; IndexError for a mode that is not there."""
+    hits = impacts_within(path, path.t_start, path.t_end)
+    before, after = modes_around_impacts(path, hits)
+    return Restitution(hits[:, 0], before[:, 1, mode], after[:, 1, mode])
+
+
+def first_mode_restitution(system: ImpactSystem) -> float:
+    """R₁ = (1+R) c₁²/S − 1: what the slowest mode alone shows, at any sensor, where only it moves before the impact."""
+    slow = int(np.argmin(system.omega))
+    return float((1 + system.restitution) * system.contact[slow] ** 2 / np.sum(system.contact**2) - 1)
+
+
+def adjacent_restitution(
+    time: ArrayLike, velocity: ArrayLike, impact_times: ArrayLike, *, skip: int = 0, delay: float = 0.0
+) -> Restitution:
+    """The paper's picking: samples (m,) of velocity next to the impact, ``skip`` samples away from it.
+
+    With skip 0 a central difference reaches over the impact; with 1 it is the nearest that does not. ``delay`` s: of
+    the filter, by which the impact appears later.
+    """
+    t, v = np.asarray(time, dtype=float), np.asarray(velocity, dtype=float)
+    hits = np.asarray(impact_times, dtype=float)
+    index = np.searchsorted(t, hits + delay, side="right")
+    return Restitution(hits, _picked(v, index - 1 - skip), _picked(v, index + skip))
+
+
+def extremum_restitution(
+    time: ArrayLike, velocity: ArrayLike, impact_times: ArrayLike, *, window: float, delay: float = 0.0
+) -> Restitution:
+    """The greatest velocity within ``window`` s before and the least within ``window`` s after each impact."""
+    t, v = np.asarray(time, dtype=float), np.asarray(velocity, dtype=float)
+    hits = np.asarray(impact_times, dtype=float)
+    before = [_extreme(v[(t >= hit + delay - window) & (t <= hit + delay)], np.max) for hit in hits]
+    after = [_extreme(v[(t >= hit + delay) & (t <= hit + delay + window)], np.min) for hit in hits]
+    return Restitution(hits, np.array(before), np.array(after))
+
+
+def extrapolated_restitution(
+    time: ArrayLike, displacement: ArrayLike, impact_times: ArrayLike, slow: SlowPart, *,
+    window: float, guard: float = 0.0, delay: float = 0.0, beside: SlowPart | None = None,
+) -> Restitution:  # fmt: skip
+    """The slow part fitted to displacements within ``window`` s before and after each impact, its rate at the impact.
+
+    ``beside``: what is fitted along but not read, the vibrations of further modes: without it they pull the slow part.
+    ``guard`` s: left out next to impacts (what a filter smears over). A stretch ends at the neighbouring impacts.
+    """
+    t, x = np.asarray(time, dtype=float), np.asarray(displacement, dtype=float)
+    hits = np.asarray(impact_times, dtype=float)
+    seen = hits + delay
+    before, after = np.full(len(hits), np.nan), np.full(len(hits), np.nan)
+    for i, hit in enumerate(seen):
+        since = max(hit - window, seen[i - 1] + guard if i else -np.inf)
+        until = min(hit + window, seen[i + 1] - guard if i + 1 < len(seen) else np.inf)
+        before[i] = _extrapolated(t, x, slow, beside, since, hit - guard, hit)
+        after[i] = _extrapolated(t, x, slow, beside, hit + guard, until, hit)
+    return Restitution(hits, before, after)
+
+
+def _extrapolated(
+    t: Array, x: Array, slow: SlowPart, beside: SlowPart | None, begin: float, end: float, hit: float
+) -> float:
+    """Rate at ``hit`` of the slow part fitted to [begin, end]; NaN with too few samples."""
+    part = (t >= begin) & (t <= end)
+    if np.count_nonzero(part) < 2 * (slow.size + (beside.size if beside else 0)):
+        return float("nan")
+    clock = t[part] - t[part][0]
+    columns = slow.columns(clock)[0]
+    if beside is not None:
+        columns = np.concatenate([columns, beside.columns(clock)[0]], axis=1)
+    rates = slow.columns(np.array([hit - t[part][0]]))[1]
+    return float(rates[0] @ solved(columns, x[part])[: slow.size])
+
+
+def _picked(values: Array, index: NDArray[np.int64]) -> Array:
+    inside = (index >= 0) & (index < len(values))
+    return np.where(inside, values[np.clip(index, 0, len(values) - 1)], np.nan)
+
+
+def _extreme(values: Array, pick: Callable[[Array], np.float64]) -> float:
+    return float(pick(values)) if len(values) else float("nan")
