@@ -146,7 +146,7 @@ class _Walk:
         """Displacement and velocity of the contact point taken out."""
         c = self.system.contact
         still = np.eye(self.system.size) - np.outer(c, c) / (c @ c)
-        return np.kron(np.eye(2), still)
+        return np.asarray(np.kron(np.eye(2), still), dtype=float)
 
     def _round_off(self, pose: Array, duration: float) -> Array:
         """Variances (2n,) of what a closed-form evaluation over ``duration`` rounds off."""

@@ -1,0 +1,88 @@
+"""Certificates are checked by a program of its own, and what is wrong in one is found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from check_certificate import check
+
+import vibeam
+
+ONE = vibeam.ImpactSystem.from_modes(1.0, 0.015, 1.0, 1.0, gap=0.0, restitution=0.9)
+THREE = vibeam.ImpactSystem.from_modes(
+    [1.0, 2.6, 17.1], [0.02, 1.0, 3.0], [1.0, 0.6, -0.4], [1.0, 0.3, 0.1], gap=0.3, restitution=0.7
+)
+STIFF = vibeam.ImpactSystem.from_modes(
+    [1.0, 9.0, 800.0], [0.01, 0.02, 0.05], [1.0, 0.6, -0.4], [1.0, 0.3, 0.1], gap=0.1, restitution=0.5
+)
+BALL = vibeam.ImpactSystem.from_modes(0.0, 0.0, 1.0, 0.0, gap=0.0, restitution=0.9, static=9.81)
+RESONANT = vibeam.ImpactSystem.from_modes([1.0, 2.0], 0.0, [1.0, 0.5], [1.0, 0.2], gap=0.4, restitution=0.8)
+PRESSED = vibeam.ImpactSystem.from_modes([1.0, 2.7], 0.05, [1.0, 0.5], 1.0, gap=-0.05, restitution=0.5)
+MOTIONS = {
+    "one mode": (ONE, vibeam.Drive(2.0, 0.5e-3), 60.0),
+    "chaos": (ONE, vibeam.Drive(2.9, 1.0), 60.0),
+    "three modes, damped in three ways": (THREE, vibeam.Drive(1.9, 1.0), 40.0),
+    "a stiff mode": (STIFF, vibeam.Drive(1.9, 1.0), 15.0),
+    "undamped resonance": (RESONANT, vibeam.Drive(1.0, 0.1), 40.0),
+    "rests and releases": (PRESSED, vibeam.Drive(1.7, 0.08), 30.0),
+}
+
+
+def certified(system: vibeam.ImpactSystem, drive: vibeam.Drive, end: float, start: vibeam.State | None = None):
+    path = vibeam.simulate(system, drive, end, start, certify=True)
+    assert path.certificate is not None
+    assert path.certificate.complete
+    return path
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_every_claim_is_proved(name: str) -> None:
+    path = certified(*MOTIONS[name])
+    faults, proved = check(path.certificate)
+    assert faults == []
+    assert proved >= len(path.impact_times) >= 5
+
+
+def test_a_falling_ball_chatters_and_every_bounce_is_proved() -> None:
+    path = certified(BALL, vibeam.Drive(0.0, 0.0), 5.0, vibeam.State(np.array([-1.0]), np.array([0.0])))
+    faults, _ = check(path.certificate)
+    assert faults == []
+
+
+def test_grazing_is_proved_too() -> None:
+    """An undamped swing that comes within 1e-9 of the scale of the stop, and one that touches it at 1e-5."""
+    system = vibeam.ImpactSystem.from_modes(1.0, 0.0, 1.0, 0.0, gap=1.0, restitution=0.5)
+    for amplitude, touches in ((1 - 1e-9, 0), (1 + 1e-10, 1)):
+        path = certified(system, vibeam.Drive(0.0, 0.0), 5.0, vibeam.State(np.array([-amplitude]), np.array([0.0])))
+        assert len(path.impact_times) == touches
+        faults, _ = check(path.certificate, slack=1e-9)
+        assert faults == []
+
+
+def test_a_missed_impact_is_found() -> None:
+    """The certificate of a system without stop, given out for the one with it."""
+    far = certified(replace(ONE, gap=1e3), vibeam.Drive(2.0, 0.5e-3), 30.0)
+    faults, _ = check(replace(far.certificate, system=ONE))
+    assert any("not proved" in fault or "does not" in fault for fault in faults)
+
+
+def test_an_invented_impact_a_hole_and_a_changed_start_are_found() -> None:
+    path = certified(ONE, vibeam.Drive(2.0, 0.5e-3), 30.0)
+    good = path.certificate
+    moved = good.pieces.copy()
+    last = np.flatnonzero(moved[:, 3] == 1.0)[3]
+    flight = int(moved[last, 0])
+    moved[last, 2] *= 0.9
+    shorter = good.durations.copy()
+    shorter[flight] = moved[last, 1] + moved[last, 2]
+    assert any("close" in f for f in check(replace(good, pieces=moved, durations=shorter))[0])
+    hole = np.delete(good.pieces, 2, axis=0)
+    assert any("hole" in f or "no piece" in f or "reach" in f for f in check(replace(good, pieces=hole))[0])
+    wild = certified(THREE, vibeam.Drive(1.9, 1.0), 20.0).certificate
+    assert check(replace(wild, starts=wild.starts * (1 + 1e-6)))[0] != []
+
+
+def test_without_asking_there_is_none() -> None:
+    assert vibeam.simulate(ONE, vibeam.Drive(2.0, 0.5e-3), 3.0).certificate is None
