@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.solvers.kernels.layout import (
     A11,
+    A12,
+    A21,
+    A22,
     BLOCK_ROWS,
     CONSTANT1,
     CONSTANT2,
@@ -43,6 +46,27 @@ class Constrained:
 
 def constrained(omega: Array, sigma: Array, contact: Array, load: Array, static: Array, gap: float) -> Constrained:
     """The system with contact·η = gap held and contact force F = contact·(f − Dη' − Λη)/S.
+
+    It is made in a unit of time of the system's own, a power of two, so that other units of time change no digit.
+    """
+    fastest = max(float(omega.max()), float(sigma.max()))
+    unit = 2.0 ** np.frexp(fastest)[1] if fastest > 0 else 1.0
+    own = _in_own_time(omega / unit, sigma / unit, contact, load, static / unit**2, gap)
+    n = len(omega)
+    blocks, into, out = own.blocks.copy(), own.to_blocks.copy(), own.from_blocks.copy()
+    blocks[[A11, A12, A21, A22, CONSTANT1, CONSTANT2]] *= unit
+    blocks[[ROW1, ROW2]] *= unit**2
+    blocks[[LOAD1, LOAD2]] /= unit
+    into[:, n:] /= unit
+    out[n:] *= unit
+    return replace(
+        own, omega=own.omega * unit, sigma=own.sigma * unit, disc=own.disc * unit**2, blocks=blocks,
+        to_blocks=into, from_blocks=out, force=own.force * unit**2,
+    )  # fmt: skip
+
+
+def _in_own_time(omega: Array, sigma: Array, contact: Array, load: Array, static: Array, gap: float) -> Constrained:
+    """The same in the units that are given.
 
     With η = contact·gap/S + Q z, Q an orthonormal basis of contact's complement, z'' + QᵀDQ z' + QᵀΛQ z = Qᵀ(f −
     Λ held). QᵀΛQ is diagonalised first; where the damping then still couples, (z, z') goes to real 2×2 blocks.

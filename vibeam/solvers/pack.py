@@ -30,13 +30,17 @@ from vibeam.solvers.kernels.tables import rates, regime
 from vibeam.system import ImpactSystem
 
 Array = NDArray[np.float64]
+FASTEST = 1e36  # bounds take eighth powers of the rates
 
 
 class Packed:
     """An ImpactSystem as the kernels see it: modes sorted by rate, and the way back to the user's order."""
 
     def __init__(self, system: ImpactSystem, slowest: float) -> None:
-        """``slowest``: the lowest rate (rad/s) that panels must serve."""
+        """``slowest``: the lowest rate (rad/s) that panels must serve. ValueError for rates that no double can hold."""
+        fastest = float(np.max(rates(system.omega, system.zeta * system.omega)))
+        if not (fastest < FASTEST and slowest > 1 / FASTEST):
+            raise ValueError(f"rates from {slowest:g} to {fastest:g} rad/s: take another unit of time")
         self.system = system
         self.order = np.argsort(rates(system.omega, system.zeta * system.omega), kind="stable")
         self.desk = self._desk(floor(log2(PANEL / slowest)))

@@ -66,10 +66,10 @@ def chatter_left(desk: Desk, pose: Array, status: Array, after: float) -> tuple[
     toward, _ = contact_derivatives(desk.pairs, desk.modes, drive, pose, status)
     if toward <= 0.0 or drive[RESTITUTION] >= 1.0:
         return -1.0, 0.0
-    loss, square = 1.0 - drive[RESTITUTION], status[SPEED] * status[SPEED]
-    if 2.0 * after * after > NEAR * loss * (square + toward * abs(drive[GAP])):
+    loss, fall = 1.0 - drive[RESTITUTION], status[SPEED] / toward
+    if 2.0 * after * (after / status[SPEED]) > NEAR * loss * (status[SPEED] + abs(drive[GAP]) / fall):
         return -1.0, 0.0
-    left, length = 2.0 * after / (toward * loss), square / toward
+    left, length = 2.0 * after / (toward * loss), status[SPEED] * fall
     _, _, size = begin_flight(
         desk.pairs, desk.signal, desk.attached, desk.modes, drive, pose, status[PHASE_COS], status[PHASE_SIN]
     )

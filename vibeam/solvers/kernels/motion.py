@@ -72,8 +72,9 @@ def advance(
     Segments go to ``trace`` (m, TRACE_COLUMNS) and their first poses to ``poses`` (m, 2, n), where m > 0. FULL: no row
     is left; empty them and call again with the rest of the span.
     """
-    done, rows = 0.0, trace.shape[0]
+    done, lost, rows = 0.0, 0.0, trace.shape[0]  # the sum of all steps is compensated: times do not drift
     most, events = counts[IMPACTS] + limit, 0
+    status[CLOCK] = wrap(desk.drive, status[CLOCK])
     status[PHASE_COS], status[PHASE_SIN] = phase(desk.drive, status[CLOCK])
     while done < span:
         if rows > 0 and counts[SEGMENTS] >= rows:
@@ -86,7 +87,9 @@ def advance(
             outcome, step = fly(desk, pose, status, span - done, trace, counts)
         if outcome != COMPLETE:
             return outcome, done
-        done += step
+        step -= lost
+        total = done + step
+        lost, done = (total - done) - step, total
         events += 1
         if (counts[IMPACTS] >= most or events > EVENTS_AN_IMPACT * (limit + 100)) and done < span:
             return EVENT_LIMIT, done
