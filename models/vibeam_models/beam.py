@@ -10,12 +10,15 @@ import numpy as np
 from vibeam_models.damping import damped
 from vibeam_models.lumped import with_inertia
 from vibeam_models.mesh import nodes
-from vibeam_models.scene import Beam, Scene
+from vibeam_models.scene import Beam, Gravity, Scene, Torsion
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure
 
 if TYPE_CHECKING:
     from vibeam_models.effects import Effect
+
+
+NEAR = 1e-3  # share of the length: a node at the stop must be this far from those of mass and rigid zone
 
 
 def assemble(scene: Scene) -> Structure:
@@ -31,6 +34,10 @@ def assemble_with_space(scene: Scene) -> tuple[Structure, BeamSpace]:
     """``assemble`` and the finite-element space that its coordinates belong to: rows at any x, mode shapes."""
     _check_positions(scene)
     structure, space = bare_beam(scene.beam, _concentrated(scene))
+    if scene.clamp is not None:
+        from vibeam_models.effects.sprung_clamp import SprungClamp
+
+        structure, space = SprungClamp(scene.clamp.stiffness, scene.beam).apply(structure, space)
     structure = _observed(structure, space, scene)
     structure = with_inertia(structure, space.row(scene.mass.position), scene.mass.mass, translation=1.0)
     for effect in _effects(scene):
@@ -68,10 +75,15 @@ def _observed(structure: Structure, space: BeamSpace, scene: Scene) -> Structure
 
 
 def _concentrated(scene: Scene) -> list[float]:
-    """Where concentrated loads act: the mass, the stop, the ends of the rigid zone."""
-    middle, half = scene.mass.position, scene.mass.rigid_half_width
-    ends = [] if half is None else [middle - half, middle + half]
-    return [middle, scene.stop.position, *(x for x in ends if 0 < x < scene.beam.length)]
+    """Where concentrated loads act: the mass, the stop, the ends of the rigid zone.
+
+    Inside that zone, or within a thousandth of the length of these, the stop needs no node, for the cubics reach it to
+    10⁻⁹; with one the elements there would be so short and stiff that their round-off drowned the beam's stiffness.
+    """
+    middle, half, stop = scene.mass.position, scene.mass.rigid_half_width or 0.0, scene.stop.position
+    ends = [] if half == 0 else [x for x in (middle - half, middle + half) if 0 < x < scene.beam.length]
+    near = min(abs(stop - x) for x in (middle, *ends)) < NEAR * scene.beam.length
+    return [middle, *([] if near or abs(stop - middle) < half else [stop]), *ends]
 
 
 def _effects(scene: Scene) -> Iterator[Effect]:
@@ -88,6 +100,37 @@ def _effects(scene: Scene) -> Iterator[Effect]:
         from vibeam_models.effects.rigid_zone import RigidZone
 
         yield RigidZone(scene.mass.position, scene.mass.rigid_half_width)
+    if scene.torsion is not None:
+        yield _torsion(scene, scene.torsion)
+    if scene.gravity is not None:
+        yield _gravity(scene, scene.gravity)
+    if scene.beam.massless:
+        from vibeam_models.effects.massless_beam import MasslessBeam
+
+        yield MasslessBeam()
+
+
+def _torsion(scene: Scene, torsion: Torsion) -> Effect:
+    from vibeam_models.effects.torsion import StVenantTorsion
+
+    return StVenantTorsion(
+        torsion.eccentricity,
+        torsion.shear_modulus,
+        torsion.polar_inertia,
+        scene.beam,
+        scene.mass.position,
+        scene.stop.position,
+        scene.mass.rigid_half_width or 0.0,
+    )
+
+
+def _gravity(scene: Scene, gravity: Gravity) -> Effect:
+    from vibeam_models.effects.gravity import AxialGravity, TransverseGravity
+
+    if gravity.direction == "transverse":
+        return TransverseGravity(gravity.acceleration)
+    downward = 1 if gravity.direction == "hanging" else -1
+    return AxialGravity(downward * gravity.acceleration, scene.beam, scene.weights)
 
 
 def _check_positions(scene: Scene) -> None:

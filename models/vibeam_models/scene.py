@@ -21,7 +21,10 @@ class Damping:
 
 @dataclass(frozen=True)
 class Beam:
-    """A uniform cantilever of rectangular section: lengths in m, modulus in Pa, density in kg/m³."""
+    """A uniform cantilever of rectangular section: lengths in m, modulus in Pa, density in kg/m³.
+
+    ``massless`` is an effect: the beam's own mass is neglected, the paper's m ≫ ρAL.
+    """
 
     length: float
     width: float
@@ -30,6 +33,7 @@ class Beam:
     density: float
     damping: Damping
     elements: int = 36
+    massless: bool = False
 
     @property
     def bending_stiffness(self) -> float:
@@ -38,8 +42,8 @@ class Beam:
 
     @property
     def mass_per_length(self) -> float:
-        """ρA in kg/m."""
-        return self.density * self.width * self.thickness
+        """ρA in kg/m, 0 of a massless beam."""
+        return 0.0 if self.massless else self.density * self.width * self.thickness
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,35 @@ class AddedMass:
 
     mass: float
     position: float
+
+
+@dataclass(frozen=True)
+class Clamp:
+    """A clamp that yields: ``stiffness`` in N m/rad against being turned."""
+
+    stiffness: float
+
+
+@dataclass(frozen=True)
+class Gravity:
+    """Weight, ``acceleration`` in m/s². ``"hanging"``: the clamp is above, the beam's axis vertical; ``"standing"``: it
+    is below; ``"transverse"``: the axis is level and the weight draws toward the stop (away from it if negative).
+    """
+
+    direction: Literal["hanging", "standing", "transverse"]
+    acceleration: float = 9.80665
+
+
+@dataclass(frozen=True)
+class Torsion:
+    """The strip twists: the contact lies ``eccentricity`` m off its axis; ``shear_modulus`` in Pa.
+
+    ``polar_inertia``: the attached mass's about the beam's axis, kg m².
+    """
+
+    eccentricity: float
+    shear_modulus: float
+    polar_inertia: float
 
 
 @dataclass(frozen=True)
@@ -87,11 +120,39 @@ class Sensor:
 class Base:
     """The base motion b(t) = amplitude · sin Ωt, either given (``amplitude``, m) or as ``voltage`` (V) times ``gain`` γ
     (1/V, eq. 46 of the paper: amplitude = γ V φ(L_m) L, with φ of the massless beam).
+
+    On a platform it may be the ``force`` (N) on that instead, or the ``voltage`` alone of its shaker.
     """
 
     amplitude: float | None = None
     voltage: float | None = None
     gain: float | None = None
+    force: float | None = None
+
+
+@dataclass(frozen=True)
+class Platform:
+    """What the clamp and the stop stand on, sprung and shaken: kg, N/m.
+
+    ``damping_ratio`` and natural frequency are those of the platform without the beam. ``coupling``: ``"one-way"``
+    filters the drive, ``"two-way"`` lets the beam push back. ``calibrated_at`` (rad/s): where the base's amplitude, or
+    voltage and gain, hold; None where the drive is a force or a shaker's voltage.
+    """
+
+    mass: float
+    stiffness: float
+    damping_ratio: float
+    coupling: Literal["one-way", "two-way"]
+    calibrated_at: float | None = None
+
+
+@dataclass(frozen=True)
+class Shaker:
+    """A voltage-driven electrodynamic exciter on the platform: ohm, N/A (its Bl), H."""
+
+    resistance: float
+    force_factor: float
+    inductance: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -104,6 +165,22 @@ class Scene:
     sensor: Sensor
     base: Base
     added_masses: tuple[AddedMass, ...] = ()
+    clamp: Clamp | None = None
+    gravity: Gravity | None = None
+    torsion: Torsion | None = None
+    platform: Platform | None = None
+    shaker: Shaker | None = None
+
+    @property
+    def moving_mass(self) -> float:
+        """What the base carries, in kg: the beam with all that is on it."""
+        attached = self.mass.mass + sum(added.mass for added in self.added_masses)
+        return self.beam.mass_per_length * self.beam.length + attached
+
+    @property
+    def weights(self) -> tuple[tuple[float, float], ...]:
+        """(mass in kg, position in m) of everything attached."""
+        return ((self.mass.mass, self.mass.position), *((each.mass, each.position) for each in self.added_masses))
 
 
 @dataclass(frozen=True)

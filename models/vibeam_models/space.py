@@ -40,6 +40,23 @@ class BeamSpace:
         """Number of free coordinates."""
         return int(self.constraint.shape[1])
 
+    @property
+    def free(self) -> NDArray[np.intp]:
+        """The degrees of freedom, ascending, that any coordinate moves."""
+        return np.flatnonzero(np.any(self.constraint, axis=1))
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether every coordinate is one degree of freedom, in their order."""
+        free = self.free
+        if not len(free) == self.size == np.count_nonzero(self.constraint):
+            return False
+        return bool(np.all(self.constraint[free, np.arange(self.size)] == 1))
+
+    def widened(self, count: int) -> BeamSpace:
+        """The same space with ``count`` further coordinates that bend nothing."""
+        return self.constrained(np.eye(self.size, self.size + count))
+
     def constrained(self, further: Array) -> BeamSpace:
         """The same space with x = further @ y: ``further`` (size, fewer)."""
         return replace(self, constraint=self.constraint @ further)

@@ -10,6 +10,8 @@ from vibeam_models.coordinates import in_coordinates
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Array, Structure
 
+LEAST = 1e-3  # share of the length below which the zone changes nothing, but its elements' round-off does
+
 
 @dataclass(frozen=True)
 class RigidZone:
@@ -41,8 +43,8 @@ class RigidZone:
             full[deflection, space.basis.nodal_dofs[:, middle]] = 1.0, space.nodes[node] - space.nodes[middle]
             full[slope, space.basis.nodal_dofs[1, middle]] = 1.0
         gone = space.basis.nodal_dofs[:, inside[inside != middle]].ravel()
-        kept = np.setdiff1d(np.arange(2, int(space.basis.N)), gone)
-        return full[2:][:, kept]
+        free = space.free
+        return full[free][:, np.setdiff1d(free, gone)]
 
     def _within(self, nodes: Array) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
         return np.asarray(np.abs(nodes - self.position) <= self.half_width + self._tolerance(nodes))
@@ -58,7 +60,9 @@ class RigidZone:
         length = space.nodes[-1]
         if self.half_width < 0 or start <= 0 or end >= length:
             raise ValueError(f"rigid zone [{start}, {end}] m must lie inside the beam, (0, {length}) m")
-        if space.size != int(space.basis.N) - 2:
+        if 0 < self.half_width < LEAST * length:
+            raise ValueError(f"rigid zone: ±{self.half_width} m is below {LEAST:g} of the beam's length: leave it out")
+        if not space.is_plain:
             raise ValueError("rigid zone: the space is constrained already; it must come first or alone")
         for x in (start, end):
             self._node_at(space.nodes, x)

@@ -1,0 +1,73 @@
+"""Weight along the beam changes its stiffness; weight across it is a constant load."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibeam_models.scene import Beam
+from vibeam_models.space import BeamSpace
+from vibeam_models.structure import Array, Structure
+
+POINTS, WEIGHTS = np.polynomial.legendre.leggauss(3)  # exact to degree 5: N linear, w′² of degree 4
+
+
+@dataclass(frozen=True)
+class AxialGravity:
+    """``acceleration`` m/s² along the axis, positive away from the clamp (a hanging beam, in tension).
+
+    ``weights``: (kg, m) of every mass on ``beam``. A standing beam (negative) is in compression.
+    """
+
+    acceleration: float
+    beam: Beam
+    weights: tuple[tuple[float, float], ...]
+
+    def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
+        """K + ∫ N w′² dx with the axial force N(x) of all that lies beyond x, tension positive.
+
+        Every mass is taken on the beam's axis. ValueError where a standing beam buckles.
+        """
+        stiffness = structure.K + self.geometric_stiffness(space)
+        if self.acceleration < 0:
+            self._check(structure.K, stiffness)
+        return structure.with_(K=stiffness), space
+
+    def geometric_stiffness(self, space: BeamSpace) -> Array:
+        """∫ N w′² dx (size, size), exact on every piece between nodes and masses."""
+        ends = np.unique([*space.nodes, *(position for _, position in self.weights)])
+        middle, half = (ends[1:] + ends[:-1]) / 2, np.diff(ends) / 2
+        places = (middle[:, None] + half[:, None] * POINTS).ravel()
+        shares = (half[:, None] * WEIGHTS).ravel() * self.axial_force(places)
+        slopes = space.rows(places, 1)
+        return np.asarray(slopes.T @ (shares[:, None] * slopes))
+
+    def axial_force(self, x: Array) -> Array:
+        """N (k,) in N at ``x`` (k,) m."""
+        carried = self.beam.mass_per_length * (self.beam.length - x)
+        for mass, position in self.weights:
+            carried = carried + mass * (x < position)
+        return np.asarray(self.acceleration * carried)
+
+    def _check(self, elastic: Array, stiffness: Array) -> None:
+        from scipy.linalg import eigvalsh
+
+        least = float(eigvalsh(stiffness, elastic, subset_by_index=(0, 0))[0])
+        if least <= 0:
+            bearable = -self.acceleration / (1 - least)
+            raise ValueError(
+                f"gravity: the standing beam buckles under its weight: it bears {bearable:.4g} m/s², "
+                f"not {-self.acceleration:.4g} m/s²; take a stiffer beam, a smaller mass, or hang it"
+            )
+
+
+@dataclass(frozen=True)
+class TransverseGravity:
+    """``acceleration`` m/s² across the axis, positive toward the stop."""
+
+    acceleration: float
+
+    def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
+        """static + g M r: weight acts as a base would that is accelerated the other way for ever."""
+        return structure.with_(static=structure.static - self.acceleration * structure.load), space

@@ -1,0 +1,44 @@
+"""The clamp yields when it is turned: its rotation is one more coordinate, held by a spring."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vibeam_models.scene import Beam
+from vibeam_models.space import BeamSpace
+from vibeam_models.structure import Structure
+
+
+@dataclass(frozen=True)
+class SprungClamp:
+    """``stiffness`` in N m/rad at the foot of ``beam``; stiffness → ∞ is the clamped beam."""
+
+    stiffness: float
+    beam: Beam
+
+    def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
+        """The beam alone with the slope at x = 0 freed, K + k θᵀθ. It changes the beam's support and so comes first.
+
+        ValueError where the space is not that of a clamped beam.
+        """
+        count = int(space.basis.N)
+        if not (space.is_plain and space.size == count - 2):
+            raise ValueError("sprung clamp: the space is constrained already; it must come first")
+        sprung = replace(space, constraint=np.eye(count)[:, 1:])
+        return self._held(sprung, structure), sprung
+
+    def _held(self, space: BeamSpace, structure: Structure) -> Structure:
+        free, slope = space.constraint, space.row(0.0, 1)
+        mass = space.mass(self.beam.mass_per_length)
+        tip = space.row(self.beam.length)
+        return structure.with_(
+            M=free.T @ mass @ free,
+            C=np.zeros((space.size, space.size)),
+            K=free.T @ space.stiffness(self.beam.bending_stiffness) @ free + self.stiffness * np.outer(slope, slope),
+            load=-free.T @ mass @ space.translation(),
+            static=np.zeros(space.size),
+            contact=tip,
+            outputs={"tip": tip},
+        )
