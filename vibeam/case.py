@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
@@ -13,11 +13,26 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam_models.scene import AddedMass, Base, Beam, Damping, Mass, Scene, SdofScene, Sensor, Stop
+from vibeam_models.scene import (
+    AddedMass,
+    Base,
+    Beam,
+    Clamp,
+    Damping,
+    Gravity,
+    Mass,
+    Platform,
+    Scene,
+    SdofScene,
+    Sensor,
+    Shaker,
+    Stop,
+    Torsion,
+)
 
 if TYPE_CHECKING:
     from vibeam.fidelity import Fidelity
-    from vibeam.schema import BeamCase, BeamTable, SdofCase, StopTable, SweepTable
+    from vibeam.schema import BeamCase, BeamTable, PlatformTable, SdofCase, StopTable, SweepTable, TorsionTable
     from vibeam.system import ImpactSystem
 
 Direction = Literal["up", "down", "both"]
@@ -27,7 +42,7 @@ Direction = Literal["up", "down", "both"]
 class SweepPlan:
     """The sweep: ``frequency`` in Hz, ascending, shape (points,); ``settle`` and ``hold`` in drive periods.
 
-    ``output`` is the displacement that is read: ``"sensor"``, ``"contact"`` or ``"tip"``.
+    ``output`` is the displacement that is read: ``"sensor"``, ``"contact"``, ``"tip"`` or ``"platform"``.
     """
 
     frequency: NDArray[np.float64]
@@ -75,10 +90,19 @@ class Case:
 
     @property
     def base_amplitude(self) -> float:
-        """Amplitude of the base motion in m (of a SdofScene: in its own unit)."""
+        """Amplitude of the base motion in m (of a SdofScene: in its own unit).
+
+        ValueError on a platform, where it depends on the frequency: ``amplitude`` has it there too.
+        """
         from vibeam.fidelity import base_amplitude
 
         return base_amplitude(self.scene)
+
+    def amplitude(self, omega: NDArray[np.float64]) -> float | NDArray[np.float64]:
+        """Amplitude of the drive for a sweep over ``omega`` (rad/s): one for all, or on a platform one each."""
+        from vibeam.fidelity import drive_amplitude
+
+        return drive_amplitude(self.scene, omega)
 
     def system(self, name: str) -> ImpactSystem:
         """What a solver gets of one fidelity; KeyError names those there are."""
@@ -162,7 +186,21 @@ def _scene(case: BeamCase | SdofCase) -> Scene | SdofScene:
         sensor=Sensor(case.sensor.position),
         base=Base(**dict(case.drive)),
         added_masses=tuple(AddedMass(**dict(added)) for added in case.added_mass),
+        **_effects(case),
     )
+
+
+def _effects(case: BeamCase) -> dict[str, Any]:
+    """The effects that have a table of their own, those that the case names."""
+    made: dict[str, Callable[[Any], Any]] = {
+        "clamp": lambda table: Clamp(**dict(table)),
+        "gravity": lambda table: Gravity(**dict(table)),
+        "torsion": lambda table: _torsion(table, case.beam),
+        "platform": _platform,
+        "shaker": lambda table: Shaker(**dict(table)),
+    }
+    named = {name: getattr(case, name) for name in made}
+    return {name: made[name](table) for name, table in named.items() if table is not None}
 
 
 def _beam(table: BeamTable) -> Beam:
@@ -170,6 +208,22 @@ def _beam(table: BeamTable) -> Beam:
     kind, ratios = values.pop("damping"), values.pop("damping_ratio")
     damping = Damping("list", kind) if isinstance(kind, tuple) else Damping(kind, ratios)
     return Beam(damping=damping, **values)
+
+
+def _torsion(table: TorsionTable, beam: BeamTable) -> Torsion:
+    modulus = table.shear_modulus
+    if modulus is None:
+        modulus = beam.youngs_modulus / (2 * (1 + (table.poissons_ratio or 0.0)))
+    return Torsion(table.eccentricity, modulus, table.polar_inertia)
+
+
+def _platform(table: PlatformTable) -> Platform:
+    coupling: Any = table.coupling
+    stiffness, calibrated = table.stiffness, table.calibrated_at
+    if stiffness is None:
+        stiffness = table.mass * (2 * np.pi * (table.frequency or 0.0)) ** 2
+    at = None if calibrated is None else 2 * np.pi * calibrated
+    return Platform(table.mass, stiffness, table.damping_ratio, coupling, at)
 
 
 def _stop(table: StopTable, mass_position: float) -> Stop:

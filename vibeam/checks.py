@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path as File
 from types import SimpleNamespace
 
+from vibeam.effect_checks import effect_checks
 from vibeam.faults import cure, shown
 from vibeam.lines import Path
 from vibeam.reading import Complaint
@@ -23,7 +24,9 @@ def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
         yield from _positions(case)
         yield from _rigid_zone(case)
         yield from _damping(case.beam)
-        yield from _drive(case.drive)
+        yield from (_drive(case.drive) if case.platform is None else _driven_platform(case))
+        yield from effect_checks(case)
+        yield from _output(case)
         yield from _modes(case)
     yield from _grid(case.sweep.frequency)
     yield from _names(case)
@@ -47,6 +50,8 @@ def _rigid_zone(case: SimpleNamespace) -> Iterator[Complaint]:
         return
     if half >= middle:
         yield path, f"{half:g} m reaches the clamp: mass.position is {middle:g} m"
+    elif length is not None and half < 1e-3 * length:
+        yield path, f"{half:g} m is below a thousandth of beam.length and changes nothing: leave it out"
     elif length is not None and middle <= length <= middle + half:
         yield path, f"{half:g} m reaches the tip, {length - middle:g} m beyond mass.position"
 
@@ -66,6 +71,9 @@ def _damping(beam: SimpleNamespace) -> Iterator[Complaint]:
 
 def _drive(drive: SimpleNamespace) -> Iterator[Complaint]:
     shaker = [name for name in ("voltage", "gain") if getattr(drive, name) is not None]
+    if drive.force is not None:
+        yield ("drive", "force"), "acts on a platform: add [platform], or take force away"
+        return
     if drive.amplitude is not None and shaker:
         yield ("drive", "amplitude"), f"the base motion is said twice: keep amplitude, or {' and '.join(shaker)}"
     elif drive.amplitude is None and not shaker:
@@ -75,8 +83,53 @@ def _drive(drive: SimpleNamespace) -> Iterator[Complaint]:
         yield ("drive", other), f"missing: {shaker[0]} needs it beside it"
 
 
+def _driven_platform(case: SimpleNamespace) -> Iterator[Complaint]:
+    """On a platform the drive is a shaker's voltage, a force, or a base motion that holds at one frequency."""
+    drive, calibrated = case.drive, case.platform.calibrated_at
+    said = [name for name in ("voltage", "gain", "amplitude", "force") if getattr(drive, name) is not None]
+    if case.shaker is not None:
+        for name in said:
+            if name != "voltage":
+                yield (
+                    ("drive", name),
+                    "the shaker's voltage says the drive already: keep voltage, or take [shaker] away",
+                )
+        if "voltage" not in said:
+            yield ("drive",), 'the shaker needs its voltage: write voltage = "0.6 V"'
+    elif "force" in said:
+        for name in said:
+            if name != "force":
+                yield ("drive", name), f"the drive is said twice: keep force, or {name}"
+    else:
+        yield from _drive(drive)
+    by_itself = case.shaker is not None or "force" in said
+    if calibrated is None and not by_itself:
+        yield (
+            ("platform", "calibrated_at"),
+            'missing (where the drive\'s motion holds): write calibrated_at = "15.5 Hz"',
+        )
+    elif calibrated is not None and by_itself:
+        yield ("platform", "calibrated_at"), "goes with a base motion alone: a force or a shaker says the drive already"
+
+
+def _output(case: SimpleNamespace) -> Iterator[Complaint]:
+    moves = case.platform is not None and case.platform.coupling in ("two-way", None)
+    if case.sweep.output == "platform" and not moves:
+        yield ("sweep", "output"), 'the platform has no motion of its own: add [platform] with coupling = "two-way"'
+
+
+def _most_modes(case: SimpleNamespace) -> tuple[int, str]:
+    """How many modes the beam can have at most (0: not known), and what gives them."""
+    twists = case.torsion is not None
+    if case.beam.massless:
+        return 1 + (case.mass.rotary_inertia is not None) + len(
+            case.added_mass
+        ) + twists, "a massless beam's inertias give"
+    return 2 * (case.beam.elements or 0) * (1 + twists), "beam.elements gives"
+
+
 def _modes(case: SimpleNamespace) -> Iterator[Complaint]:
-    most = 2 * (case.beam.elements or 0)
+    most, gives = _most_modes(case)
     for name, fidelity in case.fidelity.items():
         path = ("fidelity", name, "modes")
         if fidelity.reduction == "modal" and fidelity.modes is None:
@@ -84,7 +137,7 @@ def _modes(case: SimpleNamespace) -> Iterator[Complaint]:
         elif fidelity.reduction not in ("modal", None) and fidelity.modes is not None:
             yield path, f'goes with reduction = "modal" alone, not "{fidelity.reduction}"'
         elif fidelity.modes is not None and 0 < most < fidelity.modes:
-            yield path, f"{fidelity.modes} are more than the model has: beam.elements gives {most} at most"
+            yield path, f"{fidelity.modes} are more than the model has: {gives} {most} at most"
 
 
 def _grid(grid: SimpleNamespace | tuple[float, ...] | None) -> Iterator[Complaint]:

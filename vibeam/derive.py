@@ -76,9 +76,10 @@ class _FirstMode:
 def derive(case_or_scene: Any) -> Table:
     """The paper's eq. 44–47 for a Scene (or anything with one as ``.scene``), each with its finite-element value.
 
-    The reference is the first mode of the finite-element model with all effects of the scene, scaled to 1 at the
-    sensor. Mass and frequency come as a ladder: massless beam, with the beam's mass, and with the mass's rotary inertia
-    where the scene gives one. TypeError for what is no scene; ValueError for a SdofScene: it *is* the SDOF model.
+    The reference is the first mode of bending of the finite-element model with all effects of the scene, on a base held
+    still and scaled to 1 at the sensor. Mass and frequency come as a ladder: massless beam, with the beam's mass, and
+    with the mass's rotary inertia where the scene gives one. On a platform there is no one drive to be derived.
+    TypeError for what is no scene; ValueError for a SdofScene: it *is* the SDOF model.
     """
     scene = getattr(case_or_scene, "scene", case_or_scene)
     if isinstance(scene, SdofScene):
@@ -111,19 +112,23 @@ def _ladder(scene: Scene, paper: SdofModel) -> dict[str, float]:
 
 
 def _first_mode(scene: Scene) -> _FirstMode:
+    import numpy as np
+
     from vibeam_models.beam import assemble_with_space
     from vibeam_reductions.static_mode import static_mode
 
     structure, space = assemble_with_space(scene)
-    modes = structure.modes(1)
-    shape = modes.shapes[:, 0] / float(structure.outputs["sensor"] @ modes.shapes[:, 0])
+    modes = structure.modes()
+    seen = np.abs(structure.outputs["sensor"] @ modes.shapes)
+    first = int(np.argmax(seen > 1e-9 * np.max(seen)))  # a beam that twists first has its bending after that
+    shape = modes.shapes[:, first] / float(structure.outputs["sensor"] @ modes.shapes[:, first])
     mass, stiffness = (float(shape @ matrix @ shape) for matrix in (structure.M, structure.K))
     return _FirstMode(
         shape=float(space.row(scene.mass.position) @ shape),
         contact=float(structure.contact @ shape),
         stiffness=stiffness,
         mass=mass,
-        damping_ratio=float(shape @ structure.C @ shape) / (2 * mass * float(modes.omega[0])),
+        damping_ratio=float(shape @ structure.C @ shape) / (2 * mass * float(modes.omega[first])),
         base_factor=-float(structure.load @ shape) / mass,
         static_contact=float(static_mode(structure).structure.contact[0]),
     )
@@ -186,6 +191,8 @@ def _drive_rows(scene: Scene, paper: SdofModel, exact: _FirstMode) -> list[Row]:
     from vibeam.fidelity import base_amplitude
 
     span, why = scene.beam.length, "massless beam, point mass"
+    if scene.platform is not None:
+        return []  # the base motion depends on the frequency there
     amplitude, gain = base_amplitude(scene), scene.base.gain
     rows = [Row("drive", "B", "1", paper.gain(amplitude), amplitude * exact.base_factor / span, why)]
     if gain is not None:

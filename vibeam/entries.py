@@ -112,6 +112,21 @@ class Count(Entry):
 
 
 @dataclass(frozen=True)
+class Flag(Entry):
+    """Yes or no."""
+
+    def parse(self, value: Any) -> bool:
+        """As ``Entry.parse``."""
+        if not isinstance(value, bool):
+            raise ValueError(f"must be {self.describe()}, not {shown(value)}")
+        return value
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return "true | false"
+
+
+@dataclass(frozen=True)
 class Word(Entry):
     """One of a few words."""
 

@@ -12,7 +12,11 @@ from vibeam.system import ImpactSystem
 from vibeam_models.scene import Scene, SdofScene
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from vibeam_models.structure import Structure
+
+    Array = NDArray[np.float64]
 
 ReductionName = Literal["static_mode", "modal", "full"]
 
@@ -65,10 +69,31 @@ def system(scene: Scene | SdofScene, fidelity: Fidelity) -> ImpactSystem:
 def base_amplitude(scene: Scene | SdofScene) -> float:
     """Amplitude of the base motion in m: as given, or γ V φ(L_m) L with φ of the massless beam (eq. 44, 46).
 
-    A SdofScene's own amplitude, in its own unit. ValueError where the scene gives neither, or both.
+    A SdofScene's own amplitude, in its own unit. ValueError where the scene gives neither, or both, and on a platform,
+    where it depends on the frequency: ``drive_amplitude`` has it there too.
     """
     if isinstance(scene, SdofScene):
         return scene.amplitude
+    if scene.platform is not None:
+        raise ValueError("base: on a platform the amplitude depends on the frequency")
+    return _prescribed(scene)
+
+
+def drive_amplitude(scene: Scene | SdofScene, omega: Array) -> float | Array:
+    """What a sweep over ``omega`` (rad/s) has for amplitude: ``base_amplitude``, or on a platform one each, (points,).
+
+    With one-way coupling that of the base, with two-way the b₀ = F/(m_pΩ²) that ``MovingPlatform`` is loaded by.
+    ValueError as ``base_amplitude``.
+    """
+    if isinstance(scene, SdofScene) or scene.platform is None:
+        return base_amplitude(scene)
+    from vibeam.base import amplitude_on_platform
+
+    given = None if scene.platform.calibrated_at is None else _prescribed(scene)
+    return amplitude_on_platform(scene.platform, scene.shaker, scene.base, given, np.asarray(omega, dtype=float))
+
+
+def _prescribed(scene: Scene) -> float:
     amplitude, voltage, gain = scene.base.amplitude, scene.base.voltage, scene.base.gain
     if amplitude is not None and voltage is None and gain is None:
         return amplitude
@@ -95,10 +120,17 @@ def _of_beam(scene: Scene, fidelity: Fidelity) -> ImpactSystem:
     from vibeam_models.beam import assemble
 
     structure = assemble(scene)
-    built = ImpactSystem.from_structure(
-        reduced(structure, fidelity), gap=_contact_gap(scene, structure), restitution=scene.stop.restitution
-    )
-    return built if scene.stop.restitution_of == "contact" else _seen_by_first_mode(built)
+    small = reduced(structure, fidelity)
+    built = ImpactSystem.from_structure(small, gap=_contact_gap(scene, structure), restitution=scene.stop.restitution)
+    if scene.stop.restitution_of != "contact":
+        built = _seen_by_first_mode(built)
+    if scene.platform is None or scene.platform.coupling == "one-way":
+        return built
+    from vibeam.base import moving_platform
+
+    # After the reduction, so that it carries the whole mass with the modes of the beam on a base held still.
+    moved = moving_platform(scene.platform, scene.shaker, scene.moving_mass).under(small)
+    return ImpactSystem.from_structure(moved, gap=built.gap, restitution=built.restitution)
 
 
 def _contact_gap(scene: Scene, structure: Structure) -> float:

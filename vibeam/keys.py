@@ -92,10 +92,10 @@ def _section(name: str, table: type[BaseModel], field: FieldInfo) -> Iterator[st
     """A table, or one for each name that the template shows; commented out if the case does without."""
     aside = "" if field.is_required() else "# "
     yield ""
-    yield f"# {' '.join((table.__doc__ or '').split())}"
+    yield from wrap(table.__doc__ or "", WIDTH, initial_indent="# ", subsequent_indent="# ")
     if not is_repeated(field):
-        yield f"[{name}]"
-        yield from (_line(inner, key) for inner, key in fields_of(table).items())
+        yield f"{aside}[{name}]"
+        yield from (_line(inner, key, aside) for inner, key in fields_of(table).items())
     elif name not in NAMED:
         yield f"{aside}[[{name}]]"
         yield from (_line(inner, key, aside) for inner, key in fields_of(table).items())

@@ -50,6 +50,8 @@ class ModeTable:
 def mode_table(scene: Scene | SdofScene, count: int = 10) -> ModeTable:
     """The first ``count`` modes (all, if there are fewer) of the finite-element model with the scene's effects.
 
+    The base is held still: a platform's own mode is not among them, for restitution is said of the beam's.
+
     ValueError for a SdofScene, which has no beam, or ``count`` < 1.
     """
     if isinstance(scene, SdofScene):
@@ -108,5 +110,6 @@ def write_shapes(table: ModeTable, path: Path) -> None:
 
 
 def _vector(shape: Array) -> Array:
-    deflection = shape / np.abs(shape).max()
+    largest = np.abs(shape).max()
+    deflection = shape / largest if largest > 0 else shape  # a mode of torsion does not bend
     return np.column_stack((np.zeros_like(shape), np.zeros_like(shape), deflection))

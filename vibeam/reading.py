@@ -15,7 +15,7 @@ from vibeam.lines import Path
 from vibeam.schema import AddedMassTable, BeamCase, SdofCase
 
 Complaint = tuple[Path, str]  # where in the case, and what is wrong there
-BESIDE_SDOF = ("beam", "mass", "sensor", "added_mass")
+BESIDE_SDOF = ("beam", "mass", "sensor", "added_mass", "clamp", "gravity", "torsion", "platform", "shaker")
 
 
 def declaration(tables: dict[str, Any]) -> type[BeamCase] | type[SdofCase]:
@@ -100,7 +100,7 @@ def table_of(field: FieldInfo) -> type[BaseModel] | None:
 
 def is_repeated(field: FieldInfo) -> bool:
     """Whether the field holds several tables."""
-    return not entry_of(field) and bool(get_args(field.annotation))
+    return not entry_of(field) and get_origin(field.annotation) in (dict, tuple)
 
 
 def model_at(model: type[BaseModel], loc: Path) -> type[BaseModel]:
@@ -140,7 +140,7 @@ def _known(field: FieldInfo, value: Any) -> Any:
 
 def _tables(field: FieldInfo, table: type[BaseModel], value: Any) -> Any:
     if not is_repeated(field):
-        return known(table, value)
+        return None if value is None and not field.is_required() else known(table, value)
     if get_origin(field.annotation) is dict:
         items = value.items() if isinstance(value, dict) else ()
         return {name: known(table, inner) for name, inner in items}

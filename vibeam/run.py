@@ -99,6 +99,10 @@ def _systems(case: Case) -> dict[str, ImpactSystem]:
             solver(fidelity.solver, systems[name], slowest, 0.0, **fidelity.options)
         except ValueError as error:
             faults.append(Fault(str(case.path), None, f"fidelity.{name}", str(error)))
+    try:
+        case.amplitude(2 * np.pi * case.sweep.frequency)
+    except ValueError as error:
+        faults.append(Fault(str(case.path), None, "platform", str(error)))
     if faults:
         raise CaseError(faults)
     return systems
@@ -171,7 +175,7 @@ def _march(case: Case, job: _Job, kept: Kept, state: State | None) -> Iterator[t
     return march(
         job.system,
         omega,
-        case.base_amplitude,
+        case.amplitude(omega),
         settle=plan.settle,
         hold=plan.hold,
         solver=job.fidelity.solver,

@@ -10,7 +10,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from vibeam import units
-from vibeam.entries import NOT_NEGATIVE, POSITIVE, Count, Options, Quantity, Range, Several, TableOr, Text, Word
+from vibeam.entries import NOT_NEGATIVE, POSITIVE, Count, Flag, Options, Quantity, Range, Several, TableOr, Text, Word
 from vibeam.solvers import NAMES as SOLVERS
 
 DIRECTIONS = ("up", "down", "both")
@@ -54,6 +54,9 @@ class BeamTable(Table):
         "constant",
     )
     elements: Annotated[int, Count(1, MOST_ELEMENTS)] = key("finite elements along the beam", 36, 36)
+    massless: Annotated[bool, Flag()] = key(
+        "effect: the beam's own mass is neglected, as in the paper's m ≫ ρAL", True, False, written=False
+    )
 
 
 class MassTable(Table):
@@ -87,6 +90,46 @@ class StopTable(Table):
     )
 
 
+class ClampTable(Table):
+    """Effect: the clamp yields when it is turned; absent = it does not."""
+
+    stiffness: Annotated[float, Quantity(units.TURNING_STIFFNESS, POSITIVE)] = key(
+        "moment per rotation of the clamp", "500 N m/rad"
+    )
+
+
+class GravityTable(Table):
+    """Effect: weight along the beam stiffens or softens it, weight across bends it; absent = no weight.
+
+    The gap is counted from the straight beam.
+    """
+
+    direction: Annotated[str, Word(("hanging", "standing", "transverse"))] = key(
+        "the clamp is above, or below; or the axis is level and the weight draws toward the stop", "hanging"
+    )
+    acceleration: Annotated[float, Quantity(units.ACCELERATION)] = key(
+        "of free fall; negative, for transverse alone: away from the stop", "9.80665 m/s^2", 9.80665
+    )
+
+
+class TorsionTable(Table):
+    """Effect: the stop meets the beam off its axis and twists it; absent = on the axis.
+
+    The modes of torsion count among the beam's, for damping ratios and for fidelities.
+    """
+
+    eccentricity: Annotated[float, Quantity(units.LENGTH)] = key("of the contact, across the beam", "1 mm")
+    polar_inertia: Annotated[float, Quantity(units.INERTIA, POSITIVE)] = key(
+        "of the attached mass about the beam's axis", "2.988e-5 kg m^2"
+    )
+    poissons_ratio: Annotated[float | None, Quantity(units.RATIO, Range(0, 1))] = key(
+        "of the beam, for its shear modulus; or say that", 0.3, None
+    )
+    shear_modulus: Annotated[float | None, Quantity(units.PRESSURE, POSITIVE)] = key(
+        "of the beam, instead of Poisson's ratio", "80 GPa", None, written=False
+    )
+
+
 class SensorTable(Table):
     """Where the displacement is measured."""
 
@@ -101,12 +144,46 @@ class AddedMassTable(Table):
 
 
 class DriveTable(Table):
-    """The base motion amplitude · sin Ωt: say either voltage and gain, or amplitude."""
+    """The base motion amplitude · sin Ωt: say either voltage and gain, or amplitude; with [platform] also force, with
+    [shaker] voltage alone.
+    """
 
     voltage: Annotated[float | None, Quantity(units.VOLTAGE, NOT_NEGATIVE)] = key("of the shaker", "0.6 V", None)
     gain: Annotated[float | None, Quantity(units.PER_VOLT, POSITIVE)] = key("γ of eq. 46, 1/V", 5.16e-4, None)
     amplitude: Annotated[float | None, Quantity(units.LENGTH, NOT_NEGATIVE)] = key(
         "of the base, instead of voltage and gain", "0.05 mm", None, written=False
+    )
+    force: Annotated[float | None, Quantity(units.FORCE, NOT_NEGATIVE)] = key(
+        "on the platform, instead of all of these; needs [platform]", "5 N", None, written=False
+    )
+
+
+class PlatformTable(Table):
+    """Effect: clamp and stop stand on a sprung platform, and the drive is a force on it; absent = the base's motion
+    is prescribed.
+    """
+
+    mass: Annotated[float, Quantity(units.MASS, POSITIVE)] = key("of the platform without the beam", "5 kg")
+    frequency: Annotated[float | None, Frequency] = key("natural, of the platform without the beam", "3.25 Hz", None)
+    stiffness: Annotated[float | None, Quantity(units.STIFFNESS, POSITIVE)] = key(
+        "of its springs, instead of its frequency", "2000 N/m", None, written=False
+    )
+    damping_ratio: Annotated[float, Ratio] = key("of the platform without the beam", 0.05)
+    coupling: Annotated[str, Word(("one-way", "two-way"))] = key(
+        "the platform filters the drive alone, or the beam and its impacts push back too", "one-way"
+    )
+    calibrated_at: Annotated[float | None, Frequency] = key(
+        "drive frequency at which the drive's amplitude, or voltage and gain, hold", "15.5 Hz", None
+    )
+
+
+class ShakerTable(Table):
+    """Effect: an electrodynamic exciter drives the platform by its voltage; absent = the force is prescribed."""
+
+    resistance: Annotated[float, Quantity(units.RESISTANCE, POSITIVE)] = key("of the coil", "4 ohm")
+    force_factor: Annotated[float, Quantity(units.FORCE_FACTOR, POSITIVE)] = key("Bl, force per current", "20 N/A")
+    inductance: Annotated[float, Quantity(units.INDUCTANCE, NOT_NEGATIVE)] = key(
+        "of the coil; one-way coupling alone knows it", "0 H", 0.0
     )
 
 
@@ -130,7 +207,9 @@ class SweepTable(Table):
     direction: Annotated[str, Word(DIRECTIONS)] = key("which way the frequencies are run", "both", "both")
     settle: Annotated[int, Periods] = key("drive periods left out before the reading", 300)
     hold: Annotated[int, Count(1, MOST_POINTS)] = key("drive periods read", 50)
-    output: Annotated[str, Word(("sensor", "contact", "tip"))] = key("whose displacement is read", "sensor", "sensor")
+    output: Annotated[str, Word(("sensor", "contact", "tip", "platform"))] = key(
+        "whose displacement is read", "sensor", "sensor"
+    )
 
 
 class FidelityTable(Table):
@@ -206,9 +285,14 @@ class BeamCase(Table):
     beam: BeamTable
     mass: MassTable
     added_mass: tuple[AddedMassTable, ...] = key("further point masses", None, (), written=False)
+    clamp: ClampTable | None = None
+    gravity: GravityTable | None = None
+    torsion: TorsionTable | None = None
     stop: StopTable
     sensor: SensorTable
     drive: DriveTable
+    platform: PlatformTable | None = None
+    shaker: ShakerTable | None = None
     sweep: SweepTable
     fidelity: dict[str, FidelityTable]
     reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)

@@ -21,7 +21,7 @@ Direction = Literal["up", "down", "both"]
 def march(
     system: ImpactSystem,
     omega: ArrayLike,
-    amplitude: float,
+    amplitude: ArrayLike,
     *,
     settle: int = 200,
     hold: int = 50,
@@ -35,8 +35,9 @@ def march(
     """Steady points in the order of ``omega`` (rad/s), ``block`` at a time, each with the state after it.
 
     The state is carried from point to point (displacement and velocity relative to the base; the drive's phase starts
-    at 0 at every point); ``state`` None: static equilibrium. ``amplitude``: of the base, m. ``slowest``: the lowest
-    frequency of the whole sweep, where ``omega`` is only what is left of it: numbers are then the same to the bit.
+    at 0 at every point); ``state`` None: static equilibrium. ``amplitude``: of the base, m, one number or one for each
+    frequency (they then come one at a time, whatever ``block`` is). ``slowest``: the lowest frequency of the whole
+    sweep, where ``omega`` is only what is left of it: numbers are then the same to the bit.
     ``options``: the solver's own. A point that fails is NaN with its reason, and the next one starts from equilibrium.
     ValueError for a grid, periods or solver that make no sense, KeyError for an unknown output.
     """
@@ -45,20 +46,31 @@ def march(
         raise ValueError("omega: must be one or more positive frequencies in rad/s")
     if settle < 0 or hold < 1 or block < 1:
         raise ValueError(f"settle {settle} must be ≥ 0, hold {hold} and block {block} ≥ 1")
-    if not np.isfinite(amplitude):
-        raise ValueError(f"amplitude: {amplitude} is not finite")
+    drives = _amplitudes(amplitude, grid)
     system.output(output)
     runner = solver_named(solver, system, float(grid.min()) if slowest is None else slowest, **(options or {}))
-    for first in range(0, len(grid), block):
-        response, state = runner.steady(grid[first : first + block], float(amplitude), state, settle, hold, output)
+    step = block if drives.ndim == 0 else 1
+    for first in range(0, len(grid), step):
+        drive = float(drives if drives.ndim == 0 else drives[first])
+        response, state = runner.steady(grid[first : first + step], drive, state, settle, hold, output)
         yield response, state
+
+
+def _amplitudes(amplitude: ArrayLike, grid: Array) -> Array:
+    """One number, or one for each frequency; ValueError for anything else."""
+    drives = np.asarray(amplitude, dtype=float)
+    if drives.shape not in ((), grid.shape):
+        raise ValueError(f"amplitude: must be one number or one for each of the {len(grid)} frequencies")
+    if not np.all(np.isfinite(drives)):
+        raise ValueError(f"amplitude: {drives} is not finite")
+    return drives
 
 
 def sweep(
     system: ImpactSystem,
     *,
     omega: ArrayLike,
-    amplitude: float,
+    amplitude: ArrayLike,
     direction: Direction = "up",
     settle: int = 200,
     hold: int = 50,
@@ -69,17 +81,20 @@ def sweep(
 ) -> FrequencyResponse | Branches:
     """The frequency-response curve over ``omega`` (rad/s), in the order swept, or Branches(up, down) for "both".
 
-    Arguments and errors as in ``march``. "both" goes up, then down again from where the way up ended.
+    Arguments and errors as in ``march``; amplitudes that are one for each frequency are in the order of ``omega``.
+    "both" goes up, then down again from where the way up ended.
     """
     if direction not in ("up", "down", "both"):
         raise ValueError(f"direction: {direction!r} is none of 'up', 'down', 'both'")
-    grid = np.sort(np.atleast_1d(np.asarray(omega, dtype=float)))
-    legs = {"up": [grid], "down": [grid[::-1]], "both": [grid, grid[::-1]]}[direction]
+    given = np.atleast_1d(np.asarray(omega, dtype=float))
+    drives = _amplitudes(amplitude, given)
+    order = np.argsort(given, kind="stable") if given.ndim == 1 else np.arange(len(given))
+    legs = {"up": [order], "down": [order[::-1]], "both": [order, order[::-1]]}[direction]
     found = []
     for leg in legs:
         blocks = list(
             march(
-                system, leg, amplitude, settle=settle, hold=hold,
+                system, given[leg], drives if drives.ndim == 0 else drives[leg], settle=settle, hold=hold,
                 solver=solver, output=output, state=state, block=len(leg), options=options,
             )
         )  # fmt: skip

@@ -33,10 +33,21 @@ PER_VOLT = Kind("a number per volt", "1/V", "5.16e-4 1/V")
 FREQUENCY = Kind("a frequency", "Hz", "15.5 Hz")
 ANGULAR_FREQUENCY = Kind("a frequency", "rad/s", "1 rad/s", bare=False)
 RATIO = Kind("a plain number", "", "0.5")
+ACCELERATION = Kind("an acceleration", "m/s^2", "9.81 m/s^2")
+FORCE = Kind("a force", "N", "5 N")
+STIFFNESS = Kind("a stiffness", "N/m", "2000 N/m")
+TURNING_STIFFNESS = Kind("a rotational stiffness", "N m/rad", "500 N m/rad")
+RESISTANCE = Kind("a resistance", "ohm", "4 ohm")
+INDUCTANCE = Kind("an inductance", "H", "1 mH")
+FORCE_FACTOR = Kind("a force per current", "N/A", "20 N/A")
 
-_NAMED = (LENGTH, MASS, TIME, INERTIA, PRESSURE, DENSITY, VOLTAGE, PER_VOLT, FREQUENCY, RATIO)
+_NAMED = (
+    *(LENGTH, MASS, TIME, INERTIA, PRESSURE, DENSITY, VOLTAGE, PER_VOLT, FREQUENCY, RATIO),
+    *(ACCELERATION, FORCE, STIFFNESS, TURNING_STIFFNESS, RESISTANCE, INDUCTANCE, FORCE_FACTOR),
+)
 _USUAL = ["mm", "m", "cm", "µm", "km", "kg", "g", "s", "ms", "Hz", "kHz", "rad/s", "rpm", "Pa", "kPa", "MPa", "GPa"]
 _USUAL += ["V", "mV", "1/V", "kg/m^3", "g/cm^3", "kg m^2", "N/m^2", "%"]
+_USUAL += ["m/s^2", "N", "N/m", "N m/rad", "ohm", "H", "mH", "N/A"]
 # An angle is a dimension of its own here, so that 1 Hz = 2π rad/s and a bare 1/s is neither.
 _DEFINITIONS = """
 nano- = 1e-9 = n-
@@ -60,6 +71,9 @@ rpm = turn / minute
 newton = kilogram * meter / second ** 2 = N
 pascal = newton / meter ** 2 = Pa
 volt = [voltage] = V
+ampere = newton * meter / second / volt = A
+ohm = volt / ampere
+henry = ohm * second = H
 percent = 0.01
 """
 _QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)

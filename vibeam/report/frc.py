@@ -142,11 +142,14 @@ class _Panel:
 
 def grazing(system: ImpactSystem, output: str) -> float:
     """The amplitude of the output at which the first mode alone just reaches the stop; at most 0: it always does."""
-    return float(system.gap * abs(system.output(output)[0] / system.contact[0]))
+    drawn = np.divide(system.static, system.omega**2, out=np.zeros(system.size), where=system.static != 0)
+    left = system.gap - float(system.contact @ drawn)  # of the gap, under a constant load
+    return float(left * abs(system.output(output)[0] / system.contact[0]))
 
 
 def _label(figure: Figure, grid: Any, result: Result, units: Units) -> None:
-    where = {"contact": "the contact", "sensor": "the sensor", "tip": "the tip"}.get(result.case.sweep.output, "")
+    names = {"contact": "the contact", "sensor": "the sensor", "tip": "the tip", "platform": "the platform"}
+    where = names.get(result.case.sweep.output, "")
     across, upward = "drive frequency Ω/2π (Hz)", f"amplitude at {where}, ½(max − min) (mm)"
     if not units.frequency:
         across, upward = "drive frequency Ω/ω", "amplitude ½(max − min)"
