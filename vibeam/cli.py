@@ -210,6 +210,7 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
     rows = compare(result)
     units = units_of(result.case)
     whole = {"fidelities": rows, "found": result.found, "total": result.total, "files": files}
+    whole |= {"curves": curves} if (curves := result.curves) else {}
     _print(whole, as_json, lambda tables: [tables.responses(rows, units), tables.costs(rows)])
     if not as_json:
         typer.echo("\n".join(map(str, files)))

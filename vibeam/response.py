@@ -5,10 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from enum import Enum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from vibeam.motions import MotionCurves
 
 Array = NDArray[np.float64]
 VELOCITIES_KEPT = 16
@@ -85,10 +88,14 @@ class FrequencyResponse:
 
 @dataclass(frozen=True)
 class Branches:
-    """The branches of a sweep: None where it was not asked for."""
+    """The branches of a sweep: None where it was not asked for.
+
+    ``curves``: all motions of the kind that the solver looks for, where it knows them beyond the stable ones it sweeps.
+    """
 
     up: FrequencyResponse | None = None
     down: FrequencyResponse | None = None
+    curves: MotionCurves | None = None
 
     def items(self) -> Iterator[tuple[str, FrequencyResponse]]:
         """Direction and response of each branch there is, up first."""

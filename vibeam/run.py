@@ -14,7 +14,7 @@ import numpy as np
 
 from vibeam.faults import CaseError, Fault
 from vibeam.response import Branches, FrequencyResponse
-from vibeam.solvers import solver
+from vibeam.solvers import knows_curves, solver
 from vibeam.spread import Stopped, spread
 from vibeam.store import Branch, Kept, Store, opened
 from vibeam.sweep import march
@@ -22,6 +22,7 @@ from vibeam.sweep import march
 if TYPE_CHECKING:
     from vibeam.case import Case
     from vibeam.fidelity import Fidelity
+    from vibeam.motions import MotionCurves
     from vibeam.state import State
     from vibeam.system import ImpactSystem
 
@@ -46,6 +47,11 @@ class Result(Mapping[str, Branches]):
     def total(self) -> int:
         """Points of all branches."""
         return sum(len(response) for branches in self.values() for _, response in branches.items())
+
+    @property
+    def curves(self) -> dict[str, MotionCurves]:
+        """All motions, unstable ones too, of each fidelity whose solver knows them."""
+        return {name: branches.curves for name, branches in self._branches.items() if branches.curves is not None}
 
     def __getitem__(self, fidelity: str) -> Branches:
         return self._branches[fidelity]
@@ -84,9 +90,10 @@ def run(case: Case, out: str | Path | None = None, progress: Progress | None = N
         try:
             costly_first = sorted(jobs, key=lambda job: -job.system.size)
             spread(lambda job, stop: _sweep(case, job, store, count, stop), costly_first)
+            curves = {job.name: _curves(case, job, store) for job in jobs if knows_curves(job.fidelity.solver)}
         except KeyboardInterrupt:
             raise Interrupted(_how_to_go_on(count, path)) from None
-    return Result(case, {job.name: _gathered(job) for job in jobs}, path, found)
+    return Result(case, {job.name: _gathered(job, curves.get(job.name)) for job in jobs}, path, found)
 
 
 def _systems(case: Case) -> dict[str, ImpactSystem]:
@@ -215,8 +222,21 @@ def _part(response: FrequencyResponse, points: slice) -> FrequencyResponse:
     return FrequencyResponse(**{field.name: getattr(response, field.name)[points] for field in fields(response)})
 
 
-def _gathered(job: _Job) -> Branches:
-    return Branches(**{branch.direction: kept.response for branch, kept in job.branches})
+def _curves(case: Case, job: _Job, store: Store | None) -> MotionCurves:
+    """All motions that the fidelity's solver knows at the sweep's frequencies: from the file where it has them."""
+    there = store.curves(job.name) if store else None
+    if there is not None:
+        return there
+    omega = 2 * np.pi * np.sort(case.sweep.frequency)
+    made = solver(job.fidelity.solver, job.system, float(omega[0]), 0.0, **job.fidelity.options)
+    found: MotionCurves = made.curves(omega, case.base_amplitude, case.sweep.output)
+    if store:
+        store.write_curves(job.name, found, output_unit(case))
+    return found
+
+
+def _gathered(job: _Job, curves: MotionCurves | None) -> Branches:
+    return Branches(**{branch.direction: kept.response for branch, kept in job.branches}, curves=curves)
 
 
 def _how_to_go_on(count: _Count, path: Path | None) -> str:

@@ -21,12 +21,15 @@ import numpy as np
 from vibeam.provenance import note_continued, write_provenance
 from vibeam.response import Array, FrequencyResponse
 from vibeam.state import State
-from vibeam.store_layout import LAYOUT, fixed, write_branch
+from vibeam.store_layout import LAYOUT, fixed, read_curves, write_branch, write_curves
 
 if TYPE_CHECKING:
     import h5py
 
+    from vibeam.motions import MotionCurves
+
 FORMAT = "vibeam results 1"
+CURVES = "curves"  # the group of all motions a solver knows, beside those of the directions
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 # what h5py raises where the bytes are not as they were written
 _FAULTS = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError)
@@ -83,6 +86,28 @@ class Store:
         with self._lock:
             try:
                 self._write(self._file[branch.group], start, start + len(block), block, state)
+            except OSError as fault:
+                text = f"{self.path}: cannot be written ({_reason(fault)}): make room, then run again to go on"
+                raise StoreError(text) from None
+
+    def curves(self, fidelity: str) -> MotionCurves | None:
+        """All motions of one fidelity that the file holds, None without; StoreError where they cannot be read."""
+        with self._lock:
+            try:
+                return read_curves(self._file[fidelity][CURVES]) if CURVES in self._file[fidelity] else None
+            except _FAULTS as fault:
+                raise _damaged(self.path, f"/{fidelity}/{CURVES}", fault) from None
+
+    def write_curves(self, fidelity: str, curves: MotionCurves, unit: str) -> None:
+        """Keep them; under another name until they are whole. StoreError if it fails."""
+        with self._lock:
+            try:
+                group, part = self._file[fidelity], f".{CURVES}"
+                if part in group:
+                    del group[part]
+                write_curves(group.create_group(part), curves, unit)
+                group.move(part, CURVES)
+                self._file.flush()
             except OSError as fault:
                 text = f"{self.path}: cannot be written ({_reason(fault)}): make room, then run again to go on"
                 raise StoreError(text) from None

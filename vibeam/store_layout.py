@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.motions import BRANCHES, MotionCurves
 from vibeam.response import VELOCITIES_KEPT, Array, Ended, FrequencyResponse
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ class Quantity:
 
     long_name: str
     unit: Unit
-    dimension: Literal["impact", "mode"] | None = None
+    dimension: Literal["impact", "mode", "branch"] | None = None
 
 
 LAYOUT: Mapping[str, Quantity] = {
@@ -44,6 +45,14 @@ LAYOUT: Mapping[str, Quantity] = {
     "impacts": Quantity("impacts computed, settling included", "1"),
     "evaluations": Quantity("evaluations of the contact displacement", "1"),
     "cpu_seconds": Quantity("CPU time of the point", "s"),
+}
+CURVES: Mapping[str, Quantity] = {
+    "frequency": LAYOUT["frequency"],
+    "amplitude": Quantity(LAYOUT["amplitude"].long_name, "q", "branch"),
+    "reach": Quantity(LAYOUT["reach"].long_name, "q", "branch"),
+    "velocity": Quantity("velocity just before impact, q̇₋", "q/s", "branch"),
+    "stable": Quantity("all Floquet multipliers within the unit circle (1: yes)", "1", "branch"),
+    "admissible": Quantity("clear of the stop between its impacts (1: yes)", "1", "branch"),
 }
 STATES: Mapping[str, Quantity] = {
     "state_displacement": Quantity("modal displacement η at the end of the point", "1", "mode"),
@@ -83,6 +92,23 @@ def write_branch(group: h5py.Group, frequency: Array, modes: int, unit: str) -> 
         _quantity(group, name, quantity, values, text)
     group["ended"].attrs.update(_meanings())
     group.attrs["done"] = np.int64(0)
+
+
+def write_curves(group: h5py.Group, curves: MotionCurves, unit: str) -> None:
+    """Lay out all motions that a solver knows; flags as 0 and 1."""
+    group.attrs["periods"] = np.int64(curves.periods)
+    _scale(group.create_dataset("branch", data=np.arange(1, BRANCHES + 1)), "branch number, the larger first", "1")
+    for name, quantity in CURVES.items():
+        values: Values = getattr(curves, name)
+        values = values.astype(np.int64) if values.dtype == bool else values
+        _quantity(group, name, quantity, values, unit_of(quantity, unit))
+
+
+def read_curves(group: h5py.Group) -> MotionCurves:
+    """What ``write_curves`` put there."""
+    values = {name: group[name][()] for name in CURVES}
+    flags = {name: values[name].astype(bool) for name in ("stable", "admissible")}
+    return MotionCurves(**(values | flags), periods=int(group.attrs["periods"]))
 
 
 def _quantity(group: h5py.Group, name: str, quantity: Quantity, values: Values, unit: str) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.compare import complete
+from vibeam.motions import MotionCurves
 from vibeam.response import FrequencyResponse
 
 Array = NDArray[np.float64]
@@ -34,6 +35,29 @@ class Piece:
     kind: Kind
     frequency: Array
     amplitude: Array
+
+
+@dataclass(frozen=True)
+class MotionPiece:
+    """Neighbouring points of one branch, alike in stability: frequency in Hz and amplitude (points,)."""
+
+    stable: bool
+    frequency: Array
+    amplitude: Array
+
+
+def motion_pieces(curves: MotionCurves) -> Iterator[MotionPiece]:
+    """The admissible motions, cut where they end; a change of stability is joined to the point before it."""
+    for branch in range(curves.amplitude.shape[1]):
+        shown = curves.admissible[:, branch]
+        kind = np.where(shown, curves.stable[:, branch], -1)
+        cuts = np.flatnonzero(np.diff(kind)) + 1
+        for points in np.split(np.arange(len(kind)), cuts):
+            if len(points) and shown[points[0]]:
+                before = points[0] - 1
+                joined = np.append(before, points) if before >= 0 and shown[before] else points
+                stable = bool(curves.stable[points[0], branch])
+                yield MotionPiece(stable, curves.frequency[joined], curves.amplitude[joined, branch])
 
 
 def pieces(response: FrequencyResponse) -> Iterator[Piece]:

@@ -15,8 +15,8 @@ from matplotlib.lines import Line2D
 
 from vibeam.compare import finest_of, modes_of, periodic
 from vibeam.references import reference_points
-from vibeam.report.curve import Kind, pieces
-from vibeam.report.style import COLOURS, GAP, GHOST, KEY, LINES, PAGE, REFERENCE, arrow, line
+from vibeam.report.curve import Kind, motion_pieces, pieces
+from vibeam.report.style import COLOURS, GAP, GHOST, KEY, LINES, PAGE, REFERENCE, STABLE, UNSTABLE, arrow, line
 from vibeam.report.units import Units, units_of
 from vibeam.response import Array, FrequencyResponse
 
@@ -91,6 +91,7 @@ class _Panel:
             self.drawn.add(direction)
             self._branch(response, direction)
             self._arrows(response, direction)
+        self._curves()
         self._references()
         self._gap()
         self.axes.margins(x=0.02, y=0.08)
@@ -104,6 +105,15 @@ class _Panel:
             failed = piece.kind is Kind.FAILED  # has no amplitude: a cross on the axis
             height = np.zeros_like(piece.amplitude) if failed else piece.amplitude
             self._plot(piece.frequency, height, gid=name, clip_on=not failed, **look)
+
+    def _curves(self) -> None:
+        """All motions that the solver knows: unstable ones dashed, those through the stop left out."""
+        curves = self.result[self.name].curves
+        for index, piece in enumerate([] if curves is None else motion_pieces(curves)):
+            self.drawn |= set() if piece.stable else {"unstable"}
+            name = f"{self.name}-curve-{index}-{'stable' if piece.stable else 'unstable'}"
+            look = STABLE if piece.stable else UNSTABLE
+            self._plot(piece.frequency, piece.amplitude, gid=name, color=self.colour, **look)
 
     def _arrows(self, response: FrequencyResponse, direction: str) -> None:
         """Marks of the direction on periodic points; the two directions take turns along the frequency axis."""
@@ -168,6 +178,7 @@ def _legend(panels: list[_Panel], finest: str, together: bool) -> list[Line2D]:
         "up": ("sweep up", {"marker": ">", "markersize": 5, "markerfacecolor": "0.25"}),
         "down": ("sweep down", {"color": "0.75", "marker": "<", "markersize": 5, "linewidth": 3.1}),
         **{kind: (kind.value, LINES[kind]) for kind in Kind if kind is not Kind.PERIOD_ONE},
+        "unstable": ("unstable", UNSTABLE),
         "ghost": (f"{finest}, for comparison", {"color": GHOST, "linewidth": 3.6}),
         "reference": ("reference", REFERENCE),
         "gap": ("grazing: first mode just reaches the stop", GAP),

@@ -32,10 +32,12 @@ PAGE: Any = {
 LINES: dict[Kind, Look] = {
     Kind.PERIOD_ONE: {"linewidth": 1.2},
     Kind.PERIOD_MORE: {"linewidth": 0.7, "marker": "D", "markersize": 2.6, "markeredgewidth": 0.7},
-    Kind.NO_CONTACT: {"linewidth": 0.8, "linestyle": (0, (4, 2))},
+    Kind.NO_CONTACT: {"linewidth": 0.8, "linestyle": (0, (6, 1.5, 1, 1.5))},
     Kind.NOT_PERIODIC: {"linestyle": "", "marker": "o", "markersize": 2.4, "markeredgewidth": 0.6},
     Kind.FAILED: {"linestyle": "", "marker": "x", "markersize": 3.5, "markeredgewidth": 0.8},
 }
+UNSTABLE: Look = {"linewidth": 0.9, "linestyle": (0, (3, 1.6)), "zorder": 2.5}
+STABLE: Look = {"linewidth": 0.9, "zorder": 2.5}
 ARROW: Look = {"linestyle": "", "markersize": 5.0, "markeredgewidth": 0.7, "zorder": 4.0}
 REFERENCE: Look = {
     "linestyle": "",

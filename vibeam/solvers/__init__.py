@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from vibeam.motions import MotionCurves
     from vibeam.response import FrequencyResponse
     from vibeam.state import State
     from vibeam.system import ImpactSystem
@@ -49,6 +50,20 @@ class Solver(Protocol):
     ) -> tuple[FrequencyResponse, State]:
         """Steady points at ``omegas`` (rad/s) in turn under base motion of ``amplitude`` m, the state carried."""
         ...
+
+
+class CurveSolver(Solver, Protocol):
+    """A solver that knows all motions of its kind, stable or not."""
+
+    def curves(self, omegas: NDArray[np.float64], amplitude: float, output: str) -> MotionCurves:
+        """Both branches at ``omegas`` (rad/s) under base motion of ``amplitude`` m."""
+        ...
+
+
+def knows_curves(name: str) -> bool:
+    """Whether the solver of that name is a ``CurveSolver``."""
+    module, kind = HOMES[name].split(":")
+    return hasattr(getattr(import_module(module), kind), "curves")
 
 
 def solver(name: str, system: ImpactSystem, slowest: float, span: float = 0.0, **options: Any) -> Any:

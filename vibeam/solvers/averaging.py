@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vibeam.motions import MotionCurves
 from vibeam.solvers.oscillator import OneMode, Oscillator
 from vibeam.solvers.slow_flow import Damping, SlowFlow, Stationary, law_faults
 from vibeam.solvers.stationary import Motion, StationarySolver
@@ -109,6 +110,20 @@ class AveragingSolver(StationarySolver):
         if faults:
             raise ValueError("; ".join(faults))
         self.resonance, self.damping = resonance, damping
+
+    def curves(self, omegas: ArrayLike, amplitude: float, output: str) -> MotionCurves:
+        """Both stationary solutions at every one of ``omegas``, rad/s; q ≤ Δ always, so all are admissible."""
+        grid, mode = np.atleast_1d(np.asarray(omegas, dtype=float)), self.mode
+        share = abs(float(self.system.output(output)[0]) / mode.contact)
+        flow = SlowFlow(mode.oscillator(amplitude), self.resonance, self.damping)
+        found = MotionCurves.empty(grid / (2 * np.pi), self.resonance)
+        for index, omega in enumerate(grid):
+            for branch, one in enumerate(flow.stationary(float(omega) / mode.omega)):
+                at = index, branch
+                found.amplitude[at], found.reach[at] = share * one.reach / 2, one.reach
+                found.velocity[at] = one.reach * mode.omega
+                found.stable[at], found.admissible[at] = one.stable, True
+        return found
 
     def striking(self, model: Oscillator, omega: float) -> list[Motion]:
         """The motion of the stable stationary solution, if there is one."""

@@ -9,6 +9,7 @@ from dataclasses import fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.motions import MotionCurves
 from vibeam.periodic.certify import Witness
 from vibeam.periodic.curve import checked
 from vibeam.periodic.motion import phasors
@@ -54,6 +55,21 @@ class OrbitSolver:
             response.cpu_seconds[index] = time.thread_time() - begun
         return response, last
 
+    def curves(self, omegas: Sequence[float] | Array, amplitude: float, output: str) -> MotionCurves:
+        """Both motions at every one of ``omegas``, rad/s: the roots of the quadratic, certified one by one."""
+        grid = np.asarray(omegas, dtype=float)
+        self.system.output(output)
+        found = MotionCurves.empty(grid / (2 * np.pi), self.periods)
+        for index, omega in enumerate(grid):
+            for branch, orbit in enumerate(self._orbits(Drive(float(omega), amplitude))):
+                at = index, branch
+                found.velocity[at], found.reach[at] = orbit.velocity, orbit.reach
+                found.stable[at], found.admissible[at] = orbit.stable, orbit.admissible
+                if orbit.admissible:
+                    seen, _ = self.witness.watched(orbit.drive, orbit.state, orbit.time, self.periods, output)
+                    found.amplitude[at] = seen.amplitude[0]
+        return found
+
     def _point(self, drive: Drive, hold: int, output: str) -> tuple[FrequencyResponse, State]:
         orbit = self._orbit(drive)
         if orbit is not None:
@@ -67,10 +83,13 @@ class OrbitSolver:
 
     def _orbit(self, drive: Drive) -> Orbit | None:
         """The stable admissible motion, with the harder impact where there are two."""
+        return next((orbit for orbit in self._orbits(drive) if orbit.stable and orbit.admissible), None)
+
+    def _orbits(self, drive: Drive) -> tuple[Orbit, ...]:
+        """All motions, harder impact first; none at the resonance of an undamped mode."""
         if resonant(self.system, drive.omega, self.periods):
-            return None
-        found = orbits(self.system, drive, self.periods, self.witness)
-        return next((orbit for orbit in found if orbit.stable and orbit.admissible), None)
+            return ()
+        return orbits(self.system, drive, self.periods, self.witness)
 
     def _linear(self, drive: Drive) -> State | None:
         """The motion under the drive alone at its phase 0, where it exists and never reaches the stop."""
