@@ -29,8 +29,8 @@ class Boundary:
     """One boundary of a branch. SI units.
 
     ``parameter``: the one it was located in, to round-off; ``branch``: 0 is the root with the harder impact, 1 the
-    other. ``clear``: it keeps clear of the stop between its impacts (sampled and polished, not proved): only then is it
-    the boundary of a motion. ``multipliers`` are empty and ``velocity`` is 0 at GRAZING.
+    other. ``clear``: it keeps clear of the stop between its impacts, proved by bounds: only then is it the boundary of
+    a motion. ``multipliers`` are empty and ``velocity`` is 0 at GRAZING.
     """
 
     kind: Kind

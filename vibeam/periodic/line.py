@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
 
@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from vibeam.periodic.balance import Roots, balance
 from vibeam.periodic.multipliers import multipliers, real_crossing
+from vibeam.periodic.shape import Flights
 from vibeam.periodic.sums import Sums, sums
-from vibeam.periodic.touching import clearance
-from vibeam.system import Drive, ImpactSystem
+from vibeam.periodic.touching import least_minimum
+from vibeam.system import ImpactSystem
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -33,12 +34,58 @@ class Kind(Enum):
 
 
 class Points(NamedTuple):
-    """The motions at some points of a line."""
+    """The motions at some points of a line, or anywhere."""
 
     total: Sums
     roots: Roots
     amplitude: Array
     gap: Array
+
+
+def motions(system: ImpactSystem, periods: int, omega: Array, amplitude: Array, gap: Array) -> Points:
+    """Both motions at points of frequency (rad/s), amplitude and gap (m), all (points,); the system's gap is unused."""
+    total = sums(system, omega, periods)
+    return Points(total, balance(system, total, amplitude, gap), amplitude, gap)
+
+
+def test_function(system: ImpactSystem, kind: Kind, branch: int, points: Points) -> Array:
+    """(points,): changes sign where the branch has a boundary of that kind; NaN where there is no motion."""
+    found, total = points.roots, points.total
+    if kind is Kind.FOLD:
+        return found.discriminant / (np.abs(total.unit * points.amplitude) ** 2 * total.g0**2 + 1e-300)
+    if kind is Kind.GRAZING:
+        return found.impulse[:, branch]
+    if kind in (Kind.PLUS_ONE, Kind.DOUBLING):
+        side = total.plus if kind is Kind.PLUS_ONE else total.minus
+        value = real_crossing(system, side, found.lean[:, branch])
+    elif kind is Kind.NEIMARK_SACKER:
+        value = _complex_radius(system, total.span, found.lean[:, branch])
+    else:
+        value = clearances(system, points, branch)
+    return np.where(found.impulse[:, branch] < 0, value, np.nan)
+
+
+def _complex_radius(system: ImpactSystem, span: Array, lean: Array) -> Array:
+    """Largest modulus among the multipliers that are not real, less 1; −1 where all are real."""
+    result = np.full(len(span), np.nan)
+    known = np.isfinite(lean)
+    values = multipliers(system, span[known], lean[known])
+    paired = np.abs(values.imag) > REAL * np.abs(values)
+    result[known] = np.where(paired, np.abs(values), 0.0).max(axis=1) - 1
+    return result
+
+
+def clearances(system: ImpactSystem, points: Points, branch: int, ceiling: float = 1.0) -> Array:
+    """The least local minimum of the gap between impacts, as a share of the motion's size, certified; NaN without one.
+
+    Where all minima lie above ``ceiling``, or there is none, it is the ceiling.
+    """
+    there = np.flatnonzero((points.roots.impulse[:, branch] < 0) & np.isfinite(points.roots.phase[:, branch]))
+    size = np.abs(points.total.unit * points.amplitude) + np.abs(points.gap)
+    flights = Flights.of(system, points.total, points.roots, points.amplitude, branch).chosen(there)
+    result = np.full(len(size), np.nan)
+    result[there] = np.minimum(least_minimum(flights, ceiling * size[there]).value / size[there], ceiling)
+    return result
 
 
 @dataclass(frozen=True)
@@ -55,10 +102,7 @@ class Line:
     def at(self, values: Array) -> Points:
         """Both motions at ``values`` (points,) of the parameter."""
         rows = {name: np.full(len(values), getattr(self, name)) for name in NAMES} | {self.name: values}
-        total = sums(self.system, rows["omega"], self.periods)
-        return Points(
-            total, balance(self.system, total, rows["amplitude"], rows["gap"]), rows["amplitude"], rows["gap"]
-        )
+        return motions(self.system, self.periods, **rows)
 
     def moved(self, name: str, value: float) -> Line:
         """The line with one of its held parameters changed."""
@@ -66,36 +110,5 @@ class Line:
         return Line(self.system, self.periods, self.name, **held)
 
     def test(self, kind: Kind, branch: int, points: Points) -> Array:
-        """(points,): changes sign where the branch has a boundary of that kind; NaN where there is no motion."""
-        found, total = points.roots, points.total
-        if kind is Kind.FOLD:
-            return found.discriminant / (np.abs(total.unit * points.amplitude) ** 2 * total.g0**2 + 1e-300)
-        if kind is Kind.GRAZING:
-            return found.impulse[:, branch]
-        if kind in (Kind.PLUS_ONE, Kind.DOUBLING):
-            side = total.plus if kind is Kind.PLUS_ONE else total.minus
-            value = real_crossing(self.system, side, found.lean[:, branch])
-        elif kind is Kind.NEIMARK_SACKER:
-            value = self._complex_radius(total.span, found.lean[:, branch])
-        else:
-            value = self._clearances(points, branch)
-        return np.where(found.impulse[:, branch] < 0, value, np.nan)
-
-    def _complex_radius(self, span: Array, lean: Array) -> Array:
-        """Largest modulus among the multipliers that are not real, less 1; −1 where all are real."""
-        result = np.full(len(span), np.nan)
-        known = np.isfinite(lean)
-        values = multipliers(self.system, span[known], lean[known])
-        paired = np.abs(values.imag) > REAL * np.abs(values)
-        result[known] = np.where(paired, np.abs(values), 0.0).max(axis=1) - 1
-        return result
-
-    def _clearances(self, points: Points, branch: int) -> Array:
-        found, result = points.roots, np.full(len(points.gap), np.nan)
-        for i in np.flatnonzero(found.impulse[:, branch] < 0):
-            system = replace(self.system, gap=float(points.gap[i]))
-            drive = Drive(float(points.total.omega[i]), float(points.amplitude[i]))
-            phase, impulse = float(found.phase[i, branch]), float(found.impulse[i, branch])
-            size = float(np.abs(points.total.unit[i]) * abs(drive.amplitude)) + abs(system.gap)
-            result[i] = min(clearance(system, drive, self.periods, phase, impulse) / size, 1.0)
-        return result
+        """As ``test_function``."""
+        return test_function(self.system, kind, branch, points)
