@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from vibeam.periodic.curve import orbit_curve as orbit_curve
     from vibeam.periodic.follow import follow as follow
     from vibeam.periodic.line import Kind as Kind
+    from vibeam.periodic.map import orbit_map as orbit_map
     from vibeam.periodic.orbit import Orbit as Orbit
     from vibeam.periodic.orbit import orbits as orbits
     from vibeam.periodic.several import settled_orbit as settled_orbit
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from vibeam.response import FrequencyResponse as FrequencyResponse
     from vibeam.run import run as run
     from vibeam.simulate import simulate as simulate
+    from vibeam.stability import stability as stability
     from vibeam.state import State as State
     from vibeam.sweep import sweep as sweep
     from vibeam.system import Drive as Drive
@@ -47,6 +49,8 @@ _HOMES = {
     "Orbit": "vibeam.periodic.orbit",
     "orbit_curve": "vibeam.periodic.curve",
     "boundaries": "vibeam.periodic.boundaries",
+    "orbit_map": "vibeam.periodic.map",
+    "stability": "vibeam.stability",
     "Kind": "vibeam.periodic.line",
     "follow": "vibeam.periodic.follow",
     "settled_orbit": "vibeam.periodic.several",

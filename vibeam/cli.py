@@ -111,6 +111,45 @@ def check(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: 
 
 
 @app.command()
+def stability(
+    case: CaseFile,
+    set_: Overrides = None,
+    as_json: AsJson = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="The CSV file, or the folder for it.", show_default=False)
+    ] = None,
+    over: Annotated[str, typer.Option("--over", help="What changes beside the frequency: gap or drive.")] = "gap",
+    low: Annotated[str | None, typer.Option("--from", help="Its first value, with unit.", show_default=False)] = None,
+    high: Annotated[str | None, typer.Option("--to", help="Its last value, with unit.", show_default=False)] = None,
+    points: Annotated[int, typer.Option("--points", min=2, help="How many values of it.")] = 101,
+    frequencies: Annotated[int, typer.Option("--frequencies", min=2, help="How many drive frequencies.")] = 161,
+    periods: Annotated[int, typer.Option("--periods", min=1, help="Drive periods from impact to impact.")] = 1,
+    fidelity: Annotated[
+        str | None, typer.Option("--fidelity", help="This one alone; absent = all.", show_default=False)
+    ] = None,
+) -> None:
+    """Map where periodic motions exist, keep clear of the stop and are stable, over frequency and gap or drive."""
+    with _mistakes():
+        from vibeam.report import output
+        from vibeam.report.stability import write_stability
+        from vibeam.report.units import units_of
+        from vibeam.stability import stability as mapped
+
+        loaded = _load(case, set_)
+        path = _table_path(loaded, out or Path(), "stability")
+        found = _of_beam(case, lambda: mapped(loaded, over, low, high, points, frequencies, periods, fidelity))
+        files = [path.with_suffix(ending) for ending in (".png", ".svg")]
+        write_stability(found, *files)
+        output.write_csv(found.points, path)
+        _print(
+            {"crossings": found.crossings, "maps": found.shares, "files": [path, *files]}, as_json,
+            lambda tables: [tables.crossings(found.crossings, found.axis.own_text, units_of(loaded))],
+        )  # fmt: skip
+        if not as_json:
+            typer.echo("\n".join(map(str, [path, *files])))
+
+
+@app.command()
 def derive(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: TableFile = None) -> None:
     """SDOF parameters from geometry, each beside its finite-element value."""
     with _mistakes():
@@ -189,6 +228,15 @@ def _results_path(case: Case, out: Path) -> Path:
         return out / f"{case.path.stem}.h5"
     if out.suffix not in RESULTS:
         raise Mistake(f"{out}: --out names a results file that ends in .h5, or a folder that is there")
+    return out
+
+
+def _table_path(case: Case, out: Path, kind: str) -> Path:
+    """``out`` itself, or the case's name and ``kind`` in the folder ``out``."""
+    if out.is_dir():
+        return out / f"{case.path.stem}_{kind}.csv"
+    if out.suffix != ".csv":
+        raise Mistake(f"{out}: --out names a file that ends in .csv, or a folder that is there")
     return out
 
 

@@ -65,11 +65,20 @@ def orbit_curve(system: ImpactSystem, omega: ArrayLike, amplitude: float, period
     impulse, phase, velocity, plus, minus = (
         np.where(real, row, np.nan) for row in (found.impulse, found.phase, found.velocity, *beyond)
     )
-    stable = _stable(system, total, found, real & ~_proven(beyond[0]) & ~_proven(beyond[1]))
+    stable = _stable(system, total, found, real & ~proven(beyond[0]) & ~proven(beyond[1]))
     return OrbitCurve(grid, int(periods), impulse, phase, velocity, stable, plus, minus)
 
 
-def _proven(beyond: Array) -> NDArray[np.bool_]:
+def stability(system: ImpactSystem, total: Sums, found: Roots, asked: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Which of the motions that ``asked`` (points, 2) marks are stable; False for the others."""
+    open_ = asked.copy()
+    for side in (total.plus, total.minus):
+        for k in (0, 1):
+            open_[:, k] &= ~proven(real_crossing(system, side, found.lean[:, k]))
+    return _stable(system, total, found, open_)
+
+
+def proven(beyond: Array) -> NDArray[np.bool_]:
     """Where D < 0 beyond doubt: near the double pole of an undamped mode its sign is round-off."""
     return (beyond < 0) & (beyond > -CERTAIN)
 

@@ -18,6 +18,7 @@ from vibeam.keys import Row as KeyRow
 from vibeam.modes import ModeTable
 from vibeam.references import CheckRow
 from vibeam.report.units import METRIC, Units, percent
+from vibeam.stability import Crossing
 
 WIDEST = 160
 
@@ -64,6 +65,18 @@ def checks(rows: Iterable[CheckRow], units: Units = METRIC) -> Table:
         points = str(row.points) if row.points == row.total else f"{row.points} of {row.total}"
         numbers = (points, percent(row.worst), units.frequencies(row.frequency), percent(row.tolerance))
         table.add_row(mark, row.reference, row.fidelity, row.quantity, *numbers, _why(row))
+    return table
+
+
+def crossings(rows: Sequence[Crossing], own: str, units: Units = METRIC) -> Table:
+    """Every boundary that the case itself runs into as the frequency changes."""
+    table = _table(f"Boundaries at the case's own {own}", "fidelity", "boundary", "motion", "at|", "velocity|")
+    table.add_column("multipliers", justify="right")
+    table.caption = "of motions with one impact a span that keep clear of the stop between; velocity: of the impact"
+    for row in rows:
+        speed = f"{row.velocity * units.length_factor:.4g} {units.length}{'/s' if units.length else ''}".strip()
+        numbers = (f"{row.frequency * units.frequency_factor:.10g} {units.frequency}".strip(), speed)
+        table.add_row(row.fidelity, row.boundary, row.motion, *numbers, row.multipliers)
     return table
 
 

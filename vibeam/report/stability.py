@@ -1,0 +1,138 @@
+"""The stability map as a figure: what there is by shade, boundaries by colour."""
+
+from __future__ import annotations
+
+from math import ceil
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from vibeam.periodic.contours import BoundaryCurve
+from vibeam.periodic.line import Kind
+from vibeam.periodic.map import OrbitMap
+from vibeam.report.style import PAGE
+from vibeam.report.units import units_of
+from vibeam.stability import NAMES, Axis, ModelMap, Stability
+
+SHADES = {
+    "no such motion": "white",
+    "through the stop between impacts": "#EDEDED",
+    "unstable": "#F6D9B8",
+    "stable": "#B9DCF2",
+}
+LOOKS: dict[Kind, dict[str, Any]] = {
+    Kind.FOLD: {"color": "black"},
+    Kind.GRAZING: {"color": "#009E73"},
+    Kind.TOUCHING: {"color": "#7A5C00", "linestyle": (0, (4, 1.5))},
+    Kind.DOUBLING: {"color": "#D55E00"},
+    Kind.NEIMARK_SACKER: {"color": "#AA4499"},
+}
+AVERAGED: dict[str, Any] = {"color": "#0072B2", "linestyle": (0, (6, 1.5, 1, 1.5)), "linewidth": 0.9}
+OWN: dict[str, Any] = {"color": "0.35", "linestyle": ":", "linewidth": 1.0}
+SHOWN = {"m": ("mm", 1e3), "V": ("V", 1.0), "1": ("", 1.0)}
+
+
+def write_stability(found: Stability, *paths: Path) -> None:
+    """Draw the maps; the format follows each path's ending (.png, .svg, .pdf)."""
+    with mpl.rc_context(PAGE):
+        figure = stability_figure(found)
+        for path in paths:
+            metadata: Any = {"Date": None} if path.suffix == ".svg" else None
+            figure.savefig(path, dpi=220, metadata=metadata)
+
+
+def stability_figure(found: Stability) -> Figure:
+    """One panel a model, on the same scales."""
+    count = len(found.maps)
+    columns = min(count, 3)
+    rows = ceil(count / columns)
+    figure = Figure(figsize=(5.8, 4.2) if count == 1 else (3.4 * columns, 2.7 * rows + 1.0), layout="constrained")
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    drawn: set[object] = set()
+    for axes, one in zip(grid.flat, found.maps, strict=False):
+        drawn |= _panel(axes, found, one)
+    for spare in grid.flat[count:]:
+        spare.set_axis_off()
+    _label(figure, grid, found)
+    handles = _legend(drawn)
+    figure.legend(handles=handles, loc="outside lower center", ncols=2 if count == 1 else 3, frameon=False)
+    return figure
+
+
+def kinds_of_points(orbits: OrbitMap) -> NDArray[np.int64]:
+    """What there is at each point (rows, columns), best first of the two motions: the number of its shade."""
+    exists, admissible, stable = np.isfinite(orbits.velocity), orbits.admissible, orbits.stable
+    return np.asarray(exists.any(axis=2).astype(int) + admissible.any(axis=2) + (stable & admissible).any(axis=2))
+
+
+def _panel(axes: Axes, found: Stability, one: ModelMap) -> set[object]:
+    """Draw one model; what the legend must explain."""
+    units, scale = units_of(found.case), _scale(found.axis)
+    across = one.orbits.omega / (2 * np.pi) * units.frequency_factor
+    shades = ListedColormap(list(SHADES.values()))
+    kinds = kinds_of_points(one.orbits)
+    axes.pcolormesh(
+        across, one.orbits.values * scale, kinds, cmap=shades, vmin=-0.5, vmax=len(SHADES) - 0.5,
+        shading="nearest", rasterized=True,
+    )  # fmt: skip
+    drawn: set[object] = {name for number, name in enumerate(SHADES) if (kinds == number).any()}
+    for number, curve in enumerate(one.orbits.curves):
+        drawn |= _curve(axes, curve, number, units.frequency_factor / (2 * np.pi), scale, one.orbits.over)
+    if one.averaged is not None:
+        drawn.add("averaged")
+        axes.plot(across, one.averaged * scale, gid="averaged", **AVERAGED)
+    axes.axhline(found.axis.own * found.axis.factor * scale, gid="own", **OWN)
+    axes.set_xlim(across[0], across[-1])
+    axes.set_ylim(one.orbits.values[0] * scale, one.orbits.values[-1] * scale)
+    axes.set_title(f"{', '.join(one.fidelities)} ({one.modes} mode{'s' * (one.modes > 1)})")
+    return drawn
+
+
+def _curve(axes: Axes, curve: BoundaryCurve, number: int, across: float, scale: float, over: str) -> set[object]:
+    """The parts of a boundary at which there is a motion that keeps clear of the stop."""
+    upward = curve.gap if over == "gap" else curve.amplitude
+    drawn: set[object] = set()
+    for part in np.split(np.arange(len(curve)), np.flatnonzero(np.diff(curve.clear)) + 1):
+        if curve.clear[part[0]]:
+            drawn.add(curve.kind)
+            name = f"{curve.kind.name.lower()}-{number}-{part[0]}"
+            axes.plot(curve.omega[part] * across, upward[part] * scale, gid=name, linewidth=1.1, **LOOKS[curve.kind])
+    return drawn
+
+
+def _scale(axis: Axis) -> float:
+    """From the SI unit of the map to the unit shown."""
+    return SHOWN[axis.unit][1] / axis.factor
+
+
+def _label(figure: Figure, grid: Any, found: Stability) -> None:
+    units = units_of(found.case)
+    across = "drive frequency Ω/2π (Hz)" if units.frequency else "drive frequency Ω/ω"
+    for axes in [axes for axes in grid.flat if axes.axison][-grid.shape[1] :]:
+        axes.set_xlabel(across)
+        axes.tick_params(labelbottom=True)
+    unit = SHOWN[found.axis.unit][0]
+    figure.supylabel(f"{found.axis.name} ({unit})" if unit else found.axis.name, fontsize=PAGE["font.size"])
+    periods = found.maps[0].orbits.periods
+    span = "a drive period" if periods == 1 else f"in {periods} drive periods"
+    figure.suptitle(f"{found.case.title}\nmotions with one impact {span}", fontsize=9.5)
+
+
+def _legend(drawn: set[object]) -> list[Artist]:
+    patches: list[Artist] = [
+        Patch(facecolor=colour, edgecolor="0.6", linewidth=0.5, label=name)
+        for name, colour in SHADES.items()
+        if name in drawn
+    ]
+    lines = [Line2D([], [], label=NAMES[kind], linewidth=1.1, **look) for kind, look in LOOKS.items() if kind in drawn]
+    averaged = [Line2D([], [], label="averaging: Δ_MAX", **AVERAGED)] if "averaged" in drawn else []
+    return [*patches, *lines, *averaged, Line2D([], [], label="the case's own", **OWN)]
