@@ -343,6 +343,14 @@ def test_a_curve_is_its_points() -> None:
     assert seen == np.isfinite(curve.impulse).sum() > 20
 
 
+@pytest.mark.parametrize("gap", [-1e-4, -0.0, 0.0, 1e-4])
+@pytest.mark.parametrize("omega", [1.7, 2.3])
+def test_the_harder_impact_comes_first_without_a_gap_too(omega: float, gap: float) -> None:
+    """One root pulls at the stop for |Δ| < |H|: it is the second, whichever sign G₀ and zero have."""
+    curve = orbit_curve(replace(NOMINAL, gap=gap), [omega], 0.5e-3)
+    assert np.isfinite(curve.velocity[0]).tolist() == [True, False]
+
+
 def test_determinants_agree_with_multipliers() -> None:
     """D(±1) Π det(±1 − P_i) is the characteristic polynomial at ±1."""
     for seed in range(8):

@@ -64,7 +64,8 @@ def _quadratic(g0: Array, turn: Array, clear: Array, size: Array) -> tuple[Array
     root = np.sqrt(discriminant)
     large = middle + np.copysign(root, middle)
     near, far = np.where(large == 0, 0.0, last / np.where(large == 0, 1.0, large)), large / lead
-    first, second = np.where(middle < 0, far, near), np.where(middle < 0, near, far)
+    below = np.signbit(middle)  # as copysign sees it: −0 too, at no gap
+    first, second = np.where(below, far, near), np.where(below, near, far)
     return np.stack([first, second], axis=1), discriminant
 
 
