@@ -234,8 +234,6 @@ def test_multipliers_are_those_of_the_saltation_matrix(orbit: Orbit) -> None:
 @pytest.mark.parametrize("orbit", MANY, ids=lambda o: f"{o.system.size}-{o.periods}-{o.drive.omega}")
 def test_what_is_stable_returns_and_what_is_not_leaves(orbit: Orbit) -> None:
     radius = abs(orbit.multipliers[0])
-    if abs(radius - 1) < 0.01 or orbit.velocity < 1e-2 * size(orbit):
-        pytest.skip("too slow, or the basin too small, to tell")
     start, begin = middle(orbit)
     off = 1e-8 * size(orbit)
     moved = State(start.displacement, start.velocity + off * np.sign(orbit.system.contact))
