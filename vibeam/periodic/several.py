@@ -87,10 +87,8 @@ def _near(found: Array, seen: Array) -> bool:
 def _orbit(system: ImpactSystem, drive: Drive, periods: int, train: Train) -> TrainOrbit:
     span = 2 * np.pi * periods / drive.omega
     velocities = -train.impulses * float(system.contact @ system.contact) / (1 + system.restitution)
-    displacement, before = _poses(system, drive, span, train)
-    force = np.outer(np.sin(drive.omega * train.times), system.load) * drive.omega**2 * drive.amplitude + system.static
-    toward = (force - 2 * system.zeta * system.omega * before - system.omega**2 * displacement) @ system.contact
-    values = _multipliers(system, span, train.times, toward / velocities)
+    displacement, before = poses(system, drive, span, train)
+    values = multipliers_of(system, drive, span, train)
     state = State(displacement[0], before[0] + system.contact * train.impulses[0])
     witness = Witness(system, drive.omega)
     expected = np.append(train.times[1:], train.times[0] + span)
@@ -104,7 +102,7 @@ def _orbit(system: ImpactSystem, drive: Drive, periods: int, train: Train) -> Tr
     )  # fmt: skip
 
 
-def _poses(system: ImpactSystem, drive: Drive, span: float, train: Train) -> tuple[Array, Array]:
+def poses(system: ImpactSystem, drive: Drive, span: float, train: Train) -> tuple[Array, Array]:
     """Modal displacements and velocities (m, n) just before every impact."""
     turned = phasors(system, drive) * np.exp(1j * drive.omega * train.times)[:, None]
     lag = lags(system, span, train.times)
@@ -112,9 +110,16 @@ def _poses(system: ImpactSystem, drive: Drive, span: float, train: Train) -> tup
     return turned.imag + offsets(system) + pushed[0], drive.omega * turned.real + pushed[1]
 
 
-def _multipliers(system: ImpactSystem, span: float, times: Array, lean: Array) -> Complex:
-    """Flight to impact and through it, impact by impact, over one span from just after the first."""
-    flights = np.diff(np.append(times, times[0] + span))
+def multipliers_of(system: ImpactSystem, drive: Drive, span: float, train: Train) -> Complex:
+    """Largest first: flight to impact and through it, impact by impact, over one span from just after the first."""
+    order = np.argsort(train.times)
+    train = Train(train.times[order], train.impulses[order])
+    velocities = -train.impulses * float(system.contact @ system.contact) / (1 + system.restitution)
+    displacement, before = poses(system, drive, span, train)
+    force = np.outer(np.sin(drive.omega * train.times), system.load) * drive.omega**2 * drive.amplitude + system.static
+    toward = (force - 2 * system.zeta * system.omega * before - system.omega**2 * displacement) @ system.contact
+    lean = toward / velocities
+    flights = np.diff(np.append(train.times, train.times[0] + span))
     matrix = np.eye(2 * system.size)
     for step in monodromy(system, flights, np.roll(lean, -1)):
         matrix = step @ matrix

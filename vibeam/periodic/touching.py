@@ -9,12 +9,12 @@ exactly one minimum, found by Newton's method; every other is halved. No minimum
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.periodic.shape import Flights, Index
+from vibeam.periodic.shape import Gap, Index
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -22,6 +22,31 @@ FIRST = 8  # intervals a drive period to begin with
 HALVINGS = 45  # after which a minimum is too flat to be told from a point of inflection
 SMALLEST = 1e-15  # share of the motion's size that is round-off
 STEPS = 60
+
+
+class Flown(Protocol):
+    """Flights from impact to impact: ``Flights``, or the parts of a motion with several."""
+
+    @property
+    def omega(self) -> Array:
+        """Drive frequency, rad/s."""
+        ...
+
+    @property
+    def span(self) -> Array:
+        """From impact to impact, s."""
+        ...
+
+    @property
+    def part(self) -> NDArray[np.complex128]:
+        """The drive's part y + ix of the contact at the first impact, m."""
+        ...
+
+    def __len__(self) -> int: ...
+
+    def gap(self, which: Index, times: Array) -> Gap:
+        """d of the flights ``which`` (m,) at ``times`` (m,) after their first impact."""
+        ...
 
 
 class Minimum(NamedTuple):
@@ -42,7 +67,7 @@ class _Pieces(NamedTuple):
         return _Pieces(self.motion[which], self.left[which], self.width[which])
 
 
-def least_minimum(flights: Flights, ceiling: Array) -> Minimum:
+def least_minimum(flights: Flown, ceiling: Array) -> Minimum:
     """The least local minimum of every motion's gap; ∞ where all are above its ``ceiling`` (motions,), m."""
     best = Minimum(np.full(len(flights), np.inf), np.full(len(flights), np.nan))
     floor = SMALLEST * np.abs(flights.part)
@@ -59,9 +84,9 @@ def least_minimum(flights: Flights, ceiling: Array) -> Minimum:
     return best
 
 
-def _first(flights: Flights) -> _Pieces:
+def _first(flights: Flown) -> _Pieces:
     """A few intervals a drive period of every motion."""
-    counts = np.rint(flights.omega * flights.span / (2 * np.pi)).astype(int) * FIRST
+    counts = np.ceil(flights.omega * flights.span / (2 * np.pi) * FIRST - 1e-9).astype(int)
     motion = np.repeat(np.arange(len(flights)), counts)
     place = np.concatenate([np.arange(count) for count in counts]) if len(counts) else np.zeros(0)
     width = np.repeat(flights.span / counts, counts)
@@ -74,7 +99,7 @@ def _halved(pieces: _Pieces) -> _Pieces:
     return _Pieces(np.tile(pieces.motion, 2), left, np.tile(half, 2))
 
 
-def _judged(flights: Flights, pieces: _Pieces, ceiling: Array, floor: Array) -> tuple[Flags, Flags]:
+def _judged(flights: Flown, pieces: _Pieces, ceiling: Array, floor: Array) -> tuple[Flags, Flags]:
     """Which intervals stay open, and which hold exactly one minimum."""
     motion, h = pieces.motion, pieces.width
     a = flights.gap(motion, pieces.left)
@@ -96,7 +121,7 @@ def _judged(flights: Flights, pieces: _Pieces, ceiling: Array, floor: Array) -> 
     return ~above & ~steady & ~convex, single
 
 
-def _minima(flights: Flights, pieces: _Pieces) -> tuple[Array, Array]:
+def _minima(flights: Flown, pieces: _Pieces) -> tuple[Array, Array]:
     """Values and times of the one minimum in each interval: Newton's method on d', kept inside by halving."""
     low, high = pieces.left.copy(), pieces.left + pieces.width
     time = (low + high) / 2

@@ -64,7 +64,7 @@ def newton(system: ImpactSystem, drive: Drive, periods: int, start: Train) -> Tr
     scale = np.concatenate([np.full(m, span), np.full(m, np.abs(start.impulses).max())])
     last = np.inf
     for _ in range(STEPS):
-        residual, slopes = _equations(system, drive, span, Train(unknown[:m], unknown[m:]))
+        residual, slopes = equations(system, drive, span, Train(unknown[:m], unknown[m:]))
         if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(slopes))):
             return None
         step = np.linalg.lstsq(slopes * scale, residual, rcond=None)[0]
@@ -76,8 +76,8 @@ def newton(system: ImpactSystem, drive: Drive, periods: int, start: Train) -> Tr
     return None
 
 
-def _equations(system: ImpactSystem, drive: Drive, span: float, train: Train) -> tuple[Array, Array]:
-    """Residuals (2m,) and their derivatives (2m, 2m) by times and impulses."""
+def equations(system: ImpactSystem, drive: Drive, span: float, train: Train) -> tuple[Array, Array]:
+    """Residuals (2m,), m and m/s, and their derivatives (2m, 2m) by times and impulses."""
     times, p = train
     mobility, square = float(system.contact @ system.contact), system.contact**2
     turned = (system.contact @ phasors(system, drive)) * np.exp(1j * drive.omega * times)
