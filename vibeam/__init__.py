@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from vibeam.periodic.orbit import orbits as orbits
     from vibeam.periodic.several import settled_orbit as settled_orbit
     from vibeam.periodic.several import train_orbit as train_orbit
+    from vibeam.periodic.train_boundaries import train_boundaries as train_boundaries
     from vibeam.response import Ended as Ended
     from vibeam.response import FrequencyResponse as FrequencyResponse
     from vibeam.run import run as run
@@ -55,6 +56,7 @@ _HOMES = {
     "follow": "vibeam.periodic.follow",
     "settled_orbit": "vibeam.periodic.several",
     "train_orbit": "vibeam.periodic.several",
+    "train_boundaries": "vibeam.periodic.train_boundaries",
     "Ended": "vibeam.response",
     "Outcome": "vibeam.outcome",
     "FrequencyResponse": "vibeam.response",

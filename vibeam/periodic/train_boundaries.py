@@ -123,9 +123,10 @@ def train_boundaries(
     """The boundaries of ``orbit``'s branch from where it is towards ``parameter`` = ``to``, in their order along it.
 
     ``parameter``: omega (rad/s), amplitude or gap (m). The branch ends at the first grazing or second touch (proved),
-    beyond which it is no motion; at ``to``; where it comes back behind its start; or after ``longest`` steps of 1/
-    ``steps`` of the way. Two boundaries of one kind within a step are missed. ValueError for an unknown parameter, or
-    an orbit that is not admissible.
+    beyond which it is no motion; at ``to``; where it comes back behind its start; or after ``longest`` steps of at
+    most 1/``steps`` of the way. Where it grew out of a shorter motion by period doubling it turns round: a fold. Two
+    boundaries of one kind within a step are missed. ValueError for an unknown parameter, or an orbit that is not
+    admissible.
     """
     if parameter not in NAMES:
         raise ValueError(f"parameter: {parameter!r} is none of {', '.join(NAMES)}")
@@ -171,18 +172,23 @@ def _walk(branch: _Branch, begin: Array, way: float, step: float, longest: int) 
 def _root(branch: _Branch, kind: Kind, z: Array, along: Array, length: float) -> float | None:
     """How far along the step the boundary lies; None where the sign changes by a jump."""
 
+    seen: dict[float, float] = {}
+
     def test(way: float) -> float:
         there = branch.corrected(z + way * along, along)
-        return np.nan if there is None else branch.test(kind, there, along)
+        if there is None:  # beside a point where two branches cross, the equations are all but singular
+            raise ArithmeticError
+        seen[way] = branch.test(kind, there, along)
+        return seen[way]
 
-    first, last = test(0.0), test(length)
-    if not first * last < 0:
-        return None
     try:
-        root = float(brentq(test, 0.0, length, xtol=1e-15, rtol=4 * np.finfo(float).eps))
-    except (ValueError, RuntimeError):
-        return None
-    return root if abs(test(root)) <= JUMP * max(abs(first), abs(last)) else None
+        if test(0.0) * test(length) < 0:
+            brentq(test, 0.0, length, xtol=1e-15, rtol=4 * np.finfo(float).eps, disp=False)
+    except ArithmeticError:
+        pass
+    values = np.abs(np.array(list(seen.values())))
+    nearest = list(seen)[int(np.argmin(values))]
+    return nearest if len(seen) > 2 and values.min() <= JUMP * values.max() else None
 
 
 def clearance(system: ImpactSystem, drive: Drive, span: float, train: Train) -> float:
