@@ -124,7 +124,8 @@ def train_boundaries(
 
     ``parameter``: omega (rad/s), amplitude or gap (m). The branch ends at the first grazing or second touch (proved),
     beyond which it is no motion; at ``to``; where it comes back behind its start; or after ``longest`` steps of at
-    most 1/``steps`` of the way. Where it grew out of a shorter motion by period doubling it turns round: a fold. Two
+    most 1/``steps`` of the way. Where it grew out of a shorter motion by period doubling two branches cross: that
+    turn may go unseen, the shorter motion's own DOUBLING (``boundaries``) says where it is. Two
     boundaries of one kind within a step are missed. ValueError for an unknown parameter, or an orbit that is not
     admissible.
     """
