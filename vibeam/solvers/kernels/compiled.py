@@ -24,6 +24,7 @@ from vibeam.solvers.kernels.rest import stay
 from vibeam.solvers.kernels.steady import note_strobe, repetition, start_watching, watch
 
 Array = NDArray[np.float64]
+SETTLED_AT_ONCE = 16  # periods: then the phase is set anew, so that a long settling does not round it off
 
 
 @entry
@@ -39,9 +40,14 @@ def move(
     set_drive(desk, omega, amplitude)
     if span > 0.0:
         return advance(desk, pose, status, span, limit, room.trace, room.poses, counts)
-    outcome, _ = advance(
-        desk, pose, status, settle * desk.drive[PERIOD], limit * max(settle, 1), room.nothing, room.poses, counts
-    )
+    outcome, settled = COMPLETE, 0
+    while outcome == COMPLETE and settled < settle:
+        turns = min(SETTLED_AT_ONCE, settle - settled)
+        outcome, _ = advance(
+            desk, pose, status, turns * desk.drive[PERIOD], limit * turns, room.nothing, room.poses, counts
+        )
+        status[CLOCK] = 0.0
+        settled += turns
     start_watching(room, pose)
     turn, left = 0, desk.drive[PERIOD]
     while outcome == COMPLETE and turn < hold:
