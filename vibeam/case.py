@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import sha256
 from os import PathLike
@@ -70,7 +70,7 @@ class Case:
 
     ``text`` is the case in canonical form, SI units and overrides included: it loads as the same case. ``numbers`` is
     the part of it that decides what a run computes (no title, source, references): two cases compute the same where
-    that text, or ``key``, is the same.
+    that text, or ``key``, is the same. ``scene`` is the case's; ``scenes`` has those of the fidelities that change it.
     """
 
     path: Path
@@ -82,6 +82,7 @@ class Case:
     fidelities: dict[str, Fidelity]
     sweep: SweepPlan
     references: dict[str, Reference]
+    scenes: Mapping[str, Scene | SdofScene] = field(default_factory=dict)
 
     @cached_property
     def key(self) -> str:
@@ -104,13 +105,24 @@ class Case:
 
         return drive_amplitude(self.scene, omega)
 
+    def scene_of(self, name: str) -> Scene | SdofScene:
+        """The scene of one fidelity, with what it changes; KeyError names those there are."""
+        if name not in self.fidelities:
+            raise KeyError(f"no fidelity {name!r}: there are {', '.join(self.fidelities)}")
+        return self.scenes.get(name, self.scene)
+
+    def amplitude_of(self, name: str, omega: NDArray[np.float64] | None = None) -> float | NDArray[np.float64]:
+        """As ``amplitude`` of one fidelity's scene (``omega`` None: as ``base_amplitude``); KeyError as in ``scene_of``."""
+        from vibeam.fidelity import base_amplitude, drive_amplitude
+
+        scene = self.scene_of(name)
+        return base_amplitude(scene) if omega is None else drive_amplitude(scene, omega)
+
     def system(self, name: str) -> ImpactSystem:
         """What a solver gets of one fidelity; KeyError names those there are."""
         from vibeam.fidelity import system
 
-        if name not in self.fidelities:
-            raise KeyError(f"no fidelity {name!r}: there are {', '.join(self.fidelities)}")
-        return system(self.scene, self.fidelities[name])
+        return system(self.scene_of(name), self.fidelities[name])
 
 
 def load(path: str | PathLike[str], set: Mapping[str, Any] | None = None) -> Case:
@@ -130,7 +142,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
     from vibeam.verdict import accepted
 
     file = Path(path)
-    declared = accepted(text, file, set or {})
+    declared, changed = accepted(text, file, set or {})
     sweep = _sweep(declared.sweep)
     return Case(
         path=file,
@@ -142,6 +154,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         fidelities=_fidelities(declared),
         sweep=sweep,
         references=_references(declared, file.parent, sweep.direction),
+        scenes={name: _scene(own) for name, own in changed.items()},
     )
 
 
@@ -157,7 +170,8 @@ def _fidelities(case: BeamCase | SdofCase) -> dict[str, Fidelity]:
     from vibeam.fidelity import Fidelity
 
     tables: Any = case.fidelity
-    return {name: Fidelity(name=name, **table.model_dump()) for name, table in tables.items()}
+    changes = {"set", "without"}  # are in the scene already
+    return {name: Fidelity(name=name, **table.model_dump(exclude=changes)) for name, table in tables.items()}
 
 
 def _references(case: BeamCase | SdofCase, folder: Path, swept: Direction) -> dict[str, Reference]:

@@ -14,8 +14,11 @@ class OverrideError(ValueError):
     """An override that has no place in the case."""
 
 
-def override(tables: dict[str, Any], key: str, value: Any) -> Path:
-    """Set (None: take away) one key in ``tables``, in place; returns its path. OverrideError if that cannot be."""
+def override(tables: dict[str, Any], key: str, value: Any, literal: bool = False) -> Path:
+    """Set (None: take away) one key in ``tables``, in place; returns its path. OverrideError if that cannot be.
+
+    ``literal``: the value is a case's already; else text that is a TOML value is read as one.
+    """
     *above, last = _parts(key)
     place: Any = tables
     path: Path = ()
@@ -23,7 +26,7 @@ def override(tables: dict[str, Any], key: str, value: Any) -> Path:
         path = (*path, _where(place, part))
         place = _inside(place, path[-1])
     where = _where(place, last)
-    _put(place, where, value)
+    _put(place, where, value, literal)
     return (*path, where)
 
 
@@ -48,9 +51,9 @@ def _inside(place: Any, where: str | int) -> Any:
     return place.setdefault(where, {}) if isinstance(place, dict) else place[where]
 
 
-def _put(place: Any, where: str | int, value: Any) -> None:
+def _put(place: Any, where: str | int, value: Any, literal: bool) -> None:
     if value is not None:
-        place[where] = _toml_value(value)
+        place[where] = value if literal else _toml_value(value)
     elif isinstance(where, str) and where not in place:
         raise OverrideError("cannot be taken away: it is not in the case")
     else:

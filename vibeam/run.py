@@ -182,7 +182,7 @@ def _march(case: Case, job: _Job, kept: Kept, state: State | None) -> Iterator[t
     return march(
         job.system,
         omega,
-        case.amplitude(omega),
+        case.amplitude_of(job.name, omega),
         settle=plan.settle,
         hold=plan.hold,
         solver=job.fidelity.solver,

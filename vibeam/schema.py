@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from vibeam import units
 from vibeam.entries import NOT_NEGATIVE, POSITIVE, Count, Flag, Options, Quantity, Range, Several, TableOr, Text, Word
+from vibeam.settings import Names, Settings
 from vibeam.solvers import NAMES as SOLVERS
 
 DIRECTIONS = ("up", "down", "both")
@@ -223,6 +224,18 @@ class FidelityTable(Table):
     options: Annotated[dict[str, str | float], Options()] = key(
         "of the solver, by name; absent = its own defaults", None, {}, written=False
     )
+    set: Annotated[dict[str, Any], Settings()] = key(
+        "physics that is this fidelity's own: dotted keys and their values",
+        {"stop.restitution": 0.6},
+        {},
+        written=False,
+    )
+    without: Annotated[tuple[str, ...], Names("dotted keys")] = key(
+        "optional keys, or whole optional tables, of the physics that it leaves out",
+        ["mass.rotary_inertia"],
+        (),
+        written=False,
+    )
 
 
 class ReferenceTable(Table):
@@ -272,6 +285,18 @@ class SdofFidelityTable(Table):
     solver: Annotated[str, Word(SOLVERS)] = key("how its motion is found", "flight", "flight")
     options: Annotated[dict[str, str | float], Options()] = key(
         "of the solver, by name; absent = its own defaults", None, {}, written=False
+    )
+    set: Annotated[dict[str, Any], Settings()] = key(
+        "physics that is this fidelity's own: dotted keys and their values",
+        {"stop.restitution": 0.6},
+        {},
+        written=False,
+    )
+    without: Annotated[tuple[str, ...], Names("dotted keys")] = key(
+        "optional keys, or whole optional tables, of the physics that it leaves out",
+        ["mass.rotary_inertia"],
+        (),
+        written=False,
     )
 
 

@@ -17,18 +17,34 @@ from vibeam.lines import Path
 from vibeam.overrides import OverrideError, override
 from vibeam.reading import Complaint, complaints, declaration, known, read
 from vibeam.schema import BeamCase, SdofCase
+from vibeam.variants import Variant, variants
 
 
-def accepted(text: str, file: File, overrides: Mapping[str, Any]) -> BeamCase | SdofCase:
-    """The declared case in SI units; CaseError with all faults."""
+Declared = BeamCase | SdofCase
+
+
+def accepted(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[Declared, dict[str, Declared]]:
+    """The declared case in SI units, and the changed one of each fidelity that changes it; CaseError with all faults."""
     tables, lines = parsed(text, file)
     faults, paths = _override(tables, overrides)
     place = _Places(str(file), lines, paths)
     case, wrong = _judged(tables, file.parent)
-    faults += [place.fault(complaint) for complaint in wrong]
+    changed, more = variants(tables, declaration(tables), wrong, lambda own: _judged(own, file.parent))
+    faults += [place.fault(complaint) for complaint in wrong + more]
     if faults or case is None:
         raise CaseError(faults)
-    return case
+    return _settled(case, changed), {name: variant.declared for name, variant in changed.items()}
+
+
+def _settled(case: Declared, changed: Mapping[str, Variant]) -> Declared:
+    """The case with what its fidelities set in SI units, so that equal cases have equal texts."""
+    tables: Any = case.fidelity
+    own = {name: table.model_copy(update=_own(table, changed.get(name))) for name, table in tables.items()}
+    return case.model_copy(update={"fidelity": own})
+
+
+def _own(table: Any, variant: Variant | None) -> dict[str, Any]:
+    return {} if variant is None or not table.set else {"set": dict(sorted(variant.changes.items()))}
 
 
 def _override(tables: dict[str, Any], overrides: Mapping[str, Any]) -> tuple[list[Fault], set[Path]]:

@@ -106,8 +106,7 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
         "sweep": sweep,
         "references": {},
         "system": systems.__getitem__,
-        "base_amplitude": 1e-3,
-        "amplitude": lambda omega: 1e-3,
+        "amplitude_of": lambda name, omega: 1e-3,
     }
     return SimpleNamespace(**(values | changes))
 
