@@ -31,11 +31,14 @@ from vibeam_models.scene import (
 )
 
 if TYPE_CHECKING:
+    from vibeam.expect import Expectation
     from vibeam.fidelity import Fidelity
     from vibeam.schema import BeamCase, BeamTable, PlatformTable, SdofCase, StopTable, SweepTable, TorsionTable
+    from vibeam.show.plan import ShowPlan
     from vibeam.system import ImpactSystem
 
 Direction = Literal["up", "down", "both"]
+NOT_NUMBERS = frozenset({"title", "source", "reference", "expect", "show"})  # tables that change no sweep
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +72,7 @@ class Case:
     """A scene, the fidelities that model it, their sweep and what they are checked against.
 
     ``text`` is the case in canonical form, SI units and overrides included: it loads as the same case. ``numbers`` is
-    the part of it that decides what a run computes (no title, source, references): two cases compute the same where
+    the part of it that decides what a run's sweeps compute (no title, source, checks, figures): two cases compute the same where
     that text, or ``key``, is the same. ``scene`` is the case's; ``scenes`` has those of the fidelities that change it.
     """
 
@@ -83,6 +86,8 @@ class Case:
     sweep: SweepPlan
     references: dict[str, Reference]
     scenes: Mapping[str, Scene | SdofScene] = field(default_factory=dict)
+    expectations: Mapping[str, Expectation] = field(default_factory=dict)
+    shows: Mapping[str, ShowPlan] = field(default_factory=dict)
 
     @cached_property
     def key(self) -> str:
@@ -147,7 +152,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
     return Case(
         path=file,
         text=canonical_text(declared),
-        numbers=canonical_text(declared, without={"title", "source", "reference"}),
+        numbers=canonical_text(declared, without=NOT_NUMBERS),
         title=declared.title or file.stem,
         source=declared.source,
         scene=_scene(declared),
@@ -155,6 +160,8 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         sweep=sweep,
         references=_references(declared, file.parent, sweep.direction),
         scenes={name: _scene(own) for name, own in changed.items()},
+        expectations=_expectations(declared, sweep.direction),
+        shows=_shows(declared, sweep),
     )
 
 
@@ -180,6 +187,38 @@ def _references(case: BeamCase | SdofCase, folder: Path, swept: Direction) -> di
         values = table.model_dump() | {"file": (folder / table.file).resolve(), "direction": table.direction or swept}
         found[name] = Reference(name=name, **values)
     return found
+
+
+def _expectations(case: BeamCase | SdofCase, swept: Direction) -> dict[str, Expectation]:
+    if not case.expect:
+        return {}
+    from vibeam.expect import Expectation
+
+    values = {name: table.model_dump() | {"direction": table.direction or swept} for name, table in case.expect.items()}
+    return {name: Expectation(name=name, **value) for name, value in values.items()}
+
+
+def _shows(case: BeamCase | SdofCase, sweep: SweepPlan) -> dict[str, ShowPlan]:
+    return {name: _show(case, name, sweep) for name in case.show}
+
+
+def _show(case: BeamCase | SdofCase, name: str, sweep: SweepPlan) -> ShowPlan:
+    """The plan of one table; its key hangs on the physics of the case and on the table itself."""
+    from vibeam.canonical import canonical_text
+    from vibeam.show.plan import ShowPlan
+
+    table = case.show[name]
+    key = sha256(f"{canonical_text(case, NOT_NUMBERS)}{canonical_text(table)}".encode()).hexdigest()
+    return ShowPlan(
+        name=name,
+        kind=table.kind,
+        fidelities=table.fidelities or tuple(case.fidelity),
+        frequency=tuple(sweep.frequency.tolist()) if table.frequency is None else table.frequency,
+        periods=table.periods,
+        settle=sweep.settle if table.settle is None else table.settle,
+        quantity=table.quantity,
+        key=key,
+    )
 
 
 def _scene(case: BeamCase | SdofCase) -> Scene | SdofScene:

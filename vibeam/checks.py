@@ -14,6 +14,8 @@ from vibeam.effect_checks import effect_checks
 from vibeam.faults import cure, shown
 from vibeam.lines import Path
 from vibeam.reading import Complaint
+from vibeam.schema import EXTENTS, QUANTITIES
+from vibeam.show import KINDS, LIMITS
 
 NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
@@ -31,6 +33,8 @@ def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     yield from _grid(case.sweep.frequency)
     yield from _names(case)
     yield from _references(case, folder)
+    yield from _expectations(case)
+    yield from _shows(case)
 
 
 def _positions(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -155,7 +159,8 @@ def _grid(grid: SimpleNamespace | tuple[float, ...] | None) -> Iterator[Complain
 def _names(case: SimpleNamespace) -> Iterator[Complaint]:
     if case.fidelity == {}:
         yield ("fidelity",), "no fidelity: add a table [fidelity.NAME]"
-    for kind, tables in (("fidelity", case.fidelity), ("reference", case.reference)):
+    named = {"fidelity": case.fidelity, "reference": case.reference, "expect": case.expect, "show": case.show}
+    for kind, tables in named.items():
         for name in tables:
             if not NAME.fullmatch(name):
                 yield (kind, name), f"the name {shown(name)} must be 1 to 64 letters, digits, - or _"
@@ -163,14 +168,56 @@ def _names(case: SimpleNamespace) -> Iterator[Complaint]:
 
 def _references(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     for name, reference in case.reference.items():
-        if reference.fidelity is not None and reference.fidelity not in case.fidelity:
-            near = cure(reference.fidelity, filter(NAME.fullmatch, case.fidelity))
-            yield ("reference", name, "fidelity"), f"no fidelity {shown(reference.fidelity)}; {near}"
+        yield from _named_fidelity(case, ("reference", name, "fidelity"), reference.fidelity)
         if reference.file is not None and not _is_file(folder, reference.file):
             yield ("reference", name, "file"), f"no file {shown(reference.file)} in the case file's folder"
-        way, swept = reference.direction, case.sweep.direction
-        if way and swept and swept not in ("both", way):
-            yield ("reference", name, "direction"), f'"{way}" is not swept: sweep.direction is "{swept}"'
+        yield from _swept(case, ("reference", name, "direction"), reference.direction)
+
+
+def _named_fidelity(case: SimpleNamespace, path: Path, name: str | None) -> Iterator[Complaint]:
+    if name is not None and name not in case.fidelity:
+        yield path, f"no fidelity {shown(name)}; {cure(name, filter(NAME.fullmatch, case.fidelity))}"
+
+
+def _swept(case: SimpleNamespace, path: Path, way: str | None) -> Iterator[Complaint]:
+    swept = case.sweep.direction
+    if way and swept and swept not in ("both", way):
+        yield path, f'"{way}" is not swept: sweep.direction is "{swept}"'
+
+
+def _expectations(case: SimpleNamespace) -> Iterator[Complaint]:
+    for name, expect in case.expect.items():
+        path: Path = ("expect", name)
+        yield from _named_fidelity(case, (*path, "fidelity"), expect.fidelity)
+        yield from _named_fidelity(case, (*path, "against"), expect.against)
+        yield from _swept(case, (*path, "direction"), expect.direction)
+        if expect.quantity in EXTENTS and expect.frequency is not None:
+            yield (*path, "frequency"), f'"{expect.quantity}" is of a whole branch: leave the frequency away'
+        elif expect.quantity in QUANTITIES and expect.frequency is None:
+            yield (*path, "frequency"), f'missing: "{expect.quantity}" is read at one frequency of the sweep'
+
+
+def _shows(case: SimpleNamespace) -> Iterator[Complaint]:
+    for name, show in case.show.items():
+        path: Path = ("show", name)
+        for index, fidelity in enumerate(show.fidelities or ()):
+            yield from _named_fidelity(case, (*path, "fidelities", index), fidelity)
+        if show.kind is not None:
+            yield from _show_keys(path, show)
+
+
+def _show_keys(path: Path, show: SimpleNamespace) -> Iterator[Complaint]:
+    kind = KINDS[show.kind]
+    for key in ("frequency", "periods", "settle", "quantity"):
+        given = getattr(show, key) is not None
+        if given and key not in kind.needs + kind.takes:
+            yield (*path, key), f'kind = "{show.kind}" has no use for it: leave it away'
+        elif key in kind.needs and not given:
+            yield (*path, key), f'missing: kind = "{show.kind}" needs it'
+    limits = show.kind == "boundaries"
+    if "quantity" in kind.needs and show.quantity is not None and (show.quantity in LIMITS) != limits:
+        words = " | ".join(f'"{word}"' for word in (LIMITS if limits else QUANTITIES))
+        yield (*path, "quantity"), f'kind = "{show.kind}" shows {words}'
 
 
 def _is_file(folder: File, name: str) -> bool:

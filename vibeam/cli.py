@@ -96,15 +96,15 @@ def check(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: 
     """Compare a case with its reference curves: exit code 1 where one is missed."""
     with _mistakes():
         loaded = _load(case, set_)
-        if not loaded.references:
+        if not (loaded.references or loaded.expectations):
             typer.echo(f"{case}: a sound case, but it names no reference to check against", err=True)
             _print([], as_json)
             return
-        from vibeam import references
+        from vibeam import expect, references
         from vibeam.report.units import units_of
 
-        result = _swept(loaded, None if out is None else _results_path(loaded, out))
-        rows = references.check(loaded, result, partial=bool(set_))
+        result = _swept(loaded, None if out is None else _results_path(loaded, out), show=False)
+        rows = references.check(loaded, result, partial=bool(set_)) + expect.check(loaded, result, partial=bool(set_))
         _print(rows, as_json, lambda tables: [tables.checks(rows, units_of(loaded))])
         if not all(row.passed for row in rows):
             raise typer.Exit(MISSED)
@@ -240,12 +240,12 @@ def _table_path(case: Case, out: Path, kind: str) -> Path:
     return out
 
 
-def _swept(case: Case, path: Path | None) -> Result:
+def _swept(case: Case, path: Path | None, show: bool = True) -> Result:
     from vibeam.progress import Bar
     from vibeam.run import run as run_case
 
     with Bar() as bar:
-        return run_case(case, out=path, progress=bar)
+        return run_case(case, out=path, progress=bar, show=show)
 
 
 def _report(result: Result, path: Path, as_json: bool) -> None:
@@ -255,6 +255,7 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
 
     files = [path, path.with_suffix(".png"), path.with_suffix(".svg")]
     write_frc(result, *files[1:])
+    files += _shown(result, path)
     rows = compare(result)
     units = units_of(result.case)
     whole = {"fidelities": rows, "found": result.found, "total": result.total, "files": files}
@@ -262,6 +263,15 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
     _print(whole, as_json, lambda tables: [tables.responses(rows, units), tables.costs(rows)])
     if not as_json:
         typer.echo("\n".join(map(str, files)))
+
+
+def _shown(result: Result, path: Path) -> list[Path]:
+    """The further figures of a case, where it asks for any."""
+    if not result.case.shows:
+        return []
+    from vibeam.report.show import write_shown
+
+    return write_shown(result, path)
 
 
 def _of_beam(case: Path, make: Callable[[], Made]) -> Made:

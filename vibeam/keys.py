@@ -24,6 +24,8 @@ NAMED: dict[str, dict[str, dict[str, Any]]] = {
         "beam": {"reduction": "modal", "modes": 8},
     },
     "reference": {"exact": {}},
+    "expect": {"two_thirds": {}},
+    "show": {"motion": {}},
 }
 
 

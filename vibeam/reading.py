@@ -69,7 +69,7 @@ def _missing(loc: Path, model: type[BaseModel]) -> str:
 
 def _header(loc: Path, model: type[BaseModel]) -> str:
     names = [name_of(str(part)) for part in loc if isinstance(part, str)]
-    if names[0] in ("fidelity", "reference") and len(names) == 1:
+    if names[0] in ("fidelity", "reference", "expect", "show") and len(names) == 1:
         names.append("NAME")
     return f"[[{names[0]}]]" if model_at(model, loc) is AddedMassTable else f"[{'.'.join(names)}]"
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from vibeam.case import Case
     from vibeam.fidelity import Fidelity
     from vibeam.motions import MotionCurves
+    from vibeam.show.plan import Sheet
     from vibeam.state import State
     from vibeam.system import ImpactSystem
 
@@ -35,12 +36,23 @@ class Interrupted(KeyboardInterrupt):
 
 
 class Result(Mapping[str, Branches]):
-    """What a run gives: ``result[fidelity].up.amplitude``; ``found`` points of ``total`` were in the file already."""
+    """What a run gives: ``result[fidelity].up.amplitude``; ``found`` points of ``total`` were in the file already.
 
-    def __init__(self, case: Case, branches: Mapping[str, Branches], path: Path | None = None, found: int = 0) -> None:
+    ``shown``: the numbers of the case's [show.NAME] tables, by name.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        branches: Mapping[str, Branches],
+        path: Path | None = None,
+        found: int = 0,
+        shown: Mapping[str, tuple[Sheet, ...]] | None = None,
+    ) -> None:
         self.case = case
         self.path = path
         self.found = found
+        self.shown = dict(shown or {})
         self._branches = dict(branches)
 
     @property
@@ -73,11 +85,13 @@ class _Job:
     branches: tuple[tuple[Branch, Kept], ...]
 
 
-def run(case: Case, out: str | Path | None = None, progress: Progress | None = None) -> Result:
+def run(
+    case: Case, out: str | Path | None = None, progress: Progress | None = None, show: bool = True
+) -> Result:
     """Sweep every fidelity of ``case``; what the results file ``out`` already holds is not computed again.
 
     ``out=None`` keeps nothing on disk. ``progress(done, total)`` is called with the points that are there at the start
-    and after each further one, from any thread. CaseError for a fidelity that cannot be built, StoreError where
+    and after each further one, from any thread. ``show``: whether to make what the case shows beside its curves. CaseError for a fidelity that cannot be built, StoreError where
     ``out`` cannot be used, Interrupted on Ctrl-C.
     """
     systems = _systems(case)
@@ -91,9 +105,23 @@ def run(case: Case, out: str | Path | None = None, progress: Progress | None = N
             costly_first = sorted(jobs, key=lambda job: -job.system.size)
             spread(lambda job, stop: _sweep(case, job, store, count, stop), costly_first)
             curves = {job.name: _curves(case, job, store) for job in jobs if knows_curves(job.fidelity.solver)}
+            shown = _shown(case, store) if show else {}
         except KeyboardInterrupt:
             raise Interrupted(_how_to_go_on(count, path)) from None
-    return Result(case, {job.name: _gathered(job, curves.get(job.name)) for job in jobs}, path, found)
+    return Result(case, {job.name: _gathered(job, curves.get(job.name)) for job in jobs}, path, found, shown)
+
+
+def _shown(case: Case, store: Store | None) -> dict[str, tuple[Sheet, ...]]:
+    """What the case shows beside its curves, from the file where it is there."""
+    found: dict[str, tuple[Sheet, ...]] = {}
+    for name, plan in case.shows.items():
+        from vibeam.show.plan import sheets
+
+        kept = store.shown(plan) if store else None
+        found[name] = sheets(case, plan) if kept is None else kept
+        if store and kept is None:
+            store.show(plan, found[name], output_unit(case))
+    return found
 
 
 def _systems(case: Case) -> dict[str, ImpactSystem]:

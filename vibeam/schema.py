@@ -11,11 +11,13 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from vibeam import units
 from vibeam.entries import NOT_NEGATIVE, POSITIVE, Count, Flag, Options, Quantity, Range, Several, TableOr, Text, Word
-from vibeam.settings import Names, Settings
+from vibeam.settings import Names, Settings, Value
+from vibeam.show import KINDS, LIMITS
 from vibeam.solvers import NAMES as SOLVERS
 
 DIRECTIONS = ("up", "down", "both")
 QUANTITIES = ("amplitude", "reach", "maximum", "minimum", "impact_velocity", "impacts_per_period", "period")
+EXTENTS = ("peak", "peak_frequency", "period_one_from", "period_one_to")  # of a whole branch
 REDUCTIONS = ("static_mode", "modal", "full")
 MOST_ELEMENTS = 2000
 MOST_POINTS = 1_000_000
@@ -250,6 +252,45 @@ class ReferenceTable(Table):
     )
 
 
+class ExpectTable(Table):
+    """A number that a fidelity is checked against, by itself or against another fidelity, one table each."""
+
+    fidelity: Annotated[str, Text()] = key("the fidelity that must meet it", "sdof")
+    quantity: Annotated[str, Word(QUANTITIES + EXTENTS)] = key("what is compared", "amplitude")
+    frequency: Annotated[float | None, Frequency] = key(
+        "where, one of the sweep's; none for the peak and the range of period 1", "15.3 Hz", None
+    )
+    against: Annotated[str | None, Text()] = key(
+        "another fidelity: the value is then the relative difference to it", "beam", None
+    )
+    value: Annotated[float, Value()] = key("the number expected, in SI units (frequencies in Hz)", "34 %")
+    tolerance: Annotated[float, Quantity(units.RATIO, POSITIVE)] = key(
+        "largest difference: relative to the value, or, with against or where the value is 0, of the number itself", "1 %"
+    )
+    direction: Annotated[str | None, Word(DIRECTIONS)] = key(
+        "the branches compared; absent = all that are swept", "up", None
+    )
+
+
+class ShowTable(Table):
+    """A further figure beside the frequency-response curves, one table each."""
+
+    kind: Annotated[str, Word(tuple(KINDS))] = key(
+        "; ".join(f"{name}: {kind.meaning}" for name, kind in KINDS.items()), "portrait"
+    )
+    fidelities: Annotated[tuple[str, ...], Names("fidelities")] = key("whose; absent = all", ["sdof"], ())
+    frequency: Annotated[tuple[float, ...] | None, Several(Frequency, alone=True, limit=12)] = key(
+        "drive frequency, or several, a panel each", "15.3 Hz", None
+    )
+    periods: Annotated[int | None, Count(1, MOST_POINTS)] = key(
+        "drive periods shown; absent = as many as the kind needs", 4, None
+    )
+    settle: Annotated[int | None, Periods] = key("drive periods left out before; absent = the sweep's", 500, None)
+    quantity: Annotated[str | None, Word(QUANTITIES + LIMITS)] = key(
+        "of a curve one of the response's, of boundaries one of the last two", "reach", None
+    )
+
+
 class SdofTable(Table):
     """A single degree of freedom in place of beam, mass and sensor: the paper's model, nondimensional."""
 
@@ -321,6 +362,8 @@ class BeamCase(Table):
     sweep: SweepTable
     fidelity: dict[str, FidelityTable]
     reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)
+    expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False)
+    show: dict[str, ShowTable] = key("further figures", None, {}, written=False)
 
 
 class SdofCase(Table):
@@ -336,3 +379,5 @@ class SdofCase(Table):
     sweep: SdofSweepTable
     fidelity: dict[str, SdofFidelityTable]
     reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)
+    expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False)
+    show: dict[str, ShowTable] = key("further figures", None, {}, written=False)

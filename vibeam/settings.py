@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from vibeam.canonical import name_of
-from vibeam.entries import Entry
+from vibeam import units
+from vibeam.entries import Entry, Quantity
 from vibeam.faults import shown
 from vibeam.lines import key_parts
 
@@ -47,6 +48,28 @@ class Names(Entry):
     def describe(self) -> str:
         """As ``Entry.describe``."""
         return f"list of {self.what}"
+
+
+@dataclass(frozen=True)
+class Value(Entry):
+    """A plain number, a percentage or a frequency."""
+
+    def parse(self, value: Any) -> float:
+        """As ``Entry.parse``."""
+        try:
+            return Quantity(units.RATIO).parse(value)
+        except ValueError as error:
+            return self._frequency(value, error)
+
+    def _frequency(self, value: Any, error: ValueError) -> float:
+        try:
+            return Quantity(units.FREQUENCY).parse(value)
+        except ValueError:
+            raise error from None
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return "number | Hz"
 
 
 def flat(tables: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:

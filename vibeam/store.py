@@ -20,6 +20,7 @@ import numpy as np
 
 from vibeam.provenance import note_continued, write_provenance
 from vibeam.response import Array, FrequencyResponse
+from vibeam.show.keep import HOME, read_sheets, write_sheets
 from vibeam.state import State
 from vibeam.store_layout import LAYOUT, fixed, read_curves, write_branch, write_curves
 
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     import h5py
 
     from vibeam.motions import MotionCurves
+    from vibeam.show.plan import Sheet, ShowPlan
 
 FORMAT = "vibeam results 1"
 CURVES = "curves"  # the group of all motions a solver knows, beside those of the directions
@@ -112,6 +114,23 @@ class Store:
                 text = f"{self.path}: cannot be written ({_reason(fault)}): make room, then run again to go on"
                 raise StoreError(text) from None
 
+    def shown(self, plan: ShowPlan) -> tuple[Sheet, ...] | None:
+        """What the file holds for ``plan``, None where it must be made; StoreError where the file is damaged."""
+        with self._lock:
+            try:
+                return read_sheets(self._file, plan)
+            except _FAULTS as fault:
+                raise _damaged(self.path, f"/{HOME}/{plan.name}", fault) from None
+
+    def show(self, plan: ShowPlan, sheets: tuple[Sheet, ...], unit: str) -> None:
+        """Keep ``sheets``; StoreError if that fails."""
+        with self._lock:
+            try:
+                write_sheets(self._file, plan, sheets, unit)
+            except OSError as fault:
+                text = f"{self.path}: cannot be written ({_reason(fault)}): make room, then run again to go on"
+                raise StoreError(text) from None
+
     def _write(self, group: h5py.Group, start: int, stop: int, block: FrequencyResponse, state: State) -> None:
         if not self._noted:
             note_continued(self._file["provenance/continued"])
@@ -165,7 +184,7 @@ def read(path: Path) -> dict[tuple[str, str], FrequencyResponse]:
 
 def _branches(file: h5py.File) -> Iterator[tuple[str, str, h5py.Group]]:
     for fidelity, ways in file.items():
-        for way, group in ways.items():
+        for way, group in ways.items() if fidelity != HOME else ():
             if "done" in group.attrs:
                 yield fidelity, way, group
 

@@ -105,6 +105,8 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
         "fidelities": {name: SimpleNamespace(name=name, solver="flight", options={}) for name in systems},
         "sweep": sweep,
         "references": {},
+        "expectations": {},
+        "shows": {},
         "system": systems.__getitem__,
         "amplitude_of": lambda name, omega: 1e-3,
     }

@@ -38,6 +38,14 @@ class Units:
 METRIC = Units("mm", 1e3, "Hz", 1.0)
 
 
+@dataclass(frozen=True)
+class Rates:
+    """Factor from the unit of a velocity to the one shown, and what that is called."""
+
+    name: str
+    factor: float
+
+
 def units_of(case: Case) -> Units:
     """Millimetres and hertz, or, for a model given without dimensions, q and Ω/ω."""
     from vibeam_models.scene import SdofScene
@@ -46,6 +54,14 @@ def units_of(case: Case) -> Units:
     if not isinstance(scene, SdofScene):
         return METRIC
     return Units("", 1.0, "", 2 * pi / scene.natural_frequency)
+
+
+def rates_of(case: Case) -> Rates:
+    """Millimetres a second, or, for a model given without dimensions, dq/d(ω t)."""
+    from vibeam_models.scene import SdofScene
+
+    scene = case.scene
+    return Rates("", 1 / scene.natural_frequency) if isinstance(scene, SdofScene) else Rates("mm/s", 1e3)
 
 
 def percent(value: float) -> str:

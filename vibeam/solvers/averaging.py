@@ -11,10 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam.motions import MotionCurves
+from vibeam.solvers.averaged_path import averaged_path
 from vibeam.solvers.oscillator import OneMode, Oscillator
+from vibeam.solvers.sampled import Motion as Sampled
 from vibeam.solvers.slow_flow import Damping, SlowFlow, Stationary, law_faults
-from vibeam.solvers.stationary import Motion, StationarySolver
-from vibeam.system import ImpactSystem
+from vibeam.solvers.stationary import NOTHING_FOUND, Motion, StationarySolver, nearest
+from vibeam.state import State
+from vibeam.system import Drive, ImpactSystem
 
 Array = NDArray[np.float64]
 HIGHEST = 16  # the longest period that a response can name
@@ -129,6 +132,15 @@ class AveragingSolver(StationarySolver):
         """The motion of the stable stationary solution, if there is one."""
         flow = SlowFlow(model, self.resonance, self.damping)
         return [averaged_motion(flow, found) for found in flow.stationary(omega) if found.stable]
+
+    def motion(self, drive: Drive, state: State | None, t_start: float, t_end: float) -> Sampled:
+        """The stationary motion nearest to ``state``, from ``t_start`` to ``t_end`` s; ValueError where there is none."""
+        found = nearest(
+            self.motions(self.mode.oscillator(drive.amplitude), drive.omega / self.mode.omega), self.mode.inward(state)
+        )
+        if found is None:
+            raise ValueError(NOTHING_FOUND.value)
+        return averaged_path(self.mode, drive, *found, t_start, t_end)
 
 
 def averaged_motion(flow: SlowFlow, found: Stationary) -> Motion:

@@ -1,0 +1,146 @@
+"""Regression on single numbers: what a case expects of a fidelity, by itself or against another one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import isfinite
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.compare import period_one_range, periodic
+from vibeam.references import CheckRow, SAME_FREQUENCY
+from vibeam.response import Ended, FrequencyResponse
+
+if TYPE_CHECKING:
+    from vibeam.case import Case, Direction
+    from vibeam.response import Branches
+    from vibeam.run import Result
+
+NAN = float("nan")
+
+
+@dataclass(frozen=True)
+class Expectation:
+    """``quantity`` of ``fidelity`` at ``frequency`` (Hz; None: of the whole branch) must be ``value``.
+
+    With ``against``, the relative difference to that fidelity must be. ``tolerance``: of that difference itself, else
+    relative to the value, or of the number itself where the value is 0.
+    """
+
+    name: str
+    fidelity: str
+    quantity: str
+    frequency: float | None
+    against: str | None
+    value: float
+    tolerance: float
+    direction: Direction
+
+
+@dataclass(frozen=True)
+class _Found:
+    """The number on one branch, NaN where there is none and ``fault`` says why."""
+
+    number: float
+    fault: str = ""
+    absent: bool = False  #: the frequency is not in the grid
+
+
+def check(case: Case, result: Result, *, partial: bool = False) -> list[CheckRow]:
+    """Compare ``result`` with every expectation of ``case``.
+
+    One is missed where a branch is off by more than the tolerance, failed, or has no such frequency; ``partial``
+    forgives the last for a sweep whose grid was overridden: the row then has 0 points.
+    """
+    return [_check(each, result, partial) for each in case.expectations.values()]
+
+
+def _check(expected: Expectation, result: Result, partial: bool) -> CheckRow:
+    ways = ("up", "down") if expected.direction == "both" else (expected.direction,)
+    found = [_found(expected, result, way) for way in ways]
+    there = [each for each in found if not each.absent]
+    off = [_off(expected, each.number) for each in there]
+    worst = max(off, default=NAN)
+    faults = [each.fault for each in found if each.fault and not (partial and each.absent)]
+    within = all(each <= expected.tolerance for each in off)
+    return CheckRow(
+        reference=expected.name,
+        fidelity=expected.fidelity,
+        quantity=expected.quantity,
+        points=len(there),
+        total=len(found),
+        worst=worst,
+        frequency=NAN if expected.frequency is None else expected.frequency,
+        tolerance=expected.tolerance,
+        passed=within and not faults,
+        notes=tuple(dict.fromkeys([*faults, *_said(expected, there)])),
+    )
+
+
+def _off(expected: Expectation, number: float) -> float:
+    off = abs(number - expected.value)
+    scale = abs(expected.value) if expected.against is None and expected.value else 1.0
+    return off / scale if isfinite(off) else float("inf")
+
+
+def _said(expected: Expectation, found: list[_Found]) -> Iterator[str]:
+    for each in found:
+        if expected.against is not None:
+            yield f"{100 * each.number:+.2f} % against {expected.against}, expected {100 * expected.value:+.4g} %"
+        else:
+            yield f"{each.number:.5g}, expected {expected.value:.5g}"
+
+
+def _found(expected: Expectation, result: Result, way: str) -> _Found:
+    ours = _number(expected, result[expected.fidelity], way)
+    if expected.against is None or ours.fault:
+        return ours
+    other = _number(expected, result[expected.against], way)
+    if other.fault:
+        return _Found(NAN, f"{expected.against} {other.fault}", other.absent)
+    return _Found(ours.number / other.number - 1 if other.number else NAN)
+
+
+def _number(expected: Expectation, branches: Branches, way: str) -> _Found:
+    response = dict(branches.items())[way]
+    if expected.frequency is None:
+        number = EXTENTS[expected.quantity](response)
+        return _Found(number, "" if isfinite(number) else f"{way}: there is none")
+    there = np.flatnonzero(np.isclose(response.frequency, expected.frequency, rtol=SAME_FREQUENCY, atol=0))
+    if not len(there):
+        return _Found(NAN, f"{expected.frequency:g} Hz is not in the sweep's grid", absent=True)
+    ended = Ended.of_code(int(response.ended[there[0]]))
+    if ended is not Ended.COMPLETE:
+        return _Found(NAN, f"{way}: {ended.value}")
+    number = float(getattr(response, expected.quantity)[there[0]])
+    return _Found(number, "" if isfinite(number) else f"{way}: there is none")
+
+
+def _top(response: FrequencyResponse) -> int | None:
+    there = periodic(response)
+    return int(np.argmax(np.where(there, response.amplitude, -np.inf))) if there.any() else None
+
+
+def _peak(response: FrequencyResponse) -> float:
+    top = _top(response)
+    return NAN if top is None else float(response.amplitude[top])
+
+
+def _peak_frequency(response: FrequencyResponse) -> float:
+    top = _top(response)
+    return NAN if top is None else float(response.frequency[top])
+
+
+def _range(response: FrequencyResponse, end: int) -> float:
+    found = period_one_range(response)
+    return NAN if found is None else found[end]
+
+
+EXTENTS: dict[str, Callable[[FrequencyResponse], float]] = {
+    "peak": _peak,
+    "peak_frequency": _peak_frequency,
+    "period_one_from": lambda response: _range(response, 0),
+    "period_one_to": lambda response: _range(response, 1),
+}

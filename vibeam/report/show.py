@@ -1,0 +1,47 @@
+"""The figures that a case asks for beside its frequency-response curves, each in files of its own."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from vibeam.report.style import PAGE
+from vibeam.show.plan import ShowPlan, module_of
+
+if TYPE_CHECKING:
+    from vibeam.run import Result
+
+ENDINGS = (".png", ".svg")
+
+
+def write_shown(result: Result, path: Path) -> list[Path]:
+    """Draw every [show.NAME] of the case as ``STEM_NAME.png`` and ``.svg`` beside ``path``; the files written."""
+    written = []
+    with mpl.rc_context(PAGE):
+        for plan in result.case.shows.values():
+            drawn = figure(result, plan)
+            for ending in ENDINGS:
+                written.append(path.with_name(f"{path.stem}_{plan.name}{ending}"))
+                metadata: Any = {"Date": None} if ending == ".svg" else None
+                drawn.savefig(written[-1], dpi=220, metadata=metadata)
+    return written
+
+
+def figure(result: Result, plan: ShowPlan) -> Figure:
+    """The figure of one table."""
+    made = Figure(figsize=_size(plan), layout="constrained")
+    module_of(plan).draw(made, result, plan, result.shown.get(plan.name, ()))
+    if result.case.title:
+        made.suptitle(result.case.title, fontsize=9.5)
+    handles, labels = made.axes[0].get_legend_handles_labels()
+    made.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
+    return made
+
+
+def _size(plan: ShowPlan) -> tuple[float, float]:
+    """A panel of its own for each frequency of a motion."""
+    panels = 1 if plan.quantity else len(plan.frequency)
+    return (5.8 if panels == 1 else 3.2 * panels + 0.6, 4.2)

@@ -1,0 +1,50 @@
+"""The kind ``history``: displacement and velocity of the output over a few drive periods, the fidelities laid together.
+
+Velocities jump at impacts and are drawn so: a stray value beside an impact, as in the paper's Fig. 5, would be seen.
+"""
+
+from __future__ import annotations
+
+from itertools import cycle
+from typing import TYPE_CHECKING
+
+from vibeam.report.style import COLOURS, GAP, GHOST
+from vibeam.report.units import rates_of, units_of
+from vibeam.show.motion import motion_sheet
+from vibeam.show.panels import labelled, stop_at, titled
+from vibeam.show.plan import Sheet, ShowPlan
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from vibeam.case import Case
+    from vibeam.run import Result
+
+PERIODS = 4
+
+
+def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
+    """One a frequency."""
+    periods = plan.periods or PERIODS
+    return [motion_sheet(case, fidelity, frequency, plan.settle, periods) for frequency in plan.frequency]
+
+
+def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+    """Displacement above velocity, a column a frequency; the first fidelity lies behind as a band."""
+    units, rate = units_of(result.case), rates_of(result.case)
+    grid = figure.subplots(2, len(plan.frequency), sharex=True, sharey="row", squeeze=False)
+    for column, frequency in enumerate(plan.frequency):
+        upper, lower = grid[:, column]
+        titled(upper, units, frequency)
+        for name, colour, order in zip(plan.fidelities, cycle(COLOURS), range(99), strict=False):
+            sheet = next(s for s in shown if s.fidelity == name and s.frequency == frequency)
+            look = {"color": GHOST, "linewidth": 3.2} if order == 0 and len(plan.fidelities) > 1 else {"color": colour}
+            label = f"{name}: {sheet.fault}" if sheet.fault else name
+            turns = sheet["time"] * frequency if not sheet.fault else []
+            upper.plot(turns, sheet["displacement"] * units.length_factor if len(turns) else [], label=label, **look)
+            lower.plot(turns, sheet["velocity"] * rate.factor if len(turns) else [], **look)
+        for height in stop_at(result.case, plan.fidelities):
+            upper.axhline(height * units.length_factor, **GAP)
+        lower.set_xlabel("time in drive periods")
+    labelled(grid[0, 0], "displacement", units.length)
+    labelled(grid[1, 0], "velocity", rate.name)

@@ -1,0 +1,37 @@
+"""What the figures share: titles, axis labels, where the stop is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from vibeam.case import Case
+    from vibeam.report.units import Units
+
+
+def titled(axes: Axes, units: Units, frequency: float) -> None:
+    """The panel's frequency (Hz)."""
+    number = f"{frequency * units.frequency_factor:.5g}"
+    axes.set_title(f"{number} Hz" if units.frequency else f"Ω/ω = {number}")
+
+
+def labelled(axes: Axes, what: str, unit: str, across: bool = False) -> None:
+    """An axis with its unit, the one across or the one upward."""
+    text = f"{what} ({unit})" if unit else what
+    (axes.set_xlabel if across else axes.set_ylabel)(text)
+
+
+def stop_at(case: Case, names: Iterable[str]) -> list[float]:
+    """Where the output is when the contact touches the stop, each place once; none where modes make it no one place."""
+    found = set()
+    for name in names:
+        system = case.system(name)
+        row = system.output(case.sweep.output)
+        if system.size == 1:
+            found.add(float(system.gap * row[0] / system.contact[0]))
+        elif case.sweep.output == "contact":
+            found.add(float(system.gap))
+    return sorted(found)

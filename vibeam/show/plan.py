@@ -1,0 +1,72 @@
+"""What is to be shown, and the numbers of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.show import KINDS
+
+if TYPE_CHECKING:
+    from vibeam.case import Case
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ShowPlan:
+    """One [show.NAME] table: frequencies in Hz (none: the sweep's), ``periods`` shown after ``settle`` drive periods.
+
+    ``fidelities``: their names, in order; ``quantity``: of the kinds ``curve`` and ``boundaries``. ``key``: of all that
+    decides the numbers.
+    """
+
+    name: str
+    kind: str
+    fidelities: tuple[str, ...]
+    frequency: tuple[float, ...]
+    periods: int | None
+    settle: int
+    quantity: str | None
+    key: str
+
+
+@dataclass(frozen=True)
+class Column:
+    """One row of numbers: its unit as in ``store_layout`` (q: the output's, q/s: its rate's), and what it is."""
+
+    values: Array
+    unit: str
+    long_name: str
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """The numbers of one fidelity at one ``frequency`` (Hz; NaN: over all).
+
+    ``fault``: why there are none, empty where there are.
+    """
+
+    fidelity: str
+    frequency: float
+    columns: Mapping[str, Column] = field(default_factory=dict)
+    fault: str = ""
+
+    def __getitem__(self, name: str) -> Array:
+        return self.columns[name].values
+
+
+def module_of(plan: ShowPlan) -> Any:
+    """The module of the plan's kind."""
+    return import_module(KINDS[plan.kind].home)
+
+
+def sheets(case: Case, plan: ShowPlan) -> tuple[Sheet, ...]:
+    """The numbers of all its fidelities, in their order."""
+    made = module_of(plan).sheets
+    return tuple(sheet for name in plan.fidelities for sheet in made(case, name, plan))

@@ -1,0 +1,67 @@
+"""The kind ``section``: the state of the output once a drive period, at the drive's phase 0 (a Poincaré section)."""
+
+from __future__ import annotations
+
+from itertools import cycle
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.report.style import COLOURS
+from vibeam.report.units import rates_of, units_of
+from vibeam.response import Ended
+from vibeam.show.motion import settled
+from vibeam.show.panels import labelled, titled
+from vibeam.show.plan import Column, Sheet, ShowPlan
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from vibeam.case import Case
+    from vibeam.run import Result
+
+PERIODS = 500
+
+
+def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
+    """One a frequency."""
+    return [_sheet(case, fidelity, frequency, plan) for frequency in plan.frequency]
+
+
+def _sheet(case: Case, name: str, frequency: float, plan: ShowPlan) -> Sheet:
+    begin = settled(case, name, frequency, plan.settle)
+    if begin.state is None:
+        return Sheet(name, frequency, fault=begin.fault)
+    output, state = case.sweep.output, begin.state
+    row, points = begin.system.output(output), []
+    omega = np.array([begin.drive.omega])
+    for _ in range(plan.periods or PERIODS):
+        points.append([row @ state.displacement, row @ state.velocity])
+        response, state = begin.solver.steady(omega, begin.drive.amplitude, state, 0, 1, output)
+        ended = Ended.of_code(int(response.ended[0]))
+        if ended is not Ended.COMPLETE:
+            return Sheet(name, frequency, fault=ended.value)
+    place, speed = np.array(points, dtype=float).T
+    columns = {
+        "displacement": Column(place, "q", "displacement of the output at the drive's phase 0"),
+        "velocity": Column(speed, "q/s", "velocity of the output at the drive's phase 0"),
+    }
+    return Sheet(name, frequency, columns)
+
+
+def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+    """A panel a frequency."""
+    units, rate = units_of(result.case), rates_of(result.case)
+    grid = figure.subplots(1, len(plan.frequency), squeeze=False)[0]
+    for axes, frequency in zip(grid, plan.frequency, strict=True):
+        titled(axes, units, frequency)
+        for name, colour in zip(plan.fidelities, cycle(COLOURS), strict=False):
+            sheet = next(s for s in shown if s.fidelity == name and s.frequency == frequency)
+            place, speed = ([], []) if sheet.fault else (sheet["displacement"], sheet["velocity"])
+            axes.plot(
+                np.multiply(place, units.length_factor), np.multiply(speed, rate.factor), ".", markersize=2.5,
+                color=colour, label=f"{name}: {sheet.fault}" if sheet.fault else name,
+            )  # fmt: skip
+        axes.margins(0.1)
+        labelled(axes, "displacement at phase 0", units.length, across=True)
+    labelled(grid[0], "velocity at phase 0", rate.name)
