@@ -72,8 +72,8 @@ class Case:
     """A scene, the fidelities that model it, their sweep and what they are checked against.
 
     ``text`` is the case in canonical form, SI units and overrides included: it loads as the same case. ``numbers`` is
-    the part of it that decides what a run's sweeps compute (no title, source, checks, figures): two cases compute the same where
-    that text, or ``key``, is the same. ``scene`` is the case's; ``scenes`` has those of the fidelities that change it.
+    the part of it that decides what the sweeps compute (no title, source, checks, figures): two cases compute the same
+    where that text, or ``key``, is the same. ``scenes`` has the scenes of the fidelities that change the case's.
     """
 
     path: Path
@@ -177,8 +177,10 @@ def _fidelities(case: BeamCase | SdofCase) -> dict[str, Fidelity]:
     from vibeam.fidelity import Fidelity
 
     tables: Any = case.fidelity
-    changes = {"set", "without"}  # are in the scene already
-    return {name: Fidelity(name=name, **table.model_dump(exclude=changes)) for name, table in tables.items()}
+    return {
+        name: Fidelity(name=name, changes=dict(table.set), **table.model_dump(exclude={"set"}))
+        for name, table in tables.items()
+    }
 
 
 def _references(case: BeamCase | SdofCase, folder: Path, swept: Direction) -> dict[str, Reference]:

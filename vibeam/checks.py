@@ -193,8 +193,8 @@ def _expectations(case: SimpleNamespace) -> Iterator[Complaint]:
         yield from _swept(case, (*path, "direction"), expect.direction)
         if expect.quantity in EXTENTS and expect.frequency is not None:
             yield (*path, "frequency"), f'"{expect.quantity}" is of a whole branch: leave the frequency away'
-        elif expect.quantity in QUANTITIES and expect.frequency is None:
-            yield (*path, "frequency"), f'missing: "{expect.quantity}" is read at one frequency of the sweep'
+        elif expect.quantity in QUANTITIES + LIMITS and expect.frequency is None:
+            yield (*path, "frequency"), f'missing: "{expect.quantity}" is read at one frequency'
 
 
 def _shows(case: SimpleNamespace) -> Iterator[Complaint]:

@@ -32,7 +32,8 @@ class Summary:
     """One fidelity: frequencies in Hz, amplitudes in the unit of the output, times in s.
 
     ``period_one``: for each direction the lowest and highest frequency of the contiguous period-1 range with impacts
-    around its largest amplitude, None where there is none. ``distance``: None for the finest fidelity itself.
+    around its largest amplitude, None where there is none. ``distance``: to the finest fidelity with the same values
+    of its own (``set``), None for that itself.
     """
 
     fidelity: str
@@ -57,14 +58,19 @@ def compare(result: Result) -> list[Summary]:
     """A summary of every fidelity, in the case's order; the finest is the one with most modes."""
     if not result:
         return []
-    finest = finest_of(result)
     cheapest = min(_total(branches, "cpu_seconds") for branches in result.values())
-    return [_summary(name, result[name], None if name == finest else result[finest], cheapest) for name in result]
+    finest = {name: finest_of(result, name) for name in result}
+    return [_summary(n, result[n], None if n == finest[n] else result[finest[n]], cheapest) for n in result]
 
 
-def finest_of(result: Result) -> str:
-    """The fidelity with most modes, the first of several."""
-    return max(result, key=lambda name: modes_of(result[name]))
+def finest_of(result: Result, beside: str | None = None) -> str:
+    """The fidelity with most modes, the first of several; of those that set the same physics as the one ``beside``.
+
+    A member of a family of curves (other gaps, other R) is no measure for another one's accuracy.
+    """
+    own = result.case.fidelities
+    alike = [name for name in result if beside is None or own[name].changes == own[beside].changes]
+    return max(alike, key=lambda name: modes_of(result[name]))
 
 
 def modes_of(branches: Branches) -> int:

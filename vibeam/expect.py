@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.compare import period_one_range, periodic
-from vibeam.references import CheckRow, SAME_FREQUENCY
+from vibeam.references import SAME_FREQUENCY, CheckRow
 from vibeam.response import Ended, FrequencyResponse
+from vibeam.show import LIMITS
 
 if TYPE_CHECKING:
     from vibeam.case import Case, Direction
-    from vibeam.response import Branches
     from vibeam.run import Result
 
 NAN = float("nan")
@@ -58,8 +58,7 @@ def check(case: Case, result: Result, *, partial: bool = False) -> list[CheckRow
 
 
 def _check(expected: Expectation, result: Result, partial: bool) -> CheckRow:
-    ways = ("up", "down") if expected.direction == "both" else (expected.direction,)
-    found = [_found(expected, result, way) for way in ways]
+    found = [_found(expected, result, way) for way in _ways(expected)]
     there = [each for each in found if not each.absent]
     off = [_off(expected, each.number) for each in there]
     worst = max(off, default=NAN)
@@ -79,6 +78,12 @@ def _check(expected: Expectation, result: Result, partial: bool) -> CheckRow:
     )
 
 
+def _ways(expected: Expectation) -> tuple[str, ...]:
+    if expected.quantity in LIMITS:
+        return ("up",)  # of the motions as such, whichever way they are swept
+    return ("up", "down") if expected.direction == "both" else (expected.direction,)
+
+
 def _off(expected: Expectation, number: float) -> float:
     off = abs(number - expected.value)
     scale = abs(expected.value) if expected.against is None and expected.value else 1.0
@@ -94,17 +99,19 @@ def _said(expected: Expectation, found: list[_Found]) -> Iterator[str]:
 
 
 def _found(expected: Expectation, result: Result, way: str) -> _Found:
-    ours = _number(expected, result[expected.fidelity], way)
+    ours = _number(expected, result, expected.fidelity, way)
     if expected.against is None or ours.fault:
         return ours
-    other = _number(expected, result[expected.against], way)
+    other = _number(expected, result, expected.against, way)
     if other.fault:
         return _Found(NAN, f"{expected.against} {other.fault}", other.absent)
     return _Found(ours.number / other.number - 1 if other.number else NAN)
 
 
-def _number(expected: Expectation, branches: Branches, way: str) -> _Found:
-    response = dict(branches.items())[way]
+def _number(expected: Expectation, result: Result, name: str, way: str) -> _Found:
+    if expected.quantity in LIMITS:
+        return _limit(expected, result, name)
+    response = dict(result[name].items())[way]
     if expected.frequency is None:
         number = EXTENTS[expected.quantity](response)
         return _Found(number, "" if isfinite(number) else f"{way}: there is none")
@@ -116,6 +123,13 @@ def _number(expected: Expectation, branches: Branches, way: str) -> _Found:
         return _Found(NAN, f"{way}: {ended.value}")
     number = float(getattr(response, expected.quantity)[there[0]])
     return _Found(number, "" if isfinite(number) else f"{way}: there is none")
+
+
+def _limit(expected: Expectation, result: Result, name: str) -> _Found:
+    from vibeam.show.boundaries import limits
+
+    number = float(limits(result.case, name, np.array([expected.frequency]), expected.quantity)[0])
+    return _Found(number, "" if isfinite(number) else "there is none")
 
 
 def _top(response: FrequencyResponse) -> int | None:

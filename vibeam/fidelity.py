@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
@@ -25,6 +25,8 @@ ReductionName = Literal["static_mode", "modal", "full"]
 class Fidelity:
     """How much model: a ``reduction`` (``modes`` of them for ``"modal"``) and what runs it: ``solver``, ``options``.
 
+    ``changes``: physics keys that are its own, in its scene already; ``without``: those that it leaves out.
+
     ValueError for an unknown reduction, or ``modes`` missing, below 1 or given to another reduction.
     """
 
@@ -33,6 +35,8 @@ class Fidelity:
     modes: int | None = None
     solver: str = "flight"
     options: Mapping[str, str | float] = field(default_factory=dict)
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    without: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         known = get_args(ReductionName)

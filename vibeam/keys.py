@@ -22,6 +22,11 @@ NAMED: dict[str, dict[str, dict[str, Any]]] = {
         "sdof": {"reduction": "static_mode"},
         "two_modes": {"reduction": "modal", "modes": 2},
         "beam": {"reduction": "modal", "modes": 8},
+        "point_mass": {
+            "reduction": "static_mode",
+            "set": {"stop.restitution": 0.7},
+            "without": ["mass.rotary_inertia"],
+        },
     },
     "reference": {"exact": {}},
     "expect": {"two_thirds": {}},

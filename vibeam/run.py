@@ -85,14 +85,12 @@ class _Job:
     branches: tuple[tuple[Branch, Kept], ...]
 
 
-def run(
-    case: Case, out: str | Path | None = None, progress: Progress | None = None, show: bool = True
-) -> Result:
+def run(case: Case, out: str | Path | None = None, progress: Progress | None = None, show: bool = True) -> Result:
     """Sweep every fidelity of ``case``; what the results file ``out`` already holds is not computed again.
 
     ``out=None`` keeps nothing on disk. ``progress(done, total)`` is called with the points that are there at the start
-    and after each further one, from any thread. ``show``: whether to make what the case shows beside its curves. CaseError for a fidelity that cannot be built, StoreError where
-    ``out`` cannot be used, Interrupted on Ctrl-C.
+    and after each further one, from any thread. ``show``: whether to make what the case shows beside its curves.
+    CaseError for a fidelity that cannot be built, StoreError where ``out`` cannot be used, Interrupted on Ctrl-C.
     """
     systems = _systems(case)
     plan = {name: _branches(case, name, system.size) for name, system in systems.items()}

@@ -256,16 +256,19 @@ class ExpectTable(Table):
     """A number that a fidelity is checked against, by itself or against another fidelity, one table each."""
 
     fidelity: Annotated[str, Text()] = key("the fidelity that must meet it", "sdof")
-    quantity: Annotated[str, Word(QUANTITIES + EXTENTS)] = key("what is compared", "amplitude")
+    quantity: Annotated[str, Word(QUANTITIES + EXTENTS + LIMITS)] = key("what is compared", "amplitude")
     frequency: Annotated[float | None, Frequency] = key(
-        "where, one of the sweep's; none for the peak and the range of period 1", "15.3 Hz", None
+        "where, one of the sweep's (of the last two anywhere); none for the peak and the range of period 1",
+        "15.3 Hz",
+        None,
     )
     against: Annotated[str | None, Text()] = key(
         "another fidelity: the value is then the relative difference to it", "beam", None
     )
     value: Annotated[float, Value()] = key("the number expected, in SI units (frequencies in Hz)", "34 %")
     tolerance: Annotated[float, Quantity(units.RATIO, POSITIVE)] = key(
-        "largest difference: relative to the value, or, with against or where the value is 0, of the number itself", "1 %"
+        "largest difference: relative to the value, or, with against or where the value is 0, of the number itself",
+        "1 %",
     )
     direction: Annotated[str | None, Word(DIRECTIONS)] = key(
         "the branches compared; absent = all that are swept", "up", None

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from vibeam.canonical import name_of
 from vibeam import units
+from vibeam.canonical import name_of
 from vibeam.entries import Entry, Quantity
 from vibeam.faults import shown
 from vibeam.lines import key_parts

@@ -19,12 +19,11 @@ from vibeam.reading import Complaint, complaints, declaration, known, read
 from vibeam.schema import BeamCase, SdofCase
 from vibeam.variants import Variant, variants
 
-
 Declared = BeamCase | SdofCase
 
 
 def accepted(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[Declared, dict[str, Declared]]:
-    """The declared case in SI units, and the changed one of each fidelity that changes it; CaseError with all faults."""
+    """The declared case in SI units, and that of each fidelity that changes it; CaseError with all faults."""
     tables, lines = parsed(text, file)
     faults, paths = _override(tables, overrides)
     place = _Places(str(file), lines, paths)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import time
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import fields
 from pathlib import Path
@@ -102,7 +103,7 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
         "key": key,
         "title": "a case",
         "scene": None,
-        "fidelities": {name: SimpleNamespace(name=name, solver="flight", options={}) for name in systems},
+        "fidelities": defaultdict(plain, {name: plain(name) for name in systems}),
         "sweep": sweep,
         "references": {},
         "expectations": {},
@@ -111,6 +112,11 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
         "amplitude_of": lambda name, omega: 1e-3,
     }
     return SimpleNamespace(**(values | changes))
+
+
+def plain(name: str = "") -> Any:
+    """A fidelity with nothing of its own."""
+    return SimpleNamespace(name=name, solver="flight", options={}, changes={})
 
 
 def system(modes: int, gap: float = 1e-4) -> ImpactSystem:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stand_in import curve
+from stand_in import case, curve
 
 from vibeam.case import Reference
 from vibeam.compare import compare, distance, period_one_range
@@ -21,7 +21,7 @@ HUMP = np.array([1.0, 2.0, 4.0, 8.0, 4.0, 2.0, 1.0])
 
 
 def result(**branches: Branches) -> Result:
-    return Result(None, branches)  # type: ignore[arg-type]
+    return Result(case(), branches)
 
 
 def test_summary_of_each_fidelity() -> None:

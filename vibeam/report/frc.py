@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import cycle
 from math import ceil
 from pathlib import Path
@@ -43,14 +44,14 @@ def frc(result: Result) -> Figure:
     """The figure: fidelity by colour, direction by shade and arrows, kinds of motion by line."""
     together = len(result) <= TOGETHER
     figure, grid = _grid(1 if together else len(result))
-    units, finest = units_of(result.case), finest_of(result)
+    units, finest = units_of(result.case), {name: finest_of(result, name) for name in result}
     panels = []
     for index, (name, colour) in enumerate(zip(result, cycle(COLOURS), strict=False)):
         panel = _Panel(grid.flat[0 if together else index], units, colour, result, name)
-        panel.fill(ghost=None if together or name == finest else finest, titled=not together)
+        panel.fill(ghost=None if together or name == finest[name] else finest[name], titled=not together)
         panels.append(panel)
     _label(figure, grid, result, units)
-    handles = _legend(panels, finest, together)
+    handles = _legend(panels, _ghost_called(finest), together)
     figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False, columnspacing=1.5)
     return figure
 
@@ -169,6 +170,11 @@ def _label(figure: Figure, grid: Any, result: Result, units: Units) -> None:
     figure.supylabel(upward, fontsize=PAGE["font.size"])
     if result.case.title:
         figure.suptitle(result.case.title, fontsize=9.5)
+
+
+def _ghost_called(finest: Mapping[str, str]) -> str:
+    names = set(finest.values())
+    return names.pop() if len(names) == 1 else "the finest of the same physics"
 
 
 def _legend(panels: list[_Panel], finest: str, together: bool) -> list[Line2D]:

@@ -1,14 +1,15 @@
 """The kind ``boundaries``: where averaging says that impacting motions end, beside the exact folds (paper eq. 24, 26).
 
 At each frequency of the sweep, for an averaging fidelity: Q*, the least stable reach at the fidelity's gap, or Δ_MAX,
-the largest gap at its drive. For any other fidelity the exact counterparts: both are folds of the orbit with one impact
-a drive period, Q* its reach where it folds as the drive grows weaker, Δ_MAX the gap at which it folds.
+the largest gap, loose or tight, at its drive. For any other fidelity the exact counterparts: both are folds of the orbit
+with one impact a drive period, Q* its reach where it folds as the drive grows weaker, Δ_MAX the gap at which it folds.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import cycle
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,24 +31,30 @@ if TYPE_CHECKING:
     from vibeam.run import Result
 
 Array = NDArray[np.float64]
+Options = Mapping[str, str | float]
 BESIDE = 1e-6  # share of the drive by which a fold is looked at from its side: the mean of both roots is its reach
 STRONGER = 1e3  # the weakest drive with orbits is looked for from 0 to so many times the case's
-CALLED = {"least_stable_reach": "least stable reach Q*", "largest_gap": "largest gap Δ_MAX"}
+CALLED = {"least_stable_reach": "least stable reach Q*", "largest_gap": "largest |gap| Δ_MAX"}
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     """One, over the sweep's frequencies; NaN where the motion has no such limit."""
-    system, amplitude = case.system(fidelity), case.amplitude_of(fidelity)
-    options = dict(case.fidelities[fidelity].options)
-    averaged = case.fidelities[fidelity].solver == "averaging"
-    limit = _averaged if averaged else _exact
-    frequency = np.array(plan.frequency)
-    values = limit(system, amplitude, 2 * np.pi * frequency, plan.quantity or "", options)
+    frequency, quantity = np.array(plan.frequency), plan.quantity or ""
     columns = {
         "frequency": Column(frequency, "Hz", "drive frequency, Ω/2π"),
-        "value": Column(values, "q", CALLED[plan.quantity or ""]),
+        "value": Column(limits(case, fidelity, frequency, quantity), "q", CALLED[quantity]),
     }
     return [Sheet(fidelity, float("nan"), columns)]
+
+
+def limits(case: Case, fidelity: str, frequency: Array, quantity: str) -> Array:
+    """The limit (points,) of one fidelity at ``frequency`` (points,) Hz, NaN where the motion has none."""
+    system, amplitude = case.system(fidelity), case.amplitude_of(fidelity)
+    averaged = case.fidelities[fidelity].solver == "averaging"
+    found = (_averaged if averaged else _exact)(
+        system, amplitude, 2 * np.pi * frequency, quantity, case.fidelities[fidelity].options
+    )
+    return np.asarray(found, dtype=float)
 
 
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
@@ -62,15 +69,15 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
     labelled(axes, CALLED[plan.quantity or ""], units.length)
 
 
-def _averaged(system: ImpactSystem, amplitude: float, omegas: Array, quantity: str, options: dict[str, object]) -> Array:
-    chosen: dict[str, object] = {key: options[key] for key in ("resonance", "damping") if key in options}
-    flow, unit = slow_flow(system, amplitude, **chosen)  # type: ignore[arg-type]
+def _averaged(system: ImpactSystem, amplitude: float, omegas: Array, quantity: str, options: Options) -> Array:
+    chosen: dict[str, Any] = {key: options[key] for key in ("resonance", "damping") if key in options}
+    flow, unit = slow_flow(system, amplitude, **chosen)
     limit = flow.largest_gap if quantity == "largest_gap" else flow.least_stable
     values = np.array([limit(float(omega) / unit) for omega in omegas])
     return np.where(values > 0, values, np.nan)
 
 
-def _exact(system: ImpactSystem, amplitude: float, omegas: Array, quantity: str, options: dict[str, object]) -> Array:
+def _exact(system: ImpactSystem, amplitude: float, omegas: Array, quantity: str, options: Options) -> Array:
     periods = int(str(options.get("periods", 1)))
     limit = _gap_at_fold if quantity == "largest_gap" else _reach_at_fold
     return np.array([limit(system, amplitude, float(omega), periods) for omega in omegas])
@@ -78,15 +85,15 @@ def _exact(system: ImpactSystem, amplitude: float, omegas: Array, quantity: str,
 
 def _gap_at_fold(system: ImpactSystem, amplitude: float, omega: float, periods: int) -> float:
     far = 100 * amplitude * float(np.abs(system.contact @ system.load))
-    folds = boundaries(system, amplitude, omega, periods, gap=(0.0, far), kinds=(Kind.FOLD,))
-    return max((fold.gap for fold in folds), default=float("nan"))
+    folds = boundaries(system, amplitude, omega, periods, gap=(-far, far), points=1001, kinds=(Kind.FOLD,))
+    return max((abs(fold.gap) for fold in folds if fold.clear), default=float("nan"))
 
 
 def _reach_at_fold(system: ImpactSystem, amplitude: float, omega: float, periods: int) -> float:
     # the motion scales with drive and gap together, so that the weakest drive is anywhere below or above the case's
     for most in (amplitude, STRONGER * amplitude):
         folds = boundaries(system, (most * 1e-4, most), omega, periods, points=2001, kinds=(Kind.FOLD,))
-        if folds:
+        if folds and folds[0].clear:
             return _reach(system, folds[0], omega)
     return float("nan")
 

@@ -39,10 +39,9 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
         for name, colour, order in zip(plan.fidelities, cycle(COLOURS), range(99), strict=False):
             sheet = next(s for s in shown if s.fidelity == name and s.frequency == frequency)
             look = {"color": GHOST, "linewidth": 3.2} if order == 0 and len(plan.fidelities) > 1 else {"color": colour}
-            label = f"{name}: {sheet.fault}" if sheet.fault else name
-            turns = sheet["time"] * frequency if not sheet.fault else []
-            upper.plot(turns, sheet["displacement"] * units.length_factor if len(turns) else [], label=label, **look)
-            lower.plot(turns, sheet["velocity"] * rate.factor if len(turns) else [], **look)
+            turns = sheet.of("time") * frequency
+            upper.plot(turns, sheet.of("displacement") * units.length_factor, label=sheet.label, **look)
+            lower.plot(turns, sheet.of("velocity") * rate.factor, **look)
         for height in stop_at(result.case, plan.fidelities):
             upper.axhline(height * units.length_factor, **GAP)
         lower.set_xlabel("time in drive periods")

@@ -21,7 +21,9 @@ def read_sheets(file: h5py.File, plan: ShowPlan) -> tuple[Sheet, ...] | None:
     group = file.get(f"{HOME}/{plan.name}")
     if group is None or group.attrs.get("key", b"") != plan.key.encode():
         return None
-    return tuple(_sheet(group[name][index]) for name in plan.fidelities if name in group for index in _order(group[name]))
+    return tuple(
+        _sheet(group[name][index]) for name in plan.fidelities if name in group for index in _order(group[name])
+    )
 
 
 def _order(group: h5py.Group) -> list[str]:
@@ -37,7 +39,7 @@ def _sheet(group: h5py.Group) -> Sheet:
 
 
 def write_sheets(file: h5py.File, plan: ShowPlan, sheets: tuple[Sheet, ...], unit: str) -> None:
-    """Put ``sheets`` in the place of what the file holds; ``unit``: of the outputs. The key comes last: it says whole."""
+    """Put ``sheets`` in the place of what is there; ``unit``: of the outputs. The key comes last: it says whole."""
     place = f"{HOME}/{plan.name}"
     if place in file:
         del file[place]

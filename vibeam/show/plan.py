@@ -60,6 +60,15 @@ class Sheet:
     def __getitem__(self, name: str) -> Array:
         return self.columns[name].values
 
+    def of(self, name: str) -> Array:
+        """A column, empty where there are no numbers."""
+        return self[name] if name in self.columns else np.empty(0)
+
+    @property
+    def label(self) -> str:
+        """The fidelity, with what kept it from a motion."""
+        return f"{self.fidelity}: {self.fault}" if self.fault else self.fidelity
+
 
 def module_of(plan: ShowPlan) -> Any:
     """The module of the plan's kind."""

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from vibeam.run import Result
 
 PERIODS = 16
+ROUNDING = 1e-13
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
@@ -47,10 +48,9 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
 
 def _path(axes: Axes, sheet: Sheet, colour: str, units: Units, rate: Rates) -> None:
     if sheet.fault:
-        axes.plot([], [], color=colour, label=f"{sheet.fidelity}: {sheet.fault}")
+        axes.plot([], [], color=colour, label=sheet.label)
         return
     place, speed = sheet["displacement"] * units.length_factor, sheet["velocity"] * rate.factor
-    axes.plot(place, speed, color=colour, linewidth=0.8, label=sheet.fidelity)
-    before = np.searchsorted(sheet["time"], sheet["impact_time"], side="left") - 1
-    before = before[before >= 0]
+    axes.plot(place, speed, color=colour, linewidth=0.8, label=sheet.label)
+    before = np.searchsorted(sheet["time"], sheet["impact_time"] * (1 - ROUNDING))  # the first of the two samples
     axes.plot(place[before], speed[before], linestyle="", marker="o", markersize=2.6, color=colour)

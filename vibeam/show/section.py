@@ -57,11 +57,8 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
         titled(axes, units, frequency)
         for name, colour in zip(plan.fidelities, cycle(COLOURS), strict=False):
             sheet = next(s for s in shown if s.fidelity == name and s.frequency == frequency)
-            place, speed = ([], []) if sheet.fault else (sheet["displacement"], sheet["velocity"])
-            axes.plot(
-                np.multiply(place, units.length_factor), np.multiply(speed, rate.factor), ".", markersize=2.5,
-                color=colour, label=f"{name}: {sheet.fault}" if sheet.fault else name,
-            )  # fmt: skip
+            place, speed = sheet.of("displacement") * units.length_factor, sheet.of("velocity") * rate.factor
+            axes.plot(place, speed, ".", markersize=2.5, color=colour, label=sheet.label)
         axes.margins(0.1)
         labelled(axes, "displacement at phase 0", units.length, across=True)
     labelled(grid[0], "velocity at phase 0", rate.name)

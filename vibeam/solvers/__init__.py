@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib import import_module
-from inspect import signature
+from inspect import Parameter, signature
 from typing import TYPE_CHECKING, Any, Protocol
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ HOMES = {
     "moreau": "vibeam.solvers.timestepping:MoreauSolver",
 }
 NAMES = tuple(HOMES)
+GIVEN = ("system", "slowest", "span")  # to every solver
 COMPILE_SECONDS = 25  # about, on two cores
 
 
@@ -75,11 +76,19 @@ def solver(name: str, system: ImpactSystem, slowest: float, span: float = 0.0, *
         raise ValueError(f"no solver {name!r}: there are {', '.join(NAMES)}")
     module, kind = HOMES[name].split(":")
     made = getattr(import_module(module), kind)
-    known = [key for key in signature(made).parameters if key not in ("system", "slowest", "span")]
+    known = _options_of(made)
     unknown = [key for key in options if key not in known]
     if unknown:
         raise ValueError(f"solver {name!r} has no option {', '.join(unknown)}: there are {', '.join(known) or 'none'}")
     return made(system, slowest, span, **options)
+
+
+def _options_of(made: type[Any]) -> list[str]:
+    """The options of a solver, those that it hands on to what it is made from among them."""
+    parameters = signature(made).parameters
+    handed_on = any(each.kind is Parameter.VAR_KEYWORD for each in parameters.values())
+    own = [name for name, each in parameters.items() if each.kind is not Parameter.VAR_KEYWORD and name not in GIVEN]
+    return own + (_options_of(made.__mro__[1]) if handed_on else [])
 
 
 def compiled() -> bool:

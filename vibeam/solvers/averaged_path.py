@@ -33,8 +33,8 @@ def averaged_path(mode: OneMode, drive: Drive, motion: Motion, place: Array, sta
         first, last = (turn * mode.omega * t + angle for t in (start, end))
         struck = (np.arange(np.ceil(first / np.pi), np.floor(last / np.pi) + 1) * np.pi - angle) / (turn * mode.omega)
         struck = struck[(struck > start) & (struck <= end)]
-        grid = np.sort(np.concatenate([grid, np.nextafter(struck, start), struck]))
-        places = _struck(model, motion, turn * mode.omega * grid + angle, np.isin(grid, struck))
+        grid = np.unique(np.concatenate([grid, np.nextafter(struck, -np.inf), struck]))
+        places = _struck(model, motion, turn * mode.omega * grid + angle, grid, struck)
     else:
         places = _smooth(model, motion, omega, mode.omega * grid)
     values = np.stack([places[:, 0] + mode.static, places[:, 1] * mode.omega], axis=1)[:, :, None] / mode.contact
@@ -45,10 +45,12 @@ def averaged_path(mode: OneMode, drive: Drive, motion: Motion, place: Array, sta
     return Sampled(mode.system, drive, grid, values, struck, speeds, rest, end, last_state, Ended.COMPLETE, stats)
 
 
-def _struck(model: Oscillator, motion: Motion, angle: Array, behind: NDArray[np.bool_]) -> Array:
-    """(q, q̇) at angles θ; ``behind``: the samples just after an impact, where sgn sin θ is round-off."""
+def _struck(model: Oscillator, motion: Motion, angle: Array, times: Array, struck: Array) -> Array:
+    """(q, q̇) at angles θ; just before and after an impact, where sgn sin θ is round-off, by which side it is."""
     reach = motion.high - motion.low
-    turns = np.where(behind, np.round(angle / np.pi), np.floor(angle / np.pi))
+    whole = np.round(angle / np.pi)
+    behind, ahead = np.isin(times, struck), np.isin(times, np.nextafter(struck, -np.inf))
+    turns = np.where(behind, whole, np.where(ahead, whole - 1, np.floor(angle / np.pi)))
     side = 1 - 2 * (turns % 2)
     return np.stack([model.gap - reach * np.abs(np.sin(angle)), -reach * np.cos(angle) * side], axis=1)
 

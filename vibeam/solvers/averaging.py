@@ -134,7 +134,7 @@ class AveragingSolver(StationarySolver):
         return [averaged_motion(flow, found) for found in flow.stationary(omega) if found.stable]
 
     def motion(self, drive: Drive, state: State | None, t_start: float, t_end: float) -> Sampled:
-        """The stationary motion nearest to ``state``, from ``t_start`` to ``t_end`` s; ValueError where there is none."""
+        """The stationary motion nearest to ``state``, ``t_start`` to ``t_end`` in s; ValueError where there is none."""
         found = nearest(
             self.motions(self.mode.oscillator(drive.amplitude), drive.omega / self.mode.omega), self.mode.inward(state)
         )
