@@ -255,7 +255,7 @@ def _curves(case: Case, job: _Job, store: Store | None) -> MotionCurves:
         return there
     omega = 2 * np.pi * np.sort(case.sweep.frequency)
     made = solver(job.fidelity.solver, job.system, float(omega[0]), 0.0, **job.fidelity.options)
-    found: MotionCurves = made.curves(omega, case.base_amplitude, case.sweep.output)
+    found: MotionCurves = made.curves(omega, case.amplitude_of(job.name, omega), case.sweep.output)
     if store:
         store.write_curves(job.name, found, output_unit(case))
     return found

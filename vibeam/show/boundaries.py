@@ -1,7 +1,7 @@
 """The kind ``boundaries``: where averaging says that impacting motions end, beside the exact folds (paper eq. 24, 26).
 
 At each frequency of the sweep, for an averaging fidelity: Q*, the least stable reach at the fidelity's gap, or Δ_MAX,
-the largest gap, loose or tight, at its drive. For any other fidelity the exact counterparts: both are folds of the orbit
+the largest gap, loose or tight, at its drive. For any other fidelity the exact ones: both are folds of the orbit
 with one impact a drive period, Q* its reach where it folds as the drive grows weaker, Δ_MAX the gap at which it folds.
 """
 

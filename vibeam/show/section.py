@@ -52,7 +52,7 @@ def _sheet(case: Case, name: str, frequency: float, plan: ShowPlan) -> Sheet:
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """A panel a frequency."""
     units, rate = units_of(result.case), rates_of(result.case)
-    grid = figure.subplots(1, len(plan.frequency), squeeze=False)[0]
+    grid = figure.subplots(1, len(plan.frequency), sharex=True, sharey=True, squeeze=False)[0]
     for axes, frequency in zip(grid, plan.frequency, strict=True):
         titled(axes, units, frequency)
         for name, colour in zip(plan.fidelities, cycle(COLOURS), strict=False):
