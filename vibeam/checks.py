@@ -164,6 +164,8 @@ def _names(case: SimpleNamespace) -> Iterator[Complaint]:
         for name in tables:
             if not NAME.fullmatch(name):
                 yield (kind, name), f"the name {shown(name)} must be 1 to 64 letters, digits, - or _"
+    if "show" in case.fidelity:
+        yield ("fidelity", "show"), 'the name "show" is that of a group of the results file: choose another'
 
 
 def _references(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:

@@ -6,9 +6,9 @@ q̈ + 2βq̇ + q = Ω²B sin Ωt, β = 0.015, B = 0.5e-3, R = 0.9, Δ = 0, Ω fr
 least of the repeats; errors are those of the mean impact velocity in the last period of each point against flight.
 Relative times are against direct integration, as in the paper (§3.3 and §4.2: Ivanov −80 %, Zhuravlev −70 %, averaging
 −93 %, mapping −14 %). The paper iterates its map; mapping here solves for the fixed point, and tests by one flight that
-it passes the stop nowhere, while iterating the map is what flight does. Direct and zhuravlev
-take the very same steps (see evaluations): what separates their times is that the one has a right-hand side for any
-number of modes, in arrays, and the other one in plain numbers.
+it passes the stop nowhere, while iterating the map is what flight does. Direct and zhuravlev take the very same steps
+(see evaluations): what separates their times is that the one has a right-hand side for any number of modes, in arrays,
+and the other one in plain numbers.
 """
 
 from __future__ import annotations

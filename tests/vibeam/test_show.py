@@ -192,7 +192,20 @@ def test_wrong_tables_are_told(lines: str, fault: str) -> None:
     assert [str(each).split(": ", 1)[1] for each in caught.value.faults] == [f"show.it.{fault}"]
 
 
+def test_no_fidelity_takes_the_place_of_what_is_shown() -> None:
+    with pytest.raises(CaseError, match='the name "show" is that of a group'):
+        case_of("[fidelity.show]")
+
+
 def test_a_show_changes_no_sweep() -> None:
     assert case_of().key == case_of(*EVERY).key
     plans = [case_of(EVERY[1]), case_of(EVERY[1].replace("2 rad", "2.1 rad")), case_of(EVERY[1], gap=1e-3)]
     assert len({case.shows["portrait"].key for case in plans}) == 3
+
+
+@pytest.mark.parametrize("name", ["direct", "zhuravlev", "ivanov"])
+def test_options_that_a_solver_hands_on_are_known(name: str) -> None:
+    case = case_of(f'[fidelity.other]\nsolver = "{name}"\noptions = {{ method = "RK45", rtol = 1e-6 }}')
+    assert vibeam.run(case, show=False)["other"].up is not None
+    with pytest.raises(CaseError, match="has no option steps: there are method, rtol, atol, limit, repeats"):
+        vibeam.run(case_of(f'[fidelity.other]\nsolver = "{name}"\noptions = {{ steps = 3 }}'))
