@@ -117,7 +117,7 @@ class Case:
         return self.scenes.get(name, self.scene)
 
     def amplitude_of(self, name: str, omega: NDArray[np.float64] | None = None) -> float | NDArray[np.float64]:
-        """As ``amplitude`` of one fidelity's scene (``omega`` None: as ``base_amplitude``); KeyError as in ``scene_of``."""
+        """As ``amplitude``, of one fidelity (``omega`` None: as ``base_amplitude``); KeyError as in ``scene_of``."""
         from vibeam.fidelity import base_amplitude, drive_amplitude
 
         scene = self.scene_of(name)

@@ -49,11 +49,10 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 def limits(case: Case, fidelity: str, frequency: Array, quantity: str) -> Array:
     """The limit (points,) of one fidelity at ``frequency`` (points,) Hz, NaN where the motion has none."""
-    system, amplitude = case.system(fidelity), case.amplitude_of(fidelity)
+    system, omegas = case.system(fidelity), 2 * np.pi * frequency
+    amplitudes = np.broadcast_to(case.amplitude_of(fidelity, omegas), omegas.shape)
     averaged = case.fidelities[fidelity].solver == "averaging"
-    found = (_averaged if averaged else _exact)(
-        system, amplitude, 2 * np.pi * frequency, quantity, case.fidelities[fidelity].options
-    )
+    found = (_averaged if averaged else _exact)(system, amplitudes, omegas, quantity, case.fidelities[fidelity].options)
     return np.asarray(found, dtype=float)
 
 
@@ -69,18 +68,22 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
     labelled(axes, CALLED[plan.quantity or ""], units.length)
 
 
-def _averaged(system: ImpactSystem, amplitude: float, omegas: Array, quantity: str, options: Options) -> Array:
+def _averaged(system: ImpactSystem, amplitudes: Array, omegas: Array, quantity: str, options: Options) -> Array:
     chosen: dict[str, Any] = {key: options[key] for key in ("resonance", "damping") if key in options}
-    flow, unit = slow_flow(system, amplitude, **chosen)
-    limit = flow.largest_gap if quantity == "largest_gap" else flow.least_stable
-    values = np.array([limit(float(omega) / unit) for omega in omegas])
+    found = []
+    for amplitude, omega in zip(amplitudes, omegas, strict=True):
+        flow, unit = slow_flow(system, float(amplitude), **chosen)
+        limit = flow.largest_gap if quantity == "largest_gap" else flow.least_stable
+        found.append(limit(float(omega) / unit))
+    values = np.array(found)
     return np.where(values > 0, values, np.nan)
 
 
-def _exact(system: ImpactSystem, amplitude: float, omegas: Array, quantity: str, options: Options) -> Array:
+def _exact(system: ImpactSystem, amplitudes: Array, omegas: Array, quantity: str, options: Options) -> Array:
     periods = int(str(options.get("periods", 1)))
     limit = _gap_at_fold if quantity == "largest_gap" else _reach_at_fold
-    return np.array([limit(system, amplitude, float(omega), periods) for omega in omegas])
+    drives = zip(amplitudes, omegas, strict=True)
+    return np.array([limit(system, float(amplitude), float(omega), periods) for amplitude, omega in drives])
 
 
 def _gap_at_fold(system: ImpactSystem, amplitude: float, omega: float, periods: int) -> float:

@@ -41,9 +41,9 @@ class Settled:
 def settled(case: Case, name: str, frequency: float, settle: int) -> Settled:
     """The fidelity after ``settle`` periods at ``frequency`` Hz, begun at static equilibrium."""
     system, fidelity = case.system(name), case.fidelities[name]
-    drive = Drive(2 * np.pi * frequency, case.amplitude_of(name))
+    omega = np.array([2 * np.pi * frequency])
+    drive = Drive(float(omega[0]), float(np.ravel(case.amplitude_of(name, omega))[0]))
     made = solver_named(fidelity.solver, system, drive.omega, 0.0, **fidelity.options)
-    omega = np.array([drive.omega])
     response, state = made.steady(omega, drive.amplitude, None, max(settle - 1, 0), 1, case.sweep.output)
     ended = Ended.of_code(int(response.ended[0]))
     if ended is not Ended.COMPLETE:
