@@ -132,10 +132,11 @@ def _systems(case: Case) -> dict[str, ImpactSystem]:
             solver(fidelity.solver, systems[name], slowest, 0.0, **fidelity.options)
         except ValueError as error:
             faults.append(Fault(str(case.path), None, f"fidelity.{name}", str(error)))
-    try:
-        case.amplitude(2 * np.pi * case.sweep.frequency)
-    except ValueError as error:
-        faults.append(Fault(str(case.path), None, "platform", str(error)))
+    for name in case.fidelities:
+        try:
+            case.amplitude_of(name, 2 * np.pi * case.sweep.frequency)
+        except ValueError as error:
+            faults.append(Fault(str(case.path), None, "platform", str(error)))
     if faults:
         raise CaseError(faults)
     return systems
