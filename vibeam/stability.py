@@ -156,10 +156,11 @@ def stability(
     maps: list[ModelMap] = []
     crossings: list[Crossing] = []
     for name, (system, names) in models.items():
-        given = {"amplitude": case.base_amplitude, "gap": system.gap} | {axis.over: values}
+        amplitude = float(case.amplitude_of(name))
+        given = {"amplitude": amplitude, "gap": system.gap} | {axis.over: values}
         found = orbit_map(system, grid, given["amplitude"], periods, given["gap"])
-        maps.append(ModelMap(tuple(names), system.size, found, _averaged(case, system, axis.over, grid, periods)))
-        crossings += _crossings(name, system, case.base_amplitude, grid, periods)
+        maps.append(ModelMap(tuple(names), system.size, found, _averaged(amplitude, system, axis.over, grid, periods)))
+        crossings += _crossings(name, system, amplitude, grid, periods)
     return Stability(case, axis, tuple(maps), tuple(crossings))
 
 
@@ -238,9 +239,8 @@ def _usual_gaps(case: Case, system: ImpactSystem) -> tuple[float, float]:
     return -half, half
 
 
-def _averaged(case: Case, system: ImpactSystem, over: str, omega: Array, periods: int) -> Array | None:
+def _averaged(amplitude: float, system: ImpactSystem, over: str, omega: Array, periods: int) -> Array | None:
     """The open interval of gaps, or of amplitudes, with a stationary averaged motion near Ω = 2n (Δ_MAX of eq. 25)."""
-    amplitude = case.base_amplitude
     try:
         flow, unit = slow_flow(system, amplitude, resonance=periods)
     except ValueError:

@@ -114,13 +114,14 @@ class AveragingSolver(StationarySolver):
             raise ValueError("; ".join(faults))
         self.resonance, self.damping = resonance, damping
 
-    def curves(self, omegas: ArrayLike, amplitude: float, output: str) -> MotionCurves:
+    def curves(self, omegas: ArrayLike, amplitude: ArrayLike, output: str) -> MotionCurves:
         """Both stationary solutions at every one of ``omegas``, rad/s; q ≤ Δ always, so all are admissible."""
         grid, mode = np.atleast_1d(np.asarray(omegas, dtype=float)), self.mode
         share = abs(float(self.system.output(output)[0]) / mode.contact)
-        flow = SlowFlow(mode.oscillator(amplitude), self.resonance, self.damping)
+        base = np.broadcast_to(np.asarray(amplitude, dtype=float), grid.shape)
         found = MotionCurves.empty(grid / (2 * np.pi), self.resonance)
         for index, omega in enumerate(grid):
+            flow = SlowFlow(mode.oscillator(float(base[index])), self.resonance, self.damping)
             for branch, one in enumerate(flow.stationary(float(omega) / mode.omega)):
                 at = index, branch
                 found.amplitude[at], found.reach[at] = share * one.reach / 2, one.reach

@@ -55,13 +55,17 @@ class OrbitSolver:
             response.cpu_seconds[index] = time.thread_time() - begun
         return response, last
 
-    def curves(self, omegas: Sequence[float] | Array, amplitude: float, output: str) -> MotionCurves:
-        """Both motions at every one of ``omegas``, rad/s: the roots of the quadratic, certified one by one."""
+    def curves(self, omegas: Sequence[float] | Array, amplitude: float | Array, output: str) -> MotionCurves:
+        """Both motions at every one of ``omegas``, rad/s: the roots of the quadratic, certified one by one.
+
+        ``amplitude``: of the base, m, one for all or one each.
+        """
         grid = np.asarray(omegas, dtype=float)
+        base = np.broadcast_to(amplitude, grid.shape)
         self.system.output(output)
         found = MotionCurves.empty(grid / (2 * np.pi), self.periods)
         for index, omega in enumerate(grid):
-            for branch, orbit in enumerate(self._orbits(Drive(float(omega), amplitude))):
+            for branch, orbit in enumerate(self._orbits(Drive(float(omega), float(base[index])))):
                 at = index, branch
                 found.velocity[at], found.reach[at] = orbit.velocity, orbit.reach
                 found.stable[at], found.admissible[at] = orbit.stable, orbit.admissible
