@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from vibeam.system import ImpactSystem
 
 Direction = Literal["up", "down", "both"]
-NOT_NUMBERS = frozenset({"title", "source", "reference", "expect", "show"})  # tables that change no sweep
+NOT_NUMBERS = frozenset({"title", "source", "reference", "expect", "show", "cost"})  # tables that change no sweep
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +67,19 @@ class Reference:
     direction: Direction
 
 
+@dataclass(frozen=True)
+class CostPlan:
+    """What ``vibeam cost`` does: frequencies in Hz, ``budget`` in CPU seconds; None: as its defaults say."""
+
+    frequency: tuple[float, ...] | None = None
+    settle: int | None = None
+    hold: int | None = None
+    solvers: tuple[str, ...] | None = None
+    modes: tuple[int, ...] | None = None
+    repeats: int = 3
+    budget: float = 60.0
+
+
 @dataclass(frozen=True, eq=False)
 class Case:
     """A scene, the fidelities that model it, their sweep and what they are checked against.
@@ -88,6 +101,7 @@ class Case:
     scenes: Mapping[str, Scene | SdofScene] = field(default_factory=dict)
     expectations: Mapping[str, Expectation] = field(default_factory=dict)
     shows: Mapping[str, ShowPlan] = field(default_factory=dict)
+    cost: CostPlan = CostPlan()
 
     @cached_property
     def key(self) -> str:
@@ -162,6 +176,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         scenes={name: _scene(own) for name, own in changed.items()},
         expectations=_expectations(declared, sweep.direction),
         shows=_shows(declared, sweep),
+        cost=CostPlan(**dict(declared.cost)),
     )
 
 

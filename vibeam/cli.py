@@ -150,6 +150,33 @@ def stability(
 
 
 @app.command()
+def cost(
+    case: CaseFile,
+    set_: Overrides = None,
+    as_json: AsJson = False,
+    out: Annotated[Path | None, typer.Option("--out", help="The folder for plot and table.", show_default=False)] = None,
+) -> None:
+    """Accuracy against time: every fidelity by every solver, and where the error comes from."""
+    with _mistakes():
+        from vibeam.cost.study import cost as studied
+        from vibeam.progress import compile_first, stderr
+        from vibeam.report import cost_table
+        from vibeam.report.cost_files import write_files
+
+        loaded = _load(case, set_)
+        folder = out or Path()
+        if not folder.is_dir():
+            raise Mistake(f"{folder}: --out names a folder that is there")
+        console = stderr()
+        compile_first(console)
+        study = _of_beam(case, lambda: studied(loaded, console.print))
+        files = write_files(study, folder, case.stem)
+        _print({"study": study, "files": files}, as_json, lambda tables: [cost_table.runs(study), cost_table.parts(study)])
+        if not as_json:
+            typer.echo("\n".join([*cost_table.sentences(study), *map(str, files)]))
+
+
+@app.command()
 def derive(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: TableFile = None) -> None:
     """SDOF parameters from geometry, each beside its finite-element value."""
     with _mistakes():

@@ -229,6 +229,32 @@ class Several(Entry):
 
 
 @dataclass(frozen=True)
+class Each(Entry):
+    """A list of at least one entry of a kind, each only once."""
+
+    of: Entry
+
+    def parse(self, value: Any) -> tuple[Any, ...]:
+        """As ``Entry.parse``."""
+        if not isinstance(value, list) or not value:
+            raise ValueError(f"must be a {self.describe()}, not {shown(value) if value != [] else 'an empty list'}")
+        found = tuple(self._item(index, each) for index, each in enumerate(value))
+        if len(set(found)) < len(found):
+            raise ValueError("names one of its entries twice")
+        return found
+
+    def _item(self, index: int, value: Any) -> Any:
+        try:
+            return self.of.parse(value)
+        except ValueError as error:
+            raise ValueError(f"entry {index + 1} of the list: {error}") from None
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return f"list of {self.of.describe()}"
+
+
+@dataclass(frozen=True)
 class TableOr(Entry):
     """A table of its own (a model), or a list instead."""
 

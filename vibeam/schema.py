@@ -10,7 +10,20 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from vibeam import units
-from vibeam.entries import NOT_NEGATIVE, POSITIVE, Count, Flag, Options, Quantity, Range, Several, TableOr, Text, Word
+from vibeam.entries import (
+    NOT_NEGATIVE,
+    POSITIVE,
+    Count,
+    Each,
+    Flag,
+    Options,
+    Quantity,
+    Range,
+    Several,
+    TableOr,
+    Text,
+    Word,
+)
 from vibeam.settings import Names, Settings, Value
 from vibeam.show import KINDS, LIMITS
 from vibeam.solvers import NAMES as SOLVERS
@@ -294,6 +307,31 @@ class ShowTable(Table):
     )
 
 
+class CostTable(Table):
+    """What vibeam cost does; absent = what the defaults say."""
+
+    frequency: Annotated[tuple[float, ...] | None, Several(Frequency, limit=MOST_POINTS, ascending=True)] = key(
+        "drive frequencies; absent = nine of the sweep's", ["14 Hz", "15 Hz", "16 Hz"], None, written=False
+    )
+    settle: Annotated[int | None, Periods] = key(
+        "drive periods left out; absent = the sweep's, 100 at most", 100, None, written=False
+    )
+    hold: Annotated[int | None, Count(1, MOST_POINTS)] = key(
+        "drive periods read; absent = the sweep's, 10 at most", 10, None, written=False
+    )
+    solvers: Annotated[tuple[str, ...] | None, Each(Word(SOLVERS))] = key(
+        "those compared; absent = all", ["flight", "orbit", "direct"], None, written=False
+    )
+    modes: Annotated[tuple[int, ...] | None, Each(Count(1, 2 * MOST_ELEMENTS))] = key(
+        "the finest fidelity cut off after so many modes, each; absent = 1, 2, 4, 8 … below its own",
+        [1, 2, 4, 8],
+        None,
+        written=False,
+    )
+    repeats: Annotated[int, Count(1, 1000)] = key("how often a run is timed, where that is short", 3, 3)
+    budget: Annotated[float, Quantity(units.TIME, POSITIVE)] = key("CPU time for all of it", "60 s", 60.0)
+
+
 class SdofTable(Table):
     """A single degree of freedom in place of beam, mass and sensor: the paper's model, nondimensional."""
 
@@ -367,6 +405,7 @@ class BeamCase(Table):
     reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)
     expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False)
     show: dict[str, ShowTable] = key("further figures", None, {}, written=False)
+    cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False)
 
 
 class SdofCase(Table):
@@ -384,3 +423,4 @@ class SdofCase(Table):
     reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)
     expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False)
     show: dict[str, ShowTable] = key("further figures", None, {}, written=False)
+    cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False)

@@ -36,7 +36,7 @@ def responses(summaries: Sequence[Summary], units: Units = METRIC) -> Table:
     """Every fidelity: its peak and the range in which its motion with impacts has the drive's period."""
     ways = [way for way in ("up", "down") if any(way in row.period_one for row in summaries)]
     unit = f" ({units.frequency})" if units.frequency else ""
-    table = _table("Response", "fidelity", "modes|", "peak|", "at|", "sweep")
+    table = blank("Response", "fidelity", "modes|", "peak|", "at|", "sweep")
     _columns(table, *(f"period 1, {way}{unit}|" for way in ways))
     table.caption = "period 1: the contiguous range with impacts around the largest amplitude"
     for row in summaries:
@@ -47,7 +47,7 @@ def responses(summaries: Sequence[Summary], units: Units = METRIC) -> Table:
 
 def costs(summaries: Sequence[Summary]) -> Table:
     """Every fidelity: how far from the finest, at what cost."""
-    table = _table("Accuracy and cost", "fidelity", "max off|", "rms off|", "CPU|", "ratio|")
+    table = blank("Accuracy and cost", "fidelity", "max off|", "rms off|", "CPU|", "ratio|")
     _columns(table, "impacts|", "ns each|", "failed|")
     table.caption = "off: amplitude, where both it and the finest are periodic; ratio: to the cheapest"
     for row in summaries:
@@ -59,7 +59,7 @@ def costs(summaries: Sequence[Summary]) -> Table:
 
 def checks(rows: Iterable[CheckRow], units: Units = METRIC) -> Table:
     """Every reference: passed or missed, by how much and where."""
-    table = _table("References", "", "reference", "fidelity", "quantity", "points|", "worst|", "at|", "allowed|", "why")
+    table = blank("References", "", "reference", "fidelity", "quantity", "points|", "worst|", "at|", "allowed|", "why")
     for row in rows:
         mark = Text("passed", style="green") if row.passed else Text("missed", style="bold red")
         points = str(row.points) if row.points == row.total else f"{row.points} of {row.total}"
@@ -82,7 +82,7 @@ def crossings(rows: Sequence[Crossing], own: str, units: Units = METRIC) -> Tabl
 
 def derivation(rows: Iterable[Row]) -> Table:
     """SDOF parameters from geometry, each beside its finite-element value."""
-    table = _table("SDOF parameters", "parameter", "symbol", "by formula|", "by FE|", "unit", "error|", "assumption")
+    table = blank("SDOF parameters", "parameter", "symbol", "by formula|", "by FE|", "unit", "error|", "assumption")
     for row in rows:
         values = (f"{row.value:.5g}", f"{row.reference:.5g}")
         unit = "" if row.unit == "1" else row.unit
@@ -92,7 +92,7 @@ def derivation(rows: Iterable[Row]) -> Table:
 
 def modal(modes: ModeTable) -> Table:
     """The modal table: what each mode brings to contact, sensor and drive, and the restitution that is left."""
-    table = _table("Modes of the finite-element beam", "mode|", "Hz|", "damping|")
+    table = blank("Modes of the finite-element beam", "mode|", "Hz|", "damping|")
     _columns(table, "contact|", "sensor|", "load|", "Σ share|", "R₁ seen|", "R|")
     for row in modes.rows:
         values = (f"{value:.4g}" for value in (row.contact, row.sensor, row.load))
@@ -108,7 +108,7 @@ def modal(modes: ModeTable) -> Table:
 
 def keys(rows: Iterable[KeyRow]) -> Table:
     """Every key of a case file, by table."""
-    table = _table("Keys of a case file", "table", "key", "holds", "default", "meaning")
+    table = blank("Keys of a case file", "table", "key", "holds", "default", "meaning")
     last = ""
     for row in rows:
         if last and row.table != last:
@@ -119,7 +119,8 @@ def keys(rows: Iterable[KeyRow]) -> Table:
     return table
 
 
-def _table(title: str, *names: str) -> Table:
+def blank(title: str, *names: str) -> Table:
+    """An empty table; a name that ends in | is a column of numbers, to the right."""
     table = Table(title=title, box=box.SIMPLE_HEAD, collapse_padding=True, pad_edge=False)
     table.title_justify = table.caption_justify = "left"
     table.title_style = "bold"

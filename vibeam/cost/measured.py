@@ -1,0 +1,101 @@
+"""What one run shows: the same sweep and the same path for every fidelity and every solver."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.cost.ladder import Rung
+from vibeam.cost.paths import Path, path_of, released
+from vibeam.response import Ended, FrequencyResponse
+from vibeam.solvers import solver
+from vibeam.state import State
+from vibeam.sweep import join
+from vibeam.system import Drive, ImpactSystem
+
+Array = NDArray[np.float64]
+Clock = Callable[[], float]
+
+
+class OutOfTime(Exception):
+    """A run was stopped: the message says where."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What every run does: a sweep up over ``omega`` (rad/s), the state carried, then a path of ``window`` periods.
+
+    Where the motion does not repeat, ``cloud`` periods more are read one by one. ``size``: of the contact's motion, m;
+    ``drive`` moves the path.
+    """
+
+    omega: Array
+    amplitude: float
+    settle: int
+    hold: int
+    output: str
+    cloud: int
+    window: int
+    size: float
+    drive: Drive
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """A motion that does not repeat, period by period: amplitudes (periods,) and impact velocities (impacts,)."""
+
+    amplitude: Array
+    velocity: Array
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a run showed; ``clouds`` by the index of their frequency, ``path`` None where the solver keeps none."""
+
+    response: FrequencyResponse
+    clouds: Mapping[int, Cloud] = field(default_factory=dict)
+    path: Path | None = None
+    periods: int = 0
+
+    @property
+    def failure(self) -> str:
+        """Why a point of it broke down; empty where none did. To find no motion of one's kind is no failure."""
+        fine = (Ended.COMPLETE.code, Ended.NO_ORBIT.code)
+        broken = [int(code) for code in self.response.ended if code not in fine]
+        return f"{len(broken)} of {len(self.response)} points: {Ended.of_code(broken[0]).value}" if broken else ""
+
+
+def measure(
+    system: ImpactSystem, rung: Rung, plan: Plan, clock: Clock = lambda: 0.0, deadline: float = np.inf
+) -> Measured:
+    """Run the plan; ValueError where the solver cannot take the system, OutOfTime once ``clock`` passes ``deadline``."""
+    runner = solver(rung.solver, system, float(np.min(plan.omega)), **rung.options)
+    parts: list[FrequencyResponse] = []
+    clouds: dict[int, Cloud] = {}
+    state: State | None = None
+    for index, omega in enumerate(plan.omega):
+        if clock() > deadline:
+            raise OutOfTime(f"stopped after {index} of {len(plan.omega)} points: the time was up")
+        one = np.array([omega])
+        part, state = runner.steady(one, plan.amplitude, state, plan.settle, plan.hold, plan.output)
+        parts.append(part)
+        if part.period[0] == 0 and part.ended[0] == Ended.COMPLETE.code and plan.cloud:
+            each = np.full(plan.cloud, omega)
+            watched, state = runner.steady(each, plan.amplitude, state, 0, 1, plan.output)
+            clouds[index] = _cloud(watched)
+    path = _path(runner, system, plan) if plan.window else None
+    periods = len(plan.omega) * (plan.settle + plan.hold) + len(clouds) * plan.cloud + plan.window * (path is not None)
+    return Measured(join(parts), clouds, path, periods)
+
+
+def _cloud(watched: FrequencyResponse) -> Cloud:
+    velocities, amplitudes = watched.impact_velocities.ravel(), watched.amplitude
+    return Cloud(amplitudes[np.isfinite(amplitudes)], velocities[np.isfinite(velocities)])
+
+
+def _path(runner: object, system: ImpactSystem, plan: Plan) -> Path | None:
+    end = plan.window * 2 * np.pi / plan.drive.omega
+    return path_of(runner, plan.drive, released(system, plan.size), end, plan.output)

@@ -1,0 +1,78 @@
+"""The reference: the finest fidelity by the exact flight solver, and how far a second solver is from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vibeam.cost.errors import Errors, errors
+from vibeam.cost.ladder import Rung
+from vibeam.cost.measured import Measured, Plan, measure
+from vibeam.response import FrequencyResponse
+from vibeam.system import ImpactSystem
+
+FLIGHT, ORBIT = Rung("flight"), Rung("orbit")
+STRICT = 1e-12
+MOST = 16  # modes, beyond which strict integration takes too long
+WINDOW = 3  # drive periods of strict integration
+
+
+@dataclass(frozen=True)
+class Bound:
+    """How far two independent solvers are from flight on the finest fidelity, relative.
+
+    ``amplitude``, ``velocity``: the closed-form orbits, at the ``points`` of ``total`` frequencies with one impact a
+    period. ``path``, ``impacts``: integration by DOP853 at 1e-12 over three periods, of displacement (Hausdorff) and impact
+    velocity. NaN where they have nothing to say, ``note`` says why.
+    """
+
+    amplitude: float
+    velocity: float
+    points: int
+    total: int
+    path: float
+    impacts: float
+    note: str = ""
+
+    @property
+    def value(self) -> float:
+        """The stated figure: of amplitudes where there is one, else of paths."""
+        return self.amplitude if np.isfinite(self.amplitude) else self.path
+
+    @property
+    def sentence(self) -> str:
+        """In words."""
+        said = []
+        if self.points:
+            agreed = f"flight and closed-form orbits agree to {self.amplitude:.1e} in amplitude"
+            said.append(f"{agreed} at {self.points} of {self.total} frequencies")
+        if np.isfinite(self.impacts):
+            said.append(f"flight and DOP853 at 1e-12 to {self.impacts:.1e} in impact velocity over {WINDOW} periods")
+        return "; ".join([*said, *filter(None, [self.note])])
+
+
+def bound(system: ImpactSystem, exact: Measured, plan: Plan) -> Bound:
+    """Both second opinions on ``exact``."""
+    alone = _single_impacts(exact.response)
+    by_orbit = errors(measure(system, ORBIT, replace(plan, window=0)), replace(exact, response=alone), plan)
+    by_steps, note = _integrated(system, plan)
+    return Bound(
+        by_orbit.amplitude_max, by_orbit.velocity, by_orbit.points, by_orbit.total, by_steps.path,
+        by_steps.impact_velocities, note,
+    )  # fmt: skip
+
+
+def _single_impacts(response: FrequencyResponse) -> FrequencyResponse:
+    """The response with all but its simplest motions marked as not repeating: an orbit's solver knows no others."""
+    simple = (response.period == -1) | ((response.period == 1) & (response.impacts_per_period <= 1))
+    return replace(response, period=np.where(simple, response.period, 0))
+
+
+def _integrated(system: ImpactSystem, plan: Plan) -> tuple[Errors, str]:
+    if system.size > MOST:
+        return Errors(), f"{system.size} modes are too many to integrate at {STRICT:.0e}"
+    short = replace(plan, omega=np.array([plan.drive.omega]), settle=0, hold=1, cloud=0, window=WINDOW)
+    options = {"method": "DOP853", "rtol": STRICT, "atol": STRICT * 1e-2 * plan.size}
+    strict = measure(system, Rung("direct", options=options), short)
+    return errors(strict, measure(system, FLIGHT, short), short), strict.failure

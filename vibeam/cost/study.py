@@ -1,0 +1,239 @@
+"""``vibeam cost``: accuracy against time of a case, over fidelities and solvers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.cost.errors import Errors, errors, peak
+from vibeam.cost.ladder import Rung, ladders
+from vibeam.cost.measured import Clock, Measured, OutOfTime, Plan, measure
+from vibeam.cost.models import CUT_SOLVERS, Model, built, finest, models
+from vibeam.cost.reference import FLIGHT, Bound, bound
+from vibeam.cost.schedule import LeftOut, Track, climb
+from vibeam.cost.split import Part, Split, part, shares, split
+from vibeam.cost.work import Work, front, timed
+from vibeam.solvers import NAMES
+from vibeam.system import Drive, ImpactSystem
+
+if TYPE_CHECKING:
+    from vibeam.case import Case, CostPlan
+
+POINTS, SETTLE, HOLD, CLOUD, WINDOW = 9, 100, 10, 64, 10
+PROBE = 2  # drive periods of the warm-up, by which the cost of a ladder's first rung is estimated
+SHARE = 0.01  # of the budget that may go into repeating a run
+FORMULAS = ("orbit", "averaging", "mapping")  # whose cost does not grow with the periods
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run: ``total`` error against the reference, ``numerical`` against the exact motion of its own fidelity.
+
+    ``parts`` of its amplitude's error, which add up: solver, settling, modelling. ``why``: the reason where it
+    failed, its errors are then NaN.
+    """
+
+    fidelity: str
+    modes: int
+    solver: str
+    method: str
+    setting: str
+    total: Errors
+    numerical: Errors
+    parts: tuple[Part, ...]
+    work: Work | None
+    why: str = ""
+
+    @property
+    def label(self) -> str:
+        """The solver and its setting."""
+        return " ".join(filter(None, (self.solver, self.method, self.setting)))
+
+
+@dataclass(frozen=True)
+class Study:
+    """All that ``vibeam cost`` found; ``finest`` is the reference's fidelity, ``front`` the indices of the Pareto front
+    of root-mean-square amplitude error and CPU time."""
+
+    title: str
+    finest: str
+    bound: Bound
+    rows: tuple[Row, ...]
+    splits: tuple[Split, ...]
+    left_out: tuple[LeftOut, ...]
+    refused: tuple[LeftOut, ...]
+    same: dict[str, str]
+    frequency: tuple[float, ...]
+    settle: int
+    hold: int
+    cpu: float
+
+    @property
+    def front(self) -> list[int]:
+        """Rows that no other beats in both error and time."""
+        return front([(row.total.amplitude_rms, row.work.cpu_min if row.work else np.nan) for row in self.rows])
+
+
+def cost(case: Case, progress: Progress = lambda line: None, clock: Clock = time.thread_time) -> Study:
+    """Run what the budget allows and compare it. ValueError for a fidelity that cannot be built."""
+    return _Studied(case, progress, clock).study()
+
+
+class _Studied:
+    """One study as it grows."""
+
+    def __init__(self, case: Case, progress: Progress, clock: Clock) -> None:
+        self.case, self.asked, self.clock, self.say = case, case.cost, clock, progress
+        self.models, self.same = models(case, self.asked.modes)
+        self.finest = finest(self.models)
+        self.named = {model.name: model for model in self.models}
+        self.rows: list[Row] = []
+        self.refused: list[LeftOut] = []
+        self.warm()
+        self.began = clock()
+
+    def warm(self) -> None:
+        """Load and compile what is loaded and compiled but once."""
+        first = self._first_plan()
+        plan = replace(first, omega=first.omega[:1], settle=0, hold=PROBE)
+        least = min(self.models, key=lambda model: model.system.size)
+        for name in self.asked.solvers or NAMES:
+            for rung in [ladder[0] for ladder in ladders(name, 1.0)]:
+                with suppress(ValueError):
+                    measure(least.system, rung, plan)
+
+    def _first_plan(self) -> Plan:
+        sweep, asked = self.case.sweep, self.asked
+        omega = 2 * np.pi * frequencies(self.case, asked)
+        settle = min(sweep.settle, SETTLE) if asked.settle is None else asked.settle
+        hold = min(sweep.hold, HOLD) if asked.hold is None else asked.hold
+        drive = Drive(float(omega[0]), self.case.base_amplitude)
+        return Plan(omega, self.case.base_amplitude, settle, hold, sweep.output, 0, 0, 1.0, drive)
+
+    @cached_property
+    def plan(self) -> Plan:
+        """What all run: the path is driven at the reference's peak, and starts as far from the stop as it swings."""
+        first = self._first_plan()
+        seen = measure(self.finest.system, FLIGHT, first).response
+        size, top = float(np.nanmedian(seen.reach)), peak(seen)[0]
+        drive = Drive(2 * np.pi * top, first.amplitude) if np.isfinite(top) else first.drive
+        size = size if size > 0 else 1.0
+        return replace(first, cloud=CLOUD, window=WINDOW, size=size, drive=drive)
+
+    @cached_property
+    def long(self) -> Plan:
+        """The plan with at least the case's own settling: what counts as exact."""
+        return replace(self.plan, settle=max(self.case.sweep.settle, self.plan.settle))
+
+    def study(self) -> Study:
+        """Everything in turn: exact motions, their bound, the parts of modelling, then the ladders."""
+        self.say("exact motions of every fidelity, and what bounds them")
+        self.exact = {model.name: self._timed(model.system, FLIGHT, self.long) for model in self.models}
+        self.short = {model.name: measure(model.system, FLIGHT, self.plan) for model in self.models}
+        top = self.exact[self.finest.name][0]
+        bounded = bound(self.finest.system, top, self.long)
+        splits = tuple(self._split(model, top) for model in self.models)
+        left_out = climb(self._tracks(), self._left, self._climbed)
+        order = {model.name: index for index, model in enumerate(self.models)}
+        rows = sorted(self.rows, key=lambda row: (order[row.fidelity], NAMES.index(row.solver)))
+        grid = tuple(float(each) for each in self.plan.omega / (2 * np.pi))
+        spent = self.clock() - self.began
+        return Study(
+            self.case.title, self.finest.name, bounded, tuple(rows), splits, tuple(left_out), tuple(self.refused),
+            self.same, grid, self.plan.settle, self.plan.hold, spent,
+        )  # fmt: skip
+
+    def _left(self) -> float:
+        return self.asked.budget - (self.clock() - self.began)
+
+    def _timed(self, system: ImpactSystem, rung: Rung, plan: Plan) -> tuple[Measured, Work]:
+        deadline = self.began + self.asked.budget
+        spend = SHARE * self.asked.budget
+        run = lambda: measure(system, rung, plan, self.clock, deadline)  # noqa: E731
+        return timed(run, self.clock, self.asked.repeats, spend)
+
+    def _split(self, model: Model, top: Measured) -> Split:
+        def build(one: Model, other: Model) -> ImpactSystem:
+            if one is other:
+                return other.system
+            alike = replace(one.fidelity, reduction=other.fidelity.reduction, modes=other.fidelity.modes)
+            return built(self.case, alike)
+
+        def fly(system: ImpactSystem) -> Any:
+            return measure(system, FLIGHT, replace(self.long, window=0)).response
+
+        exact, work = self.exact[model.name]
+        return split(model, self.finest, exact.response, top.response, build, fly, work.cpu_min)
+
+    def _tracks(self) -> list[Track]:
+        """Every ladder on every fidelity that can be climbed; refusals are noted."""
+        tracks = []
+        for model in self.models:
+            for name in self.asked.solvers or NAMES:
+                if model.cut and name not in CUT_SOLVERS:
+                    continue
+                try:
+                    for ladder in ladders(name, self.plan.size):
+                        tracks.append(Track(model.name, ladder, self._estimate(model, ladder[0])))
+                except ValueError as refusal:
+                    self.refused.append(LeftOut(model.name, name, str(refusal)))
+        return tracks
+
+    def _estimate(self, model: Model, rung: Rung) -> float:
+        """Seconds of a run: flight's are known, others from two periods of it; this is its warm-up as well."""
+        if rung.solver == "flight":
+            return self.exact[model.name][1].cpu_min
+        plan = self.plan
+        short = replace(plan, omega=plan.omega[len(plan.omega) // 2 :][:1], settle=0, hold=PROBE, cloud=0, window=0)
+        begun = self.clock()
+        measure(model.system, rung, short)
+        times = 1 if rung.solver in FORMULAS else (plan.settle + plan.hold) / PROBE
+        return (self.clock() - begun) * len(plan.omega) * times
+
+    def _climbed(self, fidelity: str, rung: Rung) -> float | None:
+        """One run and its row; the seconds it took, or None where it is of no use to go on."""
+        model = self.named[fidelity]
+        self.say(f"{fidelity}: {rung.label}")
+        try:
+            found, work = self._timed(model.system, rung, self.plan)
+        except OutOfTime as stopped:
+            self.rows.append(self._row(model, rung, None, None, str(stopped)))
+            return None
+        self.rows.append(self._row(model, rung, found, work, found.failure))
+        return work.cpu_median
+
+    def _row(self, model: Model, rung: Rung, found: Measured | None, work: Work | None, why: str) -> Row:
+        total, numerical, parts = Errors(), Errors(), tuple[Part, ...]()
+        if found is not None and not why:
+            own, top = self.exact[model.name][0], self.exact[self.finest.name][0]
+            total, numerical = (errors(found, truth, self.plan) for truth in (top, own))
+            why = "" if total.points or np.isfinite(total.statistics) else self._nothing(found)
+            chain = [each.response for each in (found, self.short[model.name], own, top)]
+            steps, whole = shares(chain)
+            names = ("solver", "settling", "modelling", "total")
+            parts = tuple(part(name, values) for name, values in zip(names, [*steps, whole], strict=True))
+        return Row(
+            model.name, model.system.size, rung.solver, rung.method, rung.setting, total, numerical, parts, work, why
+        )
+
+    @staticmethod
+    def _nothing(found: Measured) -> str:
+        from vibeam.response import Ended
+
+        none = np.all(found.response.ended == Ended.NO_ORBIT.code)
+        return Ended.NO_ORBIT.value if none else "no frequency at which both its motion and the reference's repeat"
+
+
+def frequencies(case: Case, asked: CostPlan) -> Any:
+    """The frequencies (Hz) that are run: those asked for, or nine of the sweep's, evenly spread."""
+    if asked.frequency is not None:
+        return np.array(asked.frequency)
+    grid = np.sort(case.sweep.frequency)
+    return grid[np.unique(np.linspace(0, len(grid) - 1, POINTS).round().astype(int))]

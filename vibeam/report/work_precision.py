@@ -1,0 +1,147 @@
+"""The work–precision plot: error against CPU time, a colour a fidelity, a marker a solver, the Pareto front.
+
+On the left the error against the finest fidelity, on the right that of the solver alone, against the exact motion of its
+own fidelity: where the left-hand points of a colour stand in a column, its solvers are not where its error is.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import cycle
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator
+
+from vibeam.report.style import COLOURS, KEY, PAGE
+
+if TYPE_CHECKING:
+    from vibeam.cost.errors import Errors
+    from vibeam.cost.study import Row, Study
+
+MARKS = {
+    "flight": ("*", 9.0),
+    "orbit": ("P", 6.0),
+    "averaging": ("v", 5.0),
+    "mapping": ("X", 5.5),
+    "direct": ("o", 4.0),
+    "zhuravlev": ("<", 4.5),
+    "ivanov": (">", 4.5),
+    "moreau": ("s", 3.8),
+}
+JOINED = {"RK23": "-", "RK45": "--", "DOP853": "-.", "LSODA": ":", "": "-"}
+FRONT: dict[str, Any] = {"color": "0.8", "linewidth": 5.0, "zorder": 1.0, "solid_capstyle": "round"}
+FLOOR = 1e-16  # where an error of zero is drawn
+WIDEST = 10.0  # errors beyond, and failures, are drawn at the edge
+Pick = Callable[["Row"], "Errors"]
+
+
+def write_work_precision(study: Study, *paths: Path) -> None:
+    """Draw the plot; the format follows each path's ending (.png, .svg, .pdf)."""
+    with mpl.rc_context(PAGE):
+        figure = work_precision(study)
+        for path in paths:
+            metadata: Any = {"Date": None} if path.suffix == ".svg" else None
+            figure.savefig(path, dpi=160, metadata=metadata)
+
+
+def work_precision(study: Study) -> Figure:
+    """The figure."""
+    figure = Figure(figsize=(8.2, 5.2), layout="constrained")
+    whole, own = figure.subplots(1, 2, sharey=True)
+    names = list(dict.fromkeys(row.fidelity for row in study.rows))
+    colours = dict(zip(names, cycle(COLOURS), strict=False))
+    _panel(whole, study, colours, lambda row: row.total)
+    _front(whole, study)
+    _panel(own, study, colours, lambda row: row.numerical)
+    whole.set_title(f"model and solver: off {study.finest}, exact", loc="left")
+    own.set_title("solver alone: off its own model, exact", loc="left")
+    whole.set_ylabel(f"CPU time of {len(study.frequency)} frequencies, s")
+    figure.supxlabel("error of amplitude, root mean square (left: more accurate)", fontsize=PAGE["font.size"])
+    if study.title:
+        figure.suptitle(f"{study.title}: what accuracy costs", fontsize=9.5)
+    figure.legend(handles=_legend(study, colours), loc="outside lower center", ncols=5, frameon=False)
+    return figure
+
+
+def _panel(axes: Axes, study: Study, colours: dict[str, str], pick: Pick) -> None:
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    for (fidelity, solver, method), rows in _ladders(study).items():
+        points = np.array([_point(row, pick) for row in rows])
+        drawn = points[:, 0] < WIDEST
+        look = {"color": colours[fidelity], "linewidth": 0.7, "linestyle": JOINED.get(method, "-")}
+        axes.plot(*points[drawn].T, **look, alpha=0.55, zorder=2)
+        _marks(axes, points[drawn], solver, colours[fidelity])
+        _marks(axes, points[~drawn], solver, colours[fidelity], failed=True)
+    if np.isfinite(study.bound.value) and study.bound.value > 0:
+        axes.axvspan(FLOOR / 30, study.bound.value, color="0.94", zorder=0)
+    axes.axvline(WIDEST, color="0.5", linewidth=0.6, linestyle=(0, (2, 2)))
+    axes.set_xlim(FLOOR / 4, WIDEST * 6)
+    axes.xaxis.set_major_locator(LogLocator(numticks=20))
+    axes.xaxis.set_major_formatter(FuncFormatter(_tick))
+    axes.grid(which="major", color="0.93", linewidth=0.5, zorder=0)
+    axes.set_axisbelow(True)
+
+
+def _ladders(study: Study) -> dict[tuple[str, str, str], list[Row]]:
+    """The rows that one line joins: a solver's settings on one fidelity."""
+    found: dict[tuple[str, str, str], list[Row]] = {}
+    for row in study.rows:
+        if row.work is not None:
+            found.setdefault((row.fidelity, row.solver, row.method), []).append(row)
+    return found
+
+
+def _point(row: Row, pick: Pick) -> tuple[float, float]:
+    """Error and time; what failed, or is beyond the axis, at its right-hand edge."""
+    error = pick(row).amplitude_rms
+    seconds = row.work.cpu_min if row.work else np.nan
+    return (float(np.clip(error, FLOOR, WIDEST)) if np.isfinite(error) else 2.2 * WIDEST), max(seconds, 1e-9)
+
+
+def _marks(axes: Axes, points: Any, solver: str, colour: str, failed: bool = False) -> None:
+    shape, size = MARKS.get(solver, ("o", 4.0))
+    face = "white" if failed else colour
+    axes.plot(*points.T, linestyle="", marker=shape, markersize=size, markerfacecolor=face, markeredgecolor=colour,
+              markeredgewidth=0.7, zorder=3, clip_on=False)  # fmt: skip
+
+
+def _front(axes: Axes, study: Study) -> None:
+    """The front as the staircase that it is: nothing lies below and left of it."""
+    points = np.array([_point(study.rows[i], lambda row: row.total) for i in study.front]).reshape(-1, 2)
+    if len(points):
+        axes.step(points[:, 0], points[:, 1], where="post", **FRONT)
+
+
+def _tick(value: float, position: int) -> str:
+    if value > WIDEST * 1.01:
+        return ""
+    power = round(np.log10(value))
+    if value == FLOOR:
+        return "≤10⁻¹⁶"
+    return {0: "100 %", 1: "failed", -1: "10 %", -2: "1 %", -3: "0.1 %"}.get(power) or (
+        f"$10^{{{power}}}$" if power % 3 == 0 else ""
+    )
+
+
+def _legend(study: Study, colours: dict[str, str]) -> list[Line2D]:
+    modes = {row.fidelity: row.modes for row in study.rows}
+    handles = [
+        Line2D([], [], color=colour, linewidth=2.5, label=f"{name} ({modes[name]} mode{'s' * (modes[name] > 1)})")
+        for name, colour in colours.items()
+    ]
+    grey = KEY | {"linewidth": 0.0, "markerfacecolor": "0.25"}
+    for solver, (shape, size) in MARKS.items():
+        if any(row.solver == solver for row in study.rows):
+            handles.append(Line2D([], [], label=solver, **(grey | {"marker": shape, "markersize": size})))
+    methods = [method for method in JOINED if method and any(row.method == method for row in study.rows)]
+    handles += [Line2D([], [], color="0.25", linewidth=0.9, linestyle=JOINED[each], label=each) for each in methods]
+    handles.append(Line2D([], [], **FRONT, label="Pareto front"))
+    handles.append(Line2D([], [], color="0.9", linewidth=6, label="below the reference's own bound"))
+    return handles
