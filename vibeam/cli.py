@@ -154,7 +154,9 @@ def cost(
     case: CaseFile,
     set_: Overrides = None,
     as_json: AsJson = False,
-    out: Annotated[Path | None, typer.Option("--out", help="The folder for plot and table.", show_default=False)] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="The folder for plot and table.", show_default=False)
+    ] = None,
 ) -> None:
     """Accuracy against time: every fidelity by every solver, and where the error comes from."""
     with _mistakes():
@@ -171,7 +173,9 @@ def cost(
         compile_first(console)
         study = _of_beam(case, lambda: studied(loaded, console.print))
         files = write_files(study, folder, case.stem)
-        _print({"study": study, "files": files}, as_json, lambda tables: [cost_table.runs(study), cost_table.parts(study)])
+        _print(
+            {"study": study, "files": files}, as_json, lambda tables: [cost_table.runs(study), cost_table.parts(study)]
+        )
         if not as_json:
             typer.echo("\n".join([*cost_table.sentences(study), *map(str, files)]))
 

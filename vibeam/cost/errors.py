@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,8 +23,8 @@ class Errors:
     """Distances to a truth, relative to it unless said; NaN where there is nothing to compare.
 
     ``amplitude_*``, ``velocity`` (mean impact velocity) and ``energy``: over the ``points`` of ``total`` frequencies
-    where both motions repeat. ``statistics``: where both do not, the worst of mean and quantiles of amplitude and impact
-    velocity; ``scatter``: that of the truth's own first half against its second. ``kind``: frequencies where one
+    where both motions repeat. ``statistics``: where both do not, the worst of mean and quantiles of amplitude and of
+    impact velocity; ``scatter``: that of the truth's own first half against its second. ``kind``: frequencies where one
     repeats and the other does not. Peaks are those of the parabola through the three highest points; ``period_one_end``
     in Hz. Impact times and ``path`` (Hausdorff, time in drive periods and displacement in its size) on a path from
     the same start, ``missed`` and ``invented`` impacts on it.
@@ -84,7 +85,7 @@ def _worst(values: Array, truth: Array, where: NDArray[np.bool_]) -> float:
     return float(np.max(np.abs(relative(values, truth, where)))) if where.any() else NONE
 
 
-def _peaks(one: FrequencyResponse, other: FrequencyResponse) -> dict[str, float]:
+def _peaks(one: FrequencyResponse, other: FrequencyResponse) -> dict[str, Any]:
     """A peak is compared only where the run has all the points that the truth has."""
     ends = [period_one_range(each) for each in (one, other)]
     end = ends[0][1] - ends[1][1] if ends[0] and ends[1] else NONE
@@ -112,7 +113,7 @@ def peak(response: FrequencyResponse) -> tuple[float, float]:
     return float(f[top]) + shift, float(np.polyval(curve, shift))
 
 
-def _statistics(found: Measured, truth: Measured) -> dict[str, float]:
+def _statistics(found: Measured, truth: Measured) -> dict[str, Any]:
     both = [index for index in truth.clouds if index in found.clouds]
     if not both:
         return {}
@@ -138,13 +139,14 @@ def _half(cloud: Cloud, which: int) -> Cloud:
     return Cloud(np.array_split(cloud.amplitude, 2)[which], np.array_split(cloud.velocity, 2)[which])
 
 
-def _path(found: Measured, truth: Measured, plan: Plan) -> dict[str, float]:
+def _path(found: Measured, truth: Measured, plan: Plan) -> dict[str, Any]:
     if found.path is None or truth.path is None:
         return {}
     period = 2 * np.pi / plan.drive.omega
-    sides = (found.path, truth.path)
-    times = [value for side in sides for value in (side.impact_times, side.impact_velocities)]
-    impacts = matched(*times, APART * period)
+    ours, theirs = found.path, truth.path
+    impacts = matched(
+        ours.impact_times, ours.impact_velocities, theirs.impact_times, theirs.impact_velocities, APART * period
+    )
     size = float(np.ptp(truth.path.at(truth.path.times))) / 2 or plan.size
     fastest = float(np.max(truth.path.impact_velocities, initial=0.0)) or NONE
     return {

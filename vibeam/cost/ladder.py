@@ -11,7 +11,7 @@ RTOLS = (1e-3, 1e-4, 1e-6, 1e-8, 1e-10)
 STEPS = (100, 300, 1000, 3000, 10_000)
 ORDERS = {"RK23": 3, "RK45": 5, "DOP853": 8, "LSODA": 8}  # of a step's error: tolerance^(−1/order) steps
 ATOL = 1e-2  # absolute tolerance over relative tolerance and size of the motion: the paper's 1e-8 for 1e-4 and 1e-2
-EVENTS = 200  # a drive period, beyond which a solver with events gives up rather than hang
+LIMITS = {"direct": 200, "zhuravlev": 200, "ivanov": 20_000}  # events, or evaluations, a period: they give up there
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ def ladders(solver: str, size: float) -> list[Ladder]:
 
 
 def _single(solver: str, **points: Mapping[str, Any]) -> Callable[[float], list[Ladder]]:
-    rungs = [(Rung(solver, method=name, options=options),) for name, options in points.items()]
+    rungs: list[Ladder] = [(Rung(solver, method=name, options=options),) for name, options in points.items()]
     return lambda size: rungs or [(Rung(solver),)]
 
 
@@ -50,15 +50,14 @@ def _tolerances(solver: str, *methods: str) -> Callable[[float], list[Ladder]]:
 def _tolerance(solver: str, method: str, size: float, index: int) -> Rung:
     rtol = RTOLS[index]
     looser = RTOLS[max(index - 1, 0)]
-    options = {"method": method, "rtol": rtol, "atol": ATOL * rtol * size, "limit": EVENTS}
+    options = {"method": method, "rtol": rtol, "atol": ATOL * rtol * size, "limit": LIMITS[solver]}
     return Rung(solver, method, f"rtol {rtol:.0e}", options, (looser / rtol) ** (1 / ORDERS[method]))
 
 
 def _steps(size: float) -> list[Ladder]:
     grown = [1.0, *(fine / coarse for coarse, fine in pairwise(STEPS))]
     rungs = [
-        Rung("moreau", "", f"{count} steps", {"steps": count}, grow)
-        for count, grow in zip(STEPS, grown, strict=True)
+        Rung("moreau", "", f"{count} steps", {"steps": count}, grow) for count, grow in zip(STEPS, grown, strict=True)
     ]
     return [tuple(rungs)]
 

@@ -65,13 +65,16 @@ class Measured:
         """Why a point of it broke down; empty where none did. To find no motion of one's kind is no failure."""
         fine = (Ended.COMPLETE.code, Ended.NO_ORBIT.code)
         broken = [int(code) for code in self.response.ended if code not in fine]
-        return f"{len(broken)} of {len(self.response)} points: {Ended.of_code(broken[0]).value}" if broken else ""
+        if not broken:
+            return ""
+        reason = Ended.of_code(broken[0]).value.partition(":")[0]  # the cure behind the colon is not the user's here
+        return f"{len(broken)} of {len(self.response)} points: {reason}"
 
 
 def measure(
     system: ImpactSystem, rung: Rung, plan: Plan, clock: Clock = lambda: 0.0, deadline: float = np.inf
 ) -> Measured:
-    """Run the plan; ValueError where the solver cannot take the system, OutOfTime once ``clock`` passes ``deadline``."""
+    """Run the plan; ValueError where the solver cannot take the system, OutOfTime if ``clock`` passes ``deadline``."""
     runner = solver(rung.solver, system, float(np.min(plan.omega)), **rung.options)
     parts: list[FrequencyResponse] = []
     clouds: dict[int, Cloud] = {}

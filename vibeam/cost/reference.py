@@ -23,8 +23,8 @@ class Bound:
     """How far two independent solvers are from flight on the finest fidelity, relative.
 
     ``amplitude``, ``velocity``: the closed-form orbits, at the ``points`` of ``total`` frequencies with one impact a
-    period. ``path``, ``impacts``: integration by DOP853 at 1e-12 over three periods, of displacement (Hausdorff) and impact
-    velocity. NaN where they have nothing to say, ``note`` says why.
+    period. ``path``, ``impacts``: integration by DOP853 at 1e-12 over three periods, of displacement (Hausdorff) and
+    impact velocity. NaN where they have nothing to say, ``note`` says why.
     """
 
     amplitude: float

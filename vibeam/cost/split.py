@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,16 +62,14 @@ def shares(chain: Sequence[FrequencyResponse]) -> tuple[list[Array], Array]:
     last = chain[-1].amplitude
     where = np.logical_and.reduce([periodic(each) for each in chain]) & (last > 0)
     steps = [each.amplitude[where] / last[where] for each in chain]
-    return [one - other for one, other in zip(steps, steps[1:], strict=False)], steps[0] - steps[-1]
+    return [one - other for one, other in pairwise(steps)], steps[0] - steps[-1]
 
 
 def part(name: str, values: Array) -> Part:
     """A link's numbers."""
     if not len(values):
         return Part(name, np.nan, np.nan, np.nan, "no point where all of the chain repeats")
-    return Part(
-        name, float(np.mean(values)), float(np.sqrt(np.mean(values**2))), float(np.max(np.abs(values)))
-    )
+    return Part(name, float(np.mean(values)), float(np.sqrt(np.mean(values**2))), float(np.max(np.abs(values))))
 
 
 Build = Callable[[Model, Model], ImpactSystem]
@@ -95,9 +94,7 @@ def split(
         replace(part(name, values), mean=np.nan, rms=np.nan, worst=np.nan, note=note) if note else part(name, values)
         for name, values, note in zip(LINKS, steps, notes, strict=True)
     ]
-    return Split(
-        model.name, model.system.size, seen(model.system), part("total", whole), tuple(parts), len(whole), cpu
-    )
+    return Split(model.name, model.system.size, seen(model.system), part("total", whole), tuple(parts), len(whole), cpu)
 
 
 def _reduced_alike(model: Model, finest: Model, top: FrequencyResponse, build: Build, fly: Fly) -> FrequencyResponse:

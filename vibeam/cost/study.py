@@ -25,7 +25,7 @@ from vibeam.system import Drive, ImpactSystem
 if TYPE_CHECKING:
     from vibeam.case import Case, CostPlan
 
-POINTS, SETTLE, HOLD, CLOUD, WINDOW = 9, 100, 10, 64, 10
+POINTS, SETTLE, HOLD, CLOUD, WINDOW = 9, 100, 10, 200, 10
 PROBE = 2  # drive periods of the warm-up, by which the cost of a ladder's first rung is estimated
 SHARE = 0.01  # of the budget that may go into repeating a run
 FORMULAS = ("orbit", "averaging", "mapping")  # whose cost does not grow with the periods
@@ -142,7 +142,8 @@ class _Studied:
         splits = tuple(self._split(model, top) for model in self.models)
         left_out = climb(self._tracks(), self._left, self._climbed)
         order = {model.name: index for index, model in enumerate(self.models)}
-        rows = sorted(self.rows, key=lambda row: (order[row.fidelity], NAMES.index(row.solver)))
+        rungs = [rung.label for name in NAMES for ladder in ladders(name, 1.0) for rung in ladder]
+        rows = sorted(self.rows, key=lambda row: (order[row.fidelity], rungs.index(row.label)))
         grid = tuple(float(each) for each in self.plan.omega / (2 * np.pi))
         spent = self.clock() - self.began
         return Study(

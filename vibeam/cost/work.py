@@ -33,9 +33,7 @@ class Work:
         return self.cpu_min / self.impacts if self.impacts else float("nan")
 
 
-def timed(
-    run: Callable[[], Measured], clock: Clock, repeats: int, spend: float
-) -> tuple[Measured, Work]:
+def timed(run: Callable[[], Measured], clock: Clock, repeats: int, spend: float) -> tuple[Measured, Work]:
     """What ``run`` showed, the first time, and its work over as many of the ``repeats`` as ``spend`` seconds allow."""
     found, seconds = None, list[float]()
     while len(seconds) < repeats and (not seconds or sum(seconds) + seconds[-1] <= spend):

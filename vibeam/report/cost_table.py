@@ -23,33 +23,42 @@ RATIO = 10.0  # times smaller: then a sentence says so
 
 def runs(study: Study) -> Table:
     """Every run: its error against the reference and against its own fidelity's exact motion, and its work."""
-    table = blank("Accuracy and time", "fidelity", "modes|", "solver", "off|", "rms|", "by solver|", "path|", "impacts|")
-    for name in ("CPU|", "µs/period|", "µs/impact|", "", "why"):
-        table.add_column(name.rstrip("|"), justify="right" if name.endswith("|") else "left")
-    table.caption = (
-        f"off, rms: sensor amplitude, largest and root mean square, against {study.finest} flown exactly\n"
-        "by solver: the same against the exact motion of its own fidelity; path: Hausdorff distance to it over ten\n"
-        f"periods; impacts: worst velocity on it. {len(study.frequency)} frequencies of {study.settle} + {study.hold} "
-        "periods; CPU: least of the repeats; *: on the Pareto front of rms and CPU"
-    )
+    chaos = any(isfinite(row.numerical.statistics) for row in study.rows)
+    names = ["fidelity", "modes|", "solver", "points|", "off|", "rms|", "by solver|", "path|", "impacts|"]
+    names += ["statistics|"] * chaos + ["CPU|", "µs/period|", "µs/impact|", "", "why"]
+    table = blank("Accuracy and time", *names)
+    table.caption = _legend(study, chaos)
     last = ""
     for index, row in enumerate(study.rows):
         if last and row.fidelity != last:
             table.add_section()
-        table.add_row(*_run(row, row.fidelity == last, index in study.front))
+        table.add_row(*_run(row, row.fidelity == last, index in study.front, chaos))
         last = row.fidelity
     return table
 
 
-def _run(row: Row, again: bool, best: bool) -> list[str | Text]:
+def _legend(study: Study, chaos: bool) -> str:
+    text = (
+        f"off, rms: amplitude, largest and root mean square, against {study.finest} flown exactly, at the points where "
+        "both motions repeat\nby solver: largest, against the exact motion of its own fidelity; path: Hausdorff distance "
+        f"to it over ten periods; impacts: worst velocity on it\n{len(study.frequency)} frequencies of {study.settle} + "
+        f"{study.hold} periods; CPU: least of the repeats; *: on the Pareto front of rms and CPU"
+    )
+    told = (
+        "\nstatistics: where neither repeats, the worst of means and deciles (in brackets: of the exact one's halves)"
+    )
+    return text + told * chaos
+
+
+def _run(row: Row, again: bool, best: bool, chaos: bool) -> list[str | Text]:
     head: list[str | Text] = ["" if again else row.fidelity, "" if again else str(row.modes), row.label]
-    cells = [share(row.total.amplitude_max), share(row.total.amplitude_rms), share(row.numerical.amplitude_max)]
-    cells += [share(row.numerical.path), share(row.numerical.impact_velocities)]
-    work = row.work
+    total, own, work = row.total, row.numerical, row.work
+    cells = [f"{total.points}/{total.total}" if total.total else "–", share(total.amplitude_max)]
+    cells += map(share, (total.amplitude_rms, own.amplitude_max, own.path, own.impact_velocities))
+    statistics = f"{share(own.statistics)} ({share(own.scatter)})" if isfinite(own.statistics) else "–"
+    cells += [statistics] * chaos
     cells += [f"{work.cpu_min:.3g} s", *map(_micro, (work.per_period, work.per_impact))] if work else ["–"] * 3
-    gaps = row.total.total - row.total.points
-    note = row.why or (f"{gaps} of {row.total.total} points do not repeat in both" if gaps else "")
-    return [*head, *cells, "*" if best else "", Text(note, style="red" if row.why else "")]
+    return [*head, *cells, "*" if best else "", Text(row.why, style="red")]
 
 
 def parts(study: Study) -> Table:
@@ -99,15 +108,17 @@ def sentences(study: Study) -> Iterator[str]:
 
 def _sentence(study: Study, split: Split) -> str:
     told = [f"{signed(part.mean)} by the {part.name}" for part in split.parts if part.worst > 0]
+    told += [f"no part for the {part.name} ({part.note})" for part in split.parts if part.note]
     text = f"{split.fidelity}: {signed(split.total.mean)} in amplitude, {' and '.join(told)}"
     found = _solvers(study, split)
     if not found:
         return f"{text}."
-    worse = sum(error * RATIO > abs(split.total.rms) for error, _ in found)
+    large = sum(error * RATIO > split.total.rms for error, _ in found)
     (least, best), (most, worst) = found[0], found[-1]
-    text += f"; the solver adds {share(least)} ({best}) to {share(most)} ({worst})"
-    verdict = "the solver is not where the error is" if not worse else f"{worse} of {len(found)} runs are that coarse"
-    return f"{text}: {verdict}." if not worse else f"{text}; only {verdict} that a tenth of it is the solver's."
+    text += f"; the solver's part is {share(least)} ({best}) to {share(most)} ({worst})"
+    if not large:
+        return f"{text}: the solver is not where the error is."
+    return f"{text}, more than a tenth of it in {large} of {len(found)} runs."
 
 
 def _refusals(refused: tuple[LeftOut, ...]) -> Iterator[str]:
@@ -117,16 +128,16 @@ def _refusals(refused: tuple[LeftOut, ...]) -> Iterator[str]:
 
 
 def _left_out(left_out: tuple[LeftOut, ...]) -> Iterator[str]:
+    """A line a fidelity, with the first rung of each ladder that was left out."""
     if not left_out:
         return
-    yield f"Left out, {len(left_out)} runs (--json names each; raise cost.budget):"
-    for fidelity, found in groupby(sorted(left_out, key=lambda each: each.fidelity), key=lambda each: each.fidelity):
-        names: dict[str, list[LeftOut]] = {}
-        for each in found:
-            names.setdefault(" ".join(each.run.split(" ")[:2]) if "rtol" in each.run else each.run.split(" ")[0], [])
-            names[" ".join(each.run.split(" ")[:2]) if "rtol" in each.run else each.run.split(" ")[0]].append(each)
-        told = [f"{name} from {several[0].run.removeprefix(name).strip()}" for name, several in names.items()]
-        yield f"  {fidelity}: {', '.join(told)}"
+    yield f"Left out for want of time, {len(left_out)} runs (--json has each; [cost] budget gives more):"
+    for fidelity in dict.fromkeys(each.fidelity for each in left_out):
+        first: dict[str, str] = {}
+        for run in [each.run for each in left_out if each.fidelity == fidelity]:
+            ladder, rtol, setting = run.partition(" rtol ")
+            first.setdefault(ladder if rtol else run.partition(" ")[0], f"{rtol}{setting}" if rtol else "")
+        yield f"  {fidelity}: {', '.join(f'{ladder} from{rung}' if rung else ladder for ladder, rung in first.items())}"
 
 
 def share(value: float) -> str:

@@ -1,7 +1,7 @@
 """The work–precision plot: error against CPU time, a colour a fidelity, a marker a solver, the Pareto front.
 
-On the left the error against the finest fidelity, on the right that of the solver alone, against the exact motion of its
-own fidelity: where the left-hand points of a colour stand in a column, its solvers are not where its error is.
+On the left the error against the finest fidelity, on the right that of the solver alone, against the exact motion
+of its own fidelity: where the left-hand points of a colour stand in a column, its solvers are not where its error is.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator
+from matplotlib.ticker import FixedLocator, NullLocator
 
 from vibeam.report.style import COLOURS, KEY, PAGE
 
@@ -34,10 +34,11 @@ MARKS = {
     "ivanov": (">", 4.5),
     "moreau": ("s", 3.8),
 }
-JOINED = {"RK23": "-", "RK45": "--", "DOP853": "-.", "LSODA": ":", "": "-"}
+JOINED: dict[str, Any] = {"RK23": "-", "RK45": "--", "DOP853": "-.", "LSODA": ":", "": "-"}
 FRONT: dict[str, Any] = {"color": "0.8", "linewidth": 5.0, "zorder": 1.0, "solid_capstyle": "round"}
 FLOOR = 1e-16  # where an error of zero is drawn
-WIDEST = 10.0  # errors beyond, and failures, are drawn at the edge
+WIDEST, EDGE = 6.0, 50.0  # errors beyond the one, and what failed, are drawn at the other
+NAMED = {0: "100 %", -2: "1 %"}  # powers of ten that are better said otherwise
 Pick = Callable[["Row"], "Errors"]
 
 
@@ -52,17 +53,19 @@ def write_work_precision(study: Study, *paths: Path) -> None:
 
 def work_precision(study: Study) -> Figure:
     """The figure."""
-    figure = Figure(figsize=(8.2, 5.2), layout="constrained")
+    figure = Figure(figsize=(8.4, 5.4), layout="constrained")
     whole, own = figure.subplots(1, 2, sharey=True)
     names = list(dict.fromkeys(row.fidelity for row in study.rows))
     colours = dict(zip(names, cycle(COLOURS), strict=False))
     _panel(whole, study, colours, lambda row: row.total)
     _front(whole, study)
     _panel(own, study, colours, lambda row: row.numerical)
-    whole.set_title(f"model and solver: off {study.finest}, exact", loc="left")
-    own.set_title("solver alone: off its own model, exact", loc="left")
-    whole.set_ylabel(f"CPU time of {len(study.frequency)} frequencies, s")
-    figure.supxlabel("error of amplitude, root mean square (left: more accurate)", fontsize=PAGE["font.size"])
+    whole.set_title(f"model and solver: against {study.finest}, exact", loc="left")
+    own.set_title("solver alone: against its own model, exact", loc="left")
+    whole.set_ylabel(f"CPU time of {len(study.frequency)} frequencies (s)")
+    for axes in (whole, own):
+        _scale(axes, study)
+        axes.set_xlabel("root mean square error of amplitude")
     if study.title:
         figure.suptitle(f"{study.title}: what accuracy costs", fontsize=9.5)
     figure.legend(handles=_legend(study, colours), loc="outside lower center", ncols=5, frameon=False)
@@ -75,16 +78,24 @@ def _panel(axes: Axes, study: Study, colours: dict[str, str], pick: Pick) -> Non
     for (fidelity, solver, method), rows in _ladders(study).items():
         points = np.array([_point(row, pick) for row in rows])
         drawn = points[:, 0] < WIDEST
-        look = {"color": colours[fidelity], "linewidth": 0.7, "linestyle": JOINED.get(method, "-")}
+        look: dict[str, Any] = {"color": colours[fidelity], "linewidth": 0.7, "linestyle": JOINED.get(method, "-")}
         axes.plot(*points[drawn].T, **look, alpha=0.55, zorder=2)
         _marks(axes, points[drawn], solver, colours[fidelity])
         _marks(axes, points[~drawn], solver, colours[fidelity], failed=True)
+
+
+def _scale(axes: Axes, study: Study) -> None:
+    """Both panels alike: from a decade below the least error to what failed, the reference's bound in grey."""
+    errors = [row.total.amplitude_rms for row in study.rows] + [row.numerical.amplitude_rms for row in study.rows]
+    least = max(min([error for error in errors if error > 0], default=1e-3) / 10, FLOOR)
     if np.isfinite(study.bound.value) and study.bound.value > 0:
-        axes.axvspan(FLOOR / 30, study.bound.value, color="0.94", zorder=0)
+        axes.axvspan(least / 10, study.bound.value, color="0.94", linewidth=0, zorder=0)
     axes.axvline(WIDEST, color="0.5", linewidth=0.6, linestyle=(0, (2, 2)))
-    axes.set_xlim(FLOOR / 4, WIDEST * 6)
-    axes.xaxis.set_major_locator(LogLocator(numticks=20))
-    axes.xaxis.set_major_formatter(FuncFormatter(_tick))
+    powers = [power for power in range(-16, 1, 2) if 10.0**power > least]
+    axes.xaxis.set_major_locator(FixedLocator([*(10.0**power for power in powers), EDGE]))
+    axes.xaxis.set_minor_locator(NullLocator())
+    axes.set_xticklabels([*(NAMED.get(power, f"$10^{{{power}}}$") for power in powers), "failed"])
+    axes.set_xlim(least, 4 * EDGE)
     axes.grid(which="major", color="0.93", linewidth=0.5, zorder=0)
     axes.set_axisbelow(True)
 
@@ -102,14 +113,16 @@ def _point(row: Row, pick: Pick) -> tuple[float, float]:
     """Error and time; what failed, or is beyond the axis, at its right-hand edge."""
     error = pick(row).amplitude_rms
     seconds = row.work.cpu_min if row.work else np.nan
-    return (float(np.clip(error, FLOOR, WIDEST)) if np.isfinite(error) else 2.2 * WIDEST), max(seconds, 1e-9)
+    return (float(max(error, FLOOR)) if np.isfinite(error) and error < WIDEST else EDGE), max(seconds, 1e-9)
 
 
 def _marks(axes: Axes, points: Any, solver: str, colour: str, failed: bool = False) -> None:
+    if not len(points):
+        return
     shape, size = MARKS.get(solver, ("o", 4.0))
     face = "white" if failed else colour
     axes.plot(*points.T, linestyle="", marker=shape, markersize=size, markerfacecolor=face, markeredgecolor=colour,
-              markeredgewidth=0.7, zorder=3, clip_on=False)  # fmt: skip
+              markeredgewidth=0.7, zorder=3)  # fmt: skip
 
 
 def _front(axes: Axes, study: Study) -> None:
@@ -117,17 +130,6 @@ def _front(axes: Axes, study: Study) -> None:
     points = np.array([_point(study.rows[i], lambda row: row.total) for i in study.front]).reshape(-1, 2)
     if len(points):
         axes.step(points[:, 0], points[:, 1], where="post", **FRONT)
-
-
-def _tick(value: float, position: int) -> str:
-    if value > WIDEST * 1.01:
-        return ""
-    power = round(np.log10(value))
-    if value == FLOOR:
-        return "≤10⁻¹⁶"
-    return {0: "100 %", 1: "failed", -1: "10 %", -2: "1 %", -3: "0.1 %"}.get(power) or (
-        f"$10^{{{power}}}$" if power % 3 == 0 else ""
-    )
 
 
 def _legend(study: Study, colours: dict[str, str]) -> list[Line2D]:
