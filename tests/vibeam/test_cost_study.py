@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -259,6 +260,13 @@ def test_the_bound_sees_a_reference_that_is_off() -> None:
     assert fine.amplitude < 1e-8
     exact.response.amplitude[1] *= 1 + 1e-6
     assert bound(case.system("sdof"), exact, plan).amplitude == pytest.approx(1e-6, rel=0.02)  # type: ignore[arg-type]
+
+
+def test_what_finds_no_motion_somewhere_is_not_on_the_front(beam: Study) -> None:
+    without = replace(beam, rows=tuple(replace(row, found=1) for row in beam.rows if row.solver == "orbit"))
+    assert beam.front
+    assert without.rows
+    assert without.front == []
 
 
 def test_tables_and_sentences(beam: Study) -> None:

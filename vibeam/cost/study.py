@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.compare import complete
 from vibeam.cost.errors import Errors, errors, peak
 from vibeam.cost.ladder import Rung, ladders
 from vibeam.cost.measured import Clock, Measured, OutOfTime, Plan, measure
@@ -49,6 +50,7 @@ class Row:
     numerical: Errors
     parts: tuple[Part, ...]
     work: Work | None
+    found: int = 0  #: frequencies at which it found a motion
     why: str = ""
 
     @property
@@ -77,8 +79,11 @@ class Study:
 
     @property
     def front(self) -> list[int]:
-        """Rows that no other beats in both error and time."""
-        return front([(row.total.amplitude_rms, row.work.cpu_min if row.work else np.nan) for row in self.rows])
+        """Rows that no other beats in both error and time, among those that found a motion at every frequency."""
+        whole = len(self.frequency)
+        errors = [row.total.amplitude_rms if row.found == whole else np.nan for row in self.rows]
+        seconds = [row.work.cpu_min if row.work else np.nan for row in self.rows]
+        return front(list(zip(errors, seconds, strict=True)))
 
 
 def cost(case: Case, progress: Progress = lambda line: None, clock: Clock = time.thread_time) -> Study:
@@ -212,6 +217,7 @@ class _Studied:
 
     def _row(self, model: Model, rung: Rung, found: Measured | None, work: Work | None, why: str) -> Row:
         total, numerical, parts = Errors(), Errors(), tuple[Part, ...]()
+        motions = 0 if found is None else int(np.count_nonzero(complete(found.response)))
         if found is not None and not why:
             own, top = self.exact[model.name][0], self.exact[self.finest.name][0]
             total, numerical = (errors(found, truth, self.plan) for truth in (top, own))
@@ -221,8 +227,9 @@ class _Studied:
             names = ("solver", "settling", "modelling", "total")
             parts = tuple(part(name, values) for name, values in zip(names, [*steps, whole], strict=True))
         return Row(
-            model.name, model.system.size, rung.solver, rung.method, rung.setting, total, numerical, parts, work, why
-        )
+            model.name, model.system.size, rung.solver, rung.method, rung.setting,
+            total, numerical, parts, work, motions, why,
+        )  # fmt: skip
 
     @staticmethod
     def _nothing(found: Measured) -> str:

@@ -39,10 +39,10 @@ def runs(study: Study) -> Table:
 
 def _legend(study: Study, chaos: bool) -> str:
     text = (
-        f"off, rms: amplitude, largest and root mean square, against {study.finest} flown exactly, at the points where "
-        "both motions repeat\nby solver: largest, against the exact motion of its own fidelity; path: Hausdorff distance "
-        f"to it over ten periods; impacts: worst velocity on it\n{len(study.frequency)} frequencies of {study.settle} + "
-        f"{study.hold} periods; CPU: least of the repeats; *: on the Pareto front of rms and CPU"
+        f"off, rms: amplitude, largest and root mean square, against {study.finest} flown exactly, where both repeat\n"
+        "by solver: largest, against the exact motion of its own fidelity; path: Hausdorff distance to it over ten\n"
+        f"periods; impacts: worst velocity on it. {len(study.frequency)} frequencies of {study.settle} + {study.hold} "
+        "periods; CPU: least of the repeats;\n*: on the Pareto front of rms and CPU, for runs that found every motion"
     )
     told = (
         "\nstatistics: where neither repeats, the worst of means and deciles (in brackets: of the exact one's halves)"

@@ -78,10 +78,11 @@ def _panel(axes: Axes, study: Study, colours: dict[str, str], pick: Pick) -> Non
     for (fidelity, solver, method), rows in _ladders(study).items():
         points = np.array([_point(row, pick) for row in rows])
         drawn = points[:, 0] < WIDEST
+        whole = np.array([row.found == len(study.frequency) for row in rows])
         look: dict[str, Any] = {"color": colours[fidelity], "linewidth": 0.7, "linestyle": JOINED.get(method, "-")}
         axes.plot(*points[drawn].T, **look, alpha=0.55, zorder=2)
-        _marks(axes, points[drawn], solver, colours[fidelity])
-        _marks(axes, points[~drawn], solver, colours[fidelity], failed=True)
+        _marks(axes, points[drawn & whole], solver, colours[fidelity], full=True)
+        _marks(axes, points[~(drawn & whole)], solver, colours[fidelity], full=False)
 
 
 def _scale(axes: Axes, study: Study) -> None:
@@ -116,11 +117,11 @@ def _point(row: Row, pick: Pick) -> tuple[float, float]:
     return (float(max(error, FLOOR)) if np.isfinite(error) and error < WIDEST else EDGE), max(seconds, 1e-9)
 
 
-def _marks(axes: Axes, points: Any, solver: str, colour: str, failed: bool = False) -> None:
+def _marks(axes: Axes, points: Any, solver: str, colour: str, full: bool) -> None:
     if not len(points):
         return
     shape, size = MARKS.get(solver, ("o", 4.0))
-    face = "white" if failed else colour
+    face = colour if full else "white"
     axes.plot(*points.T, linestyle="", marker=shape, markersize=size, markerfacecolor=face, markeredgecolor=colour,
               markeredgewidth=0.7, zorder=3)  # fmt: skip
 
@@ -145,5 +146,8 @@ def _legend(study: Study, colours: dict[str, str]) -> list[Line2D]:
     methods = [method for method in JOINED if method and any(row.method == method for row in study.rows)]
     handles += [Line2D([], [], color="0.25", linewidth=0.9, linestyle=JOINED[each], label=each) for each in methods]
     handles.append(Line2D([], [], **FRONT, label="Pareto front"))
+    if any(row.found < len(study.frequency) for row in study.rows):
+        open_mark = grey | {"marker": "o", "markersize": 4.5, "markerfacecolor": "white"}
+        handles.append(Line2D([], [], label="open: no motion found at some points", **open_mark))
     handles.append(Line2D([], [], color="0.9", linewidth=6, label="below the reference's own bound"))
     return handles
