@@ -76,6 +76,7 @@ class CostPlan:
     hold: int | None = None
     solvers: tuple[str, ...] | None = None
     modes: tuple[int, ...] | None = None
+    reference: str | None = None
     repeats: int = 3
     budget: float = 60.0
 

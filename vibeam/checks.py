@@ -35,6 +35,7 @@ def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     yield from _references(case, folder)
     yield from _expectations(case)
     yield from _shows(case)
+    yield from _cost(case)
 
 
 def _positions(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -220,6 +221,16 @@ def _show_keys(path: Path, show: SimpleNamespace) -> Iterator[Complaint]:
     if "quantity" in kind.needs and show.quantity is not None and (show.quantity in LIMITS) != limits:
         words = " | ".join(f'"{word}"' for word in (LIMITS if limits else QUANTITIES))
         yield (*path, "quantity"), f'kind = "{show.kind}" shows {words}'
+
+
+def _cost(case: SimpleNamespace) -> Iterator[Complaint]:
+    name, path = case.cost.reference, ("cost", "reference")
+    if name is None:
+        return
+    if name not in case.reference:
+        yield path, f"no reference {shown(name)}; {cure(name, filter(NAME.fullmatch, case.reference))}"
+    elif case.reference[name].quantity not in ("amplitude", None):
+        yield path, f"{shown(name)} gives {case.reference[name].quantity}: accuracy is that of the amplitude"
 
 
 def _is_file(folder: File, name: str) -> bool:

@@ -328,6 +328,12 @@ class CostTable(Table):
         None,
         written=False,
     )
+    reference: Annotated[str | None, Text()] = key(
+        "the [reference.NAME] whose amplitudes are the truth; absent = the finest fidelity",
+        "exact",
+        None,
+        written=False,
+    )
     repeats: Annotated[int, Count(1, 1000)] = key("how often a run is timed, where that is short", 3, 3)
     budget: Annotated[float, Quantity(units.TIME, POSITIVE)] = key("CPU time for all of it", "60 s", 60.0)
 

@@ -251,6 +251,38 @@ def test_models_of_one_system_are_one_and_modes_are_cut_below_the_finest() -> No
     assert [model.system.size for model in models(case, (16,))[0]] == [1, 2, 8, 16]
 
 
+def test_a_file_is_the_truth_where_the_case_says_so(tmp_path: Path) -> None:
+    """The curve is the single degree of freedom's own, five percent too large: that is what is found, at its points."""
+    case = parse(TINY, set={"cost.settle": 150})
+    plan = _plan(case)
+    exact = measure(case.system("sdof"), Rung("flight"), plan).response  # type: ignore[arg-type]
+    rows = [f"{f!r},up,{1.05 * a!r}" for f, a in zip(exact.frequency.tolist(), exact.amplitude.tolist(), strict=True)]
+    (tmp_path / "curve.csv").write_text("\n".join(["frequency_hz,direction,amplitude", *rows]), encoding="utf-8")
+    table = '[reference.own]\nfile = "curve.csv"\nfidelity = "sdof"\nquantity = "amplitude"\ntolerance = "1 %"\n'
+    options = {"cost.settle": 150, "cost.solvers": ["flight"], "cost.reference": "own", "cost.frequency": None}
+    study = cost(parse(TINY + table, tmp_path / "a.toml", set=options))
+    assert study.truth == "reference own"
+    assert len(study.frequency) == 3
+    assert study.rows[0].total.amplitude_max == pytest.approx(1 - 1 / 1.05, rel=1e-6)
+    assert study.rows[0].numerical.amplitude_max < 1e-8
+    assert study.splits[0].parts[-1].mean == pytest.approx(1 / 1.05 - 1, rel=1e-6)
+    assert sum(part.mean for part in study.splits[0].parts) == pytest.approx(study.splits[0].total.mean, rel=1e-12)
+    assert parts(study).row_count == 1
+    with pytest.raises(ValueError, match=r"0\.3 Hz is no point of reference 'own'"):
+        cost(parse(TINY + table, tmp_path / "a.toml", set=options | {"cost.frequency": [0.3]}))
+    with pytest.raises(ValueError, match=r"cost\.reference: no reference 'owm'; did you mean 'own'"):
+        parse(TINY + table, tmp_path / "a.toml", set={"cost.reference": "owm"})
+
+
+def test_too_little_time_leaves_all_runs_out_and_says_so() -> None:
+    study = cost(parse(TINY, set={"cost.budget": 1e-9, "cost.solvers": ["flight", "orbit"]}))
+    assert study.rows == ()
+    assert {each.run for each in study.left_out} == {"flight", "orbit"}
+    assert study.splits[0].cpu > 0
+    assert "Left out for want of time, 2 runs" in "\n".join(sentences(study))
+    assert work_precision(study).axes
+
+
 def test_the_bound_sees_a_reference_that_is_off() -> None:
     """The check of the reference can fail: an amplitude wrong by 1e-6 shows as that."""
     case = parse(TINY, set={"cost.settle": 150})

@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibeam.cost.errors import Errors, errors
 from vibeam.cost.ladder import Rung
 from vibeam.cost.measured import Measured, Plan, measure
+from vibeam.references import SAME_FREQUENCY, reference_points
 from vibeam.response import FrequencyResponse
 from vibeam.system import ImpactSystem
 
+if TYPE_CHECKING:
+    from vibeam.case import Case
+
+Array = NDArray[np.float64]
 FLIGHT, ORBIT = Rung("flight"), Rung("orbit")
 STRICT = 1e-12
-MOST = 16  # modes, beyond which strict integration takes too long
+MOST = 12  # modes, beyond which strict integration takes too long
 WINDOW = 3  # drive periods of strict integration
 
 
@@ -61,6 +68,27 @@ def bound(system: ImpactSystem, exact: Measured, plan: Plan) -> Bound:
         by_orbit.amplitude_max, by_orbit.velocity, by_orbit.points, by_orbit.total, by_steps.path,
         by_steps.impact_velocities, note,
     )  # fmt: skip
+
+
+def given(case: Case, frequency: Array) -> FrequencyResponse:
+    """The curve in the case's reference file, at ``frequency`` (Hz); ValueError where it has no such point."""
+    points = curve(case)
+    response = FrequencyResponse.empty(frequency, 1)
+    for index, each in enumerate(frequency):
+        near = [value for f, value in points.items() if abs(f - each) <= SAME_FREQUENCY * each]
+        if not near:
+            raise ValueError(f"cost.frequency: {each:g} Hz is no point of reference {case.cost.reference!r}")
+        response.amplitude[index], response.period[index] = near[0]
+    response.ended[:], response.impacts_per_period[:] = 0, 1.0
+    return response
+
+
+def curve(case: Case) -> dict[float, tuple[float, int]]:
+    """Amplitude and period (1 where none is said) over frequency (Hz) in the case's reference file, its first branch."""
+    points = reference_points(case.references[case.cost.reference or ""])
+    way = points[0].direction if points else "up"
+    told = [point for point in points if point.direction == way and point.value is not None]
+    return {p.frequency: (p.value or 0.0, 1 if p.period is None else p.period) for p in told}
 
 
 def _single_impacts(response: FrequencyResponse) -> FrequencyResponse:

@@ -23,7 +23,7 @@ from vibeam.response import FrequencyResponse
 from vibeam.system import ImpactSystem
 
 Array = NDArray[np.float64]
-LINKS = ("contact law", "reduction", "effects left out")
+LINKS = ("contact law", "reduction", "effects left out", "finest fidelity itself")  # the last against a file alone
 
 
 @dataclass(frozen=True)
@@ -77,22 +77,30 @@ Fly = Callable[[ImpactSystem], FrequencyResponse]
 
 
 def split(
-    model: Model, finest: Model, exact: FrequencyResponse, top: FrequencyResponse, build: Build, fly: Fly, cpu: float
+    model: Model,
+    finest: Model,
+    exact: FrequencyResponse,
+    top: FrequencyResponse,
+    build: Build,
+    fly: Fly,
+    cpu: float,
+    file: FrequencyResponse | None = None,
 ) -> Split:
     """The parts of ``model``'s error. ``build(model, finest)``: its system with the finest's reduction, its own
-    effects; ``fly``: the exact response of a system; ``exact`` and ``top``: those of the two ends.
+    effects; ``fly``: the exact response of a system; ``exact`` and ``top``: those of the two ends;
+    ``file``: what the finest itself is compared with.
     """
-    chain, notes = [exact], ["", "", ""]
+    chain, notes = [exact], ["", "", "", ""]
     try:
         chain.append(exact if model is finest else fly(with_seen(model.system, seen(finest.system))))
     except ValueError as refusal:
         chain.append(exact)
         notes[0] = str(refusal)
-    chain += [_reduced_alike(model, finest, top, build, fly), top]
+    chain += [_reduced_alike(model, finest, top, build, fly), top, *([] if file is None else [file])]
     steps, whole = shares(chain)
     parts = [
         replace(part(name, values), mean=np.nan, rms=np.nan, worst=np.nan, note=note) if note else part(name, values)
-        for name, values, note in zip(LINKS, steps, notes, strict=True)
+        for name, values, note in zip(LINKS, steps, notes, strict=False)
     ]
     return Split(model.name, model.system.size, seen(model.system), part("total", whole), tuple(parts), len(whole), cpu)
 

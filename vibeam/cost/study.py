@@ -16,7 +16,7 @@ from vibeam.cost.errors import Errors, errors, peak
 from vibeam.cost.ladder import Rung, ladders
 from vibeam.cost.measured import Clock, Measured, OutOfTime, Plan, measure
 from vibeam.cost.models import CUT_SOLVERS, Model, built, finest, models
-from vibeam.cost.reference import FLIGHT, Bound, bound
+from vibeam.cost.reference import FLIGHT, Bound, bound, curve, given
 from vibeam.cost.schedule import LeftOut, Track, climb
 from vibeam.cost.split import Part, Split, part, shares, split
 from vibeam.cost.work import Work, front, timed
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 POINTS, SETTLE, HOLD, CLOUD, WINDOW = 9, 100, 10, 200, 10
 PROBE = 2  # drive periods of the warm-up, by which the cost of a ladder's first rung is estimated
 SHARE = 0.01  # of the budget that may go into repeating a run
+STIFF = 1e-5  # seconds, at least, that scipy's solvers take for a radian of the fastest mode
 FORMULAS = ("orbit", "averaging", "mapping")  # whose cost does not grow with the periods
 Progress = Callable[[str], None]
 
@@ -61,11 +62,15 @@ class Row:
 
 @dataclass(frozen=True)
 class Study:
-    """All that ``vibeam cost`` found; ``finest`` is the reference's fidelity, ``front`` the indices of the Pareto front
-    of root-mean-square amplitude error and CPU time."""
+    """All that ``vibeam cost`` found.
+
+    ``finest``: the fidelity that is the reference; ``reference``: the file that takes its place, None where none does;
+    ``same``: fidelities that are another's model; ``frequency`` in Hz, ``cpu``: seconds in all.
+    """
 
     title: str
     finest: str
+    reference: str | None
     bound: Bound
     rows: tuple[Row, ...]
     splits: tuple[Split, ...]
@@ -76,6 +81,11 @@ class Study:
     settle: int
     hold: int
     cpu: float
+
+    @property
+    def truth(self) -> str:
+        """What errors are taken against, in words."""
+        return f"reference {self.reference}" if self.reference else f"{self.finest}, exact"
 
     @property
     def front(self) -> list[int]:
@@ -140,9 +150,11 @@ class _Studied:
     def study(self) -> Study:
         """Everything in turn: exact motions, their bound, the parts of modelling, then the ladders."""
         self.say("exact motions of every fidelity, and what bounds them")
-        self.exact = {model.name: self._timed(model.system, FLIGHT, self.long) for model in self.models}
+        self.exact = {model.name: self._timed(model.system, FLIGHT, self.long, np.inf) for model in self.models}
         self.short = {model.name: measure(model.system, FLIGHT, self.plan) for model in self.models}
         top = self.exact[self.finest.name][0]
+        self.file = None if self.asked.reference is None else given(self.case, self.plan.omega / (2 * np.pi))
+        self.truth = top if self.file is None else Measured(self.file)
         bounded = bound(self.finest.system, top, self.long)
         splits = tuple(self._split(model, top) for model in self.models)
         left_out = climb(self._tracks(), self._left, self._climbed)
@@ -152,15 +164,14 @@ class _Studied:
         grid = tuple(float(each) for each in self.plan.omega / (2 * np.pi))
         spent = self.clock() - self.began
         return Study(
-            self.case.title, self.finest.name, bounded, tuple(rows), splits, tuple(left_out), tuple(self.refused),
-            self.same, grid, self.plan.settle, self.plan.hold, spent,
+            self.case.title, self.finest.name, self.asked.reference, bounded, tuple(rows), splits,
+            tuple(left_out), tuple(self.refused), self.same, grid, self.plan.settle, self.plan.hold, spent,
         )  # fmt: skip
 
     def _left(self) -> float:
         return self.asked.budget - (self.clock() - self.began)
 
-    def _timed(self, system: ImpactSystem, rung: Rung, plan: Plan) -> tuple[Measured, Work]:
-        deadline = self.began + self.asked.budget
+    def _timed(self, system: ImpactSystem, rung: Rung, plan: Plan, deadline: float) -> tuple[Measured, Work]:
         spend = SHARE * self.asked.budget
         run = lambda: measure(system, rung, plan, self.clock, deadline)  # noqa: E731
         return timed(run, self.clock, self.asked.repeats, spend)
@@ -176,7 +187,7 @@ class _Studied:
             return measure(system, FLIGHT, replace(self.long, window=0)).response
 
         exact, work = self.exact[model.name]
-        return split(model, self.finest, exact.response, top.response, build, fly, work.cpu_min)
+        return split(model, self.finest, exact.response, top.response, build, fly, work.cpu_min, self.file)
 
     def _tracks(self) -> list[Track]:
         """Every ladder on every fidelity that can be climbed; refusals are noted."""
@@ -197,6 +208,9 @@ class _Studied:
         if rung.solver == "flight":
             return self.exact[model.name][1].cpu_min
         plan = self.plan
+        least = STIFF * float(np.max(model.system.omega)) * float(np.sum(2 * np.pi / plan.omega))
+        if rung.solver == "direct" and least * (plan.settle + plan.hold) > self._left():
+            return least * (plan.settle + plan.hold)  # not even two periods are to be had for nothing
         short = replace(plan, omega=plan.omega[len(plan.omega) // 2 :][:1], settle=0, hold=PROBE, cloud=0, window=0)
         begun = self.clock()
         measure(model.system, rung, short)
@@ -208,7 +222,7 @@ class _Studied:
         model = self.named[fidelity]
         self.say(f"{fidelity}: {rung.label}")
         try:
-            found, work = self._timed(model.system, rung, self.plan)
+            found, work = self._timed(model.system, rung, self.plan, self.began + self.asked.budget)
         except OutOfTime as stopped:
             self.rows.append(self._row(model, rung, None, None, str(stopped)))
             return None
@@ -219,7 +233,7 @@ class _Studied:
         total, numerical, parts = Errors(), Errors(), tuple[Part, ...]()
         motions = 0 if found is None else int(np.count_nonzero(complete(found.response)))
         if found is not None and not why:
-            own, top = self.exact[model.name][0], self.exact[self.finest.name][0]
+            own, top = self.exact[model.name][0], self.truth
             total, numerical = (errors(found, truth, self.plan) for truth in (top, own))
             why = "" if total.points or np.isfinite(total.statistics) else self._nothing(found)
             chain = [each.response for each in (found, self.short[model.name], own, top)]
@@ -244,4 +258,8 @@ def frequencies(case: Case, asked: CostPlan) -> Any:
     if asked.frequency is not None:
         return np.array(asked.frequency)
     grid = np.sort(case.sweep.frequency)
+    if asked.reference is not None:
+        grid = np.array(sorted(f for f in curve(case) if grid[0] <= f <= grid[-1]))
+        if not len(grid):
+            raise ValueError(f"cost.reference: {asked.reference!r} has no point within the sweep")
     return grid[np.unique(np.linspace(0, len(grid) - 1, POINTS).round().astype(int))]

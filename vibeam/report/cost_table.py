@@ -39,7 +39,7 @@ def runs(study: Study) -> Table:
 
 def _legend(study: Study, chaos: bool) -> str:
     text = (
-        f"off, rms: amplitude, largest and root mean square, against {study.finest} flown exactly, where both repeat\n"
+        f"off, rms: amplitude, largest and root mean square, against {study.truth}, where both repeat\n"
         "by solver: largest, against the exact motion of its own fidelity; path: Hausdorff distance to it over ten\n"
         f"periods; impacts: worst velocity on it. {len(study.frequency)} frequencies of {study.settle} + {study.hold} "
         "periods; CPU: least of the repeats;\n*: on the Pareto front of rms and CPU, for runs that found every motion"
@@ -64,13 +64,15 @@ def _run(row: Row, again: bool, best: bool, chaos: bool) -> list[str | Text]:
 def parts(study: Study) -> Table:
     """Every fidelity's error and its parts."""
     table = blank("Where the error comes from", "fidelity", "modes|", "R₁ seen|", "in all|")
-    shown = [index for index in range(3) if any(_counts(split, index) for split in study.splits)]
+    shown = [
+        index for index in range(len(study.splits[0].parts)) if any(_counts(split, index) for split in study.splits)
+    ]
     for index in shown:
         table.add_column(study.splits[0].parts[index].name, justify="right")
     for name in ("by the solver", "CPU, exact"):
         table.add_column(name, justify="right")
     table.caption = (
-        f"signed means of amplitude over that of {study.finest}: they add up; R₁: restitution that the first mode sees"
+        f"signed means of amplitude over that of {study.truth}: they add up; R₁: restitution that the first mode sees"
     )
     for split in study.splits:
         cells = [signed(split.parts[index].mean) for index in shown]
@@ -98,7 +100,7 @@ def sentences(study: Study) -> Iterator[str]:
     """What the figures say, a line each."""
     yield f"Reference: {study.finest}, {study.bound.sentence}."
     for split in study.splits:
-        if split.fidelity != study.finest and split.points:
+        if (study.reference or split.fidelity != study.finest) and split.points:
             yield _sentence(study, split)
     for name, twin in study.same.items():
         yield f"{name}: the same model as {twin}."

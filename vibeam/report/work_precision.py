@@ -60,7 +60,7 @@ def work_precision(study: Study) -> Figure:
     _panel(whole, study, colours, lambda row: row.total)
     _front(whole, study)
     _panel(own, study, colours, lambda row: row.numerical)
-    whole.set_title(f"model and solver: against {study.finest}, exact", loc="left")
+    whole.set_title(f"model and solver: against {study.truth}", loc="left")
     own.set_title("solver alone: against its own model, exact", loc="left")
     whole.set_ylabel(f"CPU time of {len(study.frequency)} frequencies (s)")
     for axes in (whole, own):
