@@ -84,7 +84,7 @@ def given(case: Case, frequency: Array) -> FrequencyResponse:
 
 
 def curve(case: Case) -> dict[float, tuple[float, int]]:
-    """Amplitude and period (1 where none is said) over frequency (Hz) in the case's reference file, its first branch."""
+    """Amplitude and period (1 where none is said) over frequency (Hz) of the case's reference file, first branch."""
     points = reference_points(case.references[case.cost.reference or ""])
     way = points[0].direction if points else "up"
     told = [point for point in points if point.direction == way and point.value is not None]
