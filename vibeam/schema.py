@@ -335,7 +335,7 @@ class CostTable(Table):
         written=False,
     )
     repeats: Annotated[int, Count(1, 1000)] = key("how often a run is timed, where that is short", 3, 3)
-    budget: Annotated[float, Quantity(units.TIME, POSITIVE)] = key("CPU time for all of it", "60 s", 60.0)
+    budget: Annotated[float, Quantity(units.TIME, POSITIVE)] = key("CPU time of the runs compared", "60 s", 60.0)
 
 
 class SdofTable(Table):

@@ -23,6 +23,7 @@ from vibeam.cost.reference import bound
 from vibeam.cost.schedule import Track, climb
 from vibeam.cost.split import shares, split
 from vibeam.cost.study import Study, cost
+from vibeam.cost.work import timed
 from vibeam.report.cost_files import write_files
 from vibeam.report.cost_table import parts, runs, sentences
 from vibeam.report.work_precision import work_precision
@@ -88,11 +89,11 @@ def test_the_cheapest_next_and_the_rest_is_named() -> None:
 
 @pytest.fixture(scope="module")
 def tiny() -> Study:
-    return cost(parse(TINY), clock=Clock(), progress=lambda line: None)
+    return cost(parse(TINY, set={"cost.budget": 20}), clock=Clock(), progress=lambda line: None)
 
 
 def test_a_study_with_a_clock_of_its_own_leaves_out_what_does_not_fit(tiny: Study) -> None:
-    """Every look at the clock costs a second of the 60: most runs find no room, and each of them is named."""
+    """Every look at the clock costs a second of the 20: most runs find no room, and each of them is named."""
     everything = {rung.label for name in NAMES for ladder in ladders(name, 1.0) for rung in ladder}
     assert {row.label for row in tiny.rows} | {each.run for each in tiny.left_out} == everything
     assert not {row.label for row in tiny.rows} & {each.run for each in tiny.left_out}
@@ -122,6 +123,20 @@ def test_a_study_of_one_degree_of_freedom(whole: Study) -> None:
     assert rows["zhuravlev DOP853 rtol 1e-10"].work.evaluations > rows["flight"].work.impacts > 100
     assert all(row.work.cpu_min <= row.work.cpu_median for row in whole.rows)
     assert "flight" in {whole.rows[i].label for i in whole.front} | {"flight"}
+
+
+def test_the_work_counts_all_that_is_timed() -> None:
+    """Sweep, clouds and path: on the pressed stop of the tight rig, where the motion at 14 Hz does not repeat."""
+    case = parse(RIG.read_text(encoding="utf-8").split("[reference")[0], set=BEAM | {"stop.gap": "-0.1 mm"})
+    plan = replace(_plan(case), omega=2 * np.pi * np.array([14.0, 15.5]))  # type: ignore[type-var]
+    found, work = timed(lambda: measure(case.system("sdof"), Rung("flight"), plan), Clock(), 3, 1.0)
+    assert 0 in found.clouds
+    assert len(found.clouds[0].amplitude) == 200
+    assert found.path is not None
+    swept, clouded = int(np.sum(found.response.impacts)), sum(each.impacts for each in found.clouds.values())
+    assert work.impacts == swept + clouded + len(found.path.impact_times) > swept + 200
+    assert work.periods == 2 * (plan.settle + plan.hold) + 200 * len(found.clouds) + 10
+    assert (work.cpu_min, work.cpu_median, work.repeats) == (1.0, 1.0, 1)
 
 
 def test_the_timed_call_is_the_call_whose_error_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:

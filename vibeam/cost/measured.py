@@ -49,6 +49,8 @@ class Cloud:
 
     amplitude: Array
     velocity: Array
+    impacts: int = 0
+    evaluations: int = 0
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,19 @@ class Measured:
     clouds: Mapping[int, Cloud] = field(default_factory=dict)
     path: Path | None = None
     periods: int = 0
+
+    @property
+    def impacts(self) -> int:
+        """All impacts computed: of the sweep, the clouds and the path."""
+        pathed = 0 if self.path is None else len(self.path.impact_times)
+        return int(np.sum(self.response.impacts)) + sum(each.impacts for each in self.clouds.values()) + pathed
+
+    @property
+    def evaluations(self) -> int:
+        """All evaluations, of the same."""
+        pathed = 0 if self.path is None else self.path.evaluations
+        clouded = sum(each.evaluations for each in self.clouds.values())
+        return int(np.sum(self.response.evaluations)) + clouded + pathed
 
     @property
     def failure(self) -> str:
@@ -96,7 +111,8 @@ def measure(
 
 def _cloud(watched: FrequencyResponse) -> Cloud:
     velocities, amplitudes = watched.impact_velocities.ravel(), watched.amplitude
-    return Cloud(amplitudes[np.isfinite(amplitudes)], velocities[np.isfinite(velocities)])
+    counts = int(np.sum(watched.impacts)), int(np.sum(watched.evaluations))
+    return Cloud(amplitudes[np.isfinite(amplitudes)], velocities[np.isfinite(velocities)], *counts)
 
 
 def _path(runner: object, system: ImpactSystem, plan: Plan) -> Path | None:

@@ -34,6 +34,7 @@ class Path:
     times: Array
     impact_times: Array
     impact_velocities: Array
+    evaluations: int = 0
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,8 @@ def _exact(runner: Any, drive: Drive, state: State, end: float, output: str) -> 
     found = Trajectory(runner.system, drive, 0.0, last, after, ended, stats, runner, segments)
     grid = np.linspace(0.0, last, max(2, round(GRID * last * drive.omega / (2 * np.pi)) + 1))
     times = np.union1d(grid, found.impact_times[found.impact_times <= last])
-    return Path(lambda t: found.at(np.clip(t, 0.0, last), output), times, found.impact_times, found.impact_velocities)
+    impacts = found.impact_times, found.impact_velocities
+    return Path(lambda t: found.at(np.clip(t, 0.0, last), output), times, *impacts, int(stats["evaluations"]))
 
 
 def _sampled(motion: Any, output: str) -> Path:
@@ -89,7 +91,7 @@ def _sampled(motion: Any, output: str) -> Path:
         c = h * (slopes[left] + slopes[right]) - 2 * rise
         return np.asarray(values[left] + s * (h * slopes[left] + s * (b + s * c)))
 
-    return Path(at, times, motion.impact_times, motion.impact_velocities)
+    return Path(at, times, motion.impact_times, motion.impact_velocities, int(motion.stats["evaluations"]))
 
 
 def matched(times: Array, velocities: Array, true_times: Array, true_velocities: Array, apart: float) -> Matched:

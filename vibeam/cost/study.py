@@ -112,7 +112,7 @@ class _Studied:
         self.rows: list[Row] = []
         self.refused: list[LeftOut] = []
         self.warm()
-        self.began = clock()
+        self.began = self.ready = clock()
 
     def warm(self) -> None:
         """Load and compile what is loaded and compiled but once."""
@@ -157,7 +157,9 @@ class _Studied:
         self.truth = top if self.file is None else Measured(self.file)
         bounded = bound(self.finest.system, top, self.long)
         splits = tuple(self._split(model, top) for model in self.models)
-        left_out = climb(self._tracks(), self._left, self._climbed)
+        tracks = self._tracks()
+        self.ready = self.clock()
+        left_out = climb(tracks, self._left, self._climbed)
         order = {model.name: index for index, model in enumerate(self.models)}
         rungs = [rung.label for name in NAMES for ladder in ladders(name, 1.0) for rung in ladder]
         rows = sorted(self.rows, key=lambda row: (order[row.fidelity], rungs.index(row.label)))
@@ -169,7 +171,8 @@ class _Studied:
         )  # fmt: skip
 
     def _left(self) -> float:
-        return self.asked.budget - (self.clock() - self.began)
+        """Seconds of the budget, which begins when all that every study needs is done."""
+        return self.asked.budget - (self.clock() - self.ready)
 
     def _timed(self, system: ImpactSystem, rung: Rung, plan: Plan, deadline: float) -> tuple[Measured, Work]:
         spend = SHARE * self.asked.budget
@@ -209,7 +212,7 @@ class _Studied:
             return self.exact[model.name][1].cpu_min
         plan = self.plan
         least = STIFF * float(np.max(model.system.omega)) * float(np.sum(2 * np.pi / plan.omega))
-        if rung.solver == "direct" and least * (plan.settle + plan.hold) > self._left():
+        if rung.solver == "direct" and least * (plan.settle + plan.hold) > self.asked.budget:
             return least * (plan.settle + plan.hold)  # not even two periods are to be had for nothing
         short = replace(plan, omega=plan.omega[len(plan.omega) // 2 :][:1], settle=0, hold=PROBE, cloud=0, window=0)
         begun = self.clock()
@@ -222,7 +225,7 @@ class _Studied:
         model = self.named[fidelity]
         self.say(f"{fidelity}: {rung.label}")
         try:
-            found, work = self._timed(model.system, rung, self.plan, self.began + self.asked.budget)
+            found, work = self._timed(model.system, rung, self.plan, self.ready + self.asked.budget)
         except OutOfTime as stopped:
             self.rows.append(self._row(model, rung, None, None, str(stopped)))
             return None

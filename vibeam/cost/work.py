@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import isfinite
 from statistics import median
-
-import numpy as np
 
 from vibeam.cost.measured import Clock, Measured
 
@@ -42,8 +41,8 @@ def timed(run: Callable[[], Measured], clock: Clock, repeats: int, spend: float)
         seconds.append(clock() - begun)
         found = found or again
     assert found is not None
-    impacts, evaluations = (int(np.sum(getattr(found.response, name))) for name in ("impacts", "evaluations"))
-    return found, Work(min(seconds), median(seconds), len(seconds), found.periods, impacts, evaluations)
+    counts = found.periods, found.impacts, found.evaluations
+    return found, Work(min(seconds), median(seconds), len(seconds), *counts)
 
 
 def front(points: list[tuple[float, float]]) -> list[int]:
@@ -51,7 +50,7 @@ def front(points: list[tuple[float, float]]) -> list[int]:
 
     Points with NaN are never on it. In the order of rising error.
     """
-    order = sorted((i for i, point in enumerate(points) if all(np.isfinite(point))), key=lambda i: points[i])
+    order = sorted((i for i, point in enumerate(points) if all(map(isfinite, point))), key=lambda i: points[i])
     kept: list[int] = []
     for i in order:
         if not kept or points[i][1] < points[kept[-1]][1]:
