@@ -289,6 +289,11 @@ def test_a_file_is_the_truth_where_the_case_says_so(tmp_path: Path) -> None:
         parse(TINY + table, tmp_path / "a.toml", set={"cost.reference": "owm"})
 
 
+def test_modes_are_asked_of_a_beam_alone() -> None:
+    with pytest.raises(ValueError, match=r"cost\.modes: a single degree of freedom has one mode"):
+        parse(TINY, set={"cost.modes": [1, 2]})
+
+
 def test_too_little_time_leaves_all_runs_out_and_says_so() -> None:
     study = cost(parse(TINY, set={"cost.budget": 1e-9, "cost.solvers": ["flight", "orbit"]}))
     assert study.rows == ()
