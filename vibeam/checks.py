@@ -224,6 +224,8 @@ def _show_keys(path: Path, show: SimpleNamespace) -> Iterator[Complaint]:
 
 
 def _cost(case: SimpleNamespace) -> Iterator[Complaint]:
+    if case.cost is None:
+        return
     if case.cost.modes and not hasattr(case, "beam"):
         yield ("cost", "modes"), "a single degree of freedom has one mode: leave this out"
     name, path = case.cost.reference, ("cost", "reference")

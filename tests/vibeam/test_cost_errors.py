@@ -18,7 +18,7 @@ from vibeam.system import Drive
 
 GRID = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
 AMPLITUDE = np.array([1.0, 2.0, 4.0, 2.0, 1.0])
-PLAN = Plan(2 * np.pi * GRID, 1.0, 1, 1, "contact", 8, 2, 1.0, Drive(2 * np.pi, 1.0))
+PLAN = Plan(2 * np.pi * GRID, np.ones(5), 1, 1, "contact", 8, 2, 1.0, Drive(2 * np.pi, 1.0))
 
 
 def found(amplitude: object, period: object = 1, **more: object) -> Measured:

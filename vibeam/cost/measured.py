@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,12 +28,13 @@ class OutOfTime(Exception):
 class Plan:
     """What every run does: a sweep up over ``omega`` (rad/s), the state carried, then a path of ``window`` periods.
 
+    ``amplitude``: of the base at each, m.
     Where the motion does not repeat, ``cloud`` periods more are read one by one. ``size``: of the contact's motion, m;
     ``drive`` moves the path.
     """
 
     omega: Array
-    amplitude: float
+    amplitude: Array
     settle: int
     hold: int
     output: str
@@ -41,6 +42,10 @@ class Plan:
     window: int
     size: float
     drive: Drive
+
+    def at(self, index: int) -> Plan:
+        """The plan for one of its frequencies alone."""
+        return replace(self, omega=self.omega[index : index + 1], amplitude=self.amplitude[index : index + 1])
 
 
 @dataclass(frozen=True)
@@ -98,11 +103,12 @@ def measure(
         if clock() > deadline:
             raise OutOfTime(f"stopped after {index} of {len(plan.omega)} points: the time was up")
         one = np.array([omega])
-        part, state = runner.steady(one, plan.amplitude, state, plan.settle, plan.hold, plan.output)
+        base = float(plan.amplitude[index])
+        part, state = runner.steady(one, base, state, plan.settle, plan.hold, plan.output)
         parts.append(part)
         if part.period[0] == 0 and part.ended[0] == Ended.COMPLETE.code and plan.cloud:
             each = np.full(plan.cloud, omega)
-            watched, state = runner.steady(each, plan.amplitude, state, 0, 1, plan.output)
+            watched, state = runner.steady(each, base, state, 0, 1, plan.output)
             clouds[index] = _cloud(watched)
     path = _path(runner, system, plan) if plan.window else None
     periods = len(plan.omega) * (plan.settle + plan.hold) + len(clouds) * plan.cloud + plan.window * (path is not None)

@@ -100,7 +100,7 @@ def _single_impacts(response: FrequencyResponse) -> FrequencyResponse:
 def _integrated(system: ImpactSystem, plan: Plan) -> tuple[Errors, str]:
     if system.size > MOST:
         return Errors(), f"{system.size} modes are too many to integrate at {STRICT:.0e}"
-    short = replace(plan, omega=np.array([plan.drive.omega]), settle=0, hold=1, cloud=0, window=WINDOW)
+    short = replace(plan.at(0), settle=0, hold=1, cloud=0, window=WINDOW)
     options = {"method": "DOP853", "rtol": STRICT, "atol": STRICT * 1e-2 * plan.size}
     strict = measure(system, Rung("direct", options=options), short)
     return errors(strict, measure(system, FLIGHT, short), short), strict.failure

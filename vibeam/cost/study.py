@@ -117,7 +117,7 @@ class _Studied:
     def warm(self) -> None:
         """Load and compile what is loaded and compiled but once."""
         first = self._first_plan()
-        plan = replace(first, omega=first.omega[:1], settle=0, hold=PROBE)
+        plan = replace(first.at(0), settle=0, hold=PROBE)
         least = min(self.models, key=lambda model: model.system.size)
         for name in self.asked.solvers or NAMES:
             for rung in [ladder[0] for ladder in ladders(name, 1.0)]:
@@ -129,8 +129,11 @@ class _Studied:
         omega = 2 * np.pi * frequencies(self.case, asked)
         settle = min(sweep.settle, SETTLE) if asked.settle is None else asked.settle
         hold = min(sweep.hold, HOLD) if asked.hold is None else asked.hold
-        drive = Drive(float(omega[0]), self.case.base_amplitude)
-        return Plan(omega, self.case.base_amplitude, settle, hold, sweep.output, 0, 0, 1.0, drive)
+        base = np.broadcast_to(self.case.amplitude(omega), omega.shape)
+        return Plan(omega, base, settle, hold, sweep.output, 0, 0, 1.0, self._drive(float(omega[0])))
+
+    def _drive(self, omega: float) -> Drive:
+        return Drive(omega, float(np.ravel(self.case.amplitude(np.array([omega])))[0]))
 
     @cached_property
     def plan(self) -> Plan:
@@ -138,7 +141,7 @@ class _Studied:
         first = self._first_plan()
         seen = measure(self.finest.system, FLIGHT, first).response
         size, top = float(np.nanmedian(seen.reach)), peak(seen)[0]
-        drive = Drive(2 * np.pi * top, first.amplitude) if np.isfinite(top) else first.drive
+        drive = self._drive(2 * np.pi * top) if np.isfinite(top) else first.drive
         size = size if size > 0 else 1.0
         return replace(first, cloud=CLOUD, window=WINDOW, size=size, drive=drive)
 
@@ -214,7 +217,7 @@ class _Studied:
         least = STIFF * float(np.max(model.system.omega)) * float(np.sum(2 * np.pi / plan.omega))
         if rung.solver == "direct" and least * (plan.settle + plan.hold) > self.asked.budget:
             return least * (plan.settle + plan.hold)  # not even two periods are to be had for nothing
-        short = replace(plan, omega=plan.omega[len(plan.omega) // 2 :][:1], settle=0, hold=PROBE, cloud=0, window=0)
+        short = replace(plan.at(len(plan.omega) // 2), settle=0, hold=PROBE, cloud=0, window=0)
         begun = self.clock()
         measure(model.system, rung, short)
         times = 1 if rung.solver in FORMULAS else (plan.settle + plan.hold) / PROBE
