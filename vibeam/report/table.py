@@ -70,7 +70,7 @@ def checks(rows: Iterable[CheckRow], units: Units = METRIC) -> Table:
 
 def crossings(rows: Sequence[Crossing], own: str, units: Units = METRIC) -> Table:
     """Every boundary that the case itself runs into as the frequency changes."""
-    table = _table(f"Boundaries at the case's own {own}", "fidelity", "boundary", "motion", "at|", "velocity|")
+    table = blank(f"Boundaries at the case's own {own}", "fidelity", "boundary", "motion", "at|", "velocity|")
     table.add_column("multipliers", justify="right")
     table.caption = "of motions with one impact a span that keep clear of the stop between; velocity: of the impact"
     for row in rows:
