@@ -102,8 +102,7 @@ class Trajectory:
         resting = np.flatnonzero(trace[:, WHAT] == RESTING)
         before = trace[np.maximum(resting - 1, 0)]
         waited = np.where((resting > 0) & (before[:, END] == CHATTER), before[:, LEFT], 0.0)
-        begin = trace[resting, START]
-        end = begin + trace[resting, DURATION]
+        begin, end = trace[resting, START], np.append(trace[1:, START], self.t_end)[resting]
         return np.stack([np.minimum(begin + waited, end), end], axis=1)
 
     def at(self, t: ArrayLike, output: str = "contact") -> Array:

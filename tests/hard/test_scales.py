@@ -40,7 +40,7 @@ def test_lengths_of_any_power_of_two_keep_every_bit(system: vibeam.ImpactSystem,
     np.testing.assert_array_equal(there.state.displacement, here.state.displacement * 2.0**length)
 
 
-@pytest.mark.parametrize("time", [-100, -30, 30, 100, 300])
+@pytest.mark.parametrize("time", [-100, -30, 30, 100])
 @pytest.mark.parametrize("system", [SYSTEM, PRESSED], ids=["open", "pressed"])
 def test_times_of_any_power_of_two_keep_every_bit(system: vibeam.ImpactSystem, time: int) -> None:
     here, there = scaled(system, 1.0, 2.0**time)
@@ -48,6 +48,13 @@ def test_times_of_any_power_of_two_keep_every_bit(system: vibeam.ImpactSystem, t
     np.testing.assert_array_equal(there.impact_times, here.impact_times * 2.0**time)
     np.testing.assert_array_equal(there.impact_velocities, here.impact_velocities / 2.0**time)
     np.testing.assert_array_equal(there.rests, here.rests * 2.0**time)
+
+
+@pytest.mark.parametrize("time", [-300, 300])
+def test_times_that_no_bound_can_hold_are_refused(time: int) -> None:
+    """Bounds take eighth powers of the rates: beyond 1e±36 1/s the solver says so, and does not hang."""
+    with pytest.raises(ValueError, match="take another unit of time"):
+        scaled(SYSTEM, 1.0, 2.0**time)
 
 
 @pytest.mark.parametrize(("length", "time"), [(1e-9, 1.0), (1e3, 1.0), (1e-9, 1e-6), (1e3, 3600.0), (1e-250, 1e5)])

@@ -23,6 +23,7 @@ from vibeam.solvers.kernels.layout import (
 from vibeam.solvers.kernels.tables import rates
 
 Array = NDArray[np.float64]
+FURTHEST = 128  # binary orders by which the unit of time is moved at most
 CLOSE = 1e-4  # relative distance of two eigenvalues below which their common subspace is taken instead of eigenvectors
 
 
@@ -50,7 +51,7 @@ def constrained(omega: Array, sigma: Array, contact: Array, load: Array, static:
     It is made in a unit of time of the system's own, a power of two, so that other units of time change no digit.
     """
     fastest = max(float(omega.max()), float(sigma.max()))
-    unit = 2.0 ** np.frexp(fastest)[1] if fastest > 0 else 1.0
+    unit = float(np.ldexp(1.0, np.clip(np.frexp(fastest)[1], -FURTHEST, FURTHEST)))
     own = _in_own_time(omega / unit, sigma / unit, contact, load, static / unit**2, gap)
     n = len(omega)
     blocks, into, out = own.blocks.copy(), own.to_blocks.copy(), own.from_blocks.copy()

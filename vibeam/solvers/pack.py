@@ -18,6 +18,7 @@ from vibeam.solvers.kernels.layout import (
     LOAD,
     MOBILITY,
     MODE_ROWS,
+    MOTION,
     REST_FORCE,
     REST_LOAD,
     RESTITUTION,
@@ -30,6 +31,7 @@ from vibeam.solvers.kernels.tables import rates, regime
 from vibeam.system import ImpactSystem
 
 Array = NDArray[np.float64]
+SLOW = 1e-6  # turns within a motion below which a mode is slow, and the motion itself says how long a panel is
 FASTEST = 1e36  # bounds take eighth powers of the rates
 
 
@@ -54,6 +56,7 @@ class Packed:
         modes[YIELD] = _yield(omega, contact)
         drive[GAP], drive[RESTITUTION], drive[MOBILITY] = own.gap, own.restitution, contact @ contact
         rest = constrained(omega, sigma, contact, load, static, own.gap)
+        drive[MOTION] = np.inf
         drive[REST_FORCE], drive[REST_LOAD] = rest.force, rest.force_load
         pairs, table, levels = regime(omega, sigma, omega**2 * (zeta - 1.0) * (zeta + 1.0), top)
         rest_pairs, rest_table, rest_levels = regime(rest.omega, rest.sigma, rest.disc, top)
@@ -85,7 +88,7 @@ def _yield(omega: Array, contact: Array) -> Array:
 
 
 def pack(system: ImpactSystem, omega: float, span: float = 0.0) -> Packed:
-    """The system packed for drives of ``omega`` rad/s and more, or, where nothing oscillates, a time of ``span``."""
+    """The system packed for drives of ``omega`` rad/s and more; without, for the slowest mode or a time of ``span``."""
     return Packed(system, _slowest(system, omega, span))
 
 
@@ -93,6 +96,6 @@ def _slowest(system: ImpactSystem, omega: float, span: float) -> float:
     if omega > 0:
         return omega
     moving = system.omega[system.omega > 0]
-    if len(moving):
-        return float(moving.min())
-    return 1.0 / span if span > 0 else 1.0
+    once = 1.0 / span if span > 0 else 0.0
+    slowest = float(moving.min(initial=np.inf))
+    return slowest if SLOW * once < slowest < np.inf else once or 1.0

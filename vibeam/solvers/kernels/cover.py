@@ -5,8 +5,6 @@ The same walk as ``isolate.first_root``, but along a flight whose end is known, 
 
 from __future__ import annotations
 
-from math import sqrt
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,6 +36,7 @@ from vibeam.solvers.kernels.layout import (
     ZI,
     ZR,
 )
+from vibeam.solvers.kernels.pair import norm
 from vibeam.solvers.kernels.panel import accept, launching, ordinary, step_pairs
 from vibeam.solvers.kernels.polish import EPSILON, polish_minimum
 from vibeam.solvers.kernels.signal import derivatives, to_node
@@ -79,7 +78,7 @@ def along(desk: Desk, trace: Array, poses: Array, flight: int, order: int, rise:
     if signal[ATTACHED] > 0.0:
         att.restart(attached, signal)
     re, im = signal[ZR], signal[ZI]
-    signal[HARMONIC] = sqrt(re * re + im * im)
+    signal[HARMONIC] = norm(re, im)
     duration, end, coarsest = trace[flight, DURATION], trace[flight, END], int(desk.drive[COARSEST])
     tolerance = 8.0 * EPSILON * (abs(signal[CONST]) + signal[HARMONIC] + total + att.swing(attached, signal, duration))
     closes = end in (IMPACT, CHATTER, STUCK)

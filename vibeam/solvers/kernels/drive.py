@@ -34,6 +34,7 @@ from vibeam.solvers.kernels.layout import (
     LOAD,
     LOAD1,
     LOAD2,
+    MOTION,
     OFFSET,
     OFFSET1,
     OFFSET2,
@@ -53,6 +54,7 @@ from vibeam.solvers.kernels.tables import tabulate_drive
 
 Array = NDArray[np.float64]
 NEAR_RESONANCE = 1e-3  # |ω² − Ω² + 2iσΩ| / Ω² below which a mode is attached
+FAR = 30.0  # distance of the equilibrium over the size of the motion beyond which taking it out loses digits
 NEARLY_FREE = 0.05  # rate / Ω below which a mode under a static force is attached
 LOOSE = 1e-7  # share of the fastest rate below which a held block counts as without stiffness
 PANEL = 1.1  # the longest panel is at most this over the drive's rate: about a sixth of its period
@@ -70,7 +72,8 @@ def set_drive(desk: Desk, omega: float, amplitude: float) -> None:
     for k in range(modes.shape[1]):
         modes[RE, k], modes[IM, k], modes[OFFSET, k] = 0.0, 0.0, 0.0
         own, sigma = desk.pairs[OMEGA, k], desk.pairs[SIGMA, k]
-        if is_attached(own, sigma, modes[LOAD, k] * strength, modes[STATIC, k], omega):
+        far = abs(modes[STATIC, k]) > FAR * own * own * drive[MOTION]
+        if far or is_attached(own, sigma, modes[LOAD, k] * strength, modes[STATIC, k], omega):
             desk.attached[AMODE, int(desk.signal[ATTACHED])] = k
             desk.signal[ATTACHED] += 1.0
             continue

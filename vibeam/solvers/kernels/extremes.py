@@ -20,6 +20,7 @@ from vibeam.solvers.kernels.layout import (
     ZI,
     ZR,
 )
+from vibeam.solvers.kernels.pair import norm
 from vibeam.solvers.kernels.panel import accept, measure
 from vibeam.solvers.kernels.signal import to_node
 
@@ -36,7 +37,7 @@ def extremes(
     total = to_node(pairs)
     att.restart(attached, signal)
     re, im = signal[ZR], signal[ZI]
-    signal[HARMONIC] = sqrt(re * re + im * im)
+    signal[HARMONIC] = norm(re, im)
     accuracy = ACCURACY * (abs(signal[CONST]) + signal[HARMONIC] + total + att.swing(attached, signal, span))
     time, level = 0.0, coarsest
     while True:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import sqrt
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -52,7 +50,7 @@ from vibeam.solvers.kernels.layout import (
     ZR,
     W,
 )
-from vibeam.solvers.kernels.pair import propagator
+from vibeam.solvers.kernels.pair import norm, propagator
 from vibeam.solvers.kernels.signal import value_at
 
 Array = NDArray[np.float64]
@@ -71,7 +69,7 @@ def begin_flight(
     signal[CONST], signal[ZR], signal[ZI], signal[DRIVE] = drive[CLEARANCE], zr, zi, drive[W]
     signal[COSINE], signal[SINE] = cosine, sine
     value, slope = drive[CLEARANCE] + zi, drive[W] * zr
-    size = abs(drive[GAP]) + abs(drive[CLEARANCE]) + sqrt(zr * zr + zi * zi)
+    size = abs(drive[GAP]) + abs(drive[CLEARANCE]) + norm(zr, zi)
     for k in range(pairs.shape[1]):
         c = modes[CONTACT, k]
         x = -c * (pose[0, k] - modes[OFFSET, k] - (modes[RE, k] * sine + modes[IM, k] * cosine))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import sqrt
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,11 +26,13 @@ from vibeam.solvers.kernels.layout import (
     ZR,
     W,
 )
+from vibeam.solvers.kernels.pair import norm
 from vibeam.solvers.kernels.signal import magnitude, to_node
 
 Array = NDArray[np.float64]
 NEAR = 1e-11  # share of the length scale that what is left of a chatter may span before its completion is considered
 NEAR_MODES = 4e-15  # the same where other modes feel the impulses left out
+FAITHFUL = 1e-11  # share of the whole accumulation by which its end may be misjudged
 LATE = 1e-12  # share of the slowest time scale by which the end of the accumulation may be misjudged
 FLOOR = 1e-26  # share of the length scale below which a flight is no longer one
 
@@ -73,7 +73,7 @@ def chatter_left(desk: Desk, pose: Array, status: Array, after: float) -> tuple[
     _, _, size = begin_flight(
         desk.pairs, desk.signal, desk.attached, desk.modes, drive, pose, status[PHASE_COS], status[PHASE_SIN]
     )
-    desk.signal[HARMONIC] = sqrt(desk.signal[ZR] ** 2 + desk.signal[ZI] ** 2)
+    desk.signal[HARMONIC] = norm(desk.signal[ZR], desk.signal[ZI])
     to_node(desk.pairs)
     for j in range(desk.attached.shape[1]):
         size += abs(desk.attached[AWEIGHT, j] * desk.attached[AX, j])
@@ -83,6 +83,8 @@ def chatter_left(desk: Desk, pose: Array, status: Array, after: float) -> tuple[
         return left, remainder
     near = NEAR if pose.shape[1] == 1 else NEAR_MODES
     slowest = max(drive[W], desk.pairs[KAPPA, 0])
+    if remainder > FAITHFUL * drive[RESTITUTION] * 2.0 * fall / loss:
+        return -1.0, 0.0
     if after * left > near * max(length, size) or jerk * left > 0.1 * toward or remainder * slowest > LATE:
         return -1.0, 0.0
     return left, remainder

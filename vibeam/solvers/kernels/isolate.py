@@ -27,7 +27,7 @@ from vibeam.solvers.kernels.layout import (
     ZI,
     ZR,
 )
-from vibeam.solvers.kernels.pair import power
+from vibeam.solvers.kernels.pair import norm, power
 from vibeam.solvers.kernels.panel import accept, launching, ordinary, step_pairs
 from vibeam.solvers.kernels.polish import EPSILON, guess, polish, polish_minimum
 from vibeam.solvers.kernels.sharp import sharp_gap
@@ -53,7 +53,7 @@ def first_root(
     if signal[ATTACHED] > 0.0:
         att.restart(attached, signal)
     re, im = signal[ZR], signal[ZI]
-    harmonic = sqrt(re * re + im * im)
+    harmonic = norm(re, im)
     signal[HARMONIC] = harmonic
     size = abs(signal[CONST]) + harmonic + total
     if signal[ATTACHED] > 0.0:

@@ -87,6 +87,8 @@ def advance(
             outcome, step = fly(desk, pose, status, span - done, trace, counts)
         if outcome != COMPLETE:
             return outcome, done
+        if step >= span - done:
+            return COMPLETE, span
         step -= lost
         total = done + step
         lost, done = (total - done) - step, total

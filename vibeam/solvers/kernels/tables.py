@@ -32,6 +32,7 @@ from vibeam.solvers.kernels.layout import (
 from vibeam.solvers.kernels.pair import increments, phasor_increments
 
 Array = NDArray[np.float64]
+SMALLEST = 1e-300  # rad/s: slower is as good as free
 RESOLVED = 1.2  # κh up to which a pair takes part in the interpolant; above it enters by bounds
 
 
@@ -40,7 +41,7 @@ def regime(omega: Array, sigma: Array, disc: Array, top: int) -> tuple[Array, Ar
     pairs = np.zeros((PAIR_ROWS, len(omega)))
     over = sigma + np.sqrt(np.maximum(disc, 0.0))
     pairs[OMEGA], pairs[SIGMA], pairs[DISC], pairs[KAPPA] = omega, sigma, disc, rates(omega, sigma)
-    pairs[INVERSE] = np.where(omega > 0, 1.0 / np.where(omega > 0, omega, 1.0), 0.0)
+    pairs[INVERSE] = np.where(omega > SMALLEST, 1.0 / np.where(omega > SMALLEST, omega, 1.0), 0.0)
     pairs[DECAY] = np.where(disc < 0, sigma, omega**2 / np.where(over > 0, over, 1.0))
     levels = np.zeros((LEVEL_ROWS, LEVELS))
     levels[STEP] = np.ldexp(1.0, top - np.arange(LEVELS))
