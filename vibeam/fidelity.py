@@ -12,8 +12,11 @@ from vibeam.system import ImpactSystem
 from vibeam_models.scene import Scene, SdofScene
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
+    from vibeam_models.compliant import CompliantStop
+    from vibeam_models.contact import VelocityRestitution
+    from vibeam_models.scene import Stop
     from vibeam_models.structure import Structure
 
     Array = NDArray[np.float64]
@@ -124,9 +127,17 @@ def _of_beam(scene: Scene, fidelity: Fidelity) -> ImpactSystem:
     from vibeam_models.beam import assemble
 
     structure = assemble(scene)
-    small = reduced(structure, fidelity)
-    built = ImpactSystem.from_structure(small, gap=_contact_gap(scene, structure), restitution=scene.stop.restitution)
-    if scene.stop.restitution_of != "contact":
+    factor = _gap_factor(scene, structure)
+    small, second = reduced(structure, fidelity), scene.stop.second_gap
+    built = ImpactSystem.from_structure(
+        small,
+        gap=scene.stop.gap * factor,
+        restitution=scene.stop.usual_restitution,
+        second_gap=None if second is None else second * factor,
+    )
+    if scene.stop.law not in (None, "restitution"):
+        built = replace(built, law=_law(scene.stop, float(np.sum(built.contact**2))))
+    elif scene.stop.restitution_of != "contact":
         built = _seen_by_first_mode(built)
     if scene.platform is None or scene.platform.coupling == "one-way":
         return built
@@ -134,16 +145,53 @@ def _of_beam(scene: Scene, fidelity: Fidelity) -> ImpactSystem:
 
     # After the reduction, so that it carries the whole mass with the modes of the beam on a base held still.
     moved = moving_platform(scene.platform, scene.shaker, scene.moving_mass).under(small)
-    return ImpactSystem.from_structure(moved, gap=built.gap, restitution=built.restitution)
+    return ImpactSystem.from_structure(
+        moved, gap=built.gap, restitution=built.restitution, law=built.law, second_gap=built.second_gap
+    )
 
 
-def _contact_gap(scene: Scene, structure: Structure) -> float:
-    """The gap at the contact in m; one measured at the sensor is carried there by the static mode."""
+def _gap_factor(scene: Scene, structure: Structure) -> float:
+    """The gap at the contact over the gap as given: one measured at the sensor is carried there by the static mode."""
     if scene.stop.gap_at == "contact":
-        return scene.stop.gap
+        return 1.0
     from vibeam_reductions.static_mode import static_mode
 
-    return scene.stop.gap * float(static_mode(structure).structure.contact[0])
+    return float(static_mode(structure).structure.contact[0])
+
+
+def _law(stop: Stop, mobility: float) -> VelocityRestitution | CompliantStop:
+    """The law that the stop names; ``mobility`` S = w M⁻¹ wᵀ of the model: a linear stop's loss is matched for 1/S."""
+    from vibeam_models.compliant import Hertz, HuntCrossley, LinearStop
+    from vibeam_models.contact import PlasticRestitution, TableRestitution
+
+    loss, power = stop.usual_restitution, {} if stop.exponent is None else {"exponent": stop.exponent}
+    if stop.law == "linear" and stop.damping is not None:
+        return LinearStop(stop.stiffness or 0.0, stop.damping)
+    if stop.law == "linear":
+        return LinearStop.matched(stop.stiffness or 0.0, loss, 1 / mobility)
+    if stop.law == "hertz":
+        return Hertz(stop.hertz_stiffness or 0.0, **power)
+    if stop.law == "hunt-crossley":
+        return HuntCrossley.matched(stop.hertz_stiffness or 0.0, loss, stop.velocity or 0.0, **power)
+    if stop.speeds is not None:
+        return TableRestitution(stop.speeds, stop.restitutions or ())
+    return PlasticRestitution(loss, stop.velocity or 0.0, **power)
+
+
+def gap_drift(scene: Scene | SdofScene, omega: ArrayLike) -> NDArray[np.float64] | None:
+    """What is added to the contact's gap at drive frequencies ``omega`` (rad/s), m; None where the gap stays.
+
+    Held constant beyond the first and the last frequency of the table.
+    """
+    if isinstance(scene, SdofScene) or scene.stop.drift is None or scene.stop.drift_frequency is None:
+        return None
+    frequency = np.asarray(omega, dtype=float) / (2 * np.pi)
+    added = np.interp(frequency, scene.stop.drift_frequency, scene.stop.drift)
+    if scene.stop.gap_at == "contact":
+        return added
+    from vibeam_models.beam import assemble
+
+    return np.asarray(added * _gap_factor(scene, assemble(scene)))
 
 
 def _seen_by_first_mode(built: ImpactSystem) -> ImpactSystem:

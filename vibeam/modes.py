@@ -83,7 +83,7 @@ def mode_table(scene: Scene | SdofScene, count: int = 10) -> ModeTable:
 
 def _restitutions(scene: Scene, contact: Array, mobility: float) -> tuple[float, float]:
     """First mode's and contact's coefficient, whichever of them is given."""
-    given, first = scene.stop.restitution, float(contact[0])
+    given, first = scene.stop.usual_restitution, float(contact[0])
     if scene.stop.restitution_of == "contact":
         return float(first_mode_restitution(given, first, mobility)), given
     return given, float((1 + given) * mobility / first**2 - 1)

@@ -33,8 +33,14 @@ def outcome_of(path: Trajectory) -> Outcome:
     if path.ended is not Ended.COMPLETE:
         return Outcome[path.ended.name]
     if path.drive.amplitude == 0 and _still(path):
-        return Outcome.SETTLED_ON_STOP if path.state.resting else Outcome.SETTLED
+        return Outcome.SETTLED_ON_STOP if path.state.resting or _pressed(path) else Outcome.SETTLED
     return Outcome.RESTING if path.state.resting else Outcome.MOVING
+
+
+def _pressed(path: Trajectory) -> bool:
+    """Whether it stands within the range of a stop that yields."""
+    place, system = float(path.system.contact @ path.state.displacement), path.system
+    return place > system.gap or (system.second_gap is not None and -place > system.second_gap)
 
 
 def _still(path: Trajectory) -> bool:

@@ -203,6 +203,8 @@ def _sweep(case: Case, job: _Job, store: Store | None, count: _Count, stop: Even
 
 def _march(case: Case, job: _Job, kept: Kept, state: State | None) -> Iterator[tuple[FrequencyResponse, State]]:
     """The points that are missing."""
+    from vibeam.fidelity import gap_drift
+
     plan, omega = case.sweep, kept.response.omega[kept.done :]
     if not len(omega):
         return iter(())
@@ -217,6 +219,7 @@ def _march(case: Case, job: _Job, kept: Kept, state: State | None) -> Iterator[t
         output=plan.output,
         state=state,
         slowest=float(kept.response.omega.min()),
+        drift=gap_drift(case.scene, omega),
     )
 
 

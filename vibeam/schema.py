@@ -32,6 +32,7 @@ DIRECTIONS = ("up", "down", "both")
 QUANTITIES = ("amplitude", "reach", "maximum", "minimum", "impact_velocity", "impacts_per_period", "period")
 EXTENTS = ("peak", "peak_frequency", "period_one_from", "period_one_to")  # of a whole branch
 REDUCTIONS = ("static_mode", "modal", "full")
+LAWS = ("restitution", "velocity restitution", "linear", "hertz", "hunt-crossley")
 MOST_ELEMENTS = 2000
 MOST_POINTS = 1_000_000
 
@@ -39,6 +40,7 @@ Length = Place = Quantity(units.LENGTH, POSITIVE)
 Ratio = Quantity(units.RATIO, NOT_NEGATIVE)
 Unity = Quantity(units.RATIO, Range(0, 1))
 Frequency = Quantity(units.FREQUENCY, POSITIVE)
+Speed = Quantity(units.SPEED, POSITIVE)
 Periods = Count(0, MOST_POINTS)
 
 
@@ -89,7 +91,7 @@ class MassTable(Table):
 
 
 class StopTable(Table):
-    """The one-sided stop."""
+    """The stop: what it is depends on its law; keys of other laws are refused."""
 
     gap: Annotated[float, Quantity(units.LENGTH)] = key(
         "gap at rest; negative = the beam is pressed against the stop", "0 mm"
@@ -97,12 +99,48 @@ class StopTable(Table):
     gap_at: Annotated[str, Word(("contact", "sensor"))] = key(
         "where the gap was measured: at the contact, or as grazing amplitude at the sensor", "contact", "contact"
     )
-    restitution: Annotated[float, Unity] = key("speed after over speed before an impact", 0.72)
+    restitution: Annotated[float | None, Unity] = key("speed after over speed before an impact", 0.72, None)
     restitution_of: Annotated[str, Word(("contact", "first mode"))] = key(
         "whose it is: the contact's, or mode 1's (each fidelity's own is then derived)", "contact", "contact"
     )
     position: Annotated[float | None, Place] = key(
         "distance from the clamp; absent = at the mass", "132 mm", None, written=False
+    )
+    law: Annotated[str | None, Word(LAWS)] = key(
+        "effect: what the stop does; absent = restitution, the same at every velocity", "linear", None, written=False
+    )
+    stiffness: Annotated[float | None, Quantity(units.STIFFNESS, POSITIVE)] = key(
+        "of a linear stop: force over penetration", "1e6 N/m", None, written=False
+    )
+    damping: Annotated[float | None, Quantity(units.VISCOUS, NOT_NEGATIVE)] = key(
+        "of a linear stop; absent = what gives a free mass 1/S the restitution", "10 N s/m", None, written=False
+    )
+    hertz_stiffness: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
+        "of hertz and hunt-crossley, N/m^exponent", 1e9, None, written=False
+    )
+    exponent: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
+        "of the penetration, absent = 1.5; of the velocity in R = R0 (v/v0)^-n, absent = 0.25", 1.5, None, written=False
+    )
+    velocity: Annotated[float | None, Speed] = key(
+        "at which the restitution holds, for hunt-crossley and velocity restitution", "0.1 m/s", None, written=False
+    )
+    speeds: Annotated[tuple[float, ...] | None, Several(Speed, ascending=True)] = key(
+        "of a table of restitutions, instead of restitution and velocity", ["0.02 m/s", "0.2 m/s"], None, written=False
+    )
+    restitutions: Annotated[tuple[float, ...] | None, Several(Unity)] = key(
+        "at the speeds", [0.8, 0.6], None, written=False
+    )
+    second_gap: Annotated[float | None, Quantity(units.LENGTH)] = key(
+        "effect: gap to a second stop on the other side; absent = none", "1 mm", None, written=False
+    )
+    drift_frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
+        "effect: drive frequencies between which the gap drifts; absent = it stays",
+        ["14 Hz", "17 Hz"],
+        None,
+        written=False,
+    )
+    drift: Annotated[tuple[float, ...] | None, Several(Quantity(units.LENGTH))] = key(
+        "what is added to the gap at these frequencies, linear between them", ["0 mm", "0.02 mm"], None, written=False
     )
 
 

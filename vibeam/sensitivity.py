@@ -56,8 +56,10 @@ class Errors:
 def errors_of(path: Trajectory, start: Array | None = None) -> Errors:
     """The estimated errors of the impacts of ``path``, from round-off alone or from a disturbed start.
 
-    ``start``: covariance (2n, 2n) of the error of the first (η, η'); round-off of its values where None.
+    ``start``: covariance (2n, 2n) of the error of the first (η, η'); round-off of its values where None. ValueError for
+    a system with another law or more than plain modes.
     """
+    path.system.require_plain("the error estimate")
     walk = _Walk(path, start)
     found = np.array([error for error in walk.impacts() if error is not None]).reshape(-1, 2)
     speeds = path.impact_velocities

@@ -26,6 +26,7 @@ from vibeam.solvers.kernels.layout import (
     STUCK,
     WHAT,
 )
+from vibeam.solvers.regimes.kernels.layout import CONTACT, PEAK
 from vibeam.state import State
 from vibeam.system import Drive, ImpactSystem
 
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from vibeam.certificate import Certificate
     from vibeam.sensitivity import Errors
     from vibeam.solvers.flight import FlightSolver, Segments
+    from vibeam.solvers.regimes.solver import RegimeSolver
 
 Array = NDArray[np.float64]
 
@@ -51,7 +53,7 @@ class Trajectory:
     state: State
     ended: Ended
     stats: Mapping[str, float]
-    _solver: FlightSolver
+    _solver: FlightSolver | RegimeSolver
     _segments: Segments
     certificate: Certificate | None = None
 
@@ -104,6 +106,20 @@ class Trajectory:
         waited = np.where((resting > 0) & (before[:, END] == CHATTER), before[:, LEFT], 0.0)
         begin, end = trace[resting, START], np.append(trace[1:, START], self.t_end)[resting]
         return np.stack([np.minimum(begin + waited, end), end], axis=1)
+
+    @property
+    def contacts(self) -> Array:
+        """(m, 3): begin, s, duration, s, and largest force, N, of each contact with a stop that yields."""
+        trace = self._segments.trace
+        pushed = np.flatnonzero(trace[:, WHAT] == CONTACT)
+        if not len(pushed):
+            return np.empty((0, 3))
+        begin, end = trace[pushed, START], trace[pushed, START] + trace[pushed, DURATION]
+        fresh = np.diff(pushed, prepend=-2) > 1  # what follows at once goes on with the same contact
+        first = np.flatnonzero(fresh)
+        last = np.append(first[1:], len(pushed)) - 1
+        peaks = np.maximum.reduceat(trace[pushed, PEAK], first)
+        return np.stack([begin[first], end[last] - begin[first], peaks], axis=1)
 
     def at(self, t: ArrayLike, output: str = "contact") -> Array:
         """The output at times t (any shape), m; ValueError outside [t_start, t_end], KeyError for an unknown name."""

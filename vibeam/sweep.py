@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import fields
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import fields, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -31,6 +31,7 @@ def march(
     block: int = 1,
     slowest: float | None = None,
     options: Mapping[str, Any] | None = None,
+    drift: ArrayLike | None = None,
 ) -> Iterator[tuple[FrequencyResponse, State]]:
     """Steady points in the order of ``omega`` (rad/s), ``block`` at a time, each with the state after it.
 
@@ -38,7 +39,8 @@ def march(
     at 0 at every point); ``state`` None: static equilibrium. ``amplitude``: of the base, m, one number or one for each
     frequency (they then come one at a time, whatever ``block`` is). ``slowest``: the lowest frequency of the whole
     sweep, where ``omega`` is only what is left of it: numbers are then the same to the bit.
-    ``options``: the solver's own. A point that fails is NaN with its reason, and the next one starts from equilibrium.
+    ``options``: the solver's own. ``drift`` (points,): what is added to the gap at each point, m.
+    A point that fails is NaN with its reason, and the next one starts from equilibrium.
     ValueError for a grid, periods or solver that make no sense, KeyError for an unknown output.
     """
     grid = np.atleast_1d(np.asarray(omega, dtype=float))
@@ -48,7 +50,12 @@ def march(
         raise ValueError(f"settle {settle} must be ≥ 0, hold {hold} and block {block} ≥ 1")
     drives = _amplitudes(amplitude, grid)
     system.output(output)
-    runner = solver_named(solver, system, float(grid.min()) if slowest is None else slowest, **(options or {}))
+    rate = float(grid.min()) if slowest is None else slowest
+    if drift is not None:
+        drives = np.broadcast_to(drives, grid.shape)
+        yield from _drifting(system, grid, drives, settle, hold, solver, output, state, rate, options or {}, drift)
+        return
+    runner = solver_named(solver, system, rate, **(options or {}))
     step = block if drives.ndim == 0 else 1
     for first in range(0, len(grid), step):
         drive = float(drives if drives.ndim == 0 else drives[first])
@@ -66,6 +73,34 @@ def _amplitudes(amplitude: ArrayLike, grid: Array) -> Array:
     return drives
 
 
+def _drifting(
+    system: ImpactSystem, grid: Array, drives: Array, settle: int, hold: int, solver: str, output: str,
+    state: State | None, rate: float, options: Mapping[str, Any], drift: ArrayLike,
+) -> Iterator[tuple[FrequencyResponse, State]]:  # fmt: skip
+    """Point by point, each with its own gap; a state that the stop has moved into goes back onto it."""
+    added = np.asarray(drift, dtype=float)
+    if added.shape != grid.shape or not np.all(np.isfinite(added)):
+        raise ValueError(f"drift: must be {len(grid)} finite numbers, one a frequency")
+    for omega, drive, more in zip(grid, drives, added, strict=True):
+        moved = replace(system, gap=system.gap + float(more))
+        start = None if state is None else _onto_stop(moved, state)
+        response, state = solver_named(solver, moved, rate, **options).steady(
+            np.array([omega]), float(drive), start, settle, hold, output
+        )
+        yield response, state
+
+
+def _onto_stop(system: ImpactSystem, state: State) -> State:
+    """The state where a hard stop allows it; one that rested on the stop before it moved goes with it."""
+    if hasattr(system.law, "stiffness"):
+        return state
+    beyond = float(system.contact @ state.displacement) - system.gap
+    if beyond <= 0 and not state.resting:
+        return state
+    back = system.contact * (beyond / float(system.contact @ system.contact))
+    return State(state.displacement - back, state.velocity, state.resting)
+
+
 def sweep(
     system: ImpactSystem,
     *,
@@ -78,10 +113,12 @@ def sweep(
     output: str = "contact",
     state: State | None = None,
     options: Mapping[str, Any] | None = None,
+    drift: Callable[[Array], Array] | None = None,
 ) -> FrequencyResponse | Branches:
     """The frequency-response curve over ``omega`` (rad/s), in the order swept, or Branches(up, down) for "both".
 
     Arguments and errors as in ``march``; amplitudes that are one for each frequency are in the order of ``omega``.
+    ``drift`` gives what is added to the gap (m) at frequencies in rad/s.
     "both" goes up, then down again from where the way up ended.
     """
     if direction not in ("up", "down", "both"):
@@ -96,6 +133,7 @@ def sweep(
             march(
                 system, given[leg], drives if drives.ndim == 0 else drives[leg], settle=settle, hold=hold,
                 solver=solver, output=output, state=state, block=len(leg), options=options,
+                drift=None if drift is None else drift(given[leg]),
             )
         )  # fmt: skip
         found.append(join([response for response, _ in blocks]))

@@ -30,6 +30,8 @@ PRESSURE = Kind("a pressure", "Pa", "210 GPa")
 DENSITY = Kind("a density", "kg/m^3", "7850 kg/m^3")
 VOLTAGE = Kind("a voltage", "V", "0.6 V")
 PER_VOLT = Kind("a number per volt", "1/V", "5.16e-4 1/V")
+SPEED = Kind("a speed", "m/s", "0.1 m/s")
+VISCOUS = Kind("a damping constant", "N s/m", "10 N s/m")
 FREQUENCY = Kind("a frequency", "Hz", "15.5 Hz")
 ANGULAR_FREQUENCY = Kind("a frequency", "rad/s", "1 rad/s", bare=False)
 RATIO = Kind("a plain number", "", "0.5")
@@ -42,11 +44,11 @@ INDUCTANCE = Kind("an inductance", "H", "1 mH")
 FORCE_FACTOR = Kind("a force per current", "N/A", "20 N/A")
 
 _NAMED = (
-    *(LENGTH, MASS, TIME, INERTIA, PRESSURE, DENSITY, VOLTAGE, PER_VOLT, FREQUENCY, RATIO),
-    *(ACCELERATION, FORCE, STIFFNESS, TURNING_STIFFNESS, RESISTANCE, INDUCTANCE, FORCE_FACTOR),
+    *(LENGTH, MASS, TIME, INERTIA, PRESSURE, DENSITY, VOLTAGE, PER_VOLT, SPEED, FREQUENCY, RATIO),
+    *(ACCELERATION, FORCE, STIFFNESS, VISCOUS, TURNING_STIFFNESS, RESISTANCE, INDUCTANCE, FORCE_FACTOR),
 )
 _USUAL = ["mm", "m", "cm", "µm", "km", "kg", "g", "s", "ms", "Hz", "kHz", "rad/s", "rpm", "Pa", "kPa", "MPa", "GPa"]
-_USUAL += ["V", "mV", "1/V", "kg/m^3", "g/cm^3", "kg m^2", "N/m^2", "%"]
+_USUAL += ["V", "mV", "1/V", "kg/m^3", "g/cm^3", "kg m^2", "N/m^2", "m/s", "mm/s", "N s/m", "%"]
 _USUAL += ["m/s^2", "N", "N/m", "N m/rad", "ohm", "H", "mH", "N/A"]
 # An angle is a dimension of its own here, so that 1 Hz = 2π rad/s and a bare 1/s is neither.
 _DEFINITIONS = """

@@ -1,8 +1,14 @@
-"""Newton's law of restitution, and how its coefficient changes with the model: R does not carry over."""
+"""Laws of restitution, constant or of the impact velocity, and how R changes with the model: it does not carry over.
+
+Stops that yield (``LinearStop``, ``Hertz``, ``HuntCrossley``) are in ``compliant``.
+"""
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from dataclasses import dataclass
+from itertools import pairwise
+from math import inf, isfinite
 
 
 @dataclass(frozen=True)
@@ -22,6 +28,100 @@ class Restitution:
     def impulse(self, velocity: float, mobility: float) -> float:
         """Impulse p = −(1+R) v⁻/S in N s on the contact coordinate; ``mobility`` S = w M⁻¹ wᵀ in 1/kg."""
         return -(1 + self.coefficient) * velocity / mobility
+
+
+@dataclass(frozen=True)
+class TableRestitution:
+    """R(v) through points (``speeds`` m/s ascending, ``coefficients`` in [0, 1]), by monotone cubics between them.
+
+    Below the first speed R keeps the first value, above the last one the last: the table says no more. ValueError for
+    fewer than two points, speeds that do not ascend from ≥ 0, coefficients outside [0, 1].
+    """
+
+    speeds: tuple[float, ...]
+    coefficients: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "speeds", tuple(float(v) for v in self.speeds))
+        object.__setattr__(self, "coefficients", tuple(float(r) for r in self.coefficients))
+        if len(self.speeds) != len(self.coefficients) or len(self.speeds) < 2:
+            raise ValueError("restitution: a table needs two or more speeds and as many coefficients")
+        if self.speeds[0] < 0 or not all(a < b for a, b in zip(self.speeds, (*self.speeds[1:], inf), strict=True)):
+            raise ValueError("restitution: the speeds of the table must be ≥ 0 and ascend")
+        if not all(0 <= r <= 1 for r in self.coefficients):
+            raise ValueError("restitution: a coefficient of the table is outside [0, 1]")
+
+    def slopes(self) -> tuple[float, ...]:
+        """dR/dv at the points, so that the cubics are monotone where the points are (Fritsch & Butland 1984)."""
+        v, r = self.speeds, self.coefficients
+        h = [b - a for a, b in pairwise(v)]
+        rise = [(b - a) / step for (a, b), step in zip(pairwise(r), h, strict=True)]
+        inner = []
+        for i in range(1, len(h)):
+            first, second = 2 * h[i] + h[i - 1], h[i] + 2 * h[i - 1]
+            turns = rise[i - 1] * rise[i] <= 0
+            inner.append(0.0 if turns else (first + second) / (first / rise[i - 1] + second / rise[i]))
+        return (0.0, *inner, 0.0)  # level at both ends, as R is constant beyond them
+
+    def at(self, velocity: float) -> float:
+        """R at an impact velocity, m/s."""
+        v, r, slope = self.speeds, self.coefficients, self.slopes()
+        i = bisect_right(v, velocity) - 1
+        if i < 0 or i >= len(v) - 1:
+            return r[max(i, 0)]
+        h = v[i + 1] - v[i]
+        u = (velocity - v[i]) / h
+        lift = u * u * (3 - 2 * u)
+        bend = h * u * (1 - u) * ((1 - u) * slope[i] - u * slope[i + 1])
+        return r[i] + (r[i + 1] - r[i]) * lift + bend
+
+
+@dataclass(frozen=True)
+class PlasticRestitution:
+    """R(v) = R₀ (v/v₀)^−n above the speed at which that is 1, and 1 below it, where nothing yields.
+
+    ``coefficient`` R₀ in (0, 1] at ``velocity`` v₀ m/s; ``exponent`` n > 0, ¼ for full plasticity (Johnson, *Contact
+    Mechanics*, eq. 11.47). ValueError otherwise.
+    """
+
+    coefficient: float
+    velocity: float
+    exponent: float = 0.25
+
+    def __post_init__(self) -> None:
+        if not 0 < self.coefficient <= 1:
+            raise ValueError(f"restitution: {self.coefficient} is outside (0, 1]")
+        if not (0 < self.velocity < inf and 0 < self.exponent < inf):
+            raise ValueError("restitution: velocity and exponent must be above 0")
+
+    def at(self, velocity: float) -> float:
+        """R at an impact velocity, m/s."""
+        if velocity <= self.velocity * self.coefficient ** (1 / self.exponent):
+            return 1.0
+        return float(self.coefficient * (velocity / self.velocity) ** -self.exponent)
+
+
+@dataclass(frozen=True)
+class ViscousRestitution:
+    """R(v) = 1 − a v^b up to the speed at which that is 0, and 0 above it.
+
+    ``factor`` a ≥ 0 in (s/m)^b; ``exponent`` b > 0, ⅕ for viscoelastic spheres (Kuwabara & Kono 1987). ValueError
+    otherwise.
+    """
+
+    factor: float
+    exponent: float = 0.2
+
+    def __post_init__(self) -> None:
+        if not (0 <= self.factor < inf and 0 < self.exponent < inf and isfinite(self.factor)):
+            raise ValueError("restitution: factor must be ≥ 0 and exponent above 0")
+
+    def at(self, velocity: float) -> float:
+        """R at an impact velocity, m/s."""
+        return float(max(0.0, 1 - self.factor * max(velocity, 0.0) ** self.exponent))
+
+
+VelocityRestitution = TableRestitution | PlasticRestitution | ViscousRestitution
 
 
 def first_mode_restitution(restitution: float, first: float, mobility: float) -> float:

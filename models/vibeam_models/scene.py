@@ -99,14 +99,34 @@ class Stop:
 
     ``gap_at``: where the gap was measured, at the contact or, as grazing amplitude, at the sensor (it is then carried
     to the contact by the static mode). ``restitution_of``: whose coefficient ``restitution`` is, the contact's or the
-    first mode's (each fidelity's contact value is then derived so that mode 1 sees it).
+    first mode's (each fidelity's contact value is then derived so that mode 1 sees it); None where the law says the
+    loss otherwise. ``law``: None is constant restitution; see ``contact`` and ``compliant`` for the others and what
+    they take: ``stiffness`` (N/m) and ``damping`` (N s/m) of a linear stop, ``hertz_stiffness`` (N/m^exponent),
+    ``exponent``, ``velocity`` (m/s), ``speeds`` (m/s) and ``restitutions``. ``second_gap`` (m): to a second stop on the
+    other side. ``drift`` (m): added to the gap at ``drift_frequency`` (Hz), linear between.
     """
 
     position: float
     gap: float
-    restitution: float
+    restitution: float | None = None
     gap_at: Literal["contact", "sensor"] = "contact"
     restitution_of: Literal["contact", "first mode"] = "contact"
+    law: Literal["restitution", "velocity restitution", "linear", "hertz", "hunt-crossley"] | None = None
+    stiffness: float | None = None
+    damping: float | None = None
+    hertz_stiffness: float | None = None
+    exponent: float | None = None
+    velocity: float | None = None
+    speeds: tuple[float, ...] | None = None
+    restitutions: tuple[float, ...] | None = None
+    second_gap: float | None = None
+    drift_frequency: tuple[float, ...] | None = None
+    drift: tuple[float, ...] | None = None
+
+    @property
+    def usual_restitution(self) -> float:
+        """The restitution, or 1 where the law says the loss otherwise: for tables that compare coefficients."""
+        return 1.0 if self.restitution is None else self.restitution
 
 
 @dataclass(frozen=True)

@@ -103,7 +103,7 @@ def sdof_model(scene: Scene) -> SdofModel:
         mass=scene.mass.mass * shape**2,
         damping_ratio=beam.damping.ratios[0],
         gap=scene.stop.gap / beam.length / (contact if scene.stop.gap_at == "contact" else 1.0),
-        restitution=scene.stop.restitution,
+        restitution=scene.stop.usual_restitution,
     )
 
 

@@ -51,6 +51,8 @@ class Sums(NamedTuple):
 
 def fault(system: ImpactSystem) -> str:
     """Why the system has no periodic motion with impacts at any drive; empty where it may."""
+    if system.beyond_plain:
+        return f"closed-form orbits cannot take {' or '.join(system.beyond_plain)}: simulate or sweep instead"
     free = (system.omega == 0) & ((system.contact != 0) | (system.static != 0))
     if not free.any():
         return ""

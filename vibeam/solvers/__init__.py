@@ -32,6 +32,10 @@ HOMES = {
 }
 NAMES = tuple(HOMES)
 GIVEN = ("system", "slowest", "span")  # to every solver
+BEYOND_PLAIN = {  # the same name for systems that are more than plain; a solver that is not here cannot take them
+    "flight": "vibeam.solvers.regimes.solver:RegimeSolver",
+    "direct": "vibeam.solvers.ode:DirectSolver",
+}
 COMPILE_SECONDS = 25  # about, on two cores
 
 
@@ -74,7 +78,12 @@ def solver(name: str, system: ImpactSystem, slowest: float, span: float = 0.0, *
     """
     if name not in HOMES:
         raise ValueError(f"no solver {name!r}: there are {', '.join(NAMES)}")
-    module, kind = HOMES[name].split(":")
+    home = HOMES[name]
+    if system.beyond_plain:
+        if name not in BEYOND_PLAIN:
+            system.require_plain(f"solver {name!r}")
+        home = BEYOND_PLAIN[name]
+    module, kind = home.split(":")
     made = getattr(import_module(module), kind)
     known = _options_of(made)
     unknown = [key for key in options if key not in known]

@@ -64,8 +64,13 @@ class EventSolver(Stepper):
         may differ, as a share of the motion's size; None: 10 rtol, at least 1e-5 (settled runs repeat to about rtol).
         ValueError for others.
         """
+        self.takes(system)
         self.system, self.settings = system, Settings(chosen(method, self.METHODS), rtol, atol, limit)
         self.repeats = max(1e-5, 10 * rtol) if repeats is None else repeats
+
+    def takes(self, system: ImpactSystem) -> None:
+        """ValueError for a system that this solver cannot take."""
+        system.require_plain("this solver")
 
     def enter(self, drive: Drive, state: State) -> tuple[Frame, Array]:
         """Frame and state of the first flight."""

@@ -75,6 +75,7 @@ class FlightSolver:
 
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, limit: int = 100_000) -> None:
         """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
+        system.require_plain("the flight kernels")
         self.packed: Packed = pack(system, slowest, span)
         self.system, self.limit = system, limit
 
@@ -205,13 +206,13 @@ class FlightSolver:
         response.reach[i] = self.system.gap - result[CONTACT_LEAST]
         response.impacts_per_period[i] = struck / hold
         response.impact_velocity[i] = result[SPEED_SUM] / struck if struck else np.nan
-        response.impact_velocities[i] = _ring(result[VELOCITY:], struck)
+        response.impact_velocities[i] = velocities_kept(result[VELOCITY:], struck)
         response.period[i] = period if touched else -1
         response.rest[i] = result[REST_TIME] / span
         response.mode_energy[i] = self.packed.outward(energy) / span
 
 
-def _ring(ring: Array, count: int) -> Array:
+def velocities_kept(ring: Array, count: int) -> Array:
     """The last velocities, oldest first, NaN in front where there are fewer."""
     kept = np.full(VELOCITIES_KEPT, np.nan)
     held = ring[:count] if count < KEPT else np.roll(ring[:KEPT], -(count % KEPT))

@@ -11,13 +11,18 @@ from vibeam.solvers.events import EventSolver
 from vibeam.solvers.frames import EXPLICIT, Frame
 from vibeam.state import State
 from vibeam.system import Drive, ImpactSystem
+from vibeam_models.compliant import HuntCrossley, LinearStop
+from vibeam_models.contact import VelocityRestitution
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class ModalFrame:
-    """y = (η, η'): η'' = f = load Ω²B sin Ωt + static − 2ζωη' − ω²η in flight, f − c (c·f)/S at rest on the stop."""
+    """y = (η, η'): η'' = f = load Ω²B sin Ωt + static − 2ζωη' − ω²η in flight, f − c (c·f)/S at rest on the stop.
+
+    ``damping``: 2ζω (n,), or (n, n) where it couples the modes; ``law``: R(v) in place of ``restitution``, or None.
+    """
 
     stiffness: Array
     damping: Array
@@ -29,6 +34,7 @@ class ModalFrame:
     drive: float
     mobility: float
     scale: Array
+    law: VelocityRestitution | None = None
 
     @classmethod
     def of(cls, system: ImpactSystem, drive: Drive) -> ModalFrame:
@@ -37,7 +43,7 @@ class ModalFrame:
         rates = np.where(system.omega > 0, system.omega, 1.0)
         return cls(
             system.omega**2,
-            2 * system.zeta * system.omega,
+            2 * system.zeta * system.omega if system.coupling is None else system.coupling,
             system.contact,
             system.load * (drive.omega**2 * drive.amplitude),
             system.static,
@@ -46,6 +52,7 @@ class ModalFrame:
             drive.omega,
             mobility,
             np.concatenate([np.ones_like(rates), rates]) / np.sqrt(mobility),
+            None if isinstance(system.law, LinearStop | HuntCrossley) else system.law,
         )
 
     def outward(self, states: Array) -> Array:
@@ -56,7 +63,8 @@ class ModalFrame:
         """f (n,), as if there were no stop."""
         n = len(self.contact)
         force = self.force * np.sin(self.drive * t) + self.static
-        return np.asarray(force - self.damping * y[n:] - self.stiffness * y[:n])
+        damped = self.damping * y[n:] if self.damping.ndim == 1 else self.damping @ y[n:]
+        return np.asarray(force - damped - self.stiffness * y[:n])
 
     def rate(self, t: float, y: Array) -> Array:
         """As ``Frame.rate``."""
@@ -91,7 +99,7 @@ class ModalFrame:
 
     def strike(self, y: Array) -> tuple[Frame, Array]:
         """As ``Frame.strike``: η'⁺ = η'⁻ + c p with p = −(1+R) v⁻/S."""
-        return self, self._kick(y, self.restitution)
+        return self, self._kick(y, self.restitution if self.law is None else self.law.at(float(self.approach(y))))
 
     def _kick(self, y: Array, restitution: float) -> Array:
         n = len(self.contact)
@@ -106,6 +114,11 @@ class DirectSolver(EventSolver):
     """
 
     METHODS = (*EXPLICIT, "LSODA")
+
+    def takes(self, system: ImpactSystem) -> None:
+        """As ``EventSolver.takes``: R(v) and damping that couples the modes it can; a stop that yields, or two, not."""
+        if system.second_gap is not None or isinstance(system.law, LinearStop | HuntCrossley):
+            system.require_plain("solver 'direct'")
 
     def enter(self, drive: Drive, state: State) -> tuple[Frame, Array]:
         """As ``EventSolver.enter``."""

@@ -89,10 +89,11 @@ def _yield(omega: Array, contact: Array) -> Array:
 
 def pack(system: ImpactSystem, omega: float, span: float = 0.0) -> Packed:
     """The system packed for drives of ``omega`` rad/s and more; without, for the slowest mode or a time of ``span``."""
-    return Packed(system, _slowest(system, omega, span))
+    return Packed(system, slowest_rate(system, omega, span))
 
 
-def _slowest(system: ImpactSystem, omega: float, span: float) -> float:
+def slowest_rate(system: ImpactSystem, omega: float, span: float) -> float:
+    """The lowest rate (rad/s) that panels must serve."""
     if omega > 0:
         return omega
     moving = system.omega[system.omega > 0]

@@ -17,6 +17,10 @@ def equilibrium(system: ImpactSystem) -> State:
     Modes without stiffness (ω = 0) have no equilibrium of their own: they start at zero displacement, and where that
     lies beyond the stop, they alone carry the contact point back to it.
     """
+    if system.beyond_plain:
+        from vibeam.solvers.regimes import rest
+
+        return rest.equilibrium(system)
     moving = system.omega > 0
     square = np.where(moving, system.omega, 1.0) ** 2
     free = np.where(moving, system.static / square, 0.0)

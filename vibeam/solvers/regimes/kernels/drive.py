@@ -1,0 +1,28 @@
+"""One drive: the phasor tables of the regimes and the steady response of their blocks."""
+
+from __future__ import annotations
+
+from vibeam.solvers.kernels.drive import coarsest_level, exact_period, rest_response
+from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.layout import AMPLITUDE, COARSEST, PERIOD, PERIOD_REST, STRENGTH, W
+from vibeam.solvers.kernels.tables import tabulate_drive
+from vibeam.solvers.regimes.kernels.layout import Plan, Regime
+
+
+@kernel
+def set_drive(plan: Plan, omega: float, amplitude: float) -> None:
+    """Put the plan under b = amplitude · sin(omega t)."""
+    drive = plan.drive
+    drive[W], drive[STRENGTH], drive[AMPLITUDE] = omega, omega * omega * amplitude, amplitude
+    drive[PERIOD], drive[PERIOD_REST] = exact_period(omega)
+    drive[COARSEST] = coarsest_level(plan.free.pairs, plan.free.levels, omega)
+    respond(plan.free, omega, drive[STRENGTH])
+    respond(plan.upper, omega, drive[STRENGTH])
+    respond(plan.lower, omega, drive[STRENGTH])
+
+
+@kernel
+def respond(regime: Regime, omega: float, strength: float) -> None:
+    """The same for one regime."""
+    tabulate_drive(omega, regime.levels)
+    rest_response(regime.pairs, regime.blocks, omega, strength)

@@ -1,0 +1,115 @@
+"""What is read off the segments of a steady point: extremes, energies, impacts, time in contact."""
+
+from __future__ import annotations
+
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.solvers.kernels.extremes import extremes
+from vibeam.solvers.kernels.jit import kernel
+from vibeam.solvers.kernels.layout import (
+    AT_CLOCK,
+    COARSEST,
+    CONTACT_LEAST,
+    DURATION,
+    FREE,
+    HIGH,
+    KAPPA,
+    LEAST,
+    REST_TIME,
+    WHAT,
+    W,
+)
+from vibeam.solvers.kernels.steady import note_impact
+from vibeam.solvers.regimes.kernels.layout import (
+    AT_SIDE,
+    CONTACT,
+    CURVED,
+    FAMILY,
+    GAP,
+    OUTPUT,
+    Plan,
+    Regime,
+    Room,
+)
+from vibeam.solvers.regimes.kernels.motion import at_side
+from vibeam.solvers.regimes.kernels.regime import enter, proceed, show
+from vibeam.solvers.regimes.kernels.squeeze import squeezed
+
+Array = NDArray[np.float64]
+RESOLUTION, MOST = 0.2, 128  # of Simpson's rule for the energies: rate times step, and steps a segment
+PIECES = 64  # that a segment of integrated contact is read off in
+
+
+@kernel
+def watch(plan: Plan, room: Room, count: int) -> None:
+    """Read off the segments just traced."""
+    trace, frame, result = room.trace, room.frame, room.result
+    for i in range(count):
+        duration, what = trace[i, DURATION], trace[i, WHAT]
+        for k in range(frame.shape[1]):
+            frame[0, k], frame[1, k] = room.poses[i, 0, k], room.poses[i, 1, k]
+        if what != FREE:
+            result[REST_TIME] += duration
+        if duration > 0.0 and what == CONTACT and plan.law[FAMILY] == CURVED:
+            watch_squeezed(plan, room, frame, trace[i, AT_CLOCK], duration, int(trace[i, AT_SIDE]))
+        elif duration > 0.0:
+            regime = plan.free
+            if what != FREE:
+                regime = at_side(plan, int(trace[i, AT_SIDE]))
+            watch_regime(plan, regime, room, frame, trace[i, AT_CLOCK], duration)
+        note_impact(trace, i, result)
+
+
+@kernel
+def watch_regime(plan: Plan, regime: Regime, room: Room, pose: Array, clock: float, duration: float) -> None:
+    """One segment in closed form."""
+    result, coarsest, gap = room.result, int(plan.drive[COARSEST]), plan.gaps[0]
+    enter(regime, plan.drive, pose, clock)
+    show(regime, plan.drive, GAP, 1.0, clock)
+    _, widest = extremes(
+        regime.pairs, regime.table, regime.levels, regime.signal, regime.attached,
+        duration, coarsest, gap - result[CONTACT_LEAST], gap - result[CONTACT_LEAST],
+    )  # fmt: skip
+    result[CONTACT_LEAST] = gap - widest
+    show(regime, plan.drive, OUTPUT, 1.0, clock)
+    result[LEAST], result[HIGH] = extremes(
+        regime.pairs, regime.table, regime.levels, regime.signal, regime.attached,
+        duration, coarsest, result[LEAST], result[HIGH],
+    )  # fmt: skip
+    rate = plan.drive[W]
+    for k in range(regime.pairs.shape[1]):
+        rate = max(rate, regime.pairs[KAPPA, k])
+    steps = 2 * max(1, int(min(MOST / 2, ceil(rate * duration / (2.0 * RESOLUTION)))))
+    for i in range(steps + 1):
+        weight = 1.0 if i in (0, steps) else (4.0 if i % 2 == 1 else 2.0)
+        enter(regime, plan.drive, pose, clock)
+        proceed(regime, plan.drive, room.scratch, clock, i * duration / steps)
+        add_energy(plan, room, weight * duration / steps / 6.0)
+
+
+@kernel
+def add_energy(plan: Plan, room: Room, weight: float) -> None:
+    """weight · (η'² + ω²η²) of the pose in room.scratch."""
+    for k in range(room.scratch.shape[1]):
+        room.energy[k] += weight * (room.scratch[1, k] ** 2 + plan.spring[k] * room.scratch[0, k] ** 2)
+
+
+@kernel
+def watch_squeezed(plan: Plan, room: Room, pose: Array, clock: float, duration: float, side: int) -> None:
+    """One segment of integrated contact, in ``PIECES``: extremes at their ends, energies by the trapezoidal rule."""
+    result, scratch, h = room.result, room.scratch, duration / PIECES
+    for k in range(pose.shape[1]):
+        scratch[0, k], scratch[1, k] = pose[0, k], pose[1, k]
+    for i in range(PIECES + 1):
+        value, contact = 0.0, 0.0
+        for k in range(pose.shape[1]):
+            value += room.row[k] * scratch[0, k]
+            contact += plan.contact[0, k] * scratch[0, k]
+        result[LEAST], result[HIGH] = min(result[LEAST], value), max(result[HIGH], value)
+        result[CONTACT_LEAST] = min(result[CONTACT_LEAST], contact)
+        add_energy(plan, room, 0.5 * h * (0.5 if i in (0, PIECES) else 1.0))
+        if i < PIECES:
+            squeezed(plan, scratch, side, clock + i * h, h)
