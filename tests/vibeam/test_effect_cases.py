@@ -74,6 +74,12 @@ def test_the_template_with_all_its_comments_opened_is_told_what_excludes_what():
     said = "\n".join(faults_of(opened))
     assert "unknown" not in said
     assert {line.split(": ")[1] for line in said.splitlines()} == {
+        "stop.damping",
+        "stop.exponent",
+        "stop.hertz_stiffness",
+        "stop.restitutions",
+        "stop.speeds",
+        "stop.velocity",
         "torsion.poissons_ratio",
         "platform.frequency",
         "platform.calibrated_at",
