@@ -167,6 +167,27 @@ def test_contacts_are_those_that_an_ode_solver_finds(n: int, law, coupled: bool,
     assert path.state.velocity == pytest.approx(truth.last[1], abs=1e-8)
 
 
+def test_round_off_of_its_force_does_not_end_a_contact_that_just_began() -> None:
+    """Without damping in the stop its force starts at k·0, and k times round-off may lie on either side of it."""
+    coupling = np.diag([0.27, 0.33, 3.2, 0.48])
+    coupling[0, 1] = coupling[1, 0] = -0.004
+    coupling[2, 3] = coupling[3, 2] = -0.04
+    stop = LinearStop(4400.0)
+    system = vibeam.ImpactSystem.from_modes(
+        [0.12, 0.16, 0.25, 0.5], 0.0, [-0.31, 0.3, -0.18, -0.17], [0.9, 0.0, 0.26, 0.0], law=stop, coupling=coupling,
+        static=[-0.0037, -0.002, -0.0035, 0.0],
+    )  # fmt: skip
+    start = vibeam.State(np.array([0.3, -0.3, 0.2, 0.2]), np.zeros(4))
+    path = vibeam.simulate(system, vibeam.Drive(0.12, 0.39), 158.0, start, max_impacts=3000)
+    truth = integrated(system, vibeam.Drive(0.12, 0.39), start, 60.0)
+    few = 8
+    assert path.ended is vibeam.Ended.COMPLETE
+    assert path.impact_times[:few] == pytest.approx(truth.times[:few], abs=1e-8)
+    assert path.contacts[:few, 1] == pytest.approx(truth.durations[:few], abs=1e-8)
+    half = stop.duration(1 / float(np.sum(system.contact**2)))
+    assert np.min(path.contacts[:-1, 1]) > half / 2
+
+
 # --------------------------------------------------------------------------------------------------------- closed forms
 
 
