@@ -183,7 +183,7 @@ def gap_drift(scene: Scene | SdofScene, omega: ArrayLike) -> NDArray[np.float64]
 
     Held constant beyond the first and the last frequency of the table.
     """
-    if isinstance(scene, SdofScene) or scene.stop.drift is None or scene.stop.drift_frequency is None:
+    if not isinstance(scene, Scene) or scene.stop.drift is None or scene.stop.drift_frequency is None:
         return None
     frequency = np.asarray(omega, dtype=float) / (2 * np.pi)
     added = np.interp(frequency, scene.stop.drift_frequency, scene.stop.drift)
