@@ -156,7 +156,8 @@ def simulate(
     """The motion of ``system`` under ``drive`` from ``t_start`` to ``t_end`` seconds.
 
     ``state``: where it starts, static equilibrium where None. ``max_impacts``: it ends there with Ended.EVENT_LIMIT.
-    ``certify``: the result carries a ``certificate`` that no impact was missed, at less than the motion's cost again.
+    ``certify``: the result carries a ``certificate`` that no impact was missed, at less than the motion's cost again
+    (restitution and uncoupled damping only).
     ValueError for times that do not ascend, a state of the wrong shape or an unknown solver; a start beyond the stop
     ends at once with Ended.PENETRATED.
     """
@@ -164,6 +165,8 @@ def simulate(
         raise ValueError(f"times: t_end {t_end} must be finite and not before t_start {t_start} ≥ 0")
     if solver != "flight":
         raise ValueError(f"solver: {solver!r} keeps no exact path, only 'flight' does; its class has motion() instead")
+    if certify:
+        system.require_plain("a certificate")
     runner = solver_named(solver, system, drive.omega, t_end - t_start)
     ended, last, after, segments, stats = runner.simulate(drive, state, t_start, t_end, max_impacts)
     return Trajectory(

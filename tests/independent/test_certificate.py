@@ -84,5 +84,11 @@ def test_an_invented_impact_a_hole_and_a_changed_start_are_found() -> None:
     assert check(replace(wild, starts=wild.starts * (1 + 1e-6)))[0] != []
 
 
+def test_systems_beyond_the_flight_kernels_say_that_they_have_none() -> None:
+    two = vibeam.ImpactSystem.from_modes(1.0, 0.015, 1.0, 1.0, gap=0.0, restitution=0.9, second_gap=1.0)
+    with pytest.raises(ValueError, match="a certificate cannot take"):
+        vibeam.simulate(two, vibeam.Drive(2.0, 0.5e-3), 3.0, certify=True)
+
+
 def test_without_asking_there_is_none() -> None:
     assert vibeam.simulate(ONE, vibeam.Drive(2.0, 0.5e-3), 3.0).certificate is None
