@@ -189,7 +189,19 @@ class FlightSolver:
         rest_row = np.ascontiguousarray((row @ self.packed.desk.from_blocks[:n]).reshape(-1, 2).T)
         nothing, strobes = np.zeros((0, TRACE_COLUMNS)), np.zeros((hold + 1, 2, n))
         scratch, frame = np.zeros((2, n)), np.zeros((2, n))
-        return Room(row, rest_row, nothing, trace, poses, strobes, scratch, frame, np.zeros(RESULT_ROWS), np.zeros(n))
+        return Room(
+            row,
+            rest_row,
+            nothing,
+            trace,
+            poses,
+            strobes,
+            scratch,
+            frame,
+            np.zeros(RESULT_ROWS),
+            np.zeros(n),
+            np.zeros(n + 1),
+        )
 
     def _write(
         self, response: FrequencyResponse, i: int, ended: Ended, period: int, result: Array, energy: Array,

@@ -21,7 +21,17 @@ from vibeam.solvers.kernels.layout import (
 )
 from vibeam.solvers.kernels.motion import advance
 from vibeam.solvers.kernels.rest import stay
-from vibeam.solvers.kernels.steady import note_strobe, repetition, start_watching, watch
+from vibeam.solvers.kernels.steady import (
+    is_same,
+    mark,
+    note_impacts,
+    note_strobe,
+    repeat,
+    repetition,
+    share_out,
+    start_watching,
+    watch,
+)
 
 Array = NDArray[np.float64]
 SETTLED_AT_ONCE = 16  # periods: then the phase is set anew, so that a long settling does not round it off
@@ -49,18 +59,29 @@ def move(
         status[CLOCK] = 0.0
         settled += turns
     start_watching(room, pose)
-    turn, left = 0, desk.drive[PERIOD]
+    turn, left, known = 0, desk.drive[PERIOD], False
+    mark(room)
     while outcome == COMPLETE and turn < hold:
         counts[SEGMENTS] = 0
         status[CLOCK] = desk.drive[PERIOD] - left
         outcome, done = advance(desk, pose, status, left, limit, room.trace, room.poses, counts)
-        watch(desk, room, counts[SEGMENTS])
+        if known:
+            note_impacts(room, counts[SEGMENTS])
+        else:
+            watch(desk, room, counts[SEGMENTS])
         left -= done
         if outcome == FULL:
             outcome = COMPLETE
+            continue
+        turn, left = turn + 1, desk.drive[PERIOD]
+        note_strobe(room.strobes, turn, pose)
+        if known:
+            repeat(room)
+        elif is_same(desk, room.strobes, turn):
+            share_out(room)
+            known = True
         else:
-            turn, left = turn + 1, desk.drive[PERIOD]
-            note_strobe(room.strobes, turn, pose)
+            mark(room)
     status[CLOCK] = 0.0
     if outcome != COMPLETE:
         return outcome, 0.0

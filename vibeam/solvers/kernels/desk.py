@@ -44,3 +44,4 @@ class Room(NamedTuple):
     frame: Array  # (2, n)
     result: Array  # (RESULT_ROWS,)
     energy: Array  # (n,) ∫ E dt of each mode
+    share: Array  # (n + 1,) what the last period watched added to it, and to the time at rest

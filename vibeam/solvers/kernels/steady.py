@@ -37,6 +37,7 @@ from vibeam.solvers.kernels.layout import (
 from vibeam.solvers.kernels.output import begin_output, begin_output_at_rest
 
 Array = NDArray[np.float64]
+SAME = 1e-14  # the same where a period is taken for a copy of the one before
 REPEATS = 1e-5  # share of the motion's size by which states one period apart may differ
 
 
@@ -53,6 +54,42 @@ def note_strobe(strobes: Array, turn: int, pose: Array) -> None:
     for i in range(2):
         for k in range(pose.shape[1]):
             strobes[turn, i, k] = pose[i, k]
+
+
+@kernel
+def mark(room: Room) -> None:
+    """Note energies and time at rest before a period, taken off."""
+    n = room.energy.shape[0]
+    for k in range(n):
+        room.share[k] = -room.energy[k]
+    room.share[n] = -room.result[REST_TIME]
+
+
+@kernel
+def share_out(room: Room) -> None:
+    """What the period watched since ``mark`` has added."""
+    n = room.energy.shape[0]
+    for k in range(n):
+        room.share[k] += room.energy[k]
+    room.share[n] += room.result[REST_TIME]
+
+
+@kernel
+def repeat(room: Room) -> None:
+    """A period like the one watched last: the same energies and time at rest, no new extremes."""
+    n = room.energy.shape[0]
+    for k in range(n):
+        room.energy[k] += room.share[k]
+    room.result[REST_TIME] += room.share[n]
+
+
+@kernel
+def is_same(desk: Desk, strobes: Array, turn: int) -> bool:
+    """Whether a period began as the one before it to round-off, so that it will be the same."""
+    if turn < 1:
+        return False
+    apart = distance(desk.pairs, desk.drive, strobes, turn, turn - 1)
+    return bool(apart <= SAME * SAME * distance(desk.pairs, desk.drive, strobes, turn, -1))
 
 
 @kernel
@@ -96,6 +133,13 @@ def watch_flight(
         desk.pairs, desk.table, desk.levels, desk.signal, desk.attached,
         duration, coarsest, result[LEAST], result[HIGH],
     )  # fmt: skip
+
+
+@kernel
+def note_impacts(room: Room, count: int) -> None:
+    """Count the impacts of the segments just traced, and nothing else."""
+    for i in range(count):
+        note_impact(room.trace, i, room.result)
 
 
 @kernel
