@@ -2,10 +2,11 @@
 
     python tests/benchmarks/modes.py [--rounds 5]
 
-With constant modal damping every mode rings on for many of its own periods; with damping proportional to stiffness
-ζ_i = ζ₁ω_i/ω₁: the third mode is overdamped already, and all from there on are gone long before the next impact. "Ringing" counts the modes that keep more than 1e-16 of their amplitude over half a drive period. Neutral gap,
-14 … 17 Hz in 3 points of 250 periods from settled motion; the least CPU time of the rounds.
-The exponent is that of cost ~ modes^exponent against the row before: 1 is linear.
+With constant modal damping the lower modes ring on from impact to impact; with damping proportional to stiffness,
+ζ_i = ζ₁ω_i/ω₁, the fourth mode is overdamped already and only the first two outlast a flight. "Ringing" counts the
+modes that keep more than 1e-16 of their amplitude over half a drive period; "panels" are the pieces of flight looked
+at for an impact. Neutral gap, 14 … 17 Hz in 3 points of 250 periods from settled motion; the least CPU time of the
+rounds. The exponent is that of cost ~ modes^exponent against the row before: 1 is linear.
 """
 
 from __future__ import annotations
@@ -30,10 +31,9 @@ from vibeam.system import ImpactSystem
 
 RIG = Path(__file__).parents[2] / "cases" / "dtu_neutral.toml"
 TARGET = Path(__file__).with_name("results") / "modes.json"
-MODES = (1, 2, 4, 8, 16, 32, 64, 100, 150, 200)
+MODES = (1, 2, 4, 8, 16, 32, 64, 100, 200)
 GRID = 2 * np.pi * np.array([14.0, 15.5, 17.0])
 PERIODS, ELEMENTS, LEAST = 250, 100, 36.0  # e⁻³⁶ is round-off
-
 SETTLE, LIMIT = 200, 100  # periods; impacts a period after which flight gives up
 PATIENCE = 150  # seconds for one row
 LAWS = ("constant", "stiffness")
@@ -43,13 +43,11 @@ Row = dict[str, Any]
 def built(modes: int, damping: str) -> tuple[ImpactSystem, float]:
     """The rig's system, and the amplitude of its base."""
     scene = vibeam.load(RIG, set={"beam.elements": ELEMENTS, "beam.damping": damping}).scene
-    free = 2 * ELEMENTS  # a clamped end leaves two coordinates a node, and a rigid zone takes some away
-    whole = system(scene, Fidelity("full", "full"))
-    return cut(whole, min(modes, free, whole.size)), base_amplitude(scene)
+    return cut(system(scene, Fidelity("full", "full")), modes), base_amplitude(scene)
 
 
 def cut(whole: ImpactSystem, modes: int) -> ImpactSystem:
-    """Its first modes."""
+    """Its first modes, or all where there are fewer."""
     rows = {name: getattr(whole, name)[:modes] for name in ("omega", "zeta", "contact", "load", "static")}
     return replace(whole, **rows, outputs={name: row[:modes] for name, row in whole.outputs.items()})
 
@@ -88,6 +86,7 @@ def main() -> None:
         modes, law = arguments.row
         print(json.dumps(row_of(int(modes), law, arguments.rounds)))
         return
+    Run(1, "constant")  # compiles, or finds it compiled
     rows: list[Row] = []
     print(f"{'damping':12}{'modes':>6}{'µs each':>10}{'exponent':>10}{'ringing':>9}{'panels':>9}")
     for modes in MODES:
