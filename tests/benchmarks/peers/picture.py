@@ -14,7 +14,7 @@ def draw(results: dict[str, Any], target: Path) -> None:
     """Write it."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(11, 4.6), layout="constrained")
+    figure = Figure(figsize=(13, 4.6), layout="constrained")
     left, right = figure.subplots(1, 2)
     precision(left, results.get("sdof", {"rows": []})["rows"])
     scaling(right, [section for name, section in results.items() if name.startswith("modes-")])
@@ -54,7 +54,7 @@ def scaling(axes: Any, sections: list[dict[str, Any]]) -> None:
     axes.xaxis.set_minor_locator(_none())
     axes.grid(True, which="major", alpha=0.3)
     if found:
-        axes.legend(fontsize=6, ncols=2)
+        axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     axes.set_ylim(np.array(axes.get_ylim()) * (0.7, 1.5))
 
 
