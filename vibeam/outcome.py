@@ -26,6 +26,7 @@ class Outcome(Enum):
     EVENT_LIMIT = Ended.EVENT_LIMIT.value
     PENETRATED = Ended.PENETRATED.value
     NOT_FINITE = Ended.NOT_FINITE.value
+    UNRESOLVED = Ended.UNRESOLVED.value
 
 
 def outcome_of(path: Trajectory) -> Outcome:

@@ -26,6 +26,7 @@ class Ended(Enum):
     NOT_FINITE = "a number overflowed: the response grew beyond all bounds"
     NOT_RUN = "not run yet"
     NO_ORBIT = "no stable motion of the kind this solver looks for at this frequency"
+    UNRESOLVED = "the next event was not found in bounded work: some modes are far too fast beside it; keep fewer modes"
 
     @property
     def code(self) -> int:

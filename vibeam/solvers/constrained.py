@@ -24,6 +24,7 @@ from vibeam.solvers.kernels.tables import rates
 
 Array = NDArray[np.float64]
 FURTHEST = 128  # binary orders by which the unit of time is moved at most
+PROPORTIONAL = 1e-9  # relative; modal damping of a finite-element model has that much round-off
 CLOSE = 1e-4  # relative distance of two eigenvalues below which their common subspace is taken instead of eigenvectors
 
 
@@ -77,6 +78,9 @@ def _in_own_time(omega: Array, sigma: Array, contact: Array, load: Array, static
     basis = _basis(contact, stiffness)
     damper = basis.T @ (damping[:, None] * basis)
     spring = np.diag(np.diag(basis.T @ (stiffness[:, None] * basis)))
+    proportional = _proportional(damping, stiffness)
+    if proportional is not None:
+        damper = proportional[0] * np.eye(n - 1) + proportional[1] * spring
     state = np.block([[np.zeros((n - 1, n - 1)), np.eye(n - 1)], [-spring, -damper]])
     out = _sorted(state, _decoupled(state, int(np.count_nonzero(contact)) - 1))
     into = np.linalg.inv(out)
@@ -98,6 +102,17 @@ def _in_own_time(omega: Array, sigma: Array, contact: Array, load: Array, static
         float(contact @ (static - stiffness * held)) / mobility,
         float(contact @ load) / mobility,
     )
+
+
+def _proportional(damping: Array, stiffness: Array) -> tuple[float, float] | None:
+    """(a, b) where damping = a + b·stiffness to round-off (Rayleigh's, the paper's D): it couples nothing when held."""
+    least, most = int(np.argmin(stiffness)), int(np.argmax(stiffness))
+    if stiffness[most] == stiffness[least]:
+        return (float(damping[0]), 0.0) if np.ptp(damping) == 0 else None
+    b = (damping[most] - damping[least]) / (stiffness[most] - stiffness[least])
+    a = damping[least] - b * stiffness[least]
+    off = np.abs(a + b * stiffness - damping)
+    return (float(a), float(b)) if np.all(off <= PROPORTIONAL * np.abs(damping)) else None
 
 
 def _basis(contact: Array, stiffness: Array) -> Array:

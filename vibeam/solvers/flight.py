@@ -41,6 +41,7 @@ from vibeam.solvers.kernels.layout import (
     STATUS_ROWS,
     STRUCK,
     TRACE_COLUMNS,
+    UNRESOLVED,
     VELOCITY,
     WHAT,
 )
@@ -55,6 +56,7 @@ OUTCOMES = {
     EVENT_LIMIT: Ended.EVENT_LIMIT,
     PENETRATED: Ended.PENETRATED,
     NOT_FINITE: Ended.NOT_FINITE,
+    UNRESOLVED: Ended.UNRESOLVED,
 }
 LONGEST_PERIOD = 16
 SMALLEST = 1e-150  # rad/s

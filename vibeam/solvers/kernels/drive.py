@@ -56,7 +56,7 @@ Array = NDArray[np.float64]
 NEAR_RESONANCE = 1e-3  # |ω² − Ω² + 2iσΩ| / Ω² below which a mode is attached
 FAR = 30.0  # distance of the equilibrium over the size of the motion beyond which taking it out loses digits
 NEARLY_FREE = 0.05  # rate / Ω below which a mode under a static force is attached
-LOOSE = 1e-7  # share of the fastest rate below which a held block counts as without stiffness
+LOOSE = 1e-7  # share of the stiffest rate below which a held block counts as without stiffness
 PANEL = 1.1  # the longest panel is at most this over the drive's rate: about a sixth of its period
 
 
@@ -134,13 +134,15 @@ def coarsest_level(pairs: Array, levels: Array, omega: float) -> int:
 @kernel
 def rest_response(pairs: Array, blocks: Array, omega: float, strength: float) -> None:
     """Steady response of every block of the rest regime, (iΩ − A) Y = load Ω²B and −A⁻¹ constant, or CARRIED."""
-    m = blocks.shape[1]
+    m, stiffest = blocks.shape[1], omega
+    for k in range(m):
+        stiffest = max(stiffest, pairs[OMEGA, k])
     for k in range(m):
         blocks[RE1 : OFFSET2 + 1, k] = 0.0
         own, sigma = pairs[OMEGA, k], pairs[SIGMA, k]
         force = strength * (abs(blocks[LOAD1, k]) + abs(blocks[LOAD2, k]))
         static = abs(blocks[CONSTANT1, k]) + abs(blocks[CONSTANT2, k])
-        loose = own <= LOOSE * max(omega, pairs[KAPPA, m - 1])
+        loose = own <= LOOSE * stiffest
         blocks[CARRIED, k] = 1.0 if loose or is_attached(own, sigma, force, static, omega) else 0.0
         if blocks[CARRIED, k] == 0.0:
             block_response(blocks, k, omega, strength)

@@ -35,6 +35,7 @@ from vibeam.solvers.kernels.signal import derivatives, to_node, value_at
 from vibeam.solvers.kernels.tables import level_of
 
 Array = NDArray[np.float64]
+MOST_PANELS = 100_000  # a flight takes ten, or a few dozen where modes decay by orders faster than they are driven
 SHALLOW = 1e9  # times round-off: how far from zero a minimum is still judged, and its touch found, sharply
 
 
@@ -44,6 +45,8 @@ def first_root(
     order: int, rise: float, span: float, coarsest: int, modes: Array, drive: Array, pose: Array, clock: float,
 ) -> tuple[bool, float, int]:  # fmt: skip
     """(found, flight time, panels tried) of the first root in (0, span]; there XT, YT and the trial hold the pairs.
+
+    A negative time: it was not isolated within ``MOST_PANELS``.
 
     ``order`` 0: the signal starts positive; 1 … 3: it starts with a root of that order, g^{(order)}(0) = ``rise`` > 0.
     ``coarsest``: the level of the longest panel to try. ``clock`` ≥ 0: the signal is the gap of ``modes`` from ``pose``
@@ -61,12 +64,14 @@ def first_root(
     tolerance = 8.0 * EPSILON * size
     if order == 0 and signal[ATTACHED] == 0.0 and signal[CONST] - harmonic - total > tolerance:
         return False, span, 0
-    time, level, panels, since, patience = 0.0, coarsest, 0, 0, 1
+    time, level, panels, since, patience, lengthened = 0.0, coarsest, 0, 0, 1, False
     if order > 0:
         derivatives(pairs, signal, attached, pairs.shape[1], WHOLE, order + 1)
         level = first_level(levels, order, rise, signal, coarsest)
     while time < span:
         panels += 1
+        if panels > MOST_PANELS:
+            return False, -1.0, panels
         h = levels[STEP, level]
         start_order = order if time == 0.0 else 0
         if start_order > 0:
@@ -77,8 +82,8 @@ def first_root(
             found = ROOT if signal[P1] <= 0.0 else CLEAR
         if found == SPLIT:
             level += 1
-            patience = min(2 * patience, 64) if since == 0 else patience
-            since = 0
+            patience = min(2 * patience, 64) if lengthened else patience
+            since, lengthened = 0, False
             continue
         bracket = h
         if found == MINIMUM:
@@ -105,9 +110,11 @@ def first_root(
         )
         time += h
         since += 1
+        patience = max(1, patience // 2) if lengthened else patience
+        lengthened = False
         if level > coarsest and since > patience:
             level -= 1
-            since = 0
+            since, lengthened = 0, True
     return False, span, panels
 
 

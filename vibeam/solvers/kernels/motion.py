@@ -46,6 +46,7 @@ from vibeam.solvers.kernels.layout import (
     SPEED,
     START,
     STUCK,
+    UNRESOLVED,
     WHAT,
     W,
 )
@@ -143,6 +144,8 @@ def fly(
             desk.modes, desk.drive, pose, status[CLOCK],
         )  # fmt: skip
         counts[PANELS] += panels
+        if flight < 0.0:
+            return UNRESOLVED, 0.0
         land(
             desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive,
             pose, status, flight, found,
@@ -212,6 +215,8 @@ def lie(
         order, rate, span, int(desk.drive[COARSEST]), desk.modes, desk.drive, pose, -1.0,
     )  # fmt: skip
     counts[PANELS] += panels
+    if duration < 0.0:
+        return UNRESOLVED, 0.0
     stay(desk, pose, status[CLOCK], duration)
     status[CLOCK] = wrap(desk.drive, status[CLOCK] + duration)
     status[PHASE_COS], status[PHASE_SIN] = phase(desk.drive, status[CLOCK])

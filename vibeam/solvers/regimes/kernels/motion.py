@@ -40,6 +40,7 @@ from vibeam.solvers.kernels.layout import (
     START,
     STEP,
     STUCK,
+    UNRESOLVED,
     WHAT,
     WHOLE,
 )
@@ -132,6 +133,8 @@ def advance(
                     int(plan.drive[COARSEST]), plan.free.blocks, plan.drive, pose, NO_CLOCK,
                 )  # fmt: skip
                 counts[PANELS] += panels
+                if time < 0.0:
+                    return UNRESOLVED, done
                 if found:
                     met, step = i, time
             if crawling:
