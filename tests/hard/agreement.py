@@ -19,7 +19,7 @@ sys.path[:0] = [str(Path(__file__).parent.parent / place) for place in ("vibeam"
 
 import events  # noqa: E402
 from random_systems import Case  # noqa: E402
-from sensitivity import Blur, Knot, blur, drift  # noqa: E402
+from sensitivity import Blur, Knot, Rest, blur, drift  # noqa: E402
 
 SAFE = 64.0  # last digits that a correct solver may lose in one state
 BAR = 1e-11  # relative error of a time that is always allowed
@@ -103,7 +103,7 @@ def _cut(case: Case, t_start: float, count: int) -> tuple[vibeam.Trajectory, flo
 def _speed(case: Case) -> float:
     """Scale of the contact's velocities."""
     system, drive, start = case
-    steady = system.load * drive.omega**2 * drive.amplitude / np.maximum(system.omega, drive.omega)
+    steady = system.load * drive.omega**2 * drive.amplitude / np.maximum(np.maximum(system.omega, drive.omega), 1e-300)
     parts = np.abs(start.velocity) + system.omega * np.abs(start.displacement) + np.abs(steady)
     return float(np.abs(system.contact) @ parts)
 
@@ -141,10 +141,11 @@ def _compare_impacts(
 ) -> float:
     """Error that the time of the last firm impact may have; infinite after a fault. The rest goes into the tally."""
     slack = 0.0
-    system, drive, _ = case
+    system, drive, start = case
     plastic = [k for k, knot in enumerate(knots) if knot.speed <= 0]
     knots = knots[: plastic[0]] if plastic else knots
-    spread = blur(system, drive, begun, x, v, knots) if knots else Blur(np.zeros(0), np.zeros(0))
+    rest = Rest(path.t_start, start.displacement, start.velocity) if start.resting else None
+    spread = blur(system, drive, begun, x, v, knots, rest) if knots else Blur(np.zeros(0), np.zeros(0))
     times, speeds = path.impact_times, path.impact_velocities
     for k, knot in enumerate(knots):
         pull = abs(system.contact @ drift(system, drive, knot.time, knot.displacement, knot.velocity))

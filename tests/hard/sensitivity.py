@@ -4,6 +4,11 @@ From first principles, in doubles: the flow of each mode, and at an impact the s
     S = D + (f⁺ − D f⁻) ∂t,    D = 1 − (1+R) c cᵀ/S on velocities,    ∂t = c/v⁻ on displacements
 (di Bernardo et al., Piecewise-smooth Dynamical Systems, 2008, §2.5). Rows ∂(time, velocity)/∂state are pulled back
 from each impact to all states before; each state may be wrong by some of its size's last digits.
+
+A motion that begins at rest on the stop is held first: x″ = P(f − 2ζωx′ − ω²x), P = 1 − c cᵀ/S, a flow in which the
+modes are coupled. Its release adds nothing of its own: the force that holds is zero there, so f⁺ = f⁻ and the
+saltation matrix is 1, however wrong the instant. But the state at the rest's begin is carried through all of the rest,
+which may last longer than the flights after it, and is rounded at its end in modes that have turned that long.
 """
 
 from __future__ import annotations
@@ -11,6 +16,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import expm
 
 import vibeam
 
@@ -24,6 +30,14 @@ class Knot(NamedTuple):
 
     time: float
     speed: float
+    displacement: Array
+    velocity: Array
+
+
+class Rest(NamedTuple):
+    """The begin of a rest on the stop with which the motion begins: when, and the modal state there."""
+
+    time: float
     displacement: Array
     velocity: Array
 
@@ -80,10 +94,30 @@ def saltation(system: vibeam.ImpactSystem, drive: vibeam.Drive, knot: Knot) -> A
     return matrix
 
 
+def held_flow(system: vibeam.ImpactSystem, span: float) -> Array:
+    """(2n, 2n): what ``span`` of rest makes of a change of the state, as far as the stop lets the change through.
+
+    The exponential is taken of (s x, x′) with s = max(ω, 1/span): in those its matrix is no larger than it must be.
+    """
+    n, c, w = system.size, system.contact, system.omega
+    along = np.eye(n) - np.outer(c, c) / (c @ c)
+    scale = np.maximum(w, 1 / span)
+    rates = np.block([
+        [np.zeros((n, n)), np.diag(scale)], [-along * (w**2 / scale), -along * (2 * system.zeta * w)],
+    ])  # fmt: skip
+    both = np.concatenate([scale, np.ones(n)])
+    let_through = np.kron(np.eye(2), along)
+    return np.asarray((expm(rates * span) * both / both[:, None]) @ let_through)
+
+
 def blur(
-    system: vibeam.ImpactSystem, drive: vibeam.Drive, t_start: float, x: Array, v: Array, knots: list[Knot]
-) -> Blur:
-    """What one last digit in every state from the start on makes of the impacts' times and velocities."""
+    system: vibeam.ImpactSystem, drive: vibeam.Drive, t_start: float, x: Array, v: Array, knots: list[Knot],
+    rest: Rest | None = None,
+) -> Blur:  # fmt: skip
+    """What one last digit in every state from the start on makes of the impacts' times and velocities.
+
+    ``rest``: where the motion was held until ``t_start``, when it was released with ``x`` and ``v``.
+    """
     n, c = system.size, system.contact
     rows = np.zeros((0, 2 * n))
     total = np.zeros((2, len(knots)))
@@ -107,5 +141,13 @@ def blur(
         )
         total[:, k:] += EPSILON * share.reshape(-1, 2).T
         rows = moved.reshape(-1, 2 * n)
+    if rest is not None and t_start > rest.time:
+        span = t_start - rest.time
+        for each, size in (
+            (rows @ held_flow(system, span), sizes(system, drive, rest.displacement, rest.velocity, span)),
+            (rows, sizes(system, drive, x, v, span)),
+        ):
+            share = np.einsum("rbi,ib->r", np.abs(each.reshape(-1, 2, n)), size)
+            total += EPSILON * share.reshape(-1, 2).T
     times = np.array([knot.time for knot in knots])
     return Blur(total[0] + EPSILON * times, total[1])
