@@ -1,0 +1,46 @@
+"""The scenes that peers are run through: the flight solver passes every one, and the judge sees what is wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from peers import Found, flight, judged
+from scenes import MAKERS, Maker, ball, full_model, strong_drive, touched
+
+LATE = 1e-10  # of a time, after as many impacts as a scene has
+
+
+QUICK = [make for make in MAKERS if make not in (full_model, strong_drive)]
+
+
+@pytest.mark.parametrize("make", QUICK, ids=lambda make: make.__name__)
+def test_flight_passes(make: Maker) -> None:
+    scene = make()
+    verdict = judged(scene, flight(scene))
+    assert verdict.fine, str(verdict)
+    assert verdict.late < LATE
+    assert verdict.timed == len(scene.firm)
+
+
+@pytest.mark.xfail(strict=True, reason="a motion small against the steady response loses the digits between them")
+def test_flight_passes_a_drive_of_1e12() -> None:
+    scene = strong_drive()
+    assert judged(scene, flight(scene)).late < LATE
+
+
+@pytest.mark.slow
+def test_flight_passes_the_full_model() -> None:
+    scene = full_model()
+    assert judged(scene, flight(scene)).fine
+
+
+def test_the_judge_sees_what_is_wrong() -> None:
+    scene = ball()
+    right = flight(scene)
+    impacts, places = right.impacts, right.places
+    assert judged(scene, Found(np.delete(impacts, 5, axis=0), places)).missed == 1
+    assert judged(scene, Found(np.insert(impacts, 5, [0.8, 1.0], axis=0), places)).invented == 1
+    assert judged(scene, Found(impacts * [1.001, 1.0], places)).late == pytest.approx(1e-3)
+    assert not judged(scene, Found(impacts, places + 0.05)).fine
+    assert judged(scene, Found(impacts, np.append(places, -0.05))).off > 0.01
+    assert judged(touched(), Found(np.empty((0, 2)), np.zeros(1))).missed == 1
