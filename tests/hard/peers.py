@@ -278,7 +278,8 @@ time.
   rtol 1e-4 (the paper's) and 1e-12, atol a hundredth of it times the scene's size, no step over 1/50 of the drive's
   period. No model of rest: what a user writes in twenty lines, and told here of none of the scenes' rests.
 - **Moreau**: Moreau–Jean time stepping (`solver = "moreau"`), so many steps a drive period. It never hangs at an
-  accumulation, and its times are good to a step; impacts slower than a step's acceleration are none to it.
+  accumulation, and its times are good to a step; impacts slower than a step's acceleration are none to it. Where the
+  drive is much slower than the motion, steps counted by its period are too long: that is the user's to know.
 {siconos}
 
 {rows}

@@ -70,14 +70,15 @@ def rows(times: list, speeds: list) -> np.ndarray:
 
 
 def followed(
-    family: str, what: str, case: Case, *, count: int | None = None, end: float | None = None, begin: float = 0.0
+    family: str, what: str, case: Case, *, count: int = 0, end: float | None = None, begin: float = 0.0
 ) -> Scene:
-    """A scene with its truth from Taylor series: ``count`` impacts, or all to ``end``."""
+    """A scene with its truth from Taylor series: ``count`` impacts and half a flight, or all to ``end``."""
     motion = true_motion(case, begin)
     if end is None:
-        motion.run(count=count, t_end=begin + 1e9 / max(case.drive.omega, case.system.omega.max()))
-        hits = [begin, *(float(event.time) for event in motion.events if event.kind == "impact")]
-        end = hits[-1] + 1e-3 * (hits[-1] - hits[-2])
+        motion.run(count=count + 1, t_end=begin + 1e9 / max(case.drive.omega, case.system.omega.max()))
+        hits = [float(event.time) for event in motion.events if event.kind == "impact"]
+        end = (hits[-2] + hits[-1]) / 2
+        motion = true_motion(case, begin)
     motion.run(t_end=end)
     hits = [event for event in motion.events if event.kind == "impact"]
     place = float(case.system.contact @ np.array([float(x) for x in motion.state().displacement]))
