@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from convergence import DRIVE, SOLVERS, B, jumps, mean_energy, observed_order, sdof, start, three_modes
+from convergence import DRIVE, SOLVERS, B, jumps, mean_energy, sdof, start, three_modes
 
 import vibeam
 from vibeam.response import Ended
@@ -19,40 +19,6 @@ from vibeam.solvers.zhuravlev import Distance, ZhuravlevSolver
 EVENTS = ("direct", "zhuravlev")
 ODES = (*EVENTS, "ivanov")
 TIGHT: dict[str, Any] = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-13}
-# Local error a step ~ tolerance, and the order of the solution carried on is that of the error, so global ~ tolerance¹.
-# The loosest tolerance is one at which it, not the longest step allowed, sets the steps.
-ORDERS = [
-    *((name, "RK23", 1e-4, 1.0) for name in ODES),
-    *((name, "RK45", 1e-5, 1.0) for name in EVENTS),
-    *((name, "DOP853", 1e-9, 1.0) for name in EVENTS),
-    *(("ivanov", method, 1e-4, 1.0) for method in ("RK45", "DOP853")),
-    ("direct", "LSODA", 1e-5, 0.9),
-]
-
-
-def order(name: str, method: str, loosest: float, system: vibeam.ImpactSystem) -> tuple[float, list[float]]:
-    tolerances = [loosest * 10.0**-k for k in range(4)]
-    options = [{"method": method, "rtol": tol, "atol": tol * 1e-4} for tol in tolerances]
-    return observed_order(name, options, tolerances, system, 40.0)
-
-
-@pytest.mark.parametrize(("name", "method", "loosest", "expected"), ORDERS)
-def test_converges_to_flight_with_its_tolerance(name: str, method: str, loosest: float, expected: float) -> None:
-    found, errors = order(name, method, loosest, sdof())
-    assert abs(found - expected) < 0.3, f"order {found:.2f} in the tolerance, expected {expected}; errors {errors}"
-    assert errors[-1] < 1e-5
-
-
-def test_direct_converges_for_three_modes() -> None:
-    found, errors = order("direct", "RK45", 1e-5, three_modes())
-    assert abs(found - 1.0) < 0.3, f"order {found:.2f}; errors {errors}"
-
-
-@pytest.mark.parametrize("name", ODES)
-def test_the_order_check_fails_for_a_wrong_restitution(name: str) -> None:
-    found, errors = order(name, "RK45", 1e-6, sdof(restitution=0.9001))
-    assert found < 0.5, f"order {found:.2f}; errors {errors}"
-    assert errors[-1] > 1e-5
 
 
 @pytest.mark.parametrize(
