@@ -82,9 +82,7 @@ def _in_own_time(omega: Array, sigma: Array, contact: Array, load: Array, static
     if proportional is not None:
         damper = proportional[0] * np.eye(n - 1) + proportional[1] * spring
     state = np.block([[np.zeros((n - 1, n - 1)), np.eye(n - 1)], [-spring, -damper]])
-    out = _sorted(state, _decoupled(state, int(np.count_nonzero(contact)) - 1))
-    into = np.linalg.inv(out)
-    a = _diagonal_blocks(into @ state @ out)
+    into, out, a = _sorted(state, _decoupled(state, int(np.count_nonzero(contact)) - 1))
     lift = np.kron(np.eye(2), basis)
     row = -np.concatenate([contact * stiffness, contact * damping]) @ lift @ out / mobility
     pushed = into[:, n - 1 :] @ basis.T
@@ -171,18 +169,25 @@ def _pair_constants(a: Array) -> tuple[Array, Array, Array]:
     return np.sqrt(np.maximum(square, 0.0)), np.maximum(sigma, 0.0), disc
 
 
-def _sorted(state: Array, out: Array) -> Array:
-    """The blocks' columns in the order of their rates."""
-    omega, sigma, _ = _pair_constants(_diagonal_blocks(np.asarray(np.linalg.inv(out) @ state @ out)))
+def _sorted(state: Array, out: Array) -> tuple[Array, Array, Array]:
+    """The inverse of the blocks' columns, the columns and the blocks (m, 2, 2) in the order of their rates.
+
+    Inverted once: above 32 modes BLAS takes several threads to it, which on a busy machine wait for each other.
+    """
+    into = np.linalg.inv(out)
+    a = _diagonal_blocks(into @ state @ out)
+    omega, sigma, _ = _pair_constants(a)
     order = np.argsort(rates(omega, sigma), kind="stable")
-    return np.asarray(out[:, np.stack([2 * order, 2 * order + 1], axis=1).ravel()])
+    both = np.stack([2 * order, 2 * order + 1], axis=1).ravel()
+    return into[both], out[:, both], a[order]
 
 
 def _invariant_planes(state: Array) -> Array:
     """Columns that span real two-dimensional invariant subspaces of ``state``."""
     values, vectors = np.linalg.eig(state)
     near = np.abs(values.imag) <= CLOSE * np.abs(values)
-    columns = [_orthonormal(vectors[:, k].real, vectors[:, k].imag) for k in np.flatnonzero(~near & (values.imag > 0))]
+    turning = vectors[:, ~near & (values.imag > 0)].T
+    columns = list(np.linalg.qr(np.stack([turning.real, turning.imag], axis=2))[0])
     real = np.flatnonzero(near)
     real = real[np.lexsort((values[real].imag, values[real].real))]
     for first, second in _couples(real, values[real]):
@@ -205,10 +210,6 @@ def _couples(indices: NDArray[np.int64], values: NDArray[np.complex128]) -> list
             single.append(int(indices[i]))
             i += 1
     return couples + list(zip(single[::2], single[1::2], strict=True))
-
-
-def _orthonormal(first: Array, second: Array) -> Array:
-    return np.asarray(np.linalg.qr(np.stack([first, second], axis=1))[0])
 
 
 def _common_plane(state: Array, pair: NDArray[np.complex128]) -> Array:
