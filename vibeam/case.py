@@ -33,7 +33,16 @@ from vibeam_models.scene import (
 if TYPE_CHECKING:
     from vibeam.expect import Expectation
     from vibeam.fidelity import Fidelity
-    from vibeam.schema import BeamCase, BeamTable, PlatformTable, SdofCase, StopTable, SweepTable, TorsionTable
+    from vibeam.schema import (
+        BeamCase,
+        BeamTable,
+        PlatformTable,
+        SdofCase,
+        SdofStopTable,
+        StopTable,
+        SweepTable,
+        TorsionTable,
+    )
     from vibeam.show.plan import ShowPlan
     from vibeam.system import ImpactSystem
 
@@ -247,8 +256,9 @@ def _scene(case: BeamCase | SdofCase) -> Scene | SdofScene:
             natural_frequency=case.sdof.natural_frequency,
             damping_ratio=case.sdof.damping_ratio,
             gap=case.stop.gap,
-            restitution=case.stop.restitution,
+            restitution=1.0 if case.stop.restitution is None else case.stop.restitution,
             amplitude=case.drive.amplitude,
+            stop=_sdof_stop(case.stop),
         )
     return Scene(
         beam=_beam(case.beam),
@@ -259,6 +269,13 @@ def _scene(case: BeamCase | SdofCase) -> Scene | SdofScene:
         added_masses=tuple(AddedMass(**dict(added)) for added in case.added_mass),
         **_effects(case),
     )
+
+
+def _sdof_stop(table: SdofStopTable) -> Stop | None:
+    beyond = {name: value for name, value in dict(table).items() if name not in ("gap", "restitution")}
+    if all(value is None for value in beyond.values()):
+        return None
+    return Stop(position=0.0, gap=table.gap, restitution=table.restitution, **beyond)
 
 
 def _effects(case: BeamCase) -> dict[str, Any]:

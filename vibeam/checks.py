@@ -6,7 +6,7 @@ Each check takes what could be read (None: could not) and yields complaints, so 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path as File
 from types import SimpleNamespace
 
@@ -16,6 +16,7 @@ from vibeam.lines import Path
 from vibeam.reading import Complaint
 from vibeam.schema import EXTENTS, QUANTITIES
 from vibeam.show import KINDS, LIMITS
+from vibeam.solvers import STATIONARY
 
 NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
@@ -24,7 +25,7 @@ def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     """Every complaint about keys that do not go together; files are looked for from ``folder``."""
     if hasattr(case, "beam"):
         yield from _positions(case)
-        yield from _law(case.stop)
+        yield from _law(case.stop, EXAMPLES, " m")
         yield from _drift(case.stop)
         yield from _rigid_zone(case)
         yield from _damping(case.beam)
@@ -32,6 +33,10 @@ def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
         yield from effect_checks(case)
         yield from _output(case)
         yield from _modes(case)
+    else:
+        yield from _law(case.stop, NONDIMENSIONAL, "")
+        yield from _drift(case.stop)
+    yield from _wear(case)
     yield from _grid(case.sweep.frequency)
     yield from _names(case)
     yield from _references(case, folder)
@@ -67,14 +72,21 @@ EXAMPLES = {
     "restitutions": ("at the speeds", "restitutions = [0.8, 0.6]"),
 }
 
+NONDIMENSIONAL = EXAMPLES | {
+    "velocity": ("at which the restitution holds", "velocity = 0.01"),
+    "stiffness": ("force over mass and penetration", "stiffness = 400"),
+    "hertz_stiffness": ("force over mass and penetration^exponent", "hertz_stiffness = 1e4"),
+    "speeds": ("of the table", "speeds = [0.002, 0.02]"),
+}
 
-def _law(stop: SimpleNamespace) -> Iterator[Complaint]:
+
+def _law(stop: SimpleNamespace, examples: Mapping[str, tuple[str, str]], metres: str) -> Iterator[Complaint]:
     law = stop.law or "restitution"
     tabled = law == "velocity restitution" and (stop.speeds is not None or stop.restitutions is not None)
     needed, allowed = NEEDS["table" if tabled else law]
     for name in needed:
         if getattr(stop, name) is None:
-            meaning, example = EXAMPLES[name]
+            meaning, example = examples[name]
             yield ("stop", name), f"missing ({meaning}): write {example}"
     every = {name for names in NEEDS.values() for part in names for name in part}
     for name in sorted(every - {*needed, *allowed}):
@@ -93,10 +105,10 @@ def _law(stop: SimpleNamespace) -> Iterator[Complaint]:
         yield ("stop", "restitutions"), f"{len(stop.restitutions)} numbers for {len(stop.speeds)} speeds"
     elif tabled and stop.speeds and len(stop.speeds) < 2:
         yield ("stop", "speeds"), "one speed makes no table: write two or more"
-    if law not in ("restitution",) and stop.restitution_of == "first mode":
+    if law not in ("restitution",) and getattr(stop, "restitution_of", None) == "first mode":
         yield ("stop", "restitution_of"), f'"first mode" does not go with law = "{law}": the loss is the contact\'s'
     if stop.second_gap is not None and stop.gap is not None and stop.second_gap <= -stop.gap:
-        yield ("stop", "second_gap"), f"must be above −gap = {-stop.gap:g} m, or nothing fits between the stops"
+        yield ("stop", "second_gap"), f"must be above −gap = {-stop.gap:g}{metres}, or nothing fits between the stops"
 
 
 def _drift(stop: SimpleNamespace) -> Iterator[Complaint]:
@@ -108,6 +120,17 @@ def _drift(stop: SimpleNamespace) -> Iterator[Complaint]:
             return
     if len(stop.drift) != len(stop.drift_frequency):
         yield ("stop", "drift"), f"{len(stop.drift)} numbers for {len(stop.drift_frequency)} frequencies"
+
+
+def _wear(case: SimpleNamespace) -> Iterator[Complaint]:
+    """A fidelity that leaves the wear out is judged by itself, without it."""
+    for name, fidelity in case.fidelity.items() if case.stop.wear is not None else ():
+        if fidelity.solver in STATIONARY and not {"stop.wear", "stop"} & {*(fidelity.without or ())}:
+            yield (
+                ("fidelity", name, "solver"),
+                f"{shown(fidelity.solver)} counts no impacts, so stop.wear has nothing to go by: "
+                'write solver = "flight", or without = ["stop.wear"]',
+            )
 
 
 def _rigid_zone(case: SimpleNamespace) -> Iterator[Complaint]:

@@ -120,6 +120,8 @@ def _direct(scene: SdofScene) -> ImpactSystem:
         gap=scene.gap,
         restitution=scene.restitution,
         outputs={"sensor": [1.0]},
+        law=None if scene.stop is None or scene.stop.law in (None, "restitution") else _law(scene.stop, 1.0),
+        second_gap=None if scene.stop is None else scene.stop.second_gap,
     )
 
 
@@ -183,15 +185,20 @@ def gap_drift(scene: Scene | SdofScene, omega: ArrayLike) -> NDArray[np.float64]
 
     Held constant beyond the first and the last frequency of the table.
     """
-    if not isinstance(scene, Scene) or scene.stop.drift is None or scene.stop.drift_frequency is None:
+    if scene.stop is None or scene.stop.drift is None or scene.stop.drift_frequency is None:
         return None
     frequency = np.asarray(omega, dtype=float) / (2 * np.pi)
     added = np.interp(frequency, scene.stop.drift_frequency, scene.stop.drift)
-    if scene.stop.gap_at == "contact":
+    if isinstance(scene, SdofScene) or scene.stop.gap_at == "contact":
         return added
     from vibeam_models.beam import assemble
 
     return np.asarray(added * _gap_factor(scene, assemble(scene)))
+
+
+def gap_wear(scene: Scene | SdofScene) -> float | None:
+    """What each impact adds to the contact's gap, m; None where it adds nothing."""
+    return None if scene.stop is None else scene.stop.wear
 
 
 def _seen_by_first_mode(built: ImpactSystem) -> ImpactSystem:

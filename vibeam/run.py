@@ -187,24 +187,29 @@ def _nothing(branch: Branch) -> Kept:
 def _sweep(case: Case, job: _Job, store: Store | None, count: _Count, stop: Event) -> None:
     """All branches of one fidelity, the state carried from each to the next."""
     carried: State | None = None
+    struck = 0
     for branch, kept in job.branches:
         recorder = _Recorder(branch, kept, store)
         start = kept.state if kept.done else carried
         carried = start
         try:
-            for block, carried in _march(case, job, kept, start):
+            for block, carried in _march(case, job, kept, start, struck):
                 recorder.add(block, carried)
                 count.add(len(block))
                 if stop.is_set():
                     raise Stopped
         finally:
             recorder.write()
+        struck += int(kept.response.impacts.sum())
 
 
-def _march(case: Case, job: _Job, kept: Kept, state: State | None) -> Iterator[tuple[FrequencyResponse, State]]:
-    """The points that are missing."""
-    from vibeam.fidelity import gap_drift
+def _march(
+    case: Case, job: _Job, kept: Kept, state: State | None, struck: int
+) -> Iterator[tuple[FrequencyResponse, State]]:
+    """The points that are missing; ``struck`` impacts were in the branches before this one."""
+    from vibeam.fidelity import gap_drift, gap_wear
 
+    scene = case.scene_of(job.name)
     plan, omega = case.sweep, kept.response.omega[kept.done :]
     if not len(omega):
         return iter(())
@@ -219,7 +224,9 @@ def _march(case: Case, job: _Job, kept: Kept, state: State | None) -> Iterator[t
         output=plan.output,
         state=state,
         slowest=float(kept.response.omega.min()),
-        drift=gap_drift(case.scene, omega),
+        drift=gap_drift(scene, omega),
+        wear=gap_wear(scene),
+        struck=struck + int(kept.response.impacts[: kept.done].sum()),
     )
 
 

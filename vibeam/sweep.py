@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam.response import Branches, FrequencyResponse
+from vibeam.solvers import STATIONARY
 from vibeam.solvers import solver as solver_named
 from vibeam.state import State
 from vibeam.system import ImpactSystem
@@ -32,6 +33,8 @@ def march(
     slowest: float | None = None,
     options: Mapping[str, Any] | None = None,
     drift: ArrayLike | None = None,
+    wear: float | None = None,
+    struck: int = 0,
 ) -> Iterator[tuple[FrequencyResponse, State]]:
     """Steady points in the order of ``omega`` (rad/s), ``block`` at a time, each with the state after it.
 
@@ -39,7 +42,8 @@ def march(
     at 0 at every point); ``state`` None: static equilibrium. ``amplitude``: of the base, m, one number or one for each
     frequency (they then come one at a time, whatever ``block`` is). ``slowest``: the lowest frequency of the whole
     sweep, where ``omega`` is only what is left of it: numbers are then the same to the bit.
-    ``options``: the solver's own. ``drift`` (points,): what is added to the gap at each point, m.
+    ``options``: the solver's own. ``drift`` (points,): what is added to the gap at each point, m. ``wear``: what each
+    impact adds to the gap of the points after it, m, settling included; ``struck`` impacts came before the first.
     A point that fails is NaN with its reason, and the next one starts from equilibrium.
     ValueError for a grid, periods or solver that make no sense, KeyError for an unknown output.
     """
@@ -51,9 +55,9 @@ def march(
     drives = _amplitudes(amplitude, grid)
     system.output(output)
     rate = float(grid.min()) if slowest is None else slowest
-    if drift is not None:
-        drives = np.broadcast_to(drives, grid.shape)
-        yield from _drifting(system, grid, drives, settle, hold, solver, output, state, rate, options or {}, drift)
+    if drift is not None or wear is not None:
+        drives, moves = np.broadcast_to(drives, grid.shape), _moves(grid, drift, wear, struck, solver)
+        yield from _drifting(system, grid, drives, settle, hold, solver, output, state, rate, options or {}, moves)
         return
     runner = solver_named(solver, system, rate, **(options or {}))
     step = block if drives.ndim == 0 else 1
@@ -73,20 +77,40 @@ def _amplitudes(amplitude: ArrayLike, grid: Array) -> Array:
     return drives
 
 
-def _drifting(
-    system: ImpactSystem, grid: Array, drives: Array, settle: int, hold: int, solver: str, output: str,
-    state: State | None, rate: float, options: Mapping[str, Any], drift: ArrayLike,
-) -> Iterator[tuple[FrequencyResponse, State]]:  # fmt: skip
-    """Point by point, each with its own gap; a state that the stop has moved into goes back onto it."""
-    added = np.asarray(drift, dtype=float)
+@dataclass(frozen=True)
+class _Moves:
+    """How the gap changes on the way: what drifts at each point, what each impact wears off, impacts so far."""
+
+    drift: Array
+    wear: float
+    struck: int
+
+
+def _moves(grid: Array, drift: ArrayLike | None, wear: float | None, struck: int, solver: str) -> _Moves:
+    added = np.zeros(grid.shape) if drift is None else np.asarray(drift, dtype=float)
     if added.shape != grid.shape or not np.all(np.isfinite(added)):
         raise ValueError(f"drift: must be {len(grid)} finite numbers, one a frequency")
-    for omega, drive, more in zip(grid, drives, added, strict=True):
-        moved = replace(system, gap=system.gap + float(more))
+    worn = 0.0 if wear is None else float(wear)
+    if not (np.isfinite(worn) and worn >= 0 and struck >= 0):
+        raise ValueError(f"wear {wear} must be finite and ≥ 0, struck {struck} ≥ 0")
+    if wear is not None and solver in STATIONARY:
+        raise ValueError(f"wear: solver {solver!r} counts no impacts on the way to a steady motion: 'flight' does")
+    return _Moves(added, worn, int(struck))
+
+
+def _drifting(
+    system: ImpactSystem, grid: Array, drives: Array, settle: int, hold: int, solver: str, output: str,
+    state: State | None, rate: float, options: Mapping[str, Any], moves: _Moves,
+) -> Iterator[tuple[FrequencyResponse, State]]:  # fmt: skip
+    """Point by point, each with its own gap; a state that the stop has moved into goes back onto it."""
+    struck = moves.struck
+    for omega, drive, more in zip(grid, drives, moves.drift, strict=True):
+        moved = replace(system, gap=system.gap + float(more) + moves.wear * struck)
         start = None if state is None else _onto_stop(moved, state)
         response, state = solver_named(solver, moved, rate, **options).steady(
             np.array([omega]), float(drive), start, settle, hold, output
         )
+        struck += int(response.impacts[0])
         yield response, state
 
 
@@ -114,11 +138,12 @@ def sweep(
     state: State | None = None,
     options: Mapping[str, Any] | None = None,
     drift: Callable[[Array], Array] | None = None,
+    wear: float | None = None,
 ) -> FrequencyResponse | Branches:
     """The frequency-response curve over ``omega`` (rad/s), in the order swept, or Branches(up, down) for "both".
 
     Arguments and errors as in ``march``; amplitudes that are one for each frequency are in the order of ``omega``.
-    ``drift`` gives what is added to the gap (m) at frequencies in rad/s.
+    ``drift`` gives what is added to the gap (m) at frequencies in rad/s; what ``wear`` adds stays on the way down.
     "both" goes up, then down again from where the way up ended.
     """
     if direction not in ("up", "down", "both"):
@@ -127,13 +152,14 @@ def sweep(
     drives = _amplitudes(amplitude, given)
     order = np.argsort(given, kind="stable") if given.ndim == 1 else np.arange(len(given))
     legs = {"up": [order], "down": [order[::-1]], "both": [order, order[::-1]]}[direction]
-    found = []
+    found: list[FrequencyResponse] = []
     for leg in legs:
         blocks = list(
             march(
                 system, given[leg], drives if drives.ndim == 0 else drives[leg], settle=settle, hold=hold,
                 solver=solver, output=output, state=state, block=len(leg), options=options,
-                drift=None if drift is None else drift(given[leg]),
+                drift=None if drift is None else drift(given[leg]), wear=wear,
+                struck=sum(int(response.impacts.sum()) for response in found),
             )
         )  # fmt: skip
         found.append(join([response for response, _ in blocks]))

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from vibeam_models.structure import Structure
 
 Array = NDArray[np.float64]
+ROUND_OFF = 1e-12  # share of the largest modal damping below which a mode without stiffness has none
 DIAGONAL = 1e-6  # share of the modal damping matrix that may lie off its diagonal; fine meshes round to 10⁻⁷
 
 
@@ -148,10 +149,12 @@ class ImpactSystem:
         law: Restitution | VelocityRestitution | CompliantStop | None = None,
         second_gap: float | None = None,
     ) -> ImpactSystem:
-        """The modal form of any Structure, all its modes; damping that couples them is kept as ``coupling``."""
+        """The modal form of any Structure, all its modes; damping that couples them is kept as ``coupling``, and so is
+        that of a mode without stiffness, which has no damping ratio.
+        """
         modes = structure.modes()
         damping = modes.shapes.T @ structure.C @ modes.shapes
-        couples = _off_diagonal(damping) > DIAGONAL
+        couples = _off_diagonal(damping) > DIAGONAL or _drags(modes.omega, damping)
         safe = np.where(modes.omega > 0, modes.omega, 1.0)
         outputs = {name: row @ modes.shapes for name, row in structure.outputs.items()}
         return cls.from_modes(
@@ -209,6 +212,11 @@ def _second_faults(gap: float, second_gap: float | None) -> list[str]:
     if second_gap is None or (np.isfinite(second_gap) and second_gap > -gap):
         return []
     return [f"second_gap: {second_gap} must be finite and above −gap = {-gap}, or nothing fits between the stops"]
+
+
+def _drags(omega: Array, damping: Array) -> bool:
+    """Whether a mode without stiffness is damped, beyond round-off: 2ζω cannot say so."""
+    return bool(np.any(np.diag(damping)[omega == 0] > ROUND_OFF * np.max(np.abs(damping), initial=0.0)))
 
 
 def _off_diagonal(matrix: Array) -> float:

@@ -103,7 +103,8 @@ class Stop:
     loss otherwise. ``law``: None is constant restitution; see ``contact`` and ``compliant`` for the others and what
     they take: ``stiffness`` (N/m) and ``damping`` (N s/m) of a linear stop, ``hertz_stiffness`` (N/m^exponent),
     ``exponent``, ``velocity`` (m/s), ``speeds`` (m/s) and ``restitutions``. ``second_gap`` (m): to a second stop on the
-    other side. ``drift`` (m): added to the gap at ``drift_frequency`` (Hz), linear between.
+    other side. ``drift`` (m): added to the gap at ``drift_frequency`` (Hz), linear between. ``wear`` (m): added to the
+    gap at the contact by each impact.
     """
 
     position: float
@@ -122,6 +123,7 @@ class Stop:
     second_gap: float | None = None
     drift_frequency: tuple[float, ...] | None = None
     drift: tuple[float, ...] | None = None
+    wear: float | None = None
 
     @property
     def usual_restitution(self) -> float:
@@ -208,6 +210,8 @@ class SdofScene:
     """The single-degree-of-freedom model given directly (the paper's §2): q̈ + 2ζω q̇ + ω² q = Ω² B sin Ωt, q ≤ gap.
 
     ``natural_frequency`` in rad/s (1: the nondimensional model), ``gap`` and ``amplitude`` (B) in the unit of q.
+    ``restitution`` is 1 where the stop's law says the loss otherwise. ``stop``: what the stop does beyond one
+    coefficient of restitution, in these units and per unit of mass (its position means nothing); None: nothing.
     """
 
     natural_frequency: float
@@ -215,3 +219,4 @@ class SdofScene:
     gap: float
     restitution: float
     amplitude: float
+    stop: Stop | None = None

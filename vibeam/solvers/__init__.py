@@ -31,6 +31,7 @@ HOMES = {
     "moreau": "vibeam.solvers.timestepping:MoreauSolver",
 }
 NAMES = tuple(HOMES)
+STATIONARY = ("orbit", "averaging", "mapping")  # steady motions by formula: nothing settles, no impact is flown
 GIVEN = ("system", "slowest", "span")  # to every solver
 BEYOND_PLAIN = {  # the same name for systems that are more than plain; a solver that is not here cannot take them
     "flight": "vibeam.solvers.regimes.solver:RegimeSolver",

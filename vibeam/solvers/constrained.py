@@ -174,7 +174,7 @@ def _sorted(state: Array, out: Array) -> tuple[Array, Array, Array]:
 
     Inverted once: above 32 modes BLAS takes several threads to it, which on a busy machine wait for each other.
     """
-    into = np.linalg.inv(out)
+    into = np.asarray(np.linalg.inv(out), dtype=float)
     a = _diagonal_blocks(into @ state @ out)
     omega, sigma, _ = _pair_constants(a)
     order = np.argsort(rates(omega, sigma), kind="stable")
