@@ -18,6 +18,7 @@ import numpy as np
 from vibeam.response import FrequencyResponse
 from vibeam.state import State
 from vibeam.system import ImpactSystem
+from vibeam_models.scene import SdofScene
 
 RIG = Path(__file__).parents[2] / "cases" / "dtu_neutral.toml"
 SDOF = """
@@ -109,6 +110,7 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
         "expectations": {},
         "shows": {},
         "system": systems.__getitem__,
+        "scene_of": lambda name: SdofScene(48.0, 0.02, 1e-4, 1.0, 1e-3),
         "amplitude_of": lambda name, omega: 1e-3,
     }
     return SimpleNamespace(**(values | changes))
