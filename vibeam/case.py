@@ -47,7 +47,8 @@ if TYPE_CHECKING:
     from vibeam.system import ImpactSystem
 
 Direction = Literal["up", "down", "both"]
-NOT_NUMBERS = frozenset({"title", "source", "reference", "expect", "show", "cost"})  # tables that change no sweep
+#: tables that change no sweep
+NOT_NUMBERS = frozenset({"title", "source", "reference", "expect", "show", "cost", "influence"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +91,22 @@ class CostPlan:
     budget: float = 60.0
 
 
+@dataclass(frozen=True)
+class InfluencePlan:
+    """What ``vibeam influence`` does: frequencies in Hz; None: as its defaults say."""
+
+    fidelity: str | None = None
+    quantities: tuple[str, ...] = ()
+    frequency: float | None = None
+    tolerance: float = 0.01
+    frequency_tolerance: float = 0.1
+    restitution_tolerance: float = 0.01
+    points: int = 31
+    settle: int | None = None
+    hold: int | None = None
+    repeats: int = 3
+
+
 @dataclass(frozen=True, eq=False)
 class Case:
     """A scene, the fidelities that model it, their sweep and what they are checked against.
@@ -112,6 +129,7 @@ class Case:
     expectations: Mapping[str, Expectation] = field(default_factory=dict)
     shows: Mapping[str, ShowPlan] = field(default_factory=dict)
     cost: CostPlan = CostPlan()
+    influence: InfluencePlan = InfluencePlan()
 
     @cached_property
     def key(self) -> str:
@@ -187,6 +205,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         expectations=_expectations(declared, sweep.direction),
         shows=_shows(declared, sweep),
         cost=CostPlan(**dict(declared.cost)),
+        influence=InfluencePlan(**dict(getattr(declared, "influence", ()))),
     )
 
 

@@ -43,6 +43,8 @@ def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     yield from _expectations(case)
     yield from _shows(case)
     yield from _cost(case)
+    if getattr(case, "influence", None) is not None:
+        yield from _named_fidelity(case, ("influence", "fidelity"), case.influence.fidelity)
 
 
 def _positions(case: SimpleNamespace) -> Iterator[Complaint]:

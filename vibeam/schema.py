@@ -31,6 +31,7 @@ from vibeam.solvers import NAMES as SOLVERS
 DIRECTIONS = ("up", "down", "both")
 QUANTITIES = ("amplitude", "reach", "maximum", "minimum", "impact_velocity", "impacts_per_period", "period")
 EXTENTS = ("peak", "peak_frequency", "period_one_from", "period_one_to")  # of a whole branch
+OF_INFLUENCE = (*EXTENTS, "ringing", "ringing_frequency", "apparent_restitution")
 REDUCTIONS = ("static_mode", "modal", "full")
 LAWS = ("restitution", "velocity restitution", "linear", "hertz", "hunt-crossley")
 MOST_ELEMENTS = 2000
@@ -104,7 +105,7 @@ class StopTable(Table):
         "whose it is: the contact's, or mode 1's (each fidelity's own is then derived)", "contact", "contact"
     )
     position: Annotated[float | None, Place] = key(
-        "distance from the clamp; absent = at the mass", "132 mm", None, written=False
+        "effect: the contact lies off the mass, so far from the clamp; absent = at the mass", "132 mm", None, written=False
     )
     law: Annotated[str | None, Word(LAWS)] = key(
         "effect: what the stop does; absent = restitution, the same at every velocity", "linear", None, written=False
@@ -382,6 +383,40 @@ class CostTable(Table):
     budget: Annotated[float, Quantity(units.TIME, POSITIVE)] = key("CPU time of the runs compared", "60 s", 60.0)
 
 
+class InfluenceTable(Table):
+    """What vibeam influence does; absent = what the defaults say."""
+
+    fidelity: Annotated[str | None, Text()] = key(
+        "whose effects are taken away; absent = the one with most modes", "beam", None, written=False
+    )
+    quantities: Annotated[tuple[str, ...], Each(Word(OF_INFLUENCE))] = key(
+        "what must stay as it is", ["peak", "peak_frequency"], OF_INFLUENCE, written=False
+    )
+    frequency: Annotated[float | None, Frequency] = key(
+        "where ringing and apparent restitution are read; absent = at the peak, each model's own", "15.3 Hz", None,
+        written=False,
+    )  # fmt: skip
+    tolerance: Annotated[float, Quantity(units.RATIO, POSITIVE)] = key(
+        "relative, of the peak, the ringing and its frequency", "1 %", 0.01
+    )
+    frequency_tolerance: Annotated[float, Frequency] = key(
+        "of the peak's frequency and the ends of period 1", "0.1 Hz", 0.1
+    )
+    restitution_tolerance: Annotated[float, Quantity(units.RATIO, POSITIVE)] = key(
+        "of the apparent restitution", 0.01, 0.01
+    )
+    points: Annotated[int, Count(3, MOST_POINTS)] = key(
+        "drive frequencies, of the sweep's, at most; peaks and ends are then narrowed down between them", 31, 31
+    )
+    settle: Annotated[int | None, Periods] = key(
+        "drive periods left out; absent = the sweep's", 300, None, written=False
+    )
+    hold: Annotated[int | None, Count(1, MOST_POINTS)] = key(
+        "drive periods read; absent = the sweep's", 50, None, written=False
+    )
+    repeats: Annotated[int, Count(1, 1000)] = key("how often a sweep is timed", 3, 3)
+
+
 class SdofTable(Table):
     """A single degree of freedom in place of beam, mass and sensor: the paper's model, nondimensional."""
 
@@ -495,6 +530,7 @@ class BeamCase(Table):
     expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False)
     show: dict[str, ShowTable] = key("further figures", None, {}, written=False)
     cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False)
+    influence: InfluenceTable = key("what vibeam influence does", None, InfluenceTable(), written=False)
 
 
 class SdofCase(Table):

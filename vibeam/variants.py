@@ -20,8 +20,8 @@ from vibeam.reading import Complaint, entry_of, fields_of, is_repeated, keys_of,
 from vibeam.settings import flat
 
 #: tables and keys of a case that are no physics: a fidelity shares them with all others
-SHARED = ("title", "source", "sweep", "fidelity", "reference", "show", "expect", "cost")
-DROPPED = ("fidelity", "reference", "show", "expect", "cost")
+SHARED = ("title", "source", "sweep", "fidelity", "reference", "show", "expect", "cost", "influence")
+DROPPED = ("fidelity", "reference", "show", "expect", "cost", "influence")
 OWN = ("set", "without")
 Judge = Callable[[dict[str, Any]], tuple[Any, list[Complaint]]]
 

@@ -1,0 +1,160 @@
+"""``vibeam influence``: what each effect of a case changes and costs, and which of them the scene needs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from vibeam.influence.model import Model, cpu, model
+from vibeam.influence.quantities import Change, Quantity, change, quantities
+from vibeam.influence.search import smallest
+from vibeam.influence.subsets import Subsets, subsets
+
+if TYPE_CHECKING:
+    from vibeam.case import Case
+
+Progress = Callable[[str], None]
+NAN = float("nan")
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A model and how far it is from the complete one; ``cpu``: s of its sweep, least of the repeats (NaN: not timed).
+
+    ``why``: the reason where there is no such model.
+    """
+
+    kept: tuple[str, ...]
+    changes: tuple[Change, ...]
+    coordinates: int
+    frequencies: tuple[float, ...]
+    cpu: float = NAN
+    why: str = ""
+
+    @property
+    def modes(self) -> int:
+        """How many are swept."""
+        return len(self.frequencies)
+
+    @property
+    def worst(self) -> float:
+        """The largest change in units of its tolerance; ∞ where there is no such model."""
+        return float("inf") if self.why else max((each.share for each in self.changes), default=0.0)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One effect: the models without it alone and with it alone; what it adds, CPU in s (negative: it saves)."""
+
+    effect: str
+    without: Variant
+    alone: Variant
+    coordinates: int
+    modes: int
+    cpu: float
+    needed: bool
+
+    @property
+    def influence(self) -> float:
+        """The largest change that taking it away makes, in units of its tolerance."""
+        return self.without.worst
+
+
+@dataclass(frozen=True)
+class Study:
+    """All that ``vibeam influence`` found; ``rows`` sorted by influence, the largest first.
+
+    ``whole``, ``bare`` and ``enough``: the models with all effects, with none and with the smallest set; ``exact``:
+    whether all sets were tried; ``models``: how many were swept; ``seconds``: CPU time in all.
+    """
+
+    title: str
+    fidelity: str
+    quantities: tuple[Quantity, ...]
+    whole: Variant
+    bare: Variant
+    enough: Variant
+    rows: tuple[Row, ...]
+    exact: bool
+    models: int
+    frequency: tuple[float, float, int]
+    settle: int
+    hold: int
+    seconds: float
+
+
+def influence(case: Case, progress: Progress = lambda line: None) -> Study:
+    """Take each effect away alone, leave each alone, and find the smallest set that keeps within the tolerances.
+
+    ValueError where the case names no effect, or its complete model cannot be built.
+    """
+    begun = time.thread_time()
+    studied = _Studied(case, subsets(case), progress)
+    return studied.study(begun)
+
+
+class _Studied:
+    """One study as it grows: every set of effects is swept once."""
+
+    def __init__(self, case: Case, sets: Subsets, progress: Progress) -> None:
+        self.case, self.sets, self.say = case, sets, progress
+        self.asked = quantities(case.influence)
+        self.all = frozenset(sets.effects)
+        self.models: dict[frozenset[str], Model] = {}
+        self.cpu: dict[frozenset[str], float] = {}
+        if self._model(self.all).why:
+            raise ValueError(self._model(self.all).why)
+
+    def study(self, begun: float) -> Study:
+        """Single effects first, then the search, then the rows."""
+        self._time()
+        needed, exact = smallest(self.sets.effects, lambda kept: self._variant(kept).worst)
+        rows = sorted((self._row(name, needed) for name in self.sets.effects), key=lambda row: -row.influence)
+        swept: Case = self._case(self.all)
+        grid = swept.sweep.frequency
+        variants = (self._variant(kept) for kept in (self.all, frozenset[str](), needed))
+        return Study(
+            self.case.title, self.sets.fidelity, self.asked, *variants, tuple(rows), exact, len(self.models),
+            (float(grid.min()), float(grid.max()), len(grid)), swept.sweep.settle, swept.sweep.hold,
+            time.thread_time() - begun,
+        )  # fmt: skip
+
+    def _model(self, kept: frozenset[str]) -> Model:
+        if kept not in self.models:
+            self.say(f"with {', '.join(name for name in self.sets.effects if name in kept) or 'no effect'}")
+            wanted = [quantity.name for quantity in self.asked]
+            self.models[kept] = model(self.sets, kept, wanted, self.case.influence.frequency)
+        return self.models[kept]
+
+    def _case(self, kept: frozenset[str]) -> Case:
+        found = self._model(kept).case
+        assert found is not None
+        return found
+
+    def _time(self) -> None:
+        """Sweep what is compared once more, in turns, so that a slow moment of the machine meets all of them.
+
+        The first sweep of each, which read the quantities, was the warm-up and does not count.
+        """
+        single = [self.all, frozenset[str](), *(self.all - {name} for name in self.sets.effects)]
+        timed = [kept for kept in single if not self._model(kept).why]
+        self.say(f"timing {len(timed)} models")
+        for _ in range(self.case.influence.repeats):
+            for kept in timed:
+                seconds = cpu(self._case(kept), self.sets.fidelity)
+                self.cpu[kept] = min(seconds, self.cpu.get(kept, seconds))
+
+    def _variant(self, kept: frozenset[str]) -> Variant:
+        found, whole = self._model(kept), self._model(self.all)
+        changes = tuple(change(each, found.value(each.name), whole.value(each.name)) for each in self.asked)
+        return Variant(
+            found.kept, changes, found.coordinates, found.frequencies, self.cpu.get(kept, NAN), found.why
+        )
+
+    def _row(self, name: str, needed: frozenset[str]) -> Row:
+        whole, without = self._variant(self.all), self._variant(self.all - {name})
+        added = (0, 0) if without.why else (whole.coordinates - without.coordinates, whole.modes - without.modes)
+        alone = self._variant(frozenset({name}))
+        return Row(name, without, alone, *added, whole.cpu - without.cpu, name in needed)
