@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from vibeam import observe as observe
     from vibeam.case import load as load
     from vibeam.derive import derive as derive
+    from vibeam.influence.study import influence as influence
     from vibeam.outcome import Outcome as Outcome
     from vibeam.periodic.boundaries import boundaries as boundaries
     from vibeam.periodic.curve import orbit_curve as orbit_curve
@@ -52,6 +53,7 @@ _HOMES = {
     "boundaries": "vibeam.periodic.boundaries",
     "orbit_map": "vibeam.periodic.map",
     "stability": "vibeam.stability",
+    "influence": "vibeam.influence.study",
     "Kind": "vibeam.periodic.line",
     "follow": "vibeam.periodic.follow",
     "settled_orbit": "vibeam.periodic.several",

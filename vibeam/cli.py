@@ -181,6 +181,36 @@ def cost(
 
 
 @app.command()
+def influence(
+    case: CaseFile,
+    set_: Overrides = None,
+    as_json: AsJson = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="The CSV file, or the folder for it.", show_default=False)
+    ] = None,
+) -> None:
+    """What each effect of the case changes and costs, and which of them the scene needs."""
+    with _mistakes():
+        from vibeam.influence.study import influence as studied
+        from vibeam.progress import compile_first, stderr
+        from vibeam.report import influence as report
+        from vibeam.report.influence_files import write_files
+
+        loaded = _load(case, set_)
+        path = _table_path(loaded, out or Path(), "influence")
+        console = stderr()
+        compile_first(console)
+        study = _of_beam(case, lambda: studied(loaded, console.print))
+        files, sentences = write_files(study, path), list(report.sentences(study))
+        _print(
+            {"study": study, "sentences": sentences, "files": files}, as_json,
+            lambda tables: [report.taken_away(study), report.left_alone(study)],
+        )  # fmt: skip
+        if not as_json:
+            typer.echo("\n".join([*sentences, *map(str, files)]))
+
+
+@app.command()
 def derive(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: TableFile = None) -> None:
     """SDOF parameters from geometry, each beside its finite-element value."""
     with _mistakes():

@@ -13,6 +13,7 @@ from vibeam.influence.curve import Curve, Peak, ends, nearest, peak, swept
 from vibeam.influence.motion import heard
 from vibeam.influence.quantities import NAN, Value
 from vibeam.influence.subsets import Subsets
+from vibeam.system import ImpactSystem
 
 IN_MOTION = ("ringing", "ringing_frequency", "apparent_restitution")
 
@@ -28,6 +29,7 @@ class Model:
     coordinates: int = 0
     frequencies: tuple[float, ...] = ()
     case: Case | None = None
+    system: ImpactSystem | None = None
     why: str = ""
 
     @property
@@ -50,12 +52,7 @@ def model(subsets: Subsets, kept: Collection[str], wanted: Collection[str], freq
         return Model(names, why=_first_line(refusal))
     system = curve.system
     modes = tuple(np.sort(system.omega / (2 * np.pi)).tolist())
-    return Model(names, _values(curve, wanted, frequency), _coordinates(case.scene), modes, case)
-
-
-def cpu(case: Case, fidelity: str) -> float:
-    """CPU seconds of its sweep, once more."""
-    return swept(case, fidelity, case.system(fidelity)).cpu
+    return Model(names, _values(curve, wanted, frequency), _coordinates(case.scene), modes, case, system)
 
 
 def _values(curve: Curve, wanted: Collection[str], frequency: float | None) -> dict[str, Value]:

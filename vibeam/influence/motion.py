@@ -14,9 +14,10 @@ from vibeam.simulate import Trajectory, simulate
 from vibeam.system import Drive, ImpactSystem
 
 Array = NDArray[np.float64]
-PERIODS = 8  # drive periods looked at
+WILD = 8  # drive periods looked at where the motion does not repeat
+BESIDE = 1.5  # else: so many beyond those after which it does, so that no interval between impacts is cut off
 SAMPLES = 50  # a period of the ringing …
-LEAST = 600  # … and a drive period, at least
+LEAST = 300  # … and a drive period, at least
 FITTED = 10  # faster modes that are fitted along: what is faster has decayed
 GUARD = 0.02  # of a drive period, left out next to impacts where there are still faster ones
 UNSEEN = 1e-9  # share of the sensor's row below which it does not see a mode
@@ -31,7 +32,9 @@ def heard(curve: Curve, frequency: float, near: Step) -> dict[str, Value]:
     settled = curve.on(np.array([frequency]), near.state)[0]
     omega = 2 * np.pi * frequency
     amplitude = float(np.ravel(curve.case.amplitude_of(curve.fidelity, np.array([omega])))[0])
-    path = simulate(curve.system, Drive(omega, amplitude), PERIODS * 2 * np.pi / omega, settled.state)
+    repeats = int(settled.response.period[0])
+    periods = repeats + BESIDE if repeats > 0 else WILD
+    path = simulate(curve.system, Drive(omega, amplitude), periods / frequency, settled.state)
     if len(path.impact_times) < 2:
         return dict.fromkeys(("ringing", "ringing_frequency", "apparent_restitution"), _none(frequency, "no impacts"))
     return _read(path, curve.case.sweep.output, frequency)
@@ -45,7 +48,7 @@ def _read(path: Trajectory, output: str, frequency: float) -> dict[str, Value]:
     row = np.abs(system.output(output))
     seen = [mode for mode in faster if row[mode] > UNSEEN * row.max() and system.zeta[mode] < 1]
     rate = max(LEAST * frequency, SAMPLES * system.omega[seen[0]] / (2 * np.pi) if seen else 0.0)
-    times = np.linspace(0, path.t_end, int(PERIODS * rate / frequency), endpoint=False)
+    times = np.linspace(0, path.t_end, int(rate * path.t_end), endpoint=False)
     place = path.at(times, output)
     guard = GUARD / frequency if system.size > slow + FITTED else 0.0
     r = extrapolated_restitution(

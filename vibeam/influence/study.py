@@ -7,7 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from vibeam.influence.model import Model, cpu, model
+from vibeam.influence.curve import swept
+from vibeam.influence.model import Model, model
 from vibeam.influence.quantities import Change, Quantity, change, quantities
 from vibeam.influence.search import smallest
 from vibeam.influence.subsets import Subsets, subsets
@@ -112,12 +113,12 @@ class _Studied:
         self._time()
         needed, exact = smallest(self.sets.effects, lambda kept: self._variant(kept).worst)
         rows = sorted((self._row(name, needed) for name in self.sets.effects), key=lambda row: -row.influence)
-        swept: Case = self._case(self.all)
-        grid = swept.sweep.frequency
+        plan = self._case(self.all).sweep
+        grid = plan.frequency
         variants = (self._variant(kept) for kept in (self.all, frozenset[str](), needed))
         return Study(
             self.case.title, self.sets.fidelity, self.asked, *variants, tuple(rows), exact, len(self.models),
-            (float(grid.min()), float(grid.max()), len(grid)), swept.sweep.settle, swept.sweep.hold,
+            (float(grid.min()), float(grid.max()), len(grid)), plan.settle, plan.hold,
             time.thread_time() - begun,
         )  # fmt: skip
 
@@ -143,8 +144,15 @@ class _Studied:
         self.say(f"timing {len(timed)} models")
         for _ in range(self.case.influence.repeats):
             for kept in timed:
-                seconds = cpu(self._case(kept), self.sets.fidelity)
+                seconds = self._swept(kept)
                 self.cpu[kept] = min(seconds, self.cpu.get(kept, seconds))
+
+    def _swept(self, kept: frozenset[str]) -> float:
+        """CPU seconds of one sweep."""
+        found = self._model(kept)
+        assert found.case is not None
+        assert found.system is not None
+        return swept(found.case, self.sets.fidelity, found.system).cpu
 
     def _variant(self, kept: frozenset[str]) -> Variant:
         found, whole = self._model(kept), self._model(self.all)

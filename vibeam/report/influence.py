@@ -1,0 +1,189 @@
+"""What each effect changes, as tables for the terminal and in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isfinite, isinf
+from typing import TYPE_CHECKING
+
+from rich.table import Table
+from rich.text import Text
+
+from vibeam.report.cost_table import signed
+from vibeam.report.table import blank
+
+if TYPE_CHECKING:
+    from vibeam.influence.quantities import Change, Quantity
+    from vibeam.influence.study import Row, Study, Variant
+
+SHORT = {
+    "peak": "peak",
+    "peak_frequency": "at",
+    "period_one_from": "period 1 from",
+    "period_one_to": "to",
+    "ringing": "ringing",
+    "ringing_frequency": "at",
+    "apparent_restitution": "apparent R",
+}
+SHOWN = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3), "Hz": ("Hz", 1.0), "1": ("", 1.0)}
+MOVED = 0.005  # relative: a mode's frequency has changed
+
+
+def taken_away(study: Study) -> Table:
+    """Every effect: what it adds, and what changes when it alone is taken away."""
+    names = (f"{SHORT[quantity.name]}|" for quantity in study.quantities)
+    head = ("coordinates|", "modes|", "CPU|", *names, "influence|", "")
+    table = blank("When one effect is taken away", "without", *head)
+    low, high, points = study.frequency
+    table.caption = (
+        f"{study.fidelity}, {points} frequencies from {low:.5g} to {high:.5g} Hz, {study.settle} + {study.hold} periods"
+        f"\ncoordinates, modes, CPU: what the effect adds; CPU of one sweep, {1e3 * study.whole.cpu:.3g} ms with all"
+        "\ninfluence: the largest change over its tolerance; *: see below"
+    )
+    whole = (str(study.whole.coordinates), str(study.whole.modes), f"{1e3 * study.whole.cpu:.3g} ms")
+    table.add_row("nothing: as it is", *whole, *_values(study), "", "")
+    table.add_section()
+    for row in study.rows:
+        verdict = Text("needed", style="bold") if row.needed else Text("not needed", style="green")
+        cells = _changes(study, row.without)
+        table.add_row(row.effect, *_added(row), *cells, share(row.influence), verdict)
+    return table
+
+
+def left_alone(study: Study) -> Table:
+    """Every effect: how far the model with it alone is from the complete one; none of them; those that are enough."""
+    names = (f"{SHORT[quantity.name]}|" for quantity in study.quantities)
+    table = blank("When one effect alone is left", "with", "coordinates|", "modes|", *names, "worst|")
+    table.caption = "changes against the model with all effects; worst: the largest of them over its tolerance"
+    shown = [("none", study.bare), *((row.effect, row.alone) for row in study.rows)]
+    for name, variant in [*shown, ("the needed ones", study.enough)]:
+        if variant is study.enough:
+            table.add_section()
+        size = ("–", "–") if variant.why else (str(variant.coordinates), str(variant.modes))
+        table.add_row(name, *size, *_changes(study, variant), share(variant.worst))
+    return table
+
+
+def _values(study: Study) -> list[str]:
+    pairs = zip(study.quantities, study.whole.changes, strict=True)
+    return [_value(quantity, each) + "*" * bool(each.why) for quantity, each in pairs]
+
+
+def _value(quantity: Quantity, each: Change) -> str:
+    unit, factor = SHOWN[quantity.unit]
+    return f"{each.value * factor:.4g} {unit}".strip() if isfinite(each.value) else "–"
+
+
+def _changes(study: Study, variant: Variant) -> list[str]:
+    if variant.why:
+        return ["–*"] * len(study.quantities)
+    pairs = zip(study.quantities, variant.changes, strict=True)
+    return [_amount(quantity, each) + "*" * bool(each.why) for quantity, each in pairs]
+
+
+def _amount(quantity: Quantity, each: Change) -> str:
+    """A change to read: signed, in percent or in its unit; a dash where there is none to tell."""
+    if not isfinite(each.amount):
+        return "–"
+    if quantity.how == "relative":
+        return signed(each.amount)
+    return "0" if each.amount == 0 else f"{each.amount:+.2g} {SHOWN[quantity.unit][0]}".strip()
+
+
+def _added(row: Row) -> tuple[str, str, str]:
+    if row.without.why:
+        return "–", "–", "–"
+    return f"{row.coordinates:+d}", f"{row.modes:+d}", f"{1e3 * row.cpu:+.3g} ms"
+
+
+def share(value: float) -> str:
+    """A change over its tolerance."""
+    return "∞" if isinf(value) else f"{value:.3g}" if value >= 1e-3 or value == 0 else f"{value:.0e}"
+
+
+def sentences(study: Study) -> Iterator[str]:
+    """A plain sentence for each effect, the remarks, and what the scene needs."""
+    yield from (_sentence(study, row) for row in study.rows)
+    yield from _remarks(study)
+    yield verdict(study)
+
+
+def _sentence(study: Study, row: Row) -> str:
+    if row.without.why:
+        return f"{row.effect} cannot be taken away from the case as it is ({row.without.why}): needed."
+    told = [*_modes(study.whole, row.without), *_told(study, row.without)]
+    return f"Without {row.effect} {'; '.join(told) or 'nothing changes'}: {_why(study, row)}."
+
+
+def _why(study: Study, row: Row) -> str:
+    if row.needed and row.influence <= 1:
+        return "needed: within tolerance by itself, but not beside the others that are left out"
+    if not row.needed and row.influence > 1:
+        others = [other.effect for other in study.rows if not other.needed and other is not row]
+        return f"not needed, but only where {' and '.join(others)} is left out too: together they cancel"
+    return "needed" if row.needed else "not needed"
+
+
+def _modes(whole: Variant, variant: Variant) -> Iterator[str]:
+    """The mode whose frequency changes most, or how many modes there are."""
+    if len(whole.frequencies) != len(variant.frequencies):
+        yield f"there are {variant.modes} modes instead of {whole.modes}"
+        return
+    pairs = list(zip(variant.frequencies, whole.frequencies, strict=True))[:3]
+    ours, theirs = max(pairs, key=lambda pair: abs(pair[0] / pair[1] - 1))
+    if abs(ours / theirs - 1) > MOVED:
+        yield f"mode {pairs.index((ours, theirs)) + 1} is at {ours:.4g} Hz instead of {theirs:.4g} Hz"
+
+
+def _told(study: Study, variant: Variant) -> Iterator[str]:
+    """The changes, the peak's and the ringing's frequency behind each of them; those that are none left out."""
+    for quantity, each in zip(study.quantities, variant.changes, strict=True):
+        if isinf(each.share):
+            yield f"{quantity.label.replace('its', _of(quantity))} is not there to compare ({each.why})"
+        elif each.share >= 1e-3:
+            size = _amount(quantity, each).lstrip("+-")
+            yield f"{quantity.label.replace('its', _of(quantity))} moves by {size}"
+
+
+def _of(quantity: Quantity) -> str:
+    return "the peak's" if quantity.name.startswith("peak") else "the ringing's"
+
+
+def _remarks(study: Study) -> Iterator[str]:
+    """What the stars of the tables mean, each once, with the models that it holds for."""
+    labels = {quantity.name: quantity.label.replace("its", _of(quantity)) for quantity in study.quantities}
+    models = [("all effects", study.whole), ("none", study.bare)]
+    models += [(f"without {row.effect}", row.without) for row in study.rows]
+    models += [(f"{row.effect} alone", row.alone) for row in study.rows]
+    found: dict[str, list[str]] = {}
+    for name, variant in models:
+        told = [variant.why] if variant.why else []
+        for each in variant.changes if not variant.why else ():
+            why = each.why.partition("all effects: ")[0].rstrip("; ")
+            told += [f"{labels[each.quantity]}: {why}"] if why else []
+        for text in told:
+            found.setdefault(text, []).append(name)
+    for text, names in found.items():
+        yield f"* {text} ({'every model' if len(names) == len(models) else ', '.join(names)})"
+
+
+def verdict(study: Study) -> str:
+    """What the scene needs and what not, and how that is known."""
+    needed = [row.effect for row in study.rows if row.needed]
+    others = [row.effect for row in study.rows if not row.needed]
+    needs = _listed(needed) if needed else "none of its effects"
+    text = f"The scene needs {needs}" + (f", not {_listed(others, 'or')}" if others else "")
+    kept = f"every quantity then stays within {share(study.enough.worst)} of its tolerance" if others else (
+        "leaving out any set of them moves some quantity beyond its tolerance" if study.exact
+        else "leaving out any one of them moves some quantity beyond its tolerance"
+    )  # fmt: skip
+    how = (
+        f"all sets up to that size were tried, {study.models} models swept"
+        if study.exact
+        else f"found by leaving out one after another, {study.models} models swept: a smaller set may exist"
+    )
+    return f"{text}: {kept} ({how})."
+
+
+def _listed(names: list[str], last: str = "and") -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {last} {names[-1]}"

@@ -1,0 +1,100 @@
+"""What ``vibeam influence`` leaves on disk: a line of CSV for every model and quantity, and a bar plot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from csv import DictWriter
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from vibeam.report.style import COLOURS, PAGE
+
+if TYPE_CHECKING:
+    from vibeam.influence.study import Study, Variant
+
+LEAST, MOST = 1e-3, 1e3  # changes beyond are drawn at the ends
+
+
+def write_files(study: Study, table: Path) -> list[Path]:
+    """Write the table, and the plot beside it as .png and .svg; gives the plots' and the table's paths."""
+    figures = [table.with_suffix(ending) for ending in (".png", ".svg")]
+    with mpl.rc_context(PAGE):
+        figure = bars(study)
+        for path in figures:
+            metadata: Any = {"Date": None} if path.suffix == ".svg" else None
+            figure.savefig(path, dpi=160, metadata=metadata)
+    rows = list(lines(study))
+    with table.open("w", newline="", encoding="utf-8") as file:
+        writer = DictWriter(file, list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+    return [*figures, table]
+
+
+def lines(study: Study) -> Iterator[dict[str, Any]]:
+    """A line for every model and quantity; what is not there is empty, with its reason."""
+    yield from _lines(study, "", "all", study.whole)
+    yield from _lines(study, "", "none", study.bare)
+    yield from _lines(study, "", "needed", study.enough)
+    for row in study.rows:
+        yield from _lines(study, row.effect, "without", row.without)
+        yield from _lines(study, row.effect, "alone", row.alone)
+
+
+def _lines(study: Study, effect: str, model: str, variant: Variant) -> Iterator[dict[str, Any]]:
+    for quantity, each in zip(study.quantities, variant.changes, strict=True):
+        numbers = {"value": each.value, "change": each.amount, "share_of_tolerance": each.share}
+        yield {
+            "effect": effect, "model": model, "effects": " ".join(variant.kept),
+            "coordinates": "" if variant.why else variant.coordinates, "modes": "" if variant.why else variant.modes,
+            "cpu_seconds": variant.cpu if isfinite(variant.cpu) else "",
+            "quantity": quantity.name, "unit": quantity.unit, "how": quantity.how, "tolerance": quantity.tolerance,
+            **{name: "" if np.isnan(number) else number for name, number in numbers.items()},
+            "why": variant.why or each.why,
+        }  # fmt: skip
+
+
+def bars(study: Study) -> Figure:
+    """For each effect a bar a quantity: its change over its tolerance when that effect alone is taken away."""
+    count, quantities = len(study.rows), study.quantities
+    figure = Figure(figsize=(6.4, 1.5 + 0.16 * count * (len(quantities) + 1)), layout="constrained")
+    axes = figure.subplots()
+    thick = 1 / (len(quantities) + 1)
+    colours = dict(zip((quantity.name for quantity in quantities), (*COLOURS, "#9A9A9A"), strict=False))
+    for index, quantity in enumerate(quantities):
+        shares = [_drawn(row.without, index) for row in study.rows]
+        places = np.arange(count) + (index - (len(quantities) - 1) / 2) * thick
+        label = f"{quantity.name.replace('_', ' ')} ({_tolerance(quantity.how, quantity.tolerance, quantity.unit)})"
+        axes.barh(places, shares, thick, left=LEAST, color=colours[quantity.name], label=label)
+    _dress(axes, study)
+    figure.legend(loc="outside lower center", ncols=3, frameon=False)
+    return figure
+
+
+def _drawn(variant: Variant, index: int) -> float:
+    """The bar's length from ``LEAST``."""
+    value = MOST if variant.why else variant.changes[index].share
+    return float(np.clip(value, LEAST, MOST)) - LEAST
+
+
+def _tolerance(how: str, tolerance: float, unit: str) -> str:
+    return f"{100 * tolerance:g} %" if how == "relative" else f"{tolerance:g} {unit if unit != '1' else ''}".strip()
+
+
+def _dress(axes: Axes, study: Study) -> None:
+    axes.set_xscale("log")
+    axes.set_xlim(LEAST, MOST)
+    axes.axvline(1.0, color="0.2", linewidth=0.8, linestyle=(0, (4, 2)))
+    axes.set_yticks(range(len(study.rows)))
+    axes.set_yticklabels([f"{row.effect}\n{'needed' if row.needed else 'not needed'}" for row in study.rows])
+    axes.invert_yaxis()
+    axes.grid(axis="x", color="0.93", linewidth=0.5)
+    axes.set_axisbelow(True)
+    axes.set_xlabel("change when it alone is taken away, over its tolerance (in brackets)")
+    axes.set_title(f"{study.title}: what each effect changes", loc="left")
