@@ -105,7 +105,7 @@ class StopTable(Table):
         "whose it is: the contact's, or mode 1's (each fidelity's own is then derived)", "contact", "contact"
     )
     position: Annotated[float | None, Place] = key(
-        "effect: the contact lies off the mass, so far from the clamp; absent = at the mass", "132 mm", None, written=False
+        "effect: of the contact, from the clamp; absent = at the mass", "132 mm", None, written=False
     )
     law: Annotated[str | None, Word(LAWS)] = key(
         "effect: what the stop does; absent = restitution, the same at every velocity", "linear", None, written=False

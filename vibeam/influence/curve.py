@@ -18,6 +18,7 @@ from vibeam.system import ImpactSystem
 
 Array = NDArray[np.float64]
 FINER, ROUNDS, HALVINGS = 8, 2, 8
+SMOOTH = 0.05  # share of the parabola's height by which the motion at its top may differ from it
 EDGE = "at the end of the sweep: it may lie beyond"
 
 
@@ -102,9 +103,8 @@ def peak(curve: Curve) -> Peak:
     steps = curve.branches[way]
     if not 0 < index < len(steps) - 1:
         return Peak(Value(height, EDGE), Value(steps[index].frequency, EDGE), steps[index])
-    three = _narrowed(curve, steps[index - 1 : index + 2])
-    amplitude, frequency = _vertex(three)
-    return Peak(Value(amplitude), Value(frequency), three[1])
+    top = _top(curve, _narrowed(curve, steps[index - 1 : index + 2]))
+    return Peak(Value(top.amplitude), Value(top.frequency), top)
 
 
 def _narrowed(curve: Curve, three: list[Step]) -> list[Step]:
@@ -117,16 +117,20 @@ def _narrowed(curve: Curve, three: list[Step]) -> list[Step]:
     return three
 
 
-def _vertex(three: list[Step]) -> tuple[float, float]:
-    """Amplitude and frequency of the parabola's top; of the middle point where the three are not one smooth curve."""
+def _top(curve: Curve, three: list[Step]) -> Step:
+    """The point at the top of the parabola through three; the middle one where they are not one smooth curve.
+
+    At a jump a parabola has a top as well, but the motion there is not what it says.
+    """
     y = np.array([step.amplitude for step in three])
     bend = y[0] - 2 * y[1] + y[2]
-    alike = len({int(step.response.period[0]) for step in three}) == 1
-    if not (alike and np.all(np.isfinite(y)) and bend < 0 and y[1] >= max(y[0], y[2])):
-        return three[1].amplitude, three[1].frequency
+    if not (np.all(np.isfinite(y)) and bend < 0):
+        return three[1]
     aside = (y[0] - y[2]) / (2 * bend)
-    spacing = (three[2].frequency - three[0].frequency) / 2
-    return float(y[1] - (y[0] - y[2]) * aside / 4), float(three[1].frequency + aside * spacing)
+    there = three[1].frequency + aside * (three[2].frequency - three[0].frequency) / 2
+    found = curve.on(np.array([there]), three[0].state)[0]
+    said = y[1] - (y[0] - y[2]) * aside / 4
+    return found if abs(found.amplitude - said) <= SMOOTH * (said - y.min()) else three[1]
 
 
 def ends(curve: Curve) -> tuple[Value, Value]:

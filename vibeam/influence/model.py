@@ -49,7 +49,7 @@ def model(subsets: Subsets, kept: Collection[str], wanted: Collection[str], freq
         case = subsets.case(names)
         curve = swept(case, subsets.fidelity, case.system(subsets.fidelity))
     except ValueError as refusal:
-        return Model(names, why=_first_line(refusal))
+        return Model(names, why=_reason(refusal))
     system = curve.system
     modes = tuple(np.sort(system.omega / (2 * np.pi)).tolist())
     return Model(names, _values(curve, wanted, frequency), _coordinates(case.scene), modes, case, system)
@@ -81,11 +81,10 @@ def _coordinates(scene: Any) -> int:
     return assemble(scene).size + moves
 
 
-def _first_line(refusal: ValueError) -> str:
-    """The reason, without the file that a fault names first."""
+def _reason(refusal: ValueError) -> str:
+    """The reason, without the file that each fault names first."""
     from vibeam.faults import CaseError
 
     if isinstance(refusal, CaseError):
-        fault = refusal.faults[0]
-        return f"{fault.key}: {fault.message}"
+        return "; ".join(f"{fault.key}: {fault.message}" for fault in refusal.faults)
     return str(refusal)

@@ -36,7 +36,9 @@ def heard(curve: Curve, frequency: float, near: Step) -> dict[str, Value]:
     periods = repeats + BESIDE if repeats > 0 else WILD
     path = simulate(curve.system, Drive(omega, amplitude), periods / frequency, settled.state)
     if len(path.impact_times) < 2:
-        return dict.fromkeys(("ringing", "ringing_frequency", "apparent_restitution"), _none(frequency, "no impacts"))
+        return dict.fromkeys(
+            ("ringing", "ringing_frequency", "apparent_restitution"), Value(NAN, "no impacts to read it from")
+        )
     return _read(path, curve.case.sweep.output, frequency)
 
 
@@ -55,9 +57,9 @@ def _read(path: Trajectory, output: str, frequency: float) -> dict[str, Value]:
         times, place, path.impact_times, slow_part(system, path.drive, slow), window=1 / frequency, guard=guard,
         beside=_free(system, faster),
     ).mean  # fmt: skip
-    found = {"apparent_restitution": Value(r) if np.isfinite(r) else _none(frequency, "too few samples at any impact")}
+    found = {"apparent_restitution": Value(r) if np.isfinite(r) else Value(NAN, "too few samples at any impact")}
     if not seen:
-        silent = _none(frequency, "no faster mode that the output sees: nothing rings")
+        silent = Value(NAN, "no faster mode that the output sees: nothing rings")
         return found | {"ringing": silent, "ringing_frequency": silent}
     return found | _ringing(path, times, place, seen[0], [*order[:slow], *faster], guard)
 
@@ -66,15 +68,13 @@ def _ringing(
     path: Trajectory, times: Array, place: Array, mode: int, modes: list[int], guard: float
 ) -> dict[str, Value]:
     """Mean over the intervals between impacts of a damped sinusoid fitted beside all other modes."""
-    system, frequency = path.system, path.drive.omega / (2 * np.pi)
+    system = path.system
     others = _free(system, np.array([each for each in modes if each != mode]))
     known = others or SlowPart(0)
     rest = SlowPart(0, path.drive.omega, known.omega, known.zeta)
-    fit = fit_ringing(
-        times, place, path.impact_times, rest, near=float(system.omega[mode]) / (2 * np.pi), guard=guard
-    )
+    fit = fit_ringing(times, place, path.impact_times, rest, near=float(system.omega[mode]) / (2 * np.pi), guard=guard)
     if not fit.found.any():
-        none = _none(frequency, "no interval between impacts could be fitted")
+        none = Value(NAN, "no interval between impacts could be fitted")
         return {"ringing": none, "ringing_frequency": none}
     mean = {name: float(np.nanmean(getattr(fit, name))) for name in ("mean_velocity", "frequency")}
     return {"ringing": Value(mean["mean_velocity"]), "ringing_frequency": Value(mean["frequency"])}
@@ -86,7 +86,3 @@ def _free(system: ImpactSystem, modes: NDArray[np.int64]) -> SlowPart | None:
     if not kept:
         return None
     return SlowPart(-1, None, tuple(system.omega[kept].tolist()), tuple(system.zeta[kept].tolist()))
-
-
-def _none(frequency: float, why: str) -> Value:
-    return Value(NAN, f"{why} at {frequency:.4g} Hz")

@@ -47,15 +47,14 @@ class Change:
 
 def quantities(plan: InfluencePlan) -> tuple[Quantity, ...]:
     """The quantities that the case asks for, with its tolerances."""
-    ends = ("Hz", "absolute", plan.frequency_tolerance)
-    size = ("relative", plan.tolerance)
+    ratio, hertz = plan.tolerance, plan.frequency_tolerance
     known = (
-        Quantity("peak", "the peak", "m", *size),
-        Quantity("peak_frequency", "its frequency", *ends),
-        Quantity("period_one_from", "the lower end of period 1", *ends),
-        Quantity("period_one_to", "the upper end of period 1", *ends),
-        Quantity("ringing", "the ringing", "m/s", *size),
-        Quantity("ringing_frequency", "its frequency", "Hz", *size),
+        Quantity("peak", "the peak", "m", "relative", ratio),
+        Quantity("peak_frequency", "its frequency", "Hz", "absolute", hertz),
+        Quantity("period_one_from", "the lower end of period 1", "Hz", "absolute", hertz),
+        Quantity("period_one_to", "the upper end of period 1", "Hz", "absolute", hertz),
+        Quantity("ringing", "the ringing", "m/s", "relative", ratio),
+        Quantity("ringing_frequency", "its frequency", "Hz", "relative", ratio),
         Quantity("apparent_restitution", "the apparent R", "1", "absolute", plan.restitution_tolerance),
     )
     return tuple(each for each in known if each.name in plan.quantities)

@@ -68,7 +68,8 @@ class Study:
     """All that ``vibeam influence`` found; ``rows`` sorted by influence, the largest first.
 
     ``whole``, ``bare`` and ``enough``: the models with all effects, with none and with the smallest set; ``exact``:
-    whether all sets were tried; ``models``: how many were swept; ``seconds``: CPU time in all.
+    whether all sets were tried; ``models``: how many were swept; ``scatter``: s by which repeats of a sweep's CPU time
+    differed at most, below which a difference means nothing; ``seconds``: CPU time in all.
     """
 
     title: str
@@ -80,6 +81,7 @@ class Study:
     rows: tuple[Row, ...]
     exact: bool
     models: int
+    scatter: float
     frequency: tuple[float, float, int]
     settle: int
     hold: int
@@ -104,7 +106,7 @@ class _Studied:
         self.asked = quantities(case.influence)
         self.all = frozenset(sets.effects)
         self.models: dict[frozenset[str], Model] = {}
-        self.cpu: dict[frozenset[str], float] = {}
+        self.cpu: dict[frozenset[str], list[float]] = {}
         if self._model(self.all).why:
             raise ValueError(self._model(self.all).why)
 
@@ -114,13 +116,22 @@ class _Studied:
         needed, exact = smallest(self.sets.effects, lambda kept: self._variant(kept).worst)
         rows = sorted((self._row(name, needed) for name in self.sets.effects), key=lambda row: -row.influence)
         plan = self._case(self.all).sweep
-        grid = plan.frequency
-        variants = (self._variant(kept) for kept in (self.all, frozenset[str](), needed))
         return Study(
-            self.case.title, self.sets.fidelity, self.asked, *variants, tuple(rows), exact, len(self.models),
-            (float(grid.min()), float(grid.max()), len(grid)), plan.settle, plan.hold,
-            time.thread_time() - begun,
-        )  # fmt: skip
+            title=self.case.title,
+            fidelity=self.sets.fidelity,
+            quantities=self.asked,
+            whole=self._variant(self.all),
+            bare=self._variant(frozenset()),
+            enough=self._variant(needed),
+            rows=tuple(rows),
+            exact=exact,
+            models=len(self.models),
+            scatter=max(max(seconds) - min(seconds) for seconds in self.cpu.values()),
+            frequency=(float(plan.frequency.min()), float(plan.frequency.max()), len(plan.frequency)),
+            settle=plan.settle,
+            hold=plan.hold,
+            seconds=time.thread_time() - begun,
+        )
 
     def _model(self, kept: frozenset[str]) -> Model:
         if kept not in self.models:
@@ -144,8 +155,7 @@ class _Studied:
         self.say(f"timing {len(timed)} models")
         for _ in range(self.case.influence.repeats):
             for kept in timed:
-                seconds = self._swept(kept)
-                self.cpu[kept] = min(seconds, self.cpu.get(kept, seconds))
+                self.cpu.setdefault(kept, []).append(self._swept(kept))
 
     def _swept(self, kept: frozenset[str]) -> float:
         """CPU seconds of one sweep."""
@@ -158,7 +168,7 @@ class _Studied:
         found, whole = self._model(kept), self._model(self.all)
         changes = tuple(change(each, found.value(each.name), whole.value(each.name)) for each in self.asked)
         return Variant(
-            found.kept, changes, found.coordinates, found.frequencies, self.cpu.get(kept, NAN), found.why
+            found.kept, changes, found.coordinates, found.frequencies, min(self.cpu.get(kept, [NAN])), found.why
         )
 
     def _row(self, name: str, needed: frozenset[str]) -> Row:

@@ -37,7 +37,7 @@ def taken_away(study: Study) -> Table:
     low, high, points = study.frequency
     table.caption = (
         f"{study.fidelity}, {points} frequencies from {low:.5g} to {high:.5g} Hz, {study.settle} + {study.hold} periods"
-        f"\ncoordinates, modes, CPU: what the effect adds; CPU of one sweep, {1e3 * study.whole.cpu:.3g} ms with all"
+        f"\ncoordinates, modes, CPU: what the effect adds; CPU of a sweep, which varied by {1e3 * study.scatter:.2g} ms"
         "\ninfluence: the largest change over its tolerance; *: see below"
     )
     whole = (str(study.whole.coordinates), str(study.whole.modes), f"{1e3 * study.whole.cpu:.3g} ms")
@@ -112,7 +112,8 @@ def _sentence(study: Study, row: Row) -> str:
     if row.without.why:
         return f"{row.effect} cannot be taken away from the case as it is ({row.without.why}): needed."
     told = [*_modes(study.whole, row.without), *_told(study, row.without)]
-    return f"Without {row.effect} {'; '.join(told) or 'nothing changes'}: {_why(study, row)}."
+    none = f"nothing moves by more than {share(row.influence)} of its tolerance" if row.influence else "nothing changes"
+    return f"Without {row.effect} {'; '.join(told) or none}: {_why(study, row)}."
 
 
 def _why(study: Study, row: Row) -> str:

@@ -63,7 +63,7 @@ def _lines(study: Study, effect: str, model: str, variant: Variant) -> Iterator[
 def bars(study: Study) -> Figure:
     """For each effect a bar a quantity: its change over its tolerance when that effect alone is taken away."""
     count, quantities = len(study.rows), study.quantities
-    figure = Figure(figsize=(6.4, 1.5 + 0.16 * count * (len(quantities) + 1)), layout="constrained")
+    figure = Figure(figsize=(6.4, 1.5 + 0.09 * count * (len(quantities) + 1)), layout="constrained")
     axes = figure.subplots()
     thick = 1 / (len(quantities) + 1)
     colours = dict(zip((quantity.name for quantity in quantities), (*COLOURS, "#9A9A9A"), strict=False))
@@ -71,6 +71,9 @@ def bars(study: Study) -> Figure:
         shares = [_drawn(row.without, index) for row in study.rows]
         places = np.arange(count) + (index - (len(quantities) - 1) / 2) * thick
         label = f"{quantity.name.replace('_', ' ')} ({_tolerance(quantity.how, quantity.tolerance, quantity.unit)})"
+        for place, row in zip(places, study.rows, strict=True):
+            if row.without.why or np.isinf(row.without.changes[index].share):
+                axes.text(MOST, place, "∞ ", ha="right", va="center", color="white", fontsize=6)
         axes.barh(places, shares, thick, left=LEAST, color=colours[quantity.name], label=label)
     _dress(axes, study)
     figure.legend(loc="outside lower center", ncols=3, frameon=False)
