@@ -157,6 +157,20 @@ def test_modes_that_an_effect_brings_go_with_it() -> None:
     assert all(np.min(np.abs(whole / each - 1)) < 1e-9 for each in bending)
 
 
+def test_keys_that_mean_nothing_without_an_effect_go_with_it() -> None:
+    """The law's own keys with the law, the drift with its frequencies; a loss that no key says then is a reason."""
+    drift = 'restitution_of = "contact"\ndrift_frequency = ["14 Hz", "17 Hz"]\ndrift = ["0 mm", "0.02 mm"]\n'
+    text = BEAM.replace('restitution_of = "contact"\n', drift + 'law = "linear"\nstiffness = "1e6 N/m"\n') + FIDELITY
+    sets = subsets(parse(text, RIG, QUICK))
+    assert {"stop.law", "stop.drift_frequency"} < set(sets.effects)
+    assert sets.case({"stop.drift_frequency"}).scene.stop.stiffness is None
+    kept = sets.case({"stop.law"}).scene.stop
+    assert (kept.drift, kept.stiffness) == (None, 1e6)
+    damped = text.replace("restitution = 0.72", 'damping = "10 N s/m"')
+    with pytest.raises(CaseError, match=r"stop\.restitution: missing"):
+        subsets(parse(damped, RIG, QUICK)).case({"stop.drift_frequency"})
+
+
 def test_a_massless_beam_has_the_modes_that_are_left() -> None:
     sets = subsets(case_of(beam__massless=True, fidelity__beam__modes=2))
     assert sets.case({"beam.massless"}).fidelities["beam"].modes == 1

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from vibeam.case import Case
 from vibeam.compare import complete, periodic
+from vibeam.fidelity import gap_drift
 from vibeam.influence.quantities import NAN, Value
 from vibeam.response import FrequencyResponse
 from vibeam.state import State
@@ -67,7 +68,7 @@ class Curve:
         points = march(
             self.system, omega, self.case.amplitude_of(self.fidelity, omega), settle=plan.settle, hold=plan.hold,
             solver=own.solver, options=own.options, output=plan.output, state=state,
-            slowest=2 * np.pi * float(plan.frequency.min()),
+            slowest=2 * np.pi * float(plan.frequency.min()), drift=gap_drift(self.case.scene, omega),
         )  # fmt: skip
         return [Step(response, after) for response, after in points]
 

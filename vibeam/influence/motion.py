@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.fidelity import gap_drift
 from vibeam.influence.curve import Curve, Step
 from vibeam.influence.quantities import NAN, Value
 from vibeam.observe.apparent_restitution import extrapolated_restitution
@@ -34,8 +38,10 @@ def heard(curve: Curve, frequency: float, near: Step) -> dict[str, Value]:
     amplitude = float(np.ravel(curve.case.amplitude_of(curve.fidelity, np.array([omega])))[0])
     repeats = int(settled.response.period[0])
     periods = repeats + BESIDE if repeats > 0 else WILD
-    path = simulate(curve.system, Drive(omega, amplitude), periods / frequency, settled.state)
-    if len(path.impact_times) < 2:
+    drift = gap_drift(curve.case.scene, np.array([omega]))
+    system = curve.system if drift is None else replace(curve.system, gap=curve.system.gap + float(drift[0]))
+    path = simulate(system, Drive(omega, amplitude), periods / frequency, settled.state)
+    if len(_touches(path)) < 2:
         return dict.fromkeys(
             ("ringing", "ringing_frequency", "apparent_restitution"), Value(NAN, "no impacts to read it from")
         )
@@ -53,15 +59,32 @@ def _read(path: Trajectory, output: str, frequency: float) -> dict[str, Value]:
     times = np.linspace(0, path.t_end, int(rate * path.t_end), endpoint=False)
     place = path.at(times, output)
     guard = GUARD / frequency if system.size > slow + FITTED else 0.0
-    r = extrapolated_restitution(
-        times, place, path.impact_times, slow_part(system, path.drive, slow), window=1 / frequency, guard=guard,
+    r = _restitution(
+        times, place, _touches(path), slow_part(system, path.drive, slow), window=1 / frequency, guard=guard,
         beside=_free(system, faster),
-    ).mean  # fmt: skip
+    )  # fmt: skip
     found = {"apparent_restitution": Value(r) if np.isfinite(r) else Value(NAN, "too few samples at any impact")}
     if not seen:
         silent = Value(NAN, "no faster mode that the output sees: nothing rings")
         return found | {"ringing": silent, "ringing_frequency": silent}
     return found | _ringing(path, times, place, seen[0], [*order[:slow], *faster], guard)
+
+
+def _touches(path: Trajectory) -> Array:
+    """Begin and end (m, 2) of each impact, s: one instant, or the time on a stop that yields."""
+    contacts = path.contacts
+    pushed = np.stack([contacts[:, 0], contacts[:, 0] + contacts[:, 1]], axis=1)
+    hits = np.repeat(path.impact_times[:, None], 2, axis=1)
+    found = np.concatenate([hits, pushed])
+    return np.asarray(found[np.argsort(found[:, 0])])
+
+
+def _restitution(times: Array, place: Array, touches: Array, slow: SlowPart, **keys: Any) -> float:
+    """Mean over the impacts of −after/before, the slow part's rate at end and begin of each; NaN without any."""
+    marks = np.unique(touches)
+    read = extrapolated_restitution(times, place, marks, slow, **keys)
+    first, last = (np.searchsorted(marks, touches[:, side]) for side in (0, 1))
+    return replace(read, time=touches[:, 0], before=read.before[first], after=read.after[last]).mean
 
 
 def _ringing(
@@ -72,7 +95,9 @@ def _ringing(
     others = _free(system, np.array([each for each in modes if each != mode]))
     known = others or SlowPart(0)
     rest = SlowPart(0, path.drive.omega, known.omega, known.zeta)
-    fit = fit_ringing(times, place, path.impact_times, rest, near=float(system.omega[mode]) / (2 * np.pi), guard=guard)
+    fit = fit_ringing(
+        times, place, _touches(path).ravel(), rest, near=float(system.omega[mode]) / (2 * np.pi), guard=guard
+    )
     if not fit.found.any():
         none = Value(NAN, "no interval between impacts could be fitted")
         return {"ringing": none, "ringing_frequency": none}

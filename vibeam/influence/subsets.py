@@ -55,9 +55,10 @@ class Subsets:
                 return parse(self.text, self.path, settings)
             except CaseError as refusal:
                 first = first or refusal
-                mended = self._mended(settings, {fault.key for fault in refusal.faults}, beside)
+                wrong = {fault.key for fault in refusal.faults}
+                mended = self._mended(settings, wrong, beside)
                 if mended == settings:
-                    raise first from None
+                    return self._missed(settings, wrong, beside, first)
                 settings = mended
 
     def _mended(self, settings: dict[str, Any], wrong: set[str], beside: list[str]) -> dict[str, Any]:
@@ -66,6 +67,13 @@ class Subsets:
         if self._modes_key in wrong and now is not None and now > 1:
             return settings | {self._modes_key: now - 1}
         return settings | {name: None for name in beside if name in wrong and name not in settings}
+
+    def _missed(self, settings: dict[str, Any], wrong: set[str], beside: list[str], first: CaseError) -> Case:
+        """The case without the one key that misses the effect beside it; else the refusal."""
+        for name in beside if wrong & set(settings) else ():
+            with suppress(CaseError):
+                return parse(self.text, self.path, {name: None} | settings)
+        raise first from None
 
     @property
     def _modes_key(self) -> str:
