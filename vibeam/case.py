@@ -33,6 +33,7 @@ from vibeam_models.scene import (
 if TYPE_CHECKING:
     from vibeam.expect import Expectation
     from vibeam.fidelity import Fidelity
+    from vibeam.observe.measurement import Chain
     from vibeam.schema import (
         BeamCase,
         BeamTable,
@@ -47,8 +48,9 @@ if TYPE_CHECKING:
     from vibeam.system import ImpactSystem
 
 Direction = Literal["up", "down", "both"]
+RIPPLE, ATTENUATION = 0.1, 60.0  # dB, of an elliptic filter that does not say
 #: tables that change no sweep
-NOT_NUMBERS = frozenset({"title", "source", "reference", "expect", "show", "cost", "influence"})
+NOT_NUMBERS = frozenset({"title", "source", "reference", "expect", "show", "cost", "influence", "measurement"})
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,7 +115,8 @@ class Case:
 
     ``text`` is the case in canonical form, SI units and overrides included: it loads as the same case. ``numbers`` is
     the part of it that decides what the sweeps compute (no title, source, checks, figures): two cases compute the same
-    where that text, or ``key``, is the same. ``scenes`` has the scenes of the fidelities that change the case's.
+    where that text, or ``key``, is the same. ``scenes`` has the scenes of the fidelities that change the case's,
+    ``chains`` their measuring chains (None: exact).
     """
 
     path: Path
@@ -130,6 +133,8 @@ class Case:
     shows: Mapping[str, ShowPlan] = field(default_factory=dict)
     cost: CostPlan = CostPlan()
     influence: InfluencePlan = InfluencePlan()
+    chain: Chain | None = None
+    chains: Mapping[str, Chain | None] = field(default_factory=dict)
 
     @cached_property
     def key(self) -> str:
@@ -157,6 +162,10 @@ class Case:
         if name not in self.fidelities:
             raise KeyError(f"no fidelity {name!r}: there are {', '.join(self.fidelities)}")
         return self.scenes.get(name, self.scene)
+
+    def chain_of(self, name: str) -> Chain | None:
+        """The measuring chain through which one fidelity's motion is seen; None: none, it is exact."""
+        return self.chains.get(name, self.chain)
 
     def amplitude_of(self, name: str, omega: NDArray[np.float64] | None = None) -> float | NDArray[np.float64]:
         """As ``amplitude``, of one fidelity (``omega`` None: as ``base_amplitude``); KeyError as in ``scene_of``."""
@@ -206,6 +215,8 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         shows=_shows(declared, sweep),
         cost=CostPlan(**dict(declared.cost)),
         influence=InfluencePlan(**dict(getattr(declared, "influence", ()))),
+        chain=_chain(declared),
+        chains={name: _chain(own) for name, own in changed.items()},
     )
 
 
@@ -225,6 +236,21 @@ def _fidelities(case: BeamCase | SdofCase) -> dict[str, Fidelity]:
         name: Fidelity(name=name, changes=dict(table.set), **table.model_dump(exclude={"set"}))
         for name, table in tables.items()
     }
+
+
+def _chain(case: BeamCase | SdofCase) -> Chain | None:
+    table = case.measurement
+    if table is None:
+        return None
+    from vibeam.observe.filters import LowPass
+    from vibeam.observe.measurement import Chain
+
+    low_pass: LowPass | None = None
+    if table.low_pass is not None:
+        family: Any = table.low_pass
+        elliptic = (table.ripple or RIPPLE, table.attenuation or ATTENUATION) if family == "elliptic" else ()
+        low_pass = LowPass(family, table.order or 0, table.cut_off or 0.0, *elliptic)
+    return Chain(table.sampling, low_pass, table.noise, table.seed, table.quantisation)
 
 
 def _references(case: BeamCase | SdofCase, folder: Path, swept: Direction) -> dict[str, Reference]:
@@ -254,7 +280,9 @@ def _show(case: BeamCase | SdofCase, name: str, sweep: SweepPlan) -> ShowPlan:
     from vibeam.show.plan import ShowPlan
 
     table = case.show[name]
-    key = sha256(f"{canonical_text(case, NOT_NUMBERS)}{canonical_text(table)}".encode()).hexdigest()
+    numbers, chain = canonical_text(case, NOT_NUMBERS), case.measurement
+    seen = "" if chain is None else canonical_text(chain)
+    key = sha256(f"{numbers}{canonical_text(table)}{seen}".encode()).hexdigest()
     return ShowPlan(
         name=name,
         kind=table.kind,
@@ -264,6 +292,10 @@ def _show(case: BeamCase | SdofCase, name: str, sweep: SweepPlan) -> ShowPlan:
         settle=sweep.settle if table.settle is None else table.settle,
         quantity=table.quantity,
         key=key,
+        output=table.output or sweep.output,
+        near=table.near,
+        highest=table.highest,
+        subdivision=table.subdivision,
     )
 
 

@@ -5,7 +5,6 @@ Each check takes what could be read (None: could not) and yields complaints, so 
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path as File
 from types import SimpleNamespace
@@ -15,10 +14,9 @@ from vibeam.faults import cure, shown
 from vibeam.lines import Path
 from vibeam.reading import Complaint
 from vibeam.schema import EXTENTS, QUANTITIES
-from vibeam.show import KINDS, LIMITS
+from vibeam.show import LIMITS, READ
+from vibeam.show_checks import NAME, expectation_of_a_figure, measurement_checks, named_fidelity, show_checks
 from vibeam.solvers import STATIONARY
-
-NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 
 def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
@@ -41,10 +39,11 @@ def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     yield from _names(case)
     yield from _references(case, folder)
     yield from _expectations(case)
-    yield from _shows(case)
+    yield from show_checks(case)
+    yield from measurement_checks(case.measurement)
     yield from _cost(case)
     if getattr(case, "influence", None) is not None:
-        yield from _named_fidelity(case, ("influence", "fidelity"), case.influence.fidelity)
+        yield from named_fidelity(case, ("influence", "fidelity"), case.influence.fidelity)
 
 
 def _positions(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -258,15 +257,10 @@ def _names(case: SimpleNamespace) -> Iterator[Complaint]:
 
 def _references(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     for name, reference in case.reference.items():
-        yield from _named_fidelity(case, ("reference", name, "fidelity"), reference.fidelity)
+        yield from named_fidelity(case, ("reference", name, "fidelity"), reference.fidelity)
         if reference.file is not None and not _is_file(folder, reference.file):
             yield ("reference", name, "file"), f"no file {shown(reference.file)} in the case file's folder"
         yield from _swept(case, ("reference", name, "direction"), reference.direction)
-
-
-def _named_fidelity(case: SimpleNamespace, path: Path, name: str | None) -> Iterator[Complaint]:
-    if name is not None and name not in case.fidelity:
-        yield path, f"no fidelity {shown(name)}; {cure(name, filter(NAME.fullmatch, case.fidelity))}"
 
 
 def _swept(case: SimpleNamespace, path: Path, way: str | None) -> Iterator[Complaint]:
@@ -278,36 +272,15 @@ def _swept(case: SimpleNamespace, path: Path, way: str | None) -> Iterator[Compl
 def _expectations(case: SimpleNamespace) -> Iterator[Complaint]:
     for name, expect in case.expect.items():
         path: Path = ("expect", name)
-        yield from _named_fidelity(case, (*path, "fidelity"), expect.fidelity)
-        yield from _named_fidelity(case, (*path, "against"), expect.against)
+        yield from named_fidelity(case, (*path, "fidelity"), expect.fidelity)
+        yield from named_fidelity(case, (*path, "against"), expect.against)
         yield from _swept(case, (*path, "direction"), expect.direction)
-        if expect.quantity in EXTENTS and expect.frequency is not None:
+        if expect.show is not None or expect.number is not None or expect.quantity in READ:
+            yield from expectation_of_a_figure(case, path, expect)
+        elif expect.quantity in EXTENTS and expect.frequency is not None:
             yield (*path, "frequency"), f'"{expect.quantity}" is of a whole branch: leave the frequency away'
         elif expect.quantity in QUANTITIES + LIMITS and expect.frequency is None:
             yield (*path, "frequency"), f'missing: "{expect.quantity}" is read at one frequency'
-
-
-def _shows(case: SimpleNamespace) -> Iterator[Complaint]:
-    for name, show in case.show.items():
-        path: Path = ("show", name)
-        for index, fidelity in enumerate(show.fidelities or ()):
-            yield from _named_fidelity(case, (*path, "fidelities", index), fidelity)
-        if show.kind is not None:
-            yield from _show_keys(path, show)
-
-
-def _show_keys(path: Path, show: SimpleNamespace) -> Iterator[Complaint]:
-    kind = KINDS[show.kind]
-    for key in ("frequency", "periods", "settle", "quantity"):
-        given = getattr(show, key) is not None
-        if given and key not in kind.needs + kind.takes:
-            yield (*path, key), f'kind = "{show.kind}" has no use for it: leave it away'
-        elif key in kind.needs and not given:
-            yield (*path, key), f'missing: kind = "{show.kind}" needs it'
-    limits = show.kind == "boundaries"
-    if "quantity" in kind.needs and show.quantity is not None and (show.quantity in LIMITS) != limits:
-        words = " | ".join(f'"{word}"' for word in (LIMITS if limits else QUANTITIES))
-        yield (*path, "quantity"), f'kind = "{show.kind}" shows {words}'
 
 
 def _cost(case: SimpleNamespace) -> Iterator[Complaint]:

@@ -12,7 +12,7 @@ import numpy as np
 from vibeam.compare import period_one_range, periodic
 from vibeam.references import SAME_FREQUENCY, CheckRow
 from vibeam.response import Ended, FrequencyResponse
-from vibeam.show import LIMITS
+from vibeam.show import KINDS, LIMITS
 
 if TYPE_CHECKING:
     from vibeam.case import Case, Direction
@@ -26,7 +26,8 @@ class Expectation:
     """``quantity`` of ``fidelity`` at ``frequency`` (Hz; None: of the whole branch) must be ``value``.
 
     With ``against``, the relative difference to that fidelity must be. ``tolerance``: of that difference itself, else
-    relative to the value, or of the number itself where the value is 0.
+    relative to the value, or of the number itself where the value is 0. With ``show`` the quantity is read off that
+    figure: its mean, or the entry of mode or order ``number``.
     """
 
     name: str
@@ -37,6 +38,8 @@ class Expectation:
     value: float
     tolerance: float
     direction: Direction
+    show: str | None = None
+    number: float | None = None
 
 
 @dataclass(frozen=True)
@@ -79,7 +82,7 @@ def _check(expected: Expectation, result: Result, partial: bool) -> CheckRow:
 
 
 def _ways(expected: Expectation) -> tuple[str, ...]:
-    if expected.quantity in LIMITS:
+    if expected.quantity in LIMITS or expected.show:
         return ("up",)  # of the motions as such, whichever way they are swept
     return ("up", "down") if expected.direction == "both" else (expected.direction,)
 
@@ -109,6 +112,8 @@ def _found(expected: Expectation, result: Result, way: str) -> _Found:
 
 
 def _number(expected: Expectation, result: Result, name: str, way: str) -> _Found:
+    if expected.show is not None:
+        return _read_off(expected, expected.show, result, name)
     if expected.quantity in LIMITS:
         return _limit(expected, result, name)
     response = dict(result[name].items())[way]
@@ -130,6 +135,21 @@ def _limit(expected: Expectation, result: Result, name: str) -> _Found:
 
     number = float(limits(result.case, name, np.array([expected.frequency]), expected.quantity)[0])
     return _Found(number, "" if isfinite(number) else "there is none")
+
+
+def _read_off(expected: Expectation, show: str, result: Result, name: str) -> _Found:
+    """Of a figure's numbers, which are made for this alone where the run made none."""
+    from vibeam.show.plan import sheet_at
+
+    plan = result.case.shows[show]
+    sheet = sheet_at(result.case, plan, name, expected.frequency, result.shown.get(show, ()))
+    if sheet.fault:
+        return _Found(NAN, sheet.fault)
+    values = sheet.of(expected.quantity)
+    if expected.number is not None:
+        values = values[np.isclose(sheet[KINDS[plan.kind].entries], expected.number)]
+    there = values[np.isfinite(values)]
+    return _Found(float(np.mean(there))) if len(there) else _Found(NAN, "there is none")
 
 
 def _top(response: FrequencyResponse) -> int | None:

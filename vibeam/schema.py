@@ -24,14 +24,16 @@ from vibeam.entries import (
     Text,
     Word,
 )
+from vibeam.observe.filters import FAMILIES, HIGHEST_ORDER
 from vibeam.settings import Names, Settings, Value
-from vibeam.show import KINDS, LIMITS
+from vibeam.show import KINDS, LIMITS, READ
 from vibeam.solvers import NAMES as SOLVERS
 
 DIRECTIONS = ("up", "down", "both")
 QUANTITIES = ("amplitude", "reach", "maximum", "minimum", "impact_velocity", "impacts_per_period", "period")
 EXTENTS = ("peak", "peak_frequency", "period_one_from", "period_one_to")  # of a whole branch
 OF_INFLUENCE = (*EXTENTS, "ringing", "ringing_frequency", "apparent_restitution")
+OUTPUTS = ("sensor", "contact", "tip", "platform")
 REDUCTIONS = ("static_mode", "modal", "full")
 LAWS = ("restitution", "velocity restitution", "linear", "hertz", "hunt-crossley")
 MOST_ELEMENTS = 2000
@@ -268,9 +270,7 @@ class SweepTable(Table):
     direction: Annotated[str, Word(DIRECTIONS)] = key("which way the frequencies are run", "both", "both")
     settle: Annotated[int, Periods] = key("drive periods left out before the reading", 300)
     hold: Annotated[int, Count(1, MOST_POINTS)] = key("drive periods read", 50)
-    output: Annotated[str, Word(("sensor", "contact", "tip", "platform"))] = key(
-        "whose displacement is read", "sensor", "sensor"
-    )
+    output: Annotated[str, Word(OUTPUTS)] = key("whose displacement is read", "sensor", "sensor")
 
 
 class FidelityTable(Table):
@@ -314,11 +314,22 @@ class ExpectTable(Table):
     """A number that a fidelity is checked against, by itself or against another fidelity, one table each."""
 
     fidelity: Annotated[str, Text()] = key("the fidelity that must meet it", "sdof")
-    quantity: Annotated[str, Word(QUANTITIES + EXTENTS + LIMITS)] = key("what is compared", "amplitude")
+    quantity: Annotated[str, Word(QUANTITIES + EXTENTS + LIMITS + READ)] = key(
+        "what is compared; of those after largest_gap: that of a figure, with show", "amplitude"
+    )
     frequency: Annotated[float | None, Frequency] = key(
-        "where, one of the sweep's (of the last two anywhere); none for the peak and the range of period 1",
+        "where, one of the sweep's (of a limit or a figure anywhere); none for the peak, the range of period 1, modes",
         "15.3 Hz",
         None,
+    )
+    show: Annotated[str | None, Text()] = key(
+        "the [show.NAME] that the quantity is read off, its mean unless number chooses one",
+        "ringing",
+        None,
+        written=False,
+    )
+    number: Annotated[float | None, Ratio] = key(
+        "of the mode, or order of the harmonic, with show", 2, None, written=False
     )
     against: Annotated[str | None, Text()] = key(
         "another fidelity: the value is then the relative difference to it", "beam", None
@@ -349,6 +360,53 @@ class ShowTable(Table):
     settle: Annotated[int | None, Periods] = key("drive periods left out before; absent = the sweep's", 500, None)
     quantity: Annotated[str | None, Word(QUANTITIES + LIMITS)] = key(
         "of a curve one of the response's, of boundaries one of the last two", "reach", None
+    )
+    output: Annotated[str | None, Word(OUTPUTS)] = key(
+        "whose displacement; absent = the sweep's output", "contact", None, written=False
+    )
+    near: Annotated[float | None, Frequency] = key(
+        "of ringing: where it is looked for; modes below two thirds of it are taken off", "101 Hz", None, written=False
+    )
+    highest: Annotated[int | None, Count(1, 100)] = key(
+        "of harmonics: the last order; absent = 8", 8, None, written=False
+    )
+    subdivision: Annotated[int | None, Count(1, 64)] = key(
+        "of harmonics: 2 shows orders ½, 1, 1½ …; absent = 1, whole orders", 2, None, written=False
+    )
+
+
+class MeasurementTable(Table):
+    """The measuring chain through which histories, portraits, spectra, ringing and restitution are seen; absent = they
+    are exact. Velocities are central differences of the record.
+    """
+
+    sampling: Annotated[float, Frequency] = key("samples a second", "5 kHz")
+    low_pass: Annotated[str | None, Word(FAMILIES)] = key(
+        "analog filter before sampling; absent = none", "bessel", None
+    )
+    order: Annotated[int | None, Count(1, HIGHEST_ORDER)] = key("of the filter", 4, None)
+    cut_off: Annotated[float | None, Frequency] = key(
+        "of the filter: gain 1/√2, or of an elliptic one where it leaves the ripple", "500 Hz", None
+    )
+    ripple: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
+        "dB, of an elliptic filter's pass band; absent = 0.1", 0.1, None, written=False
+    )
+    attenuation: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
+        "dB, of an elliptic filter's stop band; absent = 60", 60, None, written=False
+    )
+    quantisation: Annotated[float | None, Length] = key("step of the converter; absent = none", "1 µm", None)
+    noise: Annotated[float | None, Length] = key("rms, white, on the samples; absent = none", "1 µm", None)
+    seed: Annotated[int | None, Count(0, 2**31 - 1)] = key("of the noise, which needs one", 1, None)
+
+
+class SdofMeasurementTable(MeasurementTable):
+    """The measuring chain of the single degree of freedom."""
+
+    quantisation: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
+        "step of the converter, in the unit of the motion; absent = none", 1e-6, None
+    )
+    noise: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
+        "rms, white, on the samples, in the unit of the motion; absent = none", 1e-6, None
     )
 
 
@@ -524,6 +582,7 @@ class BeamCase(Table):
     drive: DriveTable
     platform: PlatformTable | None = None
     shaker: ShakerTable | None = None
+    measurement: MeasurementTable | None = None
     sweep: SweepTable
     fidelity: dict[str, FidelityTable]
     reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)
@@ -543,6 +602,7 @@ class SdofCase(Table):
     sdof: SdofTable
     stop: SdofStopTable
     drive: SdofDriveTable
+    measurement: SdofMeasurementTable | None = None
     sweep: SdofSweepTable
     fidelity: dict[str, SdofFidelityTable]
     reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)

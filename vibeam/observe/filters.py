@@ -71,6 +71,10 @@ class LowPass:
         zeros, poles, _ = self.zpk()
         return float((np.sum(-1 / poles) - np.sum(-1 / zeros)).real)
 
+    def settling(self, share: float = 1e-9) -> float:
+        """After how long, s, what was before has faded to ``share``: its slowest pole's time."""
+        return float(np.log(share) / np.max(self.zpk()[1].real))
+
 
 def filtered(low_pass: LowPass, values: Array, step: float) -> Array:
     """The filter's output (m,) at times ``step`` s apart, for an input that is straight between its values (m,).

@@ -42,6 +42,10 @@ def figure(result: Result, plan: ShowPlan) -> Figure:
 
 
 def _size(plan: ShowPlan) -> tuple[float, float]:
-    """A panel of its own for each frequency of a motion."""
+    """As the kind says, else a panel of its own for each frequency of a motion."""
+    own = getattr(module_of(plan), "size", None)
+    if own is not None:
+        wide, high = own(plan)
+        return wide, high
     panels = 1 if plan.quantity else len(plan.frequency)
     return (5.8 if panels == 1 else 3.2 * panels + 0.6, 4.2)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from vibeam.report.style import COLOURS, GAP, GHOST
 from vibeam.report.units import rates_of, units_of
-from vibeam.show.motion import motion_sheet
+from vibeam.show.motion import motion_columns, sheet_each
 from vibeam.show.panels import labelled, stop_at, titled
 from vibeam.show.plan import Sheet, ShowPlan
 
@@ -26,7 +26,7 @@ PERIODS = 4
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     """One a frequency."""
     periods = plan.periods or PERIODS
-    return [motion_sheet(case, fidelity, frequency, plan.settle, periods) for frequency in plan.frequency]
+    return sheet_each(plan, fidelity, lambda frequency: motion_columns(case, fidelity, frequency, plan, periods))
 
 
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
@@ -42,7 +42,7 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
             turns = sheet.of("time") * frequency
             upper.plot(turns, sheet.of("displacement") * units.length_factor, label=sheet.label, **look)
             lower.plot(turns, sheet.of("velocity") * rate.factor, **look)
-        for height in stop_at(result.case, plan.fidelities):
+        for height in stop_at(result.case, plan):
             upper.axhline(height * units.length_factor, **GAP)
         lower.set_xlabel("time in drive periods")
     labelled(grid[0, 0], "displacement", units.length)

@@ -1,25 +1,33 @@
-"""A fidelity's settled motion, sampled by its own solver."""
+"""A fidelity's settled motion: exact where its solver's is, else sampled by the solver itself."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.observe.path import impacts_within, last_periods
+from vibeam.observe.portrait import phase_portrait
 from vibeam.response import Ended
-from vibeam.show.plan import Column, Sheet
-from vibeam.simulate import simulate
+from vibeam.show.plan import Column, Columns, Sheet, ShowPlan
+from vibeam.simulate import Trajectory, simulate
 from vibeam.solvers import solver as solver_named
 from vibeam.state import State
 from vibeam.system import Drive, ImpactSystem
 
 if TYPE_CHECKING:
     from vibeam.case import Case
+    from vibeam.show.seen import Seen
 
 Array = NDArray[np.float64]
 SAMPLES = 1000  # a drive period, of a motion that is exact between its events
+
+
+class NoMotion(Exception):
+    """There is nothing to show; the text says why."""
 
 
 @dataclass(frozen=True)
@@ -51,41 +59,74 @@ def settled(case: Case, name: str, frequency: float, settle: int) -> Settled:
     return Settled(system, drive, made, state)
 
 
-def motion_sheet(case: Case, name: str, frequency: float, settle: int, periods: int) -> Sheet:
-    """``periods`` drive periods of the settled motion; at an impact one sample before, one after."""
-    begin = settled(case, name, frequency, settle)
+def exact_motion(begin: Settled, periods: float) -> Trajectory:
+    """``periods`` drive periods of the settled motion by flight, which is exact; NoMotion where there is none.
+
+    What a solver in closed form found goes on for itself.
+    """
     if begin.state is None:
-        return Sheet(name, frequency, fault=begin.fault)
-    span = periods * begin.period
+        raise NoMotion(begin.fault)
+    path = simulate(begin.system, begin.drive, periods * begin.period, begin.state)
+    if path.ended is not Ended.COMPLETE:
+        raise NoMotion(path.ended.value)
+    return path
+
+
+def sheet_each(plan: ShowPlan, fidelity: str, make: Callable[[float], Columns]) -> list[Sheet]:
+    """A sheet a frequency of the plan, empty and with the reason where there is no motion."""
+    return [_sheet(fidelity, frequency, make) for frequency in plan.frequency]
+
+
+def _sheet(fidelity: str, frequency: float, make: Callable[[float], Columns]) -> Sheet:
+    try:
+        return Sheet(fidelity, frequency, make(frequency))
+    except NoMotion as reason:
+        return Sheet(fidelity, frequency, fault=str(reason))
+
+
+def motion_columns(case: Case, name: str, frequency: float, plan: ShowPlan, periods: int) -> Columns:
+    """``periods`` drive periods of the settled motion; at an impact one sample before, one after.
+
+    Through the fidelity's measuring chain, where it has one: its samples, and when they show the impacts.
+    """
+    chain = case.chain_of(name)
+    if chain is not None:
+        from vibeam.show.seen import seen
+
+        return _measured(seen(case, name, frequency, plan, periods, chain))
+    begin = settled(case, name, frequency, plan.settle)
+    if begin.state is None:
+        raise NoMotion(begin.fault)
     if hasattr(begin.solver, "motion"):
-        times, values, struck, speeds = _stepped(begin, begin.state, span)
-    else:
-        times, values, struck, speeds = _flown(begin, begin.state, span)
-    row = begin.system.output(case.sweep.output)
-    return Sheet(
-        name,
-        frequency,
-        {
-            "time": Column(times, "s", "time, the drive's phase 0 at 0"),
-            "displacement": Column(values[:, 0] @ row, "q", "displacement of the output"),
-            "velocity": Column(values[:, 1] @ row, "q/s", "velocity of the output"),
-            "impact_time": Column(struck, "s", "times of the impacts"),
-            "impact_velocity": Column(speeds, "q/s", "velocity of the contact just before impact, q̇₋"),
-        },
-    )
+        return _stepped(begin, begin.state, periods, plan.output)
+    path = exact_motion(begin, periods)
+    curve = phase_portrait(path, plan.output, periods=periods, points=SAMPLES)
+    hits = impacts_within(path, *last_periods(path, periods))
+    jumps = curve.velocity[curve.jumps + 1] - curve.velocity[curve.jumps]
+    return _columns(curve.time, curve.displacement, curve.velocity, hits[:, 0], hits[:, 1], jumps)
 
 
-def _stepped(begin: Settled, state: State, span: float) -> tuple[Array, Array, Array, Array]:
+def _stepped(begin: Settled, state: State, periods: int, output: str) -> Columns:
     """At the solver's own samples."""
-    found = begin.solver.motion(begin.drive, state, 0.0, span)
-    return found.times, found.values, found.impact_times, found.impact_velocities
+    found = begin.solver.motion(begin.drive, state, 0.0, periods * begin.period)
+    values = found.values @ begin.system.output(output)
+    return _columns(found.times, values[:, 0], values[:, 1], found.impact_times, found.impact_velocities, None)
 
 
-def _flown(begin: Settled, state: State, span: float) -> tuple[Array, Array, Array, Array]:
-    """By flight, which is exact: what a solver in closed form found goes on for itself."""
-    path = simulate(begin.system, begin.drive, span, state)
-    struck = path.impact_times
-    grid = np.linspace(0.0, span, round(span / begin.period) * SAMPLES + 1)
-    times = np.sort(np.concatenate([grid, np.nextafter(struck, 0.0), struck]))
-    times = times[times <= path.t_end]
-    return times, path.modes_at(times), struck, path.impact_velocities
+def _measured(found: Seen) -> Columns:
+    record, hits = found.window, found.hits
+    shown = hits[:, 0] + found.delay - found.begin
+    return _columns(record.time - found.begin, record.displacement, record.velocity, shown, hits[:, 1], None)
+
+
+def _columns(time: Array, place: Array, speed: Array, struck: Array, velocities: Array, jumps: Array | None) -> Columns:
+    columns = {
+        "time": Column(time, "s", "time, the drive's phase 0 at 0"),
+        "displacement": Column(place, "q", "displacement of the output"),
+        "velocity": Column(speed, "q/s", "velocity of the output"),
+        "impact_time": Column(struck, "s", "times of the impacts"),
+        "impact_velocity": Column(velocities, "q/s", "velocity of the contact just before impact, q̇₋"),
+    }
+    if jumps is not None:
+        columns["jump"] = Column(jumps, "q/s", "by how much the impacts change the output's velocity")
+    return columns

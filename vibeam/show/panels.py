@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -10,6 +9,7 @@ if TYPE_CHECKING:
 
     from vibeam.case import Case
     from vibeam.report.units import Units
+    from vibeam.show.plan import ShowPlan
 
 
 def titled(axes: Axes, units: Units, frequency: float) -> None:
@@ -24,14 +24,14 @@ def labelled(axes: Axes, what: str, unit: str, across: bool = False) -> None:
     (axes.set_xlabel if across else axes.set_ylabel)(text)
 
 
-def stop_at(case: Case, names: Iterable[str]) -> list[float]:
+def stop_at(case: Case, plan: ShowPlan) -> list[float]:
     """Where the output is when the contact touches the stop, each place once; none where modes make it no one place."""
     found = set()
-    for name in names:
+    for name in plan.fidelities:
         system = case.system(name)
-        row = system.output(case.sweep.output)
+        row = system.output(plan.output)
         if system.size == 1:
             found.add(float(system.gap * row[0] / system.contact[0]))
-        elif case.sweep.output == "contact":
+        elif plan.output == "contact":
             found.add(float(system.gap))
     return sorted(found)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -22,7 +22,8 @@ Array = NDArray[np.float64]
 class ShowPlan:
     """One [show.NAME] table: frequencies in Hz (none: the sweep's), ``periods`` shown after ``settle`` drive periods.
 
-    ``fidelities``: their names, in order; ``quantity``: of the kinds ``curve`` and ``boundaries``. ``key``: of all that
+    ``fidelities``: their names, in order; ``quantity``: of the kinds ``curve`` and ``boundaries``; ``output``: whose
+    displacement; ``near`` (Hz): of ``ringing``; ``highest``, ``subdivision``: of ``harmonics``. ``key``: of all that
     decides the numbers.
     """
 
@@ -34,6 +35,10 @@ class ShowPlan:
     settle: int
     quantity: str | None
     key: str
+    output: str = "sensor"
+    near: float | None = None
+    highest: int | None = None
+    subdivision: int | None = None
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,9 @@ class Column:
     long_name: str
 
 
+Columns = Mapping[str, Column]
+
+
 @dataclass(frozen=True)
 class Sheet:
     """The numbers of one fidelity at one ``frequency`` (Hz; NaN: over all).
@@ -54,7 +62,7 @@ class Sheet:
 
     fidelity: str
     frequency: float
-    columns: Mapping[str, Column] = field(default_factory=dict)
+    columns: Columns = field(default_factory=dict)
     fault: str = ""
 
     def __getitem__(self, name: str) -> Array:
@@ -79,3 +87,14 @@ def sheets(case: Case, plan: ShowPlan) -> tuple[Sheet, ...]:
     """The numbers of all its fidelities, in their order."""
     made = module_of(plan).sheets
     return tuple(sheet for name in plan.fidelities for sheet in made(case, name, plan))
+
+
+def sheet_at(case: Case, plan: ShowPlan, fidelity: str, frequency: float | None, there: tuple[Sheet, ...]) -> Sheet:
+    """The numbers of one fidelity at one ``frequency`` (Hz; None: over all), made where they are not ``there``."""
+    at = float("nan") if frequency is None else frequency
+    for sheet in there:
+        if sheet.fidelity == fidelity and np.isclose(sheet.frequency, at, rtol=1e-9, atol=0, equal_nan=True):
+            return sheet
+    narrowed = plan if frequency is None else replace(plan, frequency=(frequency,))
+    found: Sheet = module_of(plan).sheets(case, fidelity, narrowed)[0]
+    return found

@@ -9,7 +9,7 @@ import numpy as np
 
 from vibeam.report.style import COLOURS, GAP
 from vibeam.report.units import rates_of, units_of
-from vibeam.show.motion import motion_sheet
+from vibeam.show.motion import motion_columns, sheet_each
 from vibeam.show.panels import labelled, stop_at, titled
 from vibeam.show.plan import Sheet, ShowPlan
 
@@ -28,7 +28,7 @@ ROUNDING = 1e-13
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     """One a frequency."""
     periods = plan.periods or PERIODS
-    return [motion_sheet(case, fidelity, frequency, plan.settle, periods) for frequency in plan.frequency]
+    return sheet_each(plan, fidelity, lambda frequency: motion_columns(case, fidelity, frequency, plan, periods))
 
 
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
@@ -40,7 +40,7 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
         for name, colour in zip(plan.fidelities, cycle(COLOURS), strict=False):
             sheet = next(s for s in shown if s.fidelity == name and s.frequency == frequency)
             _path(axes, sheet, colour, units, rate)
-        for place in stop_at(result.case, plan.fidelities):
+        for place in stop_at(result.case, plan):
             axes.axvline(place * units.length_factor, **GAP)
         labelled(axes, "displacement", units.length, across=True)
     labelled(grid[0], "velocity", rate.name)

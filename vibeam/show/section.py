@@ -6,13 +6,16 @@ from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
+from vibeam.observe.section import stroboscopic_section
 from vibeam.report.style import COLOURS
 from vibeam.report.units import rates_of, units_of
 from vibeam.response import Ended
-from vibeam.show.motion import settled
+from vibeam.show.motion import NoMotion, Settled, exact_motion, settled, sheet_each
 from vibeam.show.panels import labelled, titled
-from vibeam.show.plan import Column, Sheet, ShowPlan
+from vibeam.show.plan import Column, Columns, Sheet, ShowPlan
+from vibeam.state import State
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -20,33 +23,42 @@ if TYPE_CHECKING:
     from vibeam.case import Case
     from vibeam.run import Result
 
+Array = NDArray[np.float64]
 PERIODS = 500
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     """One a frequency."""
-    return [_sheet(case, fidelity, frequency, plan) for frequency in plan.frequency]
+    return sheet_each(plan, fidelity, lambda frequency: _columns(case, fidelity, frequency, plan))
 
 
-def _sheet(case: Case, name: str, frequency: float, plan: ShowPlan) -> Sheet:
-    begin = settled(case, name, frequency, plan.settle)
+def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+    begin, periods = settled(case, name, frequency, plan.settle), plan.periods or PERIODS
     if begin.state is None:
-        return Sheet(name, frequency, fault=begin.fault)
-    output, state = case.sweep.output, begin.state
+        raise NoMotion(begin.fault)
+    if hasattr(begin.solver, "motion"):
+        place, speed = _stepped(begin, begin.state, periods, plan.output)
+    else:
+        found = stroboscopic_section(exact_motion(begin, periods), plan.output, periods=periods)
+        place, speed = found.displacement, found.velocity
+    return {
+        "displacement": Column(place, "q", "displacement of the output at the drive's phase 0"),
+        "velocity": Column(speed, "q/s", "velocity of the output at the drive's phase 0"),
+    }
+
+
+def _stepped(begin: Settled, state: State, periods: int, output: str) -> tuple[Array, Array]:
+    """Period by period, by the solver itself."""
     row, points = begin.system.output(output), []
     omega = np.array([begin.drive.omega])
-    for _ in range(plan.periods or PERIODS):
+    for _ in range(periods):
         points.append([row @ state.displacement, row @ state.velocity])
         response, state = begin.solver.steady(omega, begin.drive.amplitude, state, 0, 1, output)
         ended = Ended.of_code(int(response.ended[0]))
         if ended is not Ended.COMPLETE:
-            return Sheet(name, frequency, fault=ended.value)
+            raise NoMotion(ended.value)
     place, speed = np.array(points, dtype=float).T
-    columns = {
-        "displacement": Column(place, "q", "displacement of the output at the drive's phase 0"),
-        "velocity": Column(speed, "q/s", "velocity of the output at the drive's phase 0"),
-    }
-    return Sheet(name, frequency, columns)
+    return place, speed
 
 
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:

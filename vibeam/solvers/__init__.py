@@ -32,6 +32,7 @@ HOMES = {
 }
 NAMES = tuple(HOMES)
 STATIONARY = ("orbit", "averaging", "mapping")  # steady motions by formula: nothing settles, no impact is flown
+EXACT = ("flight", "orbit", "mapping")  # whose motion is exact between impacts; the others have samples: ``motion``
 GIVEN = ("system", "slowest", "span")  # to every solver
 BEYOND_PLAIN = {  # the same name for systems that are more than plain; a solver that is not here cannot take them
     "flight": "vibeam.solvers.regimes.solver:RegimeSolver",

@@ -1,0 +1,54 @@
+"""What figures over the drive frequency share: one panel a quantity, one line a fidelity."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import cycle
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.report.style import COLOURS
+from vibeam.show.panels import labelled
+from vibeam.show.plan import Sheet
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from vibeam.report.units import Units
+
+Array = NDArray[np.float64]
+
+
+def means(sheets: Sequence[Sheet], column: str) -> tuple[Array, Array, Array]:
+    """Frequencies (Hz), mean and standard deviation of a column's finite entries, NaN where there are none."""
+    rows = []
+    for sheet in sheets:
+        values = sheet.of(column)
+        values = values[np.isfinite(values)]
+        rows.append((sheet.frequency, *((np.mean(values), np.std(values)) if len(values) else (np.nan, np.nan))))
+    frequency, mean, spread = np.array(sorted(rows), dtype=float).reshape(-1, 3).T
+    return frequency, mean, spread
+
+
+def coloured(fidelities: Sequence[str]) -> list[tuple[str, str]]:
+    """Each fidelity with its colour."""
+    return list(zip(fidelities, cycle(COLOURS), strict=False))
+
+
+def drawn(axes: Axes, sheets: Sequence[Sheet], column: str, factor: float, across: float, **look: Any) -> None:
+    """The mean of a column over frequency; its spread between impacts as a band."""
+    frequency, mean, spread = means(sheets, column)
+    marks: dict[str, Any] = {"marker": "o", "markersize": 2.4} if len(frequency) < 40 else {}
+    marks["linewidth"] = 1.0
+    axes.plot(frequency * across, mean * factor, **(marks | look))
+    axes.fill_between(
+        frequency * across, (mean - spread) * factor, (mean + spread) * factor, color=look["color"], alpha=0.15,
+        linewidth=0,
+    )  # fmt: skip
+
+
+def across_frequency(axes: Axes, units: Units) -> None:
+    """The label below."""
+    labelled(axes, "drive frequency Ω/2π" if units.frequency else "drive frequency Ω/ω", units.frequency, across=True)
