@@ -33,7 +33,8 @@ class Summary:
 
     ``period_one``: for each direction the lowest and highest frequency of the contiguous period-1 range with impacts
     around its largest amplitude, None where there is none. ``distance``: to the finest fidelity with the same values
-    of its own (``set``), None for that itself.
+    of its own (``set``), None for that itself. ``restitution``: of the contact, ``first_mode_restitution``: what mode 1
+    sees of it.
     """
 
     fidelity: str
@@ -47,6 +48,8 @@ class Summary:
     cost_ratio: float
     impacts: int
     failed: int
+    restitution: float
+    first_mode_restitution: float
 
     @property
     def nanoseconds_per_impact(self) -> float:
@@ -60,7 +63,7 @@ def compare(result: Result) -> list[Summary]:
         return []
     cheapest = min(_total(branches, "cpu_seconds") for branches in result.values())
     finest = {name: finest_of(result, name) for name in result}
-    return [_summary(n, result[n], None if n == finest[n] else result[finest[n]], cheapest) for n in result]
+    return [_summary(result, n, None if n == finest[n] else result[finest[n]], cheapest) for n in result]
 
 
 def finest_of(result: Result, beside: str | None = None) -> str:
@@ -78,7 +81,11 @@ def modes_of(branches: Branches) -> int:
     return max(int(response.mode_energy.shape[1]) for _, response in branches.items())
 
 
-def _summary(name: str, branches: Branches, finest: Branches | None, cheapest: float) -> Summary:
+def _summary(result: Result, name: str, finest: Branches | None, cheapest: float) -> Summary:
+    from vibeam.fidelity import restitutions
+
+    branches, case = result[name], result.case
+    contact, first = restitutions(case.scene_of(name), case.fidelities[name])
     amplitude, frequency, direction = _peak(branches)
     cpu = _total(branches, "cpu_seconds")
     return Summary(
@@ -93,6 +100,8 @@ def _summary(name: str, branches: Branches, finest: Branches | None, cheapest: f
         cost_ratio=cpu / cheapest if cheapest > 0 else float("nan"),
         impacts=int(_total(branches, "impacts")),
         failed=sum(int(np.count_nonzero(~complete(response))) for _, response in branches.items()),
+        restitution=contact,
+        first_mode_restitution=first,
     )
 
 

@@ -111,6 +111,16 @@ def _prescribed(scene: Scene) -> float:
     return sdof_model(scene).base_per_volt(gain) * voltage
 
 
+def restitutions(scene: Scene | SdofScene, fidelity: Fidelity) -> tuple[float, float]:
+    """R of the contact and R₁, what mode 1 of the beam on a base held still sees of it, in this model."""
+    if isinstance(scene, SdofScene):
+        return scene.restitution, scene.restitution
+    from vibeam.observe.apparent_restitution import first_mode_restitution
+
+    still = system(replace(scene, platform=None, shaker=None), fidelity)
+    return still.restitution, first_mode_restitution(still)
+
+
 def _direct(scene: SdofScene) -> ImpactSystem:
     return ImpactSystem.from_modes(
         [scene.natural_frequency],

@@ -114,8 +114,8 @@ def _searched(
             x_scale=np.repeat(starts, 2) * 0.1, jac="3-point", xtol=1e-12, ftol=1e-12, gtol=1e-12,
         ).x  # fmt: skip
         rates = found[0::2] + 1j * found[1::2]
-        span = high - low
-        if turn == 0 and np.any((found - low < 1e-4 * span) | (high - found < 1e-4 * span)):
+        margin = 1e-4 * (high - low)
+        if np.any(((found - low < margin) | (high - found < margin))[:2]):
             return None
     return rates
 

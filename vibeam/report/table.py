@@ -36,12 +36,18 @@ def responses(summaries: Sequence[Summary], units: Units = METRIC) -> Table:
     """Every fidelity: its peak and the range in which its motion with impacts has the drive's period."""
     ways = [way for way in ("up", "down") if any(way in row.period_one for row in summaries)]
     unit = f" ({units.frequency})" if units.frequency else ""
-    table = blank("Response", "fidelity", "modes|", "peak|", "at|", "sweep")
+    table = blank("Response", "fidelity", "modes|", "R|", "R₁|", "peak|", "at|", "sweep")
     _columns(table, *(f"period 1, {way}{unit}|" for way in ways))
-    table.caption = "period 1: the contiguous range with impacts around the largest amplitude"
+    table.caption = (
+        "R: restitution of the contact; R₁: what mode 1 sees of it\n"
+        "period 1: the contiguous range with impacts around the largest amplitude"
+    )
     for row in summaries:
         peak = (units.lengths(row.peak_amplitude), units.frequencies(row.peak_frequency), row.peak_direction)
-        table.add_row(row.fidelity, str(row.modes), *peak, *(units.range(row.period_one.get(way)) for way in ways))
+        seen = (f"{row.restitution:.4f}", f"{row.first_mode_restitution:.4f}")
+        table.add_row(
+            row.fidelity, str(row.modes), *seen, *peak, *(units.range(row.period_one.get(way)) for way in ways)
+        )
     return table
 
 

@@ -36,7 +36,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 def size(plan: ShowPlan) -> tuple[float, float]:
     """A column a fidelity."""
-    return (1.7 * len(plan.fidelities) + 1.4, 3.6)
+    return (1.5 * len(plan.fidelities) + 1.4, 3.2)
 
 
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
@@ -50,6 +50,7 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
         loc="center", cellLoc="right",
     )  # fmt: skip
     table.auto_set_font_size(False)
+    table.scale(1.0, 1.3)
     table.set_fontsize(8)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -46,9 +47,15 @@ class Settled:
         return 2 * np.pi / self.drive.omega
 
 
+@lru_cache(maxsize=16)
+def _system(case: Case, name: str) -> ImpactSystem:
+    """One for all frequencies of a figure: assembling takes longer than settling."""
+    return case.system(name)
+
+
 def settled(case: Case, name: str, frequency: float, settle: int) -> Settled:
     """The fidelity after ``settle`` periods at ``frequency`` Hz, begun at static equilibrium."""
-    system, fidelity = case.system(name), case.fidelities[name]
+    system, fidelity = _system(case, name), case.fidelities[name]
     omega = np.array([2 * np.pi * frequency])
     drive = Drive(float(omega[0]), float(np.ravel(case.amplitude_of(name, omega))[0]))
     made = solver_named(fidelity.solver, system, drive.omega, 0.0, **fidelity.options)

@@ -41,6 +41,7 @@ SAMPLES = 500  # a drive period, of a motion that is not measured
 WINDOW = 0.08  # drive periods in which an extremum is looked for: 5 ms near 15.5 Hz
 FIT = 0.9  # drive periods to which the slow part is fitted; an impact nearby ends it
 GUARD = 0.016  # drive periods left out next to impacts, where a filter smears: 1 ms near 15.5 Hz
+SHOWN = (-0.5, 2.0)  # drawn at most: a reading beside an impact can be anything
 BESIDE = 2  # further modes fitted beside the slow part
 MEANING = {
     "true_restitution": "of the contact",
@@ -113,4 +114,6 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
             label = kind.removesuffix("_restitution").replace("_", " ")
             drawn(axes, own, kind, 1.0, units.frequency_factor, color=colour, label=label)
         across_frequency(axes, units)
+    low, high = grid[0].get_ylim()
+    grid[0].set_ylim(max(low, SHOWN[0]), min(high, SHOWN[1]))
     labelled(grid[0], "apparent restitution", "")
