@@ -112,12 +112,17 @@ def _prescribed(scene: Scene) -> float:
 
 
 def restitutions(scene: Scene | SdofScene, fidelity: Fidelity) -> tuple[float, float]:
-    """R of the contact and R₁, what mode 1 of the beam on a base held still sees of it, in this model."""
+    """R of the contact and R₁, what mode 1 of the beam on a base held still sees of it, in this model.
+
+    NaN where the stop has another law: no one number says it.
+    """
     if isinstance(scene, SdofScene):
         return scene.restitution, scene.restitution
     from vibeam.observe.apparent_restitution import first_mode_restitution
 
     still = system(replace(scene, platform=None, shaker=None), fidelity)
+    if still.law is not None:
+        return float("nan"), float("nan")
     return still.restitution, first_mode_restitution(still)
 
 

@@ -44,7 +44,7 @@ def responses(summaries: Sequence[Summary], units: Units = METRIC) -> Table:
     )
     for row in summaries:
         peak = (units.lengths(row.peak_amplitude), units.frequencies(row.peak_frequency), row.peak_direction)
-        seen = (f"{row.restitution:.4f}", f"{row.first_mode_restitution:.4f}")
+        seen = map(_coefficient, (row.restitution, row.first_mode_restitution))
         table.add_row(
             row.fidelity, str(row.modes), *seen, *peak, *(units.range(row.period_one.get(way)) for way in ways)
         )
@@ -138,6 +138,10 @@ def _columns(table: Table, *names: str) -> None:
     """Add columns; a name that ends in | is a column of numbers, to the right."""
     for name in names:
         table.add_column(name.rstrip("|"), justify="right" if name.endswith("|") else "left")
+
+
+def _coefficient(value: float) -> str:
+    return f"{value:.4f}" if isfinite(value) else "–"
 
 
 def _distance(row: Summary) -> tuple[str, str]:

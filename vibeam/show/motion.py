@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.fidelity import gap_drift
 from vibeam.observe.path import impacts_within, last_periods
 from vibeam.observe.portrait import phase_portrait
 from vibeam.response import Ended
@@ -53,10 +54,15 @@ def _system(case: Case, name: str) -> ImpactSystem:
     return case.system(name)
 
 
+def _drifted(system: ImpactSystem, drift: Array | None) -> ImpactSystem:
+    """With the gap of one frequency."""
+    return system if drift is None else replace(system, gap=system.gap + float(drift[0]))
+
+
 def settled(case: Case, name: str, frequency: float, settle: int) -> Settled:
     """The fidelity after ``settle`` periods at ``frequency`` Hz, begun at static equilibrium."""
-    system, fidelity = _system(case, name), case.fidelities[name]
-    omega = np.array([2 * np.pi * frequency])
+    omega, fidelity = np.array([2 * np.pi * frequency]), case.fidelities[name]
+    system = _drifted(_system(case, name), gap_drift(case.scene_of(name), omega))
     drive = Drive(float(omega[0]), float(np.ravel(case.amplitude_of(name, omega))[0]))
     made = solver_named(fidelity.solver, system, drive.omega, 0.0, **fidelity.options)
     response, state = made.steady(omega, drive.amplitude, None, max(settle - 1, 0), 1, case.sweep.output)
