@@ -39,7 +39,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     parts = plan.subdivision or 1
     periods = plan.periods or PERIODS * parts
-    path = exact_motion(settled(case, name, frequency, plan.settle), periods)
+    path = exact_motion(settled(case, name, frequency, plan), periods)
     found = harmonic_amplitudes(
         path, plan.output, periods=periods, highest=plan.highest or HIGHEST, subdivision=parts
     )  # fmt: skip

@@ -59,13 +59,15 @@ def _drifted(system: ImpactSystem, drift: Array | None) -> ImpactSystem:
     return system if drift is None else replace(system, gap=system.gap + float(drift[0]))
 
 
-def settled(case: Case, name: str, frequency: float, settle: int) -> Settled:
-    """The fidelity after ``settle`` periods at ``frequency`` Hz, begun at static equilibrium."""
+def settled(case: Case, name: str, frequency: float, plan: ShowPlan) -> Settled:
+    """The fidelity after the plan's periods to settle at ``frequency`` Hz, begun at static equilibrium."""
     omega, fidelity = np.array([2 * np.pi * frequency]), case.fidelities[name]
     system = _drifted(_system(case, name), gap_drift(case.scene_of(name), omega))
     drive = Drive(float(omega[0]), float(np.ravel(case.amplitude_of(name, omega))[0]))
     made = solver_named(fidelity.solver, system, drive.omega, 0.0, **fidelity.options)
-    response, state = made.steady(omega, drive.amplitude, None, max(settle - 1, 0), 1, case.sweep.output)
+    if plan.output not in ("contact", *system.outputs):
+        return Settled(system, drive, made, None, f"there is no {plan.output} in this model")
+    response, state = made.steady(omega, drive.amplitude, None, max(plan.settle - 1, 0), 1, plan.output)
     ended = Ended.of_code(int(response.ended[0]))
     if ended is not Ended.COMPLETE:
         return Settled(system, drive, made, None, ended.value)
@@ -107,7 +109,7 @@ def motion_columns(case: Case, name: str, frequency: float, plan: ShowPlan, peri
         from vibeam.show.seen import seen
 
         return _measured(seen(case, name, frequency, plan, periods, chain))
-    begin = settled(case, name, frequency, plan.settle)
+    begin = settled(case, name, frequency, plan)
     if begin.state is None:
         raise NoMotion(begin.fault)
     if hasattr(begin.solver, "motion"):

@@ -37,7 +37,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     periods = plan.periods or PERIODS
-    path = exact_motion(settled(case, name, frequency, plan.settle), periods)
+    path = exact_motion(settled(case, name, frequency, plan), periods)
     found = modal_participation(path, plan.output, periods=periods)
     columns = {
         "mode": Column(np.arange(1.0, len(found.frequency) + 1), "1", "number of the mode, by frequency"),

@@ -33,7 +33,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 
 def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
-    begin, periods = settled(case, name, frequency, plan.settle), plan.periods or PERIODS
+    begin, periods = settled(case, name, frequency, plan), plan.periods or PERIODS
     if begin.state is None:
         raise NoMotion(begin.fault)
     if hasattr(begin.solver, "motion"):

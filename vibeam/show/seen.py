@@ -58,7 +58,7 @@ class Seen:
 
 def seen(case: Case, name: str, frequency: float, plan: ShowPlan, periods: int, chain: Chain) -> Seen:
     """A window of ``periods`` drive periods of the settled motion at ``frequency`` Hz; NoMotion where there is none."""
-    begin = settled(case, name, frequency, plan.settle)
+    begin = settled(case, name, frequency, plan)
     fading = chain.low_pass.settling() if chain.low_pass else 0.0
     lead = 1 + ceil(fading / begin.period)
     path = exact_motion(begin, lead + periods + 1)
