@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 from stand_in import case, curve
 
-from vibeam.case import Reference
+from vibeam.case import Reference, load
 from vibeam.compare import compare, distance, period_one_range
 from vibeam.faults import CaseError
+from vibeam.fidelity import restitutions
 from vibeam.references import CheckRow, check, read_reference
 from vibeam.response import Branches, Ended
 from vibeam.run import Result
@@ -195,3 +196,20 @@ def test_every_reference_in_the_repository_can_be_read() -> None:
     folder = Path(__file__).parents[2] / "cases" / "references"
     for path in sorted(folder.glob("*.csv")):
         assert read_reference(path, "amplitude")
+
+
+def test_restitutions_of_the_contact_and_of_mode_1() -> None:
+    """PHYSICS §3 for the rig; a platform that moves changes neither, and another law has no such number."""
+    file = Path(__file__).parents[2] / "cases" / "dtu_neutral.toml"
+    platform = {"mass": 5, "frequency": 3.25, "damping_ratio": 0.05, "coupling": "two-way", "calibrated_at": 15.5}
+    for keys in ({}, {f"platform.{key}": value for key, value in platform.items()}):
+        found = load(file, set=keys)
+        for name, first in (("sdof", 0.72), ("two_modes", 0.684068), ("beam", 0.602474)):
+            both = restitutions(found.scene_of(name), found.fidelities[name])
+            assert both == pytest.approx((0.72, first), abs=2e-6)
+    first = load(file, set={"stop.restitution_of": "first mode"})
+    assert restitutions(first.scene, first.fidelities["beam"]) == pytest.approx(
+        (1.72 * 1.72 / 1.602474 - 1, 0.72), abs=2e-6
+    )
+    yields = load(file, set={"stop.law": "linear", "stop.stiffness": 1e6})
+    assert np.isnan(restitutions(yields.scene, yields.fidelities["beam"])).all()
