@@ -81,6 +81,8 @@ def test_the_template_with_all_its_comments_opened_is_told_what_excludes_what():
         "stop.speeds",
         "stop.velocity",
         "torsion.poissons_ratio",
+        "measurement.ripple",
+        "measurement.attenuation",
         "platform.frequency",
         "platform.calibrated_at",
         "drive.gain",
