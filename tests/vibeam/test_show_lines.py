@@ -83,3 +83,10 @@ def test_the_figures_are_drawn() -> None:
         assert all(axes.lines or axes.patches for axes in made.axes)
     bars = [bar.get_height() for bar in made.axes[0].patches]
     assert bars[0] == pytest.approx(forced(2.0), rel=1e-6)
+
+
+def test_what_cannot_be_read_off_is_said() -> None:
+    case = free(SPECTRUM, '[measurement]\nsampling = "0.001 Hz"')
+    (found,) = sheets(case, case.shows["it"])
+    assert found.fault == "rate: at 0.001 Hz the motion is shorter than three samples"
+    assert figure(vibeam.run(case), case.shows["it"]).axes

@@ -107,6 +107,11 @@ def test_restitution_of_the_beam_is_the_first_modes_and_not_the_contacts() -> No
     np.testing.assert_allclose(found["extrapolated_restitution"], found["first_mode_restitution"], atol=0.01)
 
 
+def test_a_stop_that_yields_has_no_restitution_to_read() -> None:
+    case = beam("restitution", periods=2, stop__law="linear", stop__stiffness=1e8)
+    assert sheet_at(case, case.shows["it"], "sdof", 15.3, ()).fault.startswith("a stop that yields")
+
+
 def test_a_sharp_filter_overshoots() -> None:
     """PHYSICS §4: R + 0.2(1 + R) by an elliptic low-pass; a Bessel filter is unbiased."""
     reads = [

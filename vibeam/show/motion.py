@@ -95,7 +95,7 @@ def sheet_each(plan: ShowPlan, fidelity: str, make: Callable[[float], Columns]) 
 def _sheet(fidelity: str, frequency: float, make: Callable[[float], Columns]) -> Sheet:
     try:
         return Sheet(fidelity, frequency, make(frequency))
-    except NoMotion as reason:
+    except (NoMotion, ValueError) as reason:  # ValueError: what an observer cannot read off, too few samples say
         return Sheet(fidelity, frequency, fault=str(reason))
 
 

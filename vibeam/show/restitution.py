@@ -28,6 +28,7 @@ from vibeam.show.over import across_frequency, coloured, drawn
 from vibeam.show.panels import labelled
 from vibeam.show.plan import Column, Columns, Sheet, ShowPlan
 from vibeam.show.seen import Seen, chain_or_exact, seen
+from vibeam_models.compliant import CompliantStop
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -60,6 +61,8 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     chain = chain_or_exact(case, name, SAMPLES * frequency)
     found = seen(case, name, frequency, plan, plan.periods or PERIODS, chain)
+    if isinstance(found.path.system.law, CompliantStop):
+        raise NoMotion("a stop that yields has no instant of impact to read restitution at")
     if not len(found.hits):
         raise NoMotion("no impacts: there is no restitution to read")
     read = _readings(found, 1 / frequency)
