@@ -20,6 +20,7 @@ from vibeam.solvers.kernels.layout import (
     COUNT_ROWS,
     DURATION,
     EVENT_LIMIT,
+    EVERYTHING,
     FULL,
     HIGH,
     IMPACTS,
@@ -31,6 +32,7 @@ from vibeam.solvers.kernels.layout import (
     ORDER,
     PANELS,
     PENETRATED,
+    REACH_TOO,
     REST_TIME,
     RESTING,
     RESULT_ROWS,
@@ -163,13 +165,17 @@ class FlightSolver:
         settle: int,
         hold: int,
         output: str,
+        reading: int = EVERYTHING,
     ) -> tuple[FrequencyResponse, State]:
-        """Steady points at ``omegas`` in turn, the state carried from each to the next; and the last state."""
+        """Steady points at ``omegas`` in turn, the state carried from each to the next; and the last state.
+
+        ``reading``: how much is read off, see ``kernels.layout``; what is not is NaN.
+        """
         pose, status = self.pose(state)
         n = self.system.size
         response = FrequencyResponse.empty(np.asarray(omegas, dtype=float) / (2 * np.pi), n)
         trace, poses = np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n))
-        room, counts = self._room(output, hold, trace, poses), np.zeros(COUNT_ROWS, dtype=np.int64)
+        room, counts = self._room(output, hold, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
         for index, omega in enumerate(omegas):
             begun = time.thread_time()
             room.result[:], room.energy[:], counts[:] = 0.0, 0.0, 0
@@ -179,35 +185,49 @@ class FlightSolver:
                 room, counts, LONGEST_PERIOD,
             )  # fmt: skip
             spent = time.thread_time() - begun
-            self._write(response, index, OUTCOMES[outcome], int(period), room.result, room.energy, counts, hold, omega)
+            self._write(
+                response, index, OUTCOMES[outcome], int(period), room.result, room.energy, counts, hold, omega, reading
+            )
             response.cpu_seconds[index] = spent
             if outcome != COMPLETE:
                 pose, status = self.pose(None)
         return response, self.state(pose, status)
 
-    def _room(self, output: str | None, hold: int, trace: Array, poses: Array) -> Room:
+    def rounds(
+        self, omegas: Array, amplitudes: Array, states: Array, output: str, reading: int = EVERYTHING
+    ) -> tuple[FrequencyResponse, Array]:
+        """One drive period at each of ``omegas`` (points,) from a state (points, 2, n) of its own, all off the stop.
+
+        And the states after it, (points, 2, n): where they are those before, the motion has the drive's period.
+        """
+        n = self.system.size
+        response, after = FrequencyResponse.empty(omegas / (2 * np.pi), n), np.full((len(omegas), 2, n), np.nan)
+        trace, poses = np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n))
+        room, counts = self._room(output, 1, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
+        for index, omega in enumerate(omegas):
+            begun = time.thread_time()
+            pose, status = self.packed.inward(states[index]), np.zeros(STATUS_ROWS)
+            room.result[:], room.energy[:], counts[:] = 0.0, 0.0, 0
+            outcome, _ = move(
+                self.packed.desk, omega, amplitudes[index], pose, status, 0.0, 0, 1, self.limit, room, counts, 0
+            )
+            self._write(response, index, OUTCOMES[outcome], 0, room.result, room.energy, counts, 1, omega, reading)
+            after[index] = self.packed.outward(pose)
+            response.cpu_seconds[index] = time.thread_time() - begun
+        return response, after
+
+    def _room(self, output: str | None, hold: int, trace: Array, poses: Array, reading: int = EVERYTHING) -> Room:
         n = self.system.size
         row = self.packed.inward(self.system.contact if output is None else self.system.output(output))
         rest_row = np.ascontiguousarray((row @ self.packed.desk.from_blocks[:n]).reshape(-1, 2).T)
         nothing, strobes = np.zeros((0, TRACE_COLUMNS)), np.zeros((hold + 1, 2, n))
         scratch, frame = np.zeros((2, n)), np.zeros((2, n))
-        return Room(
-            row,
-            rest_row,
-            nothing,
-            trace,
-            poses,
-            strobes,
-            scratch,
-            frame,
-            np.zeros(RESULT_ROWS),
-            np.zeros(n),
-            np.zeros(n + 1),
-        )
+        result, energy, share = np.zeros(RESULT_ROWS), np.zeros(n), np.zeros(n + 1)
+        return Room(row, rest_row, nothing, trace, poses, strobes, scratch, frame, result, energy, share, reading)
 
     def _write(
         self, response: FrequencyResponse, i: int, ended: Ended, period: int, result: Array, energy: Array,
-        counts: NDArray[np.int64], hold: int, omega: float,
+        counts: NDArray[np.int64], hold: int, omega: float, reading: int,
     ) -> None:  # fmt: skip
         response.ended[i] = ended.code
         response.impacts[i], response.evaluations[i] = counts[IMPACTS], counts[PANELS]
@@ -217,13 +237,13 @@ class FlightSolver:
         touched = struck > 0 or result[REST_TIME] > 0
         response.maximum[i], response.minimum[i] = result[HIGH], result[LEAST]
         response.amplitude[i] = (result[HIGH] - result[LEAST]) / 2
-        response.reach[i] = self.system.gap - result[CONTACT_LEAST]
+        response.reach[i] = self.system.gap - result[CONTACT_LEAST] if reading >= REACH_TOO else np.nan
         response.impacts_per_period[i] = struck / hold
         response.impact_velocity[i] = result[SPEED_SUM] / struck if struck else np.nan
         response.impact_velocities[i] = velocities_kept(result[VELOCITY:], struck)
         response.period[i] = period if touched else -1
         response.rest[i] = result[REST_TIME] / span
-        response.mode_energy[i] = self.packed.outward(energy) / span
+        response.mode_energy[i] = self.packed.outward(energy) / span if reading >= EVERYTHING else np.nan
 
 
 def velocities_kept(ring: Array, count: int) -> Array:

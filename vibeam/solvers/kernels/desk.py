@@ -45,3 +45,4 @@ class Room(NamedTuple):
     result: Array  # (RESULT_ROWS,)
     energy: Array  # (n,) ∫ E dt of each mode
     share: Array  # (n + 1,) what the last period watched added to it, and to the time at rest
+    reading: int  # how much is read off: see ``layout``

@@ -26,19 +26,20 @@ from vibeam.solvers.kernels.signal import to_node
 
 Array = NDArray[np.float64]
 ACCURACY = 1e-11  # share of the size of the signal's parts
+LIGHTLY = 1e-7  # and where not everything is read off
 
 
 @kernel
 def extremes(
     pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, span: float, coarsest: int,
-    least: float, most: float,
+    least: float, most: float, share: float,
 ) -> tuple[float, float]:  # fmt: skip
-    """(least, most) widened to the signal's values over [0, span]."""
+    """(least, most) widened to the signal's values over [0, span], to a ``share`` of the size of its parts."""
     total = to_node(pairs)
     att.restart(attached, signal)
     re, im = signal[ZR], signal[ZI]
     signal[HARMONIC] = norm(re, im)
-    accuracy = ACCURACY * (abs(signal[CONST]) + signal[HARMONIC] + total + att.swing(attached, signal, span))
+    accuracy = share * (abs(signal[CONST]) + signal[HARMONIC] + total + att.swing(attached, signal, span))
     time, level = 0.0, coarsest
     while True:
         h = levels[STEP, level]

@@ -68,5 +68,8 @@ HIGH, LEAST, CONTACT_LEAST, STRUCK, SPEED_SUM, REST_TIME, VELOCITY = range(7)
 KEPT = 16
 RESULT_ROWS = VELOCITY + KEPT
 
+# how much of a hold is read off: the output's extremes alone, the gap's too, the modes' energies too
+OUTPUT_ALONE, REACH_TOO, EVERYTHING = range(3)
+
 # outcomes
 COMPLETE, FULL, EVENT_LIMIT, PENETRATED, NOT_FINITE, UNRESOLVED = range(6)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from vibeam.solvers.kernels.desk import Desk, Room
 from vibeam.solvers.kernels.drive import phase
 from vibeam.solvers.kernels.energy import energy_at_rest, energy_in_flight
-from vibeam.solvers.kernels.extremes import extremes
+from vibeam.solvers.kernels.extremes import ACCURACY, LIGHTLY, extremes
 from vibeam.solvers.kernels.flight import begin_flight
 from vibeam.solvers.kernels.jit import kernel
 from vibeam.solvers.kernels.layout import (
@@ -19,12 +19,14 @@ from vibeam.solvers.kernels.layout import (
     CONTACT_LEAST,
     DURATION,
     END,
+    EVERYTHING,
     GAP,
     HIGH,
     IMPACT,
     KEPT,
     LEAST,
     OMEGA,
+    REACH_TOO,
     REST_TIME,
     RESTING,
     SPEED_SUM,
@@ -97,6 +99,7 @@ def watch(desk: Desk, room: Room, count: int) -> None:
     """Read off the segments just traced."""
     trace, frame, result = room.trace, room.frame, room.result
     coarsest = int(desk.drive[COARSEST])
+    share = ACCURACY if room.reading >= EVERYTHING else LIGHTLY
     for i in range(count):
         clock, duration = trace[i, AT_CLOCK], trace[i, DURATION]
         for k in range(frame.shape[1]):
@@ -107,31 +110,35 @@ def watch(desk: Desk, room: Room, count: int) -> None:
             begin_output_at_rest(desk, room.rest_row, room.row, frame, clock)
             result[LEAST], result[HIGH] = extremes(
                 desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.rest_attached,
-                duration, coarsest, result[LEAST], result[HIGH],
+                duration, coarsest, result[LEAST], result[HIGH], share,
             )  # fmt: skip
-            energy_at_rest(desk, frame, clock, duration, room.scratch, room.energy)
+            if room.reading >= EVERYTHING:
+                energy_at_rest(desk, frame, clock, duration, room.scratch, room.energy)
         elif duration > 0.0:
-            watch_flight(desk, room.row, frame, clock, duration, coarsest, result, room.energy)
+            watch_flight(desk, room.row, frame, clock, duration, coarsest, result, room.energy, room.reading, share)
         note_impact(trace, i, result)
 
 
 @kernel
 def watch_flight(
-    desk: Desk, row: Array, pose: Array, clock: float, duration: float, coarsest: int, result: Array, energy: Array
-) -> None:
-    """Extremes of the output and of the gap, and the modes' energies, over one flight."""
+    desk: Desk, row: Array, pose: Array, clock: float, duration: float, coarsest: int, result: Array, energy: Array,
+    reading: int, share: float,
+) -> None:  # fmt: skip
+    """Extremes of the output and, as far as is asked, of the gap, and the modes' energies, over one flight."""
     cosine, sine = phase(desk.drive, clock)
     begin_flight(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, cosine, sine)
-    energy_in_flight(desk, pose, clock, duration, energy)
-    _, widest = extremes(
-        desk.pairs, desk.table, desk.levels, desk.signal, desk.attached,
-        duration, coarsest, 0.0, desk.drive[GAP] - result[CONTACT_LEAST],
-    )  # fmt: skip
-    result[CONTACT_LEAST] = desk.drive[GAP] - widest
+    if reading >= EVERYTHING:
+        energy_in_flight(desk, pose, clock, duration, energy)
+    if reading >= REACH_TOO:
+        _, widest = extremes(
+            desk.pairs, desk.table, desk.levels, desk.signal, desk.attached,
+            duration, coarsest, 0.0, desk.drive[GAP] - result[CONTACT_LEAST], share,
+        )  # fmt: skip
+        result[CONTACT_LEAST] = desk.drive[GAP] - widest
     begin_output(desk, row, pose, clock)
     result[LEAST], result[HIGH] = extremes(
         desk.pairs, desk.table, desk.levels, desk.signal, desk.attached,
-        duration, coarsest, result[LEAST], result[HIGH],
+        duration, coarsest, result[LEAST], result[HIGH], share,
     )  # fmt: skip
 
 
