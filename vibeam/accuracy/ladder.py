@@ -1,0 +1,133 @@
+"""A run of frequencies on one known motion: the cheapest rung that is good enough, stretch by stretch.
+
+The finest model is read at a few places, every cheaper rung at the same. Between two places a rung's error is taken to
+go as between its values there, and a third in the middle tells how far it does not: what is claimed for the stretch is
+the largest error seen plus that difference. A stretch of which neither can be said, good enough or not, is halved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.accuracy.known import Index
+from vibeam.accuracy.readings import apart
+from vibeam.accuracy.rungs import Read, Rung, takes
+from vibeam.accuracy.sheet import Sheet
+
+Array = NDArray[np.float64]
+STRETCHES = 4  # to begin with
+SHORTEST = 4  # steps of the sweep: below that a stretch is the finest model's
+SPARE = 0.9  # share of the accuracy that an estimate may use up
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """``rungs`` from the cheapest to the finest model by formula, each with its ``numbers`` in the study's list."""
+
+    rungs: Sequence[Rung]
+    numbers: Sequence[int]
+    quantities: tuple[str, ...]
+    within: float
+
+    def settle(self, sheet: Sheet, places: Index, kind: int) -> int:
+        """Fill the places; fewer than there are where the finest model's motion does not go on: how many."""
+        held = self._held(sheet, places, kind)
+        places = places[:held]
+        if not held:
+            return 0
+        stretches = _stretches(held)
+        for number, rung in zip(self.numbers[:-1], self.rungs[:-1], strict=True):
+            if stretches and takes(rung, kind):
+                stretches = self._offered(sheet, places, kind, rung, number, stretches)
+        return self._finish(sheet, places, kind)
+
+    def _held(self, sheet: Sheet, places: Index, kind: int) -> int:
+        """How many places the finest model's motion holds, by halving between one that does and one that does not."""
+        finest = self.rungs[-1]
+        probes = _probes(_stretches(len(places)))
+        fine = np.isfinite(finest.read(sheet.grid[places[probes]], kind).off)
+        if fine.all():
+            return len(places)
+        bad = int(probes[np.argmin(fine)])
+        good = int(max(probes[:np.argmin(fine)], default=-1))
+        while bad - good > 1:
+            middle = (good + bad) // 2
+            if np.isfinite(finest.read(sheet.grid[places[[middle]]], kind).off[0]):
+                good = middle
+            else:
+                bad = middle
+        return bad
+
+    def _offered(self, sheet: Sheet, places: Index, kind: int, rung: Rung, number: int,
+                 stretches: list[tuple[int, int]]) -> list[tuple[int, int]]:  # fmt: skip
+        """What is left of the stretches after the rung has taken those for which it is good enough."""
+        left, open_ = [], stretches
+        while open_:
+            probes = _probes(open_)
+            error = dict(zip(probes.tolist(), self._errors(sheet, places[probes], kind, rung), strict=True))
+            halves: list[tuple[int, int]] = []
+            for low, high in open_:
+                fits, bound = _verdict([error[i] for i in (low, (low + high) // 2, high)], self.within)
+                if fits is True and self._take(sheet, places[low + 1 : high], kind, rung, number, bound):
+                    continue
+                if fits is None and high - low >= 2 * SHORTEST:
+                    halves += [(low, (low + high) // 2), ((low + high) // 2, high)]
+                else:
+                    left.append((low, high))
+            open_ = halves
+        return left
+
+    def _errors(self, sheet: Sheet, places: Index, kind: int, rung: Rung) -> Array:
+        points = sheet.grid[places]
+        truth, found = self.rungs[-1].read(points, kind), rung.read(points, kind)
+        error = apart(found.response, truth.response, self.quantities)
+        return np.where(np.isfinite(found.off)[:, None], error, np.inf)
+
+    def _take(self, sheet: Sheet, places: Index, kind: int, rung: Rung, number: int, bound: float) -> bool:
+        """Enter the rung's values, unless its motion is not there at one of the places."""
+        read = rung.read(sheet.grid[places], kind)
+        if not np.isfinite(read.off).all():
+            return False
+        sheet.enter(places, Read(read.response, np.full(len(places), bound)), number)
+        return True
+
+    def _finish(self, sheet: Sheet, places: Index, kind: int) -> int:
+        """The finest model wherever nothing cheaper was taken; how many places hold."""
+        finest, number = self.rungs[-1], self.numbers[-1]
+        left = places[sheet.rung[places] < 0]
+        read = finest.read(sheet.grid[left], kind)
+        sheet.enter(left, read, number)
+        lost = left[~np.isfinite(read.off)]
+        if not len(lost):
+            return len(places)
+        sheet.rung[lost[0] :] = -1
+        return int(np.searchsorted(places, lost[0]))
+
+
+def _verdict(errors: Sequence[Array], within: float) -> tuple[bool | None, float]:
+    """Whether a stretch with these errors (quantities,) at both ends and the middle is within; None: cannot be said."""
+    low, middle, high = errors
+    if not all(np.isfinite(each).all() for each in errors):
+        return (None if any(np.isfinite(each).all() for each in errors) else False), np.inf
+    bent = np.abs(middle - (low + high) / 2)
+    bound = float(np.max(np.max(np.abs(errors), axis=0) + bent))
+    if bound <= SPARE * within:
+        return True, bound
+    one_side = np.abs(np.sign(low) + np.sign(middle) + np.sign(high)) == 3  # else one is near nothing in between
+    beyond = one_side & (np.min(np.abs(errors), axis=0) - bent > within)
+    return (False if beyond.any() else None), bound
+
+
+def _stretches(count: int) -> list[tuple[int, int]]:
+    """Ends of about equal stretches over ``count`` places."""
+    ends = np.unique(np.linspace(0, count - 1, min(STRETCHES, max((count - 1) // SHORTEST, 1)) + 1).astype(int))
+    return [(int(low), int(high)) for low, high in zip(ends[:-1], ends[1:], strict=True)] or [(0, 0)]
+
+
+def _probes(stretches: Sequence[tuple[int, int]]) -> Index:
+    """Ends and middles, ascending."""
+    return np.unique([each for low, high in stretches for each in (low, (low + high) // 2, high)])

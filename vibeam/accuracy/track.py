@@ -1,0 +1,127 @@
+"""The finest model through the frequencies, as a sweep that carries its state would go, flown only where it must be.
+
+A motion known in closed form goes on from one frequency to the next while it is stable, disturbances die out within
+the settling, and no other motion is near. Where it ends the model is flown, with the sweep's own settling and hold,
+until it is seen on a known motion again. Stretches without any stable known motion are handed on as a whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibeam.accuracy.known import KINDS, Index, size
+from vibeam.accuracy.rungs import Read, Rung
+from vibeam.accuracy.sheet import Sheet
+from vibeam.case import SweepPlan
+from vibeam.response import FrequencyResponse
+from vibeam.state import State
+
+DIES_OUT = 1e-2  # share of the accuracy that may be left of a disturbance after settling
+NEAR = 0.25  # of the way to another motion that the step from one frequency to the next may take
+SAME = 1e-4  # share of a state within which a flown motion is a known one
+
+RunOf = Callable[[Sheet, Index, int], int]  # settles a run on one known motion: how many of its places held
+Unsettled = Callable[[Sheet, Index, State | None], State | None]  # a stretch without one: the state after it
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where a sweep is: on a known motion of ``kind`` at ``point`` (−1: on none), or in a ``state``."""
+
+    kind: int = -1
+    point: int = -1
+    state: State | None = None
+
+
+@dataclass(frozen=True)
+class Finest:
+    """The finest model by ``formula`` and by ``flight``, the latter's ``number`` in the study's list; the sweep."""
+
+    formula: Rung
+    flight: Rung
+    number: int
+    plan: SweepPlan
+    within: float
+
+
+def track(sheet: Sheet, finest: Finest, start: Where, run: RunOf, unsettled: Unsettled) -> Where:
+    """Fill the sheet; and where the sweep ends."""
+    here, place = start, 0
+    while place < len(sheet.grid):
+        count = _goes_on(sheet, finest, here, place)
+        held = run(sheet, np.arange(place, place + count), here.kind) if count else 0
+        if held:
+            sheet.kind[place : place + held] = here.kind
+            place += held
+            here = Where(here.kind, int(sheet.grid[place - 1]))
+            continue
+        state = finest.formula.known.state(here.point, here.kind) if here.kind >= 0 else here.state
+        stretch = _without(sheet, finest.formula, place) if place or here.state is not None else 0
+        if stretch:
+            state = unsettled(sheet, np.arange(place, place + stretch), state)
+            place, here = place + stretch, Where(state=state)
+        else:
+            here = fly(sheet, finest, place, state)
+            place += 1
+    return here
+
+
+def fly(sheet: Sheet, finest: Finest, place: int, state: State | None) -> Where:
+    """One place as the sweep itself does it; and where that leads."""
+    point = int(sheet.grid[place])
+    response, after = finest.flight.fly(point, state, finest.plan.settle, finest.plan.hold)
+    note_flight(sheet, place, finest.number, response, after)
+    kind = identified(finest.formula, point, response, after)
+    sheet.kind[place] = kind
+    return Where(kind, point, after)
+
+
+def note_flight(sheet: Sheet, place: int, flown: int, response: FrequencyResponse, after: State) -> None:
+    """Enter a point flown by the finest model: exact where it repeats, else one reading of many."""
+    sheet.enter(np.array([place]), Read(response, np.zeros(1)), flown)
+    sheet.statistical[place] = response.period[0] == 0
+    sheet.states[place] = after
+
+
+def identified(finest: Rung, point: int, response: FrequencyResponse, after: State) -> int:
+    """The known motion that a flown one is, −1 for none."""
+    wanted = {1: KINDS[:2], -1: KINDS[2:]}.get(int(response.period[0]), ())
+    both, omega = np.stack([after.displacement, after.velocity]), float(finest.known.omega[point])
+    for kind in wanted:
+        if finest.known.radius[point, kind] < 1:
+            there = finest.known.states(np.array([point]), kind)[0]
+            if size(finest.known.system, omega, both - there) <= SAME * size(finest.known.system, omega, there):
+                return kind
+    return -1
+
+
+def _goes_on(sheet: Sheet, finest: Finest, here: Where, place: int) -> int:
+    """For how many places from ``place`` on the known motion goes on."""
+    if here.kind < 0:
+        return 0
+    points = np.concatenate([[here.point], sheet.grid[place:]])
+    known, kind = finest.formula.known, here.kind
+    with np.errstate(invalid="ignore", over="ignore"):
+        settled = known.radius[points[1:], kind] ** finest.plan.settle <= DIES_OUT * finest.within
+    first = np.minimum(points[1:], points[:-1])
+    moved = points[1:] != points[:-1]
+    near = np.zeros(len(first), dtype=bool)
+    near[moved] = known.leaps[first[moved], kind] > NEAR
+    ends = np.flatnonzero(~settled | near)
+    return int(ends[0]) if len(ends) else len(first)
+
+
+def _without(sheet: Sheet, finest: Rung, place: int) -> int:
+    """How many places from ``place`` on have no known motion that is stable and keeps clear of the stop."""
+    count = 0
+    while place + count < len(sheet.grid) and not _settles(finest, int(sheet.grid[place + count])):
+        count += 1
+    return count
+
+
+def _settles(finest: Rung, point: int) -> bool:
+    stable = [kind for kind in KINDS if finest.known.radius[point, kind] < 1]
+    return any(np.isfinite(finest.read(np.array([point]), kind).off[0]) for kind in stable)
