@@ -5,7 +5,7 @@ Three kinds: the two with one impact a drive period, harder impact first, and th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -34,6 +34,7 @@ class Known:
     system: ImpactSystem
     omega: Array
     amplitude: Array
+    kept: dict[int, Array] = field(default_factory=dict, repr=False)  # states by kind, as they are asked for
 
     @cached_property
     def _points(self) -> Points:
@@ -84,15 +85,17 @@ class Known:
 
         Where that is small a sweep that carries its state cannot change over to the other one; 0 where there is none.
         """
-        scale = np.stack([np.hypot.outer(self.omega, self.system.omega), np.ones((len(self.omega), self.system.size))], 1)
-        states = [self.states(np.arange(len(self.omega)), kind) * scale for kind in KINDS]
+        every = np.arange(len(self.omega))
         found = np.zeros((len(self.omega) - 1, len(KINDS)))
-        for kind in KINDS:
-            moved = np.linalg.norm(np.diff(states[kind], axis=0), axis=(1, 2))
-            for other in KINDS:
+        kinds = [kind for kind in KINDS if self.there[:, kind].any()]
+        for kind in kinds:
+            ours = self.states(every, kind)
+            moved = size(self.system, self.omega[1:], np.diff(ours, axis=0))
+            for other in kinds:
                 both = self.there[:, kind] & self.there[:, other] & (kind != other)
-                away = np.where(both, np.linalg.norm(states[kind] - states[other], axis=(1, 2)), np.inf)
-                found[:, kind] = np.maximum(found[:, kind], moved / np.minimum(away[1:], away[:-1]))
+                if both.any():
+                    away = np.where(both, size(self.system, self.omega, ours - self.states(every, other)), np.inf)
+                    found[:, kind] = np.maximum(found[:, kind], moved / np.minimum(away[1:], away[:-1]))
         return found
 
     def velocity(self, which: Index, kind: int) -> Array:
@@ -101,17 +104,23 @@ class Known:
 
     def states(self, which: Index, kind: int) -> Array:
         """Modal displacements and velocities (m, 2, n) at the drive's phase 0, at the points ``which`` (m,)."""
-        h, omega = self._phasors[:, which], self.omega[which]
-        values = np.stack([h.imag + offsets(self.system)[:, None], omega * h.real])
-        if kind != FREE:
-            values += self._struck(which, kind)
+        if kind not in self.kept:
+            self.kept[kind] = self._states(kind)
+        return self.kept[kind][which]
+
+    def _states(self, kind: int) -> Array:
+        """At all points (points, 2, n); of no meaning where the motion is not there."""
+        h = self._phasors
+        values = np.stack([h.imag + offsets(self.system)[:, None], self.omega * h.real])
+        if kind != FREE and self.there[:, kind].any():
+            values += self._struck(kind)
         return np.ascontiguousarray(values.transpose(2, 0, 1))
 
-    def _struck(self, which: Index, kind: int) -> Array:
-        """What the impact train adds (2, n, m): the Green's functions of ``periodic.sums``, a while after the impact."""
-        roots, span = self._points.roots, self._points.total.span[which]
-        impulse, since = roots.impulse[which, kind], (2 * np.pi - roots.phase[which, kind]) / self.omega[which]
-        added = np.zeros((2, self.system.size, len(which)))
+    def _struck(self, kind: int) -> Array:
+        """What the impact train adds (2, n, points): the Green's functions of ``periodic.sums``, some time after."""
+        roots, span = self._points.roots, self._points.total.span
+        impulse, since = roots.impulse[:, kind], (2 * np.pi - roots.phase[:, kind]) / self.omega
+        added = np.zeros((2, self.system.size, len(span)))
         for i in np.flatnonzero(self.system.contact):
             own, zeta = float(self.system.omega[i]), float(self.system.zeta[i])
             g0, g1 = green(own, zeta * own, pair(own, zeta, span))
@@ -126,6 +135,7 @@ class Known:
         return State(both[0], both[1])
 
 
-def size(system: ImpactSystem, omega: float, both: Array) -> float:
-    """The size of a modal state (2, n), or of the difference of two, as a velocity: as the flight solver's strobes."""
-    return float(np.sqrt(np.sum(both[1] ** 2 + (system.omega**2 + omega**2) * both[0] ** 2)))
+def size(system: ImpactSystem, omega: Array, states: Array) -> Array:
+    """The size (points,) of modal states (points, 2, n), or of differences, as a velocity: as the flight's strobes."""
+    rates = system.omega**2 + omega[:, None] ** 2
+    return np.asarray(np.sqrt(np.sum(states[:, 1] ** 2 + rates * states[:, 0] ** 2, axis=1)))

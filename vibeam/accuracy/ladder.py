@@ -19,8 +19,8 @@ from vibeam.accuracy.rungs import Read, Rung, takes
 from vibeam.accuracy.sheet import Sheet
 
 Array = NDArray[np.float64]
-STRETCHES = 4  # to begin with
-SHORTEST = 4  # steps of the sweep: below that a stretch is the finest model's
+STRETCHES = 8  # to begin with
+SHORTEST = 6  # steps of the sweep: below that a stretch is the finest model's
 SPARE = 0.9  # share of the accuracy that an estimate may use up
 
 
@@ -74,7 +74,7 @@ class Ladder:
                 fits, bound = _verdict([error[i] for i in (low, (low + high) // 2, high)], self.within)
                 if fits is True and self._take(sheet, places[low + 1 : high], kind, rung, number, bound):
                     continue
-                if fits is None and high - low >= 2 * SHORTEST:
+                if fits is None and high - low >= 3 * SHORTEST:
                     halves += [(low, (low + high) // 2), ((low + high) // 2, high)]
                 else:
                     left.append((low, high))

@@ -15,9 +15,11 @@ from vibeam.accuracy.readings import reading_of
 from vibeam.response import VELOCITIES_KEPT, Ended, FrequencyResponse
 from vibeam.solvers.flight import FlightSolver
 from vibeam.state import State
+from vibeam.sweep import join
 
 Array = NDArray[np.float64]
 CLOSES = 1e-6  # share of a state by which it may differ after a period and still be a periodic motion's
+READ = tuple(each.name for each in fields(FrequencyResponse) if each.name != "frequency")
 AVERAGED = ("amplitude", "reach", "impact_velocity")  # what averaging gives
 
 
@@ -76,13 +78,21 @@ class Rung:
             self.spent.add(begun, len(asked))
         return Read(rows(kept.response, which), kept.off[which])
 
-    def fly(self, point: int, state: State | None, settle: int, hold: int) -> tuple[FrequencyResponse, State]:
-        """One point by flight, from ``state``."""
+    def fly(
+        self, points: Index, state: State | None, settle: int, hold: int
+    ) -> tuple[FrequencyResponse, list[State]]:
+        """Points in turn by flight, the state carried from each to the next; and the states after each."""
         begun = time.thread_time()
-        omega, base = self.known.omega[point : point + 1], float(self.known.amplitude[point])
-        found = self.flight.steady(omega, base, state, settle, hold, self.output, reading_of(self.quantities))
-        self.spent.add(begun, 1)
-        return found
+        states: list[State] = []
+        reading, amplitude = reading_of(self.quantities), self.known.amplitude[points]
+        alike = [points] if np.all(amplitude == amplitude[0]) else points[:, None]
+        parts = []
+        for some in alike:
+            omega, base = self.known.omega[some], float(self.known.amplitude[some[0]])
+            part, state = self.flight.steady(omega, base, state, settle, hold, self.output, reading, states)
+            parts.append(part)
+        self.spent.add(begun, len(points))
+        return join(parts) if len(parts) > 1 else parts[0], states
 
 
 def _nothing(known: Known) -> Read:
@@ -93,7 +103,7 @@ def _nothing(known: Known) -> Read:
 
 def rows(response: FrequencyResponse, which: Index) -> FrequencyResponse:
     """Some of the points."""
-    return FrequencyResponse(**{each.name: getattr(response, each.name)[which] for each in fields(FrequencyResponse)})
+    return FrequencyResponse(**{name: getattr(response, name)[which] for name in ("frequency", *READ)})
 
 
 def _by_formula(rung: Rung, which: Index, kind: int) -> Read:
@@ -109,14 +119,11 @@ def _by_formula(rung: Rung, which: Index, kind: int) -> Read:
     seen, after = rung.flight.rounds(
         known.omega[points], known.amplitude[points], states, rung.output, reading_of(rung.quantities)
     )
-    misses = [
-        size(known.system, omega, one - other) / size(known.system, omega, one)
-        for omega, one, other in zip(known.omega[points], states, after, strict=True)
-    ]
-    velocity = known.velocity(points, kind)
-    fine = np.array(misses) < CLOSES
-    _put(response, open_[fine], replace(seen, **_struck(velocity, kind)), fine)
-    off[open_[fine]] = np.array(misses)[fine]
+    omega, system = known.omega[points], known.system
+    misses = size(system, omega, after - states) / size(system, omega, states)
+    fine = misses < CLOSES
+    _put(response, open_[fine], replace(seen, **_struck(known.velocity(points, kind), kind)), fine)
+    off[open_[fine]] = misses[fine]
     return Read(response, off)
 
 
@@ -160,9 +167,9 @@ def put(target: FrequencyResponse, at: Index, source: FrequencyResponse) -> None
 
 
 def _put(target: FrequencyResponse, at: Index, source: FrequencyResponse, chosen: NDArray[np.bool_]) -> None:
-    for each in fields(FrequencyResponse):
-        ours, theirs = getattr(target, each.name), getattr(source, each.name)
-        if each.name != "frequency" and ours.shape[1:] == theirs.shape[1:]:
+    for name in READ:
+        ours, theirs = getattr(target, name), getattr(source, name)
+        if ours.shape[1:] == theirs.shape[1:]:
             ours[at] = theirs[chosen]
 
 

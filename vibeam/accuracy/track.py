@@ -7,7 +7,7 @@ until it is seen on a known motion again. Stretches without any stable known mot
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +16,7 @@ from vibeam.accuracy.known import KINDS, Index, size
 from vibeam.accuracy.rungs import Read, Rung
 from vibeam.accuracy.sheet import Sheet
 from vibeam.case import SweepPlan
-from vibeam.response import FrequencyResponse
+from vibeam.response import Ended, FrequencyResponse
 from vibeam.state import State
 
 DIES_OUT = 1e-2  # share of the accuracy that may be left of a disturbance after settling
@@ -72,28 +72,32 @@ def track(sheet: Sheet, finest: Finest, start: Where, run: RunOf, unsettled: Uns
 def fly(sheet: Sheet, finest: Finest, place: int, state: State | None) -> Where:
     """One place as the sweep itself does it; and where that leads."""
     point = int(sheet.grid[place])
-    response, after = finest.flight.fly(point, state, finest.plan.settle, finest.plan.hold)
-    note_flight(sheet, place, finest.number, response, after)
-    kind = identified(finest.formula, point, response, after)
+    response, states = finest.flight.fly(np.array([point]), state, finest.plan.settle, finest.plan.hold)
+    note_flight(sheet, np.array([place]), finest.number, response, states)
+    kind = identified(finest.formula, point, response, states[0])
     sheet.kind[place] = kind
-    return Where(kind, point, after)
+    return Where(kind, point, states[0])
 
 
-def note_flight(sheet: Sheet, place: int, flown: int, response: FrequencyResponse, after: State) -> None:
-    """Enter a point flown by the finest model: exact where it repeats, else one reading of many."""
-    sheet.enter(np.array([place]), Read(response, np.zeros(1)), flown)
-    sheet.statistical[place] = response.period[0] == 0
-    sheet.states[place] = after
+def note_flight(
+    sheet: Sheet, places: Index, number: int, response: FrequencyResponse, states: Sequence[State]
+) -> None:
+    """Enter points flown by the finest model: exact where they repeat, else one reading of many."""
+    off = np.where(response.ended == Ended.COMPLETE.code, 0.0, np.nan)
+    sheet.enter(places, Read(response, off), number)
+    sheet.statistical[places] = (response.period == 0) & np.isfinite(off)
+    sheet.states.update(zip(places.tolist(), states, strict=True))
 
 
 def identified(finest: Rung, point: int, response: FrequencyResponse, after: State) -> int:
     """The known motion that a flown one is, −1 for none."""
     wanted = {1: KINDS[:2], -1: KINDS[2:]}.get(int(response.period[0]), ())
-    both, omega = np.stack([after.displacement, after.velocity]), float(finest.known.omega[point])
+    known, one = finest.known, np.array([point])
+    state = np.stack([after.displacement, after.velocity])[None]
     for kind in wanted:
-        if finest.known.radius[point, kind] < 1:
-            there = finest.known.states(np.array([point]), kind)[0]
-            if size(finest.known.system, omega, both - there) <= SAME * size(finest.known.system, omega, there):
+        if known.radius[point, kind] < 1:
+            miss = size(known.system, known.omega[one], known.states(one, kind) - state)
+            if miss[0] <= SAME * size(known.system, known.omega[one], state)[0]:
                 return kind
     return -1
 

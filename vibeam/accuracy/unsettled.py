@@ -27,6 +27,7 @@ from vibeam.state import State
 from vibeam.sweep import join
 
 Array = NDArray[np.float64]
+FIRST = 12  # frequencies that tell the scatter
 ASKED = 12  # frequencies at which cheaper models are compared with the finest
 FEWEST = 24  # frequencies from which on that can be worth it
 SURE = 2.0  # standard errors
@@ -45,24 +46,33 @@ class Unsettled:
 
     def settle(self, sheet: Sheet, places: Index, state: State | None) -> State | None:
         """Fill the places of ``sheet``; the finest model's state after the last one."""
-        probes = self._probes(places)
-        state = self._finest(sheet, probes, state)
-        left = places[sheet.rung[places] < 0]
-        if len(left):
+        first = places[:FIRST]
+        state = self._finest(sheet, first, state)
+        if len(places) < FEWEST or len(self.rungs) < 2 or not self._can_tell(sheet, first):
+            state = self._finest(sheet, places[FIRST:], state)
+        else:
+            probes = places[np.unique(np.linspace(FIRST, len(places) - 1, ASKED).astype(int))]
+            state = self._finest(sheet, probes, state)
+            left = places[sheet.rung[places] < 0]
             self._cheaper(sheet, probes, left) or self._between(sheet, left)
         self._scatter(sheet, places)
-        return sheet.states.get(int(places[-1]), state)
+        return state
 
-    def _probes(self, places: Index) -> Index:
-        few = len(places) < FEWEST or len(self.rungs) < 2
-        return places if few else places[np.unique(np.linspace(0, len(places) - 1, ASKED).astype(int))]
+    def _can_tell(self, sheet: Sheet, first: Index) -> bool:
+        """Whether a mean can be told closely enough by those to be asked, as these scatter: else none need be asked."""
+        loose = first[sheet.statistical[first]]
+        if len(loose) < FIRST // 2:
+            return True
+        scatter = _scatter(values(rows(sheet.response, loose), self.quantities))
+        return bool(SURE * scatter / np.sqrt(ASKED) < self.within)
 
     def _finest(self, sheet: Sheet, places: Index, state: State | None) -> State | None:
         """The finest model at the places in turn; its last state."""
-        for place in places:
-            response, state = self._at(len(self.rungs) - 1, int(sheet.grid[place]), state)
-            note_flight(sheet, int(place), self.numbers[-1], response, state)
-        return state
+        if not len(places):
+            return state
+        response, states = self._through(len(self.rungs) - 1, sheet.grid[places], state)
+        note_flight(sheet, places, self.numbers[-1], response, states)
+        return states[-1]
 
     def _between(self, sheet: Sheet, left: Index) -> None:
         """The finest model at places between those where it was flown, each from the one before."""
@@ -72,31 +82,37 @@ class Unsettled:
     def _cheaper(self, sheet: Sheet, probes: Index, left: Index) -> bool:
         """Whether a cheaper model was good enough for what is left, and was taken."""
         truth = rows(sheet.response, probes)
-        if not _can_tell(truth, sheet.statistical[probes], self.quantities, self.within):
-            return False
         for rung, number in enumerate(self.numbers[:-1]):
-            found = self._through(rung, sheet.grid[probes])
+            if self._hopeless(sheet, rung, probes[: len(probes) // 3]):
+                continue
+            found, _ = self._through(rung, sheet.grid[probes])
             bound = _bound(found, truth, sheet.statistical[probes], self.quantities)
             if bound <= SPARE * self.within:
-                whole = self._through(rung, sheet.grid[left])
+                whole, _ = self._through(rung, sheet.grid[left])
                 sheet.enter(left, Read(whole, np.full(len(left), bound)), number)
                 sheet.statistical[left] = True
                 return True
         return False
 
-    def _at(self, rung: int, point: int, state: State | None) -> tuple[FrequencyResponse, State]:
-        """One point by flight, or what was found there before."""
-        if (rung, point) not in self.flown:
-            self.flown[rung, point] = self.rungs[rung].fly(point, state, self.plan.settle, self.plan.hold)
-        return self.flown[rung, point]
+    def _hopeless(self, sheet: Sheet, rung: int, probes: Index) -> bool:
+        """Whether a few frequencies show already that a model is too far off."""
+        found, _ = self._through(rung, sheet.grid[probes])
+        error, loose = apart(found, rows(sheet.response, probes), self.quantities), sheet.statistical[probes]
+        mean = np.abs(error[loose].mean(axis=0)) if loose.any() else np.zeros(1)
+        sure = SURE * error[loose].std(axis=0, ddof=1) / np.sqrt(np.count_nonzero(loose)) if loose.sum() > 1 else np.inf
+        return bool(np.any(np.abs(error[~loose]) > self.within) or np.any(mean - sure > self.within))
 
-    def _through(self, rung: int, points: Index) -> FrequencyResponse:
-        """Points in turn, from equilibrium."""
-        found, state = [], None
-        for point in points:
-            response, state = self._at(rung, int(point), state)
-            found.append(response)
-        return join(found)
+    def _through(self, rung: int, points: Index, state: State | None = None) -> tuple[FrequencyResponse, list[State]]:
+        """Points in turn by flight, or what was found there before; and the states after each."""
+        for some in np.split(points, np.flatnonzero(np.diff([(rung, int(p)) in self.flown for p in points])) + 1):
+            keys = [(rung, int(point)) for point in some]
+            if keys[0] not in self.flown:
+                response, states = self.rungs[rung].fly(some, state, self.plan.settle, self.plan.hold)
+                parts = (rows(response, np.array([i])) for i in range(len(some)))
+                self.flown.update(zip(keys, zip(parts, states, strict=True), strict=True))
+            state = self.flown[keys[-1]][1]
+        found = [self.flown[rung, int(point)] for point in points]
+        return join([response for response, _ in found]), [after for _, after in found]
 
     def _scatter(self, sheet: Sheet, places: Index) -> None:
         """How far single readings scatter: about the mean of their neighbours, of all that do not repeat."""
@@ -107,17 +123,11 @@ class Unsettled:
             sheet.scatter[loose] = np.sqrt(np.mean(off**2) / 1.5)
 
 
-def _can_tell(truth: FrequencyResponse, loose: NDArray[np.bool_], quantities: Sequence[str], within: float) -> bool:
-    """Whether so few readings can tell a mean that closely: else no cheaper model need be asked."""
-    return bool(np.count_nonzero(loose) < 4 or _error_of_mean(values(truth, quantities)[loose]) < within)
-
-
-def _error_of_mean(readings: Array) -> float:
-    """Two standard errors of the mean of readings (frequencies, quantities) about their trend, relative; the worst."""
+def _scatter(readings: Array) -> float:
+    """Relative scatter of readings (frequencies, quantities) about a straight trend, of the worst quantity."""
     place = np.arange(len(readings))
     trend = np.stack([np.polyval(np.polyfit(place, column, 1), place) for column in readings.T], axis=1)
-    spread = np.std(readings - trend, axis=0, ddof=2) / np.abs(np.mean(readings, axis=0))
-    return float(np.max(SURE * spread / np.sqrt(len(readings))))
+    return float(np.max(np.sqrt(np.sum((readings - trend) ** 2, axis=0) / (len(place) - 2)) / abs(readings.mean(axis=0))))
 
 
 def _bound(

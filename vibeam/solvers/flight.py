@@ -166,10 +166,12 @@ class FlightSolver:
         hold: int,
         output: str,
         reading: int = EVERYTHING,
+        states: list[State] | None = None,
     ) -> tuple[FrequencyResponse, State]:
         """Steady points at ``omegas`` in turn, the state carried from each to the next; and the last state.
 
-        ``reading``: how much is read off, see ``kernels.layout``; what is not is NaN.
+        ``reading``: how much is read off, see ``kernels.layout``; what is not is NaN. ``states``: a list to which the
+        state after each point is added.
         """
         pose, status = self.pose(state)
         n = self.system.size
@@ -191,6 +193,8 @@ class FlightSolver:
             response.cpu_seconds[index] = spent
             if outcome != COMPLETE:
                 pose, status = self.pose(None)
+            if states is not None:
+                states.append(self.state(pose, status))
         return response, self.state(pose, status)
 
     def rounds(

@@ -26,7 +26,7 @@ from vibeam.solvers.kernels.signal import to_node
 
 Array = NDArray[np.float64]
 ACCURACY = 1e-11  # share of the size of the signal's parts
-LIGHTLY = 1e-7  # and where not everything is read off
+LIGHTLY = 1e-6  # and where not everything is read off
 
 
 @kernel
