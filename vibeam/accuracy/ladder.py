@@ -1,8 +1,9 @@
 """A run of frequencies on one known motion: the cheapest rung that is good enough, stretch by stretch.
 
 The finest model is read at a few places, every cheaper rung at the same. Between two places a rung's error is taken to
-go as between its values there, and a third in the middle tells how far it does not: what is claimed for the stretch is
-the largest error seen plus that difference. A stretch of which neither can be said, good enough or not, is halved.
+go straight, and a third in the middle tells how far it does not: what is claimed for the stretch is the largest error
+seen plus that difference. Before it is taken the same is asked of its two halves, for a narrow resonance of a higher
+mode can hide between three places. A stretch of which neither can be said, good enough or not, is halved.
 """
 
 from __future__ import annotations
@@ -67,19 +68,28 @@ class Ladder:
         """What is left of the stretches after the rung has taken those for which it is good enough."""
         left, open_ = [], stretches
         while open_:
-            probes = _probes(open_)
-            error = dict(zip(probes.tolist(), self._errors(sheet, places[probes], kind, rung), strict=True))
+            fits = self._judged(sheet, places, kind, rung, _fifths(open_)[:, ::2])
+            closer = [i for i, (fine, _) in enumerate(fits) if fine is True]
+            checked = self._judged(sheet, places, kind, rung, _fifths([open_[i] for i in closer])) if closer else []
+            fits = [dict(zip(closer, checked, strict=True)).get(i, each) for i, each in enumerate(fits)]
             halves: list[tuple[int, int]] = []
-            for low, high in open_:
-                fits, bound = _verdict([error[i] for i in (low, (low + high) // 2, high)], self.within)
-                if fits is True and self._take(sheet, places[low + 1 : high], kind, rung, number, bound):
+            for (low, high), (fine, bound) in zip(open_, fits, strict=True):
+                if fine is True and self._take(sheet, places[low + 1 : high], kind, rung, number, bound):
                     continue
-                if fits is None and high - low >= 3 * SHORTEST:
+                if fine is None and high - low >= 3 * SHORTEST:
                     halves += [(low, (low + high) // 2), ((low + high) // 2, high)]
                 else:
                     left.append((low, high))
             open_ = halves
         return left
+
+    def _judged(
+        self, sheet: Sheet, places: Index, kind: int, rung: Rung, probes: Index
+    ) -> list[tuple[bool | None, float]]:
+        """The verdict on every stretch (rows of ``probes``, places within ``places``), and what can be claimed."""
+        asked, back = np.unique(probes, return_inverse=True)
+        errors = self._errors(sheet, places[asked], kind, rung)[back.reshape(probes.shape)]
+        return [_verdict(each, probes[i], self.within) for i, each in enumerate(errors)]
 
     def _errors(self, sheet: Sheet, places: Index, kind: int, rung: Rung) -> Array:
         points = sheet.grid[places]
@@ -108,17 +118,22 @@ class Ladder:
         return int(np.searchsorted(places, lost[0]))
 
 
-def _verdict(errors: Sequence[Array], within: float) -> tuple[bool | None, float]:
-    """Whether a stretch with these errors (quantities,) at both ends and the middle is within; None: cannot be said."""
-    low, middle, high = errors
-    if not all(np.isfinite(each).all() for each in errors):
-        return (None if any(np.isfinite(each).all() for each in errors) else False), np.inf
-    bent = np.abs(middle - (low + high) / 2)
-    bound = float(np.max(np.max(np.abs(errors), axis=0) + bent))
+def _verdict(errors: Array, places: Index, within: float) -> tuple[bool | None, float]:
+    """Whether a stretch with these errors (3 or 5 places, quantities) is within, None: cannot be said; and a bound.
+
+    Every second place is compared with the straight line between its neighbours.
+    """
+    known = np.isfinite(errors).all(axis=1)
+    if not known.all():
+        return (None if known.any() else False), np.inf
+    share = (places[1::2] - places[:-2:2]) / np.maximum(places[2::2] - places[:-2:2], 1)
+    straight = errors[:-2:2] + share[:, None] * (errors[2::2] - errors[:-2:2])
+    bent = np.abs(errors[1::2] - straight).max(axis=0)
+    bound = float(np.max(np.abs(errors).max(axis=0) + bent))
     if bound <= SPARE * within:
         return True, bound
-    one_side = np.abs(np.sign(low) + np.sign(middle) + np.sign(high)) == 3  # else one is near nothing in between
-    beyond = one_side & (np.min(np.abs(errors), axis=0) - bent > within)
+    one_side = np.abs(np.sign(errors).sum(axis=0)) == len(errors)  # else one is near nothing in between
+    beyond = one_side & (np.abs(errors).min(axis=0) - bent > within)
     return (False if beyond.any() else None), bound
 
 
@@ -128,6 +143,12 @@ def _stretches(count: int) -> list[tuple[int, int]]:
     return [(int(low), int(high)) for low, high in zip(ends[:-1], ends[1:], strict=True)] or [(0, 0)]
 
 
+def _fifths(stretches: Sequence[tuple[int, int]]) -> Index:
+    """Five places of each (stretches, 5): ends, middle and between."""
+    ends = np.array(stretches)
+    return np.asarray((ends[:, :1] * np.arange(4, -1, -1) + ends[:, 1:] * np.arange(5)) // 4)
+
+
 def _probes(stretches: Sequence[tuple[int, int]]) -> Index:
     """Ends and middles, ascending."""
-    return np.unique([each for low, high in stretches for each in (low, (low + high) // 2, high)])
+    return np.unique(_fifths(stretches)[:, ::2])

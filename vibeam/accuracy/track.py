@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibeam.accuracy.known import KINDS, Index, size
-from vibeam.accuracy.rungs import Read, Rung
+from vibeam.accuracy.rungs import EXACT, Read, Rung
 from vibeam.accuracy.sheet import Sheet
 from vibeam.case import SweepPlan
 from vibeam.response import Ended, FrequencyResponse
@@ -83,7 +83,7 @@ def note_flight(
     sheet: Sheet, places: Index, number: int, response: FrequencyResponse, states: Sequence[State]
 ) -> None:
     """Enter points flown by the finest model: exact where they repeat, else one reading of many."""
-    off = np.where(response.ended == Ended.COMPLETE.code, 0.0, np.nan)
+    off = np.where(response.ended == Ended.COMPLETE.code, EXACT, np.nan)
     sheet.enter(places, Read(response, off), number)
     sheet.statistical[places] = (response.period == 0) & np.isfinite(off)
     sheet.states.update(zip(places.tolist(), states, strict=True))

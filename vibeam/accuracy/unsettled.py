@@ -29,7 +29,7 @@ from vibeam.sweep import join
 Array = NDArray[np.float64]
 FIRST = 12  # frequencies that tell the scatter
 ASKED = 12  # frequencies at which cheaper models are compared with the finest
-FEWEST = 24  # frequencies from which on that can be worth it
+FEWEST = 48  # frequencies from which on that can be worth it
 SURE = 2.0  # standard errors
 
 
