@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
 from os import PathLike
@@ -109,6 +109,14 @@ class InfluencePlan:
     repeats: int = 3
 
 
+@dataclass(frozen=True)
+class AccuracyPlan:
+    """``accuracy``: the relative error ``within`` which the ``quantities`` are to be, of the finest fidelity's."""
+
+    within: float
+    quantities: tuple[str, ...] = ("amplitude",)
+
+
 @dataclass(frozen=True, eq=False)
 class Case:
     """A scene, the fidelities that model it, their sweep and what they are checked against.
@@ -135,11 +143,17 @@ class Case:
     influence: InfluencePlan = InfluencePlan()
     chain: Chain | None = None
     chains: Mapping[str, Chain | None] = field(default_factory=dict)
+    accuracy: AccuracyPlan | None = None
 
     @cached_property
     def key(self) -> str:
         """SHA-256 of ``numbers``, in hexadecimal."""
         return sha256(self.numbers.encode()).hexdigest()
+
+    def everywhere(self) -> Case:
+        """The same case without its ``accuracy``: every fidelity at every frequency."""
+        texts = {name: _without_accuracy(getattr(self, name)) for name in ("text", "numbers")}
+        return replace(self, accuracy=None, **texts)
 
     @property
     def base_amplitude(self) -> float:
@@ -217,7 +231,19 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         influence=InfluencePlan(**dict(getattr(declared, "influence", ()))),
         chain=_chain(declared),
         chains={name: _chain(own) for name, own in changed.items()},
+        accuracy=_accuracy(declared),
     )
+
+
+def _without_accuracy(text: str) -> str:
+    lines = text.splitlines(keepends=True)
+    return "".join(line for line in lines if not line.startswith(("accuracy = ", "accuracy_of = "))).lstrip("\n")
+
+
+def _accuracy(case: BeamCase | SdofCase) -> AccuracyPlan | None:
+    if case.accuracy is None:
+        return None
+    return AccuracyPlan(case.accuracy, case.accuracy_of or AccuracyPlan.quantities)
 
 
 def _sweep(table: SweepTable) -> SweepPlan:

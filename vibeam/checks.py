@@ -44,6 +44,7 @@ def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     yield from _cost(case)
     if getattr(case, "influence", None) is not None:
         yield from named_fidelity(case, ("influence", "fidelity"), case.influence.fidelity)
+    yield from _accuracy(case)
 
 
 def _positions(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -295,6 +296,14 @@ def _cost(case: SimpleNamespace) -> Iterator[Complaint]:
         yield path, f"no reference {shown(name)}; {cure(name, filter(NAME.fullmatch, case.reference))}"
     elif case.reference[name].quantity not in ("amplitude", None):
         yield path, f"{shown(name)} gives {case.reference[name].quantity}: accuracy is that of the amplitude"
+
+
+def _accuracy(case: SimpleNamespace) -> Iterator[Complaint]:
+    if case.accuracy is None:
+        if case.accuracy_of is not None:
+            yield ("accuracy_of",), 'goes with an accuracy: write accuracy = "1 %" beside it'
+    elif "accuracy" in case.fidelity:
+        yield ("fidelity", "accuracy"), "the name is that of the result where an accuracy is asked for: choose another"
 
 
 def _is_file(folder: File, name: str) -> bool:

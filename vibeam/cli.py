@@ -103,6 +103,7 @@ def check(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: 
         from vibeam import expect, references
         from vibeam.report.units import units_of
 
+        loaded = loaded.everywhere()  # each fidelity is checked by itself
         result = _swept(loaded, None if out is None else _results_path(loaded, out), show=False)
         rows = references.check(loaded, result, partial=bool(set_)) + expect.check(loaded, result, partial=bool(set_))
         _print(rows, as_json, lambda tables: [tables.checks(rows, units_of(loaded))])
@@ -321,9 +322,18 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
     units = units_of(result.case)
     whole = {"fidelities": rows, "found": result.found, "total": result.total, "files": files}
     whole |= {"curves": curves} if (curves := result.curves) else {}
-    _print(whole, as_json, lambda tables: [tables.responses(rows, units), tables.costs(rows)])
+    study = result.accuracy
+    if study is None:
+        _print(whole, as_json, lambda tables: [tables.responses(rows, units), tables.costs(rows)])
+        told = []
+    else:
+        from vibeam.report import accuracy_table
+
+        whole |= {"accuracy": study}
+        _print(whole, as_json, lambda tables: [tables.responses(rows, units), accuracy_table.choices(study)])
+        told = list(accuracy_table.sentences(study, units))
     if not as_json:
-        typer.echo("\n".join(map(str, files)))
+        typer.echo("\n".join([*told, *map(str, files)]))
 
 
 def _shown(result: Result, path: Path) -> list[Path]:

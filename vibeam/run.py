@@ -20,7 +20,8 @@ from vibeam.store import Branch, Kept, Store, opened
 from vibeam.sweep import march
 
 if TYPE_CHECKING:
-    from vibeam.case import Case
+    from vibeam.accuracy.study import Study
+    from vibeam.case import AccuracyPlan, Case
     from vibeam.fidelity import Fidelity
     from vibeam.motions import MotionCurves
     from vibeam.show.plan import Sheet
@@ -38,7 +39,8 @@ class Interrupted(KeyboardInterrupt):
 class Result(Mapping[str, Branches]):
     """What a run gives: ``result[fidelity].up.amplitude``; ``found`` points of ``total`` were in the file already.
 
-    ``shown``: the numbers of the case's [show.NAME] tables, by name.
+    ``shown``: the numbers of the case's [show.NAME] tables, by name. ``accuracy``: where the case asks for one, what was
+    chosen and whether it holds; the one entry is then ``result["accuracy"]``.
     """
 
     def __init__(
@@ -48,11 +50,13 @@ class Result(Mapping[str, Branches]):
         path: Path | None = None,
         found: int = 0,
         shown: Mapping[str, tuple[Sheet, ...]] | None = None,
+        accuracy: Study | None = None,
     ) -> None:
         self.case = case
         self.path = path
         self.found = found
         self.shown = dict(shown or {})
+        self.accuracy = accuracy
         self._branches = dict(branches)
 
     @property
@@ -88,6 +92,7 @@ class _Job:
 def run(case: Case, out: str | Path | None = None, progress: Progress | None = None, show: bool = True) -> Result:
     """Sweep every fidelity of ``case``; what the results file ``out`` already holds is not computed again.
 
+    Where the case asks for an accuracy it is one curve, ``result["accuracy"]``, in place of one for each fidelity.
     ``out=None`` keeps nothing on disk. ``progress(done, total)`` is called with the points that are there at the start
     and after each further one, from any thread. ``show``: whether to make what the case shows beside its curves.
     CaseError for a fidelity that cannot be built, StoreError where ``out`` cannot be used, Interrupted on Ctrl-C.
@@ -95,6 +100,8 @@ def run(case: Case, out: str | Path | None = None, progress: Progress | None = N
     systems = _systems(case)
     plan = {name: _branches(case, name, system.size) for name, system in systems.items()}
     path = None if out is None else Path(out)
+    if case.accuracy is not None:
+        return _accurate(case, case.accuracy, systems, plan, path, progress or _silent, show)
     with _place(case, path, plan) as store:
         jobs = [_job(case, name, systems[name], branches, store) for name, branches in plan.items()]
         count = _Count(jobs, progress)
@@ -107,6 +114,33 @@ def run(case: Case, out: str | Path | None = None, progress: Progress | None = N
         except KeyboardInterrupt:
             raise Interrupted(_how_to_go_on(count, path)) from None
     return Result(case, {job.name: _gathered(job, curves.get(job.name)) for job in jobs}, path, found, shown)
+
+
+def _silent(done: int, total: int) -> None:
+    """No progress."""
+
+
+def _accurate(
+    case: Case, wanted: AccuracyPlan, systems: Mapping[str, ImpactSystem], plan: Mapping[str, tuple[Branch, ...]],
+    path: Path | None, progress: Progress, show: bool,
+) -> Result:  # fmt: skip
+    """One curve within an accuracy instead of one for each fidelity."""
+    from vibeam.accuracy import run as accuracy
+
+    accuracy.refuse_beyond(case, systems)
+    branches = accuracy.branches_of(case, plan)
+    total = sum(len(branch.frequency) for branch in branches)
+    with _place(case, path, {accuracy.HOME: branches}) as store:
+        try:
+            kept = [store.restore(branch).done for branch in branches] if store else [0]
+            progress(total if sum(kept) == total else 0, total)
+            study, found = accuracy.found_or_made(case, wanted, systems, branches, store)
+            progress(total, total)
+            shown = _shown(case, store) if show else {}
+        except KeyboardInterrupt:
+            raise Interrupted(f"stopped: nothing is kept of its {total} points") from None
+    ways = {way: curve.response for way, curve in study.curves.items()}
+    return Result(case, {accuracy.HOME: Branches(**ways)}, path, found, shown, study)
 
 
 def _shown(case: Case, store: Store | None) -> dict[str, tuple[Sheet, ...]]:
@@ -148,7 +182,7 @@ class _Count:
     def __init__(self, jobs: list[_Job], progress: Progress | None) -> None:
         kept = [kept for job in jobs for _, kept in job.branches]
         self._lock = Lock()
-        self._progress = progress or (lambda done, total: None)
+        self._progress = progress or _silent
         self.done = sum(part.done for part in kept)
         self.total = sum(len(part.response) for part in kept)
         self._progress(self.done, self.total)

@@ -34,6 +34,7 @@ QUANTITIES = ("amplitude", "reach", "maximum", "minimum", "impact_velocity", "im
 EXTENTS = ("peak", "peak_frequency", "period_one_from", "period_one_to")  # of a whole branch
 OF_INFLUENCE = (*EXTENTS, "ringing", "ringing_frequency", "apparent_restitution")
 OUTPUTS = ("sensor", "contact", "tip", "platform")
+ACCURATE = ("amplitude", "reach", "maximum", "minimum", "impact_velocity")  # what an accuracy can be asked of
 REDUCTIONS = ("static_mode", "modal", "full")
 LAWS = ("restitution", "velocity restitution", "linear", "hertz", "hunt-crossley")
 MOST_ELEMENTS = 2000
@@ -42,6 +43,7 @@ MOST_POINTS = 1_000_000
 Length = Place = Quantity(units.LENGTH, POSITIVE)
 Ratio = Quantity(units.RATIO, NOT_NEGATIVE)
 Unity = Quantity(units.RATIO, Range(0, 1))
+Within = Quantity(units.RATIO, Range(1e-4, 1))
 Frequency = Quantity(units.FREQUENCY, POSITIVE)
 Speed = Quantity(units.SPEED, POSITIVE)
 Periods = Count(0, MOST_POINTS)
@@ -571,6 +573,15 @@ class BeamCase(Table):
         "what the case is; absent = the name of its file", "DTU impacting beam, neutral gap, 0.6 V", ""
     )
     source: Annotated[str, Text()] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, Fig. 31(b)", "")
+    accuracy: Annotated[float | None, Within] = key(
+        "relative error allowed against the finest fidelity: vibeam run then takes what is cheapest, frequency by frequency",
+        "1 %",
+        None,
+        written=False,
+    )
+    accuracy_of: Annotated[tuple[str, ...] | None, Each(Word(ACCURATE))] = key(
+        "the quantities that this holds for; absent = the amplitude alone", ["amplitude", "reach"], None, written=False
+    )
     beam: BeamTable
     mass: MassTable
     added_mass: tuple[AddedMassTable, ...] = key("further point masses", None, (), written=False)
@@ -599,6 +610,15 @@ class SdofCase(Table):
         "what the case is; absent = the name of its file", "single degree of freedom", ""
     )
     source: Annotated[str, Text()] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "")
+    accuracy: Annotated[float | None, Within] = key(
+        "relative error allowed against the finest fidelity: vibeam run then takes what is cheapest, frequency by frequency",
+        "1 %",
+        None,
+        written=False,
+    )
+    accuracy_of: Annotated[tuple[str, ...] | None, Each(Word(ACCURATE))] = key(
+        "the quantities that this holds for; absent = the amplitude alone", ["amplitude", "reach"], None, written=False
+    )
     sdof: SdofTable
     stop: SdofStopTable
     drive: SdofDriveTable

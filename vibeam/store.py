@@ -27,6 +27,7 @@ from vibeam.store_layout import LAYOUT, fixed, read_curves, write_branch, write_
 if TYPE_CHECKING:
     import h5py
 
+    from vibeam.accuracy.study import Study
     from vibeam.motions import MotionCurves
     from vibeam.show.plan import Sheet, ShowPlan
 
@@ -109,6 +110,33 @@ class Store:
                     del group[part]
                 write_curves(group.create_group(part), curves, unit)
                 group.move(part, CURVES)
+                self._file.flush()
+            except OSError as fault:
+                text = f"{self.path}: cannot be written ({_reason(fault)}): make room, then run again to go on"
+                raise StoreError(text) from None
+
+    def study(self, branches: Sequence[Branch]) -> Study | None:
+        """The study whose ``branches`` the file holds, None where they are not all there; StoreError as ``restore``."""
+        kept = {branch.direction: self.restore(branch) for branch in branches}
+        if any(part.done < len(part.response) for part in kept.values()):
+            return None
+        from vibeam.accuracy.keep import HOME as group
+        from vibeam.accuracy.keep import read_study
+
+        with self._lock:
+            try:
+                return read_study(self._file[group], {way: part.response for way, part in kept.items()})
+            except _FAULTS as fault:
+                raise _damaged(self.path, f"/{group}", fault) from None
+
+    def write_study(self, study: Study) -> None:
+        """Keep what a study says beside its branches, before these; StoreError if it fails."""
+        from vibeam.accuracy.keep import HOME as group
+        from vibeam.accuracy.keep import write_study
+
+        with self._lock:
+            try:
+                write_study(self._file[group], study)
                 self._file.flush()
             except OSError as fault:
                 text = f"{self.path}: cannot be written ({_reason(fault)}): make room, then run again to go on"

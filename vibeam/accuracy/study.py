@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -19,9 +19,11 @@ from vibeam.accuracy.unsettled import Unsettled
 from vibeam.accuracy.verify import POINTS, Verified, verify
 from vibeam.cost.models import Model, equal
 from vibeam.response import FrequencyResponse
+from vibeam.solvers import compile_kernels
 
 if TYPE_CHECKING:
     from vibeam.case import Case
+    from vibeam.system import ImpactSystem
 
 Array = NDArray[np.float64]
 ENDS = {"up": ("up",), "down": ("down",), "both": ("up", "down")}
@@ -89,15 +91,23 @@ class Study:
         return tuple(each for each in self.verified if not each.passed)
 
 
-def study(case: Case, within: float, quantities: tuple[str, ...] = ("amplitude",), checks: int = POINTS) -> Study:
+def study(
+    case: Case,
+    within: float,
+    quantities: tuple[str, ...] = ("amplitude",),
+    systems: Mapping[str, ImpactSystem] | None = None,
+    checks: int = POINTS,
+) -> Study:
     """The case's sweep, within the relative error ``within`` of the finest fidelity's by flight.
 
-    ``checks``: how many random points are verified. ValueError for a fidelity that cannot be built.
+    ``systems`` of the fidelities, where they are built already; ``checks``: how many random points are verified.
+    ValueError for a fidelity that cannot be built, or that knows more than modes, one stop and one restitution.
     """
     omega = 2 * np.pi * np.sort(case.sweep.frequency)
-    models = ladder_models(case)
+    models = ladder_models(case, systems)
     offered = [_offered(case, model, omega, quantities) for model in models]
     rungs = [rung for several in offered for rung in several]
+    compile_kernels()  # loaded, that is, as every run does once
     begun = time.thread_time()
     sheets = _sheets(case, models[-1], rungs, omega, quantities, within)
     spent = time.thread_time() - begun
@@ -109,7 +119,7 @@ def study(case: Case, within: float, quantities: tuple[str, ...] = ("amplitude",
     return Study(within, quantities, models[-1].name, curves, chosen, tuple(verified), spent, everywhere)
 
 
-def ladder_models(case: Case) -> list[Model]:
+def ladder_models(case: Case, systems: Mapping[str, ImpactSystem] | None = None) -> list[Model]:
     """The case's models by their number of modes, the finest one last; of equal systems the first.
 
     The finest has most modes, of those that set no physics of their own where there are any, and is the first of
@@ -117,7 +127,7 @@ def ladder_models(case: Case) -> list[Model]:
     """
     found: list[Model] = []
     for name, fidelity in case.fidelities.items():
-        model = Model(name, fidelity, case.system(name))
+        model = Model(name, fidelity, case.system(name) if systems is None else systems[name])
         if not any(equal(model.system, other.system) for other in found):
             found.append(model)
     own = [model for model in found if not model.fidelity.changes] or found
@@ -158,6 +168,4 @@ def _share(rung: Rung, number: int, sheets: list[Sheet]) -> Chosen:
 def _curve(sheet: Sheet, rungs: list[Rung]) -> Curve:
     names = [rungs[number].fidelity for number in sheet.rung]
     solvers = [rungs[number].solver for number in sheet.rung]
-    frequencies = sheet.response.frequency
-    assert np.all(np.isfinite(frequencies))
     return Curve(sheet.response, tuple(names), tuple(solvers), sheet.estimate, sheet.statistical, sheet.scatter)

@@ -44,13 +44,13 @@ def models(case: Case, counts: tuple[int, ...] | None = None) -> tuple[list[Mode
     top = finest(found)
     for count in [n for n in COUNTS if n < top.system.size] if counts is None else counts:
         fidelity = replace(top.fidelity, name=f"modes_{count}", reduction="modal", modes=count)
-        _add(found, {}, Model(fidelity.name, fidelity, built(case, fidelity), cut=True))
+        _add(found, {}, Model(fidelity.name, fidelity, built(case, fidelity, top.name), cut=True))
     return found, same
 
 
-def built(case: Case, fidelity: Fidelity) -> ImpactSystem:
-    """The system of a fidelity that the case does not name."""
-    return system(case.scene, fidelity)
+def built(case: Case, fidelity: Fidelity, like: str) -> ImpactSystem:
+    """The system of a fidelity that the case does not name, in the scene of the one that it is ``like``."""
+    return system(case.scene_of(like), fidelity)
 
 
 def finest(found: list[Model]) -> Model:

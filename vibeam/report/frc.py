@@ -18,7 +18,7 @@ from vibeam.compare import finest_of, modes_of, periodic
 from vibeam.references import reference_points
 from vibeam.report.curve import Kind, motion_pieces, pieces
 from vibeam.report.style import COLOURS, GAP, GHOST, KEY, LINES, PAGE, REFERENCE, STABLE, UNSTABLE, arrow, line
-from vibeam.report.units import Units, units_of
+from vibeam.report.units import Units, percent, units_of
 from vibeam.response import Array, FrequencyResponse
 
 if TYPE_CHECKING:
@@ -81,6 +81,9 @@ class _Panel:
     def label(self) -> str:
         """The fidelity and its size."""
         modes = modes_of(self.result[self.name])
+        study = self.result.accuracy
+        if study is not None:
+            return f"within {percent(study.within)} of {study.finest}"
         return f"{self.name} ({modes} mode{'s' * (modes > 1)})"
 
     def fill(self, ghost: str | None, titled: bool) -> None:
@@ -142,7 +145,8 @@ class _Panel:
 
     def _gap(self) -> None:
         case = self.result.case
-        height = grazing(case.system(self.name), case.sweep.output)
+        study = self.result.accuracy
+        height = grazing(case.system(self.name if study is None else study.finest), case.sweep.output)
         if height > 0:
             self.drawn.add("gap")
             self.axes.axhline(height * self.units.length_factor, gid=f"{self.name}-gap", **GAP)

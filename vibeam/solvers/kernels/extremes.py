@@ -32,6 +32,15 @@ LIGHTLY = 1e-6  # and where not everything is read off
 @kernel
 def extremes(
     pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, span: float, coarsest: int,
+    least: float, most: float,
+) -> tuple[float, float]:  # fmt: skip
+    """(least, most) widened to the signal's values over [0, span]."""
+    return extremes_to(pairs, table, levels, signal, attached, span, coarsest, least, most, ACCURACY)
+
+
+@kernel
+def extremes_to(
+    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, span: float, coarsest: int,
     least: float, most: float, share: float,
 ) -> tuple[float, float]:  # fmt: skip
     """(least, most) widened to the signal's values over [0, span], to a ``share`` of the size of its parts."""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from vibeam.solvers.kernels.desk import Desk, Room
 from vibeam.solvers.kernels.drive import phase
 from vibeam.solvers.kernels.energy import energy_at_rest, energy_in_flight
-from vibeam.solvers.kernels.extremes import ACCURACY, LIGHTLY, extremes
+from vibeam.solvers.kernels.extremes import ACCURACY, LIGHTLY, extremes_to
 from vibeam.solvers.kernels.flight import begin_flight
 from vibeam.solvers.kernels.jit import kernel
 from vibeam.solvers.kernels.layout import (
@@ -108,7 +108,7 @@ def watch(desk: Desk, room: Room, count: int) -> None:
             result[REST_TIME] += duration
             result[CONTACT_LEAST] = min(result[CONTACT_LEAST], desk.drive[GAP])
             begin_output_at_rest(desk, room.rest_row, room.row, frame, clock)
-            result[LEAST], result[HIGH] = extremes(
+            result[LEAST], result[HIGH] = extremes_to(
                 desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.rest_attached,
                 duration, coarsest, result[LEAST], result[HIGH], share,
             )  # fmt: skip
@@ -130,13 +130,13 @@ def watch_flight(
     if reading >= EVERYTHING:
         energy_in_flight(desk, pose, clock, duration, energy)
     if reading >= REACH_TOO:
-        _, widest = extremes(
+        _, widest = extremes_to(
             desk.pairs, desk.table, desk.levels, desk.signal, desk.attached,
             duration, coarsest, 0.0, desk.drive[GAP] - result[CONTACT_LEAST], share,
         )  # fmt: skip
         result[CONTACT_LEAST] = desk.drive[GAP] - widest
     begin_output(desk, row, pose, clock)
-    result[LEAST], result[HIGH] = extremes(
+    result[LEAST], result[HIGH] = extremes_to(
         desk.pairs, desk.table, desk.levels, desk.signal, desk.attached,
         duration, coarsest, result[LEAST], result[HIGH], share,
     )  # fmt: skip

@@ -1,0 +1,54 @@
+"""Run a case that asks for an accuracy: one curve instead of one for each fidelity."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.accuracy.keep import HOME
+from vibeam.accuracy.study import Study, study
+from vibeam.faults import CaseError, Fault
+from vibeam.fidelity import gap_drift
+from vibeam.state import State
+from vibeam.store import Branch, Store
+
+if TYPE_CHECKING:
+    from vibeam.case import AccuracyPlan, Case
+    from vibeam.system import ImpactSystem
+
+
+def refuse_beyond(case: Case, systems: Mapping[str, ImpactSystem]) -> None:
+    """CaseError where the finest model's motion cannot be followed by closed forms."""
+    reasons = {name: " or ".join(system.beyond_plain) for name, system in systems.items() if system.beyond_plain}
+    omega = 2 * np.pi * case.sweep.frequency
+    reasons |= {name: "a gap that drifts" for name in systems if gap_drift(case.scene_of(name), omega) is not None}
+    if reasons:
+        told = "; ".join(f"{name} has {reason}" for name, reason in reasons.items())
+        raise CaseError([Fault(str(case.path), None, "accuracy", f"cannot be had of {told}: take this key away")])
+
+
+def branches_of(case: Case, branches: Mapping[str, tuple[Branch, ...]]) -> tuple[Branch, ...]:
+    """The branches of the result: as the finest fidelity's, under the name ``accuracy``."""
+    widest = max(branches.values(), key=lambda several: several[0].modes)
+    return tuple(replace(branch, fidelity=HOME) for branch in widest)
+
+
+def found_or_made(
+    case: Case, plan: AccuracyPlan, systems: Mapping[str, ImpactSystem], branches: tuple[Branch, ...],
+    store: Store | None,
+) -> tuple[Study, int]:  # fmt: skip
+    """The study, and how many of its points were in the file already: all or none."""
+    there = store.study(branches) if store else None
+    if there is not None:
+        return there, there.points
+    made = study(case, plan.within, plan.quantities, systems)
+    if store:
+        store.write_study(made)
+        for branch in branches:
+            response = made.curves[branch.direction].response
+            unknown = np.full(branch.modes, np.nan)
+            store.write(branch, 0, response, State(unknown, unknown))
+    return made, 0
