@@ -152,8 +152,8 @@ class Case:
 
     def everywhere(self) -> Case:
         """The same case without its ``accuracy``: every fidelity at every frequency."""
-        texts = {name: _without_accuracy(getattr(self, name)) for name in ("text", "numbers")}
-        return replace(self, accuracy=None, **texts)
+        text, numbers = _without_accuracy(self.text), _without_accuracy(self.numbers)
+        return replace(self, accuracy=None, text=text, numbers=numbers)
 
     @property
     def base_amplitude(self) -> float:

@@ -39,8 +39,8 @@ class Interrupted(KeyboardInterrupt):
 class Result(Mapping[str, Branches]):
     """What a run gives: ``result[fidelity].up.amplitude``; ``found`` points of ``total`` were in the file already.
 
-    ``shown``: the numbers of the case's [show.NAME] tables, by name. ``accuracy``: where the case asks for one, what was
-    chosen and whether it holds; the one entry is then ``result["accuracy"]``.
+    ``shown``: the numbers of the case's [show.NAME] tables, by name. ``accuracy``: where the case asks for one, what
+    was chosen and whether it holds; the one entry is then ``result["accuracy"]``.
     """
 
     def __init__(
@@ -126,11 +126,12 @@ def _accurate(
 ) -> Result:  # fmt: skip
     """One curve within an accuracy instead of one for each fidelity."""
     from vibeam.accuracy import run as accuracy
+    from vibeam.accuracy.keep import HOME
 
     accuracy.refuse_beyond(case, systems)
     branches = accuracy.branches_of(case, plan)
     total = sum(len(branch.frequency) for branch in branches)
-    with _place(case, path, {accuracy.HOME: branches}) as store:
+    with _place(case, path, {HOME: branches}) as store:
         try:
             kept = [store.restore(branch).done for branch in branches] if store else [0]
             progress(total if sum(kept) == total else 0, total)
@@ -139,8 +140,8 @@ def _accurate(
             shown = _shown(case, store) if show else {}
         except KeyboardInterrupt:
             raise Interrupted(f"stopped: nothing is kept of its {total} points") from None
-    ways = {way: curve.response for way, curve in study.curves.items()}
-    return Result(case, {accuracy.HOME: Branches(**ways)}, path, found, shown, study)
+    up, down = (study.curves[way].response if way in study.curves else None for way in ("up", "down"))
+    return Result(case, {HOME: Branches(up, down)}, path, found, shown, study)
 
 
 def _shown(case: Case, store: Store | None) -> dict[str, tuple[Sheet, ...]]:

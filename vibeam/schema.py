@@ -574,7 +574,7 @@ class BeamCase(Table):
     )
     source: Annotated[str, Text()] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, Fig. 31(b)", "")
     accuracy: Annotated[float | None, Within] = key(
-        "relative error allowed against the finest fidelity: vibeam run then takes what is cheapest, frequency by frequency",
+        "relative error allowed, of the finest fidelity's: vibeam run then takes what is cheapest, place by place",
         "1 %",
         None,
         written=False,
@@ -611,7 +611,7 @@ class SdofCase(Table):
     )
     source: Annotated[str, Text()] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "")
     accuracy: Annotated[float | None, Within] = key(
-        "relative error allowed against the finest fidelity: vibeam run then takes what is cheapest, frequency by frequency",
+        "relative error allowed, of the finest fidelity's: vibeam run then takes what is cheapest, place by place",
         "1 %",
         None,
         written=False,

@@ -41,8 +41,9 @@ def write_study(group: h5py.Group, study: Study) -> None:
 def read_study(group: h5py.Group, responses: Mapping[str, FrequencyResponse]) -> Study:
     """What ``write_study`` put there, with the responses of each direction."""
     head = json.loads(group.attrs["study"].decode())
+    head["quantities"] = tuple(head["quantities"])
     return Study(
-        **{name: head[name] for name in PLAIN} | {"quantities": tuple(head["quantities"])},
+        **{name: head[name] for name in PLAIN},
         curves={way: _read_curve(group[way], response) for way, response in responses.items()},
         chosen=tuple(Chosen(**row) for row in head["chosen"]),
         verified=tuple(Verified(**row) for row in head["verified"]),
@@ -75,9 +76,14 @@ def _dataset(group: h5py.Group, name: str, values: Any, meaning: str) -> h5py.Da
 
 
 def _read_curve(group: h5py.Group, response: FrequencyResponse) -> Curve:
-    named = [_named(group[name]) for name in ("fidelity", "solver")]
-    rows = {name: group[name][()] for name in ROWS}
-    return Curve(response, *named, statistical=group["statistical"][()].astype(bool), **rows)
+    return Curve(
+        response=response,
+        fidelity=_named(group["fidelity"]),
+        solver=_named(group["solver"]),
+        estimate=group["estimate"][()],
+        statistical=group["statistical"][()].astype(bool),
+        scatter=group["scatter"][()],
+    )
 
 
 def _named(dataset: h5py.Dataset) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +55,7 @@ class Ladder:
         if fine.all():
             return len(places)
         bad = int(probes[np.argmin(fine)])
-        good = int(max(probes[:np.argmin(fine)], default=-1))
+        good = int(max(probes[: np.argmin(fine)], default=-1))
         while bad - good > 1:
             middle = (good + bad) // 2
             if np.isfinite(finest.read(sheet.grid[places[[middle]]], kind).off[0]):
@@ -140,7 +141,7 @@ def _verdict(errors: Array, places: Index, within: float) -> tuple[bool | None, 
 def _stretches(count: int) -> list[tuple[int, int]]:
     """Ends of about equal stretches over ``count`` places."""
     ends = np.unique(np.linspace(0, count - 1, min(STRETCHES, max((count - 1) // SHORTEST, 1)) + 1).astype(int))
-    return [(int(low), int(high)) for low, high in zip(ends[:-1], ends[1:], strict=True)] or [(0, 0)]
+    return [(int(low), int(high)) for low, high in pairwise(ends)] or [(0, 0)]
 
 
 def _fifths(stretches: Sequence[tuple[int, int]]) -> Index:

@@ -38,7 +38,7 @@ class Spent:
 
 
 class Read(NamedTuple):
-    """What was read at some points, and by how much, relative, each may be off what its model does; NaN where failed."""
+    """What was read at some points, and by how much, relative, each may be off its model; NaN where failed."""
 
     response: FrequencyResponse
     off: Array
@@ -55,7 +55,7 @@ class Rung:
     output: str
     flight: FlightSolver
     spent: Spent = field(default_factory=Spent)
-    seen: dict[int, tuple[Read, NDArray[np.bool_]]] = field(default_factory=dict)  # by kind: what was read, and where
+    seen: dict[int, tuple[Read, NDArray[np.bool_]]] = field(default_factory=dict)  # by kind: what was read, where
 
     @property
     def label(self) -> str:
@@ -79,9 +79,7 @@ class Rung:
             self.spent.add(begun, len(asked))
         return Read(rows(kept.response, which), kept.off[which])
 
-    def fly(
-        self, points: Index, state: State | None, settle: int, hold: int
-    ) -> tuple[FrequencyResponse, list[State]]:
+    def fly(self, points: Index, state: State | None, settle: int, hold: int) -> tuple[FrequencyResponse, list[State]]:
         """Points in turn by flight, the state carried from each to the next; and the states after each."""
         begun = time.thread_time()
         states: list[State] = []

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.accuracy.known import Index
-from vibeam.accuracy.rungs import Read, Rung, put
+from vibeam.accuracy.rungs import Read, put
 from vibeam.response import FrequencyResponse
 from vibeam.state import State
 
@@ -48,7 +48,3 @@ class Sheet:
         """Take over what was read at the places ``at``."""
         put(self.response, at, read.response)
         self.rung[at], self.estimate[at] = rung, read.off
-
-    def label(self, place: int, rungs: list[Rung]) -> str:
-        """Which rung gave a point."""
-        return rungs[self.rung[place]].label

@@ -31,7 +31,7 @@ ENDS = {"up": ("up",), "down": ("down",), "both": ("up", "down")}
 
 @dataclass(frozen=True)
 class Chosen:
-    """A rung's share: ``taken`` points of the result, ``asked`` in all, CPU seconds; ``estimate``: the largest claim."""
+    """A rung: ``taken`` points of the result, ``asked`` in all, CPU seconds; ``estimate``: the largest claim."""
 
     fidelity: str
     solver: str

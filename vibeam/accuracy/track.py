@@ -79,9 +79,7 @@ def fly(sheet: Sheet, finest: Finest, place: int, state: State | None) -> Where:
     return Where(kind, point, states[0])
 
 
-def note_flight(
-    sheet: Sheet, places: Index, number: int, response: FrequencyResponse, states: Sequence[State]
-) -> None:
+def note_flight(sheet: Sheet, places: Index, number: int, response: FrequencyResponse, states: Sequence[State]) -> None:
     """Enter points flown by the finest model: exact where they repeat, else one reading of many."""
     off = np.where(response.ended == Ended.COMPLETE.code, EXACT, np.nan)
     sheet.enter(places, Read(response, off), number)

@@ -54,7 +54,8 @@ class Unsettled:
             probes = places[np.unique(np.linspace(FIRST, len(places) - 1, ASKED).astype(int))]
             state = self._finest(sheet, probes, state)
             left = places[sheet.rung[places] < 0]
-            self._cheaper(sheet, probes, left) or self._between(sheet, left)
+            if not self._cheaper(sheet, probes, left):
+                self._between(sheet, left)
         self._scatter(sheet, places)
         return state
 
@@ -127,7 +128,9 @@ def _scatter(readings: Array) -> float:
     """Relative scatter of readings (frequencies, quantities) about a straight trend, of the worst quantity."""
     place = np.arange(len(readings))
     trend = np.stack([np.polyval(np.polyfit(place, column, 1), place) for column in readings.T], axis=1)
-    return float(np.max(np.sqrt(np.sum((readings - trend) ** 2, axis=0) / (len(place) - 2)) / abs(readings.mean(axis=0))))
+    return float(
+        np.max(np.sqrt(np.sum((readings - trend) ** 2, axis=0) / (len(place) - 2)) / abs(readings.mean(axis=0)))
+    )
 
 
 def _bound(

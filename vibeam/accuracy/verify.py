@@ -45,11 +45,13 @@ class Verified:
         return self.error <= self.allowed
 
 
-def verify(sheets: Sequence[Sheet], finest: Rung, plan: SweepPlan, within: float, count: int = POINTS) -> list[Verified]:
+def verify(
+    sheets: Sequence[Sheet], finest: Rung, plan: SweepPlan, within: float, count: int = POINTS
+) -> list[Verified]:
     """``count`` points drawn with a fixed seed, or all where there are no more, in the order of the sheets."""
     places = [(sheet, place) for sheet in sheets for place in range(len(sheet.grid))]
     chosen = np.random.default_rng(SEED).permutation(len(places))[:count]
-    return [_verified(*places[i], finest, plan, within) for i in np.sort(chosen)]
+    return [_verified(*places[int(i)], finest, plan, within) for i in np.sort(chosen)]
 
 
 def _verified(sheet: Sheet, place: int, finest: Rung, plan: SweepPlan, within: float) -> Verified:

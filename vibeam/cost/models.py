@@ -21,12 +21,16 @@ CUT_SOLVERS = ("flight", "orbit")  # of a model that is there for its number of 
 
 @dataclass(frozen=True)
 class Model:
-    """A fidelity with its system; ``cut``: not in the case, there to show what modes cost."""
+    """A fidelity with its system; ``cut``: not in the case, there to show what modes cost.
+
+    ``like``: the fidelity of the case whose scene it has.
+    """
 
     name: str
     fidelity: Fidelity
     system: ImpactSystem
     cut: bool = False
+    like: str = ""
 
 
 def models(case: Case, counts: tuple[int, ...] | None = None) -> tuple[list[Model], dict[str, str]]:
@@ -38,13 +42,13 @@ def models(case: Case, counts: tuple[int, ...] | None = None) -> tuple[list[Mode
     found: list[Model] = []
     same: dict[str, str] = {}
     for name, fidelity in case.fidelities.items():
-        _add(found, same, Model(name, fidelity, case.system(name)))
+        _add(found, same, Model(name, fidelity, case.system(name), like=name))
     if isinstance(case.scene, SdofScene):
         return found, same
     top = finest(found)
     for count in [n for n in COUNTS if n < top.system.size] if counts is None else counts:
         fidelity = replace(top.fidelity, name=f"modes_{count}", reduction="modal", modes=count)
-        _add(found, {}, Model(fidelity.name, fidelity, built(case, fidelity, top.name), cut=True))
+        _add(found, {}, Model(fidelity.name, fidelity, built(case, fidelity, top.name), True, top.name))
     return found, same
 
 

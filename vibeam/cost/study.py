@@ -153,8 +153,10 @@ class _Studied:
     def study(self) -> Study:
         """Everything in turn: exact motions, their bound, the parts of modelling, then the ladders."""
         self.say("exact motions of every fidelity, and what bounds them")
-        self.exact = {model.name: self._timed(model.system, FLIGHT, self.long, np.inf) for model in self.models}
-        self.short = {model.name: measure(model.system, FLIGHT, self.plan) for model in self.models}
+        self.exact = {
+            model.name: self._timed(model.system, FLIGHT, self._of(model, self.long), np.inf) for model in self.models
+        }
+        self.short = {model.name: measure(model.system, FLIGHT, self._of(model, self.plan)) for model in self.models}
         top = self.exact[self.finest.name][0]
         self.file = None if self.asked.reference is None else given(self.case, self.plan.omega / (2 * np.pi))
         self.truth = top if self.file is None else Measured(self.file)
@@ -173,6 +175,15 @@ class _Studied:
             tuple(left_out), tuple(self.refused), self.same, grid, self.plan.settle, self.plan.hold, spent,
         )  # fmt: skip
 
+    def _of(self, model: Model, plan: Plan) -> Plan:
+        """The plan as the model's own scene drives it."""
+        if not self.case.scenes:
+            return plan
+        place = np.array([plan.drive.omega])
+        base, alone = (self.case.amplitude_of(model.like, omega) for omega in (plan.omega, place))
+        drive = Drive(plan.drive.omega, float(np.ravel(alone)[0]))
+        return replace(plan, amplitude=np.broadcast_to(base, plan.omega.shape), drive=drive)
+
     def _left(self) -> float:
         """Seconds of the budget, which begins when all that every study needs is done."""
         return self.asked.budget - (self.clock() - self.ready)
@@ -187,10 +198,10 @@ class _Studied:
             if one is other:
                 return other.system
             alike = replace(one.fidelity, reduction=other.fidelity.reduction, modes=other.fidelity.modes)
-            return built(self.case, alike)
+            return built(self.case, alike, one.like)
 
         def fly(system: ImpactSystem) -> Any:
-            return measure(system, FLIGHT, replace(self.long, window=0)).response
+            return measure(system, FLIGHT, replace(self._of(model, self.long), window=0)).response
 
         exact, work = self.exact[model.name]
         return split(model, self.finest, exact.response, top.response, build, fly, work.cpu_min, self.file)
@@ -213,7 +224,7 @@ class _Studied:
         """Seconds of a run: flight's are known, others from two periods of it; this is its warm-up as well."""
         if rung.solver == "flight":
             return self.exact[model.name][1].cpu_min
-        plan = self.plan
+        plan = self._of(model, self.plan)
         least = STIFF * float(np.max(model.system.omega)) * float(np.sum(2 * np.pi / plan.omega))
         if rung.solver == "direct" and least * (plan.settle + plan.hold) > self.asked.budget:
             return least * (plan.settle + plan.hold)  # not even two periods are to be had for nothing
@@ -228,7 +239,7 @@ class _Studied:
         model = self.named[fidelity]
         self.say(f"{fidelity}: {rung.label}")
         try:
-            found, work = self._timed(model.system, rung, self.plan, self.ready + self.asked.budget)
+            found, work = self._timed(model.system, rung, self._of(model, self.plan), self.ready + self.asked.budget)
         except OutOfTime as stopped:
             self.rows.append(self._row(model, rung, None, None, str(stopped)))
             return None

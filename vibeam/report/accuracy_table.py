@@ -32,7 +32,9 @@ def choices(study: Study) -> Table:
             told = percent(row.estimate) if row.taken else "–"
             numbers = (str(row.asked), told, f"{row.cpu_seconds:.3g} s")
             table.add_row(row.fidelity, str(row.modes), row.solver, str(row.taken), *numbers, _why(study, row))
-    table.caption = f"of {', '.join(study.quantities)}; points: of the result; asked: read to find out, or for the result"
+    table.caption = (
+        f"of {', '.join(study.quantities)}; points: of the result; asked: read to find out, or for the result"
+    )
     return table
 
 
