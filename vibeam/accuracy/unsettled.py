@@ -18,13 +18,12 @@ from numpy.typing import NDArray
 from vibeam.accuracy.known import Index
 from vibeam.accuracy.ladder import SPARE
 from vibeam.accuracy.readings import apart, values
-from vibeam.accuracy.rungs import Read, Rung, rows
+from vibeam.accuracy.rungs import Read, Rung, put, rows
 from vibeam.accuracy.sheet import Sheet
 from vibeam.accuracy.track import note_flight
 from vibeam.case import SweepPlan
 from vibeam.response import FrequencyResponse
 from vibeam.state import State
-from vibeam.sweep import join
 
 Array = NDArray[np.float64]
 FIRST = 12  # frequencies that tell the scatter
@@ -42,7 +41,9 @@ class Unsettled:
     quantities: tuple[str, ...]
     within: float
     plan: SweepPlan
-    flown: dict[tuple[int, int], tuple[FrequencyResponse, State]] = field(default_factory=dict)  # by rung and point
+    flown: dict[int, tuple[FrequencyResponse, dict[int, State]]] = field(
+        default_factory=dict
+    )  # by rung: points, states
 
     def settle(self, sheet: Sheet, places: Index, state: State | None) -> State | None:
         """Fill the places of ``sheet``; the finest model's state after the last one."""
@@ -105,15 +106,17 @@ class Unsettled:
 
     def _through(self, rung: int, points: Index, state: State | None = None) -> tuple[FrequencyResponse, list[State]]:
         """Points in turn by flight, or what was found there before; and the states after each."""
-        for some in np.split(points, np.flatnonzero(np.diff([(rung, int(p)) in self.flown for p in points])) + 1):
-            keys = [(rung, int(point)) for point in some]
-            if keys[0] not in self.flown:
+        if rung not in self.flown:
+            omega, size = self.rungs[rung].known.omega, self.rungs[rung].known.system.size
+            self.flown[rung] = FrequencyResponse.empty(omega / (2 * np.pi), size), {}
+        kept, after = self.flown[rung]
+        for some in np.split(points, np.flatnonzero(np.diff([int(point) in after for point in points])) + 1):
+            if int(some[0]) not in after:
                 response, states = self.rungs[rung].fly(some, state, self.plan.settle, self.plan.hold)
-                parts = (rows(response, np.array([i])) for i in range(len(some)))
-                self.flown.update(zip(keys, zip(parts, states, strict=True), strict=True))
-            state = self.flown[keys[-1]][1]
-        found = [self.flown[rung, int(point)] for point in points]
-        return join([response for response, _ in found]), [after for _, after in found]
+                put(kept, some, response)
+                after.update(zip(some.tolist(), states, strict=True))
+            state = after[int(some[-1])]
+        return rows(kept, points), [after[int(point)] for point in points]
 
     def _scatter(self, sheet: Sheet, places: Index) -> None:
         """How far single readings scatter: about the mean of their neighbours, of all that do not repeat."""
