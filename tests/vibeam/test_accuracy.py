@@ -172,7 +172,7 @@ def test_one_draw_of_many_is_judged_by_their_scatter():
     assert rate[0.25] < 0.2
 
 
-# ------------------------------------------------------------------------------------------------------- the whole claim
+# ------------------------------------------------------------------------------------------------ the whole claim
 
 
 @pytest.mark.parametrize("name", DTU)
@@ -256,7 +256,7 @@ def test_the_finest_has_most_modes_and_no_physics_of_its_own():
     assert [model.name for model in models] == ["sdof", "two_modes", "beam"]
 
 
-# ----------------------------------------------------------------------------------------------------- cases and results
+# ------------------------------------------------------------------------------------------------ cases and results
 
 
 def test_a_run_keeps_the_curve_and_what_gave_it(tmp_path):
