@@ -109,6 +109,7 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
         "references": {},
         "expectations": {},
         "shows": {},
+        "accuracy": None,
         "system": systems.__getitem__,
         "scene_of": lambda name: SdofScene(48.0, 0.02, 1e-4, 1.0, 1e-3),
         "amplitude_of": lambda name, omega: 1e-3,
