@@ -353,3 +353,9 @@ def test_what_is_asked_of_cost_does_not_change_what_a_run_computes() -> None:
     assert parse(TINY).key == parse(SDOF).key
     assert parse(parse(TINY).text).cost == parse(TINY).cost
     assert parse(TINY).cost.settle == 5
+
+
+def test_a_gap_that_changes_along_the_sweep_is_refused() -> None:
+    case = vibeam.load(RIG, set={"stop.wear": "1 nm"})
+    with pytest.raises(ValueError, match="no point stands alone"):
+        cost(case)

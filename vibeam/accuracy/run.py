@@ -11,7 +11,7 @@ import numpy as np
 from vibeam.accuracy.keep import HOME
 from vibeam.accuracy.study import Study, study
 from vibeam.faults import CaseError, Fault
-from vibeam.fidelity import gap_drift
+from vibeam.fidelity import gap_drift, gap_wear
 from vibeam.state import State
 from vibeam.store import Branch, Store
 
@@ -25,6 +25,7 @@ def refuse_beyond(case: Case, systems: Mapping[str, ImpactSystem]) -> None:
     reasons = {name: " or ".join(system.beyond_plain) for name, system in systems.items() if system.beyond_plain}
     omega = 2 * np.pi * case.sweep.frequency
     reasons |= {name: "a gap that drifts" for name in systems if gap_drift(case.scene_of(name), omega) is not None}
+    reasons |= {name: "a stop that wears" for name in systems if gap_wear(case.scene_of(name)) is not None}
     if reasons:
         told = "; ".join(f"{name} has {reason}" for name, reason in reasons.items())
         raise CaseError([Fault(str(case.path), None, "accuracy", f"cannot be had of {told}: take this key away")])

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 FIRST = 12  # frequencies that tell the scatter
 ASKED = 12  # frequencies at which cheaper models are compared with the finest
 FEWEST = 48  # frequencies from which on that can be worth it
-SURE = 2.0  # standard errors
+SURE = 3.0  # standard errors
 
 
 @dataclass(frozen=True)

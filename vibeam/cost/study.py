@@ -20,6 +20,7 @@ from vibeam.cost.reference import FLIGHT, Bound, bound, curve, given
 from vibeam.cost.schedule import LeftOut, Track, climb
 from vibeam.cost.split import Part, Split, part, shares, split
 from vibeam.cost.work import Work, front, timed
+from vibeam.fidelity import gap_drift, gap_wear
 from vibeam.solvers import NAMES
 from vibeam.system import Drive, ImpactSystem
 
@@ -96,8 +97,20 @@ class Study:
         return front(list(zip(errors, seconds, strict=True)))
 
 
+def _gap_changes(case: Case, name: str) -> bool:
+    scene = case.scene_of(name)
+    return gap_wear(scene) is not None or gap_drift(scene, 2 * np.pi * case.sweep.frequency) is not None
+
+
 def cost(case: Case, progress: Progress = lambda line: None, clock: Clock = time.thread_time) -> Study:
-    """Run what the budget allows and compare it. ValueError for a fidelity that cannot be built."""
+    """Run what the budget allows and compare it.
+
+    ValueError for a fidelity that cannot be built, or whose gap changes during the sweep: no point then stands alone.
+    """
+    moving = [name for name in case.fidelities if _gap_changes(case, name)]
+    if moving:
+        names = ", ".join(moving)
+        raise ValueError(f"fidelity {names}: the gap changes along the sweep (drift or wear), no point stands alone")
     return _Studied(case, progress, clock).study()
 
 
