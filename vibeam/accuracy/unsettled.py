@@ -139,7 +139,7 @@ def _scatter(readings: Array) -> float:
 def _bound(
     found: FrequencyResponse, truth: FrequencyResponse, loose: NDArray[np.bool_], quantities: Sequence[str]
 ) -> float:
-    """The largest error where the truth repeats; of the mean, with two standard errors, where it does not."""
+    """The largest error where the truth repeats; of the mean, with three standard errors, where it does not."""
     error = apart(found, truth, quantities)
     worst = float(np.max(np.abs(error[~loose]), initial=0.0))
     count = int(np.count_nonzero(loose))
