@@ -34,15 +34,17 @@ def models(file: Path) -> tuple[tuple[ImpactSystem, float, tuple[float, ...]], .
     Those beside which period 1 gains or loses stability are always among them: there a motion settles most slowly.
     """
     case = vibeam.load(file)
-    found: list[ImpactSystem] = []
+    grid = 2 * np.pi * case.sweep.frequency
+    found: list[tuple[ImpactSystem, float]] = []
     for name in case.fidelities:
-        system = case.system(name)
-        if not any(repr(system) == repr(other) for other in found):
-            found.append(system)
-    grid, amplitude = 2 * np.pi * case.sweep.frequency, case.base_amplitude
+        system, amplitude = case.system(name), case.amplitude_of(name, grid)
+        if system.beyond_plain or not isinstance(amplitude, float):
+            continue  # no closed form for it, or a base of its own at every frequency, behind a platform's filter
+        if not any((repr(system), amplitude) == (repr(other), base) for other, base in found):
+            found.append((system, amplitude))
     even = np.linspace(0, len(grid) - 1, POINTS).round().astype(int)
-    chosen = [np.union1d(even, edges(orbit_curve(system, grid, amplitude).stable)) for system in found]
-    return tuple((system, amplitude, tuple(map(float, grid[few]))) for system, few in zip(found, chosen, strict=True))
+    chosen = [grid[np.union1d(even, edges(orbit_curve(system, grid, base).stable))] for system, base in found]
+    return tuple((*each, tuple(map(float, few))) for each, few in zip(found, chosen, strict=True))
 
 
 def edges(stable: NDArray[np.bool_]) -> NDArray[np.int64]:
@@ -88,7 +90,7 @@ def test_every_case(file: Path) -> None:
                 assert getattr(flown, name)[0] == pytest.approx(getattr(seen, name)[0], abs=bar), (name, orbit)
     expected = sum(len(stable_orbits(*model)) for model in models(file))
     assert judged >= 0.9 * expected
-    assert expected > 0 or file.parent.name == "paper"
+    assert expected > 0 or file.parent.name in ("paper", "experiment")
 
 
 # published orbits
