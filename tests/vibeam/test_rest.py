@@ -11,6 +11,7 @@ from exact_motion import exact_motion
 from scipy.integrate import solve_ivp
 
 import vibeam
+from vibeam.solvers.constrained import constrained
 
 Array = np.ndarray
 
@@ -228,6 +229,7 @@ def test_rest_after_chatter_is_the_same_rest(mode: int) -> None:
 NO_FORCE = """
 import numpy as np
 import vibeam
+from vibeam.solvers.constrained import constrained
 
 system = vibeam.ImpactSystem.from_modes({modes}, gap=0.0, restitution={restitution})
 start = vibeam.State(np.array({x}), np.array({v}))
@@ -251,3 +253,14 @@ def test_a_contact_without_any_force_of_its_own_after_a_plastic_impact() -> None
 def test_a_contact_force_that_decays_while_a_mode_that_the_stop_does_not_feel_swings_on(restitution: float) -> None:
     modes = "[1.0, 1.7, 1.9], [6.0, 1.0, 0.005], [-0.8, 0.3, 0.0], [1.0, 1.0, 1.0]"
     run_apart(NO_FORCE.format(modes=modes, restitution=restitution, x=[0.1, 0.0, 0.4], v=[-0.5, 0.3, 0.2], end=400.0))
+
+
+def test_held_rates_on_the_brink_of_critical_damping_are_taken_together() -> None:
+    """A conjugate pair with imaginary parts of 9.6e-5 of its size is one plane, on whichever side of the limit."""
+    omega = np.array([1.0, 1.36581907, 2.94256797, 5.81136443, 12.10398161, 18.97134649])
+    zeta = np.array([6.12514078, 0.0, 1.0, 0.0, 6.12514078, 0.17483231])
+    contact = np.array([-7.14799860e-01, -8.14675450e-01, 6.10350000e-05, 0.0, 0.0, -1.02078294])
+    for share in (1.0, 0.5, 0.1, 1e-3):
+        found = constrained(omega, zeta * omega, contact * np.array([1, 1, share, 1, 1, 1]), contact, contact, 0.0)
+        assert np.abs(found.to_blocks).max() < 1e6
+        assert np.abs(found.to_blocks @ found.from_blocks - np.eye(10)).max() < 1e-8

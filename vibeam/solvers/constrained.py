@@ -185,7 +185,7 @@ def _sorted(state: Array, out: Array) -> tuple[Array, Array, Array]:
 def _invariant_planes(state: Array) -> Array:
     """Columns that span real two-dimensional invariant subspaces of ``state``."""
     values, vectors = np.linalg.eig(state)
-    near = np.abs(values.imag) <= CLOSE * np.abs(values)
+    near = 2 * np.abs(values.imag) <= CLOSE * np.abs(values)  # as ``_couples`` judges the two of a conjugate pair
     turning = vectors[:, ~near & (values.imag > 0)].T
     columns = list(np.linalg.qr(np.stack([turning.real, turning.imag], axis=2))[0])
     real = np.flatnonzero(near)
