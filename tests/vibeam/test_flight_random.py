@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 from exact_motion import impacts_and_bar
-from hypothesis import HealthCheck, assume, event, given, settings
+from hypothesis import HealthCheck, assume, event, given, reject, settings
 from hypothesis import strategies as st
 
 import vibeam
@@ -75,7 +75,10 @@ def test_the_first_impacts_are_those_of_the_exact_motion(case: Case) -> None:
     """Up to eight impacts or three periods, or where an impact is too weak to be told from a miss."""
     stiff = 60.0 / max((case.system.omega * (1 + 2 * case.system.zeta)).max(), case.drive.omega)
     end = min(3 * period(case), stiff)
-    expected, bar = impacts_and_bar(*case, count=8, t_end=end)
+    try:
+        expected, bar = impacts_and_bar(*case, count=8, t_end=end)
+    except ArithmeticError:  # the truth lies on the stop to all its digits: no force tells rest from flight
+        reject()
     firm = np.cumprod((bar < 1e-6) & (expected[:, 1] > 1e-6 * expected[:, 1].max(initial=0.0))).astype(bool)
     expected, bar = expected[firm], bar[firm]
     event(f"{len(expected)} impacts")
