@@ -178,7 +178,10 @@ def test_sweeps_of_any_system_say_how_they_ended(case: Case) -> None:
     """Any but those with modes that have no steady response, which ``test_sweep`` runs apart."""
     assume(case.system.omega.min() > 0 and case.system.zeta.min() > 1e-3)
     omega = case.drive.omega * np.array([0.9, 1.0, 1.1])
-    found = vibeam.sweep(case.system, omega=omega, amplitude=case.drive.amplitude, settle=5, hold=4, state=case.start)
+    found = vibeam.sweep(
+        case.system, omega=omega, amplitude=case.drive.amplitude, settle=5, hold=4, state=case.start,
+        options={"limit": 500},
+    )  # fmt: skip
     for i in range(3):
         ended = vibeam.Ended.of_code(found.ended[i])
         values = [found.amplitude[i], found.reach[i], found.maximum[i], found.minimum[i], found.rest[i]]
