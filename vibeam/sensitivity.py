@@ -81,6 +81,7 @@ class _Walk:
         self.clocks = self.trace[:, AT_CLOCK]
         self.flights = propagators(self.system, self.trace[:, DURATION])
         self.rest = _constrained(self.system)
+        self.far = _far(self.system, self.drive)
         self.covariance = np.diag(self._round_off(self.poses[0], 0.0)) if start is None else np.array(start)
 
     def impacts(self) -> list[tuple[float, float] | None]:
@@ -117,9 +118,7 @@ class _Walk:
 
     def _impact_error(self, i: int, before: Array, speed: float) -> tuple[float, float]:
         n, c = self.system.size, self.system.contact
-        if speed <= 0:
-            return np.inf, np.inf
-        late = np.concatenate([-c / speed, np.zeros(n)])
+        late = np.concatenate([-c / speed, np.zeros(n)]) if speed > 0 else np.zeros(2 * n)  # 0: it was there already
         change = np.concatenate([np.zeros(n), c]) + self._acceleration(i, before) * late
         time, velocity = (float(abs(row @ self.covariance @ row)) ** 0.5 for row in (late, change))
         return time, velocity
@@ -151,10 +150,11 @@ class _Walk:
         return np.asarray(np.kron(np.eye(2), still), dtype=float)
 
     def _round_off(self, pose: Array, duration: float) -> Array:
-        """Variances (2n,) of what a closed-form evaluation over ``duration`` rounds off."""
+        """Variances (2n,) of what a closed-form evaluation over ``duration`` rounds off of ``pose`` and what is far."""
         rate = np.where(self.system.omega > 0, self.system.omega, max(self.drive.omega, 1e-300))
         turns = EPSILON * (1 + rate * duration * np.exp(-np.minimum(self.system.zeta * rate * duration, 700.0)))
-        x, v = np.abs(pose[0]) + np.abs(pose[1]) / rate, np.abs(pose[1]) + rate * np.abs(pose[0])
+        x = np.abs(pose[0]) + np.abs(pose[1]) / rate + self.far
+        v = np.abs(pose[1]) + rate * (np.abs(pose[0]) + self.far)
         return np.asarray(np.concatenate([turns * x, turns * v]) ** 2)
 
 
@@ -167,6 +167,18 @@ def _constrained(system: ImpactSystem) -> Array:
     matrix[n:, :n] = -still * system.omega**2
     matrix[n:, n:] = -still * (2 * system.zeta * system.omega)
     return matrix
+
+
+def _far(system: ImpactSystem, drive: Drive) -> Array:
+    """Size (n,) of what closed forms take out of the modes and put back: steady response and static displacement.
+
+    A mode without a usable one (free, or undamped at resonance) carries its force along and takes nothing out.
+    """
+    square, w = system.omega**2, drive.omega
+    response = np.hypot(square - w * w, 2 * system.zeta * system.omega * w)
+    usable = (response > 1e-3 * w * w) & (square > 0)
+    driven = np.abs(system.load * w * w * drive.amplitude) / np.where(usable, response, np.inf)
+    return np.asarray(driven + np.abs(system.static) / np.where(square > 0, square, np.inf))
 
 
 def _acceleration(system: ImpactSystem, drive: Drive, pose: Array, phase: float) -> Array:

@@ -47,6 +47,26 @@ def test_the_estimate_is_of_the_size_of_the_true_error() -> None:
     assert np.median(estimate / np.maximum(true, 1e-16)) < 100
 
 
+def test_digits_that_a_huge_steady_response_swallows_are_counted() -> None:
+    """The first impact under a drive of 10⁶, against 30 digits: the motion is small beside what is taken out of it."""
+    system = vibeam.ImpactSystem.from_modes(
+        [1.0, 3.3, 7.1], [0.05, 0.03, 0.04], [1.0, -0.6, 0.3], [1.0, 0.4, -0.2], gap=0.02, restitution=0.7
+    )
+    start, drive = vibeam.State(np.array([-0.05, 0.01, 0.0]), np.array([0.02, 0.0, 0.01])), vibeam.Drive(1.9, 1e6)
+    path = vibeam.simulate(system, drive, 0.1, start)
+    motion = exact_motion(system, drive, start)
+    motion.run(count=1, t_end=0.1)
+    true = abs(path.impact_times[0] - float(motion.events[0].time))
+    assert true < 10 * path.errors.time[0] < 1e4 * true
+
+
+def test_a_contact_that_begins_on_the_stop_costs_no_meaning() -> None:
+    system = vibeam.ImpactSystem.from_modes([47.7, 635.0], 0.017, [2.12, 0.31], [0.46, 0.09], restitution=0.72)
+    path = vibeam.simulate(system, vibeam.Drive(95.0, 1e-4), 2.0)
+    assert path.impact_velocities[0] == 0
+    assert path.errors.meaningful == len(path.impact_times)
+
+
 def test_chaos_says_from_where_on_it_means_nothing_and_a_stable_orbit_never_does() -> None:
     wild = vibeam.simulate(CHAOTIC, WILD, 2000.0, vibeam.State(np.array([-0.1]), np.array([0.5])))
     other = vibeam.simulate(CHAOTIC, WILD, 2000.0, vibeam.State(np.array([-0.1 * (1 + 4e-16)]), np.array([0.5])))
