@@ -9,6 +9,7 @@ from scipy import signal
 
 import vibeam
 from vibeam.observe.filters import filtered
+from vibeam_models.compliant import LinearStop
 
 observe = vibeam.observe
 FILTERS = [
@@ -159,3 +160,10 @@ def test_the_jolt_of_the_rig() -> None:
     jump = float(observe.base_velocity_jump(orbit.velocity, path.system.restitution, mobility, 5.0))
     assert jump == pytest.approx(4.8e-3, abs=0.05e-3)
     assert path.drive.amplitude * path.drive.omega == pytest.approx(8.3e-3, abs=0.05e-3)
+
+
+def test_a_stop_that_yields_has_no_restitution_to_read() -> None:
+    system = vibeam.ImpactSystem.from_modes(1.0, 0.02, 1.0, 1.0, gap=0.0, law=LinearStop(1e4, 0.0))
+    path = vibeam.simulate(system, vibeam.Drive(1.9, 1.0), 5.0)
+    with pytest.raises(ValueError, match="no instant of impact"):
+        vibeam.observe.true_restitution(path)

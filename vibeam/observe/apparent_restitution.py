@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from vibeam.observe.path import Path, impacts_within, modes_around_impacts
 from vibeam.observe.slow import SlowPart, solved
 from vibeam.system import ImpactSystem
+from vibeam_models.compliant import CompliantStop
 
 Array = NDArray[np.float64]
 
@@ -42,9 +43,18 @@ class Restitution:
         return float(np.mean(read)) if len(read) else float("nan")
 
 
+def _instants(path: Path) -> Array:
+    if isinstance(path.system.law, CompliantStop):
+        raise ValueError("a stop that yields has no instant of impact: path.contacts has what happens at it")
+    return impacts_within(path, path.t_start, path.t_end)
+
+
 def true_restitution(path: Path, output: str = "contact") -> Restitution:
-    """From the exact velocities of an output just before and after every impact; KeyError for an unknown output."""
-    hits = impacts_within(path, path.t_start, path.t_end)
+    """From the exact velocities of an output just before and after every impact.
+
+    KeyError for an unknown output; ValueError for a stop that yields, where no instant parts before from after.
+    """
+    hits = _instants(path)
     row = path.system.output(output)
     before, after = modes_around_impacts(path, hits)
     return Restitution(hits[:, 0], before[:, 1] @ row, after[:, 1] @ row)
@@ -52,7 +62,7 @@ def true_restitution(path: Path, output: str = "contact") -> Restitution:
 
 def mode_restitution(path: Path, mode: int = 0) -> Restitution:
     """The same of one mode alone: −η'⁺/η'⁻, in modal velocities; IndexError for a mode that is not there."""
-    hits = impacts_within(path, path.t_start, path.t_end)
+    hits = _instants(path)
     before, after = modes_around_impacts(path, hits)
     return Restitution(hits[:, 0], before[:, 1, mode], after[:, 1, mode])
 
