@@ -1,0 +1,98 @@
+"""The two kinds of case: a beam on the bench, and a single degree of freedom."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from vibeam.entries import (
+    Each,
+    Text,
+    Word,
+)
+from vibeam.schema.plan import ExpectTable, FidelityTable, ReferenceTable, SweepTable
+from vibeam.schema.rig import (
+    AddedMassTable,
+    BeamTable,
+    ClampTable,
+    DriveTable,
+    GravityTable,
+    MassTable,
+    PlatformTable,
+    SensorTable,
+    ShakerTable,
+    StopTable,
+    TorsionTable,
+)
+from vibeam.schema.sdof import SdofDriveTable, SdofFidelityTable, SdofStopTable, SdofSweepTable, SdofTable
+from vibeam.schema.shown import MeasurementTable, SdofMeasurementTable, ShowTable
+from vibeam.schema.studies import CostTable, InfluenceTable
+from vibeam.schema.table import Table, key
+from vibeam.schema.words import (
+    ACCURATE,
+    Within,
+)
+
+
+class BeamCase(Table):
+    """A beam on the bench."""
+
+    title: Annotated[str, Text()] = key(
+        "what the case is; absent = the name of its file", "DTU impacting beam, neutral gap, 0.6 V", ""
+    )
+    source: Annotated[str, Text()] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, Fig. 31(b)", "")
+    accuracy: Annotated[float | None, Within] = key(
+        "relative error allowed, of the finest fidelity's: vibeam run then takes what is cheapest, place by place",
+        "1 %",
+        None,
+        written=False,
+    )
+    accuracy_of: Annotated[tuple[str, ...] | None, Each(Word(ACCURATE))] = key(
+        "the quantities that this holds for; absent = the amplitude alone", ["amplitude", "reach"], None, written=False
+    )
+    beam: BeamTable
+    mass: MassTable
+    added_mass: tuple[AddedMassTable, ...] = key("further point masses", None, (), written=False)
+    clamp: ClampTable | None = None
+    gravity: GravityTable | None = None
+    torsion: TorsionTable | None = None
+    stop: StopTable
+    sensor: SensorTable
+    drive: DriveTable
+    platform: PlatformTable | None = None
+    shaker: ShakerTable | None = None
+    measurement: MeasurementTable | None = None
+    sweep: SweepTable
+    fidelity: dict[str, FidelityTable]
+    reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)
+    expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False)
+    show: dict[str, ShowTable] = key("further figures", None, {}, written=False)
+    cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False)
+    influence: InfluenceTable = key("what vibeam influence does", None, InfluenceTable(), written=False)
+
+
+class SdofCase(Table):
+    """A single degree of freedom by itself."""
+
+    title: Annotated[str, Text()] = key(
+        "what the case is; absent = the name of its file", "single degree of freedom", ""
+    )
+    source: Annotated[str, Text()] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "")
+    accuracy: Annotated[float | None, Within] = key(
+        "relative error allowed, of the finest fidelity's: vibeam run then takes what is cheapest, place by place",
+        "1 %",
+        None,
+        written=False,
+    )
+    accuracy_of: Annotated[tuple[str, ...] | None, Each(Word(ACCURATE))] = key(
+        "the quantities that this holds for; absent = the amplitude alone", ["amplitude", "reach"], None, written=False
+    )
+    sdof: SdofTable
+    stop: SdofStopTable
+    drive: SdofDriveTable
+    measurement: SdofMeasurementTable | None = None
+    sweep: SdofSweepTable
+    fidelity: dict[str, SdofFidelityTable]
+    reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)
+    expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False)
+    show: dict[str, ShowTable] = key("further figures", None, {}, written=False)
+    cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False)
