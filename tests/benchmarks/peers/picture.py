@@ -9,12 +9,14 @@ import numpy as np
 
 COLOURS = {"vibeam": "black", "heyoka": "C0", "diffrax": "C2", "Siconos": "C1", "SUNDAE CVODE": "C3", "scipy": "C4"}
 
+MARKERS = "os^D"
+
 
 def draw(results: dict[str, Any], target: Path) -> None:
     """Write it."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(13, 4.6), layout="constrained")
+    figure = Figure(figsize=(15, 4.8), layout="constrained")
     left, right = figure.subplots(1, 2)
     precision(left, results.get("sdof", {"rows": []})["rows"])
     scaling(right, [section for name, section in results.items() if name.startswith("modes-")])
@@ -23,14 +25,18 @@ def draw(results: dict[str, Any], target: Path) -> None:
 
 def precision(axes: Any, rows: list[dict[str, Any]]) -> None:
     """Cost an impact over the error of the impact velocity."""
+    drawn: dict[str, int] = {}
     for row in rows:
         if "failed" in row:
             continue
-        error = max(row["error_median"], 1e-16)
-        axes.loglog(error, row["cost_us"], "o", color=COLOURS.get(row["peer"], "grey"))
-        axes.annotate(row["name"], (error, row["cost_us"]), (4, 3), textcoords="offset points", fontsize=7)
+        marker = MARKERS[drawn.setdefault(row["peer"], 0) % len(MARKERS)]
+        drawn[row["peer"]] += 1
+        error, colour = max(row["error_median"], 1e-16), COLOURS.get(row["peer"], "grey")
+        axes.loglog(error, row["cost_us"], marker, color=colour, label=row["name"])
     axes.set(xlabel="median error of impact velocity", ylabel="CPU µs an impact", title="nominal SDOF sweep")
-    axes.set_xlim(1e-16, 3)
+    axes.set_xlim(1e-16, 1)
+    if rows:
+        axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     axes.grid(True, which="major", alpha=0.3)
 
 
