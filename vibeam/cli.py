@@ -162,7 +162,6 @@ def cost(
     """Accuracy against time: every fidelity by every solver, and where the error comes from."""
     with _mistakes():
         from vibeam.cost.study import cost as studied
-        from vibeam.progress import compile_first, stderr
         from vibeam.report import cost_table
         from vibeam.report.cost_files import write_files
 
@@ -170,9 +169,7 @@ def cost(
         folder = out or Path()
         if not folder.is_dir():
             raise Mistake(f"{folder}: --out names a folder that is there")
-        console = stderr()
-        compile_first(console)
-        study = _of_beam(case, lambda: studied(loaded, console.print))
+        study = _study(case, loaded, studied)
         files = write_files(study, folder, case.stem)
         _print(
             {"study": study, "files": files}, as_json, lambda tables: [cost_table.runs(study), cost_table.parts(study)]
@@ -193,15 +190,12 @@ def influence(
     """What each effect of the case changes and costs, and which of them the scene needs."""
     with _mistakes():
         from vibeam.influence.study import influence as studied
-        from vibeam.progress import compile_first, stderr
         from vibeam.report import influence as report
         from vibeam.report.influence_files import write_files
 
         loaded = _load(case, set_)
         path = _table_path(loaded, out or Path(), "influence")
-        console = stderr()
-        compile_first(console)
-        study = _of_beam(case, lambda: studied(loaded, console.print))
+        study = _study(case, loaded, studied)
         files, sentences = write_files(study, path), list(report.sentences(study))
         _print(
             {"study": study, "sentences": sentences, "files": files}, as_json,
@@ -343,6 +337,15 @@ def _shown(result: Result, path: Path) -> list[Path]:
     from vibeam.report.show import write_shown
 
     return write_shown(result, path)
+
+
+def _study(case: Path, loaded: Case, studied: Callable[[Case, Callable[[str], None]], Made]) -> Made:
+    """What a study of the case finds; what it does meanwhile goes to stderr."""
+    from vibeam.progress import compile_first, stderr
+
+    console = stderr()
+    compile_first(console)
+    return _of_beam(case, lambda: studied(loaded, console.print))
 
 
 def _of_beam(case: Path, make: Callable[[], Made]) -> Made:
