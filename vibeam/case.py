@@ -2,119 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from hashlib import sha256
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam_models.scene import (
-    AddedMass,
-    Base,
-    Beam,
-    Clamp,
-    Damping,
-    Gravity,
-    Mass,
-    Platform,
-    Scene,
-    SdofScene,
-    Sensor,
-    Shaker,
-    Stop,
-    Torsion,
-)
+from vibeam.plans import AccuracyPlan, CostPlan, Direction, InfluencePlan, Reference, SweepPlan
+from vibeam.scenes import scene_of
 
 if TYPE_CHECKING:
     from vibeam.expect import Expectation
     from vibeam.fidelity import Fidelity
     from vibeam.observe.measurement import Chain
-    from vibeam.schema import (
-        BeamCase,
-        BeamTable,
-        PlatformTable,
-        SdofCase,
-        SdofStopTable,
-        StopTable,
-        SweepTable,
-        TorsionTable,
-    )
+    from vibeam.schema import BeamCase, SdofCase, SweepTable
     from vibeam.show.plan import ShowPlan
     from vibeam.system import ImpactSystem
+    from vibeam_models.scene import Scene, SdofScene
 
-Direction = Literal["up", "down", "both"]
 RIPPLE, ATTENUATION = 0.1, 60.0  # dB, of an elliptic filter that does not say
 #: tables that change no sweep
 NOT_NUMBERS = frozenset({"title", "source", "reference", "expect", "show", "cost", "influence", "measurement"})
-
-
-@dataclass(frozen=True, eq=False)
-class SweepPlan:
-    """The sweep: ``frequency`` in Hz, ascending, shape (points,); ``settle`` and ``hold`` in drive periods.
-
-    ``output`` is the displacement that is read: ``"sensor"``, ``"contact"``, ``"tip"`` or ``"platform"``.
-    """
-
-    frequency: NDArray[np.float64]
-    direction: Direction
-    settle: int
-    hold: int
-    output: str
-
-
-@dataclass(frozen=True)
-class Reference:
-    """A curve to check against: ``quantity`` of ``fidelity``, within a relative ``tolerance``; ``file`` is absolute."""
-
-    name: str
-    file: Path
-    fidelity: str
-    quantity: str
-    tolerance: float
-    direction: Direction
-
-
-@dataclass(frozen=True)
-class CostPlan:
-    """What ``vibeam cost`` does: frequencies in Hz, ``budget`` in CPU seconds; None: as its defaults say."""
-
-    frequency: tuple[float, ...] | None = None
-    settle: int | None = None
-    hold: int | None = None
-    solvers: tuple[str, ...] | None = None
-    modes: tuple[int, ...] | None = None
-    reference: str | None = None
-    repeats: int = 3
-    budget: float = 60.0
-
-
-@dataclass(frozen=True)
-class InfluencePlan:
-    """What ``vibeam influence`` does: frequencies in Hz; None: as its defaults say."""
-
-    fidelity: str | None = None
-    quantities: tuple[str, ...] = ()
-    frequency: float | None = None
-    tolerance: float = 0.01
-    frequency_tolerance: float = 0.1
-    restitution_tolerance: float = 0.01
-    points: int = 31
-    settle: int | None = None
-    hold: int | None = None
-    repeats: int = 3
-
-
-@dataclass(frozen=True)
-class AccuracyPlan:
-    """``accuracy``: the relative error ``within`` which the ``quantities`` are to be, of the finest fidelity's."""
-
-    within: float
-    quantities: tuple[str, ...] = ("amplitude",)
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,8 +52,8 @@ class Case:
     scenes: Mapping[str, Scene | SdofScene] = field(default_factory=dict)
     expectations: Mapping[str, Expectation] = field(default_factory=dict)
     shows: Mapping[str, ShowPlan] = field(default_factory=dict)
-    cost: CostPlan = CostPlan()
-    influence: InfluencePlan = InfluencePlan()
+    cost: CostPlan = field(default_factory=CostPlan)
+    influence: InfluencePlan = field(default_factory=InfluencePlan)
     chain: Chain | None = None
     chains: Mapping[str, Chain | None] = field(default_factory=dict)
     accuracy: AccuracyPlan | None = None
@@ -220,11 +133,11 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         numbers=canonical_text(declared, without=NOT_NUMBERS),
         title=declared.title or file.stem,
         source=declared.source,
-        scene=_scene(declared),
+        scene=scene_of(declared),
         fidelities=_fidelities(declared),
         sweep=sweep,
         references=_references(declared, file.parent, sweep.direction),
-        scenes={name: _scene(own) for name, own in changed.items()},
+        scenes={name: scene_of(own) for name, own in changed.items()},
         expectations=_expectations(declared, sweep.direction),
         shows=_shows(declared, sweep),
         cost=CostPlan(**dict(declared.cost)),
@@ -323,73 +236,3 @@ def _show(case: BeamCase | SdofCase, name: str, sweep: SweepPlan) -> ShowPlan:
         highest=table.highest,
         subdivision=table.subdivision,
     )
-
-
-def _scene(case: BeamCase | SdofCase) -> Scene | SdofScene:
-    from vibeam.schema import SdofCase
-
-    if isinstance(case, SdofCase):
-        return SdofScene(
-            natural_frequency=case.sdof.natural_frequency,
-            damping_ratio=case.sdof.damping_ratio,
-            gap=case.stop.gap,
-            restitution=1.0 if case.stop.restitution is None else case.stop.restitution,
-            amplitude=case.drive.amplitude,
-            stop=_sdof_stop(case.stop),
-        )
-    return Scene(
-        beam=_beam(case.beam),
-        mass=Mass(**dict(case.mass)),
-        stop=_stop(case.stop, case.mass.position),
-        sensor=Sensor(case.sensor.position),
-        base=Base(**dict(case.drive)),
-        added_masses=tuple(AddedMass(**dict(added)) for added in case.added_mass),
-        **_effects(case),
-    )
-
-
-def _sdof_stop(table: SdofStopTable) -> Stop | None:
-    beyond = {name: value for name, value in dict(table).items() if name not in ("gap", "restitution")}
-    if all(value is None for value in beyond.values()):
-        return None
-    return Stop(position=0.0, gap=table.gap, restitution=table.restitution, **beyond)
-
-
-def _effects(case: BeamCase) -> dict[str, Any]:
-    """The effects that have a table of their own, those that the case names."""
-    made: dict[str, Callable[[Any], Any]] = {
-        "clamp": lambda table: Clamp(**dict(table)),
-        "gravity": lambda table: Gravity(**dict(table)),
-        "torsion": lambda table: _torsion(table, case.beam),
-        "platform": _platform,
-        "shaker": lambda table: Shaker(**dict(table)),
-    }
-    named = {name: getattr(case, name) for name in made}
-    return {name: made[name](table) for name, table in named.items() if table is not None}
-
-
-def _beam(table: BeamTable) -> Beam:
-    values = dict(table)
-    kind, ratios = values.pop("damping"), values.pop("damping_ratio")
-    damping = Damping("list", kind) if isinstance(kind, tuple) else Damping(kind, ratios)
-    return Beam(damping=damping, **values)
-
-
-def _torsion(table: TorsionTable, beam: BeamTable) -> Torsion:
-    modulus = table.shear_modulus
-    if modulus is None:
-        modulus = beam.youngs_modulus / (2 * (1 + (table.poissons_ratio or 0.0)))
-    return Torsion(table.eccentricity, modulus, table.polar_inertia)
-
-
-def _platform(table: PlatformTable) -> Platform:
-    coupling: Any = table.coupling
-    stiffness, calibrated = table.stiffness, table.calibrated_at
-    if stiffness is None:
-        stiffness = table.mass * (2 * np.pi * (table.frequency or 0.0)) ** 2
-    at = None if calibrated is None else 2 * np.pi * calibrated
-    return Platform(table.mass, stiffness, table.damping_ratio, coupling, at)
-
-
-def _stop(table: StopTable, mass_position: float) -> Stop:
-    return Stop(**dict(table) | {"position": mass_position if table.position is None else table.position})

@@ -15,7 +15,8 @@ from vibeam.response import Ended, FrequencyResponse
 from vibeam.show import KINDS, LIMITS
 
 if TYPE_CHECKING:
-    from vibeam.case import Case, Direction
+    from vibeam.case import Case
+    from vibeam.plans import Direction
     from vibeam.run import Result
 
 NAN = float("nan")

@@ -15,7 +15,8 @@ from vibeam.faults import CaseError, Fault, cure
 from vibeam.response import Ended, FrequencyResponse
 
 if TYPE_CHECKING:
-    from vibeam.case import Case, Reference
+    from vibeam.case import Case
+    from vibeam.plans import Reference
     from vibeam.response import Branches
     from vibeam.run import Result
 

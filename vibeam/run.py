@@ -21,9 +21,10 @@ from vibeam.sweep import march
 
 if TYPE_CHECKING:
     from vibeam.accuracy.study import Study
-    from vibeam.case import AccuracyPlan, Case
+    from vibeam.case import Case
     from vibeam.fidelity import Fidelity
     from vibeam.motions import MotionCurves
+    from vibeam.plans import AccuracyPlan
     from vibeam.show.plan import Sheet
     from vibeam.state import State
     from vibeam.system import ImpactSystem

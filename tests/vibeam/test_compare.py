@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from stand_in import case, curve
 
-from vibeam.case import Reference, load
+from vibeam.case import load
 from vibeam.compare import compare, distance, period_one_range
 from vibeam.faults import CaseError
 from vibeam.fidelity import restitutions
+from vibeam.plans import Reference
 from vibeam.references import CheckRow, check, read_reference
 from vibeam.response import Branches, Ended
 from vibeam.run import Result

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from stand_in import case, curve, system
 
-from vibeam.case import Reference
 from vibeam.compare import compare
 from vibeam.keys import reference_table
+from vibeam.plans import Reference
 from vibeam.references import CheckRow
 from vibeam.report import table
 from vibeam.report.curve import Kind, jumps, pieces

@@ -16,7 +16,8 @@ from vibeam.state import State
 from vibeam.store import Branch, Store
 
 if TYPE_CHECKING:
-    from vibeam.case import AccuracyPlan, Case
+    from vibeam.case import Case
+    from vibeam.plans import AccuracyPlan
     from vibeam.system import ImpactSystem
 
 

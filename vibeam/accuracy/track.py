@@ -15,7 +15,7 @@ import numpy as np
 from vibeam.accuracy.known import KINDS, Index, size
 from vibeam.accuracy.rungs import EXACT, Read, Rung
 from vibeam.accuracy.sheet import Sheet
-from vibeam.case import SweepPlan
+from vibeam.plans import SweepPlan
 from vibeam.response import Ended, FrequencyResponse
 from vibeam.state import State
 

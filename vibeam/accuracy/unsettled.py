@@ -21,7 +21,7 @@ from vibeam.accuracy.readings import apart, values
 from vibeam.accuracy.rungs import Read, Rung, put, rows
 from vibeam.accuracy.sheet import Sheet
 from vibeam.accuracy.track import note_flight
-from vibeam.case import SweepPlan
+from vibeam.plans import SweepPlan
 from vibeam.response import FrequencyResponse
 from vibeam.state import State
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from vibeam.accuracy.readings import apart
 from vibeam.accuracy.rungs import Rung, rows
 from vibeam.accuracy.sheet import Sheet
-from vibeam.case import SweepPlan
+from vibeam.plans import SweepPlan
 from vibeam.response import FrequencyResponse
 from vibeam.state import State
 from vibeam.sweep import join

@@ -25,7 +25,8 @@ from vibeam.solvers import NAMES
 from vibeam.system import Drive, ImpactSystem
 
 if TYPE_CHECKING:
-    from vibeam.case import Case, CostPlan
+    from vibeam.case import Case
+    from vibeam.plans import CostPlan
 
 POINTS, SETTLE, HOLD, CLOUD, WINDOW = 9, 100, 10, 200, 10
 PROBE = 2  # drive periods of the warm-up, by which the cost of a ladder's first rung is estimated

@@ -7,7 +7,7 @@ from math import inf, isfinite
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
-    from vibeam.case import InfluencePlan
+    from vibeam.plans import InfluencePlan
 
 NAN = float("nan")
 How = Literal["relative", "absolute"]

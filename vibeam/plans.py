@@ -1,0 +1,76 @@
+"""What a case asks for: its sweep, its references, its studies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Direction = Literal["up", "down", "both"]
+
+
+@dataclass(frozen=True, eq=False)
+class SweepPlan:
+    """The sweep: ``frequency`` in Hz, ascending, shape (points,); ``settle`` and ``hold`` in drive periods.
+
+    ``output`` is the displacement that is read: ``"sensor"``, ``"contact"``, ``"tip"`` or ``"platform"``.
+    """
+
+    frequency: NDArray[np.float64]
+    direction: Direction
+    settle: int
+    hold: int
+    output: str
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A curve to check against: ``quantity`` of ``fidelity``, within a relative ``tolerance``; ``file`` is absolute."""
+
+    name: str
+    file: Path
+    fidelity: str
+    quantity: str
+    tolerance: float
+    direction: Direction
+
+
+@dataclass(frozen=True)
+class CostPlan:
+    """What ``vibeam cost`` does: frequencies in Hz, ``budget`` in CPU seconds; None: as its defaults say."""
+
+    frequency: tuple[float, ...] | None = None
+    settle: int | None = None
+    hold: int | None = None
+    solvers: tuple[str, ...] | None = None
+    modes: tuple[int, ...] | None = None
+    reference: str | None = None
+    repeats: int = 3
+    budget: float = 60.0
+
+
+@dataclass(frozen=True)
+class InfluencePlan:
+    """What ``vibeam influence`` does: frequencies in Hz; None: as its defaults say."""
+
+    fidelity: str | None = None
+    quantities: tuple[str, ...] = ()
+    frequency: float | None = None
+    tolerance: float = 0.01
+    frequency_tolerance: float = 0.1
+    restitution_tolerance: float = 0.01
+    points: int = 31
+    settle: int | None = None
+    hold: int | None = None
+    repeats: int = 3
+
+
+@dataclass(frozen=True)
+class AccuracyPlan:
+    """``accuracy``: the relative error ``within`` which the ``quantities`` are to be, of the finest fidelity's."""
+
+    within: float
+    quantities: tuple[str, ...] = ("amplitude",)
