@@ -279,7 +279,8 @@ time.
   period. No model of rest: what a user writes in twenty lines, and told here of none of the scenes' rests.
 - **Moreau**: Moreau–Jean time stepping (`solver = "moreau"`), so many steps a drive period. It never hangs at an
   accumulation, and its times are good to a step; impacts slower than a step's acceleration are none to it. Where the
-  drive is much slower than the motion, steps counted by its period are too long: that is the user's to know.
+  drive is much slower than the motion, steps counted by its period are too long: that is the user's to know. The
+  402 modes are followed no further than their first strike, which a step may put just behind the end: no fault of it.
 {siconos}
 
 {rows}
