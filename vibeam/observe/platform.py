@@ -26,9 +26,12 @@ class Platform:
             raise ValueError(f"platform: {self}: mass must be > 0, frequency and damping ratio ≥ 0")
 
     def receptance(self, frequency: ArrayLike) -> Complex:
-        """Base displacement over force at frequencies in Hz, m/N: 1/(M(Ω_p² − Ω² + 2iζΩ_pΩ))."""
-        own, omega = 2 * np.pi * self.frequency, 2 * np.pi * np.asarray(frequency, dtype=float)
-        return np.asarray(1 / (self.mass * (own**2 - omega**2 + 2j * self.damping_ratio * own * omega)))
+        """Base displacement over force at frequencies in Hz, m/N: that of a one-way platform, complex."""
+        from vibeam_models.effects.platform import PlatformFilter
+
+        own = 2 * np.pi * self.frequency
+        filter_ = PlatformFilter(self.mass, 2 * self.damping_ratio * own * self.mass, self.mass * own**2)
+        return np.asarray(filter_.base_per_input(2 * np.pi * np.asarray(frequency, dtype=float)))
 
 
 def base_per_volt(platform: Platform, frequency: ArrayLike, per_volt: float, constant: Constant = "force") -> Complex:
