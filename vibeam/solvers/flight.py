@@ -9,57 +9,39 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.response import VELOCITIES_KEPT, Ended, FrequencyResponse
+from vibeam.response import Ended, FrequencyResponse
 from vibeam.solvers.kernels.compiled import move, poses_at
 from vibeam.solvers.kernels.desk import Room
 from vibeam.solvers.kernels.layout import (
     AT_CLOCK,
     CLOCK,
     COMPLETE,
-    CONTACT_LEAST,
     COUNT_ROWS,
     DURATION,
-    EVENT_LIMIT,
     EVERYTHING,
     FULL,
-    HIGH,
     IMPACTS,
-    KEPT,
     KIND,
-    LEAST,
     MOTION,
-    NOT_FINITE,
     ORDER,
     PANELS,
-    PENETRATED,
     REACH_TOO,
-    REST_TIME,
     RESTING,
     RESULT_ROWS,
     SEGMENTS,
     SPEED,
-    SPEED_SUM,
     START,
     STATUS_ROWS,
-    STRUCK,
     TRACE_COLUMNS,
-    UNRESOLVED,
-    VELOCITY,
     WHAT,
 )
 from vibeam.solvers.pack import Packed, pack
 from vibeam.solvers.start import equilibrium
+from vibeam.solvers.tally import OUTCOMES, Tally
 from vibeam.state import State
 from vibeam.system import Drive, ImpactSystem
 
 Array = NDArray[np.float64]
-OUTCOMES = {
-    COMPLETE: Ended.COMPLETE,
-    EVENT_LIMIT: Ended.EVENT_LIMIT,
-    PENETRATED: Ended.PENETRATED,
-    NOT_FINITE: Ended.NOT_FINITE,
-    UNRESOLVED: Ended.UNRESOLVED,
-}
 LONGEST_PERIOD = 16
 SMALLEST = 1e-150  # rad/s
 DRIVEN = 10.0  # how much larger than the base motion times its share a driven mode is taken to be
@@ -174,28 +156,23 @@ class FlightSolver:
         state after each point is added.
         """
         pose, status = self.pose(state)
-        n = self.system.size
-        response = FrequencyResponse.empty(np.asarray(omegas, dtype=float) / (2 * np.pi), n)
-        trace, poses = np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n))
+        trace, poses = np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, self.system.size))
         room, counts = self._room(output, hold, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
+        tally = Tally(len(omegas), self.system.size)
+        begun = time.thread_time()
         for index, omega in enumerate(omegas):
-            begun = time.thread_time()
-            room.result[:], room.energy[:], counts[:] = 0.0, 0.0, 0
-            status[ORDER], status[SPEED] = 0.0, 0.0  # a point knows of the one before it what a State says, no more
+            counts[:], status[ORDER], status[SPEED] = 0, 0.0, 0.0  # a point knows no more of the last than a State says
             outcome, period = move(
                 self.packed.desk, omega, amplitude, pose, status, 0.0, settle, hold, self.limit,
                 room, counts, LONGEST_PERIOD,
             )  # fmt: skip
-            spent = time.thread_time() - begun
-            self._write(
-                response, index, OUTCOMES[outcome], int(period), room.result, room.energy, counts, hold, omega, reading
-            )
-            response.cpu_seconds[index] = spent
+            tally.note(index, outcome, int(period), room.result, room.energy, counts)
             if outcome != COMPLETE:
                 pose, status = self.pose(None)
             if states is not None:
                 states.append(self.state(pose, status))
-        return response, self.state(pose, status)
+            begun = tally.time(index, begun)
+        return self._response(np.asarray(omegas, dtype=float), tally, hold, reading), self.state(pose, status)
 
     def rounds(
         self, omegas: Array, amplitudes: Array, states: Array, output: str, reading: int = EVERYTHING
@@ -205,20 +182,28 @@ class FlightSolver:
         And the states after it, (points, 2, n): where they are those before, the motion has the drive's period.
         """
         n = self.system.size
-        response, after = FrequencyResponse.empty(omegas / (2 * np.pi), n), np.full((len(omegas), 2, n), np.nan)
+        after, tally = np.full((len(omegas), 2, n), np.nan), Tally(len(omegas), n)
         trace, poses = np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n))
         room, counts = self._room(output, 1, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
+        begun = time.thread_time()
         for index, omega in enumerate(omegas):
-            begun = time.thread_time()
             pose, status = self.packed.inward(states[index]), np.zeros(STATUS_ROWS)
-            room.result[:], room.energy[:], counts[:] = 0.0, 0.0, 0
-            outcome, _ = move(
+            counts[:] = 0
+            outcome, period = move(
                 self.packed.desk, omega, amplitudes[index], pose, status, 0.0, 0, 1, self.limit, room, counts, 0
             )
-            self._write(response, index, OUTCOMES[outcome], 0, room.result, room.energy, counts, 1, omega, reading)
+            tally.note(index, outcome, int(period), room.result, room.energy, counts)
             after[index] = self.packed.outward(pose)
-            response.cpu_seconds[index] = time.thread_time() - begun
-        return response, after
+            begun = tally.time(index, begun)
+        return self._response(omegas, tally, 1, reading), after
+
+    def _response(self, omegas: Array, tally: Tally, hold: int, reading: int) -> FrequencyResponse:
+        """What was noted, in the user's order of modes; what was not read off is NaN."""
+        response = tally.response(omegas, hold, self.system.gap)
+        if reading < REACH_TOO:
+            response.reach[:] = np.nan
+        response.mode_energy[:] = self.packed.outward(response.mode_energy) if reading >= EVERYTHING else np.nan
+        return response
 
     def _room(self, output: str | None, hold: int, trace: Array, poses: Array, reading: int = EVERYTHING) -> Room:
         n = self.system.size
@@ -228,31 +213,3 @@ class FlightSolver:
         scratch, frame = np.zeros((2, n)), np.zeros((2, n))
         result, energy, share = np.zeros(RESULT_ROWS), np.zeros(n), np.zeros(n + 1)
         return Room(row, rest_row, nothing, trace, poses, strobes, scratch, frame, result, energy, share, reading)
-
-    def _write(
-        self, response: FrequencyResponse, i: int, ended: Ended, period: int, result: Array, energy: Array,
-        counts: NDArray[np.int64], hold: int, omega: float, reading: int,
-    ) -> None:  # fmt: skip
-        response.ended[i] = ended.code
-        response.impacts[i], response.evaluations[i] = counts[IMPACTS], counts[PANELS]
-        if ended is not Ended.COMPLETE:
-            return
-        struck, span = int(result[STRUCK]), hold * 2 * np.pi / omega
-        touched = struck > 0 or result[REST_TIME] > 0
-        response.maximum[i], response.minimum[i] = result[HIGH], result[LEAST]
-        response.amplitude[i] = (result[HIGH] - result[LEAST]) / 2
-        response.reach[i] = self.system.gap - result[CONTACT_LEAST] if reading >= REACH_TOO else np.nan
-        response.impacts_per_period[i] = struck / hold
-        response.impact_velocity[i] = result[SPEED_SUM] / struck if struck else np.nan
-        response.impact_velocities[i] = velocities_kept(result[VELOCITY:], struck)
-        response.period[i] = period if touched else -1
-        response.rest[i] = result[REST_TIME] / span
-        response.mode_energy[i] = self.packed.outward(energy) / span if reading >= EVERYTHING else np.nan
-
-
-def velocities_kept(ring: Array, count: int) -> Array:
-    """The last velocities, oldest first, NaN in front where there are fewer."""
-    kept = np.full(VELOCITIES_KEPT, np.nan)
-    held = ring[:count] if count < KEPT else np.roll(ring[:KEPT], -(count % KEPT))
-    kept[VELOCITIES_KEPT - len(held) :] = held
-    return kept

@@ -46,6 +46,7 @@ REPEATS = 1e-5  # share of the motion's size by which states one period apart ma
 @kernel
 def start_watching(room: Room, pose: Array) -> None:
     """Nothing is seen yet."""
+    room.result[:], room.energy[:] = 0.0, 0.0
     room.result[HIGH], room.result[LEAST], room.result[CONTACT_LEAST] = -np.inf, np.inf, np.inf
     note_strobe(room.strobes, 0, pose)
 

@@ -9,29 +9,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.response import Ended, FrequencyResponse
-from vibeam.solvers.flight import OUTCOMES, Segments, velocities_kept
+from vibeam.solvers.flight import Segments
 from vibeam.solvers.kernels.layout import (
     AT_CLOCK,
     CLOCK,
     COMPLETE,
-    CONTACT_LEAST,
     COUNT_ROWS,
     DURATION,
     FULL,
-    HIGH,
     IMPACTS,
     KIND,
-    LEAST,
     ORDER,
     PANELS,
-    REST_TIME,
     RESTING,
     RESULT_ROWS,
     SEGMENTS,
-    SPEED_SUM,
     START,
-    STRUCK,
-    VELOCITY,
     WHAT,
 )
 from vibeam.solvers.pack import slowest_rate
@@ -48,6 +41,7 @@ from vibeam.solvers.regimes.kernels.layout import (
 )
 from vibeam.solvers.sampled import repetition
 from vibeam.solvers.start import equilibrium
+from vibeam.solvers.tally import OUTCOMES, Tally
 from vibeam.state import State
 from vibeam.system import Drive, ImpactSystem
 
@@ -156,21 +150,21 @@ class RegimeSolver:
         """Steady points at ``omegas`` in turn, the state carried from each to the next; and the last state."""
         pose, status = self.pose(state)
         n = self.system.size
-        response = FrequencyResponse.empty(np.asarray(omegas, dtype=float) / (2 * np.pi), n)
+        tally, begun = Tally(len(omegas), n), time.thread_time()
         trace, poses = np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n))
         room, counts = self._room(output, hold, trace, poses), np.zeros(COUNT_ROWS, dtype=np.int64)
         for index, omega in enumerate(omegas):
-            begun = time.thread_time()
             room.result[:], room.energy[:], counts[:] = 0.0, 0.0, 0
             pose, status = self.pose(self._state(pose, status))  # a point knows what a State says, no more
             outcome, _ = move(
                 self.plan, float(omega), float(amplitude), pose, status, 0.0, settle, hold, self.limit, room, counts
             )
-            response.cpu_seconds[index] = time.thread_time() - begun
-            self._write(response, index, OUTCOMES[outcome], room, counts, hold, float(omega))
+            period = repetition(room.strobes, self.system.omega, float(omega), REPEATS)
+            tally.note(index, outcome, period, room.result, room.energy, counts)
             if outcome != COMPLETE:
                 pose, status = self.pose(None)
-        return response, self._state(pose, status)
+            begun = tally.time(index, begun)
+        return tally.response(np.asarray(omegas, dtype=float), hold, self.system.gap), self._state(pose, status)
 
     def _room(self, output: str | None, hold: int, trace: Array, poses: Array) -> Room:
         n = self.system.size
@@ -184,24 +178,3 @@ class RegimeSolver:
     @staticmethod
     def _show(regime: Regime, row: Array) -> None:
         regime.signals[OUTPUT] = signals([Row(row, np.zeros_like(row))], regime.outof, regime.held)[0]
-
-    def _write(
-        self, response: FrequencyResponse, i: int, ended: Ended, room: Room, counts: NDArray[np.int64], hold: int,
-        omega: float,
-    ) -> None:  # fmt: skip
-        response.ended[i] = ended.code
-        response.impacts[i], response.evaluations[i] = counts[IMPACTS], counts[PANELS]
-        if ended is not Ended.COMPLETE:
-            return
-        result = room.result
-        struck, span = int(result[STRUCK]), hold * 2 * np.pi / omega
-        response.maximum[i], response.minimum[i] = result[HIGH], result[LEAST]
-        response.amplitude[i] = (result[HIGH] - result[LEAST]) / 2
-        response.reach[i] = self.system.gap - result[CONTACT_LEAST]
-        response.impacts_per_period[i] = struck / hold
-        response.impact_velocity[i] = result[SPEED_SUM] / struck if struck else np.nan
-        response.impact_velocities[i] = velocities_kept(result[VELOCITY:], struck)
-        touched = struck > 0 or result[REST_TIME] > 0
-        response.period[i] = repetition(room.strobes, self.system.omega, omega, REPEATS) if touched else -1
-        response.rest[i] = result[REST_TIME] / span
-        response.mode_energy[i] = room.energy / span
