@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.solvers.constrained import constrained
+from vibeam.solvers.kernels.cells import lay_out, longest_flight
 from vibeam.solvers.kernels.desk import Desk
 from vibeam.solvers.kernels.drive import PANEL
 from vibeam.solvers.kernels.layout import (
@@ -16,6 +17,7 @@ from vibeam.solvers.kernels.layout import (
     DRIVE_ROWS,
     GAP,
     LOAD,
+    LONGEST,
     MOBILITY,
     MODE_ROWS,
     MOTION,
@@ -60,10 +62,13 @@ class Packed:
         drive[REST_FORCE], drive[REST_LOAD] = rest.force, rest.force_load
         pairs, table, levels = regime(omega, sigma, omega**2 * (zeta - 1.0) * (zeta + 1.0), top)
         rest_pairs, rest_table, rest_levels = regime(rest.omega, rest.sigma, rest.disc, top)
+        cells, rungs = lay_out(pairs, table, levels, modes, drive, 1 if own.size == 1 else 8)
+        drive[LONGEST] = longest_flight(pairs)
         return Desk(
             pairs, table, levels, np.zeros(SIGNAL_ROWS), np.zeros((ATTACHED_ROWS, own.size)),
             modes, drive, rest_pairs, rest_table, rest_levels, np.zeros(SIGNAL_ROWS),
             np.zeros((ATTACHED_ROWS, own.size)), rest.blocks, rest.to_blocks, rest.from_blocks, rest.held,
+            cells, rungs,
         )  # fmt: skip
 
     def inward(self, values: Array) -> Array:

@@ -29,6 +29,8 @@ class Desk(NamedTuple):
     to_blocks: Array  # (2(n−1), 2n): block coordinates from (η − held, η')
     from_blocks: Array  # (2n, 2(n−1))
     held: Array  # (n,) contact · gap / Σ contact²
+    cells: Array  # the free system in blocks of modes, see ``cells``; empty where that cannot be
+    rungs: Array
 
 
 class Room(NamedTuple):

@@ -50,7 +50,7 @@ from vibeam.solvers.kernels.layout import (
     STRENGTH,
     W,
 )
-from vibeam.solvers.kernels.tables import tabulate_drive
+from vibeam.solvers.kernels.tables import same_drive, tabulate_drive
 
 Array = NDArray[np.float64]
 NEAR_RESONANCE = 1e-3  # |ω² − Ω² + 2iσΩ| / Ω² below which a mode is attached
@@ -87,7 +87,7 @@ def set_drive(desk: Desk, omega: float, amplitude: float) -> None:
         drive[CLEARANCE] -= modes[CONTACT, k] * modes[OFFSET, k]
     drive[COARSEST] = coarsest_level(desk.pairs, desk.levels, omega)
     tabulate_drive(omega, desk.levels)
-    tabulate_drive(omega, desk.rest_levels)
+    same_drive(desk.levels, desk.rest_levels)
     rest_response(desk.rest_pairs, desk.blocks, omega, strength)
 
 
@@ -168,6 +168,8 @@ def wrap(drive: Array, time: float) -> float:
     """A time within the drive's period: whole periods taken off exactly."""
     if drive[W] == 0.0 or time < drive[PERIOD]:
         return time
+    if time < 2.0 * drive[PERIOD]:
+        return float((time - drive[PERIOD]) - drive[PERIOD_REST])
     return float(np.fmod(time, drive[PERIOD]) - np.floor(time / drive[PERIOD]) * drive[PERIOD_REST])
 
 

@@ -36,10 +36,10 @@ AX, AY, ASIGMA, AOMEGA, ASINE, ACOSINE, ASTATIC, AMODE, AWEIGHT, NODE_X, NODE_Y,
 ATTACHED_ROWS = TERM + SERIES
 
 # drive (DRIVE_ROWS,): Ω, Ω²B, 2π/Ω in two parts, contact phasor, gap less the static offsets, coarsest level; the stop;
-# the size of the motion where it is known, or infinite
+# the size of the motion where it is known, or infinite; the longest flight that ``volley`` takes on
 W, STRENGTH, PERIOD, PERIOD_REST, CONTACT_RE, CONTACT_IM, CLEARANCE, COARSEST = range(8)
-GAP, RESTITUTION, MOBILITY, REST_FORCE, REST_LOAD, AMPLITUDE, MOTION = range(8, 15)
-DRIVE_ROWS = 15
+GAP, RESTITUTION, MOBILITY, REST_FORCE, REST_LOAD, AMPLITUDE, MOTION, LONGEST = range(8, 16)
+DRIVE_ROWS = 16
 
 # blocks (BLOCK_ROWS, n − 1): the rest regime's 2×2 blocks, their rows in the contact force, inputs, steady response,
 # what is left of them, and whether they have none and carry their force along

@@ -11,17 +11,15 @@ from vibeam.solvers.kernels.flight import ROUND_OFF, begin_flight, land, pull
 from vibeam.solvers.kernels.impact import chatter_left, strike
 from vibeam.solvers.kernels.isolate import first_root
 from vibeam.solvers.kernels.jit import joined, kernel
+from vibeam.solvers.kernels.lanes import eight, one
 from vibeam.solvers.kernels.layout import (
-    AT_CLOCK,
-    BEFORE,
+    ATTACHED,
     CHATTER,
     CHATTERS,
     CLOCK,
     COARSEST,
     COMPLETE,
     CONST,
-    DURATION,
-    END,
     EVENT_LIMIT,
     FREE,
     FULL,
@@ -44,13 +42,13 @@ from vibeam.solvers.kernels.layout import (
     SEGMENTS,
     SPAN_END,
     SPEED,
-    START,
     STUCK,
     UNRESOLVED,
-    WHAT,
     W,
 )
 from vibeam.solvers.kernels.rest import begin_rest, settle_on_stop, stay
+from vibeam.solvers.kernels.trace import add, close_segment, open_segment
+from vibeam.solvers.kernels.volley import AT_STOP, NOT_PLAIN, volley
 
 Array = NDArray[np.float64]
 SMALLEST = 1e-300
@@ -73,26 +71,31 @@ def advance(
     Segments go to ``trace`` (m, TRACE_COLUMNS) and their first poses to ``poses`` (m, 2, n), where m > 0. FULL: no row
     is left; empty them and call again with the rest of the span.
     """
-    done, lost, rows = 0.0, 0.0, trace.shape[0]  # the sum of all steps is compensated: times do not drift
-    most, events = counts[IMPACTS] + limit, 0
+    done, lost, rows = 0.0, 0.0, trace.shape[0]
+    most, events, plain = counts[IMPACTS] + limit, 0, desk.cells.shape[0] > 0 and desk.signal[ATTACHED] == 0.0
     status[CLOCK] = wrap(desk.drive, status[CLOCK])
     status[PHASE_COS], status[PHASE_SIN] = phase(desk.drive, status[CLOCK])
     while done < span:
         if rows > 0 and counts[SEGMENTS] >= rows:
             return FULL, done
-        if rows > 0:
-            open_segment(trace, poses, pose, status, done, counts[SEGMENTS])
-        if status[KIND] == RESTING:
-            outcome, step = lie(desk, pose, status, span - done, trace, counts)
-        else:
-            outcome, step = fly(desk, pose, status, span - done, trace, counts)
-        if outcome != COMPLETE:
-            return outcome, done
-        if step >= span - done:
-            return COMPLETE, span
-        step -= lost
-        total = done + step
-        lost, done = (total - done) - step, total
+        unusual = not plain or status[KIND] == RESTING
+        if not unusual:
+            what, done, lost, flown = many(desk, pose, status, span, done, lost, most, trace, poses, counts)
+            if what == AT_STOP:
+                struck(desk, pose, status, flown, trace, counts)
+            unusual = what == NOT_PLAIN
+        if unusual:
+            if rows > 0:
+                open_segment(trace, poses, pose, status, done, counts[SEGMENTS])
+            if status[KIND] == RESTING:
+                outcome, step = lie(desk, pose, status, span - done, trace, counts)
+            else:
+                outcome, step = fly(desk, pose, status, span - done, trace, counts)
+            if outcome != COMPLETE:
+                return outcome, done
+            if step >= span - done:
+                return COMPLETE, span
+            done, lost = add(done, lost, step)
         events += 1
         if (counts[IMPACTS] >= most or events > EVENTS_AN_IMPACT * (limit + 100)) and done < span:
             return EVENT_LIMIT, done
@@ -100,21 +103,23 @@ def advance(
 
 
 @joined
-def open_segment(trace: Array, poses: Array, pose: Array, status: Array, time: float, row: int) -> None:
-    """Note where a segment starts."""
-    trace[row, START], trace[row, AT_CLOCK], trace[row, WHAT] = time, status[CLOCK], status[KIND]
-    trace[row, LEFT], trace[row, REMAINDER] = 0.0, 0.0
-    for k in range(pose.shape[1]):
-        poses[row, 0, k], poses[row, 1, k] = pose[0, k], pose[1, k]
+def many(
+    desk: Desk, pose: Array, status: Array, span: float, done: float, lost: float, most: int, trace: Array,
+    poses: Array, counts: NDArray[np.int64],
+) -> tuple[int, float, float, float]:  # fmt: skip
+    """``volley`` in as many lanes as serve the system."""
+    if pose.shape[1] == 1:
+        return volley(desk, pose, status, span, done, lost, most, trace, poses, counts, one())
+    return volley(desk, pose, status, span, done, lost, most, trace, poses, counts, eight())
 
 
-@joined
-def close_segment(trace: Array, duration: float, end: int, before: float, counts: NDArray[np.int64]) -> None:
-    """Note how long it was and what ended it."""
-    if trace.shape[0] > 0:
-        row = counts[SEGMENTS]
-        trace[row, DURATION], trace[row, END], trace[row, BEFORE] = duration, end, before
-        counts[SEGMENTS] = row + 1
+@kernel
+def struck(desk: Desk, pose: Array, status: Array, flight: float, trace: Array, counts: NDArray[np.int64]) -> None:
+    """The impact at the end of a flight."""
+    before, end = meet(desk, pose, status, trace, counts[SEGMENTS])
+    counts[IMPACTS] += 1
+    counts[CHATTERS] += 1 if end == CHATTER else 0
+    close_segment(trace, flight, end, before, counts)
 
 
 @joined
@@ -151,12 +156,10 @@ def fly(
             pose, status, flight, found,
         )  # fmt: skip
     status[ORDER] = 0.0
-    end, before = SPAN_END, 0.0
     if found:
-        before, end = meet(desk, pose, status, trace, counts[SEGMENTS])
-        counts[IMPACTS] += 1
-        counts[CHATTERS] += 1 if end == CHATTER else 0
-    close_segment(trace, flight, end, before, counts)
+        struck(desk, pose, status, flight, trace, counts)
+    else:
+        close_segment(trace, flight, SPAN_END, 0.0, counts)
     return COMPLETE, flight
 
 

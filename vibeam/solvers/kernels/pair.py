@@ -71,17 +71,23 @@ def increments(sigma: float, omega: float, disc: float, t: float) -> tuple[float
 def phasor_increments(omega: float, t: float) -> tuple[float, float, float, float]:
     """Re and Im of (e^{iωt} − 1 − iωt)/t² and of (e^{iωt} − 1)/t."""
     z = omega * t
-    half = sin(0.5 * z)
+    half, sine = sin(0.5 * z), sin(z)
     versine = -2.0 * half * half
-    sine = sin(z)
+    return versine / (t * t), sine_rest(z, sine) / (t * t), versine / t, sine / t
+
+
+@joined
+def sine_rest(z: float, sine: float) -> float:
+    """sin z − z."""
     if z > SERIES_BELOW:
-        rest = sine - z
-    else:
-        rest, term = 0.0, z
-        for j in range(1, 12):
-            term *= -z * z / ((2 * j) * (2 * j + 1))
-            rest += term
-    return versine / (t * t), rest / (t * t), versine / t, sine / t
+        return sine - z
+    rest, term, square = 0.0, z, -z * z
+    for j in range(1, 12):
+        term *= square / ((2 * j) * (2 * j + 1))
+        rest += term
+        if abs(term) <= 1e-18 * abs(rest):
+            break
+    return rest
 
 
 @joined
@@ -98,3 +104,10 @@ def power(base: float, exponent: int) -> float:
     for _ in range(exponent):
         value *= base
     return value
+
+
+@joined
+def less(a: float, b: float) -> float:
+    """a − b, and 0 where that is no more than their round-off: so that one mode put onto the stop lies still there."""
+    difference = a - b
+    return difference if abs(difference) > 4.0 * 2.220446049250313e-16 * abs(b) else 0.0

@@ -64,7 +64,7 @@ from vibeam.solvers.kernels.layout import (
     ZR,
     W,
 )
-from vibeam.solvers.kernels.pair import propagator
+from vibeam.solvers.kernels.pair import less, propagator
 
 Array = NDArray[np.float64]
 
@@ -77,8 +77,8 @@ def settle_on_stop(modes: Array, drive: Array, pose: Array) -> None:
         value += modes[CONTACT, k] * pose[0, k]
         slope += modes[CONTACT, k] * pose[1, k]
     for k in range(modes.shape[1]):
-        pose[0, k] -= modes[YIELD, k] * value
-        pose[1, k] -= modes[CONTACT, k] * slope / drive[MOBILITY]
+        pose[0, k] = less(pose[0, k], modes[YIELD, k] * value)
+        pose[1, k] = less(pose[1, k], modes[CONTACT, k] * slope / drive[MOBILITY])
 
 
 @kernel

@@ -6,6 +6,8 @@ periodic motions do not sit on panel ends, and one table serves every drive.
 
 from __future__ import annotations
 
+from math import sin
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,7 +31,7 @@ from vibeam.solvers.kernels.layout import (
     TURN_IM,
     TURN_RE,
 )
-from vibeam.solvers.kernels.pair import increments, phasor_increments
+from vibeam.solvers.kernels.pair import increments, sine_rest
 
 Array = NDArray[np.float64]
 SMALLEST = 1e-300  # rad/s: slower is as good as free
@@ -87,14 +89,29 @@ def tabulate(pairs: Array, levels: Array, table: Array) -> None:
 
 @kernel
 def tabulate_drive(omega: float, levels: Array) -> None:
-    """Fill the phasor rows of ``levels`` for one drive."""
+    """Fill the phasor rows of ``levels`` for one drive.
+
+    Panels halve from level to level, so that each takes one sine: e^{iz} − 1 = −2 sin² ½z + i sin z.
+    """
+    sine = sin(omega * levels[STEP, 0])
     for level in range(LEVELS):
         h = levels[STEP, level]
-        levels[TURN_RE, level] = np.cos(omega * h)
-        levels[TURN_IM, level] = np.sin(omega * h)
-        second_re, second_im, first_re, first_im = phasor_increments(omega, h)
-        levels[SECOND_RE, level], levels[SECOND_IM, level] = second_re, second_im
-        levels[FIRST_RE, level], levels[FIRST_IM, level] = first_re, first_im
+        inverse = 1.0 / h
+        half = sin(0.5 * omega * h)
+        versine = -2.0 * half * half
+        levels[TURN_RE, level], levels[TURN_IM, level] = 1.0 + versine, sine
+        levels[FIRST_RE, level], levels[FIRST_IM, level] = versine * inverse, sine * inverse
+        levels[SECOND_RE, level] = versine * inverse * inverse
+        levels[SECOND_IM, level] = sine_rest(omega * h, sine) * inverse * inverse
+        sine = half
+
+
+@kernel
+def same_drive(levels: Array, others: Array) -> None:
+    """Fill the phasor rows of ``others``, which have the same panel lengths."""
+    for place in range(TURN_RE, LEVEL_ROWS):
+        for level in range(LEVELS):
+            others[place, level] = levels[place, level]
 
 
 @kernel
