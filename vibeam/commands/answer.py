@@ -1,0 +1,36 @@
+"""What a command answers on stdout: JSON, or tables and what is to be said below them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+Tables = Callable[[Any], list["Table"]]
+
+
+def answer(rows: Any, as_json: bool, tables: Tables = lambda tables: [], told: Iterable[object] = ()) -> None:
+    """``rows`` as JSON, or the ``tables`` that ``vibeam.report.table`` makes of them and a line for each ``told``."""
+    from vibeam.report import output, table
+
+    if as_json:
+        typer.echo(output.to_json(rows))
+        return
+    for shown in tables(table):
+        table.show(shown)
+    for line in told:
+        typer.echo(str(line))
+
+
+def written(rows: Any, out: Path | None) -> None:
+    """``rows`` as CSV in ``out``, where a file is asked for."""
+    if out is not None:
+        from vibeam.report import output
+
+        output.write_csv(rows, out)
+        typer.echo(f"wrote {out}", err=True)

@@ -1,0 +1,38 @@
+"""``vibeam cost``: its study into plot and table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vibeam.commands.answer import answer
+from vibeam.commands.arguments import AsJson, CaseFile, Overrides, load
+from vibeam.commands.mistakes import Mistake
+from vibeam.commands.working import studied
+
+
+def cost(
+    case: CaseFile,
+    set_: Overrides = None,
+    as_json: AsJson = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", help="The folder for plot and table.", show_default=False)
+    ] = None,
+) -> None:
+    """Accuracy against time: every fidelity by every solver, and where the error comes from."""
+    from vibeam.cost.study import cost as costs
+    from vibeam.report import cost_table
+    from vibeam.report.cost_files import write_files
+
+    loaded = load(case, set_)
+    folder = out or Path()
+    if not folder.is_dir():
+        raise Mistake(f"{folder}: --out names a folder that is there")
+    study = studied(case, loaded, costs)
+    files = write_files(study, folder, case.stem)
+    answer(
+        {"study": study, "files": files}, as_json,
+        lambda tables: [cost_table.runs(study), cost_table.parts(study)], [*cost_table.sentences(study), *files],
+    )  # fmt: skip

@@ -1,0 +1,17 @@
+"""``vibeam derive``: the table of a beam's single degree of freedom."""
+
+from __future__ import annotations
+
+from vibeam.commands.answer import answer, written
+from vibeam.commands.arguments import AsJson, CaseFile, Overrides, TableFile, load
+from vibeam.commands.mistakes import of_case
+
+
+def derive(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: TableFile = None) -> None:
+    """SDOF parameters from geometry, each beside its finite-element value."""
+    from vibeam.derive import derive as derived
+
+    loaded = load(case, set_)
+    rows = list(of_case(case, lambda: derived(loaded)))
+    written(rows, out)
+    answer(rows, as_json, lambda tables: [tables.derivation(rows)])

@@ -1,0 +1,23 @@
+"""``vibeam influence``: its study into plot and table."""
+
+from __future__ import annotations
+
+from vibeam.commands.answer import answer
+from vibeam.commands.arguments import AsJson, CaseFile, Overrides, StudyFile, load, table_path
+from vibeam.commands.working import studied
+
+
+def influence(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: StudyFile = None) -> None:
+    """What each effect of the case changes and costs, and which of them the scene needs."""
+    from vibeam.influence.study import influence as influences
+    from vibeam.report import influence as report
+    from vibeam.report.influence_files import write_files
+
+    loaded = load(case, set_)
+    path = table_path(loaded, out, "influence")
+    study = studied(case, loaded, influences)
+    files, sentences = write_files(study, path), list(report.sentences(study))
+    answer(
+        {"study": study, "sentences": sentences, "files": files}, as_json,
+        lambda tables: [report.taken_away(study), report.left_alone(study)], [*sentences, *files],
+    )  # fmt: skip

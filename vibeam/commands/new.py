@@ -1,0 +1,30 @@
+"""``vibeam new``: a case to start from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vibeam.commands.answer import answer
+from vibeam.commands.arguments import AsJson
+from vibeam.commands.mistakes import Mistake
+
+
+def new(
+    path: Annotated[Path, typer.Argument(help="The case file to write.")] = Path("case.toml"),
+    out: Annotated[Path | None, typer.Option("--out", help="The same, as an option.", show_default=False)] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write a case to start from, every key explained; never over a file that is there."""
+    from vibeam.keys import template
+
+    target = out or path
+    try:
+        with target.open("x", encoding="utf-8") as file:
+            file.write(template())
+    except FileExistsError:
+        raise Mistake(f"{target}: is there already: name another file") from None
+    typer.echo(f"wrote {target}: edit it, then: vibeam run {target}", err=as_json)
+    answer({"written": target}, as_json)

@@ -1,0 +1,54 @@
+"""``vibeam run``: the results file, its figures, and what they come to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vibeam.commands.answer import answer
+from vibeam.commands.arguments import AsJson, CaseFile, Overrides, ResultsFile, load, results_path
+from vibeam.commands.working import swept
+
+if TYPE_CHECKING:
+    from vibeam.run import Result
+
+
+def run(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: ResultsFile = None) -> None:
+    """Sweep every fidelity of a case; go on where the results file ends."""
+    loaded = load(case, set_)
+    path = results_path(loaded, out)
+    _report(swept(loaded, path), path, as_json)
+
+
+def _report(result: Result, path: Path, as_json: bool) -> None:
+    from vibeam.compare import compare
+    from vibeam.report.frc import write_frc
+    from vibeam.report.units import units_of
+
+    files = [path, path.with_suffix(".png"), path.with_suffix(".svg")]
+    write_frc(result, *files[1:])
+    files += _shown(result, path)
+    rows = compare(result)
+    units = units_of(result.case)
+    whole = {"fidelities": rows, "found": result.found, "total": result.total, "files": files}
+    whole |= {"curves": curves} if (curves := result.curves) else {}
+    study = result.accuracy
+    if study is None:
+        answer(whole, as_json, lambda tables: [tables.responses(rows, units), tables.costs(rows)], files)
+        return
+    from vibeam.report import accuracy_table
+
+    answer(
+        whole | {"accuracy": study}, as_json,
+        lambda tables: [tables.responses(rows, units), accuracy_table.choices(study)],
+        [*accuracy_table.sentences(study, units), *files],
+    )  # fmt: skip
+
+
+def _shown(result: Result, path: Path) -> list[Path]:
+    """The further figures of a case, where it asks for any."""
+    if not result.case.shows:
+        return []
+    from vibeam.report.show import write_shown
+
+    return write_shown(result, path)
