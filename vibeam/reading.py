@@ -9,7 +9,8 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from vibeam.canonical import name_of, written
-from vibeam.entries import Entry, TableOr
+from vibeam.entries.entry import Entry
+from vibeam.entries.tables import TableOr
 from vibeam.faults import cure, shown, suggestion
 from vibeam.lines import Path
 from vibeam.schema import AddedMassTable, BeamCase, SdofCase

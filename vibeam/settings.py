@@ -8,7 +8,8 @@ from typing import Any
 
 from vibeam import units
 from vibeam.canonical import name_of
-from vibeam.entries import Entry, Quantity
+from vibeam.entries.entry import Entry
+from vibeam.entries.single import Quantity
 from vibeam.faults import shown
 from vibeam.lines import key_parts
 

@@ -22,7 +22,7 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam.case import parse
 from vibeam.cli import app
-from vibeam.entries import Count
+from vibeam.entries.single import Count
 from vibeam.faults import CaseError
 from vibeam.influence.curve import Curve, Step, ends, peak, swept
 from vibeam.influence.effects import effects_of

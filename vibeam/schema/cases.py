@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from vibeam.entries import (
-    Each,
-    Text,
-    Word,
-)
+from vibeam.entries.lists import Each
+from vibeam.entries.single import Text, Word
 from vibeam.schema.plan import ExpectTable, FidelityTable, ReferenceTable, SweepTable
 from vibeam.schema.rig import (
     AddedMassTable,

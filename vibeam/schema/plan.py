@@ -7,16 +7,10 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from vibeam import units
-from vibeam.entries import (
-    POSITIVE,
-    Count,
-    Options,
-    Quantity,
-    Several,
-    TableOr,
-    Text,
-    Word,
-)
+from vibeam.entries.lists import Several
+from vibeam.entries.range import POSITIVE
+from vibeam.entries.single import Count, Quantity, Text, Word
+from vibeam.entries.tables import Options, TableOr
 from vibeam.schema.table import Table, key
 from vibeam.schema.words import (
     DIRECTIONS,

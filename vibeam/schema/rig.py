@@ -5,16 +5,9 @@ from __future__ import annotations
 from typing import Annotated
 
 from vibeam import units
-from vibeam.entries import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    Count,
-    Flag,
-    Quantity,
-    Range,
-    Several,
-    Word,
-)
+from vibeam.entries.lists import Several
+from vibeam.entries.range import NOT_NEGATIVE, POSITIVE, Range
+from vibeam.entries.single import Count, Flag, Quantity, Word
 from vibeam.schema.table import Table, key
 from vibeam.schema.words import (
     LAWS,

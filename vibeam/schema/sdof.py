@@ -5,14 +5,10 @@ from __future__ import annotations
 from typing import Annotated, Any
 
 from vibeam import units
-from vibeam.entries import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    Options,
-    Quantity,
-    Several,
-    Word,
-)
+from vibeam.entries.lists import Several
+from vibeam.entries.range import NOT_NEGATIVE, POSITIVE
+from vibeam.entries.single import Quantity, Word
+from vibeam.entries.tables import Options
 from vibeam.schema.plan import SweepTable
 from vibeam.schema.table import Table, key
 from vibeam.schema.words import (

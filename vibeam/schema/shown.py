@@ -5,13 +5,9 @@ from __future__ import annotations
 from typing import Annotated
 
 from vibeam import units
-from vibeam.entries import (
-    POSITIVE,
-    Count,
-    Quantity,
-    Several,
-    Word,
-)
+from vibeam.entries.lists import Several
+from vibeam.entries.range import POSITIVE
+from vibeam.entries.single import Count, Quantity, Word
 from vibeam.observe.filters import FAMILIES, HIGHEST_ORDER
 from vibeam.schema.table import Table, key
 from vibeam.schema.words import (

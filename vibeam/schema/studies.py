@@ -5,15 +5,9 @@ from __future__ import annotations
 from typing import Annotated
 
 from vibeam import units
-from vibeam.entries import (
-    POSITIVE,
-    Count,
-    Each,
-    Quantity,
-    Several,
-    Text,
-    Word,
-)
+from vibeam.entries.lists import Each, Several
+from vibeam.entries.range import POSITIVE
+from vibeam.entries.single import Count, Quantity, Text, Word
 from vibeam.schema.table import Table, key
 from vibeam.schema.words import (
     MOST_ELEMENTS,

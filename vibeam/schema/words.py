@@ -3,13 +3,8 @@
 from __future__ import annotations
 
 from vibeam import units
-from vibeam.entries import (
-    NOT_NEGATIVE,
-    POSITIVE,
-    Count,
-    Quantity,
-    Range,
-)
+from vibeam.entries.range import NOT_NEGATIVE, POSITIVE, Range
+from vibeam.entries.single import Count, Quantity
 
 DIRECTIONS = ("up", "down", "both")
 QUANTITIES = ("amplitude", "reach", "maximum", "minimum", "impact_velocity", "impacts_per_period", "period")

@@ -1,0 +1,69 @@
+"""Entries that hold values by name: another's options, or a table where a list will also do."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import BaseModel, GetCoreSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from vibeam.entries.entry import Entry
+from vibeam.entries.lists import Several
+from vibeam.faults import shown
+
+
+@dataclass(frozen=True)
+class Options(Entry):
+    """A table of names and plain values, whose meaning is another's: a solver's options."""
+
+    def parse(self, value: Any) -> dict[str, str | float]:
+        """As ``Entry.parse``."""
+        if not isinstance(value, dict):
+            raise ValueError(f"must be {self.describe()}, not {shown(value)}")
+        wrong = [name for name, each in value.items() if not _is_plain(each)]
+        if wrong:
+            raise ValueError(f"{', '.join(wrong)}: must be a finite number or text in quotes")
+        return dict(value)
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return "table { name = value, … }"
+
+
+def _is_plain(value: Any) -> bool:
+    return isinstance(value, str) or (isinstance(value, int | float) and math.isfinite(value))
+
+
+@dataclass(frozen=True)
+class TableOr(Entry):
+    """A table of its own (a model), or a list instead."""
+
+    table: type[BaseModel]
+    several: Several
+
+    def parse(self, value: Any) -> Any:
+        """As ``Entry.parse``, of the list alone: the table is read by its model."""
+        if not isinstance(value, list):
+            raise ValueError(f"must be {{ {', '.join(self._names())} }} or a {self.describe()}, not {shown(value)}")
+        return self.several.parse(value)
+
+    def _names(self) -> list[str]:
+        return [field.alias or name for name, field in self.table.model_fields.items()]
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return self.several.describe()
+
+    def canonical(self, value: Any) -> Any:
+        """As ``Entry.canonical``."""
+        return value.model_dump(by_alias=True) if isinstance(value, BaseModel) else value
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        def either(value: Any, inner: Any) -> Any:
+            return inner(value) if isinstance(value, dict) else self._validated(value)
+
+        written = core_schema.plain_serializer_function_ser_schema(self.canonical)
+        inner = handler.generate_schema(self.table)
+        return core_schema.no_info_wrap_validator_function(either, inner, serialization=written)
