@@ -16,7 +16,9 @@ from vibeam.faults import CaseError, Fault
 from vibeam.response import Branches, FrequencyResponse
 from vibeam.solvers import knows_curves, solver
 from vibeam.spread import Stopped, spread
-from vibeam.store import Branch, Kept, Store, opened
+from vibeam.store.branch import Branch, Kept
+from vibeam.store.file import opened
+from vibeam.store.store import Store
 from vibeam.sweep import march
 
 if TYPE_CHECKING:

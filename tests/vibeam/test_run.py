@@ -16,7 +16,7 @@ from vibeam.case import parse
 from vibeam.faults import CaseError
 from vibeam.run import Interrupted, Result, run
 from vibeam.spread import Stopped, spread
-from vibeam.store import StoreError
+from vibeam.store.faults import StoreError
 
 MODULE = sys.modules["vibeam.run"]  # ``vibeam.run`` itself is the function
 POINTS = 2 * 2 * 8  # fidelities, directions, frequencies

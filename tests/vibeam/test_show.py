@@ -15,7 +15,7 @@ from vibeam.faults import CaseError
 from vibeam.report.show import figure, write_shown
 from vibeam.show import KINDS
 from vibeam.show.boundaries import limits
-from vibeam.store import read
+from vibeam.store.file import read
 
 SDOF = """[sdof]
 damping_ratio = 0.015

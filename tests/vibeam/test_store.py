@@ -14,7 +14,9 @@ from stand_in import point, same
 
 from vibeam.response import Ended, FrequencyResponse
 from vibeam.state import State
-from vibeam.store import Branch, StoreError, opened, read
+from vibeam.store.branch import Branch
+from vibeam.store.faults import StoreError
+from vibeam.store.file import opened, read
 
 GRID = np.linspace(14.0, 17.0, 6)
 UP, DOWN = Branch("beam", "up", GRID, 3), Branch("beam", "down", GRID[::-1].copy(), 3)

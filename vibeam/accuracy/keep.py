@@ -14,7 +14,7 @@ import numpy as np
 
 from vibeam.accuracy.study import Chosen, Curve, Study
 from vibeam.accuracy.verify import Verified
-from vibeam.store_layout import fixed
+from vibeam.store.layout import fixed
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -13,7 +13,8 @@ from vibeam.accuracy.study import Study, study
 from vibeam.faults import CaseError, Fault
 from vibeam.fidelity import gap_drift, gap_wear
 from vibeam.state import State
-from vibeam.store import Branch, Store
+from vibeam.store.branch import Branch
+from vibeam.store.store import Store
 
 if TYPE_CHECKING:
     from vibeam.case import Case

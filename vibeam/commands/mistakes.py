@@ -21,7 +21,7 @@ class Mistake(Exception):
 def mistakes() -> Iterator[None]:
     """Turn what a user can get wrong into its message on stderr and an exit code; a defect keeps its traceback."""
     from vibeam.faults import CaseError
-    from vibeam.store import StoreError
+    from vibeam.store.faults import StoreError
 
     try:
         yield

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.show.plan import Column, Sheet, ShowPlan
-from vibeam.store_layout import Quantity, fixed, unit_of
+from vibeam.store.layout import Quantity, fixed, unit_of
 
 if TYPE_CHECKING:
     import h5py

@@ -43,7 +43,7 @@ class ShowPlan:
 
 @dataclass(frozen=True)
 class Column:
-    """One row of numbers: its unit as in ``store_layout`` (q: the output's, q/s: its rate's), and what it is."""
+    """One row of numbers: its unit as in ``vibeam.store.layout`` (q: the output's, q/s: its rate's), and what it is."""
 
     values: Array
     unit: str
