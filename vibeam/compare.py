@@ -13,7 +13,7 @@ from vibeam.response import Array, Ended, FrequencyResponse
 
 if TYPE_CHECKING:
     from vibeam.response import Branches
-    from vibeam.run import Result
+    from vibeam.result import Result
 
 Flags = NDArray[np.bool_]
 

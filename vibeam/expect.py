@@ -17,7 +17,7 @@ from vibeam.show import KINDS, LIMITS
 if TYPE_CHECKING:
     from vibeam.case import Case
     from vibeam.plans import Direction
-    from vibeam.run import Result
+    from vibeam.result import Result
 
 NAN = float("nan")
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from vibeam.case import Case
     from vibeam.plans import Reference
     from vibeam.response import Branches
-    from vibeam.run import Result
+    from vibeam.result import Result
 
 QUANTITIES = ("amplitude", "maximum", "minimum", "reach", "impacts_per_period", "impact_velocity", "period")
 COLUMNS = ("frequency_hz", "direction", *QUANTITIES)

@@ -40,7 +40,7 @@ hold = 5
 
 
 class Solver:
-    """Stands in for ``vibeam.run.march``; ``calls`` collects the points computed, ``fail_at`` stops before one."""
+    """Stands in for ``fidelity_sweep.march``; ``calls`` collects the points computed, ``fail_at`` stops before one."""
 
     def __init__(self, fail_at: int | None = None, failure: BaseException | str = "kill", pause: float = 0.0) -> None:
         self.calls: list[tuple[int, float]] = []

@@ -18,12 +18,11 @@ import pytest
 from stand_in import RIG, SDOF, Solver
 from typer.testing import CliRunner
 
-from vibeam import __version__
+from vibeam import __version__, fidelity_sweep
 from vibeam.case import parse
 from vibeam.cli import app
 from vibeam.run import run
 
-MODULE = sys.modules["vibeam.run"]
 TESTS = str(Path(__file__).parent)
 Command = Callable[..., Any]
 
@@ -34,7 +33,7 @@ def command(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Command:
     import vibeam.solvers
 
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(MODULE, "march", Solver())
+    monkeypatch.setattr(fidelity_sweep, "march", Solver())
     monkeypatch.setattr(vibeam.solvers, "compiled", lambda: True)
 
     def call(*words: object, expect: int = 0) -> Any:
@@ -68,11 +67,11 @@ def test_run_writes_results_and_figures_and_goes_on(command: Command, sdof: Path
 def test_run_says_that_it_continues(
     command: Command, sdof: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(MODULE, "march", Solver(fail_at=4, failure=KeyboardInterrupt()))
+    monkeypatch.setattr(fidelity_sweep, "march", Solver(fail_at=4, failure=KeyboardInterrupt()))
     stopped = command("run", sdof, expect=130)
     assert stopped.stderr == "stopped: 4 of 10 points are kept in sdof.h5: the same command goes on from there\n"
     assert stopped.stdout == ""
-    monkeypatch.setattr(MODULE, "march", Solver())
+    monkeypatch.setattr(fidelity_sweep, "march", Solver())
     assert command("run", sdof).stderr == "continuing: 4 of 10 points are there\n"
 
 
@@ -256,9 +255,10 @@ STOPPED = """
 import sys
 sys.path[:0] = {path!r}
 from stand_in import Solver
-import vibeam.run as _, vibeam.solvers
+import vibeam.solvers
+from vibeam import fidelity_sweep
 from vibeam.cli import main
-sys.modules["vibeam.run"].march = Solver(pause=0.05)
+fidelity_sweep.march = Solver(pause=0.05)
 vibeam.solvers.compiled = lambda: True
 sys.argv = ["vibeam", "run", {case!r}, "--set", "sweep.frequency.points=1000"]
 main()

@@ -16,7 +16,7 @@ from vibeam.fidelity import restitutions
 from vibeam.plans import Reference
 from vibeam.references import CheckRow, check, read_reference
 from vibeam.response import Branches, Ended
-from vibeam.run import Result
+from vibeam.result import Result
 
 GRID = np.linspace(14.0, 17.0, 7)
 HUMP = np.array([1.0, 2.0, 4.0, 8.0, 4.0, 2.0, 1.0])

@@ -11,7 +11,7 @@ from vibeam.expect import Expectation, check
 from vibeam.faults import CaseError
 from vibeam.references import CheckRow
 from vibeam.response import Branches, Ended
-from vibeam.run import Result
+from vibeam.result import Result
 
 GRID = np.array([14.0, 15.0, 16.0])
 CASE = """[sdof]

@@ -23,7 +23,7 @@ from vibeam.report.frc import frc, grazing, write_frc
 from vibeam.report.output import to_json, write_csv
 from vibeam.report.units import METRIC, units_of
 from vibeam.response import Branches
-from vibeam.run import Result
+from vibeam.result import Result
 from vibeam_models.scene import SdofScene
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -12,13 +12,14 @@ import numpy as np
 import pytest
 from stand_in import SDOF, Solver, case, same, system
 
+from vibeam import fidelity_sweep, recorder
 from vibeam.case import parse
 from vibeam.faults import CaseError
-from vibeam.run import Interrupted, Result, run
+from vibeam.result import Result
+from vibeam.run import Interrupted, run
 from vibeam.spread import Stopped, spread
 from vibeam.store.faults import StoreError
 
-MODULE = sys.modules["vibeam.run"]  # ``vibeam.run`` itself is the function
 POINTS = 2 * 2 * 8  # fidelities, directions, frequencies
 
 
@@ -28,8 +29,8 @@ def solver(monkeypatch: pytest.MonkeyPatch) -> Solver:
 
 
 def use(monkeypatch: pytest.MonkeyPatch, solver: Solver) -> Solver:
-    monkeypatch.setattr(MODULE, "march", solver)
-    monkeypatch.setattr(MODULE, "WRITE_EVERY", 0.0)
+    monkeypatch.setattr(fidelity_sweep, "march", solver)
+    monkeypatch.setattr(recorder, "WRITE_EVERY", 0.0)
     return solver
 
 
@@ -102,9 +103,9 @@ KILLED = """
 import sys
 sys.path[:0] = {path!r}
 from stand_in import Solver, case
+from vibeam import fidelity_sweep, recorder
 from vibeam.run import run
-module = sys.modules["vibeam.run"]
-module.march, module.WRITE_EVERY = Solver(fail_at=20), {every}
+fidelity_sweep.march, recorder.WRITE_EVERY = Solver(fail_at=20), {every}
 run(case(), {file!r})
 """
 
@@ -168,7 +169,7 @@ def test_tells_every_point_and_what_was_there(monkeypatch: pytest.MonkeyPatch, t
 def test_the_real_flight_goes_on_to_the_same_bits(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, stop: int) -> None:
     """On a pressed stop, where motions are chaotic, and over more than an octave."""
     settings = {"stop.gap": -0.5e-3, "sweep.frequency.from": "0.6 rad/s", "sweep.frequency.points": 9}
-    real, nominal = MODULE.march, parse(SDOF, set=settings)
+    real, nominal = fidelity_sweep.march, parse(SDOF, set=settings)
     left = [stop]
 
     def interrupted(*given: Any, **options: Any) -> Any:
@@ -178,10 +179,10 @@ def test_the_real_flight_goes_on_to_the_same_bits(monkeypatch: pytest.MonkeyPatc
             left[0] -= 1
             yield block
 
-    monkeypatch.setattr(MODULE, "march", interrupted)
+    monkeypatch.setattr(fidelity_sweep, "march", interrupted)
     with pytest.raises(ZeroDivisionError):
         run(nominal, tmp_path / "a.h5")
-    monkeypatch.setattr(MODULE, "march", real)
+    monkeypatch.setattr(fidelity_sweep, "march", real)
     continued = run(nominal, tmp_path / "a.h5")
     assert continued.found == stop
     assert alike(continued, run(nominal), but=("cpu_seconds",))

@@ -10,7 +10,7 @@ from observed import settled
 import vibeam
 from vibeam.modes import mode_table
 from vibeam.report.show import figure
-from vibeam.run import Result
+from vibeam.result import Result
 from vibeam.show import RESTITUTIONS, SHARES
 from vibeam.show.plan import sheet_at, sheets
 

@@ -10,7 +10,7 @@ from vibeam.commands.arguments import AsJson, CaseFile, Overrides, ResultsFile, 
 from vibeam.commands.working import swept
 
 if TYPE_CHECKING:
-    from vibeam.run import Result
+    from vibeam.result import Result
 
 
 def run(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: ResultsFile = None) -> None:

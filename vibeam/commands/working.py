@@ -10,7 +10,7 @@ from vibeam.commands.mistakes import Made, of_case
 
 if TYPE_CHECKING:
     from vibeam.case import Case
-    from vibeam.run import Result
+    from vibeam.result import Result
 
 
 def swept(case: Case, path: Path | None, show: bool = True) -> Result:

@@ -23,7 +23,7 @@ from vibeam.response import Array, FrequencyResponse
 
 if TYPE_CHECKING:
     from vibeam.response import Branches
-    from vibeam.run import Result
+    from vibeam.result import Result
     from vibeam.system import ImpactSystem
 
 TOGETHER = 3  # so many fidelities share a panel

@@ -12,7 +12,7 @@ from vibeam.report.style import PAGE
 from vibeam.show.plan import ShowPlan, module_of
 
 if TYPE_CHECKING:
-    from vibeam.run import Result
+    from vibeam.result import Result
 
 ENDINGS = (".png", ".svg")
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case import Case
-    from vibeam.run import Result
+    from vibeam.result import Result
 
 Array = NDArray[np.float64]
 Options = Mapping[str, str | float]

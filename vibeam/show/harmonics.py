@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from vibeam.case import Case
     from vibeam.report.units import Units
-    from vibeam.run import Result
+    from vibeam.result import Result
 
 HIGHEST = 8
 PERIODS = 8  # times the subdivision

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case import Case
-    from vibeam.run import Result
+    from vibeam.result import Result
 
 PERIODS = 4
 

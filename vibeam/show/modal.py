@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case import Case
-    from vibeam.run import Result
+    from vibeam.result import Result
 
 MOST = 12  # modes that are drawn; the numbers are of all
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from vibeam.case import Case
     from vibeam.report.units import Rates, Units
-    from vibeam.run import Result
+    from vibeam.result import Result
 
 PERIODS = 16
 ROUNDING = 1e-13

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case import Case
-    from vibeam.run import Result
+    from vibeam.result import Result
 
 PERIODS = 12
 SAMPLES = 48  # a period of the ringing, of a motion that is not measured

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case import Case
-    from vibeam.run import Result
+    from vibeam.result import Result
 
 PERIODS = 64
 SAMPLES = 256  # a drive period, of a motion that is not measured

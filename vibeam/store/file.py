@@ -41,7 +41,7 @@ def opened(path: Path, *, text: str, key: str, branches: Sequence[Branch], unit:
     try:
         with _open(path, "r+") as file:
             _same_case(file, path, text, key)
-            store = Store(file, path, made)
+            store = Store(file, path, made, unit)
             try:
                 yield store
             finally:

@@ -29,13 +29,14 @@ CURVES = "curves"  # the group of all motions a solver knows, beside those of th
 class Store:
     """An open results file, safe to write from several threads; made by ``vibeam.store.file.opened``.
 
-    StoreError, from each method, where the file does not hold what was written, or takes no more.
+    ``unit``: of the outputs. Every method: StoreError where the file does not hold what was written or takes no more.
     """
 
-    def __init__(self, file: h5py.File, path: Path, made: bool) -> None:
+    def __init__(self, file: h5py.File, path: Path, made: bool, unit: str) -> None:
         self._file = file
         self._lock = threading.Lock()
         self._noted = made
+        self._unit = unit
         self.path = path
         self.written = 0
 
@@ -69,13 +70,13 @@ class Store:
         with self._reading(f"/{fidelity}/{CURVES}") as file:
             return read_curves(file[fidelity][CURVES]) if CURVES in file[fidelity] else None
 
-    def write_curves(self, fidelity: str, curves: MotionCurves, unit: str) -> None:
+    def write_curves(self, fidelity: str, curves: MotionCurves) -> None:
         """Keep them; under another name until they are whole."""
         with self._writing() as file:
             group, part = file[fidelity], f".{CURVES}"
             if part in group:
                 del group[part]
-            write_curves(group.create_group(part), curves, unit)
+            write_curves(group.create_group(part), curves, self._unit)
             group.move(part, CURVES)
             file.flush()
 
@@ -104,7 +105,7 @@ class Store:
         with self._reading(f"/{HOME}/{plan.name}") as file:
             return read_sheets(file, plan)
 
-    def show(self, plan: ShowPlan, sheets: tuple[Sheet, ...], unit: str) -> None:
+    def show(self, plan: ShowPlan, sheets: tuple[Sheet, ...]) -> None:
         """Keep ``sheets``."""
         with self._writing() as file:
-            write_sheets(file, plan, sheets, unit)
+            write_sheets(file, plan, sheets, self._unit)
