@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from vibeam.response import FrequencyResponse as FrequencyResponse
     from vibeam.run import run as run
     from vibeam.simulate import simulate as simulate
-    from vibeam.stability import stability as stability
+    from vibeam.stability.study import stability as stability
     from vibeam.state import State as State
     from vibeam.sweep import sweep as sweep
     from vibeam.system import Drive as Drive
@@ -52,7 +52,7 @@ _HOMES = {
     "orbit_curve": "vibeam.periodic.curve",
     "boundaries": "vibeam.periodic.boundaries",
     "orbit_map": "vibeam.periodic.map",
-    "stability": "vibeam.stability",
+    "stability": "vibeam.stability.study",
     "influence": "vibeam.influence.study",
     "Kind": "vibeam.periodic.line",
     "follow": "vibeam.periodic.follow",

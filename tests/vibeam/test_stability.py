@@ -17,7 +17,7 @@ import vibeam
 from vibeam.case import Case, parse
 from vibeam.cli import app
 from vibeam.report.stability import kinds_of_points, stability_figure
-from vibeam.stability import stability
+from vibeam.stability.study import stability
 
 NOMINAL = """
 title = "nominal"

@@ -30,7 +30,7 @@ def stability(
     from vibeam.report import output
     from vibeam.report.stability import write_stability
     from vibeam.report.units import units_of
-    from vibeam.stability import stability as mapped
+    from vibeam.stability.study import stability as mapped
 
     loaded = load(case, set_)
     path = table_path(loaded, out, "stability")

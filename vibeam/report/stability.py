@@ -21,7 +21,9 @@ from vibeam.periodic.line import Kind
 from vibeam.periodic.map import OrbitMap
 from vibeam.report.style import PAGE
 from vibeam.report.units import units_of
-from vibeam.stability import NAMES, Axis, ModelMap, Stability
+from vibeam.stability.axes import Axis
+from vibeam.stability.rows import NAMES
+from vibeam.stability.study import ModelMap, Stability
 
 SHADES = {
     "no such motion": "white",

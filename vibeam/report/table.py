@@ -18,7 +18,7 @@ from vibeam.keys import Row as KeyRow
 from vibeam.modes import ModeTable
 from vibeam.references import CheckRow
 from vibeam.report.units import METRIC, Units, percent
-from vibeam.stability import Crossing
+from vibeam.stability.rows import Crossing
 
 WIDEST = 160
 
