@@ -18,7 +18,8 @@ from vibeam.cli import app
 from vibeam.cost import measured as measured_module
 from vibeam.cost.ladder import LADDERS, Rung, ladders
 from vibeam.cost.measured import measure
-from vibeam.cost.models import models, seen, with_seen
+from vibeam.cost.models import finest, models, seen, with_seen
+from vibeam.cost.planning import Planning
 from vibeam.cost.reference import bound
 from vibeam.cost.schedule import Track, climb
 from vibeam.cost.split import shares, split
@@ -195,9 +196,7 @@ def test_time_up_within_a_run_is_told() -> None:
 
 
 def _plan(case: object) -> object:
-    from vibeam.cost.study import _Studied
-
-    return _Studied(case, lambda line: None, Clock()).plan  # type: ignore[arg-type]
+    return Planning(case, finest(models(case)[0])).plan  # type: ignore[arg-type]
 
 
 @pytest.fixture(scope="module")

@@ -6,60 +6,31 @@ import time
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.compare import complete
-from vibeam.cost.errors import Errors, errors, peak
 from vibeam.cost.ladder import Rung, ladders
 from vibeam.cost.measured import Clock, Measured, OutOfTime, Plan, measure
 from vibeam.cost.models import CUT_SOLVERS, Model, built, finest, models
-from vibeam.cost.reference import FLIGHT, Bound, bound, curve, given
+from vibeam.cost.planning import Planning
+from vibeam.cost.reference import FLIGHT, Bound, bound, given
+from vibeam.cost.row import Row, Truths, compared, stopped
 from vibeam.cost.schedule import LeftOut, Track, climb
-from vibeam.cost.split import Part, Split, part, shares, split
+from vibeam.cost.split import Split, split
 from vibeam.cost.work import Work, front, timed
 from vibeam.fidelity import gap_drift, gap_wear
 from vibeam.solvers import NAMES
-from vibeam.system import Drive, ImpactSystem
+from vibeam.system import ImpactSystem
 
 if TYPE_CHECKING:
     from vibeam.case import Case
-    from vibeam.plans import CostPlan
 
-POINTS, SETTLE, HOLD, CLOUD, WINDOW = 9, 100, 10, 200, 10
 PROBE = 2  # drive periods of the warm-up, by which the cost of a ladder's first rung is estimated
 SHARE = 0.01  # of the budget that may go into repeating a run
 STIFF = 1e-5  # seconds, at least, that scipy's solvers take for a radian of the fastest mode
 FORMULAS = ("orbit", "averaging", "mapping")  # whose cost does not grow with the periods
 Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class Row:
-    """One run: ``total`` error against the reference, ``numerical`` against the exact motion of its own fidelity.
-
-    ``parts`` of its amplitude's error, which add up: solver, settling, modelling. ``why``: the reason where it
-    failed, its errors are then NaN.
-    """
-
-    fidelity: str
-    modes: int
-    solver: str
-    method: str
-    setting: str
-    total: Errors
-    numerical: Errors
-    parts: tuple[Part, ...]
-    work: Work | None
-    found: int = 0  #: frequencies at which it found a motion
-    why: str = ""
-
-    @property
-    def label(self) -> str:
-        """The solver and its setting."""
-        return " ".join(filter(None, (self.solver, self.method, self.setting)))
 
 
 @dataclass(frozen=True)
@@ -125,56 +96,32 @@ class _Studied:
         self.named = {model.name: model for model in self.models}
         self.rows: list[Row] = []
         self.refused: list[LeftOut] = []
+        self.planning = Planning(case, self.finest)
         self.warm()
         self.began = self.ready = clock()
 
     def warm(self) -> None:
         """Load and compile what is loaded and compiled but once."""
-        first = self._first_plan()
-        plan = replace(first.at(0), settle=0, hold=PROBE)
+        plan = replace(self.planning.first.at(0), settle=0, hold=PROBE)
         least = min(self.models, key=lambda model: model.system.size)
         for name in self.asked.solvers or NAMES:
             for rung in [ladder[0] for ladder in ladders(name, 1.0)]:
                 with suppress(ValueError):
                     measure(least.system, rung, plan)
 
-    def _first_plan(self) -> Plan:
-        sweep, asked = self.case.sweep, self.asked
-        omega = 2 * np.pi * frequencies(self.case, asked)
-        settle = min(sweep.settle, SETTLE) if asked.settle is None else asked.settle
-        hold = min(sweep.hold, HOLD) if asked.hold is None else asked.hold
-        base = np.broadcast_to(self.case.amplitude(omega), omega.shape)
-        return Plan(omega, base, settle, hold, sweep.output, 0, 0, 1.0, self._drive(float(omega[0])))
-
-    def _drive(self, omega: float) -> Drive:
-        return Drive(omega, float(np.ravel(self.case.amplitude(np.array([omega])))[0]))
-
-    @cached_property
-    def plan(self) -> Plan:
-        """What all run: the path is driven at the reference's peak, and starts as far from the stop as it swings."""
-        first = self._first_plan()
-        seen = measure(self.finest.system, FLIGHT, first).response
-        size, top = float(np.nanmedian(seen.reach)), peak(seen)[0]
-        drive = self._drive(2 * np.pi * top) if np.isfinite(top) else first.drive
-        size = size if size > 0 else 1.0
-        return replace(first, cloud=CLOUD, window=WINDOW, size=size, drive=drive)
-
-    @cached_property
-    def long(self) -> Plan:
-        """The plan with at least the case's own settling: what counts as exact."""
-        return replace(self.plan, settle=max(self.case.sweep.settle, self.plan.settle))
-
     def study(self) -> Study:
         """Everything in turn: exact motions, their bound, the parts of modelling, then the ladders."""
         self.say("exact motions of every fidelity, and what bounds them")
         self.exact = {
-            model.name: self._timed(model.system, FLIGHT, self._of(model, self.long), np.inf) for model in self.models
+            model.name: self._timed(model.system, FLIGHT, self.planning.long_of(model), np.inf) for model in self.models
         }
-        self.short = {model.name: measure(model.system, FLIGHT, self._of(model, self.plan)) for model in self.models}
+        self.short = {model.name: measure(model.system, FLIGHT, self.planning.of(model)) for model in self.models}
         top = self.exact[self.finest.name][0]
-        self.file = None if self.asked.reference is None else given(self.case, self.plan.omega / (2 * np.pi))
+        plan = self.planning.plan
+        hertz = plan.omega / (2 * np.pi)
+        self.file = None if self.asked.reference is None else given(self.case, hertz)
         self.truth = top if self.file is None else Measured(self.file)
-        bounded = bound(self.finest.system, top, self.long)
+        bounded = bound(self.finest.system, top, self.planning.long)
         splits = tuple(self._split(model, top) for model in self.models)
         tracks = self._tracks()
         self.ready = self.clock()
@@ -182,21 +129,12 @@ class _Studied:
         order = {model.name: index for index, model in enumerate(self.models)}
         rungs = [rung.label for name in NAMES for ladder in ladders(name, 1.0) for rung in ladder]
         rows = sorted(self.rows, key=lambda row: (order[row.fidelity], rungs.index(row.label)))
-        grid = tuple(float(each) for each in self.plan.omega / (2 * np.pi))
+        grid = tuple(float(each) for each in hertz)
         spent = self.clock() - self.began
         return Study(
             self.case.title, self.finest.name, self.asked.reference, bounded, tuple(rows), splits,
-            tuple(left_out), tuple(self.refused), self.same, grid, self.plan.settle, self.plan.hold, spent,
+            tuple(left_out), tuple(self.refused), self.same, grid, plan.settle, plan.hold, spent,
         )  # fmt: skip
-
-    def _of(self, model: Model, plan: Plan) -> Plan:
-        """The plan as the model's own scene drives it."""
-        if not self.case.scenes:
-            return plan
-        place = np.array([plan.drive.omega])
-        base, alone = (self.case.amplitude_of(model.like, omega) for omega in (plan.omega, place))
-        drive = Drive(plan.drive.omega, float(np.ravel(alone)[0]))
-        return replace(plan, amplitude=np.broadcast_to(base, plan.omega.shape), drive=drive)
 
     def _left(self) -> float:
         """Seconds of the budget, which begins when all that every study needs is done."""
@@ -215,7 +153,7 @@ class _Studied:
             return built(self.case, alike, one.like)
 
         def fly(system: ImpactSystem) -> Any:
-            return measure(system, FLIGHT, replace(self._of(model, self.long), window=0)).response
+            return measure(system, FLIGHT, replace(self.planning.long_of(model), window=0)).response
 
         exact, work = self.exact[model.name]
         return split(model, self.finest, exact.response, top.response, build, fly, work.cpu_min, self.file)
@@ -228,7 +166,7 @@ class _Studied:
                 if model.cut and name not in CUT_SOLVERS:
                     continue
                 try:
-                    for ladder in ladders(name, self.plan.size):
+                    for ladder in ladders(name, self.planning.plan.size):
                         tracks.append(Track(model.name, ladder, self._estimate(model, ladder[0])))
                 except ValueError as refusal:
                     self.refused.append(LeftOut(model.name, name, str(refusal)))
@@ -238,7 +176,7 @@ class _Studied:
         """Seconds of a run: flight's are known, others from two periods of it; this is its warm-up as well."""
         if rung.solver == "flight":
             return self.exact[model.name][1].cpu_min
-        plan = self._of(model, self.plan)
+        plan = self.planning.of(model)
         least = STIFF * float(np.max(model.system.omega)) * float(np.sum(2 * np.pi / plan.omega))
         if rung.solver == "direct" and least * (plan.settle + plan.hold) > self.asked.budget:
             return least * (plan.settle + plan.hold)  # not even two periods are to be had for nothing
@@ -253,44 +191,10 @@ class _Studied:
         model = self.named[fidelity]
         self.say(f"{fidelity}: {rung.label}")
         try:
-            found, work = self._timed(model.system, rung, self._of(model, self.plan), self.ready + self.asked.budget)
-        except OutOfTime as stopped:
-            self.rows.append(self._row(model, rung, None, None, str(stopped)))
+            found, work = self._timed(model.system, rung, self.planning.of(model), self.ready + self.asked.budget)
+        except OutOfTime as up:
+            self.rows.append(stopped(model, rung, str(up)))
             return None
-        self.rows.append(self._row(model, rung, found, work, found.failure))
+        truths = Truths(self.short[fidelity], self.exact[fidelity][0], self.truth)
+        self.rows.append(compared(model, rung, self.planning.plan, found, work, truths))
         return work.cpu_median
-
-    def _row(self, model: Model, rung: Rung, found: Measured | None, work: Work | None, why: str) -> Row:
-        total, numerical, parts = Errors(), Errors(), tuple[Part, ...]()
-        motions = 0 if found is None else int(np.count_nonzero(complete(found.response)))
-        if found is not None and not why:
-            own, top = self.exact[model.name][0], self.truth
-            total, numerical = (errors(found, truth, self.plan) for truth in (top, own))
-            why = "" if total.points or np.isfinite(total.statistics) else self._nothing(found)
-            chain = [each.response for each in (found, self.short[model.name], own, top)]
-            steps, whole = shares(chain)
-            names = ("solver", "settling", "modelling", "total")
-            parts = tuple(part(name, values) for name, values in zip(names, [*steps, whole], strict=True))
-        return Row(
-            model.name, model.system.size, rung.solver, rung.method, rung.setting,
-            total, numerical, parts, work, motions, why,
-        )  # fmt: skip
-
-    @staticmethod
-    def _nothing(found: Measured) -> str:
-        from vibeam.response import Ended
-
-        none = np.all(found.response.ended == Ended.NO_ORBIT.code)
-        return Ended.NO_ORBIT.value if none else "no frequency at which both its motion and the reference's repeat"
-
-
-def frequencies(case: Case, asked: CostPlan) -> Any:
-    """The frequencies (Hz) that are run: those asked for, or nine of the sweep's, evenly spread."""
-    if asked.frequency is not None:
-        return np.array(asked.frequency)
-    grid = np.sort(case.sweep.frequency)
-    if asked.reference is not None:
-        grid = np.array(sorted(f for f in curve(case) if grid[0] <= f <= grid[-1]))
-        if not len(grid):
-            raise ValueError(f"cost.reference: {asked.reference!r} has no point within the sweep")
-    return grid[np.unique(np.linspace(0, len(grid) - 1, POINTS).round().astype(int))]

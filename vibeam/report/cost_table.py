@@ -14,9 +14,10 @@ from vibeam.report.table import blank
 from vibeam.report.units import percent
 
 if TYPE_CHECKING:
+    from vibeam.cost.row import Row
     from vibeam.cost.schedule import LeftOut
     from vibeam.cost.split import Split
-    from vibeam.cost.study import Row, Study
+    from vibeam.cost.study import Study
 
 RATIO = 10.0  # times smaller: then a sentence says so
 

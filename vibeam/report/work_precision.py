@@ -22,7 +22,8 @@ from vibeam.report.style import COLOURS, KEY, PAGE
 
 if TYPE_CHECKING:
     from vibeam.cost.errors import Errors
-    from vibeam.cost.study import Row, Study
+    from vibeam.cost.row import Row
+    from vibeam.cost.study import Study
 
 MARKS = {
     "flight": ("*", 9.0),
