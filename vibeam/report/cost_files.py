@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from csv import DictWriter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vibeam.report.output import plain
+from vibeam.report.output import plain, write_rows
 from vibeam.report.work_precision import write_work_precision
 
 if TYPE_CHECKING:
@@ -19,18 +18,13 @@ def write_files(study: Study, folder: Path, stem: str) -> list[Path]:
     figures = [folder / f"{stem}_cost{ending}" for ending in (".png", ".svg")]
     table = folder / f"{stem}_cost.csv"
     write_work_precision(study, *figures)
-    write_rows(study, table)
+    write_rows(_lines(study), table)
     return [*figures, table]
 
 
-def write_rows(study: Study, path: Path) -> None:
+def _lines(study: Study) -> list[dict[str, Any]]:
     """Every run as a line; what is nested gets names with a dot, as ``total.amplitude_rms``."""
-    rows = [dict(_flat(plain(row))) for row in study.rows]
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = DictWriter(file, names)
-        writer.writeheader()
-        writer.writerows(rows)
+    return [dict(_flat(plain(row))) for row in study.rows]
 
 
 def _flat(value: Mapping[str, Any], above: str = "") -> list[tuple[str, Any]]:

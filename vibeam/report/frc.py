@@ -8,7 +8,6 @@ from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -17,7 +16,8 @@ from matplotlib.lines import Line2D
 from vibeam.compare import finest_of, modes_of, periodic
 from vibeam.references import reference_points
 from vibeam.report.curve import Kind, motion_pieces, pieces
-from vibeam.report.style import COLOURS, GAP, GHOST, KEY, LINES, PAGE, REFERENCE, STABLE, UNSTABLE, arrow, line
+from vibeam.report.page import PAGE, write_page
+from vibeam.report.style import COLOURS, GAP, GHOST, KEY, LINES, REFERENCE, STABLE, UNSTABLE, arrow, line
 from vibeam.report.units import Units, percent, units_of
 from vibeam.response import Array, FrequencyResponse
 
@@ -33,11 +33,7 @@ REFERENCES_SHOWN = 60
 
 def write_frc(result: Result, *paths: Path) -> None:
     """Draw amplitude against frequency; the format follows each path's ending (.png, .svg, .pdf)."""
-    with mpl.rc_context(PAGE):
-        figure = frc(result)
-        for path in paths:
-            metadata: Any = {"Date": None} if path.suffix == ".svg" else None
-            figure.savefig(path, dpi=220, metadata=metadata)
+    write_page(lambda: frc(result), paths)
 
 
 def frc(result: Result) -> Figure:

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from csv import DictWriter
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from vibeam.report.style import COLOURS, PAGE
+from vibeam.report.output import write_rows
+from vibeam.report.page import write_page
+from vibeam.report.style import COLOURS
 
 if TYPE_CHECKING:
     from vibeam.influence.study import Study, Variant
@@ -24,16 +24,8 @@ LEAST, MOST = 1e-3, 1e3  # changes beyond are drawn at the ends
 def write_files(study: Study, table: Path) -> list[Path]:
     """Write the table, and the plot beside it as .png and .svg; gives the plots' and the table's paths."""
     figures = [table.with_suffix(ending) for ending in (".png", ".svg")]
-    with mpl.rc_context(PAGE):
-        figure = bars(study)
-        for path in figures:
-            metadata: Any = {"Date": None} if path.suffix == ".svg" else None
-            figure.savefig(path, dpi=160, metadata=metadata)
-    rows = list(lines(study))
-    with table.open("w", newline="", encoding="utf-8") as file:
-        writer = DictWriter(file, list(rows[0]))
-        writer.writeheader()
-        writer.writerows(rows)
+    write_page(lambda: bars(study), figures, dots=160)
+    write_rows(list(lines(study)), table)
     return [*figures, table]
 
 

@@ -20,11 +20,15 @@ def to_json(value: Any) -> str:
 
 def write_csv(rows: Sequence[Any], path: Path) -> None:
     """Rows of one dataclass as CSV, a column a field."""
-    table = [plain(row) for row in rows]
+    write_rows([plain(row) for row in rows], path)
+
+
+def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
+    """Rows by name as CSV, a column a name, in the order in which names first come."""
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(table[0]) if table else [])
+        writer = csv.DictWriter(file, list(dict.fromkeys(name for row in rows for name in row)))
         writer.writeheader()
-        writer.writerows(table)
+        writer.writerows(rows)
 
 
 def plain(value: Any) -> Any:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from vibeam.report.style import PAGE
+from vibeam.report.page import write_page
 from vibeam.show.plan import ShowPlan, module_of
 
 if TYPE_CHECKING:
@@ -20,13 +20,10 @@ ENDINGS = (".png", ".svg")
 def write_shown(result: Result, path: Path) -> list[Path]:
     """Draw every [show.NAME] of the case as ``STEM_NAME.png`` and ``.svg`` beside ``path``; the files written."""
     written = []
-    with mpl.rc_context(PAGE):
-        for plan in result.case.shows.values():
-            drawn = figure(result, plan)
-            for ending in ENDINGS:
-                written.append(path.with_name(f"{path.stem}_{plan.name}{ending}"))
-                metadata: Any = {"Date": None} if ending == ".svg" else None
-                drawn.savefig(written[-1], dpi=220, metadata=metadata)
+    for plan in result.case.shows.values():
+        files = [path.with_name(f"{path.stem}_{plan.name}{ending}") for ending in ENDINGS]
+        write_page(partial(figure, result, plan), files)
+        written += files
     return written
 
 

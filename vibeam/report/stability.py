@@ -6,7 +6,6 @@ from math import ceil
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -19,7 +18,7 @@ from numpy.typing import NDArray
 from vibeam.periodic.contours import BoundaryCurve
 from vibeam.periodic.line import Kind
 from vibeam.periodic.map import OrbitMap
-from vibeam.report.style import PAGE
+from vibeam.report.page import PAGE, write_page
 from vibeam.report.units import units_of
 from vibeam.stability.axes import Axis
 from vibeam.stability.rows import NAMES
@@ -45,11 +44,7 @@ SHOWN = {"m": ("mm", 1e3), "V": ("V", 1.0), "1": ("", 1.0)}
 
 def write_stability(found: Stability, *paths: Path) -> None:
     """Draw the maps; the format follows each path's ending (.png, .svg, .pdf)."""
-    with mpl.rc_context(PAGE):
-        figure = stability_figure(found)
-        for path in paths:
-            metadata: Any = {"Date": None} if path.suffix == ".svg" else None
-            figure.savefig(path, dpi=220, metadata=metadata)
+    write_page(lambda: stability_figure(found), paths)
 
 
 def stability_figure(found: Stability) -> Figure:

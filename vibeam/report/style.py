@@ -17,18 +17,6 @@ WIDER = {"up": 1.0, "down": 2.6}  # the sweep down lies behind, as a light band:
 BEHIND = {"up": 3.0, "down": 2.0}
 ARROWS = {"up": ">", "down": "<"}
 
-PAGE: Any = {
-    "font.size": 8.0,
-    "axes.linewidth": 0.6,
-    "axes.titlesize": 8.5,
-    "svg.fonttype": "none",
-    "svg.hashsalt": "vibeam",
-    "legend.fontsize": 7.5,
-    "xtick.direction": "in",
-    "ytick.direction": "in",
-    "xtick.top": True,
-    "ytick.right": True,
-}
 LINES: dict[Kind, Look] = {
     Kind.PERIOD_ONE: {"linewidth": 1.2},
     Kind.PERIOD_MORE: {"linewidth": 0.7, "marker": "D", "markersize": 2.6, "markeredgewidth": 0.7},

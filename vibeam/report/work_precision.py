@@ -11,14 +11,14 @@ from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from vibeam.report.style import COLOURS, KEY, PAGE
+from vibeam.report.page import write_page
+from vibeam.report.style import COLOURS, KEY
 
 if TYPE_CHECKING:
     from vibeam.cost.errors import Errors
@@ -45,11 +45,7 @@ Pick = Callable[["Row"], "Errors"]
 
 def write_work_precision(study: Study, *paths: Path) -> None:
     """Draw the plot; the format follows each path's ending (.png, .svg, .pdf)."""
-    with mpl.rc_context(PAGE):
-        figure = work_precision(study)
-        for path in paths:
-            metadata: Any = {"Date": None} if path.suffix == ".svg" else None
-            figure.savefig(path, dpi=160, metadata=metadata)
+    write_page(lambda: work_precision(study), paths, dots=160)
 
 
 def work_precision(study: Study) -> Figure:
