@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import cycle
 from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +16,7 @@ from vibeam.compare import finest_of, modes_of, periodic
 from vibeam.references import reference_points
 from vibeam.report.curve import Kind, motion_pieces, pieces
 from vibeam.report.page import PAGE, write_page
-from vibeam.report.style import COLOURS, GAP, GHOST, KEY, LINES, REFERENCE, STABLE, UNSTABLE, arrow, line
+from vibeam.report.style import GAP, GHOST, KEY, LINES, REFERENCE, STABLE, UNSTABLE, arrow, coloured, line
 from vibeam.report.units import Units, percent, units_of
 from vibeam.response import Array, FrequencyResponse
 
@@ -42,7 +41,7 @@ def frc(result: Result) -> Figure:
     figure, grid = _grid(1 if together else len(result))
     units, finest = units_of(result.case), {name: finest_of(result, name) for name in result}
     panels = []
-    for index, (name, colour) in enumerate(zip(result, cycle(COLOURS), strict=False)):
+    for index, (name, colour) in enumerate(coloured(result)):
         panel = _Panel(grid.flat[0 if together else index], units, colour, result, name)
         panel.fill(ghost=None if together or name == finest[name] else finest[name], titled=not together)
         panels.append(panel)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable
+from itertools import cycle
+from typing import Any, TypeVar
 
 from matplotlib.colors import to_rgb
 
 from vibeam.report.curve import Kind
 
 Look = dict[str, Any]
+Thing = TypeVar("Thing")
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#7A5C00", "#333333")
 GHOST = "#C4C4C4"
@@ -37,6 +40,11 @@ REFERENCE: Look = {
 }
 GAP: Look = {"linewidth": 0.9, "linestyle": ":", "color": "black"}
 KEY: Look = {"color": "0.25", "markerfacecolor": "white", "markeredgecolor": "0.25", "linewidth": 1.2}
+
+
+def coloured(things: Iterable[Thing]) -> list[tuple[Thing, str]]:
+    """Each with a colour of its own, while they last."""
+    return list(zip(things, cycle(COLOURS), strict=False))
 
 
 def shade(colour: Any, direction: str) -> tuple[float, ...]:

@@ -7,7 +7,6 @@ of its own fidelity: where the left-hand points of a colour stand in a column, i
 from __future__ import annotations
 
 from collections.abc import Callable
-from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +17,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
 from vibeam.report.page import write_page
-from vibeam.report.style import COLOURS, KEY
+from vibeam.report.style import KEY, coloured
 
 if TYPE_CHECKING:
     from vibeam.cost.errors import Errors
@@ -53,7 +52,7 @@ def work_precision(study: Study) -> Figure:
     figure = Figure(figsize=(8.4, 5.4), layout="constrained")
     whole, own = figure.subplots(1, 2, sharey=True)
     names = list(dict.fromkeys(row.fidelity for row in study.rows))
-    colours = dict(zip(names, cycle(COLOURS), strict=False))
+    colours = dict(coloured(names))
     _panel(whole, study, colours, lambda row: row.total)
     _front(whole, study)
     _panel(own, study, colours, lambda row: row.numerical)

@@ -8,7 +8,6 @@ with one impact a drive period, Q* its reach where it folds as the drive grows w
 from __future__ import annotations
 
 from collections.abc import Mapping
-from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,8 +16,9 @@ from numpy.typing import NDArray
 from vibeam.periodic.boundaries import Boundary, boundaries
 from vibeam.periodic.line import Kind
 from vibeam.periodic.orbit import orbits
-from vibeam.report.style import COLOURS
+from vibeam.report.style import coloured
 from vibeam.report.units import units_of
+from vibeam.show.over import across_frequency
 from vibeam.show.panels import labelled
 from vibeam.show.plan import Column, Sheet, ShowPlan
 from vibeam.solvers.averaging import slow_flow
@@ -59,12 +59,12 @@ def limits(case: Case, fidelity: str, frequency: Array, quantity: str) -> Array:
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """The limit over frequency, averaging's dashed."""
     units, axes = units_of(result.case), figure.subplots()
-    for sheet, colour in zip(shown, cycle(COLOURS), strict=False):
+    for sheet, colour in coloured(shown):
         averaged = result.case.fidelities[sheet.fidelity].solver == "averaging"
         across, upward = sheet["frequency"] * units.frequency_factor, sheet["value"] * units.length_factor
         axes.plot(across, upward, "--" if averaged else "-", color=colour, linewidth=1.2, label=sheet.fidelity)
     axes.set_ylim(bottom=0)
-    labelled(axes, "drive frequency Ω/2π" if units.frequency else "drive frequency Ω/ω", units.frequency, across=True)
+    across_frequency(axes, units)
     labelled(axes, CALLED[plan.quantity or ""], units.length)
 
 

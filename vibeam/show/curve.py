@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibeam.report.curve import Kind, pieces
-from vibeam.report.style import COLOURS, line
+from vibeam.report.style import coloured, line
 from vibeam.report.units import rates_of, units_of
+from vibeam.show.over import across_frequency
 from vibeam.show.panels import labelled
 from vibeam.show.plan import Sheet, ShowPlan
 
@@ -40,7 +40,7 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
     unit, factor = (units.length, units.length_factor) if name in LENGTHS else ("", 1.0)
     unit, factor = (rate.name, rate.factor) if name == "impact_velocity" else (unit, factor)
     axes = figure.subplots()
-    for fidelity, colour in zip(plan.fidelities, cycle(COLOURS), strict=False):
+    for fidelity, colour in coloured(plan.fidelities):
         axes.plot([], [], color=colour, label=fidelity)
         for direction, response in result[fidelity].items():
             seen = replace(response, amplitude=np.asarray(getattr(response, name), dtype=float))
@@ -48,5 +48,5 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
                 if piece.kind is not Kind.FAILED:
                     look = line(piece.kind, direction, colour, len(piece.frequency))
                     axes.plot(piece.frequency * units.frequency_factor, piece.amplitude * factor, **look)
-    labelled(axes, "drive frequency Ω/2π" if units.frequency else "drive frequency Ω/ω", units.frequency, across=True)
+    across_frequency(axes, units)
     labelled(axes, CALLED.get(name, name), unit)

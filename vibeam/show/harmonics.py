@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.observe.harmonics import harmonic_amplitudes
+from vibeam.report.style import COLOURS
 from vibeam.report.units import units_of
 from vibeam.show.motion import exact_motion, settled, sheet_each
-from vibeam.show.over import across_frequency, coloured
-from vibeam.show.panels import labelled, titled
+from vibeam.show.over import across_frequency
+from vibeam.show.panels import labelled, sheets_at, titled
 from vibeam.show.plan import Column, Columns, Sheet, ShowPlan
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
         grid = figure.subplots(1, len(plan.frequency), sharey=True, squeeze=False)[0]
         for axes, frequency in zip(grid, plan.frequency, strict=True):
             titled(axes, units, frequency)
-            _bars(axes, [sheet for sheet in shown if sheet.frequency == frequency], plan, units)
+            _bars(axes, sheets_at(frequency, plan, shown), plan, units)
             labelled(axes, "multiple of the drive frequency", "", across=True)
     else:
         grid = figure.subplots(1, len(plan.fidelities), sharey=True, squeeze=False)[0]
@@ -79,9 +80,9 @@ def _few(plan: ShowPlan) -> bool:
     return len(plan.frequency) <= FEW
 
 
-def _bars(axes: Axes, sheets: list[Sheet], plan: ShowPlan, units: Units) -> None:
+def _bars(axes: Axes, sheets: list[tuple[Sheet, str]], plan: ShowPlan, units: Units) -> None:
     width = 0.8 / len(plan.fidelities) / (plan.subdivision or 1)
-    for index, (sheet, (_, colour)) in enumerate(zip(sheets, coloured(plan.fidelities), strict=True)):
+    for index, (sheet, colour) in enumerate(sheets):
         order, height = sheet.of("order")[1:], sheet.of("harmonic")[1:]
         place = order + (index - (len(sheets) - 1) / 2) * width
         axes.bar(place, height * units.length_factor, width, color=colour, label=sheet.label)
@@ -94,6 +95,6 @@ def _lines(axes: Axes, sheets: list[Sheet], units: Units) -> None:
     for index, order in enumerate(sheets[0]["order"]):
         if order:
             height = np.array([sheet["harmonic"][index] for sheet in sheets])
-            _, colour = coloured([""] * (index + 1))[index]
-            style = STYLES[index // 6 % len(STYLES)]
+            colour = COLOURS[index % len(COLOURS)]
+            style = STYLES[index // len(COLOURS) % len(STYLES)]
             axes.plot(across, height * units.length_factor, style, color=colour, linewidth=0.9, label=f"{order:g} Ω")

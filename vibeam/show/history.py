@@ -5,13 +5,12 @@ Velocities jump at impacts and are drawn so: a stray value beside an impact, as 
 
 from __future__ import annotations
 
-from itertools import cycle
 from typing import TYPE_CHECKING
 
-from vibeam.report.style import COLOURS, GAP, GHOST
+from vibeam.report.style import GAP, GHOST
 from vibeam.report.units import rates_of, units_of
 from vibeam.show.motion import motion_columns, sheet_each
-from vibeam.show.panels import labelled, stop_at, titled
+from vibeam.show.panels import labelled, sheets_at, stop_at, titled
 from vibeam.show.plan import Sheet, ShowPlan
 
 if TYPE_CHECKING:
@@ -36,8 +35,7 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
     for column, frequency in enumerate(plan.frequency):
         upper, lower = grid[:, column]
         titled(upper, units, frequency)
-        for name, colour, order in zip(plan.fidelities, cycle(COLOURS), range(99), strict=False):
-            sheet = next(s for s in shown if s.fidelity == name and s.frequency == frequency)
+        for order, (sheet, colour) in enumerate(sheets_at(frequency, plan, shown)):
             look = {"color": GHOST, "linewidth": 3.2} if order == 0 and len(plan.fidelities) > 1 else {"color": colour}
             turns = sheet.of("time") * frequency
             upper.plot(turns, sheet.of("displacement") * units.length_factor, label=sheet.label, **look)

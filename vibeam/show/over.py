@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import cycle
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.report.style import COLOURS
 from vibeam.show.panels import labelled
 from vibeam.show.plan import Sheet
 
@@ -30,11 +28,6 @@ def means(sheets: Sequence[Sheet], column: str) -> tuple[Array, Array, Array]:
         rows.append((sheet.frequency, *((np.mean(values), np.std(values)) if len(values) else (np.nan, np.nan))))
     frequency, mean, spread = np.array(sorted(rows), dtype=float).reshape(-1, 3).T
     return frequency, mean, spread
-
-
-def coloured(fidelities: Sequence[str]) -> list[tuple[str, str]]:
-    """Each fidelity with its colour."""
-    return list(zip(fidelities, cycle(COLOURS), strict=False))
 
 
 def drawn(axes: Axes, sheets: Sequence[Sheet], column: str, factor: float, across: float, **look: Any) -> None:

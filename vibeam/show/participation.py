@@ -10,8 +10,7 @@ from vibeam.observe.participation import modal_participation
 from vibeam.report.units import units_of
 from vibeam.show import SHARES
 from vibeam.show.motion import exact_motion, settled, sheet_each
-from vibeam.show.over import coloured
-from vibeam.show.panels import labelled, titled
+from vibeam.show.panels import labelled, sheets_at, titled
 from vibeam.show.plan import Column, Columns, Sheet, ShowPlan
 
 if TYPE_CHECKING:
@@ -64,8 +63,7 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
     width = 0.8 / len(plan.fidelities)
     for column, frequency in enumerate(plan.frequency):
         titled(grid[0, column], units, frequency)
-        for index, (name, colour) in enumerate(coloured(plan.fidelities)):
-            sheet = next(each for each in shown if each.fidelity == name and each.frequency == frequency)
+        for index, (sheet, colour) in enumerate(sheets_at(frequency, plan, shown)):
             place = sheet.of("mode") + (index - (len(plan.fidelities) - 1) / 2) * width
             for axes, share in zip(grid[:, column], SHARES, strict=True):
                 axes.bar(place, sheet.of(share), width, color=colour, label=sheet.label)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.report.style import COLOURS, GAP
+from vibeam.report.style import GAP
 from vibeam.report.units import rates_of, units_of
 from vibeam.show.motion import motion_columns, sheet_each
-from vibeam.show.panels import labelled, stop_at, titled
+from vibeam.show.panels import labelled, sheets_at, stop_at, titled
 from vibeam.show.plan import Sheet, ShowPlan
 
 if TYPE_CHECKING:
@@ -37,8 +36,7 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
     grid = figure.subplots(1, len(plan.frequency), sharex=True, sharey=True, squeeze=False)[0]
     for axes, frequency in zip(grid, plan.frequency, strict=True):
         titled(axes, units, frequency)
-        for name, colour in zip(plan.fidelities, cycle(COLOURS), strict=False):
-            sheet = next(s for s in shown if s.fidelity == name and s.frequency == frequency)
+        for sheet, colour in sheets_at(frequency, plan, shown):
             _path(axes, sheet, colour, units, rate)
         for place in stop_at(result.case, plan):
             axes.axvline(place * units.length_factor, **GAP)

@@ -21,10 +21,11 @@ from vibeam.observe.apparent_restitution import (
 )
 from vibeam.observe.path import impacts_within
 from vibeam.observe.slow import further_modes, slow_part
+from vibeam.report.style import coloured
 from vibeam.report.units import units_of
 from vibeam.show import RESTITUTIONS
 from vibeam.show.motion import NoMotion, sheet_each
-from vibeam.show.over import across_frequency, coloured, drawn
+from vibeam.show.over import across_frequency, drawn
 from vibeam.show.panels import labelled
 from vibeam.show.plan import Column, Columns, Sheet, ShowPlan
 from vibeam.show.seen import Seen, chain_or_exact, seen

@@ -12,9 +12,10 @@ import numpy as np
 
 from vibeam.observe.ringing import REACH, count_peaks, fit_ringing
 from vibeam.observe.slow import SlowPart, slow_part
+from vibeam.report.style import coloured
 from vibeam.report.units import rates_of, units_of
 from vibeam.show.motion import NoMotion, sheet_each
-from vibeam.show.over import across_frequency, coloured, drawn
+from vibeam.show.over import across_frequency, drawn
 from vibeam.show.panels import labelled
 from vibeam.show.plan import Column, Columns, Sheet, ShowPlan
 from vibeam.show.seen import Seen, chain_or_exact, seen

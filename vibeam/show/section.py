@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.observe.section import stroboscopic_section
-from vibeam.report.style import COLOURS
 from vibeam.report.units import rates_of, units_of
 from vibeam.response import Ended
 from vibeam.show.motion import NoMotion, Settled, exact_motion, settled, sheet_each
-from vibeam.show.panels import labelled, titled
+from vibeam.show.panels import labelled, sheets_at, titled
 from vibeam.show.plan import Column, Columns, Sheet, ShowPlan
 from vibeam.state import State
 
@@ -67,8 +65,7 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
     grid = figure.subplots(1, len(plan.frequency), sharex=True, sharey=True, squeeze=False)[0]
     for axes, frequency in zip(grid, plan.frequency, strict=True):
         titled(axes, units, frequency)
-        for name, colour in zip(plan.fidelities, cycle(COLOURS), strict=False):
-            sheet = next(s for s in shown if s.fidelity == name and s.frequency == frequency)
+        for sheet, colour in sheets_at(frequency, plan, shown):
             place, speed = sheet.of("displacement") * units.length_factor, sheet.of("velocity") * rate.factor
             axes.plot(place, speed, ".", markersize=2.5, color=colour, label=sheet.label)
         axes.margins(0.1)

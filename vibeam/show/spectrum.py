@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 from vibeam.observe.spectrum import spectrum_of
 from vibeam.report.units import rates_of, units_of
 from vibeam.show.motion import sheet_each
-from vibeam.show.over import coloured
-from vibeam.show.panels import labelled, titled
+from vibeam.show.panels import labelled, sheets_at, titled
 from vibeam.show.plan import Column, Columns, Sheet, ShowPlan
 from vibeam.show.seen import chain_or_exact, seen
 
@@ -45,8 +44,7 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
     grid = figure.subplots(2, len(plan.frequency), sharex="col", sharey="row", squeeze=False)
     for column, frequency in enumerate(plan.frequency):
         titled(grid[0, column], units, frequency)
-        for name, colour in coloured(plan.fidelities):
-            sheet = next(each for each in shown if each.fidelity == name and each.frequency == frequency)
+        for sheet, colour in sheets_at(frequency, plan, shown):
             line = sheet.of("line")
             inside = (line > 0) & (line <= SHOWN * frequency)
             across = line[inside] * units.frequency_factor
