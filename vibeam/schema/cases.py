@@ -30,8 +30,8 @@ from vibeam.schema.words import (
 )
 
 
-class BeamCase(Table):
-    """A beam on the bench."""
+class _Case(Table):
+    """What both kinds begin with."""
 
     title: Annotated[str, Text()] = key(
         "what the case is; absent = the name of its file", "DTU impacting beam, neutral gap, 0.6 V", ""
@@ -46,6 +46,11 @@ class BeamCase(Table):
     accuracy_of: Annotated[tuple[str, ...] | None, Each(Word(ACCURATE))] = key(
         "the quantities that this holds for; absent = the amplitude alone", ["amplitude", "reach"], None, written=False
     )
+
+
+class BeamCase(_Case):
+    """A beam on the bench."""
+
     beam: BeamTable
     mass: MassTable
     added_mass: tuple[AddedMassTable, ...] = key("further point masses", None, (), written=False)
@@ -67,22 +72,13 @@ class BeamCase(Table):
     influence: InfluenceTable = key("what vibeam influence does", None, InfluenceTable(), written=False)
 
 
-class SdofCase(Table):
+class SdofCase(_Case):
     """A single degree of freedom by itself."""
 
     title: Annotated[str, Text()] = key(
         "what the case is; absent = the name of its file", "single degree of freedom", ""
     )
     source: Annotated[str, Text()] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "")
-    accuracy: Annotated[float | None, Within] = key(
-        "relative error allowed, of the finest fidelity's: vibeam run then takes what is cheapest, place by place",
-        "1 %",
-        None,
-        written=False,
-    )
-    accuracy_of: Annotated[tuple[str, ...] | None, Each(Word(ACCURATE))] = key(
-        "the quantities that this holds for; absent = the amplitude alone", ["amplitude", "reach"], None, written=False
-    )
     sdof: SdofTable
     stop: SdofStopTable
     drive: SdofDriveTable
