@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -96,17 +96,12 @@ def _models(case: Case, fidelity: str | None) -> dict[str, tuple[ImpactSystem, l
     found: dict[str, tuple[ImpactSystem, list[str]]] = {}
     for name in case.fidelities if fidelity is None else [fidelity]:
         system = case.system(name)
-        twin = next((names for other, names in found.values() if _same(other, system)), None)
+        twin = next((names for other, names in found.values() if system.moves_as(other)), None)
         if twin is None:
             found[name] = system, [name]
         else:
             twin.append(name)
     return found
-
-
-def _same(one: ImpactSystem, other: ImpactSystem) -> bool:
-    names = [field.name for field in fields(one) if field.name != "outputs"]
-    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in names)
 
 
 def _averaged(amplitude: float, system: ImpactSystem, over: str, omega: Array, periods: int) -> Array | None:
