@@ -21,13 +21,13 @@ from vibeam.solvers.kernels.layout import (
     PHASE_SIN,
     RESTITUTION,
     SPEED,
-    YIELD,
     ZI,
     ZR,
     W,
 )
 from vibeam.solvers.kernels.pair import norm
 from vibeam.solvers.kernels.signal import magnitude, to_node
+from vibeam.solvers.kernels.stop import put_on_stop
 
 Array = NDArray[np.float64]
 NEAR = 1e-11  # share of the length scale that what is left of a chatter may span before its completion is considered
@@ -43,14 +43,13 @@ def strike(modes: Array, drive: Array, pose: Array) -> float:
 
     The contact is put exactly on the stop, so that round-off does not pile up from impact to impact.
     """
-    before, beyond = 0.0, -drive[GAP]
+    before = 0.0
     for k in range(modes.shape[1]):
         before += modes[CONTACT, k] * pose[1, k]
-        beyond += modes[CONTACT, k] * pose[0, k]
     impulse = -(1.0 + drive[RESTITUTION]) * max(before, 0.0) / drive[MOBILITY]
     for k in range(modes.shape[1]):
-        pose[0, k] -= modes[YIELD, k] * beyond
         pose[1, k] += modes[CONTACT, k] * impulse
+    put_on_stop(modes, drive, pose)
     return max(before, 0.0)
 
 

@@ -46,7 +46,8 @@ from vibeam.solvers.kernels.layout import (
     UNRESOLVED,
     W,
 )
-from vibeam.solvers.kernels.rest import begin_rest, settle_on_stop, stay
+from vibeam.solvers.kernels.rest import begin_rest, stay
+from vibeam.solvers.kernels.stop import settle_on_stop
 from vibeam.solvers.kernels.trace import add, close_segment, open_segment
 from vibeam.solvers.kernels.volley import AT_STOP, NOT_PLAIN, volley
 

@@ -104,10 +104,3 @@ def power(base: float, exponent: int) -> float:
     for _ in range(exponent):
         value *= base
     return value
-
-
-@joined
-def less(a: float, b: float) -> float:
-    """a − b, and 0 where that is no more than their round-off: so that one mode put onto the stop lies still there."""
-    difference = a - b
-    return difference if abs(difference) > 4.0 * 2.220446049250313e-16 * abs(b) else 0.0

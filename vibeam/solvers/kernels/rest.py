@@ -31,7 +31,6 @@ from vibeam.solvers.kernels.layout import (
     COSINE,
     DISC,
     DRIVE,
-    GAP,
     IM1,
     IM2,
     KAPPA,
@@ -57,28 +56,15 @@ from vibeam.solvers.kernels.layout import (
     WEIGHT2,
     X0,
     Y0,
-    YIELD,
     Z1,
     Z2,
     ZI,
     ZR,
     W,
 )
-from vibeam.solvers.kernels.pair import less, propagator
+from vibeam.solvers.kernels.pair import propagator
 
 Array = NDArray[np.float64]
-
-
-@kernel
-def settle_on_stop(modes: Array, drive: Array, pose: Array) -> None:
-    """Take contact velocity out by the least impulse, and penetration by round-off with the least energy."""
-    value, slope = -drive[GAP], 0.0
-    for k in range(modes.shape[1]):
-        value += modes[CONTACT, k] * pose[0, k]
-        slope += modes[CONTACT, k] * pose[1, k]
-    for k in range(modes.shape[1]):
-        pose[0, k] = less(pose[0, k], modes[YIELD, k] * value)
-        pose[1, k] = less(pose[1, k], modes[CONTACT, k] * slope / drive[MOBILITY])
 
 
 @kernel

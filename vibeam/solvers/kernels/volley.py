@@ -37,6 +37,7 @@ from vibeam.solvers.kernels.layout import (
     W,
 )
 from vibeam.solvers.kernels.leap import bound, to_start
+from vibeam.solvers.kernels.stop import put_on_stop
 from vibeam.solvers.kernels.trace import add, close_segment, open_segment
 
 Array = NDArray[np.float64]
@@ -110,6 +111,7 @@ def volley(
         if rows > 0:
             if done > begun:
                 give_out(cells, like, modes, drive, pose, row.START_X, cosine, sine)
+                put_on_stop(modes, drive, pose)
                 note(status, clock, cosine, sine, order, rise, speed)
             open_segment(trace, poses, pose, status, done, counts[SEGMENTS])
         room = min(span - done, drive[LONGEST])
@@ -145,5 +147,6 @@ def volley(
         close_segment(trace, t, IMPACT, before, counts)
     if done > begun:  # or else nothing has changed, and not a digit shall
         give_out(cells, like, modes, drive, pose, row.START_X, cosine, sine)
+        put_on_stop(modes, drive, pose)
         note(status, clock, cosine, sine, order, rise, speed)
     return NOT_PLAIN if what == UNUSUAL else CARRIED, done, lost, t
