@@ -17,9 +17,9 @@ from vibeam.periodic.balance import balance
 from vibeam.periodic.certify import Witness
 from vibeam.periodic.curve import orbit_curve
 from vibeam.periodic.motion import carried, state_after
-from vibeam.periodic.multipliers import monodromy, multipliers, propagators
+from vibeam.periodic.multipliers import largest, monodromy, multipliers, propagators
 from vibeam.periodic.orbit import Orbit, orbits
-from vibeam.periodic.pair import pair
+from vibeam.periodic.pair import pair, pairs
 from vibeam.periodic.sums import sums
 
 NOMINAL = ImpactSystem.from_modes([1.0], 0.015, 1.0, 1.0, restitution=0.9)
@@ -377,3 +377,28 @@ def test_ten_thousand_points_of_eight_modes() -> None:
     curve = orbit_curve(system, grid, 0.5)
     assert time.process_time() - begun < 2.0
     assert curve.stable.any()
+
+
+def test_many_modes_at_once_are_each_of_them() -> None:
+    omega, zeta = np.array([0.0, 1e-200, 0.7, 2.0, 3.0, 900.0]), np.array([0.0, 0.1, 1.0, 0.02, 2.5, 0.017])
+    span = np.array([0.3, 2.0, 11.0])
+    for chosen in (slice(None), slice(3, 4), slice(5, 6), [3, 5]):
+        found = pairs(omega[chosen], zeta[chosen], span)
+        each = [pair(own, damping, span) for own, damping in zip(omega[chosen], zeta[chosen], strict=True)]
+        for name in found._fields:
+            assert np.array_equal(getattr(found, name), [getattr(one, name) for one in each])
+
+
+@pytest.mark.parametrize("n", [1, 2, 5, 9])
+def test_the_largest_multiplier_is_bounded_closely_from_above(n: int) -> None:
+    rng = np.random.default_rng(n)
+    span, lean = rng.uniform(1, 8, 250), rng.normal(0, 3, 250)
+    for seed in range(4):
+        system = beam_like(n, seed)
+        truth = np.abs(multipliers(system, span, lean)[:, 0])
+        bound = largest(system, span, lean)
+        assert np.all(bound > truth * (1 - 1e-6))
+        assert np.all(bound < truth * 1.005)
+        assert largest(system, span[:1], lean[:1]) == pytest.approx(truth[:1], rel=1e-9)  # few: the multipliers
+    assert (truth < 1).any()
+    assert (truth > 1).any()

@@ -21,13 +21,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.periodic.pair import Pair, pair
+from vibeam.periodic.pair import Pair, pairs
 from vibeam.periodic.sums import Transfer
 from vibeam.system import ImpactSystem
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 CHUNK = 2048  # matrices built at a time
+FEW = 200  # elements of all matrices, in fours, up to which eigenvalues cost less than powers
+FADED = 1e-9  # share that is left of a mode after a span, below which it passes nothing on
+SQUARED = 12  # times that a matrix is squared, to its 4096th power
+TOGETHER = 3  # of these before it is brought back to size 1
 
 
 def real_crossing(system: ImpactSystem, transfer: Transfer, lean: Array) -> Array:
@@ -38,11 +42,15 @@ def real_crossing(system: ImpactSystem, transfer: Transfer, lean: Array) -> Arra
         return np.asarray(still - lean * s * transfer.t12)
 
 
-def monodromy(system: ImpactSystem, span: Array, lean: Array) -> Array:
-    """M (points, 2n, 2n) on (η, η') just after the impact, for flights of ``span`` s (points,) that end with a/v."""
-    flown = propagators(system, span)
-    n, c, sigma = system.size, system.contact, system.zeta * system.omega
-    s = (1 + system.restitution) / float(c @ c)
+def monodromy(system: ImpactSystem, span: Array, lean: Array, modes: NDArray[np.int64] | None = None) -> Array:
+    """M (points, 2n, 2n) on (η, η') just after the impact, for flights of ``span`` s (points,) that end with a/v.
+
+    ``modes``: of these n alone, by their numbers; the others are taken to have died out by the impact.
+    """
+    kept = np.arange(system.size) if modes is None else modes
+    own, zeta, c = system.omega[kept], system.zeta[kept], system.contact[kept]
+    flown = _propagators(own, zeta, span)
+    n, sigma, s = len(kept), zeta * own, (1 + system.restitution) / float(system.contact @ system.contact)
     rows = [np.concatenate([c * flown.p00, c * flown.p01], axis=1), np.concatenate([c * flown.p10, c * flown.p11], 1)]
     turned = s * (2 * sigma + lean[:, None]) * c
     matrix = np.empty((len(span), 2 * n, 2 * n))
@@ -58,8 +66,11 @@ def monodromy(system: ImpactSystem, span: Array, lean: Array) -> Array:
 
 def propagators(system: ImpactSystem, span: Array) -> Pair:
     """The modes' propagators, every field (points, n)."""
-    each = [pair(own, zeta, span) for own, zeta in zip(system.omega, system.zeta, strict=True)]
-    return Pair(*(np.stack(values, axis=1) for values in zip(*each, strict=True)))
+    return _propagators(system.omega, system.zeta, span)
+
+
+def _propagators(omega: Array, zeta: Array, span: Array) -> Pair:
+    return Pair(*(np.ascontiguousarray(field.T) for field in pairs(omega, zeta, span)))
 
 
 def multipliers(system: ImpactSystem, span: Array, lean: Array) -> Complex:
@@ -72,3 +83,33 @@ def multipliers(system: ImpactSystem, span: Array, lean: Array) -> Complex:
         matrix = monodromy(system, span[here], lean[here]) * units[:, None] / units
         found[here] = np.linalg.eigvals(matrix)
     return np.take_along_axis(found, np.argsort(-np.abs(found), axis=1), axis=1)
+
+
+def largest(system: ImpactSystem, span: Array, lean: Array) -> Array:
+    """A bound (points,) from above on the largest multiplier: ‖Mᴺ‖^(1/N), what a disturbance shrinks by in the mean.
+
+    By squaring M twelve times, at a tenth of the cost of all multipliers. Too large by κ^(1/N) at most, where κ is how
+    far M is from a normal matrix: 1e3 makes 0.2 %. Modes that die out within a span are left out. Where matrices are
+    few the multipliers themselves are cheaper.
+    """
+    if len(span) * system.size**2 < FEW:
+        return np.asarray(np.abs(multipliers(system, span, lean)[:, 0]))
+    fast = system.omega * (system.zeta + np.sqrt(np.maximum(system.zeta**2 - 1, 0.0)))
+    slow = np.where(system.zeta > 1, system.omega**2 / np.where(fast > 0, fast, 1.0), fast)
+    lasting = np.flatnonzero(np.exp(-slow * span.min()) > FADED)
+    chunks = [slice(first, first + CHUNK) for first in range(0, len(span), CHUNK)]
+    return np.concatenate([_shrinking(system, span[here], lean[here], lasting) for here in chunks])
+
+
+def _shrinking(system: ImpactSystem, span: Array, lean: Array, modes: NDArray[np.int64]) -> Array:
+    scale = np.where(system.omega[modes] > 0, system.omega[modes], 1.0)
+    units = np.concatenate([scale, np.ones(len(modes))])
+    power, log = monodromy(system, span, lean, modes) * (units[:, None] / units), np.zeros(len(span))
+    with np.errstate(divide="ignore"):
+        for _ in range(SQUARED // TOGETHER):
+            size = np.sqrt(np.einsum("pij,pij->p", power, power))
+            log, power = log + np.log(size), power / np.where(size > 0, size, 1.0)[:, None, None]
+            for _ in range(TOGETHER):
+                log, power = 2 * log, power @ power
+        log += np.log(np.sqrt(np.einsum("pij,pij->p", power, power)))
+    return np.asarray(np.exp(log / 2**SQUARED))

@@ -37,14 +37,39 @@ def pair(omega: float, zeta: float, span: Array) -> Pair:
     sigma, disc = zeta * omega, omega * omega * (zeta - 1.0) * (zeta + 1.0)
     e = np.exp(-sigma * span)
     shape = _underdamped if disc < 0 else _overdamped
-    cosine, sine, rise, closing, opening = shape(omega, sigma, sqrt(abs(disc)), span, e)
+    return _propagated(omega, sigma, e, *shape(omega, sigma, sqrt(abs(disc)), span, e))
+
+
+def pairs(omega: Array, zeta: Array, span: Array) -> Pair:
+    """As ``pair`` for modes (n,) over spans (points,) at once: every field (n, points)."""
+    disc = omega * omega * (zeta - 1.0) * (zeta + 1.0)
+    swinging = disc < 0
+    if swinging.all():
+        return _swinging(omega[:, None], (zeta * omega)[:, None], disc[:, None], span)
+    found = Pair(*np.empty((len(Pair._fields), len(omega), len(span))))
+    each = [pair(own, damping, span) for own, damping in zip(omega.tolist(), zeta.tolist(), strict=True)]
+    for field, *rows in zip(found, *each, strict=True):
+        field[:] = rows
+    return found
+
+
+def _swinging(omega: Array, sigma: Array, disc: Array, span: Array) -> Pair:
+    e = np.exp(-sigma * span)
+    return _propagated(omega, sigma, e, *_underdamped(omega, sigma, np.sqrt(-disc), span, e))
+
+
+def _propagated(
+    omega: float | Array, sigma: float | Array, e: Array,
+    cosine: Array, sine: Array, rise: Array, closing: Array, opening: Array,
+) -> Pair:  # fmt: skip
+    """The propagator of e^{−σt}, eC, eS, and what else a ``Pair`` has."""
     return Pair(
         cosine + sigma * sine, sine, -omega * omega * sine, cosine - sigma * sine, e * e, rise, closing, opening
     )
 
 
-def _underdamped(omega: float, sigma: float, w: float, t: Array, e: Array) -> tuple[Array, ...]:
-    """eC, eS, 1 − p00, det(1 − P), det(1 + P) of a mode that oscillates at w."""
+def _underdamped(omega: float | Array, sigma: float | Array, w: float | Array, t: Array, e: Array) -> tuple[Array, ...]:
+    """eC, eS, 1 − p00, det(1 − P), det(1 + P) of modes that oscillate at w."""
     half_sine, half_cosine = np.sin(w * t / 2), np.cos(w * t / 2)
     lost, versine = -np.expm1(-sigma * t), 2 * e * half_sine**2
     sine = 2 * e * half_sine * half_cosine / w

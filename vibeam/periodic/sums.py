@@ -12,16 +12,18 @@ then g_i = t(nT − t)/(2nT) up to a constant, which the contact fixes.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from functools import reduce
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.periodic.pair import Pair, pair
+from vibeam.periodic.pair import Pair, pairs
 from vibeam.system import ImpactSystem
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+T = TypeVar("T", np.float64, np.complex128)
 PARALLEL = 1e-12  # share by which the static force on modes without stiffness may miss the contact's direction
 
 
@@ -77,24 +79,25 @@ def resonant(system: ImpactSystem, omega: float, periods: int) -> str:
 def sums(system: ImpactSystem, omega: Array, periods: int) -> Sums:
     """The sums at drives ``omega`` (points,) rad/s, in one pass over the modes: the cost is linear in their number."""
     span = 2 * np.pi * periods / omega
-    unit, g = np.zeros(len(omega), dtype=complex), np.zeros((3, len(omega)))
-    plus, minus = (np.zeros((4, len(omega))) for _ in range(2))
-    for own, zeta, contact, load in zip(system.omega, system.zeta, system.contact, system.load, strict=True):
-        sigma, square = zeta * own, contact**2
-        if contact == 0:
-            continue
-        p = pair(own, zeta, span)
-        unit += contact * load * phasor(own, sigma, omega)
-        g += square * _green(own, sigma, p, span)
-        plus += square * _transfer(p, sigma, 1.0)
-        minus += square * _transfer(p, sigma, -1.0)
+    moving = system.contact != 0
+    own, zeta, contact, load = (row[moving, None] for row in (system.omega, system.zeta, system.contact, system.load))
+    sigma, square = zeta * own, contact**2
+    p = pairs(system.omega[moving], system.zeta[moving], span)
+    unit = _total(contact * load * phasor(own, sigma, omega))
+    g0, g1, g2 = (_total(square * each) for each in _green(own, sigma, p, span))
+    plus, minus = ([_total(square * each) for each in _transfer(p, sigma, sign)] for sign in (1.0, -1.0))
     return Sums(
-        omega, span, unit, g[0], g[1], g[2], Transfer(*plus), Transfer(*minus),
+        omega, span, unit, g0, g1, g2, Transfer(*plus), Transfer(*minus),
         float(system.contact @ offsets(system)), _fixed(system, span),
     )  # fmt: skip
 
 
-def phasor(own: float, sigma: float, omega: Array) -> Complex:
+def _total(rows: NDArray[T]) -> NDArray[T]:
+    """Rows added one after the other: numpy's own sum rounds otherwise where there is one column alone."""
+    return reduce(np.add, rows)
+
+
+def phasor(own: float | Array, sigma: float | Array, omega: Array) -> Complex:
     """Steady response Ω²/(ω² − Ω² + 2iσΩ) of a mode to a base motion of 1 m."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(omega**2 / ((own - omega) * (own + omega) + 2j * sigma * omega))
@@ -106,28 +109,28 @@ def offsets(system: ImpactSystem) -> Array:
     return np.where(stiff, system.static / np.where(stiff, system.omega, 1.0) ** 2, 0.0)
 
 
-def green(own: float, sigma: float, p: Pair) -> tuple[Array, Array]:
-    """g(0) and g'(0⁺) of one mode; 0 and ½ where it has no stiffness."""
-    if own == 0:
-        return np.zeros_like(p.rise), np.full_like(p.rise, 0.5)
+def green(own: float | Array, sigma: float | Array, p: Pair) -> tuple[Array, Array]:
+    """g(0) and g'(0⁺) of one mode, or of several as rows; 0 and ½ where it has no stiffness."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return p.p01 / p.closing, p.rise / p.closing
+        g0, g1 = p.p01 / p.closing, p.rise / p.closing
+    if np.all(own):
+        return g0, g1
+    return np.where(own == 0, 0.0, g0), np.where(own == 0, 0.5, g1)
 
 
-def _green(own: float, sigma: float, p: Pair, span: Array) -> Array:
+def _green(own: Array, sigma: Array, p: Pair, span: Array) -> tuple[Array, Array, Array]:
     g0, g1 = green(own, sigma, p)
     with np.errstate(invalid="ignore"):
-        g2 = -1 / span if own == 0 else -2 * sigma * (g1 - 1) - own * own * g0
-    return np.stack([g0, g1, g2])
+        return g0, g1, np.where(own == 0, -1 / span, -2 * sigma * (g1 - 1) - own * own * g0)
 
 
-def _transfer(p: Pair, sigma: float, sign: float) -> Array:
+def _transfer(p: Pair, sigma: Array, sign: float) -> tuple[Array, Array, Array, Array]:
     """t12, t22, 2σ t12 − t11 and 2σ t22 − t21 of T = P(λ − P)⁻¹ = (λP − det P)/det(λ − P) at λ = ±1."""
     bottom = p.closing if sign > 0 else p.opening
     with np.errstate(divide="ignore", invalid="ignore"):
         t11, t12 = (sign * p.p00 - p.det) / bottom, sign * p.p01 / bottom
         t21, t22 = sign * p.p10 / bottom, (sign * p.p11 - p.det) / bottom
-        return np.stack([t12, t22, 2 * sigma * t12 - t11, 2 * sigma * t22 - t21])
+        return t12, t22, 2 * sigma * t12 - t11, 2 * sigma * t22 - t21
 
 
 def _fixed(system: ImpactSystem, span: Array) -> Array | None:
