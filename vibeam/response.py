@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from enum import Enum
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 VELOCITIES_KEPT = 16
+SINGLE = (  # one number a point, NaN where unknown
+    "amplitude", "reach", "maximum", "minimum", "impacts_per_period", "impact_velocity", "rest", "cpu_seconds",
+)  # fmt: skip
 
 
 class Ended(Enum):
@@ -31,12 +34,15 @@ class Ended(Enum):
     @property
     def code(self) -> int:
         """The member's number in files and kernels."""
-        return list(Ended).index(self)
+        return _CODES[self]
 
     @classmethod
     def of_code(cls, code: int) -> Ended:
         """The member with that number."""
         return list(cls)[code]
+
+
+_CODES = {member: code for code, member in enumerate(Ended)}
 
 
 @dataclass(frozen=True)
@@ -81,7 +87,7 @@ class FrequencyResponse:
     def empty(cls, frequency: Array, modes: int) -> FrequencyResponse:
         """All points not run yet: NaN, 0 and ``Ended.NOT_RUN``."""
         n = len(frequency)
-        blank: dict[str, Any] = {f.name: np.full(n, np.nan) for f in fields(cls)}
+        blank: dict[str, Any] = dict(zip(SINGLE, np.full((len(SINGLE), n), np.nan), strict=True))
         blank |= {name: np.zeros(n, dtype=np.int64) for name in ("period", "impacts", "evaluations")}
         blank |= {"frequency": np.asarray(frequency, dtype=float), "ended": np.full(n, Ended.NOT_RUN.code)}
         blank |= {

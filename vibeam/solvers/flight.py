@@ -182,20 +182,18 @@ class FlightSolver:
         And the states after it, (points, 2, n): where they are those before, the motion has the drive's period.
         """
         n = self.system.size
-        after, tally = np.full((len(omegas), 2, n), np.nan), Tally(len(omegas), n)
+        after, status, tally = self.packed.inward(states), np.zeros((len(omegas), STATUS_ROWS)), Tally(len(omegas), n)
         trace, poses = np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n))
         room, counts = self._room(output, 1, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
-        begun = time.thread_time()
-        for index, omega in enumerate(omegas):
-            pose, status = self.packed.inward(states[index]), np.zeros(STATUS_ROWS)
+        desk, limit, begun = self.packed.desk, self.limit, time.thread_time()
+        for index, (omega, amplitude) in enumerate(zip(omegas.tolist(), amplitudes.tolist(), strict=True)):
             counts[:] = 0
             outcome, period = move(
-                self.packed.desk, omega, amplitudes[index], pose, status, 0.0, 0, 1, self.limit, room, counts, 0
+                desk, omega, amplitude, after[index], status[index], 0.0, 0, 1, limit, room, counts, 0
             )
             tally.note(index, outcome, int(period), room.result, room.energy, counts)
-            after[index] = self.packed.outward(pose)
             begun = tally.time(index, begun)
-        return self._response(omegas, tally, 1, reading), after
+        return self._response(omegas, tally, 1, reading), self.packed.outward(after)
 
     def _response(self, omegas: Array, tally: Tally, hold: int, reading: int) -> FrequencyResponse:
         """What was noted, in the user's order of modes; what was not read off is NaN."""
