@@ -87,7 +87,8 @@ def _summary(result: Result, name: str, finest: Branches | None, cheapest: float
     from vibeam.fidelity import restitutions
 
     branches, case = result[name], result.case
-    contact, first = restitutions(case.scene_of(name), case.fidelities[name])
+    own = name if result.accuracy is None else result.accuracy.finest
+    contact, first = restitutions(case.scene_of(own), case.fidelities[own])
     amplitude, frequency, direction = _peak(branches)
     cpu = _total(branches, "cpu_seconds")
     return Summary(
