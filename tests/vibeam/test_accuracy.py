@@ -15,12 +15,15 @@ from vibeam.accuracy.readings import apart
 from vibeam.accuracy.rungs import EXACT, rows, rungs_of
 from vibeam.accuracy.sheet import Sheet
 from vibeam.accuracy.study import ladder_models, study
+from vibeam.accuracy.track import Finest, fly
 from vibeam.accuracy.verify import judged, verify
+from vibeam.compare import compare
 from vibeam.faults import CaseError
 from vibeam.periodic.motion import carried
 from vibeam.response import FrequencyResponse
 from vibeam.solvers.flight import FlightSolver
-from vibeam.solvers.kernels.layout import OUTPUT_ALONE, REACH_TOO
+from vibeam.solvers.kernels.layout import EVERYTHING, OUTPUT_ALONE, REACH_TOO
+from vibeam.state import State
 
 CASES = Path(__file__).parents[2] / "cases"
 DTU = ("dtu_neutral", "dtu_loose", "dtu_tight")
@@ -80,7 +83,7 @@ def test_states_are_those_of_the_orbits():
         assert known.there[point].tolist() == [True, False, False]
         assert state.displacement == pytest.approx(displacement[0], rel=1e-9, abs=1e-15)
         assert state.velocity == pytest.approx(velocity[0], rel=1e-9, abs=1e-13)
-        assert known.radius[point, HARDER] == pytest.approx(abs(orbit.multipliers[0]), rel=1e-9)
+        assert 1 <= known.radius(HARDER)[point] / abs(orbit.multipliers[0]) < 1.003  # from above
 
 
 def test_the_motion_that_never_touches_is_one_of_them():
@@ -88,7 +91,7 @@ def test_the_motion_that_never_touches_is_one_of_them():
     known = Known(system, np.array([1.0, 3.0]), np.ones(2))
     assert known.there[:, FREE].all()
     assert not known.there[:, HARDER].any()
-    assert known.radius[:, FREE] == pytest.approx(np.exp(-0.1 * 2 * np.pi / known.omega))
+    assert known.radius(FREE) == pytest.approx(np.exp(-0.1 * 2 * np.pi / known.omega))
     response, after = FlightSolver(system, 1.0).rounds(
         known.omega, known.amplitude, known.states(np.arange(2), FREE), "contact"
     )
@@ -111,6 +114,49 @@ def test_what_is_read_lightly_is_read_well_and_the_rest_not_at_all():
         assert np.array_equal(light.impact_velocity, full.impact_velocity)
         assert np.isnan(light.reach).all() == (reading == OUTPUT_ALONE)
     assert light.reach == pytest.approx(full.reach, rel=EXACT / 3)
+
+
+def test_rounds_are_flights_of_one_period():
+    case = case_of("dtu_tight", points=7)
+    known, flight = known_of(case), FlightSolver(case.system("beam"), 80.0)
+    states = np.random.default_rng(4).normal(0, 1e-5, (7, 2, 8))
+    states[:, 0] -= 1e-4 * np.sign(known.system.contact)  # off the stop
+    for reading in (OUTPUT_ALONE, EVERYTHING):
+        found, after = flight.rounds(known.omega, known.amplitude, states, "sensor", reading)
+        for i, (omega, both) in enumerate(zip(known.omega, states, strict=True)):
+            one, end = flight.steady([omega], known.amplitude[i], State(*both), 0, 1, "sensor", reading)
+            assert np.array_equal(after[i], [end.displacement, end.velocity])
+            for name in ("amplitude", "maximum", "minimum", "reach", "mode_energy", "impacts", "ended"):
+                assert np.array_equal(getattr(found, name)[i], getattr(one, name)[0], equal_nan=True)
+    assert found.impacts.sum() > 0
+
+
+def test_a_few_points_know_what_all_do():
+    case = case_of("dtu_tight", points=41)
+    known, which = known_of(case), np.array([20, 31, 40])
+    part = known.at(which)
+    assert len(part.omega) == 3
+    assert part.there.tolist() == known.there[which].tolist()
+    assert part.states(np.arange(3), HARDER) == pytest.approx(known.states(which, HARDER), rel=1e-12)
+    assert part.radius(HARDER) == pytest.approx(known.radius(HARDER)[which], rel=3e-3)
+    assert known.at(which) is known  # once it is worked out
+    assert known_of(case).at(np.arange(30)).omega.shape == (41,)
+
+
+def test_a_flight_is_cut_short_only_where_it_has_come_to_a_known_motion():
+    for name, kind in (("dtu_neutral", HARDER), ("dtu_tight", -1)):
+        case = case_of(name, points=5)
+        rungs, known = offered(case), known_of(case)
+        finest = Finest(rungs[0], 0, rungs[1], 1, case.sweep, 0.01)
+        sheet = Sheet.blank("up", np.arange(5), case.sweep.frequency, 8)
+        assert fly(sheet, finest, 0, None).kind == kind
+        truth, _ = rungs[1].flight.steady(
+            known.omega[:1], known.amplitude[0], None, case.sweep.settle, case.sweep.hold, "sensor"
+        )
+        assert sheet.rung[0] == (0 if kind == HARDER else 1)
+        assert sheet.response.period[0] == truth.period[0] == (1 if kind == HARDER else 0)
+        assert sheet.response.amplitude[0] == pytest.approx(truth.amplitude[0], rel=EXACT)
+        assert list(sheet.states) == ([] if kind == HARDER else [0])
 
 
 def test_a_rung_reads_what_the_orbit_solver_does_and_refuses_what_is_no_motion():
@@ -196,8 +242,14 @@ def shares(found):
 
 def test_the_looser_the_cheaper():
     case = case_of("dtu_neutral", points=61)
-    fine, middle, coarse = (shares(study(case, within, checks=0)) for within in (0.01, 0.3, 0.45))
+    found = [study(case, within, checks=0) for within in (0.01, 0.3, 0.45)]
+    fine, middle, coarse = (shares(each) for each in found)
     assert fine == {"beam": 122}  # one degree of freedom is off by up to 34 %, two modes by 30 %
+    asked = {(row.fidelity, row.solver): row.asked for row in found[0].chosen}
+    assert asked["two_modes", "orbit"] == 5  # off by far: coarser ones are not asked at all
+    assert asked["sdof", "averaging"] == asked["sdof", "orbit"] == 0
+    assert asked["beam", "orbit"] == 61  # what is known of a motion serves both ways
+    assert all(row.asked > 5 for row in found[1].chosen if row.solver != "flight")
     assert 0 < middle.get("sdof", 0) < coarse["sdof"]
     assert coarse["sdof"] > 90
     assert set(coarse) <= {"sdof", "beam"}
@@ -247,6 +299,17 @@ def test_where_nothing_repeats_a_cheaper_model_is_taken_by_its_mean():
     assert own < 0.05
 
 
+def test_what_does_not_repeat_is_flown_once_for_both_ways():
+    case = case_of("dtu_tight", points=17, from_="14.6 Hz", to="15.4 Hz")
+    found = study(case, 0.01, checks=0)
+    up, down = (found.curves[way].response for way in ("up", "down"))
+    assert np.array_equal(up.amplitude, down.amplitude[::-1])
+    assert [row.asked for row in found.chosen if row.solver == "flight"] == [0, 0, 17]
+    truth = swept(case).up  # and as the sweep does it
+    assert np.array_equal(up.period, truth.period)
+    assert up.amplitude == pytest.approx(truth.amplitude, rel=EXACT)
+
+
 def test_the_finest_has_most_modes_and_no_physics_of_its_own():
     case = case_of("dtu_neutral", points=3)
     other = replace(case.fidelities["beam"], name="soft", changes={"stop.restitution": 0.5})
@@ -265,6 +328,9 @@ def test_a_run_keeps_the_curve_and_what_gave_it(tmp_path):
     first = vibeam.run(case, out=tmp_path / "loose.h5", progress=lambda *each: done.append(each))
     again = vibeam.run(case, out=tmp_path / "loose.h5")
     assert list(first) == ["accuracy"]
+    (row,) = compare(first)
+    assert (row.fidelity, row.modes, row.failed) == ("accuracy", 8, 0)
+    assert row.restitution == case.system("beam").restitution
     assert done == [(0, 50), (50, 50)]
     assert (first.found, again.found) == (0, 50)
     for way, response in first["accuracy"].items():

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from vibeam.periodic.curve import proven
 from vibeam.periodic.line import Points, motions
-from vibeam.periodic.multipliers import multipliers, real_crossing
-from vibeam.periodic.pair import pair
+from vibeam.periodic.multipliers import largest, real_crossing
+from vibeam.periodic.pair import pairs
 from vibeam.periodic.sums import fault, green, offsets, phasor
 from vibeam.state import State
 from vibeam.system import ImpactSystem
@@ -24,17 +24,26 @@ Complex = NDArray[np.complex128]
 Flags = NDArray[np.bool_]
 Index = NDArray[np.int64]
 HARDER, SOFTER, FREE = range(3)
+MANY = 8  # of so many points one
 KINDS = (HARDER, SOFTER, FREE)
 
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """``omega`` (points,) rad/s, ``amplitude`` (points,) of the base, m. What follows is (points, 3), a kind each."""
+    """``omega`` (points,) rad/s, ``amplitude`` (points,) of the base, m."""
 
     system: ImpactSystem
     omega: Array
     amplitude: Array
     kept: dict[int, Array] = field(default_factory=dict, repr=False)  # states by kind, as they are asked for
+    radii: dict[int, Array] = field(default_factory=dict, repr=False)
+    leaps: dict[int, Array] = field(default_factory=dict, repr=False)
+
+    def at(self, which: Index) -> Known:
+        """The same at the points ``which`` alone, or itself where that is worked out already or they are many."""
+        if "_points" in self.__dict__ or len(which) > len(self.omega) // MANY:
+            return self
+        return Known(self.system, self.omega[which], self.amplitude[which])
 
     @cached_property
     def _points(self) -> Points:
@@ -43,8 +52,8 @@ class Known:
     @cached_property
     def _phasors(self) -> Complex:
         """h (n, points): each mode's steady response to the drive alone is Im(h e^{iΩt}) and its static one."""
-        own = zip(self.system.omega, self.system.zeta, self.system.load, strict=True)
-        return np.array([load * self.amplitude * phasor(rate, zeta * rate, self.omega) for rate, zeta, load in own])
+        own, sigma = self.system.omega[:, None], (self.system.zeta * self.system.omega)[:, None]
+        return self.system.load[:, None] * self.amplitude * phasor(own, sigma, self.omega)
 
     @cached_property
     def possible(self) -> bool:
@@ -63,39 +72,45 @@ class Known:
         found[:, FREE] = np.abs(contact @ self._phasors) + rest < self.system.gap
         return found
 
-    @cached_property
-    def radius(self) -> Array:
-        """The largest Floquet multiplier, by which disturbances shrink a period; ∞ where there is none below 1."""
-        found = np.full(self.there.shape, np.inf)
-        if not self.possible:
-            return found
-        total, roots = self._points.total, self._points.roots
-        for kind in (HARDER, SOFTER):
-            sides = [real_crossing(self.system, side, roots.lean[:, kind]) for side in (total.plus, total.minus)]
-            open_ = self.there[:, kind] & ~proven(sides[0]) & ~proven(sides[1])
-            largest = np.abs(multipliers(self.system, total.span[open_], roots.lean[open_, kind])[:, 0])
-            found[open_, kind] = np.where(largest < 1, largest, np.inf)
-        decay = np.exp(-float(np.min(self.system.zeta * self.system.omega)) * 2 * np.pi / self.omega)
-        found[:, FREE] = np.where(self.there[:, FREE] & (decay < 1), decay, np.inf)
+    def radius(self, kind: int) -> Array:
+        """The largest Floquet multiplier (points,), by which disturbances shrink a period, from above.
+
+        ∞ where it is not below 1, or there is no such motion.
+        """
+        if kind not in self.radii:
+            self.radii[kind] = self._radius(kind)
+        return self.radii[kind]
+
+    def _radius(self, kind: int) -> Array:
+        found, open_ = np.full(len(self.omega), np.inf), self.there[:, kind].copy()
+        if kind == FREE:
+            bound = np.exp(-float(np.min(self.system.zeta * self.system.omega)) * 2 * np.pi / self.omega[open_])
+        else:
+            total, lean = self._points.total, self._points.roots.lean[:, kind]
+            for side in (total.plus, total.minus) if open_.any() else ():
+                open_ &= ~proven(real_crossing(self.system, side, lean))
+            bound = largest(self.system, total.span[open_], lean[open_]) if open_.any() else np.zeros(0)
+        found[open_] = np.where(bound < 1, bound, np.inf)
         return found
 
-    @cached_property
-    def leaps(self) -> Array:
-        """(points − 1, 3): how far a motion moves to the next frequency, over how far another one is from it.
+    def leap(self, kind: int) -> Array:
+        """(points − 1,): how far a motion moves to the next frequency, over how far another one is from it.
 
         Where that is small a sweep that carries its state cannot change over to the other one; 0 where there is none.
         """
-        every = np.arange(len(self.omega))
-        found = np.zeros((len(self.omega) - 1, len(KINDS)))
-        kinds = [kind for kind in KINDS if self.there[:, kind].any()]
-        for kind in kinds:
-            ours = self.states(every, kind)
-            moved = size(self.system, self.omega[1:], np.diff(ours, axis=0))
-            for other in kinds:
-                both = self.there[:, kind] & self.there[:, other] & (kind != other)
-                if both.any():
-                    away = np.where(both, size(self.system, self.omega, ours - self.states(every, other)), np.inf)
-                    found[:, kind] = np.maximum(found[:, kind], moved / np.minimum(away[1:], away[:-1]))
+        if kind not in self.leaps:
+            self.leaps[kind] = self._leap(kind)
+        return self.leaps[kind]
+
+    def _leap(self, kind: int) -> Array:
+        every, found = np.arange(len(self.omega)), np.zeros(len(self.omega) - 1)
+        for other in KINDS:
+            both = self.there[:, kind] & self.there[:, other]
+            if other != kind and both.any():
+                ours, theirs = self.states(every, kind), self.states(every, other)
+                moved = size(self.system, self.omega[1:], np.diff(ours, axis=0))
+                away = np.where(both, size(self.system, self.omega, ours - theirs), np.inf)
+                found = np.maximum(found, moved / np.minimum(away[1:], away[:-1]))
         return found
 
     def velocity(self, which: Index, kind: int) -> Array:
@@ -120,13 +135,12 @@ class Known:
         """What the impact train adds (2, n, points): the Green's functions of ``periodic.sums``, some time after."""
         roots, span = self._points.roots, self._points.total.span
         impulse, since = roots.impulse[:, kind], (2 * np.pi - roots.phase[:, kind]) / self.omega
+        hit = self.system.contact != 0
+        own, zeta, contact = (row[hit] for row in (self.system.omega, self.system.zeta, self.system.contact))
+        g0, g1 = green(own[:, None], (zeta * own)[:, None], pairs(own, zeta, span))
+        p, strength = pairs(own, zeta, since), impulse * contact[:, None]
         added = np.zeros((2, self.system.size, len(span)))
-        for i in np.flatnonzero(self.system.contact):
-            own, zeta = float(self.system.omega[i]), float(self.system.zeta[i])
-            g0, g1 = green(own, zeta * own, pair(own, zeta, span))
-            p, strength = pair(own, zeta, since), impulse * self.system.contact[i]
-            added[0, i] = strength * (p.p00 * g0 + p.p01 * g1)
-            added[1, i] = strength * (p.p10 * g0 + p.p11 * g1)
+        added[:, hit] = strength * (p.p00 * g0 + p.p01 * g1), strength * (p.p10 * g0 + p.p11 * g1)
         return added
 
     def state(self, point: int, kind: int) -> State:

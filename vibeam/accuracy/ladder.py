@@ -1,9 +1,10 @@
 """A run of frequencies on one known motion: the cheapest rung that is good enough, stretch by stretch.
 
-The finest model is read at a few places, every cheaper rung at the same. Between two places a rung's error is taken to
-go straight, and a third in the middle tells how far it does not: what is claimed for the stretch is the largest error
-seen plus that difference. Before it is taken the same is asked of its two halves, for a narrow resonance of a higher
-mode can hide between three places. A stretch of which neither can be said, good enough or not, is halved.
+The finest model is read at five places, the cheaper rungs at the same: one that is good enough at fewer than two is
+asked no further, and where none is left the finest has it all. Between two places a rung's error is taken to go
+straight, and a third in the middle tells how far it does not: what is claimed for the stretch is the largest error seen
+plus that difference. Before it is taken the same is asked of its two halves, for a narrow resonance of a higher mode
+can hide between three places. A stretch of which neither can be said, good enough or not, is halved.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from vibeam.accuracy.rungs import Read, Rung, takes
 from vibeam.accuracy.sheet import Sheet
 
 Array = NDArray[np.float64]
+FEW = 5  # points of the whole sweep that tell whether a rung is worth asking at more
+FAR = 5  # times the accuracy by which a rung is off where coarser ones are not worth asking
 STRETCHES = 8  # to begin with
 SHORTEST = 6  # steps of the sweep: below that a stretch is the finest model's
 SPARE = 0.9  # share of the accuracy that an estimate may use up
@@ -37,15 +40,34 @@ class Ladder:
 
     def settle(self, sheet: Sheet, places: Index, kind: int) -> int:
         """Fill the places; fewer than there are where the finest model's motion does not go on: how many."""
-        held = self._held(sheet, places, kind)
-        places = places[:held]
-        if not held:
-            return 0
-        stretches = _stretches(held)
-        for number, rung in zip(self.numbers[:-1], self.rungs[:-1], strict=True):
-            if stretches and takes(rung, kind):
-                stretches = self._offered(sheet, places, kind, rung, number, stretches)
-        return self._finish(sheet, places, kind)
+        hopeful = self._hopeful(sheet, places, kind)
+        if hopeful:
+            places = places[: self._held(sheet, places, kind)]
+            stretches = _stretches(len(places)) if len(places) else []
+            for number, rung in hopeful:
+                if stretches:
+                    stretches = self._offered(sheet, places, kind, rung, number, stretches)
+        return self._finish(sheet, places, kind) if len(places) else 0
+
+    def _hopeful(self, sheet: Sheet, places: Index, kind: int) -> list[tuple[int, Rung]]:
+        """The cheaper rungs, with their numbers, that are good enough at two of five places: one may be by accident.
+
+        From the finest of them down: where one is off by many times the accuracy, coarser models are not asked.
+        """
+        step = max(len(sheet.grid) // FEW, 1)  # the same points both ways
+        few = places[sheet.grid[places] % step == step // 2]
+        few = few if len(few) else places[len(places) // 2 :][:1]
+        there = np.isfinite(self.rungs[-1].read(sheet.grid[few], kind).off)
+        found: list[tuple[int, Rung]] = []
+        for number, rung in list(zip(self.numbers, self.rungs, strict=True))[-2::-1]:
+            if not takes(rung, kind):
+                continue
+            off = np.abs(self._errors(sheet, few[there], kind, rung)).max(axis=1)
+            if np.count_nonzero(off <= self.within) >= len(off) // 2:
+                found.insert(0, (number, rung))
+            elif np.median(off) > FAR * self.within:
+                break
+        return found
 
     def _held(self, sheet: Sheet, places: Index, kind: int) -> int:
         """How many places the finest model's motion holds, by halving between one that does and one that does not."""

@@ -67,13 +67,15 @@ class Rung:
 
         A motion does not hang on the direction of a sweep: what was read once is kept.
         """
+        first = not self.seen
         if kind not in self.seen:
             self.seen[kind] = _nothing(self.known), np.zeros(len(self.known.omega), dtype=bool)
         kept, there = self.seen[kind]
         asked = np.unique(which[~there[which]])
         if len(asked):
             begun = time.thread_time()
-            found = _averaged(self, asked) if self.solver == "averaging" else _by_formula(self, asked, kind)
+            known = self.known.at(asked) if first else self.known
+            found = _averaged(self, asked) if self.solver == "averaging" else _by_formula(self, known, asked, kind)
             put(kept.response, asked, found.response)
             kept.off[asked], there[asked] = found.off, True
             self.spent.add(begun, len(asked))
@@ -105,12 +107,15 @@ def rows(response: FrequencyResponse, which: Index) -> FrequencyResponse:
     return FrequencyResponse(**{name: getattr(response, name)[which] for name in ("frequency", *READ)})
 
 
-def _by_formula(rung: Rung, which: Index, kind: int) -> Read:
-    """The closed form's state, carried once round by flight: it must come back, so nothing was touched in between."""
-    known = rung.known
+def _by_formula(rung: Rung, known: Known, which: Index, kind: int) -> Read:
+    """The closed form's state, carried once round by flight: it must come back, so nothing was touched in between.
+
+    ``known``: the rung's at all points or at ``which``.
+    """
+    which = which if known is rung.known else np.arange(len(which))
     response = FrequencyResponse.empty(known.omega[which] / (2 * np.pi), known.system.size)
     response.ended[:], off = Ended.NO_ORBIT.code, np.full(len(which), np.nan)
-    open_ = np.flatnonzero(known.there[which, kind] & (known.radius[which, kind] < 1))
+    open_ = np.flatnonzero(known.radius(kind)[which] < 1)
     if not len(open_):
         return Read(response, off)
     points = which[open_]

@@ -148,11 +148,12 @@ def _sheets(
     formulas = [i for i, rung in enumerate(rungs) if rung.solver != "flight"]
     ladder = Ladder([rungs[i] for i in formulas], formulas, quantities, within)
     loose = Unsettled([rungs[i] for i in flown], flown, quantities, within, case.sweep)
-    finest = Finest(rungs[formulas[-1]], rungs[flown[-1]], flown[-1], case.sweep, within)
+    finest = Finest(rungs[formulas[-1]], formulas[-1], rungs[flown[-1]], flown[-1], case.sweep, within)
     up, here, sheets = np.arange(len(omega)), Where(), []
     for way in ENDS[case.sweep.direction]:
         sheet = Sheet.blank(way, up if way == "up" else up[::-1], omega / (2 * np.pi), model.system.size)
         here = track(sheet, finest, here, ladder.settle, loose.settle)
+        loose.remember(sheet)
         sheets.append(sheet)
     return sheets
 

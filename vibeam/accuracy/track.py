@@ -2,7 +2,8 @@
 
 A motion known in closed form goes on from one frequency to the next while it is stable, disturbances die out within
 the settling, and no other motion is near. Where it ends the model is flown, with the sweep's own settling and hold,
-until it is seen on a known motion again. Stretches without any stable known motion are handed on as a whole.
+until it is seen on a known motion again: after the first part of the settling or at its end. Stretches without any
+stable known motion are handed on as a whole.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from vibeam.state import State
 
 DIES_OUT = 1e-2  # share of the accuracy that may be left of a disturbance after settling
 NEAR = 0.25  # of the way to another motion that the step from one frequency to the next may take
+PARTS = 3  # of so many parts of the settling the first one is looked at
 SAME = 1e-4  # share of a state within which a flown motion is a known one
 
 RunOf = Callable[[Sheet, Index, int], int]  # settles a run on one known motion: how many of its places held
@@ -38,13 +40,18 @@ class Where:
 
 @dataclass(frozen=True)
 class Finest:
-    """The finest model by ``formula`` and by ``flight``, the latter's ``number`` in the study's list; the sweep."""
+    """The finest model by ``formula`` and by ``flight``, and their numbers in the study's list; the sweep."""
 
     formula: Rung
+    formula_number: int
     flight: Rung
     number: int
     plan: SweepPlan
     within: float
+
+    def known(self, point: int) -> bool:
+        """Whether a stable motion is known there."""
+        return any(self.formula.known.radius(kind)[point] < 1 for kind in KINDS)
 
 
 def track(sheet: Sheet, finest: Finest, start: Where, run: RunOf, unsettled: Unsettled) -> Where:
@@ -70,13 +77,23 @@ def track(sheet: Sheet, finest: Finest, start: Where, run: RunOf, unsettled: Uns
 
 
 def fly(sheet: Sheet, finest: Finest, place: int, state: State | None) -> Where:
-    """One place as the sweep itself does it; and where that leads."""
-    point = int(sheet.grid[place])
-    response, states = finest.flight.fly(np.array([point]), state, finest.plan.settle, finest.plan.hold)
+    """One place as the sweep itself does it, cut short where a known motion is reached before; and where that leads."""
+    point, plan = sheet.grid[place : place + 1], finest.plan
+    part = plan.settle // PARTS if finest.known(int(point[0])) else 0
+    if part:
+        _, (state,) = finest.flight.fly(point, state, part, 1)
+        kind = identified(finest.formula, int(point[0]), state)
+        read = finest.formula.read(point, kind) if kind >= 0 else None
+        if read is not None and np.isfinite(read.off[0]):
+            sheet.enter(np.array([place]), read, finest.formula_number)
+            sheet.kind[place] = kind
+            return Where(kind, int(point[0]))
+        part += 1
+    response, states = finest.flight.fly(point, state, plan.settle - part, plan.hold)
     note_flight(sheet, np.array([place]), finest.number, response, states)
-    kind = identified(finest.formula, point, response, states[0])
+    kind = identified(finest.formula, int(point[0]), states[0]) if response.period[0] in (1, -1) else -1
     sheet.kind[place] = kind
-    return Where(kind, point, states[0])
+    return Where(kind, int(point[0]), states[0])
 
 
 def note_flight(sheet: Sheet, places: Index, number: int, response: FrequencyResponse, states: Sequence[State]) -> None:
@@ -87,13 +104,12 @@ def note_flight(sheet: Sheet, places: Index, number: int, response: FrequencyRes
     sheet.states.update(zip(places.tolist(), states, strict=True))
 
 
-def identified(finest: Rung, point: int, response: FrequencyResponse, after: State) -> int:
-    """The known motion that a flown one is, −1 for none."""
-    wanted = {1: KINDS[:2], -1: KINDS[2:]}.get(int(response.period[0]), ())
+def identified(finest: Rung, point: int, after: State) -> int:
+    """The known stable motion that a state is on, −1 for none."""
     known, one = finest.known, np.array([point])
     state = np.stack([after.displacement, after.velocity])[None]
-    for kind in wanted:
-        if known.radius[point, kind] < 1:
+    for kind in KINDS:
+        if known.radius(kind)[point] < 1:
             miss = size(known.system, known.omega[one], known.states(one, kind) - state)
             if miss[0] <= SAME * size(known.system, known.omega[one], state)[0]:
                 return kind
@@ -107,23 +123,21 @@ def _goes_on(sheet: Sheet, finest: Finest, here: Where, place: int) -> int:
     points = np.concatenate([[here.point], sheet.grid[place:]])
     known, kind = finest.formula.known, here.kind
     with np.errstate(invalid="ignore", over="ignore"):
-        settled = known.radius[points[1:], kind] ** finest.plan.settle <= DIES_OUT * finest.within
+        settled = known.radius(kind)[points[1:]] ** finest.plan.settle <= DIES_OUT * finest.within
     first = np.minimum(points[1:], points[:-1])
     moved = points[1:] != points[:-1]
     near = np.zeros(len(first), dtype=bool)
-    near[moved] = known.leaps[first[moved], kind] > NEAR
+    near[moved] = known.leap(kind)[first[moved]] > NEAR
     ends = np.flatnonzero(~settled | near)
     return int(ends[0]) if len(ends) else len(first)
 
 
 def _without(sheet: Sheet, finest: Rung, place: int) -> int:
     """How many places from ``place`` on have no known motion that is stable and keeps clear of the stop."""
-    count = 0
-    while place + count < len(sheet.grid) and not _settles(finest, int(sheet.grid[place + count])):
-        count += 1
-    return count
-
-
-def _settles(finest: Rung, point: int) -> bool:
-    stable = [kind for kind in KINDS if finest.known.radius[point, kind] < 1]
-    return any(np.isfinite(finest.read(np.array([point]), kind).off[0]) for kind in stable)
+    known, left = finest.known, sheet.grid[place:]
+    stable = np.stack([known.radius(kind)[left] < 1 for kind in KINDS], axis=1)
+    for count in np.flatnonzero(stable.any(axis=1)):
+        one = left[count : count + 1]
+        if any(np.isfinite(finest.read(one, int(kind)).off[0]) for kind in np.flatnonzero(stable[count])):
+            return int(count)
+    return len(left)

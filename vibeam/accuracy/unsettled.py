@@ -1,10 +1,10 @@
 """A stretch of frequencies without any stable known motion: flight, and claims by statistics where nothing repeats.
 
 The amplitude of a motion that does not repeat, read over so many periods, is one draw of many: what can be claimed of
-it is its mean, and how far single readings scatter about that. The stretch is flown with a shorter settling than the
-sweep's, for the state that comes from the frequency before is on the motion already. A cheaper model is taken where the
-mean of its readings over some of the frequencies is as near to the finest one's as asked, beyond doubt (two standard
-errors), and each of its readings is where the finest model repeats.
+it is its mean, and how far single readings scatter about that. The stretch is flown once, for both ways, with the
+sweep's own settling: with less, more of the motions are missed that do repeat, in narrow windows and after a long
+transient. A cheaper model is taken where the mean of its readings over some of the frequencies is as near to the finest
+one's as asked, beyond doubt (three standard errors), and each of its readings is where the finest model repeats.
 """
 
 from __future__ import annotations
@@ -60,6 +60,20 @@ class Unsettled:
         self._scatter(sheet, places)
         return state
 
+    def remember(self, sheet: Sheet) -> None:
+        """Take over what the finest model was flown at place by place, on no known motion: it serves both ways."""
+        kept, after = self._kept(len(self.rungs) - 1)
+        alone = [place for place in sheet.states if sheet.kind[place] < 0 and int(sheet.grid[place]) not in after]
+        put(kept, sheet.grid[alone], rows(sheet.response, np.array(alone, dtype=int)))
+        after.update((int(sheet.grid[place]), sheet.states[place]) for place in alone)
+
+    def _kept(self, rung: int) -> tuple[FrequencyResponse, dict[int, State]]:
+        """What a rung was flown at so far: readings at all points, states after those there are."""
+        if rung not in self.flown:
+            known = self.rungs[rung].known
+            self.flown[rung] = FrequencyResponse.empty(known.omega / (2 * np.pi), known.system.size), {}
+        return self.flown[rung]
+
     def _can_tell(self, sheet: Sheet, first: Index) -> bool:
         """Whether a mean can be told closely enough by those to be asked, as these scatter: else none need be asked."""
         loose = first[sheet.statistical[first]]
@@ -106,10 +120,7 @@ class Unsettled:
 
     def _through(self, rung: int, points: Index, state: State | None = None) -> tuple[FrequencyResponse, list[State]]:
         """Points in turn by flight, or what was found there before; and the states after each."""
-        if rung not in self.flown:
-            omega, size = self.rungs[rung].known.omega, self.rungs[rung].known.system.size
-            self.flown[rung] = FrequencyResponse.empty(omega / (2 * np.pi), size), {}
-        kept, after = self.flown[rung]
+        kept, after = self._kept(rung)
         for some in np.split(points, np.flatnonzero(np.diff([int(point) in after for point in points])) + 1):
             if int(some[0]) not in after:
                 response, states = self.rungs[rung].fly(some, state, self.plan.settle, self.plan.hold)

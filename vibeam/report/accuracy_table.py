@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from vibeam.accuracy.study import Chosen, Study
 
 MOST = 5  # points told one by one
+NOT_TAKEN = "too far off where it was asked, or nothing was left for it"
+ON_ITS_WAY = "only to find the motion that goes on in closed form"
 WAYS = {
     "averaging": "averaged: one impact a period",
     "orbit": "closed form: stable and clear of the stop, one impact a period or none",
@@ -40,7 +42,9 @@ def choices(study: Study) -> Table:
 
 def _why(study: Study, row: Chosen) -> str:
     if not row.taken:
-        return "too far off wherever it was asked"
+        return (
+            ON_ITS_WAY if row.fidelity == study.finest else "too far off where it was asked, or nothing was left for it"
+        )
     return WAYS[row.solver] if row.fidelity == study.finest else f"near enough there; {WAYS[row.solver]}"
 
 
