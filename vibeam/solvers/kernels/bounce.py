@@ -13,12 +13,12 @@ from vibeam.solvers.kernels import cells as row
 from vibeam.solvers.kernels.cells import cell
 from vibeam.solvers.kernels.hull import CLEAR, ROOT, SPLIT, THIRD, VALUE
 from vibeam.solvers.kernels.jit import joined
-from vibeam.solvers.kernels.landing import at_root
+from vibeam.solvers.kernels.landing import at_root, foretold
 from vibeam.solvers.kernels.lanes import Lanes, load, total, width
 from vibeam.solvers.kernels.layout import LEVELS, STEP, TURN_IM, TURN_RE
 from vibeam.solvers.kernels.leap import OTHER, closer, launch, leap, resolved
 from vibeam.solvers.kernels.pair import norm
-from vibeam.solvers.kernels.polish import EPSILON, cubic_root, quintic_step
+from vibeam.solvers.kernels.polish import EPSILON
 from vibeam.solvers.kernels.tables import level_of
 
 Array = NDArray[np.float64]
@@ -91,9 +91,8 @@ def flight(
                 like,
             )  # fmt: skip
             if found == ROOT:
-                u = cubic_root(q0, r0, q1, r1, h, 1.0)
-                u = quintic_step(u, q0, h * r0, h * h * (bend0 - w * w * im), q1, h * r1, h * h * (bend1 - w * w * im2))
-                guess = time + h * u
+                bend0, bend1 = bend0 - w * w * im, bend1 - w * w * im2
+                guess = time + h * foretold(q0, h * r0, h * h * bend0, q1, h * r1, h * h * bend1)
                 done, t, cosine, sine, value, slope = at_root(
                     cells, pairs, drive, const, whole, side, clock, guess, time, time + h, harmonic, like
                 )

@@ -36,11 +36,11 @@ Array = NDArray[np.float64]
 
 # cells: constants; pairs at the start; node and trial end (two sides, three rows each); pairs at the root's guess and
 # their derivatives; per block: whether a lane is not underdamped, and the slowest decay
-RATE, TURN, TURN_INVERSE, DAMP, SPRING, NORM, KICK, PUT, K1, K2, K4 = range(11)
-START_X, START_Y = 11, 12
-SIDE_X, SIDE_Y, SIDE_E = 13, 14, 15  # + 3 for the other side
-ROOT_X, ROOT_Y, ROOT_2, ROOT_3, MIXED, SLOWEST = range(19, 25)
-CELL_ROWS = 25
+RATE, TURN, TURN_INVERSE, DAMP, SPRING, NORM, KICK, PUT, K1, K2, K4, K5 = range(12)
+START_X, START_Y = 12, 13
+SIDE_X, SIDE_Y, SIDE_E = 14, 15, 16  # + 3 for the other side
+ROOT_X, ROOT_Y, ROOT_2, ROOT_3, ROOT_4, MIXED, SLOWEST = range(20, 27)
+CELL_ROWS = 27
 
 # rungs: P00 … P11 over the panel, D0 … V1 (``pair.increments``), 1 where the panel resolves the mode, and what E is
 # multiplied by to bound what the panel's interpolant misses: of the signal, of the quotient of a flight's first panel
@@ -65,7 +65,7 @@ def lay_out(pairs: Array, table: Array, levels: Array, modes: Array, drive: Arra
     cells[TURN_INVERSE, :n] = 1.0 / np.where(turn > 0, turn, np.inf)
     cells[DAMP, :n], cells[SPRING, :n], cells[NORM, :n] = 2 * pairs[SIGMA], pairs[OMEGA] ** 2, pairs[INVERSE]
     cells[KICK, :n], cells[PUT, :n] = contact**2 / drive[MOBILITY], contact * modes[YIELD]
-    for row, power in ((K1, 1), (K2, 2), (K4, 4)):
+    for row, power in ((K1, 1), (K2, 2), (K4, 4), (K5, 5)):
         cells[row, :n] = kappa**power
     decay = np.full(blocks * lanes, np.inf)
     decay[:n] = pairs[DECAY]

@@ -57,7 +57,7 @@ NEAR_RESONANCE = 1e-3  # |ω² − Ω² + 2iσΩ| / Ω² below which a mode is a
 FAR = 30.0  # distance of the equilibrium over the size of the motion beyond which taking it out loses digits
 NEARLY_FREE = 0.05  # rate / Ω below which a mode under a static force is attached
 LOOSE = 1e-7  # share of the stiffest rate below which a held block counts as without stiffness
-PANEL = 1.1  # the longest panel is at most this over the drive's rate: about a sixth of its period
+PANEL = 2.1  # the longest panel is at most this over the drive's rate: about a sixth of its period
 
 
 @kernel

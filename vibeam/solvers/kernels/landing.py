@@ -80,27 +80,29 @@ def land_on(cells: Array, pairs: Array, blocks: int, t: float, like: Lanes) -> N
 @joined
 def expanded(
     cells: Array, pairs: Array, blocks: int, t: float, side: int, like: Lanes
-) -> tuple[float, float, float, float, float]:
-    """The pairs' sum and three derivatives a time t after the start, and a bound on the fourth since the node.
+) -> tuple[float, float, float, float, float, float]:
+    """The pairs' sum and four derivatives a time t after the start, and a bound on the fifth since the node.
 
-    ROOT_X … ROOT_3 receive every pair's.
+    ROOT_X … ROOT_4 receive every pair's.
     """
     step = width(like)
     f0, f1, f2 = every(0.0, like), every(0.0, like), every(0.0, like)
-    f3, f4 = every(0.0, like), every(0.0, like)
+    f3, f4, f5 = every(0.0, like), every(0.0, like), every(0.0, like)
     for b in range(blocks):
         at = cell(b, 0, like)
         damp, spring = load(cells, at + row.DAMP * step, like), load(cells, at + row.SPRING * step, like)
         x, y = pairs_at(cells, pairs, b, t, like)
         d2 = damp * y + spring * x  # minus the second derivative
         d3 = damp * d2 - spring * y
+        d4 = spring * d2 - damp * d3
         store(cells, at + row.ROOT_X * step, x)
         store(cells, at + row.ROOT_Y * step, y)
         store(cells, at + row.ROOT_2 * step, d2)
         store(cells, at + row.ROOT_3 * step, d3)
-        f0, f1, f2, f3 = f0 + x, f1 + y, f2 - d2, f3 + d3
-        f4 += load(cells, at + (row.SIDE_E + 3 * side) * step, like) * load(cells, at + row.K4 * step, like)
-    return total(f0), total(f1), total(f2), total(f3), total(f4)
+        store(cells, at + row.ROOT_4 * step, d4)
+        f0, f1, f2, f3, f4 = f0 + x, f1 + y, f2 - d2, f3 + d3, f4 + d4
+        f5 += load(cells, at + (row.SIDE_E + 3 * side) * step, like) * load(cells, at + row.K5 * step, like)
+    return total(f0), total(f1), total(f2), total(f3), total(f4), total(f5)
 
 
 @joined
@@ -112,8 +114,9 @@ def shift(cells: Array, blocks: int, d: float, like: Lanes) -> tuple[float, floa
         at = cell(b, 0, like)
         x, y = load(cells, at + row.ROOT_X * step, like), load(cells, at + row.ROOT_Y * step, like)
         d2, d3 = load(cells, at + row.ROOT_2 * step, like), load(cells, at + row.ROOT_3 * step, like)
-        x += (y + (d3 * sixth - d2 * 0.5) * d) * d
-        y += (d3 * half - d2) * d
+        d4 = load(cells, at + row.ROOT_4 * step, like)
+        x += (y + ((d3 + d4 * (0.5 * half)) * sixth - d2 * 0.5) * d) * d
+        y += ((d3 + d4 * (2.0 * sixth)) * half - d2) * d
         store(cells, at + row.ROOT_X * step, x)
         store(cells, at + row.ROOT_Y * step, y)
         value += x
@@ -122,16 +125,34 @@ def shift(cells: Array, blocks: int, d: float, like: Lanes) -> tuple[float, floa
 
 
 @joined
-def nearest(f0: float, f1: float, f2: float, f3: float, least: float) -> tuple[float, bool]:
-    """The root near 0 of the cubic with these derivatives at 0, f1 < 0, and whether Newton settles on it.
+def foretold(p0: float, s0: float, c0: float, p1: float, s1: float, c1: float) -> float:
+    """About the root in (0, 1) of the quintic with values, slopes and second derivatives p0, s0, c0 at 0, … at 1."""
+    half = 0.5 * c0
+    p, s, c = p1 - p0 - s0 - half, s1 - s0 - c0, c1 - c0
+    a3, a4, a5 = 10.0 * p - 4.0 * s + 0.5 * c, 7.0 * s - 15.0 * p - c, 6.0 * p - 3.0 * s + 0.5 * c
+    u = p0 / (p0 - p1) if p1 < 0.0 < p0 else 0.5
+    for _ in range(3):
+        e = u * u
+        value = (p0 + s0 * u) + e * ((half + a3 * u) + e * (a4 + a5 * u))
+        slope = (s0 + c0 * u) + e * ((3.0 * a3 + 4.0 * a4 * u) + 5.0 * a5 * e)
+        step = value / slope if slope < 0.0 else 0.0
+        if 0.0 < u - step < 1.0:
+            u -= step
+    return u
+
+
+@joined
+def nearest(f0: float, f1: float, f2: float, f3: float, f4: float, least: float) -> tuple[float, bool]:
+    """The root near 0 of the quartic with these derivatives at 0, f1 < 0, and whether Newton settles on it.
 
     ``least``: what is no more than round-off.
     """
-    inverse, c2, c3 = 1.0 / f1, f2 * (1 / 2), f3 * (1 / 6)
+    inverse, c2, c3, c4 = 1.0 / f1, f2 * (1 / 2), f3 * (1 / 6), f4 * (1 / 24)
     b2, b3, r = c2 * inverse, c3 * inverse, -f0 * inverse
     d = r - r * r * (b2 - (2.0 * b2 * b2 - b3) * r)
     for _ in range(3):
-        change = (f0 + d * (f1 + d * (c2 + d * c3))) / (f1 + d * (f2 + d * (3.0 * c3)))
+        e = d * d
+        change = ((f0 + d * f1) + e * ((c2 + d * c3) + e * c4)) / ((f1 + d * f2) + e * (3.0 * c3 + d * (4.0 * c4)))
         d -= change
         if abs(change) <= SETTLED * abs(d) + least:
             return d, True
@@ -153,18 +174,18 @@ def at_root(
     for _ in range(ROUNDS):
         cosine, sine = turned(drive, clock + t)
         zr, zi = drawn(drive, cosine, sine)
-        f0, f1, f2, f3, f4 = expanded(cells, pairs, blocks, t, side, like)
-        f0, f1, f2, f3 = f0 + (const + zi), f1 + w * zr, f2 - w2 * zi, f3 - w2 * (w * zr)
-        f4 += harmonic * w2 * w2
+        f0, f1, f2, f3, f4, f5 = expanded(cells, pairs, blocks, t, side, like)
+        f0, f1, f2, f3, f4 = f0 + (const + zi), f1 + w * zr, f2 - w2 * zi, f3 - w2 * (w * zr), f4 + w2 * (w2 * zi)
+        f5 += harmonic * w2 * w2 * w
         if f0 > 0.0:
             low = t
         else:
             high = t
         if f1 < 0.0:
-            step, settled = nearest(f0, f1, f2, f3, EPSILON * t)
+            step, settled = nearest(f0, f1, f2, f3, f4, EPSILON * t)
             d = abs(step)
             if low <= t + step <= high and settled:
-                if f4 * (d * d * d) <= -3.0 * EPSILON * f1 and w * d < NEAR:
+                if f5 * (d * d) * (d * d) <= -12.0 * EPSILON * f1 and w * d < NEAR:
                     value, slope = shift(cells, blocks, step, like)
                     cosine, sine = advanced(cosine, sine, w * step)
                     zr, zi = drawn(drive, cosine, sine)

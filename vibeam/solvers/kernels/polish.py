@@ -47,36 +47,18 @@ def evaluate(
 
 
 @joined
-def cubic_root(p0: float, s0: float, p1: float, s1: float, h: float, last: float) -> float:
-    """About the root ≤ last, as a share of h, of the cubic with value and slope p0, s0 at 0 and p1, s1 at h."""
-    s0, s1 = h * s0, h * s1
+def guess(signal: Array, h: float, bracket: float) -> float:
+    """About the root of the cubic Hermite interpolant of the last panel in (0, bracket)."""
+    p0, s0, p1, s1 = signal[P0], h * signal[S0], signal[P1], h * signal[S1]
     a, b = 2.0 * (p0 - p1) + s0 + s1, 3.0 * (p1 - p0) - 2.0 * s0 - s1
+    last = bracket / h
     u = min(p0 / (p0 - p1), last) if p1 < 0.0 < p0 else 0.5 * last
     for _ in range(2):
         slope = s0 + u * (2.0 * b + 3.0 * a * u)
         step = (p0 + u * (s0 + u * (b + u * a))) / slope if slope < 0.0 else 0.0
         if 0.0 < u - step < last:
             u -= step
-    return u
-
-
-@joined
-def quintic_step(u: float, p0: float, s0: float, c0: float, p1: float, s1: float, c1: float) -> float:
-    """u after a step of Newton on the quintic with values, slopes and second derivatives p0, s0, c0 at 0, … at 1."""
-    half = 0.5 * c0
-    p, s, c = p1 - p0 - s0 - half, s1 - s0 - c0, c1 - c0
-    a3, a4, a5 = 10.0 * p - 4.0 * s + 0.5 * c, 7.0 * s - 15.0 * p - c, 6.0 * p - 3.0 * s + 0.5 * c
-    square = u * u
-    value = p0 + s0 * u + square * ((half + a3 * u) + square * (a4 + a5 * u))
-    slope = s0 + c0 * u + square * ((3.0 * a3 + 4.0 * a4 * u) + 5.0 * a5 * square)
-    step = value / slope if slope < 0.0 else 0.0
-    return u - step if 0.0 < u - step < 1.0 else u
-
-
-@joined
-def guess(signal: Array, h: float, bracket: float) -> float:
-    """About the root of the cubic Hermite interpolant of the last panel in (0, bracket)."""
-    return cubic_root(signal[P0], signal[S0], signal[P1], signal[S1], h, bracket / h) * h
+    return u * h
 
 
 @joined
