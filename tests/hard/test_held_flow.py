@@ -1,11 +1,13 @@
-"""What a rest makes of a change of its begin: the suite's estimate against two motions in arbitrary precision."""
+"""The motion held on the stop against arbitrary precision, and what a rest makes of a change of its begin."""
 
 from __future__ import annotations
 
+import mpmath
 import numpy as np
 import pytest
 from agreement import follow, true_motion
 from motions import state
+from mpmath import mpf
 from random_systems import Case, random_case
 from sensitivity import held_flow
 
@@ -37,3 +39,65 @@ def test_a_long_rest_among_fast_and_overdamped_modes_is_within_the_estimate() ->
     assert tally.releases >= 3
     assert not tally.faults
     assert tally.worst_blur < 32
+
+
+HELD = {
+    "rates over five decades": ([1.0, 3.0, 1e5], [0.02, 4.7, 0.02], [1.0, 0.7, 0.5]),
+    "overdamped among fast ones": ([1.0, 40.0, 600.0, 1e4], [0.3, 4.7, 0.01, 1.0], [1.0, -0.6, 0.8, 0.5]),
+    "two critical ones side by side": ([1.0, 2.76, 2.94, 77.0], [5e-4, 1.0, 1.0, 0.04], [-0.5, 4.1, 2.3, 2.3]),
+    "critical twins": ([1.0, 1.0 + 2.0**-24, 70.0], [1.0, 1.0, 0.3], [1.0, 0.8, -0.8]),
+    "critical, hardly felt": ([1.0, 3.0, 70.0], [0.02, 1.0, 0.3], [1.0, 2.0**-23, -0.8]),
+    "damped in proportion": ([1.0, 30.0, 1e3, 1e5], [1e-6, 3e-5, 1e-3, 0.1], [1.0, 0.7, -0.5, 0.4]),
+    "one that the stop does not feel": ([1.0, 5.0, 1e4], [0.02, 3.0, 0.1], [1.0, 0.0, 0.4]),
+    "one without stiffness": ([0.0, 3.0, 1e4], [0.0, 0.5, 0.03], [1.0, -0.7, 0.5]),
+    "an eight-mode case of the exhaustive search": random_case(7, 79, size=8).system,
+}
+
+
+def held(name: str) -> vibeam.ImpactSystem:
+    """Held at 0 by a force along the contact row, which moves nothing; of few bits, lest rounding does."""
+    found = HELD[name]
+    omega, zeta, contact = found if isinstance(found, tuple) else (found.omega, found.zeta, found.contact)
+    row = np.where(np.abs(contact) > 0.01, np.round(np.array(contact) * 64) / 64, contact)
+    press = 2.0 ** np.ceil(np.log2(1e3 * np.max(omega) * np.min(omega, initial=np.inf, where=np.array(omega) > 0)))
+    return vibeam.ImpactSystem.from_modes(omega, zeta, row, 0.0, gap=0.0, restitution=0.5, static=press * row)
+
+
+def on_the_stop(system: vibeam.ImpactSystem, x: np.ndarray, v: np.ndarray, t: float) -> np.ndarray:
+    """Displacements and velocities (2n,) after t of x″ = P(−2ζωx′ − ω²x): the exponential in 40 digits.
+
+    The contact point's own motion, rounding, is taken off first: of velocities along its row, of displacements where it
+    is softest.
+    """
+    with mpmath.workdps(40):
+        n, c, w = system.size, mpmath.matrix(system.contact), [mpf(a) for a in system.omega]
+        damping = [2 * mpf(z) * a for z, a in zip(system.zeta, w, strict=True)]
+        soft = [c[i] / w[i] ** 2 if w[i] > 0 else c[i] * mpf(10) ** 30 for i in range(n)]
+        beyond = sum(c[i] * mpf(x[i]) for i in range(n)) / sum(c[i] * soft[i] for i in range(n))
+        speed = sum(c[i] * mpf(v[i]) for i in range(n)) / (c.T * c)[0]
+        start = [mpf(x[i]) - soft[i] * beyond for i in range(n)] + [mpf(v[i]) - c[i] * speed for i in range(n)]
+        along, rates = mpmath.eye(n) - c * c.T / (c.T * c)[0], mpmath.zeros(2 * n)
+        for i in range(n):
+            rates[i, n + i] = 1
+            for k in range(n):
+                rates[n + i, k], rates[n + i, n + k] = -along[i, k] * w[k] ** 2, -along[i, k] * damping[k]
+        return np.array([float(y) for y in mpmath.expm(rates * mpf(t)) * mpmath.matrix(start)])
+
+
+@pytest.mark.parametrize("name", HELD)
+def test_a_rest_costs_tens_of_last_digits_however_far_apart_the_rates_are(name: str) -> None:
+    system = held(name)
+    n, c, w = system.size, system.contact, system.omega
+    slowest, fastest = np.min(w[w > 0]), np.max(w)
+    rng = np.random.default_rng(3)
+    x, v = rng.normal(size=n) * slowest / np.maximum(w, slowest), slowest * rng.normal(size=n)
+    soft = np.where(w > 0, c / np.maximum(w, slowest) ** 2, 0.0) if w.min() > 0 else np.where(w == 0, c, 0.0)
+    x, v = x - soft * (c @ x) / (c @ soft), v - c * (c @ v) / (c @ c)
+    for t in (1 / fastest, 30 / fastest, min(1e3 / fastest, 1 / slowest)):
+        path = vibeam.simulate(system, vibeam.Drive(0.0, 0.0), t, vibeam.State(x, v, True))
+        assert path.state.resting
+        off = np.concatenate([path.state.displacement, path.state.velocity]) - on_the_stop(system, x, v, t)
+        size = np.concatenate([np.where(w > 0, w, 1 / t), np.ones(n)])  # a motion's own, velocities
+        start = np.max(size * np.abs(np.concatenate([x, v])))
+        digits = np.max(size * np.abs(off)) / start / np.finfo(float).eps
+        assert digits < 32

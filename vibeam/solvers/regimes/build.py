@@ -22,6 +22,8 @@ from vibeam.solvers.kernels.layout import (
     SIGNAL_ROWS,
 )
 from vibeam.solvers.kernels.tables import rates, regime
+from vibeam.solvers.planes import pair_constants, planes
+from vibeam.solvers.refine import Linear
 from vibeam.solvers.regimes.kernels.layout import (
     COEFFICIENT,
     COUPLED,
@@ -46,7 +48,6 @@ from vibeam.solvers.regimes.kernels.layout import (
     Plan,
     Regime,
 )
-from vibeam.solvers.regimes.planes import Linear, planes
 from vibeam.system import ImpactSystem
 from vibeam_models.compliant import HuntCrossley, LinearStop
 from vibeam_models.contact import PlasticRestitution, TableRestitution, ViscousRestitution
@@ -128,7 +129,7 @@ def _regime(system: ImpactSystem, linear: Linear, stop: float, contact: Array, g
     if linear.held:
         constant, load = (force - w * (w @ force) / mobility for force in (constant, load))
     pushed = found.inverse[:, n:]
-    blocks, omega, sigma, disc = _sorted_blocks(found.blocks)
+    blocks, (omega, sigma, disc) = found.blocks, pair_constants(found.blocks)
     m = len(omega)
     order = np.argsort(rates(omega, sigma), kind="stable")
     pick = np.stack([2 * order, 2 * order + 1], axis=1).ravel()
@@ -163,14 +164,6 @@ def signals(rows: Sequence[Row], outof: Array, held: Array) -> Array:
         filled[place, :-2] = row.at @ outof[:n] + row.rate @ outof[n:]
         filled[place, -2:] = row.constant + float(row.at @ held), row.load
     return filled
-
-
-def _sorted_blocks(a: Array) -> tuple[Array, Array, Array, Array]:
-    """ω, σ and σ² − ω² of each block (m, 2, 2)."""
-    sigma = -(a[:, 0, 0] + a[:, 1, 1]) / 2
-    square = a[:, 0, 0] * a[:, 1, 1] - a[:, 0, 1] * a[:, 1, 0]
-    disc = ((a[:, 0, 0] - a[:, 1, 1]) / 2) ** 2 + a[:, 0, 1] * a[:, 1, 0]
-    return a, np.sqrt(np.maximum(square, 0.0)), np.maximum(sigma, 0.0), disc
 
 
 def _runge_kutta() -> tuple[Array, Array]:
