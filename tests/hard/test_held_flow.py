@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 from agreement import follow, true_motion
-from motions import state
+from motions import NONE, state
 from mpmath import mpf
 from random_systems import Case, random_case
 from sensitivity import held_flow
@@ -63,11 +63,13 @@ def held(name: str) -> vibeam.ImpactSystem:
     return vibeam.ImpactSystem.from_modes(omega, zeta, row, 0.0, gap=0.0, restitution=0.5, static=press * row)
 
 
-def on_the_stop(system: vibeam.ImpactSystem, x: np.ndarray, v: np.ndarray, t: float) -> np.ndarray:
-    """Displacements and velocities (2n,) after t of x″ = P(−2ζωx′ − ω²x): the exponential in 40 digits.
+def on_the_stop(
+    system: vibeam.ImpactSystem, x: np.ndarray, v: np.ndarray, t: float, drive: vibeam.Drive = NONE
+) -> np.ndarray:
+    """Displacements and velocities (2n,) after t of x″ = P(f − 2ζωx′ − ω²x) on a stop at 0: exponential in 40 digits.
 
     The contact point's own motion, rounding, is taken off first: of velocities along its row, of displacements where it
-    is softest.
+    is softest. The force is carried along as a constant and a rotating pair.
     """
     with mpmath.workdps(40):
         n, c, w = system.size, mpmath.matrix(system.contact), [mpf(a) for a in system.omega]
@@ -76,12 +78,17 @@ def on_the_stop(system: vibeam.ImpactSystem, x: np.ndarray, v: np.ndarray, t: fl
         beyond = sum(c[i] * mpf(x[i]) for i in range(n)) / sum(c[i] * soft[i] for i in range(n))
         speed = sum(c[i] * mpf(v[i]) for i in range(n)) / (c.T * c)[0]
         start = [mpf(x[i]) - soft[i] * beyond for i in range(n)] + [mpf(v[i]) - c[i] * speed for i in range(n)]
-        along, rates = mpmath.eye(n) - c * c.T / (c.T * c)[0], mpmath.zeros(2 * n)
+        along, rates = mpmath.eye(n) - c * c.T / (c.T * c)[0], mpmath.zeros(2 * n + 3)
+        static, load = along * mpmath.matrix(system.static), along * mpmath.matrix(system.load)
+        turn, strength = mpf(drive.omega), mpf(drive.omega) ** 2 * mpf(drive.amplitude)
         for i in range(n):
             rates[i, n + i] = 1
+            rates[n + i, 2 * n], rates[n + i, 2 * n + 1] = static[i], load[i] * strength
             for k in range(n):
                 rates[n + i, k], rates[n + i, n + k] = -along[i, k] * w[k] ** 2, -along[i, k] * damping[k]
-        return np.array([float(y) for y in mpmath.expm(rates * mpf(t)) * mpmath.matrix(start)])
+        rates[2 * n + 1, 2 * n + 2], rates[2 * n + 2, 2 * n + 1] = turn, -turn
+        after = mpmath.expm(rates * mpf(t)) * mpmath.matrix([*start, 1, 0, 1])
+        return np.array([float(y) for y in after[: 2 * n]])
 
 
 @pytest.mark.parametrize("name", HELD)
@@ -101,3 +108,31 @@ def test_a_rest_costs_tens_of_last_digits_however_far_apart_the_rates_are(name: 
         start = np.max(size * np.abs(np.concatenate([x, v])))
         digits = np.max(size * np.abs(off)) / start / np.finfo(float).eps
         assert digits < 32
+
+
+FAR_AWAY = {  # static on a mode, drive, times
+    "pushed": ([1e3, 0.0, 0.0], NONE, (1e-3, 0.01, 0.1, 1.0)),
+    "pushed hard": ([1e7, 0.0, 0.0], NONE, (1e-7, 1e-6)),
+    "driven": ([1e3, 0.0, 0.0], vibeam.Drive(2.0, 1e6), (1e-6, 1e-4)),
+}
+
+
+@pytest.mark.parametrize("coupled", [False, True])
+@pytest.mark.parametrize("name", FAR_AWAY)
+def test_a_held_equilibrium_far_away_costs_no_digits(name: str, coupled: bool) -> None:
+    """Taken out of the state and put back, the steady response cost as many last digits as it is times the motion."""
+    static, drive, times = FAR_AWAY[name]
+    omega, zeta = np.array([1.0, 3.0, 100.0]), np.array([0.02, 4.7, 0.02])
+    system = vibeam.ImpactSystem.from_modes(
+        omega, zeta, [1.0, 0.7, 0.5], [1.0, 0.5, 0.25], gap=0.0, restitution=0.5, static=static,
+        coupling=np.diag(2 * zeta * omega) if coupled else None,
+    )  # fmt: skip
+    x, v = np.array([0.07, -0.1, 0.0]), np.zeros(3)
+    for t in times:
+        path = vibeam.simulate(system, drive, t, vibeam.State(x, v, True))
+        assert path.state.resting
+        true, found = on_the_stop(system, x, v, t, drive).reshape(2, -1), path.state
+        off = np.abs(np.stack([found.displacement, found.velocity]) - true).max(axis=1)
+        place = np.abs(true[0]).max()
+        speed = max(np.abs(true[1]).max(), np.max(omega * np.maximum(np.abs(x), np.abs(true[0]))))
+        assert max(off[0] / place, off[1] / speed) < 32 * np.finfo(float).eps

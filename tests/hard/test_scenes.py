@@ -22,7 +22,6 @@ def test_flight_passes(make: Maker) -> None:
     assert verdict.timed == len(scene.firm)
 
 
-@pytest.mark.xfail(strict=True, reason="a motion small against the steady response loses the digits between them")
 def test_flight_passes_a_drive_of_1e12() -> None:
     scene = strong_drive()
     assert judged(scene, flight(scene)).late < LATE

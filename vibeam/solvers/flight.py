@@ -36,15 +36,13 @@ from vibeam.solvers.kernels.layout import (
     WHAT,
 )
 from vibeam.solvers.pack import Packed, pack
-from vibeam.solvers.start import equilibrium
+from vibeam.solvers.start import equilibrium, size_of_motion
 from vibeam.solvers.tally import OUTCOMES, Tally
 from vibeam.state import State
 from vibeam.system import Drive, ImpactSystem
 
 Array = NDArray[np.float64]
 LONGEST_PERIOD = 16
-SMALLEST = 1e-150  # rad/s
-DRIVEN = 10.0  # how much larger than the base motion times its share a driven mode is taken to be
 ROWS = 256  # segments traced before they are read off
 
 
@@ -87,7 +85,7 @@ class FlightSolver:
         begun = time.thread_time()
         pose, status = self.pose(state)
         status[CLOCK] = start
-        self.packed.desk.drive[MOTION] = self._size(drive, pose)
+        self.packed.desk.drive[MOTION] = size_of_motion(self.system, drive, self.packed.outward(pose), end - start)
         rows, done, kept = ROWS, 0.0, []
         totals = np.zeros(COUNT_ROWS, dtype=np.int64)
         outcome, span = FULL, end - start
@@ -114,13 +112,6 @@ class FlightSolver:
         }
         last = end if outcome == COMPLETE else float(segments.trace[-1, START] + segments.trace[-1, DURATION])
         return OUTCOMES[outcome], last, self.state(pose, status), segments, stats
-
-    def _size(self, drive: Drive, pose: Array) -> float:
-        """About how large the motion's modal displacements are: those of the start, a swing on, the drive's."""
-        omega = self.packed.inward(self.system.omega)
-        turn = 1 / np.where(omega > SMALLEST, omega, np.inf)
-        driven = DRIVEN * abs(drive.amplitude) * np.abs(self.system.load).max()
-        return float(np.max(np.abs(pose[0]) + np.abs(pose[1]) * turn) + driven)
 
     def _instant(self, time: float, pose: Array, status: Array) -> Segments:
         """A segment without duration."""

@@ -6,9 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.state import State
-from vibeam.system import ImpactSystem
+from vibeam.system import Drive, ImpactSystem
 
 Array = NDArray[np.float64]
+SMALLEST = 1e-150  # rad/s
+DRIVEN = 10.0  # how much larger than the base motion times its share a driven mode is taken to become
 
 
 def equilibrium(system: ImpactSystem) -> State:
@@ -31,3 +33,13 @@ def equilibrium(system: ImpactSystem) -> State:
     shape = np.where(loose, system.contact, 0.0) if loose.any() else system.contact / square
     held = free - shape * (beyond / float(system.contact @ shape))
     return State(held, np.zeros(system.size), resting=True)
+
+
+def size_of_motion(system: ImpactSystem, drive: Drive, pose: Array, span: float) -> float:
+    """About how large the modal displacements are over ``span`` s: a start ``pose`` (2, n) swings on, a drive adds.
+
+    What steady response lies far beyond it costs digits when it is taken out of the state and put back.
+    """
+    turn = 1 / np.where(system.omega > SMALLEST, system.omega, np.inf)
+    driven = abs(drive.amplitude) * np.abs(system.load).max() * min(DRIVEN, (drive.omega * span) ** 2)
+    return float(np.max(np.abs(pose[0]) + np.abs(pose[1]) * turn) + driven)

@@ -54,7 +54,7 @@ from vibeam.solvers.kernels.tables import same_drive, tabulate_drive
 
 Array = NDArray[np.float64]
 NEAR_RESONANCE = 1e-3  # |ω² − Ω² + 2iσΩ| / Ω² below which a mode is attached
-FAR = 30.0  # distance of the equilibrium over the size of the motion beyond which taking it out loses digits
+FAR = 30.0  # steady response over the size of the motion beyond which taking it out loses digits
 NEARLY_FREE = 0.05  # rate / Ω below which a mode under a static force is attached
 LOOSE = 1e-7  # share of the stiffest rate below which a held block counts as without stiffness
 PANEL = 2.1  # the longest panel is at most this over the drive's rate: about a sixth of its period
@@ -72,12 +72,13 @@ def set_drive(desk: Desk, omega: float, amplitude: float) -> None:
     for k in range(modes.shape[1]):
         modes[RE, k], modes[IM, k], modes[OFFSET, k] = 0.0, 0.0, 0.0
         own, sigma = desk.pairs[OMEGA, k], desk.pairs[SIGMA, k]
+        real, imaginary = (own - omega) * (own + omega), 2.0 * sigma * omega
         far = abs(modes[STATIC, k]) > FAR * own * own * drive[MOTION]
+        far = far or abs(modes[LOAD, k] * strength) > FAR * hypot(real, imaginary) * drive[MOTION]
         if far or is_attached(own, sigma, modes[LOAD, k] * strength, modes[STATIC, k], omega):
             desk.attached[AMODE, int(desk.signal[ATTACHED])] = k
             desk.signal[ATTACHED] += 1.0
             continue
-        real, imaginary = (own - omega) * (own + omega), 2.0 * sigma * omega
         if strength != 0.0 and modes[LOAD, k] != 0.0:
             response = modes[LOAD, k] * strength / (real + 1j * imaginary)
             modes[RE, k], modes[IM, k] = response.real, response.imag
@@ -88,7 +89,7 @@ def set_drive(desk: Desk, omega: float, amplitude: float) -> None:
     drive[COARSEST] = coarsest_level(desk.pairs, desk.levels, omega)
     tabulate_drive(omega, desk.levels)
     same_drive(desk.levels, desk.rest_levels)
-    rest_response(desk.rest_pairs, desk.blocks, omega, strength)
+    rest_response(desk.rest_pairs, desk.blocks, desk.from_blocks, omega, strength, drive[MOTION])
 
 
 @kernel
@@ -132,8 +133,11 @@ def coarsest_level(pairs: Array, levels: Array, omega: float) -> int:
 
 
 @kernel
-def rest_response(pairs: Array, blocks: Array, omega: float, strength: float) -> None:
-    """Steady response of every block of the rest regime, (iΩ − A) Y = load Ω²B and −A⁻¹ constant, or CARRIED."""
+def rest_response(pairs: Array, blocks: Array, out: Array, omega: float, strength: float, motion: float) -> None:
+    """Steady response of every block of the rest regime, (iΩ − A) Y = load Ω²B and −A⁻¹ constant, or CARRIED.
+
+    ``out`` (2n, 2m): modal from block coordinates; ``motion``: the size of modal displacements.
+    """
     m, stiffest = blocks.shape[1], omega
     for k in range(m):
         stiffest = max(stiffest, pairs[OMEGA, k])
@@ -146,6 +150,20 @@ def rest_response(pairs: Array, blocks: Array, omega: float, strength: float) ->
         blocks[CARRIED, k] = 1.0 if loose or is_attached(own, sigma, force, static, omega) else 0.0
         if blocks[CARRIED, k] == 0.0:
             block_response(blocks, k, omega, strength)
+            if block_reach(blocks, out, k) > FAR * motion:
+                blocks[RE1 : OFFSET2 + 1, k] = 0.0
+                blocks[CARRIED, k] = 1.0
+
+
+@kernel
+def block_reach(blocks: Array, out: Array, k: int) -> float:
+    """The largest modal displacement in the steady response of one block."""
+    reach = 0.0
+    for i in range(out.shape[0] // 2):
+        a, b = out[i, 2 * k], out[i, 2 * k + 1]
+        reach = max(reach, abs(a * blocks[OFFSET1, k] + b * blocks[OFFSET2, k]))
+        reach = max(reach, hypot(a * blocks[RE1, k] + b * blocks[RE2, k], a * blocks[IM1, k] + b * blocks[IM2, k]))
+    return reach
 
 
 @kernel

@@ -19,6 +19,7 @@ from vibeam.solvers.kernels.layout import (
     DRIVE_ROWS,
     LOAD1,
     LOAD2,
+    MOTION,
     SIGNAL_ROWS,
 )
 from vibeam.solvers.kernels.tables import rates, regime
@@ -79,9 +80,11 @@ def plan(system: ImpactSystem, slowest: float) -> Plan:
     law[SIDES], law[COUPLED] = sides, float(system.coupling is not None)
     at_stop = [_at_stop(system, side, contact, gaps, top) for side in range(sides)]
     nodes, weights = _runge_kutta()
+    drive = np.zeros(DRIVE_ROWS)
+    drive[MOTION] = inf
     return Plan(
         _regime(system, Linear(system.omega**2, damper_of(system), system.contact), 0.0, contact, gaps, top),
-        at_stop[0], at_stop[-1], np.zeros(DRIVE_ROWS), law, curve, contact, gaps, system.omega**2,
+        at_stop[0], at_stop[-1], drive, law, curve, contact, gaps, system.omega**2,
         np.array(damper_of(system)), np.array(np.diag(damper_of(system))),
         np.array(system.load), np.array(system.static), nodes, weights, np.zeros((13, 2 * n)), np.zeros((3, 2 * n)),
     )  # fmt: skip

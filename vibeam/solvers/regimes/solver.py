@@ -19,6 +19,7 @@ from vibeam.solvers.kernels.layout import (
     FULL,
     IMPACTS,
     KIND,
+    MOTION,
     ORDER,
     PANELS,
     RESTING,
@@ -40,7 +41,7 @@ from vibeam.solvers.regimes.kernels.layout import (
     Room,
 )
 from vibeam.solvers.sampled import repetition
-from vibeam.solvers.start import equilibrium
+from vibeam.solvers.start import equilibrium, size_of_motion
 from vibeam.solvers.tally import OUTCOMES, Tally
 from vibeam.state import State
 from vibeam.system import Drive, ImpactSystem
@@ -85,6 +86,7 @@ class RegimeSolver:
         begun = time.thread_time()
         pose, status = self.pose(state)
         status[CLOCK] = self._clock(drive, start)
+        self.plan.drive[MOTION] = size_of_motion(self.system, drive, pose, end - start)
         rows, done, kept = ROWS, 0.0, []
         totals = np.zeros(COUNT_ROWS, dtype=np.int64)
         outcome, span = FULL, end - start

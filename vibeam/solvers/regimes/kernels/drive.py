@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from vibeam.solvers.kernels.drive import coarsest_level, exact_period, rest_response
 from vibeam.solvers.kernels.jit import kernel
-from vibeam.solvers.kernels.layout import AMPLITUDE, COARSEST, PERIOD, PERIOD_REST, STRENGTH, W
+from vibeam.solvers.kernels.layout import AMPLITUDE, COARSEST, MOTION, PERIOD, PERIOD_REST, STRENGTH, W
 from vibeam.solvers.kernels.tables import tabulate_drive
 from vibeam.solvers.regimes.kernels.layout import Plan, Regime
+
+Array = NDArray[np.float64]
 
 
 @kernel
@@ -16,13 +21,13 @@ def set_drive(plan: Plan, omega: float, amplitude: float) -> None:
     drive[W], drive[STRENGTH], drive[AMPLITUDE] = omega, omega * omega * amplitude, amplitude
     drive[PERIOD], drive[PERIOD_REST] = exact_period(omega)
     drive[COARSEST] = coarsest_level(plan.free.pairs, plan.free.levels, omega)
-    respond(plan.free, omega, drive[STRENGTH])
-    respond(plan.upper, omega, drive[STRENGTH])
-    respond(plan.lower, omega, drive[STRENGTH])
+    respond(plan.free, omega, drive)
+    respond(plan.upper, omega, drive)
+    respond(plan.lower, omega, drive)
 
 
 @kernel
-def respond(regime: Regime, omega: float, strength: float) -> None:
+def respond(regime: Regime, omega: float, drive: Array) -> None:
     """The same for one regime."""
     tabulate_drive(omega, regime.levels)
-    rest_response(regime.pairs, regime.blocks, omega, strength)
+    rest_response(regime.pairs, regime.blocks, regime.outof, omega, drive[STRENGTH], drive[MOTION])
