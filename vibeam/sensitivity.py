@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.periodic.multipliers import propagators
+from vibeam.solvers.kernels.drive import FAR
 from vibeam.solvers.kernels.layout import (
     AT_CLOCK,
     BEFORE,
@@ -32,6 +33,7 @@ from vibeam.solvers.kernels.layout import (
     STUCK,
     WHAT,
 )
+from vibeam.solvers.start import size_of_motion
 
 if TYPE_CHECKING:
     from vibeam.simulate import Trajectory
@@ -81,7 +83,7 @@ class _Walk:
         self.clocks = self.trace[:, AT_CLOCK]
         self.flights = propagators(self.system, self.trace[:, DURATION])
         self.rest = _constrained(self.system)
-        self.far = _far(self.system, self.drive)
+        self.far = _far(self.system, self.drive, self.poses[0], path.t_end - path.t_start)
         self.covariance = np.diag(self._round_off(self.poses[0], 0.0)) if start is None else np.array(start)
 
     def impacts(self) -> list[tuple[float, float] | None]:
@@ -169,16 +171,19 @@ def _constrained(system: ImpactSystem) -> Array:
     return matrix
 
 
-def _far(system: ImpactSystem, drive: Drive) -> Array:
+def _far(system: ImpactSystem, drive: Drive, pose: Array, span: float) -> Array:
     """Size (n,) of what closed forms take out of the modes and put back: steady response and static displacement.
 
-    A mode without a usable one (free, or undamped at resonance) carries its force along and takes nothing out.
+    A mode without a usable one (free, undamped at resonance, far beyond the motion) carries its force along and takes
+    nothing out.
     """
     square, w = system.omega**2, drive.omega
     response = np.hypot(square - w * w, 2 * system.zeta * system.omega * w)
     usable = (response > 1e-3 * w * w) & (square > 0)
     driven = np.abs(system.load * w * w * drive.amplitude) / np.where(usable, response, np.inf)
-    return np.asarray(driven + np.abs(system.static) / np.where(square > 0, square, np.inf))
+    static = np.abs(system.static) / np.where(square > 0, square, np.inf)
+    beyond = FAR * size_of_motion(system, drive, pose, span)
+    return np.asarray(np.where(np.maximum(driven, static) > beyond, 0.0, driven + static))
 
 
 def _acceleration(system: ImpactSystem, drive: Drive, pose: Array, phase: float) -> Array:

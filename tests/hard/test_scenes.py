@@ -7,6 +7,8 @@ import pytest
 from peers import Found, flight, judged
 from scenes import MAKERS, Maker, ball, full_model, strong_drive, touched
 
+import vibeam
+
 LATE = 1e-10  # of a time, after as many impacts as a scene has
 
 
@@ -25,6 +27,9 @@ def test_flight_passes(make: Maker) -> None:
 def test_flight_passes_a_drive_of_1e12() -> None:
     scene = strong_drive()
     assert judged(scene, flight(scene)).late < LATE
+    path = vibeam.simulate(scene.case.system, scene.case.drive, scene.end, scene.case.start)
+    error = path.errors.time[0]  # counts no digits of a steady response that is not taken out
+    assert abs(path.impact_times[0] - scene.impacts[0, 0]) <= 3 * error <= LATE * scene.impacts[0, 0]
 
 
 @pytest.mark.slow
