@@ -7,6 +7,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.solvers.kernels.energy import NODES, PANEL, WEIGHTS
 from vibeam.solvers.kernels.extremes import extremes
 from vibeam.solvers.kernels.jit import kernel
 from vibeam.solvers.kernels.layout import (
@@ -39,7 +40,7 @@ from vibeam.solvers.regimes.kernels.regime import enter, proceed, show
 from vibeam.solvers.regimes.kernels.squeeze import squeezed
 
 Array = NDArray[np.float64]
-RESOLUTION, MOST = 0.2, 128  # of Simpson's rule for the energies: rate times step, and steps a segment
+MOST = 16  # panels of Gauss's quadrature for the energies in a segment
 PIECES = 64  # that a segment of integrated contact is read off in
 
 
@@ -82,12 +83,13 @@ def watch_regime(plan: Plan, regime: Regime, room: Room, pose: Array, clock: flo
     rate = plan.drive[W]
     for k in range(regime.pairs.shape[1]):
         rate = max(rate, regime.pairs[KAPPA, k])
-    steps = 2 * max(1, int(min(MOST / 2, ceil(rate * duration / (2.0 * RESOLUTION)))))
-    for i in range(steps + 1):
-        weight = 1.0 if i in (0, steps) else (4.0 if i % 2 == 1 else 2.0)
-        enter(regime, plan.drive, pose, clock)
-        proceed(regime, plan.drive, room.scratch, clock, i * duration / steps)
-        add_energy(plan, room, weight * duration / steps / 6.0)
+    panels = int(min(MOST, max(1, ceil(rate * duration / PANEL))))
+    h = duration / panels
+    for panel in range(panels):
+        for node in range(8):
+            enter(regime, plan.drive, pose, clock)
+            proceed(regime, plan.drive, room.scratch, clock, (panel + NODES[node]) * h)
+            add_energy(plan, room, 0.5 * h * WEIGHTS[node])
 
 
 @kernel
