@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.periodic.multipliers import propagators
-from vibeam.solvers.kernels.drive import FAR
+from vibeam.solvers.kernels.drive import FAR, FAR_DRIVEN
 from vibeam.solvers.kernels.layout import (
     AT_CLOCK,
     BEFORE,
@@ -83,7 +83,7 @@ class _Walk:
         self.clocks = self.trace[:, AT_CLOCK]
         self.flights = propagators(self.system, self.trace[:, DURATION])
         self.rest = _constrained(self.system)
-        self.far = _far(self.system, self.drive, self.poses[0], path.t_end - path.t_start)
+        self.far = _far(self.system, self.drive, self.poses[0])
         self.covariance = np.diag(self._round_off(self.poses[0], 0.0)) if start is None else np.array(start)
 
     def impacts(self) -> list[tuple[float, float] | None]:
@@ -171,7 +171,7 @@ def _constrained(system: ImpactSystem) -> Array:
     return matrix
 
 
-def _far(system: ImpactSystem, drive: Drive, pose: Array, span: float) -> Array:
+def _far(system: ImpactSystem, drive: Drive, pose: Array) -> Array:
     """Size (n,) of what closed forms take out of the modes and put back: steady response and static displacement.
 
     A mode without a usable one (free, undamped at resonance, far beyond the motion) carries its force along and takes
@@ -182,8 +182,8 @@ def _far(system: ImpactSystem, drive: Drive, pose: Array, span: float) -> Array:
     usable = (response > 1e-3 * w * w) & (square > 0)
     driven = np.abs(system.load * w * w * drive.amplitude) / np.where(usable, response, np.inf)
     static = np.abs(system.static) / np.where(square > 0, square, np.inf)
-    beyond = FAR * size_of_motion(system, drive, pose, span)
-    return np.asarray(np.where(np.maximum(driven, static) > beyond, 0.0, driven + static))
+    size = size_of_motion(system, drive, pose)
+    return np.asarray(np.where((driven > FAR_DRIVEN * size) | (static > FAR * size), 0.0, driven + static))
 
 
 def _acceleration(system: ImpactSystem, drive: Drive, pose: Array, phase: float) -> Array:

@@ -113,7 +113,7 @@ def test_a_rest_costs_tens_of_last_digits_however_far_apart_the_rates_are(name: 
 FAR_AWAY = {  # static on a mode, drive, times
     "pushed": ([1e3, 0.0, 0.0], NONE, (1e-3, 0.01, 0.1, 1.0)),
     "pushed hard": ([1e7, 0.0, 0.0], NONE, (1e-7, 1e-6)),
-    "driven": ([1e3, 0.0, 0.0], vibeam.Drive(2.0, 1e6), (1e-6, 1e-4)),
+    "driven": ([1e3, 0.0, 0.0], vibeam.Drive(2.0, 1e9), (1e-7, 1e-6)),
 }
 
 

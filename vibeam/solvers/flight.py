@@ -85,7 +85,7 @@ class FlightSolver:
         begun = time.thread_time()
         pose, status = self.pose(state)
         status[CLOCK] = start
-        self.packed.desk.drive[MOTION] = size_of_motion(self.system, drive, self.packed.outward(pose), end - start)
+        self.packed.desk.drive[MOTION] = size_of_motion(self.system, drive, self.packed.outward(pose))
         rows, done, kept = ROWS, 0.0, []
         totals = np.zeros(COUNT_ROWS, dtype=np.int64)
         outcome, span = FULL, end - start

@@ -10,7 +10,8 @@ from vibeam.system import Drive, ImpactSystem
 
 Array = NDArray[np.float64]
 SMALLEST = 1e-150  # rad/s
-DRIVEN = 10.0  # how much larger than the base motion times its share a driven mode is taken to become
+DRIVEN = 10.0  # how much larger than the base motion times its share a driven mode is taken to be
+STRONG = 1e6  # drive over start beyond which the size of the motion is that of the start
 
 
 def equilibrium(system: ImpactSystem) -> State:
@@ -35,11 +36,14 @@ def equilibrium(system: ImpactSystem) -> State:
     return State(held, np.zeros(system.size), resting=True)
 
 
-def size_of_motion(system: ImpactSystem, drive: Drive, pose: Array, span: float) -> float:
-    """About how large the modal displacements are over ``span`` s: a start ``pose`` (2, n) swings on, a drive adds.
+def size_of_motion(system: ImpactSystem, drive: Drive, pose: Array) -> float:
+    """About how large the modal displacements are: those of a start ``pose`` (2, n), a swing on, and the drive's.
 
-    What steady response lies far beyond it costs digits when it is taken out of the state and put back.
+    What steady response lies far beyond it costs digits when it is taken out of the state and put back. A drive so
+    strong that the start is nothing against it is left out: what happens first happens before it has its full effect.
+    (Not so of a start from nothing, which has no size to be kept.)
     """
     turn = 1 / np.where(system.omega > SMALLEST, system.omega, np.inf)
-    driven = abs(drive.amplitude) * np.abs(system.load).max() * min(DRIVEN, (drive.omega * span) ** 2)
-    return float(np.max(np.abs(pose[0]) + np.abs(pose[1]) * turn) + driven)
+    start = float(np.max(np.abs(pose[0]) + np.abs(pose[1]) * turn))
+    driven = DRIVEN * abs(drive.amplitude) * float(np.abs(system.load).max())
+    return start if driven > STRONG * start > 0 else start + driven

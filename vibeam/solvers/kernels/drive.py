@@ -54,7 +54,8 @@ from vibeam.solvers.kernels.tables import same_drive, tabulate_drive
 
 Array = NDArray[np.float64]
 NEAR_RESONANCE = 1e-3  # |ω² − Ω² + 2iσΩ| / Ω² below which a mode is attached
-FAR = 30.0  # steady response over the size of the motion beyond which taking it out loses digits
+FAR = 30.0  # distance of the equilibrium over the size of the motion beyond which taking it out loses digits
+FAR_DRIVEN = 1e5  # the same of a steady response, which the motion soon becomes as large as, and carrying costs more
 NEARLY_FREE = 0.05  # rate / Ω below which a mode under a static force is attached
 LOOSE = 1e-7  # share of the stiffest rate below which a held block counts as without stiffness
 PANEL = 2.1  # the longest panel is at most this over the drive's rate: about a sixth of its period
@@ -67,17 +68,18 @@ def set_drive(desk: Desk, omega: float, amplitude: float) -> None:
     strength = omega * omega * amplitude
     drive[W], drive[STRENGTH], drive[AMPLITUDE] = omega, strength, amplitude
     drive[PERIOD], drive[PERIOD_REST] = exact_period(omega)
-    desk.signal[ATTACHED] = 0.0
+    desk.signal[ATTACHED], rate = 0.0, omega
     drive[CONTACT_RE], drive[CONTACT_IM], drive[CLEARANCE] = 0.0, 0.0, drive[GAP]
     for k in range(modes.shape[1]):
         modes[RE, k], modes[IM, k], modes[OFFSET, k] = 0.0, 0.0, 0.0
         own, sigma = desk.pairs[OMEGA, k], desk.pairs[SIGMA, k]
         real, imaginary = (own - omega) * (own + omega), 2.0 * sigma * omega
         far = abs(modes[STATIC, k]) > FAR * own * own * drive[MOTION]
-        far = far or abs(modes[LOAD, k] * strength) > FAR * hypot(real, imaginary) * drive[MOTION]
+        far = far or abs(modes[LOAD, k] * strength) > FAR_DRIVEN * hypot(real, imaginary) * drive[MOTION]
         if far or is_attached(own, sigma, modes[LOAD, k] * strength, modes[STATIC, k], omega):
             desk.attached[AMODE, int(desk.signal[ATTACHED])] = k
             desk.signal[ATTACHED] += 1.0
+            rate = max(rate, max(own, 2.0 * sigma))
             continue
         if strength != 0.0 and modes[LOAD, k] != 0.0:
             response = modes[LOAD, k] * strength / (real + 1j * imaginary)
@@ -86,10 +88,11 @@ def set_drive(desk: Desk, omega: float, amplitude: float) -> None:
         drive[CONTACT_RE] += modes[CONTACT, k] * modes[RE, k]
         drive[CONTACT_IM] += modes[CONTACT, k] * modes[IM, k]
         drive[CLEARANCE] -= modes[CONTACT, k] * modes[OFFSET, k]
-    drive[COARSEST] = coarsest_level(desk.pairs, desk.levels, omega)
     tabulate_drive(omega, desk.levels)
     same_drive(desk.levels, desk.rest_levels)
     rest_response(desk.rest_pairs, desk.blocks, desk.from_blocks, omega, strength, drive[MOTION])
+    rate = max(rate, carried_rate(desk.rest_pairs, desk.blocks))
+    drive[COARSEST] = coarsest_level(desk.pairs, desk.levels, rate)
 
 
 @kernel
@@ -119,9 +122,10 @@ def exact_period(omega: float) -> tuple[float, float]:
 
 
 @kernel
-def coarsest_level(pairs: Array, levels: Array, omega: float) -> int:
-    """The level of the longest panel worth trying: about a sixth of the drive's period, or of the slowest mode's."""
-    rate = omega
+def coarsest_level(pairs: Array, levels: Array, rate: float) -> int:
+    """The level of the longest panel worth trying: about a sixth of a turn at ``rate``, the drive's or that of what is
+    carried by Taylor series, or of the slowest mode's.
+    """
     if rate == 0.0:
         for k in range(pairs.shape[1] - 1, -1, -1):
             if pairs[OMEGA, k] > 0.0:
@@ -150,20 +154,30 @@ def rest_response(pairs: Array, blocks: Array, out: Array, omega: float, strengt
         blocks[CARRIED, k] = 1.0 if loose or is_attached(own, sigma, force, static, omega) else 0.0
         if blocks[CARRIED, k] == 0.0:
             block_response(blocks, k, omega, strength)
-            if block_reach(blocks, out, k) > FAR * motion:
+            if block_is_far(blocks, out, k, motion):
                 blocks[RE1 : OFFSET2 + 1, k] = 0.0
                 blocks[CARRIED, k] = 1.0
 
 
 @kernel
-def block_reach(blocks: Array, out: Array, k: int) -> float:
-    """The largest modal displacement in the steady response of one block."""
-    reach = 0.0
+def carried_rate(pairs: Array, blocks: Array) -> float:
+    """The fastest rate of the blocks that carry their force along."""
+    rate = 0.0
+    for k in range(blocks.shape[1]):
+        if blocks[CARRIED, k] > 0.0:
+            rate = max(rate, max(pairs[OMEGA, k], 2.0 * pairs[SIGMA, k]))
+    return rate
+
+
+@kernel
+def block_is_far(blocks: Array, out: Array, k: int, motion: float) -> bool:
+    """Whether the steady response of one block is, in some mode, so far beyond the motion that it costs digits."""
+    offset, driven = 0.0, 0.0
     for i in range(out.shape[0] // 2):
         a, b = out[i, 2 * k], out[i, 2 * k + 1]
-        reach = max(reach, abs(a * blocks[OFFSET1, k] + b * blocks[OFFSET2, k]))
-        reach = max(reach, hypot(a * blocks[RE1, k] + b * blocks[RE2, k], a * blocks[IM1, k] + b * blocks[IM2, k]))
-    return reach
+        offset = max(offset, abs(a * blocks[OFFSET1, k] + b * blocks[OFFSET2, k]))
+        driven = max(driven, hypot(a * blocks[RE1, k] + b * blocks[RE2, k], a * blocks[IM1, k] + b * blocks[IM2, k]))
+    return offset > FAR * motion or driven > FAR_DRIVEN * motion
 
 
 @kernel

@@ -86,7 +86,7 @@ class RegimeSolver:
         begun = time.thread_time()
         pose, status = self.pose(state)
         status[CLOCK] = self._clock(drive, start)
-        self.plan.drive[MOTION] = size_of_motion(self.system, drive, pose, end - start)
+        self.plan.drive[MOTION] = size_of_motion(self.system, drive, pose)
         rows, done, kept = ROWS, 0.0, []
         totals = np.zeros(COUNT_ROWS, dtype=np.int64)
         outcome, span = FULL, end - start

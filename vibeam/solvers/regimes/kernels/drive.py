@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.solvers.kernels.drive import coarsest_level, exact_period, rest_response
+from vibeam.solvers.kernels.drive import carried_rate, coarsest_level, exact_period, rest_response
 from vibeam.solvers.kernels.jit import kernel
 from vibeam.solvers.kernels.layout import AMPLITUDE, COARSEST, MOTION, PERIOD, PERIOD_REST, STRENGTH, W
 from vibeam.solvers.kernels.tables import tabulate_drive
@@ -20,10 +20,13 @@ def set_drive(plan: Plan, omega: float, amplitude: float) -> None:
     drive = plan.drive
     drive[W], drive[STRENGTH], drive[AMPLITUDE] = omega, omega * omega * amplitude, amplitude
     drive[PERIOD], drive[PERIOD_REST] = exact_period(omega)
-    drive[COARSEST] = coarsest_level(plan.free.pairs, plan.free.levels, omega)
     respond(plan.free, omega, drive)
     respond(plan.upper, omega, drive)
     respond(plan.lower, omega, drive)
+    rate = omega
+    for regime in (plan.free, plan.upper, plan.lower):
+        rate = max(rate, carried_rate(regime.pairs, regime.blocks))
+    drive[COARSEST] = coarsest_level(plan.free.pairs, plan.free.levels, rate)
 
 
 @kernel
