@@ -118,7 +118,7 @@ def _several(part: Linear) -> list[tuple[Array, Array]]:
     picked = np.concatenate([turning, singles]).astype(np.int64)
     value, vector = refined(part, values[picked], lift @ vectors[:, picked])
     count = len(turning)
-    found = [_turning(complex(value[k]), vector[:, k]) for k in range(count)]
+    found = _turning(value[:count], vector[:, :count])
     for k in range(count, len(picked), 2):
         found.append((np.stack([vector[:, k].real, vector[:, k + 1].real], axis=1), np.diag(value[k : k + 2].real)))
     for couple in couples:
@@ -169,11 +169,12 @@ def _state(part: Linear) -> tuple[Array, Array]:
     n, w, s = len(part.spring), part.contact, part.scale
     if part.held:
         basis, size = _held_modes(part)
-        lengths, zero = np.linalg.norm(s[:, None] * basis, axis=0), np.zeros((n - 1, n - 1))
-        nothing = np.zeros((n, n - 1))
-        lift = np.block([[s[:, None] * basis / lengths, nothing], [nothing, basis]])
-        damper = basis.T @ part.damper @ basis
-        return np.block([[zero, np.diag(lengths)], [-np.diag(size**2 / lengths), -damper]]), lift
+        lengths, m = np.sqrt(np.sum((s[:, None] * basis) ** 2, axis=0)), n - 1
+        state, lift = np.zeros((2 * m, 2 * m)), np.zeros((2 * n, 2 * m))
+        lift[:n, :m], lift[n:, m:] = s[:, None] * basis / lengths, basis
+        state[:m, m:], state[m:, :m] = np.diag(lengths), -np.diag(size**2 / lengths)
+        state[m:, m:] = -basis.T @ part.damper @ basis
+        return state, lift
     spring = np.diag(part.spring) + part.stiffness * np.outer(w, w)
     damper = part.damper + part.damping * np.outer(w, w)
     return np.block([[np.zeros((n, n)), np.diag(s)], [-spring / s, -damper]]), np.eye(2 * n)
@@ -189,16 +190,17 @@ def complement(row: Array) -> Array:
     return np.delete(reflection, pivot, axis=1)
 
 
-def _turning(value: complex, vector: Complex) -> tuple[Array, Array]:
+def _turning(values: Complex, vectors: Complex) -> list[tuple[Array, Array]]:
     """Columns Re v and Im v, the phase of v such that they are orthogonal, to unit length, and A in them.
 
     A (Re v, Im v) = (Re v, Im v) (a b; −b a).
     """
-    vector = vector * np.exp(-0.5j * np.angle(np.sum(vector**2)))
-    column = np.stack([vector.real, vector.imag], axis=1)
-    sizes = np.linalg.norm(column, axis=0)
-    ratio = sizes[0] / sizes[1]
-    return column / sizes, np.array([[value.real, value.imag * ratio], [-value.imag / ratio, value.real]])
+    vectors = vectors * np.exp(-0.5j * np.angle(np.sum(vectors**2, axis=0)))
+    columns = np.stack([vectors.real, vectors.imag], axis=2)
+    sizes = np.sqrt(np.sum(columns**2, axis=0))
+    ratio = sizes[:, 0] / sizes[:, 1]
+    blocks = np.array([[values.real, values.imag * ratio], [-values.imag / ratio, values.real]])
+    return [(columns[:, k] / sizes[k], blocks[:, :, k]) for k in range(len(values))]
 
 
 def _sorted_out(values: Complex) -> tuple[Indices, list[list[int]], list[int]]:

@@ -24,6 +24,8 @@ Indices = NDArray[np.int64]
 Ring = tuple[Any, Any]
 ROUNDS = 4  # of Newton
 TINY = 1e-13  # share of the fastest rate below which an eigenvalue is zero: nothing to gain
+LAST_DIGITS = 1e-15  # share of an eigenvalue below which a step says no more
+TINIEST = 1e-30  # for what may be divided by
 ASTRAY = 1e-3  # share by which a step may change an eigenvalue or a shape; more, and there is none by itself
 
 
@@ -90,30 +92,27 @@ def _secular(part: Linear, values: Complex, vectors: Complex) -> tuple[Complex, 
     root = np.where(np.abs(values + half[j] - root) <= np.abs(values + half[j] + root), root, -root)
     pole = np.where(root.real > 0, -part.spring[j] / np.where(root.real > 0, half[j] + root, 1.0), root - half[j])
     nu = values - pole
+    damper, spring, row, square = 2 * half[:, None], part.spring[:, None], w[:, None], w[j] ** 2
+    further, stiffer = damper - 2 * half[j], spring - part.spring[j]
     with np.errstate(all="ignore"):
-        for _ in range(ROUNDS):
-            p, slope, gain, h = _sums(part, j, pole, 2 * root, nu, others)
-            yields = 0.0 if part.held else part.damping / (part.stiffness + part.damping * (pole + nu)) ** 2
-            change = -np.sum(np.where(others, gain**2 * slope, 0.0), axis=0) - yields
-            step = (p[j, own] + w[j] ** 2 / h) / (slope[j, own] - w[j] ** 2 * change / h**2)
-            nu = nu - np.where(np.abs(step) <= ASTRAY * np.abs(values), step, 0.0)
-        _, _, gain, h = _sums(part, j, pole, 2 * root, nu, others)
+        for turn in range(ROUNDS + 1):
+            value = pole + nu
+            p = nu * (nu + 2 * root) + further * value + stiffer
+            gain = np.where(others, row / np.where(p == 0, TINIEST * (np.abs(value) ** 2 + spring), p), 0.0)
+            h = np.sum(row * gain, axis=0)
+            yields = 0.0 if part.held else 1 / (part.stiffness + part.damping * value)
+            h = h + yields
+            if turn == ROUNDS:
+                break
+            change = -np.sum(gain**2 * (2 * value + damper), axis=0) - part.damping * yields**2
+            rise = 2 * nu + 2 * root - square * change / h**2
+            step = (nu * (nu + 2 * root) + square / h) / rise
+            step = np.where(np.abs(step) <= ASTRAY * np.abs(values), step, 0.0)
+            if np.all(np.abs(step) <= LAST_DIGITS * np.abs(values)) and turn > 0:
+                break
+            nu = nu - step
         shapes = np.where(others, -gain * (w[j] / h), 1.0)
     return pole + nu, np.where(np.isfinite(shapes).all(axis=0), shapes, vectors[:n] / part.scale[:, None])
-
-
-def _sums(
-    part: Linear, j: Indices, pole: Complex, gap: Complex, nu: Complex, others: NDArray[np.bool_]
-) -> tuple[Complex, Complex, Complex, Complex]:
-    """p_i = λ² + d_i λ + Λ_i and its slope, w_i/p_i (n, m), and h (m,)."""
-    damper, spring, w = np.diag(part.damper)[:, None], part.spring[:, None], part.contact[:, None]
-    value = pole + nu
-    p = nu * (nu + gap) + (damper - damper[j, 0]) * value + (spring - spring[j, 0])
-    p = np.where(p == 0, 1e-30 * (np.abs(value) ** 2 + spring), p)
-    gain = np.asarray(w / p, dtype=np.complex128)
-    h = np.sum(np.where(others, w * gain, 0.0), axis=0)
-    slope = np.asarray(2 * value + damper, dtype=np.complex128)
-    return p, slope, gain, h if part.held else h + 1 / (part.stiffness + part.damping * value)
 
 
 def _bordered(part: Linear, value: complex, vector: Complex) -> tuple[complex, Complex]:
