@@ -22,11 +22,14 @@ from vibeam.solvers.kernels.layout import (
 )
 from vibeam.solvers.kernels.pair import norm
 from vibeam.solvers.kernels.panel import accept, measure
-from vibeam.solvers.kernels.signal import to_node
+from vibeam.solvers.kernels.signal import to_node, value_at
 
 Array = NDArray[np.float64]
 ACCURACY = 1e-11  # share of the size of the signal's parts
 LIGHTLY = 1e-6  # and where not everything is read off
+FINE = 1e-2  # share of that which Newton's last step may be off
+ROUNDS = 60
+EPSILON = 2.220446049250313e-16
 
 
 @kernel
@@ -52,7 +55,7 @@ def extremes_to(
     time, level = 0.0, coarsest
     while True:
         h = levels[STEP, level]
-        p0, s0, p1, s1, fourth, slack, _, _, begin, begin_slope, end, end_slope = measure(
+        p0, s0, p1, s1, fourth, slack, _, slack2, begin, begin_slope, end, end_slope = measure(
             pairs, table, levels, signal, attached, time, re, im, level
         )
         if time == 0.0:
@@ -62,10 +65,15 @@ def extremes_to(
         error = fourth * h * h * h * h / 384.0 + slack
         low, high = hull(p0, s0, p1, s1, h)
         if low - error < least or high + error > most:
+            last = min(span - time, h)
             if error > accuracy and level < LEVELS - 1:
-                level += 1
-                continue
-            low, high = cubic_range(p0 + begin, s0 + begin_slope, p1 + end, s1 + end_slope, h, min(span - time, h))
+                bend = bent(p0, s0, p1, s1, h, fourth * h * h / 12.0 + slack2)
+                if bend == 0.0:
+                    level += 1
+                    continue
+                low, high = turning(pairs, signal, attached, time, s0 + begin_slope, last, bend, accuracy)
+            else:
+                low, high = cubic_range(p0 + begin, s0 + begin_slope, p1 + end, s1 + end_slope, h, last)
             least, most = min(least, low), max(most, high)
         if signal[ATTACHED] > 0.0:
             att.carry(attached, signal, time, h)
@@ -83,6 +91,41 @@ def hull(p0: float, s0: float, p1: float, s1: float, h: float) -> tuple[float, f
     """Least and greatest Bernstein coefficient of the cubic Hermite interpolant."""
     b1, b2 = p0 + h * s0 / 3.0, p1 - h * s1 / 3.0
     return min(min(p0, b1), min(b2, p1)), max(max(p0, b1), max(b2, p1))
+
+
+@kernel
+def bent(p0: float, s0: float, p1: float, s1: float, h: float, error: float) -> float:
+    """1 where the signal is proved convex on the panel, −1 where concave, 0 where neither is."""
+    middle = 3.0 * (p1 - p0) / h - s0 - s1  # the interpolant's slope in the middle of its hull
+    left, right = 2.0 * (middle - s0) / h, 2.0 * (s1 - middle) / h
+    if min(left, right) > error:
+        return 1.0
+    return -1.0 if max(left, right) < -error else 0.0
+
+
+@kernel
+def turning(
+    pairs: Array, signal: Array, attached: Array, node: float, slope: float, last: float, bend: float, accuracy: float
+) -> tuple[float, float]:
+    """Least and greatest value on (node, node + last], convex (bend 1) or concave (−1) there; ``slope`` at the node."""
+    end, down, _ = value_at(pairs, signal, attached, node, node + last)
+    low, high = end, end
+    if bend * slope >= 0.0 or bend * down <= 0.0:
+        return low, high
+    left, right, t = 0.0, last, last * slope / (slope - down)
+    for _ in range(ROUNDS):
+        value, rate, curvature = value_at(pairs, signal, attached, node, node + t)
+        low, high = min(low, value), max(high, value)
+        if rate * rate <= abs(curvature) * FINE * accuracy or right - left <= EPSILON * (node + t):
+            break
+        if bend * rate < 0.0:
+            left = t
+        else:
+            right = t
+        t = t - rate / curvature if bend * curvature > 0.0 else 0.5 * (left + right)
+        if not left < t < right:
+            t = 0.5 * (left + right)
+    return low, high
 
 
 @kernel
