@@ -193,3 +193,14 @@ def test_sweeps_of_any_system_say_how_they_ended(case: Case) -> None:
             assert found.maximum[i] <= case.system.gap + 1e-9 * parts
             assert 0 <= found.rest[i] <= 1 + 1e-12
             assert np.all(found.mode_energy[i] >= 0)
+
+
+def test_the_limit_holds_while_a_point_is_read_off() -> None:
+    """R = 1 and overdamped: impacts that grow weaker without end, more of them in a period than are traced at once."""
+    system = vibeam.ImpactSystem.from_modes([1.0], [6.9373], [0.3], [0.2], gap=0.0, restitution=1.0)
+    start = vibeam.State(np.array([-0.96902646]), np.array([0.21025158]))
+    found = vibeam.sweep(
+        system, omega=np.array([0.27]), amplitude=1 / 9, settle=0, hold=6, state=start, options={"limit": 2000}
+    )
+    assert vibeam.Ended.of_code(found.ended[0]) is vibeam.Ended.EVENT_LIMIT
+    assert 2000 <= found.impacts[0] <= 6 * 2000

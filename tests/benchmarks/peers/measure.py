@@ -10,6 +10,7 @@ import numpy as np
 from peers.cases import exact_velocities, system, true_impacts
 from peers.job import Array, Entry, Impacts, Job
 from vibeam.solvers.flight import FlightSolver
+from vibeam.solvers.kernels.layout import EVERYTHING, OUTPUT_ALONE
 from vibeam.state import State
 
 NEAR = 0.02  # of the drive period: how far two impacts may be apart and still be the same one
@@ -22,7 +23,8 @@ Row = dict[str, float | int | str]
 class Flight:
     """vibeam's own solver on the whole sweep, the state carried.
 
-    A peer tells impacts and nothing else, so flight is asked for no more: it observes one period a point (``hold``).
+    A peer tells impacts and nothing else, so flight is asked for little more: the output's extremes over one period
+    (``hold``). Over ``OBSERVED`` periods everything is read off.
     """
 
     solver: FlightSolver
@@ -39,8 +41,9 @@ class Flight:
         """CPU seconds, impacts, last impact velocity of each point."""
         start = State(self.job.starts[0, 0], self.job.starts[0, 1])
         begun = time.process_time()
+        reading = OUTPUT_ALONE if hold == 1 else EVERYTHING
         response, _ = self.solver.steady(
-            self.job.grid, self.job.amplitude, start, self.job.periods - hold, hold, "contact"
+            self.job.grid, self.job.amplitude, start, self.job.periods - hold, hold, "contact", reading
         )
         spent = time.process_time() - begun
         return spent, int(response.impacts.sum()), response.impact_velocities[:, -1]

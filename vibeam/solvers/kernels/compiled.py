@@ -14,6 +14,7 @@ from vibeam.solvers.kernels.layout import (
     CLOCK,
     COMPLETE,
     FULL,
+    IMPACTS,
     PERIOD,
     RESTING,
     SEGMENTS,
@@ -34,7 +35,7 @@ from vibeam.solvers.kernels.steady import (
 )
 
 Array = NDArray[np.float64]
-SETTLED_AT_ONCE = 16  # periods: then the phase is set anew, so that a long settling does not round it off
+SETTLED_AT_ONCE = 32  # periods: then the phase is set anew, so that a long settling does not round it off
 
 
 @entry
@@ -60,11 +61,12 @@ def move(
         settled += turns
     start_watching(room, pose)
     turn, left, known = 0, desk.drive[PERIOD], False
+    most = counts[IMPACTS] + limit
     mark(room)
     while outcome == COMPLETE and turn < hold:
         counts[SEGMENTS] = 0
         status[CLOCK] = desk.drive[PERIOD] - left
-        outcome, done = advance(desk, pose, status, left, limit, room.trace, room.poses, counts)
+        outcome, done = advance(desk, pose, status, left, most - counts[IMPACTS], room.trace, room.poses, counts)
         if known:
             note_impacts(room, counts[SEGMENTS])
         else:
@@ -73,7 +75,7 @@ def move(
         if outcome == FULL:
             outcome = COMPLETE
             continue
-        turn, left = turn + 1, desk.drive[PERIOD]
+        turn, left, most = turn + 1, desk.drive[PERIOD], counts[IMPACTS] + limit
         note_strobe(room.strobes, turn, pose)
         if known:
             repeat(room)

@@ -150,6 +150,9 @@ def nearest(f0: float, f1: float, f2: float, f3: float, f4: float, least: float)
     inverse, c2, c3, c4 = 1.0 / f1, f2 * (1 / 2), f3 * (1 / 6), f4 * (1 / 24)
     b2, b3, r = c2 * inverse, c3 * inverse, -f0 * inverse
     d = r - r * r * (b2 - (2.0 * b2 * b2 - b3) * r)
+    a, b = abs(r), abs(b2)
+    if (a * a) * (a * a) * (b * (5.0 * b * b + 5.0 * abs(b3)) + abs(c4 * inverse)) <= least:
+        return d, True
     for _ in range(3):
         e = d * d
         change = ((f0 + d * f1) + e * ((c2 + d * c3) + e * c4)) / ((f1 + d * f2) + e * (3.0 * c3 + d * (4.0 * c4)))

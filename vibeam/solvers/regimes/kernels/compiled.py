@@ -13,6 +13,7 @@ from vibeam.solvers.kernels.layout import (
     FREE,
     FULL,
     HIGH,
+    IMPACTS,
     LEAST,
     PERIOD,
     SEGMENTS,
@@ -47,17 +48,17 @@ def move(
     outcome, _ = advance(plan, pose, status, settle * period, limit * max(settle, 1), room.nothing, room.poses, counts)
     room.result[HIGH], room.result[LEAST], room.result[CONTACT_LEAST] = -np.inf, np.inf, np.inf
     note_strobe(room.strobes, 0, pose)
-    turn, left = 0, period
+    turn, left, most = 0, period, counts[IMPACTS] + limit
     while outcome == COMPLETE and turn < hold:
         counts[SEGMENTS] = 0
         status[CLOCK] = period - left
-        outcome, done = advance(plan, pose, status, left, limit, room.trace, room.poses, counts)
+        outcome, done = advance(plan, pose, status, left, most - counts[IMPACTS], room.trace, room.poses, counts)
         watch(plan, room, counts[SEGMENTS])
         left -= done
         if outcome == FULL:
             outcome = COMPLETE
         else:
-            turn, left = turn + 1, period
+            turn, left, most = turn + 1, period, counts[IMPACTS] + limit
             note_strobe(room.strobes, turn, pose)
     status[CLOCK] = 0.0
     return outcome, 0.0
