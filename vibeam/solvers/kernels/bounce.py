@@ -47,12 +47,13 @@ def left(cells: Array, b: int, side: int, like: Lanes) -> tuple[float, float, fl
 def flight(
     cells: Array, rungs: Array, levels: Array, pairs: Array, drive: Array, whole: int, const: float, zr: float,
     zi: float, w: float, sum_e: float, ahead: float, rise: float, clock: float, span: float, coarsest: int,
-    like: Lanes,
-) -> tuple[int, int, float, float, float, float, float]:  # fmt: skip
+    first: int, like: Lanes,
+) -> tuple[int, int, int, float, float, float, float, float]:  # fmt: skip
     """One flight from START_X, START_Y: what ended it, panels, its time; as ``landing.at_root`` tells the rest.
 
     STRUCK, ALOFT (not within ``span``) or UNUSUAL: not to be told here. ``sum_e``: the sum of the E at the start;
-    ``ahead``: the gap's second derivative there; ``rise``: its velocity just after an impact, or 0 off the stop.
+    ``ahead``: the gap's second derivative there; ``rise``: its velocity just after an impact, or 0 off the stop;
+    ``first``: the level to try first after an impact, given back as the one that served.
     """
     harmonic = norm(zr, zi)
     tolerance = 8.0 * EPSILON * (abs(const) + harmonic + sum_e)
@@ -62,21 +63,22 @@ def flight(
     since, patience, lengthened, stale = 0, 1, False, True
     p0, s0, gone0, gone1, gone2 = 0.0, 0.0, 0.0, 0.0, 0.0
     if rise > 0.0:
-        if levels[STEP, level] * -ahead > 4.0 * rise:
+        level = first
+        if levels[STEP, coarsest] * -ahead > 4.0 * rise:
             level = max(coarsest, level_of(levels, -4.0 * rise / ahead))
         found = SPLIT
         while found == SPLIT:
             panels += 1
             found = launch(cells, rungs, levels, whole, level, rise, zr, zi, w, fourth * w, like)
             if found == OTHER or level == LEVELS - 1:
-                return UNUSUAL, panels, 0.0, 1.0, 0.0, 0.0, 0.0
+                return UNUSUAL, panels, first, 0.0, 1.0, 0.0, 0.0, 0.0
             level += 1 if found == SPLIT else 0
-        time, side, since = levels[STEP, level], 1, 1
+        time, side, since, first = levels[STEP, level], 1, 1, level
         re, im = turn(levels, level, zr, zi)
     while time < span:
         panels += 1
         if panels > MOST:
-            return UNUSUAL, panels, 0.0, 1.0, 0.0, 0.0, 0.0
+            return UNUSUAL, panels, first, 0.0, 1.0, 0.0, 0.0, 0.0
         h = levels[STEP, level]
         if stale:
             p0, s0 = resolved(cells, rungs, blocks, whole, level, side, like)
@@ -97,18 +99,18 @@ def flight(
                     cells, pairs, drive, const, whole, side, clock, guess, time, time + h, harmonic, like
                 )
                 if t > span:
-                    return ALOFT, panels, span, 1.0, 0.0, 0.0, 0.0
-                return STRUCK if done else UNUSUAL, panels, t, cosine, sine, value, slope
+                    return ALOFT, panels, first, span, 1.0, 0.0, 0.0, 0.0
+                return STRUCK if done else UNUSUAL, panels, first, t, cosine, sine, value, slope
             if found == SPLIT and level < LEVELS - 1:
                 level += 1
-                patience = min(2 * patience, 64) if lengthened else patience
+                patience = min(max(1, 2 * patience), 64) if lengthened else patience
                 since, lengthened, stale = 0, False, True
                 continue
             if found != CLEAR:
-                return UNUSUAL, panels, 0.0, 1.0, 0.0, 0.0, 0.0
+                return UNUSUAL, panels, first, 0.0, 1.0, 0.0, 0.0, 0.0
         p0, s0, re, im, side, time = p1, s1, re2, im2, 1 - side, time + h
         since += 1
-        patience = max(1, patience // 2) if lengthened else patience
+        patience = patience // 2 if lengthened else patience
         lengthened = False
         if level > coarsest and since > patience:
             level, since, lengthened, stale = level - 1, 0, True, True
@@ -118,4 +120,4 @@ def flight(
                 break
             blocks, stale = blocks - 1, True
             gone0, gone1, gone2 = gone0 + e, gone1 + slope, gone2 + curvature
-    return ALOFT, panels, span, 1.0, 0.0, 0.0, 0.0
+    return ALOFT, panels, first, span, 1.0, 0.0, 0.0, 0.0

@@ -106,7 +106,7 @@ def volley(
     cosine, sine = status[PHASE_COS], status[PHASE_SIN]
     zr, zi = desk.signal[ZR], desk.signal[ZI]
     sum_e, second = to_start(cells, blocks, like)
-    what, t, begun = STRUCK, 0.0, done
+    what, t, begun, first = STRUCK, 0.0, done, coarsest
     while done < span and counts[IMPACTS] < most and (rows == 0 or counts[SEGMENTS] < rows):
         if rows > 0:
             if done > begun:
@@ -115,9 +115,9 @@ def volley(
                 note(status, clock, cosine, sine, order, rise, speed)
             open_segment(trace, poses, pose, status, done, counts[SEGMENTS])
         room = min(span - done, drive[LONGEST])
-        what, panels, t, cosine2, sine2, value, slope = flight(
+        what, panels, first, t, cosine2, sine2, value, slope = flight(
             cells, desk.rungs, desk.levels, desk.pairs, drive, blocks, const, zr, zi, w, sum_e, second - w * w * zi,
-            rise, clock, room, coarsest, like,
+            rise, clock, room, coarsest, max(coarsest, first - 1), like,
         )  # fmt: skip
         counts[PANELS] += panels
         if what == UNUSUAL or (what == ALOFT and room < span - done):
