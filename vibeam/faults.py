@@ -36,7 +36,7 @@ class CaseError(ValueError):
     """A case that cannot be used. ``faults`` holds every fault in line order; the text has one a line."""
 
     def __init__(self, faults: Iterable[Fault]) -> None:
-        self.faults = tuple(sorted(set(faults), key=lambda fault: fault.order))
+        self.faults = tuple(sorted(dict.fromkeys(faults), key=lambda fault: fault.order))
         super().__init__("\n".join(map(str, self.faults)))
 
     def __reduce__(self) -> tuple[type[CaseError], tuple[tuple[Fault, ...]]]:

@@ -216,7 +216,7 @@ def _coupling_faults(damper: Array | None, n: int) -> list[str]:
 def _second_faults(gap: float, second_gap: float | None) -> list[str]:
     if second_gap is None or (np.isfinite(second_gap) and second_gap > -gap):
         return []
-    return [f"second_gap: {second_gap} must be finite and above −gap = {-gap}, or nothing fits between the stops"]
+    return [f"second_gap: {second_gap} must be finite and above −gap = {0.0 - gap}, or nothing fits between the stops"]
 
 
 def _drags(omega: Array, damping: Array) -> bool:

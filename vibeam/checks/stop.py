@@ -69,7 +69,8 @@ def _law(stop: SimpleNamespace, examples: Mapping[str, tuple[str, str]], metres:
     if law not in ("restitution",) and getattr(stop, "restitution_of", None) == "first mode":
         yield ("stop", "restitution_of"), f'"first mode" does not go with law = "{law}": the loss is the contact\'s'
     if stop.second_gap is not None and stop.gap is not None and stop.second_gap <= -stop.gap:
-        yield ("stop", "second_gap"), f"must be above −gap = {-stop.gap:g}{metres}, or nothing fits between the stops"
+        least = 0.0 - stop.gap
+        yield ("stop", "second_gap"), f"must be above −gap = {least:g}{metres}, or nothing fits between the stops"
 
 
 def _drift(stop: SimpleNamespace) -> Iterator[Complaint]:
