@@ -177,7 +177,7 @@ def test_a_very_stiff_stop_is_its_restitution() -> None:
         ('law = "linear"\nstiffness = 1e4', "", "stop.damping: the loss of the linear stop is not said"),
         ('law = "hertz"\nhertz_stiffness = 1e4\nrestitution = 0.9', "", "stop.restitution: does not go with"),
         ("stiffness = 1e4", "", 'stop.stiffness: does not go with law = "restitution"'),
-        ("restitution = 0.9\nsecond_gap = 0.0", "", "stop.second_gap: must be above −gap = -0, or"),
+        ("restitution = 0.9\nsecond_gap = 0.0", "", "stop.second_gap: must be above −gap = 0, or"),
         ("restitution = 0.9\ndrift = [0.0]", "", "stop.drift_frequency: missing"),
         ("restitution = 0.9\nwear = -1", "", "stop.wear: -1 must be ≥ 0"),
         (
