@@ -98,7 +98,7 @@ def flight(
                 done, t, cosine, sine, value, slope = at_root(
                     cells, pairs, drive, const, whole, side, clock, guess, time, time + h, harmonic, like
                 )
-                if t > span:
+                if done and t > span:
                     return ALOFT, panels, first, span, 1.0, 0.0, 0.0, 0.0
                 return STRUCK if done else UNUSUAL, panels, first, t, cosine, sine, value, slope
             if found == SPLIT and level < LEVELS - 1:

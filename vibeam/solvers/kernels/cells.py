@@ -9,6 +9,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.solvers.kernels.elementary import REDUCED
+from vibeam.solvers.kernels.flight import SILENT
 from vibeam.solvers.kernels.jit import joined
 from vibeam.solvers.kernels.lanes import Lanes, width
 from vibeam.solvers.kernels.layout import (
@@ -31,6 +33,7 @@ from vibeam.solvers.kernels.layout import (
     YIELD,
     W,
 )
+from vibeam.solvers.kernels.signal import FORGOTTEN
 
 Array = NDArray[np.float64]
 
@@ -47,15 +50,11 @@ CELL_ROWS = 27
 P00, P01, P10, P11, D0, D1, V0, V1, LOW, MISSED, MISSED_FIRST = range(11)
 RUNG_ROWS = 11
 
-PHASES = 1e5  # rad up to which ``elementary`` keeps all digits
-DECAYED = 75.0  # decay exponents beyond which nothing is left
-LEAST_CONTACT = 1e-100
-
 
 def lay_out(pairs: Array, table: Array, levels: Array, modes: Array, drive: Array, lanes: int) -> tuple[Array, Array]:
     """``cells`` and ``rungs`` of a packed system; empty where a mode does not take part in the contact."""
     n = pairs.shape[1]
-    if np.min(np.abs(modes[CONTACT])) < LEAST_CONTACT:
+    if np.min(np.abs(modes[CONTACT])) < SILENT:
         return np.zeros(0), np.zeros(0)
     blocks = -(-n // lanes)
     cells, rungs = np.zeros((CELL_ROWS, blocks * lanes)), np.zeros((LEVELS, RUNG_ROWS, blocks * lanes))
@@ -88,8 +87,8 @@ def lay_out(pairs: Array, table: Array, levels: Array, modes: Array, drive: Arra
 def longest_flight(pairs: Array) -> float:
     """How long a flight's closed form keeps its digits: by the fastest mode that does not decay before."""
     turn = np.sqrt(np.maximum(-pairs[DISC], 0.0))
-    ringing = turn[pairs[DECAY] * PHASES < DECAYED * turn]
-    return float(PHASES / np.max(ringing, initial=1e-300))
+    ringing = turn[pairs[DECAY] * REDUCED < FORGOTTEN * turn]
+    return float(REDUCED / np.max(ringing, initial=1e-300))
 
 
 @joined

@@ -54,6 +54,15 @@ def strike(modes: Array, drive: Array, pose: Array) -> float:
 
 
 @joined
+def is_faint(after: float, top: float, toward: float, loss: float, gap: float) -> bool:
+    """Whether what is left after an impact is next to nothing, so that its accumulation may be completed.
+
+    ``top``: the largest impact velocity; ``toward``: the contact acceleration; ``loss``: 1 − R.
+    """
+    return toward > 0.0 and loss > 0.0 and 2.0 * after * (after / top) <= NEAR * loss * (top + gap * (toward / top))
+
+
+@joined
 def chatter_left(desk: Desk, pose: Array, status: Array, after: float) -> tuple[float, float]:
     """Time that the rest of an accumulation of impacts takes, and a bound of its error; (−1, 0) where it is too early.
 
@@ -63,11 +72,10 @@ def chatter_left(desk: Desk, pose: Array, status: Array, after: float) -> tuple[
     """
     drive = desk.drive
     toward, _ = contact_derivatives(desk.pairs, desk.modes, drive, pose, status)
-    if toward <= 0.0 or drive[RESTITUTION] >= 1.0:
+    loss = 1.0 - drive[RESTITUTION]
+    if not is_faint(after, status[SPEED], toward, loss, abs(drive[GAP])):
         return -1.0, 0.0
-    loss, fall = 1.0 - drive[RESTITUTION], status[SPEED] / toward
-    if 2.0 * after * (after / status[SPEED]) > NEAR * loss * (status[SPEED] + abs(drive[GAP]) / fall):
-        return -1.0, 0.0
+    fall = status[SPEED] / toward
     left, length = 2.0 * after / (toward * loss), status[SPEED] * fall
     _, _, size = begin_flight(
         desk.pairs, desk.signal, desk.attached, desk.modes, drive, pose, status[PHASE_COS], status[PHASE_SIN]

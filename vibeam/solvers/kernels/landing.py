@@ -6,14 +6,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.solvers.kernels import cells as row
-from vibeam.solvers.kernels.cells import DECAYED, PHASES, cell
+from vibeam.solvers.kernels.cells import cell
 from vibeam.solvers.kernels.drive import wrap
-from vibeam.solvers.kernels.elementary import exponential, sine_cosine
+from vibeam.solvers.kernels.elementary import REDUCED, exponential, sine_cosine
 from vibeam.solvers.kernels.jit import joined, kernel
 from vibeam.solvers.kernels.lanes import Lanes, every, load, one, smaller, store, total, width
 from vibeam.solvers.kernels.layout import CONTACT_IM, CONTACT_RE, DISC, OMEGA, SIGMA, W
 from vibeam.solvers.kernels.pair import propagator
 from vibeam.solvers.kernels.polish import EPSILON
+from vibeam.solvers.kernels.signal import FORGOTTEN
 
 Array = NDArray[np.float64]
 ROUNDS = 60
@@ -54,14 +55,14 @@ def one_by_one(cells: Array, pairs: Array, b: int, t: float, like: Lanes) -> Non
 def pairs_at(cells: Array, pairs: Array, b: int, t: float, like: Lanes) -> tuple[Lanes, Lanes]:
     """The pairs of a block a time t after the start."""
     step, at = width(like), cell(b, 0, like)
-    if cells[at + row.SLOWEST * step] * t > DECAYED:
+    if cells[at + row.SLOWEST * step] * t > FORGOTTEN:
         return every(0.0, like), every(0.0, like)
     if cells[at + row.MIXED * step] != 0.0:
         one_by_one(cells, pairs, b, t, like)
         return load(cells, at + row.ROOT_X * step, like), load(cells, at + row.ROOT_Y * step, like)
     x, y = load(cells, at + row.START_X * step, like), load(cells, at + row.START_Y * step, like)
     rate = load(cells, at + row.RATE * step, like)
-    sine, cosine = sine_cosine(smaller(load(cells, at + row.TURN * step, like) * t, every(PHASES, like)))
+    sine, cosine = sine_cosine(smaller(load(cells, at + row.TURN * step, like) * t, every(REDUCED, like)))
     decay = exponential(rate * (-t))
     cosine, sine = decay * cosine, decay * sine * load(cells, at + row.TURN_INVERSE * step, like)
     fall = rate * sine

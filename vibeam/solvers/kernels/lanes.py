@@ -144,7 +144,7 @@ def _of_width(width: int) -> Any:
     return nought
 
 
-one, four, eight = _of_width(1), _of_width(4), _of_width(8)
+one, eight = _of_width(1), _of_width(8)
 
 
 @instruction

@@ -27,6 +27,18 @@ def bound(x: Lanes, y: Lanes) -> Lanes:
 
 
 @joined
+def to_node(cells: Array, at: int, x: Lanes, y: Lanes, like: Lanes) -> tuple[Lanes, Lanes]:
+    """The node of a block goes to x, y: the E that bound the pairs from there on, and their accelerations."""
+    step = width(like)
+    e = bound(x, y * load(cells, at + row.NORM * step, like))
+    store(cells, at + row.SIDE_X * step, x)
+    store(cells, at + row.SIDE_Y * step, y)
+    store(cells, at + row.SIDE_E * step, e)
+    spring = load(cells, at + row.SPRING * step, like)
+    return e, 0.0 - (load(cells, at + row.DAMP * step, like) * y + spring * x)
+
+
+@joined
 def to_start(cells: Array, blocks: int, like: Lanes) -> tuple[float, float]:
     """The node goes to the start; the sum of the E that bound the pairs, and of the pairs' accelerations."""
     whole, second = every(0.0, like), every(0.0, like)
@@ -34,12 +46,9 @@ def to_start(cells: Array, blocks: int, like: Lanes) -> tuple[float, float]:
     for b in range(blocks):
         at = cell(b, 0, like)
         x, y = load(cells, at + row.START_X * step, like), load(cells, at + row.START_Y * step, like)
-        e = bound(x, y * load(cells, at + row.NORM * step, like))
-        store(cells, at + row.SIDE_X * step, x)
-        store(cells, at + row.SIDE_Y * step, y)
-        store(cells, at + row.SIDE_E * step, e)
+        e, bend = to_node(cells, at, x, y, like)
         whole += e
-        second -= load(cells, at + row.DAMP * step, like) * y + load(cells, at + row.SPRING * step, like) * x
+        second += bend
     return total(whole), total(second)
 
 

@@ -11,7 +11,7 @@ from vibeam.solvers.kernels.cells import cell, give_out, take_in
 from vibeam.solvers.kernels.desk import Desk
 from vibeam.solvers.kernels.drive import wrap
 from vibeam.solvers.kernels.flight import ROUND_OFF, begin_flight
-from vibeam.solvers.kernels.impact import NEAR
+from vibeam.solvers.kernels.impact import is_faint
 from vibeam.solvers.kernels.jit import joined, kernel
 from vibeam.solvers.kernels.landing import drawn, land_on, turned
 from vibeam.solvers.kernels.lanes import Lanes, every, load, store, total, width
@@ -36,7 +36,7 @@ from vibeam.solvers.kernels.layout import (
     ZR,
     W,
 )
-from vibeam.solvers.kernels.leap import bound, to_start
+from vibeam.solvers.kernels.leap import to_node, to_start
 from vibeam.solvers.kernels.stop import put_on_stop
 from vibeam.solvers.kernels.trace import add, close_segment, open_segment
 
@@ -56,22 +56,12 @@ def strike(cells: Array, blocks: int, beyond: float, impulse: float, like: Lanes
         at = cell(b, 0, like)
         x = load(cells, at + row.ROOT_X * step, like) - load(cells, at + row.PUT * step, like) * beyond
         y = load(cells, at + row.ROOT_Y * step, like) + load(cells, at + row.KICK * step, like) * impulse
-        e = bound(x, y * load(cells, at + row.NORM * step, like))
         store(cells, at + row.START_X * step, x)
         store(cells, at + row.START_Y * step, y)
-        store(cells, at + row.SIDE_X * step, x)
-        store(cells, at + row.SIDE_Y * step, y)
-        store(cells, at + row.SIDE_E * step, e)
+        e, bend = to_node(cells, at, x, y, like)
         whole += e
-        second -= load(cells, at + row.DAMP * step, like) * y + load(cells, at + row.SPRING * step, like) * x
+        second += bend
     return total(whole), total(second)
-
-
-@joined
-def is_faint(after: float, top: float, toward: float, loss: float, gap: float) -> bool:
-    """Whether ``impact.chatter_left`` has to be asked: what is left after the impact is next to nothing."""
-    share = after / top
-    return toward > 0.0 and 2.0 * after * share <= NEAR * loss * (top + gap * (toward / top))
 
 
 @joined
