@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import Any
 
 from pydantic import GetCoreSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 
-class Entry:
+class Entry(ABC):
     """The reading of one value: pydantic calls ``parse`` and keeps what it returns."""
 
+    @abstractmethod
     def parse(self, value: Any) -> Any:
         """The value in SI units; ValueError, whose text is the fault's message, if it is none."""
-        raise NotImplementedError
 
+    @abstractmethod
     def describe(self) -> str:
         """Unit and range, for the reference table."""
-        raise NotImplementedError
 
     def canonical(self, value: Any) -> Any:
         """The parsed value as the canonical text writes it."""

@@ -15,6 +15,7 @@ What goes wrong in such a loop, and what is done here:
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable
 from typing import Any
 
@@ -72,9 +73,9 @@ class EventSolver(Stepper):
         """ValueError for a system that this solver cannot take."""
         system.require_plain("this solver")
 
+    @abstractmethod
     def enter(self, drive: Drive, state: State) -> tuple[Frame, Array]:
         """Frame and state of the first flight."""
-        raise NotImplementedError
 
     def run(
         self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -20,12 +21,13 @@ BEYOND = 1e-9  # share of the contact displacement's size by which a start may l
 NO_MARKS = np.empty(0)
 
 
-class Stepper:
+class Stepper(ABC):
     """A solver that steps through time: it brings ``run``, and has ``steady`` and ``motion`` from it."""
 
     system: ImpactSystem
     repeats: float  #: how far states a period apart may differ, as a share of the motion's size
 
+    @abstractmethod
     def run(
         self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS
     ) -> Outcome:
@@ -33,7 +35,6 @@ class Stepper:
 
         Without ``watch`` nothing is sampled.
         """
-        raise NotImplementedError
 
     def steady(
         self,
