@@ -60,10 +60,11 @@ def certificate_of(packed: Packed, drive: Drive, segments: Segments) -> Certific
     """The certificate of a motion that was flown."""
     trace = segments.trace
     orders, rises = _beginnings(packed.system, drive, segments)
+    desk = packed.desk_for(segments.size)
     inward = packed.inward(segments.poses)
     found, room, first = [], np.zeros((PIECES_A_FLIGHT * max(len(trace), 8), COLUMNS)), 0
     while first < len(trace):
-        count, reached = cover(packed.desk, drive.omega, drive.amplitude, trace, inward, orders, rises, first, room)
+        count, reached = cover(desk, drive.omega, drive.amplitude, trace, inward, orders, rises, first, room)
         found.append(room[:count].copy())
         if reached == first:
             room = np.zeros((2 * len(room), COLUMNS))

@@ -17,6 +17,8 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
+from contextlib import nullcontext
+from threading import Lock
 from typing import Any
 
 import numpy as np
@@ -36,6 +38,7 @@ TINY = 1e-300
 DEEP = 1e-2  # share of atol by which a step may pass the stop before it counts as an impact
 ROUNDING = 1e-15
 STUCK = 1e-12  # share of a period below which a flight has not begun
+ONE_AT_A_TIME = Lock()  # LSODA keeps its state in one place for all threads, in scipy before 1.17
 
 
 class EventSolver(Stepper):
@@ -183,10 +186,11 @@ class Course:
     def _solve(self, rate: Callable[[float, Array], Any], event: Any, dense: bool) -> Any:
         from scipy.integrate import solve_ivp
 
-        found = solve_ivp(
-            rate, (self.t, self.end), self.y, method=self.settings.method, rtol=self.settings.rtol, atol=self.atol,
-            events=event, dense_output=dense, max_step=LONGEST * self.period,
-        )  # fmt: skip
+        with ONE_AT_A_TIME if self.settings.method == "LSODA" else nullcontext():
+            found = solve_ivp(
+                rate, (self.t, self.end), self.y, method=self.settings.method, rtol=self.settings.rtol, atol=self.atol,
+                events=event, dense_output=dense, max_step=LONGEST * self.period,
+            )  # fmt: skip
         self.evaluations += found.nfev
         if found.status < 0:
             self.y = np.full_like(self.y, np.nan)

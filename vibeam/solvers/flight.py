@@ -22,7 +22,6 @@ from vibeam.solvers.kernels.layout import (
     FULL,
     IMPACTS,
     KIND,
-    MOTION,
     ORDER,
     PANELS,
     REACH_TOO,
@@ -52,6 +51,7 @@ class Segments:
 
     trace: Array  # (m, TRACE_COLUMNS), START in s
     poses: Array  # (m, 2, n)
+    size: float  # about the largest modal displacement, see ``start.size_of_motion``
 
 
 class FlightSolver:
@@ -85,7 +85,8 @@ class FlightSolver:
         begun = time.thread_time()
         pose, status = self.pose(state)
         status[CLOCK] = start
-        self.packed.desk.drive[MOTION] = size_of_motion(self.system, drive, self.packed.outward(pose))
+        size = size_of_motion(self.system, drive, self.packed.outward(pose))
+        desk = self.packed.desk_for(size)
         rows, done, kept = ROWS, 0.0, []
         totals = np.zeros(COUNT_ROWS, dtype=np.int64)
         outcome, span = FULL, end - start
@@ -93,18 +94,18 @@ class FlightSolver:
             trace, poses = np.zeros((rows, TRACE_COLUMNS)), np.zeros((rows, 2, self.system.size))
             counts = np.zeros(COUNT_ROWS, dtype=np.int64)
             outcome, step = move(
-                self.packed.desk, drive.omega, drive.amplitude, pose, status, float(span - done), 0, 0,
+                desk, drive.omega, drive.amplitude, pose, status, float(span - done), 0, 0,
                 limit - int(totals[IMPACTS]), self._room(None, 0, trace, poses), counts, 0,
             )  # fmt: skip
             count = int(counts[SEGMENTS])
             trace[:count, START] += start + done
-            kept.append(Segments(trace[:count], self.packed.outward(poses[:count])))
+            kept.append(Segments(trace[:count], self.packed.outward(poses[:count]), size))
             totals += counts
             done += step
             rows = min(2 * rows, 65536)
-        segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]))
+        segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]), size)
         if not len(segments.trace):  # ended where it began: the start is all there is
-            segments = self._instant(start, pose, status)
+            segments = self._instant(start, pose, status, size)
         stats = {
             "impacts": int(totals[IMPACTS]),
             "evaluations": int(totals[PANELS]),
@@ -113,11 +114,11 @@ class FlightSolver:
         last = end if outcome == COMPLETE else float(segments.trace[-1, START] + segments.trace[-1, DURATION])
         return OUTCOMES[outcome], last, self.state(pose, status), segments, stats
 
-    def _instant(self, time: float, pose: Array, status: Array) -> Segments:
+    def _instant(self, time: float, pose: Array, status: Array, size: float) -> Segments:
         """A segment without duration."""
         trace = np.zeros((1, TRACE_COLUMNS))
         trace[0, START], trace[0, AT_CLOCK], trace[0, WHAT] = time, status[CLOCK], status[KIND]
-        return Segments(trace, self.packed.outward(pose[None]))
+        return Segments(trace, self.packed.outward(pose[None]), size)
 
     def poses_at(self, drive: Drive, segments: Segments, times: Array) -> Array:
         """Modal displacements and velocities (m, 2, n) at times (m,) within the segments."""
@@ -125,8 +126,9 @@ class FlightSolver:
         which = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
         out = np.empty((len(times), 2, self.system.size))
         poses_at(
-            self.packed.desk, drive.omega, drive.amplitude, segments.trace, self.packed.inward(segments.poses),
-            which, times - starts[which], np.zeros((2, self.system.size)), np.zeros(STATUS_ROWS), out,
+            self.packed.desk_for(segments.size), drive.omega, drive.amplitude, segments.trace,
+            self.packed.inward(segments.poses), which, times - starts[which], np.zeros((2, self.system.size)),
+            np.zeros(STATUS_ROWS), out,
         )  # fmt: skip
         return self.packed.outward(out)
 
@@ -150,12 +152,11 @@ class FlightSolver:
         trace, poses = np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, self.system.size))
         room, counts = self._room(output, hold, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
         tally = Tally(len(omegas), self.system.size)
-        begun = time.thread_time()
+        desk, begun = self.packed.desk_for(np.inf), time.thread_time()
         for index, omega in enumerate(omegas):
             counts[:], status[ORDER], status[SPEED] = 0, 0.0, 0.0  # a point knows no more of the last than a State says
             outcome, period = move(
-                self.packed.desk, omega, amplitude, pose, status, 0.0, settle, hold, self.limit,
-                room, counts, LONGEST_PERIOD,
+                desk, omega, amplitude, pose, status, 0.0, settle, hold, self.limit, room, counts, LONGEST_PERIOD,
             )  # fmt: skip
             tally.note(index, outcome, int(period), room.result, room.energy, counts)
             if outcome != COMPLETE:
@@ -176,7 +177,7 @@ class FlightSolver:
         after, status, tally = self.packed.inward(states), np.zeros((len(omegas), STATUS_ROWS)), Tally(len(omegas), n)
         trace, poses = np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n))
         room, counts = self._room(output, 1, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
-        desk, limit, begun = self.packed.desk, self.limit, time.thread_time()
+        desk, limit, begun = self.packed.desk_for(np.inf), self.limit, time.thread_time()
         for index, (omega, amplitude) in enumerate(zip(omegas.tolist(), amplitudes.tolist(), strict=True)):
             counts[:] = 0
             outcome, period = move(

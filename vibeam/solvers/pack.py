@@ -30,6 +30,7 @@ from vibeam.solvers.kernels.layout import (
     ZETA,
 )
 from vibeam.solvers.kernels.tables import rates, regime
+from vibeam.solvers.per_thread import PerThread
 from vibeam.system import ImpactSystem
 
 Array = NDArray[np.float64]
@@ -47,7 +48,18 @@ class Packed:
             raise ValueError(f"rates from {slowest:g} to {fastest:g} rad/s: take another unit of time")
         self.system = system
         self.order = np.argsort(rates(system.omega, system.zeta * system.omega), kind="stable")
-        self.desk = self._desk(floor(log2(PANEL / slowest)))
+        self._desks = PerThread(self._desk(floor(log2(PANEL / slowest))))
+
+    @property
+    def desk(self) -> Desk:
+        """The calling thread's arrays."""
+        return self._desks.own()
+
+    def desk_for(self, size: float) -> Desk:
+        """The same, for a motion with modal displacements of about ``size``; inf where that is not known."""
+        desk = self.desk
+        desk.drive[MOTION] = size
+        return desk
 
     def _desk(self, top: int) -> Desk:
         own, order = self.system, self.order
@@ -58,7 +70,6 @@ class Packed:
         modes[YIELD] = _yield(omega, contact)
         drive[GAP], drive[RESTITUTION], drive[MOBILITY] = own.gap, own.restitution, contact @ contact
         rest = constrained(omega, sigma, contact, load, static, own.gap)
-        drive[MOTION] = np.inf
         drive[REST_FORCE], drive[REST_LOAD] = rest.force, rest.force_load
         pairs, table, levels = regime(omega, sigma, omega**2 * (zeta - 1.0) * (zeta + 1.0), top)
         rest_pairs, rest_table, rest_levels = regime(rest.omega, rest.sigma, rest.disc, top)

@@ -29,6 +29,7 @@ from vibeam.solvers.kernels.layout import (
     WHAT,
 )
 from vibeam.solvers.pack import slowest_rate
+from vibeam.solvers.per_thread import PerThread
 from vibeam.solvers.regimes.build import Row, plan, signals
 from vibeam.solvers.regimes.kernels.compiled import move, poses_at
 from vibeam.solvers.regimes.kernels.layout import (
@@ -37,6 +38,7 @@ from vibeam.solvers.regimes.kernels.layout import (
     STATUS_ROWS,
     TRACE_COLUMNS,
     UNKNOWN,
+    Plan,
     Regime,
     Room,
 )
@@ -61,7 +63,18 @@ class RegimeSolver:
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, limit: int = 100_000) -> None:
         """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
         self.system, self.limit = system, limit
-        self.plan = plan(system, slowest_rate(system, slowest, span))
+        self._plans = PerThread(plan(system, slowest_rate(system, slowest, span)))
+
+    @property
+    def plan(self) -> Plan:
+        """The calling thread's arrays."""
+        return self._plans.own()
+
+    def _plan_for(self, size: float) -> Plan:
+        """The same, for a motion with modal displacements of about ``size``; inf where that is not known."""
+        own = self.plan
+        own.drive[MOTION] = size
+        return own
 
     def pose(self, state: State | None) -> tuple[Array, Array]:
         """The kernels' pose and status of a state; None: equilibrium. ValueError where its shape is wrong."""
@@ -86,7 +99,8 @@ class RegimeSolver:
         begun = time.thread_time()
         pose, status = self.pose(state)
         status[CLOCK] = self._clock(drive, start)
-        self.plan.drive[MOTION] = size_of_motion(self.system, drive, pose)
+        size = size_of_motion(self.system, drive, pose)
+        own = self._plan_for(size)
         rows, done, kept = ROWS, 0.0, []
         totals = np.zeros(COUNT_ROWS, dtype=np.int64)
         outcome, span = FULL, end - start
@@ -95,18 +109,18 @@ class RegimeSolver:
             counts = np.zeros(COUNT_ROWS, dtype=np.int64)
             left = max(float(span - done), 5e-324) if done > 0 else float(span)
             outcome, step = move(
-                self.plan, drive.omega, drive.amplitude, pose, status, left, 0, 0, limit - int(totals[IMPACTS]),
+                own, drive.omega, drive.amplitude, pose, status, left, 0, 0, limit - int(totals[IMPACTS]),
                 self._room(None, 0, trace, poses), counts,
             )  # fmt: skip
             count = int(counts[SEGMENTS])
             trace[:count, START] += start + done
-            kept.append(Segments(trace[:count], poses[:count]))
+            kept.append(Segments(trace[:count], poses[:count], size))
             totals += counts
             done += step
             rows = min(2 * rows, 65536)
-        segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]))
+        segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]), size)
         if not len(segments.trace):
-            segments = self._instant(start, pose, status)
+            segments = self._instant(start, pose, status, size)
         stats = {
             "impacts": int(totals[IMPACTS]),
             "evaluations": int(totals[PANELS]),
@@ -119,11 +133,11 @@ class RegimeSolver:
     def _clock(drive: Drive, start: float) -> float:
         return float(np.fmod(start, 2 * np.pi / drive.omega)) if drive.omega > 0 else start
 
-    def _instant(self, time: float, pose: Array, status: Array) -> Segments:
+    def _instant(self, time: float, pose: Array, status: Array, size: float) -> Segments:
         """A segment without duration."""
         trace = np.zeros((1, TRACE_COLUMNS))
         trace[0, START], trace[0, AT_CLOCK], trace[0, WHAT] = time, status[CLOCK], status[KIND]
-        return Segments(trace, pose[None].copy())
+        return Segments(trace, pose[None].copy(), size)
 
     @staticmethod
     def _state(pose: Array, status: Array) -> State:
@@ -135,8 +149,8 @@ class RegimeSolver:
         which = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
         out = np.empty((len(times), 2, self.system.size))
         poses_at(
-            self.plan, drive.omega, drive.amplitude, segments.trace, segments.poses, which, times - starts[which],
-            np.zeros((2, self.system.size)), out,
+            self._plan_for(segments.size), drive.omega, drive.amplitude, segments.trace, segments.poses, which,
+            times - starts[which], np.zeros((2, self.system.size)), out,
         )  # fmt: skip
         return out
 
@@ -152,14 +166,14 @@ class RegimeSolver:
         """Steady points at ``omegas`` in turn, the state carried from each to the next; and the last state."""
         pose, status = self.pose(state)
         n = self.system.size
-        tally, begun = Tally(len(omegas), n), time.thread_time()
+        own, tally, begun = self._plan_for(np.inf), Tally(len(omegas), n), time.thread_time()
         trace, poses = np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n))
         room, counts = self._room(output, hold, trace, poses), np.zeros(COUNT_ROWS, dtype=np.int64)
         for index, omega in enumerate(omegas):
             room.result[:], room.energy[:], counts[:] = 0.0, 0.0, 0
             pose, status = self.pose(self._state(pose, status))  # a point knows what a State says, no more
             outcome, _ = move(
-                self.plan, float(omega), float(amplitude), pose, status, 0.0, settle, hold, self.limit, room, counts
+                own, float(omega), float(amplitude), pose, status, 0.0, settle, hold, self.limit, room, counts
             )
             period = repetition(room.strobes, self.system.omega, float(omega), REPEATS)
             tally.note(index, outcome, period, room.result, room.energy, counts)
@@ -171,7 +185,8 @@ class RegimeSolver:
     def _room(self, output: str | None, hold: int, trace: Array, poses: Array) -> Room:
         n = self.system.size
         row = np.array(self.system.contact if output is None else self.system.output(output), dtype=float)
-        for regime in (self.plan.free, self.plan.upper, self.plan.lower):
+        own = self.plan
+        for regime in (own.free, own.upper, own.lower):
             self._show(regime, row)
         nothing, strobes = np.zeros((0, TRACE_COLUMNS)), np.zeros((hold + 1, 2, n))
         scratch, frame = np.zeros((2, n)), np.zeros((2, n))
