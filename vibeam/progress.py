@@ -44,15 +44,5 @@ class Bar:
             return
         if done:
             self._console.print(f"continuing: {done} of {total} points are there")
-        compile_first(self._console)
         if self._console.is_terminal:
             self._progress.start()
-
-
-def compile_first(console: Console) -> None:
-    """Compile the kernels where that has not been done, and say so: else the first points would seem to hang."""
-    from vibeam import solvers
-
-    if not solvers.compiled():
-        console.print(f"compiling the kernels (first run only, about {solvers.COMPILE_SECONDS} s)")
-        solvers.compile_kernels()

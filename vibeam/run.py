@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.faults import CaseError, Fault
-from vibeam.fidelity_sweep import job_of, known_curves, sweep_branches
+from vibeam.fidelity_sweep import Job, job_of, known_curves, sweep_branches
 from vibeam.recorder import Count, Progress
 from vibeam.response import Branches
 from vibeam.result import Result
 from vibeam.solvers import knows_curves, solver
+from vibeam.solvers.warm_up import warm_up
 from vibeam.spread import spread
 from vibeam.store.branch import Branch
 from vibeam.store.file import opened
@@ -49,6 +50,8 @@ def run(case: Case, out: str | Path | None = None, progress: Progress | None = N
         count = Count((kept for job in jobs for _, kept in job.branches), progress or _silent)
         found = count.done
         try:
+            for job in jobs:
+                _warm_up(case, job)
             costly_first = sorted(jobs, key=lambda job: -job.system.size)
             spread(lambda job, stop: sweep_branches(case, job, store, count, stop), costly_first)
             curves = {job.name: known_curves(case, job, store) for job in jobs if knows_curves(job.fidelity.solver)}
@@ -56,6 +59,16 @@ def run(case: Case, out: str | Path | None = None, progress: Progress | None = N
         except KeyboardInterrupt:
             raise Interrupted(_how_to_go_on(count, path)) from None
     return Result(case, {job.name: job.gathered(curves.get(job.name)) for job in jobs}, path, found, shown)
+
+
+def _warm_up(case: Case, job: Job) -> None:
+    """Run the solver of a fidelity that has points to come, unmeasured: here, where Ctrl-C can stop a compilation."""
+    if all(kept.done == len(kept.response) for _, kept in job.branches):
+        return
+    omega = job.branches[0][1].response.omega[:1]
+    base = float(np.ravel(case.amplitude_of(job.name, omega))[0])
+    fidelity = job.fidelity
+    warm_up(fidelity.solver, job.system, float(omega[0]), base, case.sweep.output, **fidelity.options)
 
 
 def _silent(done: int, total: int) -> None:

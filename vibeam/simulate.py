@@ -27,6 +27,7 @@ from vibeam.solvers.kernels.layout import (
     WHAT,
 )
 from vibeam.solvers.regimes.kernels.layout import CONTACT, PEAK
+from vibeam.solvers.warm_up import warm_up_motion
 from vibeam.state import State
 from vibeam.system import Drive, ImpactSystem
 
@@ -168,6 +169,7 @@ def simulate(
     if certify:
         system.require_plain("a certificate")
     runner = solver_named(solver, system, drive.omega, t_end - t_start)
+    warm_up_motion(system, drive)
     ended, last, after, segments, stats = runner.simulate(drive, state, t_start, t_end, max_impacts)
     return Trajectory(
         system, drive, t_start, last, after, ended, stats, runner, segments,

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from vibeam.response import Branches, FrequencyResponse
 from vibeam.solvers import STATIONARY
 from vibeam.solvers import solver as solver_named
+from vibeam.solvers.warm_up import warm_up_once
 from vibeam.state import State
 from vibeam.system import ImpactSystem
 
@@ -55,6 +56,7 @@ def march(
     drives = _amplitudes(amplitude, grid)
     system.output(output)
     rate = float(grid.min()) if slowest is None else slowest
+    warm_up_once(solver, system, float(grid[0]), float(drives.flat[0]), output, **(options or {}))
     if drift is not None or wear is not None:
         drives, moves = np.broadcast_to(drives, grid.shape), _moves(grid, drift, wear, struck, solver)
         yield from _drifting(system, grid, drives, settle, hold, solver, output, state, rate, options or {}, moves)

@@ -30,11 +30,8 @@ Command = Callable[..., Any]
 @pytest.fixture
 def command(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Command:
     """``vibeam …`` in an empty folder, with a solver that takes no time."""
-    import vibeam.solvers
-
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(fidelity_sweep, "march", Solver())
-    monkeypatch.setattr(vibeam.solvers, "compiled", lambda: True)
 
     def call(*words: object, expect: int = 0) -> Any:
         result = CliRunner().invoke(app, [str(word) for word in words])
@@ -252,14 +249,14 @@ def test_a_fidelity_that_cannot_be_built_is_a_message(command: Command, tmp_path
 
 
 STOPPED = """
+import importlib
 import sys
 sys.path[:0] = {path!r}
 from stand_in import Solver
-import vibeam.solvers
 from vibeam import fidelity_sweep
 from vibeam.cli import main
 fidelity_sweep.march = Solver(pause=0.05)
-vibeam.solvers.compiled = lambda: True
+importlib.import_module("vibeam.run")._warm_up = lambda case, job: None
 sys.argv = ["vibeam", "run", {case!r}, "--set", "sweep.frequency.points=1000"]
 main()
 """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,7 +19,6 @@ from vibeam.accuracy.unsettled import Unsettled
 from vibeam.accuracy.verify import POINTS, Verified, verify
 from vibeam.cost.models import Model, equal
 from vibeam.response import FrequencyResponse
-from vibeam.solvers import compile_kernels
 
 if TYPE_CHECKING:
     from vibeam.case import Case
@@ -107,7 +106,7 @@ def study(
     models = ladder_models(case, systems)
     offered = [_offered(case, model, omega, quantities) for model in models]
     rungs = [rung for several in offered for rung in several]
-    compile_kernels()  # loaded, that is, as every run does once
+    _warm_up(case, models, omega, quantities, within)
     begun = time.thread_time()
     sheets = _sheets(case, models[-1], rungs, omega, quantities, within)
     spent = time.thread_time() - begun
@@ -117,6 +116,18 @@ def study(
     chosen = tuple(_share(rung, number, sheets) for number, rung in enumerate(rungs))
     curves = {sheet.way: _curve(sheet, rungs) for sheet in sheets}
     return Study(within, quantities, models[-1].name, curves, chosen, tuple(verified), spent, everywhere)
+
+
+def _warm_up(
+    case: Case, models: Sequence[Model], omega: Array, quantities: tuple[str, ...], within: float
+) -> None:  # fmt: skip
+    """The whole choice at the first frequency alone, unmeasured, by rungs that are then thrown away."""
+    short = replace(case, sweep=replace(case.sweep, frequency=omega[:1] / (2 * np.pi), settle=1, hold=2))
+    rungs = [rung for model in models for rung in _offered(short, model, omega[:1], quantities)]
+    for rung in rungs:
+        if rung.solver == "flight":
+            rung.fly(np.array([0]), None, 1, 2)
+    _sheets(short, models[-1], rungs, omega[:1], quantities, within)
 
 
 def ladder_models(case: Case, systems: Mapping[str, ImpactSystem] | None = None) -> list[Model]:

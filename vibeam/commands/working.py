@@ -24,8 +24,6 @@ def swept(case: Case, path: Path | None, show: bool = True) -> Result:
 
 def studied(path: Path, case: Case, study: Callable[[Case, Callable[[str], None]], Made]) -> Made:
     """What a study of the case finds."""
-    from vibeam.progress import compile_first, stderr
+    from vibeam.progress import stderr
 
-    console = stderr()
-    compile_first(console)
-    return of_case(path, lambda: study(case, console.print))
+    return of_case(path, lambda: study(case, stderr().print))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
@@ -101,13 +101,21 @@ class _Studied:
         self.began = self.ready = clock()
 
     def warm(self) -> None:
-        """Load and compile what is loaded and compiled but once."""
-        plan = replace(self.planning.first.at(0), settle=0, hold=PROBE)
-        least = min(self.models, key=lambda model: model.system.size)
+        """Load and compile what is loaded and compiled but once: of flight, which all need, and of all solvers."""
+        for model in self.models:
+            self._warm(FLIGHT, [model])
+        smallest_first = sorted(self.models, key=lambda model: model.system.size)
         for name in self.asked.solvers or NAMES:
-            for rung in [ladder[0] for ladder in ladders(name, 1.0)]:
-                with suppress(ValueError):
-                    measure(least.system, rung, plan)
+            for ladder in ladders(name, 1.0):
+                self._warm(ladder[0], smallest_first)
+
+    def _warm(self, rung: Rung, models: Sequence[Model]) -> None:
+        """A short run on the first model that the solver can take."""
+        plan = replace(self.planning.first.at(0), settle=0, hold=PROBE)
+        for model in models:
+            with suppress(ValueError):
+                measure(model.system, rung, plan)
+                return
 
     def study(self) -> Study:
         """Everything in turn: exact motions, their bound, the parts of modelling, then the ladders."""

@@ -7,11 +7,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from vibeam.influence.curve import swept
 from vibeam.influence.model import Model, model
 from vibeam.influence.quantities import Change, Quantity, change, quantities
 from vibeam.influence.search import smallest
 from vibeam.influence.subsets import Subsets, subsets
+from vibeam.solvers.warm_up import warm_up_once
 
 if TYPE_CHECKING:
     from vibeam.case import Case
@@ -93,9 +96,17 @@ def influence(case: Case, progress: Progress = lambda line: None) -> Study:
 
     ValueError where the case names no effect, or its complete model cannot be built.
     """
+    sets = subsets(case)
+    _warm_up(case, sets.fidelity)
     begun = time.thread_time()
-    studied = _Studied(case, subsets(case), progress)
-    return studied.study(begun)
+    return _Studied(case, sets, progress).study(begun)
+
+
+def _warm_up(case: Case, name: str) -> None:
+    """One short point of the fidelity, unmeasured."""
+    fidelity, omega = case.fidelities[name], 2 * np.pi * float(case.sweep.frequency[0])
+    base = float(np.ravel(case.amplitude_of(name, np.array([omega])))[0])
+    warm_up_once(fidelity.solver, case.system(name), omega, base, case.sweep.output, **fidelity.options)
 
 
 class _Studied:

@@ -38,7 +38,6 @@ BEYOND_PLAIN = {  # the same name for systems that are more than plain; a solver
     "flight": "vibeam.solvers.regimes.solver:RegimeSolver",
     "direct": "vibeam.solvers.ode:DirectSolver",
 }
-COMPILE_SECONDS = 25  # about, on two cores
 
 
 class Solver(Protocol):
@@ -100,20 +99,3 @@ def _options_of(made: type[Any]) -> list[str]:
     handed_on = any(each.kind is Parameter.VAR_KEYWORD for each in parameters.values())
     own = [name for name, each in parameters.items() if each.kind is not Parameter.VAR_KEYWORD and name not in GIVEN]
     return own + (_options_of(made.__mro__[1]) if handed_on else [])
-
-
-def compiled() -> bool:
-    """Whether the kernels, as they are, lie compiled in numba's cache."""
-    from vibeam.solvers.kernels.compiled import move
-    from vibeam.solvers.kernels.jit import is_compiled
-
-    return is_compiled(move)
-
-
-def compile_kernels() -> None:
-    """Compile the kernels, or load them from numba's cache, by running the smallest system for one period."""
-    from vibeam.solvers.flight import FlightSolver
-    from vibeam.system import ImpactSystem
-
-    system = ImpactSystem.from_modes([1.0], 0.1, 1.0, 1.0, restitution=0.5)
-    FlightSolver(system, 1.0).steady([1.0], 1.0, None, 1, 2, "contact")

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.response import Ended, FrequencyResponse
+from vibeam.solvers.compilation import announce
 from vibeam.solvers.kernels.compiled import move, poses_at
 from vibeam.solvers.kernels.desk import Room
 from vibeam.solvers.kernels.layout import (
@@ -39,6 +40,8 @@ from vibeam.solvers.start import equilibrium, size_of_motion
 from vibeam.solvers.tally import OUTCOMES, Tally
 from vibeam.state import State
 from vibeam.system import Drive, ImpactSystem
+
+announce()
 
 Array = NDArray[np.float64]
 LONGEST_PERIOD = 16

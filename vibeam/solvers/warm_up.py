@@ -1,0 +1,46 @@
+"""Runs that are not measured: what a solver loads or compiles at its first call is no part of what a motion costs.
+
+The first call of a solver reads its kernels from numba's cache (0.15 s, as much as a short sweep), imports what scipy
+loads late and touches its memory for the first time; all that counts as CPU time of the thread.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import Any
+
+import numpy as np
+
+from vibeam.solvers import solver
+from vibeam.system import Drive, ImpactSystem
+
+SETTLE, HOLD = 1, 2  # drive periods: the fewest in which a motion can repeat
+
+_READY: set[tuple[Hashable, ...]] = set()
+
+
+def warm_up(name: str, system: ImpactSystem, omega: float, amplitude: float, output: str, **options: Any) -> None:
+    """One short point by a solver of its own, at ``omega`` rad/s and base ``amplitude`` m: nothing of it is kept."""
+    made = solver(name, system, omega, **options)
+    made.steady(np.array([omega]), amplitude, None, SETTLE, HOLD, output)
+    _READY.add(_kind(name, system, options))
+
+
+def warm_up_once(name: str, system: ImpactSystem, omega: float, amplitude: float, output: str, **options: Any) -> None:
+    """``warm_up``, unless this process has done so with the same solver for a system of the same kind."""
+    if _kind(name, system, options) not in _READY:
+        warm_up(name, system, omega, amplitude, output, **options)
+
+
+def warm_up_motion(system: ImpactSystem, drive: Drive) -> None:
+    """A motion of no duration by flight, once a process for systems of the same kind."""
+    kind = _kind("flight", system, {})
+    if kind not in _READY:
+        solver("flight", system, drive.omega, 1.0).simulate(drive, None, 0.0, 0.0, 1)
+        _READY.add(kind)
+
+
+def _kind(name: str, system: ImpactSystem, options: dict[str, Any]) -> tuple[Hashable, ...]:
+    """What decides which code runs: the solver, its methods, and what the system has beyond plain modes."""
+    methods = tuple(sorted(item for item in options.items() if isinstance(item[1], str)))
+    return name, methods, type(system.law).__name__, system.coupling is None, system.second_gap is None
