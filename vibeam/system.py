@@ -61,7 +61,7 @@ class ImpactSystem:
     def beyond_plain(self) -> tuple[str, ...]:
         """What makes the system more than modes by themselves with one stop and one coefficient of restitution."""
         named = {
-            f"the contact law {type(self.law).__name__}": self.law,
+            f'the contact law "{self.law.name if self.law else ""}"': self.law,
             "damping that couples the modes": self.coupling,
             "a second stop": self.second_gap,
         }

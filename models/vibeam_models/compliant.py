@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import acos, acosh, exp, inf, log1p, sinh, sqrt
+from typing import ClassVar
 
 
 @dataclass(frozen=True)
@@ -19,6 +20,8 @@ class LinearStop:
 
     stiffness: float
     damping: float = 0.0
+
+    name: ClassVar[str] = "linear"  #: as ``law`` of a case's stop has it
 
     def __post_init__(self) -> None:
         if not (0 < self.stiffness < inf and 0 <= self.damping < inf):
@@ -88,6 +91,11 @@ class HuntCrossley:
     def __post_init__(self) -> None:
         if not (0 < self.stiffness < inf and 0 <= self.damping < inf and 1 <= self.exponent < inf):
             raise ValueError("stop: stiffness must be above 0, damping ≥ 0 and exponent ≥ 1")
+
+    @property
+    def name(self) -> str:
+        """As ``law`` of a case's stop has it."""
+        return "hunt-crossley" if self.damping else "hertz"
 
     @classmethod
     def matched(cls, stiffness: float, restitution: float, velocity: float, exponent: float = 1.5) -> HuntCrossley:

@@ -9,6 +9,9 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from itertools import pairwise
 from math import inf, isfinite
+from typing import ClassVar
+
+VELOCITY_RESTITUTION = "velocity restitution"  #: as ``law`` of a case's stop has it
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,8 @@ class TableRestitution:
 
     speeds: tuple[float, ...]
     coefficients: tuple[float, ...]
+
+    name: ClassVar[str] = VELOCITY_RESTITUTION
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "speeds", tuple(float(v) for v in self.speeds))
@@ -88,6 +93,8 @@ class PlasticRestitution:
     velocity: float
     exponent: float = 0.25
 
+    name: ClassVar[str] = VELOCITY_RESTITUTION
+
     def __post_init__(self) -> None:
         if not 0 < self.coefficient <= 1:
             raise ValueError(f"restitution: {self.coefficient} is outside (0, 1]")
@@ -111,6 +118,8 @@ class ViscousRestitution:
 
     factor: float
     exponent: float = 0.2
+
+    name: ClassVar[str] = VELOCITY_RESTITUTION
 
     def __post_init__(self) -> None:
         if not (0 <= self.factor < inf and 0 < self.exponent < inf and isfinite(self.factor)):

@@ -358,3 +358,17 @@ def test_a_gap_that_changes_along_the_sweep_is_refused() -> None:
     case = vibeam.load(RIG, set={"stop.wear": "1 nm"})
     with pytest.raises(ValueError, match="no point stands alone"):
         cost(case)
+
+
+def test_a_stop_that_yields_is_studied_with_the_solvers_that_take_it() -> None:
+    """The others are named with the law as the case has it."""
+    settings = {"stop.restitution": None, "stop.law": "hertz", "stop.hertz_stiffness": 1e3, "cost.repeats": 1}
+    study = cost(parse(TINY, set=settings | {"cost.solvers": ["flight", "orbit", "averaging"]}))
+    assert [row.solver for row in study.rows] == ["flight"]
+    assert {each.run for each in study.refused} == {"orbit", "averaging"}
+    assert np.isnan(study.splits[0].restitution)
+    told = "\n".join(sentences(study))
+    assert 'orbit cannot take sdof: the contact law "hertz"' in told
+    assert 'no closed-form orbits with the contact law "hertz"' in told
+    assert "HuntCrossley" not in told
+    assert parts(study).row_count == runs(study).row_count == 1

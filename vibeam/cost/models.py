@@ -78,11 +78,15 @@ def equal(one: ImpactSystem, other: ImpactSystem) -> bool:
 
 
 def seen(model: ImpactSystem) -> float:
-    """R₁: the restitution that the first mode sees."""
+    """R₁: the restitution that the first mode sees; NaN where the law has no one coefficient."""
+    if model.law is not None:
+        return float("nan")
     return first_mode_restitution(model.restitution, float(model.contact[0]), float(np.sum(model.contact**2)))
 
 
 def with_seen(model: ImpactSystem, restitution: float) -> ImpactSystem:
     """The system whose first mode sees ``restitution``; ValueError where no contact restitution gives that."""
+    if model.law is not None or np.isnan(restitution):
+        raise ValueError("the contact law has no one coefficient of restitution that could be carried over")
     mobility = float(np.sum(model.contact**2))
     return replace(model, restitution=contact_restitution(restitution, float(model.contact[0]), mobility))

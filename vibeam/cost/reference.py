@@ -61,13 +61,20 @@ class Bound:
 
 def bound(system: ImpactSystem, exact: Measured, plan: Plan) -> Bound:
     """Both second opinions on ``exact``."""
-    alone = _single_impacts(exact.response)
-    by_orbit = errors(measure(system, ORBIT, replace(plan, window=0)), replace(exact, response=alone), plan)
-    by_steps, note = _integrated(system, plan)
+    by_orbit, refusal = _closed_form(system, exact, plan)
+    by_steps, failure = _integrated(system, plan)
     return Bound(
         by_orbit.amplitude_max, by_orbit.velocity, by_orbit.points, by_orbit.total, by_steps.path,
-        by_steps.impact_velocities, note,
+        by_steps.impact_velocities, "; ".join(filter(None, [refusal, failure])),
     )  # fmt: skip
+
+
+def _closed_form(system: ImpactSystem, exact: Measured, plan: Plan) -> tuple[Errors, str]:
+    """The distance to the closed-form orbits, or why there are none."""
+    if system.beyond_plain:
+        return Errors(), f"no closed-form orbits with {' or '.join(system.beyond_plain)}"
+    alone = _single_impacts(exact.response)
+    return errors(measure(system, ORBIT, replace(plan, window=0)), replace(exact, response=alone), plan), ""
 
 
 def given(case: Case, frequency: Array) -> FrequencyResponse:
@@ -102,5 +109,8 @@ def _integrated(system: ImpactSystem, plan: Plan) -> tuple[Errors, str]:
         return Errors(), f"{system.size} modes are too many to integrate at {STRICT:.0e}"
     short = replace(plan.at(0), settle=0, hold=1, cloud=0, window=WINDOW)
     options = {"method": "DOP853", "rtol": STRICT, "atol": STRICT * 1e-2 * plan.size}
-    strict = measure(system, Rung("direct", options=options), short)
+    try:
+        strict = measure(system, Rung("direct", options=options), short)
+    except ValueError as refusal:
+        return Errors(), f"no integration: {refusal}"
     return errors(strict, measure(system, FLIGHT, short), short), strict.failure

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from rich.table import Table
 from rich.text import Text
 
-from vibeam.report.table import blank
+from vibeam.report.table import blank, coefficient
 from vibeam.report.units import percent
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def parts(study: Study) -> Table:
     )
     for split in study.splits:
         cells = [signed(split.parts[index].mean) for index in shown]
-        first = (split.fidelity, str(split.modes), f"{split.restitution:.4f}", signed(split.total.mean))
+        first = (split.fidelity, str(split.modes), coefficient(split.restitution), signed(split.total.mean))
         table.add_row(*first, *cells, _range(study, split), f"{split.cpu:.3g} s")
     return table
 
@@ -128,7 +128,8 @@ def _sentence(study: Study, split: Split) -> str:
 def _refusals(refused: tuple[LeftOut, ...]) -> Iterator[str]:
     for solver, found in groupby(sorted(refused, key=lambda each: each.run), key=lambda each: each.run):
         several = list(found)
-        yield f"{solver} cannot take {', '.join(each.fidelity for each in several)}: {several[0].why}."
+        why = several[0].why.removeprefix(f"solver {solver!r} cannot take ")
+        yield f"{solver} cannot take {', '.join(each.fidelity for each in several)}: {why}."
 
 
 def _left_out(left_out: tuple[LeftOut, ...]) -> Iterator[str]:

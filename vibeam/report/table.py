@@ -44,7 +44,7 @@ def responses(summaries: Sequence[Summary], units: Units = METRIC) -> Table:
     )
     for row in summaries:
         peak = (units.lengths(row.peak_amplitude), units.frequencies(row.peak_frequency), row.peak_direction)
-        seen = map(_coefficient, (row.restitution, row.first_mode_restitution))
+        seen = map(coefficient, (row.restitution, row.first_mode_restitution))
         table.add_row(
             row.fidelity, str(row.modes), *seen, *peak, *(units.range(row.period_one.get(way)) for way in ways)
         )
@@ -140,7 +140,8 @@ def _columns(table: Table, *names: str) -> None:
         table.add_column(name.rstrip("|"), justify="right" if name.endswith("|") else "left")
 
 
-def _coefficient(value: float) -> str:
+def coefficient(value: float) -> str:
+    """A coefficient of restitution; a dash where there is none."""
     return f"{value:.4f}" if isfinite(value) else "–"
 
 
