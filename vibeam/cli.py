@@ -1,7 +1,7 @@
 """The command ``vibeam``: its commands in the order of its help.
 
 Results go to stdout, everything else to stderr. Exit code 0: fine, 1: a check was missed, 2: something is wrong with
-the case, an argument or a file, 130: stopped.
+the case, an argument or a file, 130: stopped, 141: the reader of stdout has gone.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from vibeam.commands.modes import modes
 from vibeam.commands.new import new
 from vibeam.commands.run import run
 from vibeam.commands.stability import stability
+from vibeam.commands.streams import put, standard_streams
 
 app = typer.Typer(
     help="How much model does a vibro-impact beam need?",
@@ -31,7 +32,8 @@ app = typer.Typer(
 
 def main() -> None:
     """The entry point."""
-    app()
+    with standard_streams():
+        app()
 
 
 @app.callback(invoke_without_command=True)
@@ -39,7 +41,7 @@ def _version(version: Annotated[bool, typer.Option("--version", help="Print the 
     if version:
         from vibeam import __version__
 
-        typer.echo(f"vibeam {__version__}")
+        put(f"vibeam {__version__}")
         raise typer.Exit
 
 

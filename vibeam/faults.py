@@ -20,7 +20,7 @@ class Fault:
 
     def __str__(self) -> str:
         where = f"{OVERRIDE} {self.key}" if self.file == OVERRIDE else self._place()
-        return f"{where}: {self.message}"
+        return printable(f"{where}: {self.message}")
 
     def _place(self) -> str:
         place = self.file if self.line is None else f"{self.file}:{self.line}"
@@ -55,6 +55,13 @@ def cure(wrong: str, known: Iterable[str]) -> str:
     names = list(known)
     near = suggestion(wrong, names)
     return f"did you mean '{near}'?" if near else f"known here: {', '.join(names)}"
+
+
+def printable(text: str) -> str:
+    """The text with every control, format and surrogate character as its escape: ``\\x1b``, ``\\u202e``."""
+    if text.isprintable():
+        return text
+    return "".join(each if each.isprintable() else each.encode("unicode_escape", "replace").decode() for each in text)
 
 
 def shown(value: object) -> str:

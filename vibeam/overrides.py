@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping
 from typing import Any
 
+from vibeam.case_text import LONG_KEY, TOO_DEEP, too_deep
 from vibeam.faults import shown
 from vibeam.lines import Path, key_parts
+from vibeam.reading import lists_of
+from vibeam.schema import BeamCase
+
+
+LISTS = lists_of(BeamCase)
+_INDEX = re.compile("[0-9]{1,9}")
 
 
 class OverrideError(ValueError):
@@ -19,7 +27,9 @@ def override(tables: dict[str, Any], key: str, value: Any, literal: bool = False
 
     ``literal``: the value is a case's already; else text that is a TOML value is read as one.
     """
-    *above, last = _parts(key)
+    parts = _parts(key)
+    _require_list(tables, parts)
+    *above, last = parts
     place: Any = tables
     path: Path = ()
     for part in above:
@@ -33,18 +43,36 @@ def override(tables: dict[str, Any], key: str, value: Any, literal: bool = False
 def _parts(key: str) -> list[str]:
     try:
         key.encode()
-        return key_parts(key)
+        parts = [] if LONG_KEY.search(key) else key_parts(key)
     except (AttributeError, ValueError, RecursionError):
         raise OverrideError(f"{shown(key)} is not a key such as sweep.frequency.points") from None
+    if not parts:
+        raise OverrideError(TOO_DEEP)
+    return parts
+
+
+def _require_list(tables: dict[str, Any], parts: list[str]) -> None:
+    """OverrideError for an index into a list of tables that the case does not have."""
+    if parts[0] in LISTS and parts[0] not in tables and _INDEX.fullmatch("".join(parts[1:2])):
+        raise OverrideError(f"the case has no [[{parts[0]}]]: give the whole list, {parts[0]} = [{{ … }}]")
 
 
 def _where(place: Any, part: str) -> str | int:
     """The index in a list, the name in a table."""
     if isinstance(place, dict):
         return part
-    if isinstance(place, list) and part.isascii() and part.isdigit() and int(part) < len(place):
-        return int(part)
-    raise OverrideError(f"there is no {shown(part)} in {shown(place)}")
+    if not isinstance(place, list):
+        raise OverrideError(f"there is no {shown(part)} in {shown(place)}")
+    if not _INDEX.fullmatch(part):
+        raise OverrideError(f"{shown(part)} is no index of a list; {_indices(place)}")
+    if int(part) >= len(place):
+        raise OverrideError(f"the index {part} is out of range; {_indices(place)}")
+    return int(part)
+
+
+def _indices(place: list[Any]) -> str:
+    indices = "index 0 alone" if len(place) == 1 else f"the indices 0 to {len(place) - 1}"
+    return f"the list has {indices}" if place else "the list is empty"
 
 
 def _inside(place: Any, where: str | int) -> Any:
@@ -53,11 +81,22 @@ def _inside(place: Any, where: str | int) -> Any:
 
 def _put(place: Any, where: str | int, value: Any, literal: bool) -> None:
     if value is not None:
-        place[where] = value if literal else _toml_value(value)
+        place[where] = value if literal else _shallow(value)
     elif isinstance(where, str) and where not in place:
         raise OverrideError("cannot be taken away: it is not in the case")
     else:
         del place[where]
+
+
+def _shallow(value: Any) -> Any:
+    """As ``_toml_value``; OverrideError for a value that is nested deeper than any of a case."""
+    try:
+        found = _toml_value(value)
+    except RecursionError:
+        raise OverrideError(TOO_DEEP) from None
+    if too_deep([found]):
+        raise OverrideError(TOO_DEEP)
+    return found
 
 
 def _toml_value(value: Any) -> Any:
@@ -77,9 +116,13 @@ def _toml_value(value: Any) -> Any:
 def _from_text(text: str) -> Any:
     try:
         text.encode()
+        if LONG_KEY.search(text):
+            raise OverrideError(TOO_DEEP)
         found = tomllib.loads(f"value = {text}")
     except UnicodeEncodeError:
         raise OverrideError(f"{text!a} holds characters that are not text") from None
+    except OverrideError:
+        raise
     except (ValueError, RecursionError):
         return text
     return found["value"] if list(found) == ["value"] and "\n" not in text else text

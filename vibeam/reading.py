@@ -104,6 +104,12 @@ def is_repeated(field: FieldInfo) -> bool:
     return not entry_of(field) and get_origin(field.annotation) in (dict, tuple)
 
 
+def lists_of(model: type[BaseModel]) -> list[str]:
+    """The keys of a table that hold lists of tables."""
+    fields = fields_of(model).items()
+    return [name for name, field in fields if is_repeated(field) and get_origin(field.annotation) is tuple]
+
+
 def model_at(model: type[BaseModel], loc: Path) -> type[BaseModel]:
     """The table's declaration at a place in a case."""
     path = list(loc)

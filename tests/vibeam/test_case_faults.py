@@ -2,6 +2,7 @@
 
 # ruff: noqa: E501  (a message stays on its line)
 
+import os
 import pickle
 import re
 
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 
 import vibeam
 from vibeam.case import parse
-from vibeam.faults import CaseError, Fault
+from vibeam.faults import CaseError, Fault, printable
 from vibeam.keys import template
 from vibeam.solvers import NAMES
 
@@ -55,6 +56,7 @@ settle = 0
 hold = 1
 [fidelity.exact]
 """
+FREQUENCY = '{ from = "14 Hz", to = "17 Hz", points = 4 }'
 REFERENCE = '[reference.exact]\nfile = "no.csv"\nfidelity = "sdof"\nquantity = "amplitude"\ntolerance = "1 %"\n'
 
 
@@ -222,9 +224,36 @@ def test_overrides_are_named_as_they_were_given(key, value, message):
     assert faults_of(RIG, {key: value}) == f"--set {message}"
 
 
-def test_an_index_beyond_the_list():
-    said = faults_of(RIG + "[[added_mass]]\nmass = 1\nposition = 0.1\n", {"added_mass.1.mass": 1})
-    assert said == "--set added_mass.1.mass: there is no '1' in a list"
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [
+        ("added_mass.1.mass", "the index 1 is out of range; the list has index 0 alone"),
+        ("added_mass.-1.mass", "'-1' is no index of a list; the list has index 0 alone"),
+        ("added_mass.mass", "'mass' is no index of a list; the list has index 0 alone"),
+        (f"added_mass.{'9' * 5000}", f"'{'9' * 55} …' is no index of a list; the list has index 0 alone"),
+        ("sweep.frequency.7", "the index 7 is out of range; the list has the indices 0 to 2"),
+        ("beam.damping.0", "the index 0 is out of range; the list is empty"),
+    ],
+    ids=range(6),
+)
+def test_an_index_beyond_the_list(key, message):
+    text = RIG.replace(FREQUENCY, "[14, 15, 16]").replace("elements = 36", "damping = []")
+    assert faults_of(text + "[[added_mass]]\nmass = 1\nposition = 0.1\n", {key: 1}).splitlines()[-1] == (
+        f"--set {key}: {message}"
+    )
+
+
+def test_an_index_into_a_list_that_is_not_there():
+    said = faults_of(RIG, {"added_mass.0.mass": "5 g"})
+    assert said == (
+        "--set added_mass.0.mass: the case has no [[added_mass]]: give the whole list, added_mass = [{ … }]"
+    )
+
+
+def test_an_entry_of_a_list_of_tables_is_set_by_its_index():
+    text = RIG + "".join(f"[[added_mass]]\nmass = {each}\nposition = 0.1\n" for each in (1, 2))
+    masses = parse(text, set={"added_mass.1.mass": "5 g"}).scene.added_masses
+    assert [each.mass for each in masses] == [1.0, 0.005]
 
 
 @pytest.mark.parametrize(
@@ -239,8 +268,16 @@ def test_an_index_beyond_the_list():
         (b"a = 1\nb = [1,\n", ":3: not TOML: Invalid value"),
         (b"a = " + b"[" * 100_000, ": is nested too deeply for a case"),
         (b"a = " + b"1" * 5000, ": holds a number of thousands of digits"),
+        (b"b = 1\n" + b".".join([b"a"] * 500) + b" = 1", ":2: is nested too deeply for a case"),
+        (b".".join([b"a"] * 400_000) + b" = 1", ":1: is nested too deeply for a case"),
+        (b".".join([b"'a'"] * 50) + b" = 1", ":1: is nested too deeply for a case"),
+        (b"b = 1\na = " + b"[" * 30 + b"]" * 30, ":2: a: is nested too deeply for a case"),
+        (b"a = " + b"{a=" * 30 + b"1" + b"}" * 30, ":1: a: is nested too deeply for a case"),
+        ("a = 1\n".encode("utf-16"), ": is UTF-16 text: save it as UTF-8"),
+        (b'a = "\0"\n', ":1: not TOML at column 6: Illegal character '\\x00'"),
     ],
-    ids=["empty", "comment", "binary", "large", "syntax", "twice", "cut", "deep", "digits"],
+    ids=["empty", "comment", "binary", "large", "syntax", "twice", "cut", "deep", "digits"]
+    + ["parts", "many_parts", "quoted_parts", "lists", "inline", "utf-16", "nul"],
 )
 def test_what_is_no_case_at_all(tmp_path, content, message):
     file = tmp_path / "mine.toml"
@@ -250,15 +287,33 @@ def test_what_is_no_case_at_all(tmp_path, content, message):
     assert str(caught.value) == f"{file}{message}"
 
 
+@pytest.mark.parametrize(
+    ("right", "wrong", "said"),
+    [
+        ("[sensor]", '"\\u001b[2J\\u202e" = 1\n[sensor]', r"\u001b[2J\u202e"),
+        ('"180 mm"', '"\\u001b]0;mine\\u0007 mm"', r"'\x1b]0;mine\x07 mm'"),
+        ("[fidelity.sdof]", '[fidelity."a\\n\\u0085b"]', r'fidelity."a\n\x85b"'),
+        ("sdof]", "sdof]\noptions = { \"\\u009b\" = [] }", r"\x9b: must be"),
+        ("sdof]", 'sdof]\nset = { "stop.g\\u2028ap" = 1 }', r"stop.g\u2028ap"),
+    ],
+)
+def test_characters_that_would_steer_a_terminal_are_escapes_in_messages(right, wrong, said):
+    text = faults_of(RIG.replace(right, wrong, 1))
+    assert said in text
+    assert text.replace("\n", "").isprintable()
+
+
 def test_files_that_are_none(tmp_path):
+    os.mkfifo(tmp_path / "pipe")
     for file, message in [
         (tmp_path, "is a directory, not a case file"),
         (tmp_path / "absent.toml", "no such file"),
         ("/dev/null", "is not a file"),
         ("\0", "no such file"),
+        (tmp_path / "pipe", "is not a file"),
         (tmp_path / ("a" * 300), "cannot be read: File name too long"),
     ]:
-        with pytest.raises(CaseError, match=rf"^{re.escape(str(file))}: {message}$"):
+        with pytest.raises(CaseError, match=rf"^{re.escape(printable(str(file)))}: {message}$"):
             vibeam.load(file)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
+from vibeam.commands.streams import put, put_json, reader_gone, say
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -19,12 +19,15 @@ def answer(rows: Any, as_json: bool, tables: Tables = lambda tables: [], told: I
     from vibeam.report import output, table
 
     if as_json:
-        typer.echo(output.to_json(rows))
+        put_json(output.to_json(rows))
         return
     for shown in tables(table):
-        table.show(shown)
+        try:
+            table.show(shown)
+        except SystemExit:  # rich's answer to a reader that has gone
+            reader_gone()
     for line in told:
-        typer.echo(str(line))
+        put(str(line))
 
 
 def written(rows: Any, out: Path | None) -> None:
@@ -33,4 +36,4 @@ def written(rows: Any, out: Path | None) -> None:
         from vibeam.report import output
 
         output.write_csv(rows, out)
-        typer.echo(f"wrote {out}", err=True)
+        say(f"wrote {out}")

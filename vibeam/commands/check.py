@@ -6,6 +6,7 @@ import typer
 
 from vibeam.commands.answer import answer
 from vibeam.commands.arguments import AsJson, CaseFile, Overrides, ResultsFile, load, results_path
+from vibeam.commands.streams import say
 from vibeam.commands.working import swept
 
 MISSED = 1
@@ -15,7 +16,7 @@ def check(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: 
     """Compare a case with its reference curves: exit code 1 where one is missed."""
     loaded = load(case, set_)
     if not (loaded.references or loaded.expectations):
-        typer.echo(f"{case}: a sound case, but it names no reference to check against", err=True)
+        say(f"{case}: a sound case, but it names no reference to check against")
         answer([], as_json)
         return
     from vibeam import expect, references

@@ -9,8 +9,9 @@ from typing import TypeVar
 
 import typer
 
+from vibeam.commands.streams import STOPPED, WRONG, reader_gone, say
+
 Made = TypeVar("Made")
-WRONG, STOPPED = 2, 130
 
 
 class Mistake(Exception):
@@ -27,8 +28,12 @@ def mistakes() -> Iterator[None]:
         yield
     except (CaseError, StoreError, Mistake) as mistake:
         _stop(str(mistake), WRONG)
+    except BrokenPipeError:
+        reader_gone()
     except OSError as error:
         _stop(f"{error.filename or 'file'}: {(error.strerror or str(error)).lower()}", WRONG)
+    except MemoryError:
+        _stop("there is not enough memory: take fewer points, periods, modes or elements", WRONG)
     except KeyboardInterrupt as interrupt:
         _stop(str(interrupt) or "stopped", STOPPED)
 
@@ -42,5 +47,5 @@ def of_case(case: Path, make: Callable[[], Made]) -> Made:
 
 
 def _stop(message: str, code: int) -> None:
-    typer.echo(message, err=True)
+    say(message)
     raise typer.Exit(code) from None

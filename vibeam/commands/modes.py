@@ -10,6 +10,7 @@ import typer
 from vibeam.commands.answer import answer
 from vibeam.commands.arguments import AsJson, CaseFile, Overrides, load
 from vibeam.commands.mistakes import Mistake, of_case
+from vibeam.commands.streams import say
 
 
 def modes(
@@ -28,5 +29,5 @@ def modes(
     table = of_case(case, lambda: mode_table(loaded.scene, count))
     if out is not None:
         write_shapes(table, out)
-        typer.echo(f"wrote {out}", err=True)
+        say(f"wrote {out}")
     answer(table.rows, as_json, lambda tables: [tables.modal(table)])

@@ -10,6 +10,7 @@ import typer
 from vibeam.commands.answer import answer
 from vibeam.commands.arguments import AsJson
 from vibeam.commands.mistakes import Mistake
+from vibeam.commands.streams import put, say
 
 
 def new(
@@ -26,5 +27,5 @@ def new(
             file.write(template())
     except FileExistsError:
         raise Mistake(f"{target}: is there already: name another file") from None
-    typer.echo(f"wrote {target}: edit it, then: vibeam run {target}", err=as_json)
+    (say if as_json else put)(f"wrote {target}: edit it, then: vibeam run {target}")
     answer({"written": target}, as_json)

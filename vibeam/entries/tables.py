@@ -33,7 +33,10 @@ class Options(Entry):
 
 
 def _is_plain(value: Any) -> bool:
-    return isinstance(value, str) or (isinstance(value, int | float) and math.isfinite(value))
+    try:
+        return isinstance(value, str) or (isinstance(value, int | float) and math.isfinite(value))
+    except OverflowError:  # a whole number beyond the range of doubles
+        return False
 
 
 @dataclass(frozen=True)
