@@ -195,7 +195,9 @@ def _chain(case: BeamCase | SdofCase) -> Chain | None:
 def _references(case: BeamCase | SdofCase, folder: Path, swept: Direction) -> dict[str, Reference]:
     found = {}
     for name, table in case.reference.items():
-        values = table.model_dump() | {"file": (folder / table.file).resolve(), "direction": table.direction or swept}
+        file = (folder / table.file).absolute()
+        values = table.model_dump() | {"file": file, "direction": table.direction or swept}
+        values["quote"] = file.resolve().is_relative_to(folder.resolve())
         found[name] = Reference(name=name, **values)
     return found
 

@@ -13,7 +13,6 @@ from vibeam.lines import Path, key_parts
 from vibeam.reading import lists_of
 from vibeam.schema import BeamCase
 
-
 LISTS = lists_of(BeamCase)
 _INDEX = re.compile("[0-9]{1,9}")
 

@@ -28,7 +28,10 @@ class SweepPlan:
 
 @dataclass(frozen=True)
 class Reference:
-    """A curve to check against: ``quantity`` of ``fidelity``, within a relative ``tolerance``; ``file`` is absolute."""
+    """A curve to check against: ``quantity`` of ``fidelity``, within a relative ``tolerance``; ``file`` is absolute.
+
+    ``quote``: messages may show what the file holds; not where it lies outside the case's folder.
+    """
 
     name: str
     file: Path
@@ -36,6 +39,7 @@ class Reference:
     quantity: str
     tolerance: float
     direction: Direction
+    quote: bool = True
 
 
 @dataclass(frozen=True)

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
+from re import fullmatch
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.faults import CaseError, Fault, cure
+from vibeam.faults import CaseError, Fault, cure, shown
+from vibeam.reference_files import cells_of, fault_in
 from vibeam.response import Ended, FrequencyResponse
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
 QUANTITIES = ("amplitude", "maximum", "minimum", "reach", "impacts_per_period", "impact_velocity", "period")
 COLUMNS = ("frequency_hz", "direction", *QUANTITIES)
+NO_COLUMNS = "does not begin with the names of its columns: write {}"
 SAME_FREQUENCY = 1e-9  # relative
 SMALL = 1e-6  # a reference value is taken as no less than this share of the column's largest
 
@@ -78,58 +80,67 @@ def check(case: Case, result: Result, *, partial: bool = False) -> list[CheckRow
 def reference_points(reference: Reference) -> list[Point]:
     """The points of a case's reference, on the branches it is about; CaseError where its file cannot be read."""
     wanted = ("up", "down") if reference.direction == "both" else (reference.direction,)
-    return read_reference(reference.file, reference.quantity, wanted)
+    return read_reference(reference.file, reference.quantity, wanted, quote=reference.quote)
 
 
-def read_reference(path: Path, quantity: str, directions: Collection[str] = ("up", "down")) -> list[Point]:
-    """The points of a reference file that give ``quantity`` on the branches asked for; CaseError names its faults."""
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as fault:
-        raise CaseError([Fault(str(path), None, "", f"cannot be read: {fault}")]) from None
-    numbered = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
-    head = [cell.strip() for cell in numbered[0][1].split(",")] if numbered else []
-    faults = _column_faults(path, head, quantity)
+def read_reference(
+    path: Path, quantity: str, directions: Collection[str] = ("up", "down"), *, quote: bool = True
+) -> list[Point]:
+    """The points of a reference file that give ``quantity`` on the branches asked for; CaseError names its faults.
+
+    ``quote``: whether messages may show what the file holds, not only the line at which it is wrong.
+    """
+    lines = cells_of(path)
+    first, head = next(lines, (None, []))
+    faults = _column_faults(path, first, head, quantity)
     if faults:
-        raise CaseError(faults)
-    rows = zip((number for number, _ in numbered[1:]), csv.DictReader(line for _, line in numbered), strict=True)
-    return [point for number, row in rows for point in _points(path, number, row, quantity, directions)]
+        raise CaseError(faults if quote else [fault_in(path, first, NO_COLUMNS.format(_heading(quantity)))])
+    found = []
+    for number, cells in lines:
+        try:
+            point = _point(number, (head, cells), quantity)
+        except ValueError as fault:
+            why = str(fault) if quote else "write a frequency in Hz, up or down, and numbers"
+            raise CaseError([fault_in(path, number, f"is no reference point: {why}")]) from None
+        if point.direction in directions and not point.value is point.period is None:
+            found.append(point)
+    return found
 
 
-def _column_faults(path: Path, head: list[str], quantity: str) -> list[Fault]:
-    missing = [name for name in ("frequency_hz", "direction", quantity) if name not in head]
-    unknown = [name for name in head if name not in COLUMNS]
-    faults = [Fault(str(path), None, name, "the column is missing") for name in missing]
-    return faults + [Fault(str(path), None, name, f"unknown column; {cure(name, COLUMNS)}") for name in unknown]
+def _heading(quantity: str) -> str:
+    return f"frequency_hz,direction,{quantity}"
 
 
-def _points(
-    path: Path, number: int, row: dict[str, str], quantity: str, directions: Collection[str]
-) -> Iterator[Point]:
-    """One point, or none where nothing is given or on another branch."""
-    try:
-        point = _point(number, row, quantity)
-    except (ValueError, TypeError, AttributeError) as fault:
-        raise CaseError([Fault(str(path), number, "", f"is no reference point: {fault}")]) from None
-    if point.direction in directions and not point.value is point.period is None:
-        yield point
+def _column_faults(path: Path, line: int | None, head: list[str], quantity: str) -> list[Fault]:
+    if not set(head) & set(COLUMNS):
+        return [fault_in(path, line, NO_COLUMNS.format(_heading(quantity)))]
+    wrong = [(name, "the column is missing") for name in _heading(quantity).split(",") if name not in head]
+    wrong += [(name, f"unknown column; {cure(name, COLUMNS)}") for name in head if name not in COLUMNS]
+    wrong += [(name, "the column is there twice") for name in COLUMNS if head.count(name) > 1]
+    return [fault_in(path, line, message, name) for name, message in wrong]
 
 
-def _point(number: int, row: dict[str, str], quantity: str) -> Point:
-    if None in row or None in row.values():
-        raise ValueError("it has not one cell a column")
-    cells = {name: cell.strip() for name, cell in row.items()}
+def _point(number: int, row: tuple[list[str], list[str]], quantity: str) -> Point:
+    head, given = row
+    if len(head) != len(given):
+        raise ValueError(f"{len(given)} cells for {len(head)} columns")
+    cells = dict(zip(head, given, strict=True))
     if cells["direction"] not in ("up", "down"):
-        raise ValueError(f"direction {cells['direction']!r} is neither up nor down")
+        raise ValueError(f"direction {shown(cells['direction'])} is neither up nor down")
     value = _finite(cells[quantity]) if cells[quantity] else None
-    period = int(cells["period"]) if cells.get("period") else None
-    return Point(number, _finite(cells["frequency_hz"]), cells["direction"], value, period)
+    period = cells.get("period")
+    if period and not fullmatch("[+-]?[0-9]{1,9}", period):
+        raise ValueError(f"the period {shown(period)} is not a whole number")
+    return Point(number, _finite(cells["frequency_hz"]), cells["direction"], value, int(period) if period else None)
 
 
 def _finite(text: str) -> float:
-    number = float(text)
+    try:
+        number = float(text)
+    except ValueError:
+        raise ValueError(f"{shown(text)} is not a number") from None
     if not isfinite(number):
-        raise ValueError(f"{text!r} is not a finite number")
+        raise ValueError(f"{shown(text)} is not a finite number")
     return number
 
 

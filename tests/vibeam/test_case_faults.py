@@ -11,6 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import vibeam
+from vibeam.canonical import written
 from vibeam.case import parse
 from vibeam.faults import CaseError, Fault, printable
 from vibeam.keys import template
@@ -276,8 +277,24 @@ def test_an_entry_of_a_list_of_tables_is_set_by_its_index():
         ("a = 1\n".encode("utf-16"), ": is UTF-16 text: save it as UTF-8"),
         (b'a = "\0"\n', ":1: not TOML at column 6: Illegal character '\\x00'"),
     ],
-    ids=["empty", "comment", "binary", "large", "syntax", "twice", "cut", "deep", "digits"]
-    + ["parts", "many_parts", "quoted_parts", "lists", "inline", "utf-16", "nul"],
+    ids=[
+        "empty",
+        "comment",
+        "binary",
+        "large",
+        "syntax",
+        "twice",
+        "cut",
+        "deep",
+        "digits",
+        "parts",
+        "many",
+        "quoted",
+        "lists",
+        "inline",
+        "utf-16",
+        "nul",
+    ],
 )
 def test_what_is_no_case_at_all(tmp_path, content, message):
     file = tmp_path / "mine.toml"
@@ -293,7 +310,7 @@ def test_what_is_no_case_at_all(tmp_path, content, message):
         ("[sensor]", '"\\u001b[2J\\u202e" = 1\n[sensor]', r"\u001b[2J\u202e"),
         ('"180 mm"', '"\\u001b]0;mine\\u0007 mm"', r"'\x1b]0;mine\x07 mm'"),
         ("[fidelity.sdof]", '[fidelity."a\\n\\u0085b"]', r'fidelity."a\n\x85b"'),
-        ("sdof]", "sdof]\noptions = { \"\\u009b\" = [] }", r"\x9b: must be"),
+        ("sdof]", 'sdof]\noptions = { "\\u009b" = [] }', r"\x9b: must be"),
         ("sdof]", 'sdof]\nset = { "stop.g\\u2028ap" = 1 }', r"stop.g\u2028ap"),
     ],
 )
@@ -355,6 +372,26 @@ def test_a_case_with_a_piece_replaced_is_a_case_or_a_case_error(data):
     start = data.draw(st.integers(0, len(text)))
     piece = data.draw(st.sampled_from(["[", "]", "=", '"', "{", "\n", "nan", "1e999", "[]", "{}", "[[", "true"]))
     survives(text[:start] + piece + text[start + data.draw(st.integers(0, 12)) :])
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        (".", "'.' is a folder, not a file"),
+        ("pipe.csv", "'pipe.csv' is not a regular file"),
+        ("/dev/zero", "'/dev/zero' is not a regular file"),
+        ("vast.csv", "'vast.csv' has 6000 MB; a reference file has at most 100 MB"),
+        ("a\x1b.csv", "no file 'a\\x1b.csv' in the case file's folder"),
+    ],
+)
+def test_a_reference_that_is_no_table_is_refused_before_anything_runs(tmp_path, name, message):
+    os.mkfifo(tmp_path / "pipe.csv")
+    with (tmp_path / "vast.csv").open("wb") as file:
+        file.truncate(6 * 10**9)
+    text = RIG + REFERENCE.replace('"no.csv"', written(name))
+    with pytest.raises(CaseError) as caught:
+        parse(text, tmp_path / "mine.toml")
+    assert str(caught.value) == f"{tmp_path}/mine.toml:28: reference.exact.file: {message}"
 
 
 values = st.recursive(

@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
+import os
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from stand_in import case, curve
+from stand_in import SDOF, case, curve
 
-from vibeam.case import load
+from vibeam.case import load, parse
 from vibeam.compare import compare, distance, period_one_range
-from vibeam.faults import CaseError
+from vibeam.faults import CaseError, printable
 from vibeam.fidelity import restitutions
 from vibeam.plans import Reference
-from vibeam.references import CheckRow, check, read_reference
+from vibeam.references import CheckRow, check, read_reference, reference_points
 from vibeam.response import Branches, Ended
 from vibeam.result import Result
 
@@ -170,13 +172,16 @@ def test_a_value_of_zero_is_compared_with_the_largest(tmp_path: Path) -> None:
     [
         ("frequency_hz,direction\n", "", "amplitude: the column is missing"),
         ("frequency_hz,direction,amplitude,amplitud\n", "", "did you mean 'amplitude'"),
-        ("", "", "frequency_hz: the column is missing"),
+        ("frequency_hz,direction,amplitude,direction\n", "", ":1: direction: the column is there twice"),
         (HEAD, "14,sideways,1,,,,,,1\n", ":3: is no reference point: direction 'sideways'"),
-        (HEAD, "14,up,one,,,,,,1\n", ":3: is no reference point"),
-        (HEAD, "14,up\n", ":3: is no reference point"),
-        (HEAD, "14,up,1,,,,,,1,7,8\n", ":3: is no reference point"),
-        (HEAD, "14,up,1,,,,,,1.5\n", ":3: is no reference point"),
-        (HEAD, "14,up,nan,,,,,,1\n", ":3: is no reference point"),
+        (HEAD, "14,up,one,,,,,,1\n", ":3: is no reference point: 'one' is not a number"),
+        (HEAD, "14,up\n", ":3: is no reference point: 2 cells for 9 columns"),
+        (HEAD, "14,up,1,,,,,,1,7,8\n", ":3: is no reference point: 11 cells for 9 columns"),
+        (HEAD, "14,up,1,,,,,,1.5\n", ":3: is no reference point: the period '1.5' is not a whole number"),
+        (HEAD, "14,up,nan,,,,,,1\n", ":3: is no reference point: 'nan' is not a finite number"),
+        (HEAD, "14,up,1e400,,,,,,1\n", ":3: is no reference point: '1e400' is not a finite number"),
+        (HEAD, f"14,up,1,,,,,,{'1' * 5000}\n", ":3: is no reference point: the period '11"),
+        (HEAD, f"14,up,1,,,,,,1{' ' * 200_000}\n", ":3: is no line of a table: field larger than field limit"),
     ],
 )
 def test_a_file_that_is_no_reference_says_where(tmp_path: Path, head: str, lines: str, message: str) -> None:
@@ -188,9 +193,62 @@ def test_a_file_that_is_no_reference_says_where(tmp_path: Path, head: str, lines
 
 def test_a_reference_that_cannot_be_read_says_so(tmp_path: Path) -> None:
     (tmp_path / "b.csv").write_bytes(b"\xff\xfe\x00")
-    for path in (tmp_path, tmp_path / "none.csv", tmp_path / "b.csv"):
-        with pytest.raises(CaseError, match="cannot be read"):
+    os.mkfifo(tmp_path / "pipe.csv")
+    with (tmp_path / "vast.csv").open("wb") as file:
+        file.truncate(6 * 10**9)
+    (tmp_path / "zeros.csv").write_bytes(bytes(10_000_000))
+    for name, message in {
+        "": ": is a folder, not a file",
+        "none.csv": ": no such file",
+        "\0": ": cannot be read: embedded null byte",
+        "b.csv": ": cannot be read: it is not UTF-8 text",
+        "pipe.csv": ": is not a regular file",
+        "vast.csv": ": has 6000 MB; a reference file has at most 100 MB",
+        "zeros.csv": ":1: is no line of a table: field larger than field limit (131072)",
+    }.items():
+        path = tmp_path / name
+        with pytest.raises(CaseError) as caught:
             read_reference(path, "amplitude")
+        assert str(caught.value) == printable(f"{path}{message}")
+
+
+@pytest.mark.parametrize("text", ["14,up,1\n15,up,2\n", "", "# nothing\n", "x,y\n1,2\n", "\n\n14 up 1\n"])
+def test_a_reference_without_a_heading_is_one_fault(tmp_path: Path, text: str) -> None:
+    (tmp_path / "a.csv").write_text(text, encoding="utf-8")
+    with pytest.raises(CaseError) as caught:
+        read_reference(tmp_path / "a.csv", "reach")
+    assert len(caught.value.faults) == 1
+    assert "does not begin with the names of its columns: write frequency_hz,direction,reach" in str(caught.value)
+
+
+def test_a_table_of_a_spreadsheet_is_read(tmp_path: Path) -> None:
+    text = 'frequency_hz, "direction", amplitude\n"14", "up", 1e-3\n'
+    (tmp_path / "a.csv").write_text(text.replace(", ", ","), encoding="utf-8-sig", newline="\r\n")
+    (point,) = read_reference(tmp_path / "a.csv", "amplitude")
+    assert (point.frequency, point.direction, point.value) == (14.0, "up", 1e-3)
+
+
+def test_a_reference_is_named_by_its_shorter_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "a.csv").write_text(HEAD + "14,up,one,,,,,,1\n", encoding="utf-8")
+    (tmp_path / "rig").mkdir()
+    for folder, name in ((tmp_path, "a.csv"), (tmp_path / "rig", "../a.csv"), (Path("/"), str(tmp_path / "a.csv")[1:])):
+        monkeypatch.chdir(folder)
+        with pytest.raises(CaseError) as caught:
+            read_reference(tmp_path / "a.csv", "amplitude")
+        assert str(caught.value).startswith(f"{name}:3: ")
+
+
+@pytest.mark.parametrize("text", ["secret,direction,amplitude\n", HEAD + "secret,up,1,,,,,,1\n", "secret\n"])
+def test_what_a_file_outside_the_case_s_folder_holds_is_not_shown(tmp_path: Path, text: str) -> None:
+    (tmp_path / "rig").mkdir()
+    (tmp_path / "a.csv").write_text(text, encoding="utf-8")
+    table = '[reference.exact]\nfile = "../a.csv"\nfidelity = "sdof"\nquantity = "amplitude"\ntolerance = 1\n'
+    reference = parse(SDOF + table, tmp_path / "rig" / "case.toml").references["exact"]
+    with pytest.raises(CaseError, match=r"a\.csv:[13]: ") as caught:
+        reference_points(reference)
+    assert "secret" not in str(caught.value)
+    with pytest.raises(CaseError, match="secret" if "," in text else "names of its columns"):
+        reference_points(replace(reference, quote=True))
 
 
 def test_every_reference_in_the_repository_can_be_read() -> None:

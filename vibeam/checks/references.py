@@ -10,6 +10,7 @@ from vibeam.checks.names import NAME, named_fidelity
 from vibeam.faults import cure, shown
 from vibeam.lines import Path
 from vibeam.reading import Complaint
+from vibeam.reference_files import file_fault
 from vibeam.schema import EXTENTS, QUANTITIES
 from vibeam.show import KINDS, LIMITS, READ
 
@@ -18,8 +19,8 @@ def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]
     """Complaints about every [reference.NAME]; files are looked for from ``folder``."""
     for name, reference in case.reference.items():
         yield from named_fidelity(case, ("reference", name, "fidelity"), reference.fidelity)
-        if reference.file is not None and not _is_file(folder, reference.file):
-            yield ("reference", name, "file"), f"no file {shown(reference.file)} in the case file's folder"
+        if reference.file is not None and (fault := _file_fault(folder, reference.file)):
+            yield ("reference", name, "file"), fault
         yield from _swept(case, ("reference", name, "direction"), reference.direction)
 
 
@@ -71,8 +72,8 @@ def _swept(case: SimpleNamespace, path: Path, way: str | None) -> Iterator[Compl
         yield path, f'"{way}" is not swept: sweep.direction is "{swept}"'
 
 
-def _is_file(folder: File, name: str) -> bool:
-    try:
-        return (folder / name).is_file()
-    except (OSError, ValueError):
-        return False
+def _file_fault(folder: File, name: str) -> str | None:
+    fault = file_fault(folder / name)
+    if fault == "no such file" or "\0" in name:
+        return f"no file {shown(name)} in the case file's folder"
+    return fault and f"{shown(name)} {fault}"
