@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 from vibeam.commands.streams import put, put_json, reader_gone, say
 
 if TYPE_CHECKING:
-    from rich.table import Table
+    from vibeam.report.fit import ReportTable
 
-Tables = Callable[[Any], list["Table"]]
+Tables = Callable[[Any], list["ReportTable"]]
 
 
 def answer(rows: Any, as_json: bool, tables: Tables = lambda tables: [], told: Iterable[object] = ()) -> None:

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
-from rich.table import Table
 
+from vibeam.report.fit import ReportTable
 from vibeam.report.table import blank
 from vibeam.report.units import METRIC, Units, percent
 
@@ -24,11 +24,10 @@ WAYS = {
 }
 
 
-def choices(study: Study) -> Table:
+def choices(study: Study) -> ReportTable:
     """Every rung, the cheapest model first."""
-    table = blank(f"Within {percent(study.within)} of {study.finest}", "fidelity", "modes|", "solver", "points|")
-    for name in ("asked|", "estimate|", "CPU|", "why"):
-        table.add_column(name.rstrip("|"), justify="right" if name.endswith("|") else "left")
+    names = ("fidelity", "modes|", "solver", "points|", "asked|", "estimate|", "CPU|", "why")
+    table = blank(f"Within {percent(study.within)} of {study.finest}", *names, heads=3)
     for row in study.chosen:
         if row.asked:
             told = percent(row.estimate) if row.taken else "–"

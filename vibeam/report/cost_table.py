@@ -7,9 +7,9 @@ from itertools import groupby
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from rich.table import Table
 from rich.text import Text
 
+from vibeam.report.fit import ReportTable
 from vibeam.report.table import blank, coefficient
 from vibeam.report.units import percent
 
@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 RATIO = 10.0  # times smaller: then a sentence says so
 
 
-def runs(study: Study) -> Table:
+def runs(study: Study) -> ReportTable:
     """Every run: its error against the reference and against its own fidelity's exact motion, and its work."""
     chaos = any(isfinite(row.numerical.statistics) for row in study.rows)
     names = ["fidelity", "modes|", "solver", "points|", "off|", "rms|", "by solver|", "path|", "impacts|"]
     names += ["statistics|"] * chaos + ["CPU|", "µs/period|", "µs/impact|", "", "why"]
-    table = blank("Accuracy and time", *names)
+    table = blank("Accuracy and time", *names, heads=3)
     table.caption = _legend(study, chaos)
     last = ""
     for index, row in enumerate(study.rows):
@@ -63,16 +63,15 @@ def _run(row: Row, again: bool, best: bool, chaos: bool) -> list[str | Text]:
     return [*head, *cells, "*" if best else "", Text(row.why, style="red")]
 
 
-def parts(study: Study) -> Table:
+def parts(study: Study) -> ReportTable:
     """Every fidelity's error and its parts."""
     table = blank("Where the error comes from", "fidelity", "modes|", "R₁ seen|", "in all|")
     shown = [
         index for index in range(len(study.splits[0].parts)) if any(_counts(split, index) for split in study.splits)
     ]
     for index in shown:
-        table.add_column(study.splits[0].parts[index].name, justify="right")
-    for name in ("by the solver", "CPU, exact"):
-        table.add_column(name, justify="right")
+        table.add(f"{study.splits[0].parts[index].name}|")
+    table.add("by the solver|", "CPU, exact|")
     table.caption = (
         f"signed means of amplitude over that of {study.truth}: they add up; R₁: restitution that the first mode sees"
     )

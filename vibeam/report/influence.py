@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from math import isfinite, isinf
 from typing import TYPE_CHECKING
 
-from rich.table import Table
 from rich.text import Text
 
 from vibeam.report.cost_table import signed
+from vibeam.report.fit import ReportTable
 from vibeam.report.table import blank
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ SHOWN = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3), "Hz": ("Hz", 1.0), "1": ("", 1.
 MOVED = 0.005  # relative: a mode's frequency has changed
 
 
-def taken_away(study: Study) -> Table:
+def taken_away(study: Study) -> ReportTable:
     """Every effect: what it adds, and what changes when it alone is taken away."""
     names = (f"{SHORT[quantity.name]}|" for quantity in study.quantities)
     head = ("coordinates|", "modes|", "CPU|", *names, "influence|", "")
@@ -50,7 +50,7 @@ def taken_away(study: Study) -> Table:
     return table
 
 
-def left_alone(study: Study) -> Table:
+def left_alone(study: Study) -> ReportTable:
     """Every effect: how far the model with it alone is from the complete one; none of them; those that are enough."""
     names = (f"{SHORT[quantity.name]}|" for quantity in study.quantities)
     table = blank("When one effect alone is left", "with", "coordinates|", "modes|", *names, "worst|")

@@ -6,10 +6,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from math import isfinite
 
-from rich import box
 from rich.console import Console
-from rich.measure import Measurement
-from rich.table import Table
 from rich.text import Text
 
 from vibeam.compare import Summary
@@ -17,33 +14,42 @@ from vibeam.derive import Row
 from vibeam.keys import Row as KeyRow
 from vibeam.modes import ModeTable
 from vibeam.references import CheckRow
+from vibeam.report.fit import ReportTable, fitted, needed
 from vibeam.report.units import METRIC, Units, percent
 from vibeam.stability.rows import Crossing
 
 WIDEST = 160
 
 
-def show(table: Table) -> None:
-    """Print a table on stdout; where that is no terminal, as wide as the table needs."""
+def show(table: ReportTable) -> None:
+    """Print a table on stdout, in pieces where the terminal is too narrow for it; into a file as wide as it is."""
     console = Console(file=sys.stdout, highlight=False, markup=False)
     if not console.is_terminal:
-        needed = Measurement.get(console, console.options.update(max_width=WIDEST), table).maximum
-        console.width = max(80, needed)
-    console.print(table)
+        console.width = max(80, min(WIDEST, needed(table)))
+    width = console.width
+    for piece in fitted(table, width):
+        title, piece.title = str(piece.title), None
+        console.width = max(width, needed(piece))  # a single number may be wider than a very narrow terminal
+        console.print(Text(title, style="bold"))
+        console.print(piece)
+        console.width = width
+    if table.caption:
+        console.print(Text(str(table.caption), style="dim italic"))
+    console.print()
 
 
-def responses(summaries: Sequence[Summary], units: Units = METRIC) -> Table:
+def responses(summaries: Sequence[Summary], units: Units = METRIC) -> ReportTable:
     """Every fidelity: its peak and the range in which its motion with impacts has the drive's period."""
     ways = [way for way in ("up", "down") if any(way in row.period_one for row in summaries)]
-    unit = f" ({units.frequency})" if units.frequency else ""
-    table = blank("Response", "fidelity", "modes|", "R|", "R₁|", "peak|", "at|", "sweep")
-    _columns(table, *(f"period 1, {way}{unit}|" for way in ways))
+    hertz, length = (f" ({unit})" if unit else "" for unit in (units.frequency, units.length))
+    table = blank("Response", "fidelity", "modes|", "R|", "R₁|", f"peak{length}|", f"at{hertz}|")
+    table.add(*(f"period 1, {way}{hertz}|" for way in ways))
     table.caption = (
-        "R: restitution of the contact; R₁: what mode 1 sees of it\n"
+        "R: restitution of the contact; R₁: what mode 1 sees of it; ↑ ↓: way of the sweep\n"
         "period 1: the contiguous range with impacts around the largest amplitude"
     )
     for row in summaries:
-        peak = (units.lengths(row.peak_amplitude), units.frequencies(row.peak_frequency), row.peak_direction)
+        peak = (plain(units.lengths(row.peak_amplitude)), _peak_frequency(row, units))
         seen = map(coefficient, (row.restitution, row.first_mode_restitution))
         table.add_row(
             row.fidelity, str(row.modes), *seen, *peak, *(units.range(row.period_one.get(way)) for way in ways)
@@ -51,11 +57,21 @@ def responses(summaries: Sequence[Summary], units: Units = METRIC) -> Table:
     return table
 
 
-def costs(summaries: Sequence[Summary]) -> Table:
+def _peak_frequency(row: Summary, units: Units) -> str:
+    arrow = {"up": " ↑", "down": " ↓"}.get(row.peak_direction, "")
+    return plain(units.frequencies(row.peak_frequency)) + arrow
+
+
+def plain(quantity: str) -> str:
+    """A number without its unit, which the column's name has."""
+    return quantity.partition(" ")[0]
+
+
+def costs(summaries: Sequence[Summary]) -> ReportTable:
     """Every fidelity: how far from the finest, at what cost."""
     table = blank("Accuracy and cost", "fidelity", "max off|", "rms off|", "CPU|", "ratio|")
-    _columns(table, "impacts|", "ns each|", "failed|")
-    table.caption = "off: amplitude, where both it and the finest are periodic; ratio: to the cheapest"
+    table.add("impacts|", "ns each|", "failed|")
+    table.caption = "off: in amplitude, where it and the finest are periodic; ratio: to the cheapest"
     for row in summaries:
         per_impact = f"{row.nanoseconds_per_impact:.0f}" if row.impacts else "–"
         cost = (f"{row.cpu_seconds:.3g} s", f"{row.cost_ratio:.3g}", str(row.impacts), per_impact)
@@ -63,9 +79,10 @@ def costs(summaries: Sequence[Summary]) -> Table:
     return table
 
 
-def checks(rows: Iterable[CheckRow], units: Units = METRIC) -> Table:
+def checks(rows: Iterable[CheckRow], units: Units = METRIC) -> ReportTable:
     """Every reference: passed or missed, by how much and where."""
-    table = blank("References", "", "reference", "fidelity", "quantity", "points|", "worst|", "at|", "allowed|", "why")
+    names = ("", "reference", "fidelity", "quantity", "points|", "worst|", "at|", "allowed|", "why")
+    table = blank("References", *names, heads=2)
     for row in rows:
         mark = Text("passed", style="green") if row.passed else Text("missed", style="bold red")
         points = str(row.points) if row.points == row.total else f"{row.points} of {row.total}"
@@ -74,9 +91,9 @@ def checks(rows: Iterable[CheckRow], units: Units = METRIC) -> Table:
     return table
 
 
-def crossings(rows: Sequence[Crossing], own: str, units: Units = METRIC) -> Table:
+def crossings(rows: Sequence[Crossing], own: str, units: Units = METRIC) -> ReportTable:
     """Every boundary that the case itself runs into as the frequency changes."""
-    table = blank(f"Boundaries at the case's own {own}", "fidelity", "boundary", "motion", "at|", "velocity|")
+    table = blank(f"Boundaries at the case's own {own}", "fidelity", "boundary", "motion", "at|", "velocity|", heads=2)
     table.add_column("multipliers", justify="right")
     table.caption = "of motions with one impact a span that keep clear of the stop between; velocity: of the impact"
     for row in rows:
@@ -86,7 +103,7 @@ def crossings(rows: Sequence[Crossing], own: str, units: Units = METRIC) -> Tabl
     return table
 
 
-def derivation(rows: Iterable[Row]) -> Table:
+def derivation(rows: Iterable[Row]) -> ReportTable:
     """SDOF parameters from geometry, each beside its finite-element value."""
     table = blank("SDOF parameters", "parameter", "symbol", "by formula|", "by FE|", "unit", "error|", "assumption")
     for row in rows:
@@ -96,10 +113,10 @@ def derivation(rows: Iterable[Row]) -> Table:
     return table
 
 
-def modal(modes: ModeTable) -> Table:
+def modal(modes: ModeTable) -> ReportTable:
     """The modal table: what each mode brings to contact, sensor and drive, and the restitution that is left."""
     table = blank("Modes of the finite-element beam", "mode|", "Hz|", "damping|")
-    _columns(table, "contact|", "sensor|", "load|", "Σ share|", "R₁ seen|", "R|")
+    table.add("contact|", "sensor|", "load|", "Σ share|", "R₁ seen|", "R|")
     for row in modes.rows:
         values = (f"{value:.4g}" for value in (row.contact, row.sensor, row.load))
         restitutions = (f"{row.first_mode_restitution:.4f}", f"{row.contact_restitution:.4f}")
@@ -112,9 +129,9 @@ def modal(modes: ModeTable) -> Table:
     return table
 
 
-def keys(rows: Iterable[KeyRow]) -> Table:
+def keys(rows: Iterable[KeyRow]) -> ReportTable:
     """Every key of a case file, by table."""
-    table = blank("Keys of a case file", "table", "key", "holds", "default", "meaning")
+    table = blank("Keys of a case file", "table", "key", "holds", "default", "meaning", heads=2)
     last = ""
     for row in rows:
         if last and row.table != last:
@@ -125,19 +142,14 @@ def keys(rows: Iterable[KeyRow]) -> Table:
     return table
 
 
-def blank(title: str, *names: str) -> Table:
-    """An empty table; a name that ends in | is a column of numbers, to the right."""
-    table = Table(title=title, box=box.SIMPLE_HEAD, collapse_padding=True, pad_edge=False)
-    table.title_justify = table.caption_justify = "left"
-    table.title_style = "bold"
-    _columns(table, *names)
+def blank(title: str, *names: str, heads: int = 1) -> ReportTable:
+    """An empty table; a name that ends in | is a column of numbers, to the right.
+
+    The first ``heads`` columns come again where the others need a further table.
+    """
+    table = ReportTable(title, heads)
+    table.add(*names)
     return table
-
-
-def _columns(table: Table, *names: str) -> None:
-    """Add columns; a name that ends in | is a column of numbers, to the right."""
-    for name in names:
-        table.add_column(name.rstrip("|"), justify="right" if name.endswith("|") else "left")
 
 
 def coefficient(value: float) -> str:

@@ -32,7 +32,7 @@ class Units:
         if ends is None:
             return "–"
         low, high = (f"{end * self.frequency_factor:.5g}" for end in ends)
-        return f"{low} … {high}"
+        return f"{low}–{high}"
 
 
 METRIC = Units("mm", 1e3, "Hz", 1.0)
