@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -30,6 +30,7 @@ from vibeam.solvers.regimes.kernels.layout import CONTACT, PEAK
 from vibeam.solvers.warm_up import warm_up_motion
 from vibeam.state import State
 from vibeam.system import Drive, ImpactSystem
+from vibeam_models.arguments import count, floats, number, refuse, require
 
 if TYPE_CHECKING:
     from vibeam.certificate import Certificate
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from vibeam.solvers.regimes.solver import RegimeSolver
 
 Array = NDArray[np.float64]
+MOST_IMPACTS = 10**15  # what is counted in an int64, with room to spare
 
 
 @dataclass(frozen=True)
@@ -132,7 +134,7 @@ class Trajectory:
 
     def modes_at(self, t: ArrayLike) -> Array:
         """Modal displacements and velocities (…, 2, n) at times t of any shape; ValueError outside the motion."""
-        times = np.asarray(t, dtype=float)
+        times = floats("t", t)
         if times.size and not (np.min(times) >= self.t_start and np.max(times) <= self.t_end):
             raise ValueError(f"t: must lie in [{self.t_start}, {self.t_end}]")
         found = self._solver.poses_at(self.drive, self._segments, np.ascontiguousarray(times.ravel()))
@@ -159,22 +161,35 @@ def simulate(
     ``state``: where it starts, static equilibrium where None. ``max_impacts``: it ends there with Ended.EVENT_LIMIT.
     ``certify``: the result carries a ``certificate`` that no impact was missed, at less than the motion's cost again
     (restitution and uncoupled damping only).
-    ValueError for times that do not ascend, a state of the wrong shape or an unknown solver; a start beyond the stop
-    ends at once with Ended.PENETRATED.
+    ValueError for times that do not ascend, a state of the wrong shape, an unknown solver or an argument of another
+    type; a start beyond the stop ends at once with Ended.PENETRATED.
     """
-    if not (np.isfinite(t_start) and np.isfinite(t_end) and t_end >= t_start >= 0):
-        raise ValueError(f"times: t_end {t_end} must be finite and not before t_start {t_start} ≥ 0")
+    require("system", system, ImpactSystem)
+    require("drive", drive, Drive)
+    require("state", state, State, none_too=True)
+    start, end, limit = _checked(t_start, t_end, max_impacts)
     if solver != "flight":
         raise ValueError(f"solver: {solver!r} keeps no exact path, only 'flight' does; its class has motion() instead")
     if certify:
         system.require_plain("a certificate")
-    runner = solver_named(solver, system, drive.omega, t_end - t_start)
+    runner = solver_named(solver, system, drive.omega, end - start)
     warm_up_motion(system, drive)
-    ended, last, after, segments, stats = runner.simulate(drive, state, t_start, t_end, max_impacts)
+    ended, last, after, segments, stats = runner.simulate(drive, state, start, end, limit)
     return Trajectory(
-        system, drive, t_start, last, after, ended, stats, runner, segments,
+        system, drive, start, last, after, ended, stats, runner, segments,
         _certificate(runner, drive, segments) if certify else None,
     )  # fmt: skip
+
+
+def _checked(t_start: Any, t_end: Any, max_impacts: Any) -> tuple[float, float, int]:
+    """The same as floats and an int; ValueError with every fault."""
+    faults: list[str] = []
+    start, end = number("t_start", t_start, faults, least=0.0), number("t_end", t_end, faults)
+    limit = count("max_impacts", max_impacts, faults, most=MOST_IMPACTS)
+    if end < start:
+        faults.append(f"t_end {end:g} must not be before t_start {start:g}")
+    refuse("simulate", faults)
+    return start, end, limit
 
 
 def _certificate(runner: FlightSolver, drive: Drive, segments: Segments) -> Certificate:

@@ -3,18 +3,50 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from vibeam_models.arguments import read_only
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class State:
     """Modal displacement and velocity (n,) of an ImpactSystem; ``resting``: in lasting contact with the stop.
 
-    The drive's phase is not part of it: a computation says at which time it starts.
+    The drive's phase is not part of it: a computation says at which time it starts. Both may be lists; they are kept
+    as read-only arrays. ValueError where they are not as many finite numbers each.
     """
 
-    displacement: NDArray[np.float64]
-    velocity: NDArray[np.float64]
+    displacement: Array
+    velocity: Array
     resting: bool = False
+
+    def __post_init__(self) -> None:
+        displacement, velocity = read_only(self.displacement), read_only(self.velocity)
+        if displacement is None or velocity is None or not _fit(displacement, velocity):
+            raise ValueError("state: displacement and velocity must be as many finite numbers each, one a mode")
+        if not isinstance(self.resting, bool | np.bool_):
+            raise ValueError(f"state: resting must be True or False, not {self.resting!r}")
+        _set(self, displacement, velocity, bool(self.resting))
+
+    @classmethod
+    def reached(cls, displacement: Array, velocity: Array, resting: bool = False) -> State:
+        """The state in which a computation ended, not looked at: what overflowed is not finite."""
+        state = object.__new__(cls)
+        _set(state, displacement, velocity, resting)
+        return state
+
+
+def _fit(displacement: Array, velocity: Array) -> bool:
+    if displacement.ndim != 1 or not displacement.size or displacement.shape != velocity.shape:
+        return False
+    return bool(np.isfinite(displacement).all() and np.isfinite(velocity).all())
+
+
+def _set(state: State, *values: Any) -> None:
+    for name, value in zip(("displacement", "velocity", "resting"), values, strict=True):
+        object.__setattr__(state, name, value)

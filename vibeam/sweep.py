@@ -15,9 +15,12 @@ from vibeam.solvers import solver as solver_named
 from vibeam.solvers.warm_up import warm_up_once
 from vibeam.state import State
 from vibeam.system import ImpactSystem
+from vibeam_models.arguments import count, floats, number, refuse, require
 
 Array = NDArray[np.float64]
 Direction = Literal["up", "down", "both"]
+LONGEST = 10**9  # drive periods that a point may take to settle: at 0.2 µs each, minutes
+HELD = 10**8  # states of modes, one a drive period, that a point may hold: 1.6 GB
 
 
 def march(
@@ -46,13 +49,15 @@ def march(
     ``options``: the solver's own. ``drift`` (points,): what is added to the gap at each point, m. ``wear``: what each
     impact adds to the gap of the points after it, m, settling included; ``struck`` impacts came before the first.
     A point that fails is NaN with its reason, and the next one starts from equilibrium.
-    ValueError for a grid, periods or solver that make no sense, KeyError for an unknown output.
+    ``settle`` is at most 10⁹, ``hold`` at most 10⁸ over the number of modes. ValueError for a grid, periods, solver or
+    type of argument that makes no sense, KeyError for an unknown output.
     """
-    grid = np.atleast_1d(np.asarray(omega, dtype=float))
+    require("system", system, ImpactSystem)
+    require("state", state, State, none_too=True)
+    grid = np.atleast_1d(floats("omega", omega))
     if grid.ndim != 1 or not len(grid) or not np.all(np.isfinite(grid) & (grid > 0)):
         raise ValueError("omega: must be one or more positive frequencies in rad/s")
-    if settle < 0 or hold < 1 or block < 1:
-        raise ValueError(f"settle {settle} must be ≥ 0, hold {hold} and block {block} ≥ 1")
+    settle, hold, block, struck = _counts(system, settle, hold, block, struck)
     drives = _amplitudes(amplitude, grid)
     system.output(output)
     rate = float(grid.min()) if slowest is None else slowest
@@ -69,9 +74,23 @@ def march(
         yield response, state
 
 
+def _counts(system: ImpactSystem, *given: Any) -> tuple[int, int, int, int]:
+    """settle, hold, block and struck as ints; ValueError with every fault."""
+    faults: list[str] = []
+    settle, hold, block, struck = given
+    found = (
+        count("settle", settle, faults, most=LONGEST),
+        count("hold", hold, faults, least=1, most=HELD // system.size),
+        count("block", block, faults, least=1),
+        count("struck", struck, faults),
+    )
+    refuse("", faults)
+    return found
+
+
 def _amplitudes(amplitude: ArrayLike, grid: Array) -> Array:
     """One number, or one for each frequency; ValueError for anything else."""
-    drives = np.asarray(amplitude, dtype=float)
+    drives = floats("amplitude", amplitude)
     if drives.shape not in ((), grid.shape):
         raise ValueError(f"amplitude: must be one number or one for each of the {len(grid)} frequencies")
     if not np.all(np.isfinite(drives)):
@@ -89,15 +108,15 @@ class _Moves:
 
 
 def _moves(grid: Array, drift: ArrayLike | None, wear: float | None, struck: int, solver: str) -> _Moves:
-    added = np.zeros(grid.shape) if drift is None else np.asarray(drift, dtype=float)
+    added = np.zeros(grid.shape) if drift is None else floats("drift", drift)
     if added.shape != grid.shape or not np.all(np.isfinite(added)):
         raise ValueError(f"drift: must be {len(grid)} finite numbers, one a frequency")
-    worn = 0.0 if wear is None else float(wear)
-    if not (np.isfinite(worn) and worn >= 0 and struck >= 0):
-        raise ValueError(f"wear {wear} must be finite and ≥ 0, struck {struck} ≥ 0")
+    faults: list[str] = []
+    worn = 0.0 if wear is None else number("wear", wear, faults, least=0.0)
+    refuse("", faults)
     if wear is not None and solver in STATIONARY:
         raise ValueError(f"wear: solver {solver!r} counts no impacts on the way to a steady motion: 'flight' does")
-    return _Moves(added, worn, int(struck))
+    return _Moves(added, worn, struck)
 
 
 def _drifting(
@@ -150,7 +169,7 @@ def sweep(
     """
     if direction not in ("up", "down", "both"):
         raise ValueError(f"direction: {direction!r} is none of 'up', 'down', 'both'")
-    given = np.atleast_1d(np.asarray(omega, dtype=float))
+    given = np.atleast_1d(floats("omega", omega))
     drives = _amplitudes(amplitude, given)
     order = np.argsort(given, kind="stable") if given.ndim == 1 else np.arange(len(given))
     legs = {"up": [order], "down": [order[::-1]], "both": [order, order[::-1]]}[direction]

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from vibeam.system_arguments import checked
+from vibeam_models.arguments import number, read_only, refuse, require
 
 if TYPE_CHECKING:
     from vibeam_models.compliant import CompliantStop
@@ -21,16 +24,19 @@ DIAGONAL = 1e-6  # share of the modal damping matrix that may lie off its diagon
 
 @dataclass(frozen=True)
 class Drive:
-    """Base motion b(t) = amplitude · sin(omega t): rad/s and m. ``amplitude = 0`` is no drive at all."""
+    """Base motion b(t) = amplitude · sin(omega t): rad/s and m. ``amplitude = 0`` is no drive at all.
+
+    ValueError for ``omega`` that is not finite and ≥ 0, or ``amplitude`` that is not finite.
+    """
 
     omega: float
     amplitude: float
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.omega) and self.omega >= 0 and np.isfinite(self.amplitude)):
-            raise ValueError(f"drive: omega {self.omega} must be finite and ≥ 0, amplitude {self.amplitude} finite")
-        object.__setattr__(self, "omega", float(self.omega))
-        object.__setattr__(self, "amplitude", float(self.amplitude))
+        faults: list[str] = []
+        object.__setattr__(self, "omega", number("omega", self.omega, faults, least=0.0))
+        object.__setattr__(self, "amplitude", number("amplitude", self.amplitude, faults))
+        refuse("drive", faults)
 
 
 @dataclass(frozen=True)
@@ -43,6 +49,11 @@ class ImpactSystem:
     - ``law``: R(v) in place of ``restitution``, or a stop that yields and pushes with a force (``vibeam_models``);
     - ``coupling``: (n, n) modal damping matrix, symmetric, in place of 2ζω where damping couples the modes;
     - ``second_gap``: a second stop with the same law on the other side, at Σ contact_i η_i = −second_gap.
+
+    Rows may be lists; they are kept as read-only arrays. ValueError names every argument that is wrong: a row that is
+    not n finite numbers, negative ``omega`` or ``zeta``, ``contact`` all zero, ``restitution`` outside [0, 1], a
+    ``coupling`` that is not symmetric or feeds energy in, a ``second_gap`` at or below −gap. ``from_modes`` is the same
+    with one number for a row of equal ones.
     """
 
     omega: Array
@@ -56,6 +67,10 @@ class ImpactSystem:
     law: VelocityRestitution | CompliantStop | None = None
     coupling: Array | None = None
     second_gap: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, value in checked(self).items():
+            object.__setattr__(self, name, value)
 
     @property
     def beyond_plain(self) -> tuple[str, ...]:
@@ -84,6 +99,7 @@ class ImpactSystem:
 
     def output(self, name: str) -> Array:
         """The row (n,) of one output; KeyError names those there are."""
+        require("output", name, str)
         if name == "contact":
             return self.contact
         if name not in self.outputs:
@@ -113,36 +129,25 @@ class ImpactSystem:
         ``coupling``, which then says all damping, and ``second_gap`` m as in the class. ValueError names every
         argument that is wrong.
         """
-        from vibeam_models.contact import Restitution
-
-        frequencies = np.atleast_1d(np.array(omega, dtype=float))
-        n = len(frequencies)
-        given = {"omega": omega, "zeta": zeta, "contact": contact, "load": load, "static": static}
-        rows = {name: _row(0.0 if value is None else value, n) for name, value in given.items()}
-        named = {name: _row(value, n) for name, value in (outputs or {}).items()}
-        faults = [f"{name}: must be one number or {n} finite numbers" for name, row in rows.items() if row is None]
-        faults += [f"outputs[{name!r}]: must be {n} finite numbers" for name, row in named.items() if row is None]
-        if isinstance(law, Restitution):
-            restitution, law = law.coefficient, None
-        faults += _range_faults(rows, gap, restitution)
-        damper = None if coupling is None else np.array(coupling, dtype=float)
-        faults += _coupling_faults(damper, n) + _second_faults(gap, second_gap)
-        if faults:
-            raise ValueError("; ".join(faults))
-        clean = {name: row for name, row in rows.items() if row is not None}
-        shown = {name: row for name, row in named.items() if row is not None}
-        if damper is not None:
-            moving = np.where(frequencies > 0, frequencies, 1.0)
-            clean["zeta"] = np.maximum(np.diag(damper), 0.0) / (2 * moving)
-        return cls(
-            **clean,
-            gap=float(gap),
-            restitution=float(restitution),
-            outputs=shown,
-            law=law,
-            coupling=damper,
-            second_gap=None if second_gap is None else float(second_gap),
-        )
+        frequencies, ratios = read_only(omega), read_only(zeta)
+        n = 1 if frequencies is None else frequencies.size
+        rows = {
+            "omega": omega,
+            "zeta": zeta,
+            "contact": contact,
+            "load": load,
+            "static": 0.0 if static is None else static,
+        }
+        given: dict[str, Any] = {name: _row(value, n) for name, value in rows.items()}
+        given |= {"gap": gap, "restitution": restitution, "law": law, "coupling": coupling, "second_gap": second_gap}
+        given["outputs"] = {} if outputs is None else outputs
+        if isinstance(outputs, Mapping):
+            given["outputs"] = {name: _row(row, n) for name, row in outputs.items()}
+        damper = None if coupling is None else read_only(coupling)
+        if damper is not None and damper.shape == (n, n) and ratios is not None and not np.any(ratios < 0):
+            moving = np.where(given["omega"] > 0, given["omega"], 1.0)
+            given |= {"zeta": np.maximum(np.diag(damper), 0.0) / (2 * moving), "coupling": damper}
+        return cls(**given)
 
     @classmethod
     def from_structure(
@@ -177,46 +182,12 @@ class ImpactSystem:
         )
 
 
-def _row(value: ArrayLike, n: int) -> Array | None:
-    """``value`` as n finite numbers, or None where it is not."""
-    row = np.atleast_1d(np.array(value, dtype=float))
-    if row.ndim != 1 or len(row) not in (1, n) or not np.all(np.isfinite(row)):
-        return None
-    return np.ascontiguousarray(np.broadcast_to(row, n))
-
-
-def _range_faults(rows: Mapping[str, Array | None], gap: float, restitution: float) -> list[str]:
-    omega, zeta, contact = rows["omega"], rows["zeta"], rows["contact"]
-    faults = []
-    if omega is not None and np.any(omega < 0):
-        faults.append("omega: a frequency is negative")
-    if zeta is not None and np.any(zeta < 0):
-        faults.append("zeta: a damping ratio is negative")
-    if contact is not None and not np.any(contact):
-        faults.append("contact: no mode moves the contact point")
-    if not np.isfinite(gap):
-        faults.append(f"gap: {gap} is not finite")
-    if not 0 <= restitution <= 1:
-        faults.append(f"restitution: {restitution} is outside [0, 1]")
-    return faults
-
-
-def _coupling_faults(damper: Array | None, n: int) -> list[str]:
-    if damper is None:
-        return []
-    if damper.shape != (n, n) or not np.all(np.isfinite(damper)):
-        return [f"coupling: must be {n} × {n} finite numbers"]
-    size = float(np.max(np.abs(damper), initial=0.0))
-    if np.max(np.abs(damper - damper.T), initial=0.0) > 1e-9 * size:
-        return ["coupling: must be symmetric"]
-    feeds = np.min(np.linalg.eigvalsh(damper), initial=0.0) < -1e-9 * size
-    return ["coupling: feeds energy into the motion (it has a negative eigenvalue)"] if feeds else []
-
-
-def _second_faults(gap: float, second_gap: float | None) -> list[str]:
-    if second_gap is None or (np.isfinite(second_gap) and second_gap > -gap):
-        return []
-    return [f"second_gap: {second_gap} must be finite and above −gap = {0.0 - gap}, or nothing fits between the stops"]
+def _row(value: Any, n: int) -> Any:
+    """One number as n of them; what is more, or no number, as it is."""
+    row = read_only(value)
+    if row is None:
+        return value
+    return np.full(n, row.ravel()[0]) if row.size == 1 and row.ndim < 2 else row
 
 
 def _drags(omega: Array, damping: Array) -> bool:

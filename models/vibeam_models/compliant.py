@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from math import acos, acosh, exp, inf, log1p, sinh, sqrt
 from typing import ClassVar
 
+from vibeam_models.arguments import number, real, refuse
+
 
 @dataclass(frozen=True)
 class LinearStop:
@@ -24,8 +26,10 @@ class LinearStop:
     name: ClassVar[str] = "linear"  #: as ``law`` of a case's stop has it
 
     def __post_init__(self) -> None:
-        if not (0 < self.stiffness < inf and 0 <= self.damping < inf):
-            raise ValueError("stop: stiffness must be above 0 and damping ≥ 0")
+        faults: list[str] = []
+        object.__setattr__(self, "stiffness", number("stiffness", self.stiffness, faults, above=0.0))
+        object.__setattr__(self, "damping", number("damping", self.damping, faults, least=0.0))
+        refuse("stop", faults)
 
     @classmethod
     def matched(cls, stiffness: float, restitution: float, mass: float) -> LinearStop:
@@ -33,7 +37,10 @@ class LinearStop:
 
         For several modes the mass is 1/S, S = w M⁻¹ wᵀ: with k → ∞ the contact then goes over to that restitution.
         """
-        return cls(stiffness, 2 * contact_damping_ratio(restitution) * sqrt(stiffness * mass))
+        faults: list[str] = []
+        stiff, heavy = number("stiffness", stiffness, faults, above=0.0), number("mass", mass, faults, above=0.0)
+        refuse("stop", faults)
+        return cls(stiff, 2 * contact_damping_ratio(restitution) * sqrt(stiff * heavy))
 
     def damping_ratio(self, mass: float) -> float:
         """ζ = c / 2√(km) of a free ``mass`` (kg) in contact."""
@@ -69,8 +76,8 @@ def linear_restitution(zeta: float) -> float:
 
 def contact_damping_ratio(restitution: float) -> float:
     """The ζ of ``linear_restitution`` for R in (0, 1]; ValueError outside. Bisected: R falls steadily with ζ."""
-    if not 0 < restitution <= 1:
-        raise ValueError(f"restitution: {restitution} is outside (0, 1], which is what a linear stop can give")
+    if not 0 < (real(restitution) or 0.0) <= 1:
+        raise ValueError(f"restitution: {restitution!r} is outside (0, 1], which is what a linear stop can give")
     low, high = 0.0, 1.0
     while linear_restitution(high) > restitution:
         low, high = high, 2 * high
@@ -89,8 +96,11 @@ class HuntCrossley:
     exponent: float = 1.5
 
     def __post_init__(self) -> None:
-        if not (0 < self.stiffness < inf and 0 <= self.damping < inf and 1 <= self.exponent < inf):
-            raise ValueError("stop: stiffness must be above 0, damping ≥ 0 and exponent ≥ 1")
+        faults: list[str] = []
+        object.__setattr__(self, "stiffness", number("stiffness", self.stiffness, faults, above=0.0))
+        object.__setattr__(self, "damping", number("damping", self.damping, faults, least=0.0))
+        object.__setattr__(self, "exponent", number("exponent", self.exponent, faults, least=1.0))
+        refuse("stop", faults)
 
     @property
     def name(self) -> str:
@@ -100,8 +110,8 @@ class HuntCrossley:
     @classmethod
     def matched(cls, stiffness: float, restitution: float, velocity: float, exponent: float = 1.5) -> HuntCrossley:
         """The stop that gives a free mass hitting at ``velocity`` (m/s) back the share ``restitution`` in (0, 1]."""
-        if not 0 < velocity < inf:
-            raise ValueError("stop: the velocity at which the restitution holds must be above 0")
+        if not (real(velocity) or 0.0) > 0:
+            raise ValueError("stop: the velocity at which the restitution holds must be a finite number above 0")
         return cls(stiffness, hunt_crossley_product(restitution) / velocity, exponent)
 
     def restitution(self, velocity: float) -> float:
@@ -127,8 +137,8 @@ def hunt_crossley_product(restitution: float) -> float:
 
     From m d′ dd′/(1 + a d′) = −k d^p dd, integrated from v to 0 and from 0 to −R v over the same depth.
     """
-    if not 0 < restitution <= 1:
-        raise ValueError(f"restitution: {restitution} is outside (0, 1], which is what this law can give")
+    if not 0 < (real(restitution) or 0.0) <= 1:
+        raise ValueError(f"restitution: {restitution!r} is outside (0, 1], which is what this law can give")
     if restitution == 1:
         return 0.0
     return _bisected(lambda x: _loss(x, restitution), 0.0, (1 - 1e-16) / restitution)

@@ -8,8 +8,10 @@ from __future__ import annotations
 from bisect import bisect_right
 from dataclasses import dataclass
 from itertools import pairwise
-from math import inf, isfinite
+from math import inf
 from typing import ClassVar
+
+from vibeam_models.arguments import number, read_only, refuse
 
 VELOCITY_RESTITUTION = "velocity restitution"  #: as ``law`` of a case's stop has it
 
@@ -21,8 +23,9 @@ class Restitution:
     coefficient: float
 
     def __post_init__(self) -> None:
-        if not 0 <= self.coefficient <= 1:
-            raise ValueError(f"restitution: {self.coefficient} is outside [0, 1]")
+        faults: list[str] = []
+        object.__setattr__(self, "coefficient", number("coefficient", self.coefficient, faults, least=0.0, most=1.0))
+        refuse("restitution", faults)
 
     def after(self, velocity: float) -> float:
         """Contact velocity in m/s just after, from ``velocity`` just before."""
@@ -47,8 +50,11 @@ class TableRestitution:
     name: ClassVar[str] = VELOCITY_RESTITUTION
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "speeds", tuple(float(v) for v in self.speeds))
-        object.__setattr__(self, "coefficients", tuple(float(r) for r in self.coefficients))
+        for name in ("speeds", "coefficients"):
+            column = read_only(getattr(self, name))
+            if column is None or column.ndim != 1:
+                raise ValueError(f"restitution: the {name} of the table must be a list of numbers")
+            object.__setattr__(self, name, tuple(column.tolist()))
         if len(self.speeds) != len(self.coefficients) or len(self.speeds) < 2:
             raise ValueError("restitution: a table needs two or more speeds and as many coefficients")
         if self.speeds[0] < 0 or not all(a < b for a, b in zip(self.speeds, (*self.speeds[1:], inf), strict=True)):
@@ -96,10 +102,11 @@ class PlasticRestitution:
     name: ClassVar[str] = VELOCITY_RESTITUTION
 
     def __post_init__(self) -> None:
-        if not 0 < self.coefficient <= 1:
-            raise ValueError(f"restitution: {self.coefficient} is outside (0, 1]")
-        if not (0 < self.velocity < inf and 0 < self.exponent < inf):
-            raise ValueError("restitution: velocity and exponent must be above 0")
+        faults: list[str] = []
+        object.__setattr__(self, "coefficient", number("coefficient", self.coefficient, faults, above=0.0, most=1.0))
+        object.__setattr__(self, "velocity", number("velocity", self.velocity, faults, above=0.0))
+        object.__setattr__(self, "exponent", number("exponent", self.exponent, faults, above=0.0))
+        refuse("restitution", faults)
 
     def at(self, velocity: float) -> float:
         """R at an impact velocity, m/s."""
@@ -122,8 +129,10 @@ class ViscousRestitution:
     name: ClassVar[str] = VELOCITY_RESTITUTION
 
     def __post_init__(self) -> None:
-        if not (0 <= self.factor < inf and 0 < self.exponent < inf and isfinite(self.factor)):
-            raise ValueError("restitution: factor must be ≥ 0 and exponent above 0")
+        faults: list[str] = []
+        object.__setattr__(self, "factor", number("factor", self.factor, faults, least=0.0))
+        object.__setattr__(self, "exponent", number("exponent", self.exponent, faults, above=0.0))
+        refuse("restitution", faults)
 
     def at(self, velocity: float) -> float:
         """R at an impact velocity, m/s."""

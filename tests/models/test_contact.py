@@ -42,5 +42,5 @@ def test_no_contact_gives_that(first_mode):
 
 @pytest.mark.parametrize("coefficient", [-0.01, 1.01, float("nan")])
 def test_coefficients_out_of_range_are_refused(coefficient):
-    with pytest.raises(ValueError, match="outside"):
+    with pytest.raises(ValueError, match=r"in \[0, 1\]"):
         Restitution(coefficient)

@@ -532,11 +532,11 @@ def test_the_wrong_argument_and_no_other_is_named(wrong: dict[str, Any]) -> None
     {"t_end": -1.0}, {"t_end": np.nan}, {"t_end": np.inf}, {"t_start": 11.0}, {"t_start": -1.0}, {"solver": "fligth"},
 ])  # fmt: skip
 def test_simulate_refuses(wrong: dict[str, Any]) -> None:
-    with pytest.raises(ValueError, match=r"times|solver"):
+    with pytest.raises(ValueError, match=r"t_start|t_end|solver"):
         vibeam.simulate(one(1.0), NONE, **{"t_end": 10.0, **wrong})
 
 
-@pytest.mark.parametrize("bad", [state([0.0, 0.0], [0.0, 0.0]), state([np.nan], [0.0]), state([0.0], [np.inf])])
+@pytest.mark.parametrize("bad", [state([0.0, 0.0], [0.0, 0.0]), vibeam.State.reached(np.array([np.nan]), np.zeros(1))])
 def test_simulate_refuses_a_state_that_does_not_fit(bad: vibeam.State) -> None:
     with pytest.raises(ValueError, match="state"):
         vibeam.simulate(one(1.0), NONE, 1.0, bad)

@@ -70,5 +70,5 @@ def test_without_damping_flight_keeps_its_energy() -> None:
 
 @pytest.mark.parametrize("options", [{"steps": 4}, {"theta": 0.4}, {"theta": 1.1}])
 def test_options_out_of_range_are_refused(options: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match=r"steps .* theta"):
+    with pytest.raises(ValueError, match=r"steps|theta"):
         MoreauSolver(sdof(), 1.0, **options)  # type: ignore[arg-type]

@@ -53,5 +53,5 @@ def found_or_made(
         for branch in branches:
             response = made.curves[branch.direction].response
             unknown = np.full(branch.modes, np.nan)
-            store.write(branch, 0, response, State(unknown, unknown))
+            store.write(branch, 0, response, State.reached(unknown, unknown))
     return made, 0

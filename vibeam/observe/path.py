@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam.system import Drive, ImpactSystem
+from vibeam_models.arguments import count, refuse
 
 Array = NDArray[np.float64]
 
@@ -72,8 +73,9 @@ def drive_period(path: Path) -> float:
 
 def last_periods(path: Path, periods: int) -> tuple[float, float]:
     """Begin and end (s) of the last ``periods`` drive periods of a motion; ValueError where it is not that long."""
-    if periods < 1:
-        raise ValueError(f"periods: {periods}, there must be 1 or more")
+    faults: list[str] = []
+    count("periods", periods, faults, least=1)
+    refuse("", faults)
     begin = path.t_end - periods * drive_period(path)
     if begin < path.t_start - 1e-9 * drive_period(path):
         there = (path.t_end - path.t_start) / drive_period(path)

@@ -11,6 +11,7 @@ from vibeam.periodic.balance import Roots, balance
 from vibeam.periodic.multipliers import multipliers, real_crossing
 from vibeam.periodic.sums import Sums, fault, sums
 from vibeam.system import ImpactSystem
+from vibeam_models.arguments import count, floats, refuse, require
 
 Array = NDArray[np.float64]
 CERTAIN = 1e8  # size of D(±1) up to which its sign counts
@@ -36,11 +37,13 @@ class OrbitCurve:
 
 def checked(system: ImpactSystem, omega: ArrayLike, periods: int) -> Array:
     """The frequencies as an array; ValueError where the question makes no sense."""
-    grid = np.atleast_1d(np.asarray(omega, dtype=float))
+    require("system", system, ImpactSystem)
+    grid = np.atleast_1d(floats("omega", omega))
     if grid.ndim != 1 or not np.all(np.isfinite(grid) & (grid > 0)):
         raise ValueError("omega: must be positive frequencies in rad/s")
-    if periods < 1 or periods != int(periods):
-        raise ValueError(f"periods: {periods} must be a whole number ≥ 1")
+    faults: list[str] = []
+    count("periods", periods, faults, least=1)
+    refuse("", faults)
     reason = fault(system)
     if reason:
         raise ValueError(reason)

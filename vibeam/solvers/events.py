@@ -89,7 +89,9 @@ class EventSolver(Stepper):
         with np.errstate(all="ignore"):
             ended = course.travel(slack(self.system, state.displacement) + self.settings.atol, state.resting)
         pose = course.frame.outward(course.y[:, None])[0]
-        return Outcome(ended, course.t, State(pose[0], pose[1], course.resting), course.impacts, course.evaluations)
+        return Outcome(
+            ended, course.t, State.reached(pose[0], pose[1], course.resting), course.impacts, course.evaluations
+        )
 
 
 class Course:

@@ -40,11 +40,13 @@ from vibeam.solvers.start import equilibrium, size_of_motion
 from vibeam.solvers.tally import OUTCOMES, Tally
 from vibeam.state import State
 from vibeam.system import Drive, ImpactSystem
+from vibeam_models.arguments import count, refuse
 
 announce()
 
 Array = NDArray[np.float64]
 LONGEST_PERIOD = 16
+MOST_IMPACTS = 10**9  # a drive period: with 10⁹ periods that still fits an int64
 ROWS = 256  # segments traced before they are read off
 
 
@@ -57,6 +59,14 @@ class Segments:
     size: float  # about the largest modal displacement, see ``start.size_of_motion``
 
 
+def impact_limit(limit: object) -> int:
+    """``limit`` as an int; ValueError where it is no whole number of impacts."""
+    faults: list[str] = []
+    found = count("limit", limit, faults, least=1, most=MOST_IMPACTS)
+    refuse("solver", faults)
+    return found
+
+
 class FlightSolver:
     """One system, packed once for drives of ``slowest`` rad/s and more; its methods take a state and give one back."""
 
@@ -64,7 +74,7 @@ class FlightSolver:
         """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
         system.require_plain("the flight kernels")
         self.packed: Packed = pack(system, slowest, span)
-        self.system, self.limit = system, limit
+        self.system, self.limit = system, impact_limit(limit)
 
     def pose(self, state: State | None) -> tuple[Array, Array]:
         """The kernels' pose and status of a state; None: equilibrium. ValueError where its shape is wrong."""
@@ -79,7 +89,7 @@ class FlightSolver:
     def state(self, pose: Array, status: Array) -> State:
         """The public state of a pose."""
         values = self.packed.outward(pose)
-        return State(values[0], values[1], bool(status[KIND] == RESTING))
+        return State.reached(values[0], values[1], bool(status[KIND] == RESTING))
 
     def simulate(
         self, drive: Drive, state: State | None, start: float, end: float, limit: int
@@ -159,7 +169,8 @@ class FlightSolver:
         for index, omega in enumerate(omegas):
             counts[:], status[ORDER], status[SPEED] = 0, 0.0, 0.0  # a point knows no more of the last than a State says
             outcome, period = move(
-                desk, omega, amplitude, pose, status, 0.0, settle, hold, self.limit, room, counts, LONGEST_PERIOD,
+                desk, float(omega), float(amplitude), pose, status, 0.0, settle, hold, self.limit, room, counts,
+                LONGEST_PERIOD,
             )  # fmt: skip
             tally.note(index, outcome, int(period), room.result, room.energy, counts)
             if outcome != COMPLETE:

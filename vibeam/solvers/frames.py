@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.system import ImpactSystem
+from vibeam_models.arguments import count, number, refuse
 
 Array = NDArray[np.float64]
 EXPLICIT = ("RK23", "RK45", "DOP853")
@@ -25,8 +26,11 @@ class Settings:
     limit: int
 
     def __post_init__(self) -> None:
-        if not (self.rtol > 0 and self.atol > 0 and self.limit >= 1):
-            raise ValueError(f"rtol {self.rtol} and atol {self.atol} must be > 0, limit {self.limit} ≥ 1")
+        faults: list[str] = []
+        for name in ("rtol", "atol"):
+            object.__setattr__(self, name, number(name, getattr(self, name), faults, above=0.0))
+        object.__setattr__(self, "limit", count("limit", self.limit, faults, least=1))
+        refuse("solver", faults)
 
 
 class Frame(Protocol):

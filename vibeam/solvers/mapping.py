@@ -15,6 +15,7 @@ from vibeam.solvers.map_stability import Form, admissible_orbits, check_form, or
 from vibeam.solvers.oscillator import Oscillator
 from vibeam.solvers.stationary import Motion, StationarySolver
 from vibeam.system import ImpactSystem
+from vibeam_models.arguments import count, refuse
 
 Array = NDArray[np.float64]
 HIGHEST = 16  # the longest period that a response can name
@@ -43,8 +44,9 @@ class MappingSolver(StationarySolver):
         """
         super().__init__(system, strikes_only)
         check_form(form)
-        if not 1 <= periods <= HIGHEST:
-            raise ValueError(f"periods: {periods} is not 1 … {HIGHEST}")
+        faults: list[str] = []
+        periods = count("periods", periods, faults, least=1, most=HIGHEST)
+        refuse("", faults)
         self.periods, self.form, self.slowest = periods, form, slowest / self.mode.omega or 1.0
         self._flights = flight_solver(self.mode.oscillator(0.0), self.slowest)
 

@@ -32,7 +32,7 @@ class OrbitSolver:
 
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, periods: int = 1) -> None:
         checked(system, slowest, periods)
-        self.system, self.periods, self.witness = system, periods, Witness(system, slowest)
+        self.system, self.periods, self.witness = system, int(periods), Witness(system, slowest)
 
     def steady(
         self,

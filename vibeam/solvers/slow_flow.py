@@ -40,6 +40,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.solvers.oscillator import Oscillator
+from vibeam_models.arguments import whole
 
 Array = NDArray[np.float64]
 Damping = Literal["paper", "log"]
@@ -166,7 +167,7 @@ class SlowFlow:
 
 def law_faults(resonance: int, damping: str, restitution: float) -> list[str]:
     """What is wrong with the choice of resonance and damping: empty where nothing is."""
-    faults = [] if resonance >= 1 else [f"resonance: {resonance} is not 1, 2, 3 …"]
+    faults = [] if (whole(resonance) or 0) >= 1 else [f"resonance: {resonance!r} is not 1, 2, 3 …"]
     faults += [] if damping in LAWS else [f"damping: {damping!r} is none of 'paper', 'log'"]
     if damping == "log" and restitution == 0:
         faults.append("damping: 'log' needs a restitution above 0, ln 0 is no rate of decay")

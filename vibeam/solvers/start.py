@@ -24,16 +24,25 @@ def equilibrium(system: ImpactSystem) -> State:
         from vibeam.solvers.regimes import rest
 
         return rest.equilibrium(system)
-    moving = system.omega > 0
-    square = np.where(moving, system.omega, 1.0) ** 2
-    free = np.where(moving, system.static / square, 0.0)
+    moving, free = system.omega > 0, without_stop(system)
     beyond = float(system.contact @ free) - system.gap
     if beyond <= 0:
         return State(free, np.zeros(system.size))
     loose = ~moving & (system.contact != 0)
-    shape = np.where(loose, system.contact, 0.0) if loose.any() else system.contact / square
+    softly = system.contact / np.where(moving, system.omega, 1.0) ** 2
+    shape = np.where(loose, system.contact, 0.0) if loose.any() else softly
     held = free - shape * (beyond / float(system.contact @ shape))
     return State(held, np.zeros(system.size), resting=True)
+
+
+def without_stop(system: ImpactSystem) -> Array:
+    """The displacements (n,) under the static forces alone; 0 of modes without stiffness."""
+    moving = system.omega > 0
+    with np.errstate(divide="ignore", over="ignore"):
+        free = np.where(moving & (system.static != 0), system.static / np.where(moving, system.omega, 1.0) ** 2, 0.0)
+    if not np.isfinite(free).all():
+        raise ValueError("static: no float holds the equilibrium, static over omega²: take other units")
+    return free
 
 
 def size_of_motion(system: ImpactSystem, drive: Drive, pose: Array) -> float:

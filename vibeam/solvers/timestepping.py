@@ -29,6 +29,7 @@ from vibeam.solvers.sampled import Outcome, Piece
 from vibeam.solvers.stepping.moreau import HELD, IMPACTS, ROWS, march
 from vibeam.state import State
 from vibeam.system import Drive, ImpactSystem
+from vibeam_models.arguments import count, number, refuse
 
 Array = NDArray[np.float64]
 EDGE = 1e-9  # share of a step by which a span may be longer than a whole number of steps
@@ -54,10 +55,11 @@ class MoreauSolver(Stepper):
         motion's size; None: 30/steps (impacts hop between steps). Impacts slower than one step's free acceleration
         count as rest. ValueError for others.
         """
-        if steps < 8 or not 0.5 <= theta <= 1:
-            raise ValueError(f"steps {steps} must be ≥ 8, theta {theta} in [0.5, 1]")
-        self.system, self.steps, self.theta = system, steps, theta
-        self.repeats = 30 / steps if repeats is None else repeats
+        faults: list[str] = []
+        self.steps = count("steps", steps, faults, least=8)
+        self.theta = number("theta", theta, faults, least=0.5, most=1.0)
+        refuse("solver", faults)
+        self.system, self.repeats = system, 30 / self.steps if repeats is None else repeats
 
     def run(
         self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS
@@ -72,7 +74,7 @@ class MoreauSolver(Stepper):
         for first in range(0, count, self.steps):
             march_on.chunk(start, first, min(self.steps, count - first))
         ended = Ended.COMPLETE if np.all(np.isfinite(pose)) else Ended.NOT_FINITE
-        return Outcome(ended, end, State(onto_stop(system, pose[0]), pose[1]), march_on.impacts, count)
+        return Outcome(ended, end, State.reached(onto_stop(system, pose[0]), pose[1]), march_on.impacts, count)
 
 
 class _March:

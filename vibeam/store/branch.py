@@ -75,4 +75,4 @@ def write_points(group: h5py.Group, start: int, block: FrequencyResponse, state:
 
 def _state(group: h5py.Group, point: int) -> State:
     displacement, velocity = group["state_displacement"][point], group["state_velocity"][point]
-    return State(displacement, velocity, resting=bool(group["state_resting"][point]))
+    return State.reached(displacement, velocity, resting=bool(group["state_resting"][point]))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.response import Ended, FrequencyResponse
-from vibeam.solvers.flight import Segments
+from vibeam.solvers.flight import Segments, impact_limit
 from vibeam.solvers.kernels.layout import (
     AT_CLOCK,
     CLOCK,
@@ -62,7 +62,7 @@ class RegimeSolver:
 
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, limit: int = 100_000) -> None:
         """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
-        self.system, self.limit = system, limit
+        self.system, self.limit = system, impact_limit(limit)
         self._plans = PerThread(plan(system, slowest_rate(system, slowest, span)))
 
     @property
@@ -141,7 +141,7 @@ class RegimeSolver:
 
     @staticmethod
     def _state(pose: Array, status: Array) -> State:
-        return State(pose[0].copy(), pose[1].copy(), bool(status[KIND] == RESTING))
+        return State.reached(pose[0].copy(), pose[1].copy(), bool(status[KIND] == RESTING))
 
     def poses_at(self, drive: Drive, segments: Segments, times: Array) -> Array:
         """Modal displacements and velocities (m, 2, n) at times (m,) within the segments."""
