@@ -28,6 +28,10 @@ if TYPE_CHECKING:
 RIPPLE, ATTENUATION = 0.1, 60.0  # dB, of an elliptic filter that does not say
 #: tables that change no sweep
 NOT_NUMBERS = frozenset({"title", "source", "reference", "expect", "show", "cost", "influence", "measurement"})
+#: tables and keys that are no physics either
+NOT_PHYSICS = NOT_NUMBERS | {"fidelity", "sweep", "accuracy", "accuracy_of"}
+GRID = frozenset({"frequency", "direction"})  # of a sweep
+NOT_OWN = frozenset({"label", "set", "without"})  # of a fidelity: a name, and what is in its scene already
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,13 +40,16 @@ class Case:
 
     ``text`` is the case in canonical form, SI units and overrides included: it loads as the same case. ``numbers`` is
     the part of it that decides what the sweeps compute (no title, source, checks, figures): two cases compute the same
-    where that text, or ``key``, is the same. ``scenes`` has the scenes of the fidelities that change the case's,
-    ``chains`` their measuring chains (None: exact).
+    where that text, or ``key``, is the same. ``shared`` is the part of that which no fidelity has for itself, ``own``
+    for each fidelity all that decides its numbers at given frequencies. ``scenes`` has the scenes of the fidelities
+    that change the case's, ``chains`` their measuring chains (None: exact).
     """
 
     path: Path
     text: str
     numbers: str
+    shared: str
+    own: Mapping[str, str]
     title: str
     source: str
     scene: Scene | SdofScene
@@ -131,6 +138,8 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         path=file,
         text=canonical_text(declared),
         numbers=canonical_text(declared, without=NOT_NUMBERS),
+        shared=_shared(declared, declared.sweep),
+        own=_own(declared, changed),
         title=declared.title or file.stem,
         source=declared.source,
         scene=scene_of(declared),
@@ -139,13 +148,31 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         references=_references(declared, file.parent, sweep.direction),
         scenes={name: scene_of(own) for name, own in changed.items()},
         expectations=_expectations(declared, sweep.direction),
-        shows=_shows(declared, sweep),
+        shows=_shows(declared, changed, sweep),
         cost=CostPlan(**dict(declared.cost)),
         influence=InfluencePlan(**dict(getattr(declared, "influence", ()))),
         chain=_chain(declared),
         chains={name: _chain(own) for name, own in changed.items()},
         accuracy=_accuracy(declared),
     )
+
+
+def _shared(case: BeamCase | SdofCase, sweep: SweepTable) -> str:
+    """The physics of a case and how it is swept, its frequencies aside."""
+    from vibeam.canonical import canonical_text
+
+    return canonical_text(case, NOT_PHYSICS) + "\n[sweep]\n" + canonical_text(sweep, GRID)
+
+
+def _own(case: BeamCase | SdofCase, changed: Mapping[str, BeamCase | SdofCase]) -> dict[str, str]:
+    """For each fidelity its physics, how it is swept, and its table."""
+    from vibeam.canonical import canonical_text
+
+    tables: Any = case.fidelity
+    return {
+        name: _shared(changed.get(name, case), case.sweep) + "\n[fidelity]\n" + canonical_text(table, NOT_OWN)
+        for name, table in tables.items()
+    }
 
 
 def _without_accuracy(text: str) -> str:
@@ -211,28 +238,39 @@ def _expectations(case: BeamCase | SdofCase, swept: Direction) -> dict[str, Expe
     return {name: Expectation(name=name, **value) for name, value in values.items()}
 
 
-def _shows(case: BeamCase | SdofCase, sweep: SweepPlan) -> dict[str, ShowPlan]:
-    return {name: _show(case, name, sweep) for name in case.show}
+def _shows(
+    case: BeamCase | SdofCase, changed: Mapping[str, BeamCase | SdofCase], sweep: SweepPlan
+) -> dict[str, ShowPlan]:
+    own = _own(case, changed)
+    seen = {name: f"{own[name]}{_measured(changed.get(name, case))}" for name in own}
+    return {name: _show(case, name, sweep, seen) for name in case.show}
 
 
-def _show(case: BeamCase | SdofCase, name: str, sweep: SweepPlan) -> ShowPlan:
-    """The plan of one table; its key hangs on the physics of the case and on the table itself."""
+def _measured(case: BeamCase | SdofCase) -> str:
+    from vibeam.canonical import canonical_text
+
+    return "" if case.measurement is None else canonical_text(case.measurement)
+
+
+def _show(case: BeamCase | SdofCase, name: str, sweep: SweepPlan, seen: Mapping[str, str]) -> ShowPlan:
+    """The plan of one table; its key hangs on the table itself and on what is ``seen`` of its fidelities."""
     from vibeam.canonical import canonical_text
     from vibeam.show.plan import ShowPlan
 
     table = case.show[name]
-    numbers, chain = canonical_text(case, NOT_NUMBERS), case.measurement
-    seen = "" if chain is None else canonical_text(chain)
-    key = sha256(f"{numbers}{canonical_text(table)}{seen}".encode()).hexdigest()
+    fidelities = table.fidelities or tuple(case.fidelity)
+    frequency = tuple(sweep.frequency.tolist()) if table.frequency is None else table.frequency
+    physics = [_shared(case, case.sweep), *(seen[each] for each in fidelities)]
+    decisive = [*physics, canonical_text(table), repr(fidelities), repr(frequency)]
     return ShowPlan(
         name=name,
         kind=table.kind,
-        fidelities=table.fidelities or tuple(case.fidelity),
-        frequency=tuple(sweep.frequency.tolist()) if table.frequency is None else table.frequency,
+        fidelities=fidelities,
+        frequency=frequency,
         periods=table.periods,
         settle=sweep.settle if table.settle is None else table.settle,
         quantity=table.quantity,
-        key=key,
+        key=sha256("\n".join(decisive).encode()).hexdigest(),
         output=table.output or sweep.output,
         near=table.near,
         highest=table.highest,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from hashlib import sha256
 from threading import Event
 from typing import TYPE_CHECKING
 
@@ -95,14 +96,19 @@ def _march(
     )
 
 
+def _curves_key(case: Case, name: str) -> str:
+    return sha256(case.own[name].encode() + np.sort(case.sweep.frequency).tobytes()).hexdigest()
+
+
 def known_curves(case: Case, job: Job, store: Store | None) -> MotionCurves:
     """All motions that the fidelity's solver knows at the sweep's frequencies: from the file where it has them."""
-    there = store.curves(job.name) if store else None
+    key = _curves_key(case, job.name)
+    there = store.curves(job.name, key) if store else None
     if there is not None:
         return there
     omega = 2 * np.pi * np.sort(case.sweep.frequency)
     made = solver(job.fidelity.solver, job.system, float(omega[0]), 0.0, **job.fidelity.options)
     found: MotionCurves = made.curves(omega, case.amplitude_of(job.name, omega), case.sweep.output)
     if store:
-        store.write_curves(job.name, found)
+        store.write_curves(job.name, key, found)
     return found

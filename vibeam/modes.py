@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.store.whole import write_whole
 from vibeam_models.beam import assemble_with_space
 from vibeam_models.contact import first_mode_restitution
 from vibeam_models.scene import Scene, SdofScene
@@ -106,7 +108,9 @@ def write_shapes(table: ModeTable, path: Path) -> None:
     lines = np.column_stack((np.arange(count - 1), np.arange(1, count)))
     names = [f"mode {row.number:02} ({row.frequency:.4g} Hz)" for row in table.rows]
     fields = {name: _vector(table.shapes[:, i]) for i, name in enumerate(names)}
-    meshio.Mesh(points, [("line", lines)], point_data=fields).write(path, file_format="vtu")
+    content = BytesIO()
+    meshio.Mesh(points, [("line", lines)], point_data=fields).write(content, file_format="vtu")
+    write_whole(path, content.getvalue())
 
 
 def _vector(shape: Array) -> Array:

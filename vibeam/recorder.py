@@ -25,7 +25,7 @@ class Recorder:
     def __init__(self, branch: Branch, kept: Kept, store: Store | None) -> None:
         self._branch, self._response, self._store = branch, kept.response, store
         self._done = self._written = kept.done
-        self._state = kept.state
+        self._states: list[State] = []
         self._due = monotonic() + WRITE_EVERY
 
     def add(self, block: FrequencyResponse, state: State) -> None:
@@ -34,15 +34,19 @@ class Recorder:
         for field in fields(FrequencyResponse):
             if field.name != "frequency":  # the grid's own value stays, to the last bit
                 getattr(self._response, field.name)[points] = getattr(block, field.name)
-        self._done, self._state = points.stop, state
+        self._done = points.stop
+        if len(block) > 1:
+            self._states.clear()  # those between are not known
+        self._states.append(state)
         if monotonic() >= self._due:
             self.write()
 
     def write(self) -> None:
         """Write what is not written yet."""
-        if self._store and self._state is not None and self._done > self._written:
+        if self._store and self._done > self._written:
             block = _part(self._response, slice(self._written, self._done))
-            self._store.write(self._branch, self._written, block, self._state)
+            self._store.write(self._branch, self._written, block, self._states)
+        self._states.clear()
         self._written, self._due = self._done, monotonic() + WRITE_EVERY
 
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibeam.faults import CaseError, Fault
 from vibeam.fidelity_sweep import Job, job_of, known_curves, sweep_branches
@@ -18,7 +22,8 @@ from vibeam.solvers import knows_curves, solver
 from vibeam.solvers.warm_up import warm_up
 from vibeam.spread import spread
 from vibeam.store.branch import Branch
-from vibeam.store.file import opened
+from vibeam.store.file import Tell, opened
+from vibeam.store.reuse import Wanted
 from vibeam.store.store import Store
 
 if TYPE_CHECKING:
@@ -32,8 +37,19 @@ class Interrupted(KeyboardInterrupt):
     """Ctrl-C: the message says what is kept and how to go on."""
 
 
-def run(case: Case, out: str | Path | None = None, progress: Progress | None = None, show: bool = True) -> Result:
+def run(
+    case: Case,
+    out: str | Path | None = None,
+    progress: Progress | None = None,
+    show: bool = True,
+    *,
+    fresh: bool = False,
+    tell: Tell | None = None,
+) -> Result:
     """Sweep every fidelity of ``case``; what the results file ``out`` already holds is not computed again.
+
+    Branches whose numbers the case does not change are kept, the others are swept anew: ``tell`` gets one line that
+    names them, a warning does without it. ``fresh``: keep nothing of the file.
 
     Where the case asks for an accuracy it is one curve, ``result["accuracy"]``, in place of one for each fidelity.
     ``out=None`` keeps nothing on disk. ``progress(done, total)`` is called with the points that are there at the start
@@ -44,8 +60,8 @@ def run(case: Case, out: str | Path | None = None, progress: Progress | None = N
     plan = {name: _branches(case, name, system.size) for name, system in systems.items()}
     path = None if out is None else Path(out)
     if case.accuracy is not None:
-        return _accurate(case, case.accuracy, systems, plan, path, progress or _silent, show)
-    with _place(case, path, plan) as store:
+        return _accurate(case, case.accuracy, systems, plan, _Place(path, fresh, tell), progress or _silent, show)
+    with _Place(path, fresh, tell).opened(case, plan) as store:
         jobs = [job_of(case, name, systems[name], branches, store) for name, branches in plan.items()]
         count = Count((kept for job in jobs for _, kept in job.branches), progress or _silent)
         found = count.done
@@ -77,7 +93,7 @@ def _silent(done: int, total: int) -> None:
 
 def _accurate(
     case: Case, wanted: AccuracyPlan, systems: Mapping[str, ImpactSystem], plan: Mapping[str, tuple[Branch, ...]],
-    path: Path | None, progress: Progress, show: bool,
+    place: _Place, progress: Progress, show: bool,
 ) -> Result:  # fmt: skip
     """One curve within an accuracy instead of one for each fidelity."""
     from vibeam.accuracy import run as accuracy
@@ -86,7 +102,7 @@ def _accurate(
     accuracy.refuse_beyond(case, systems)
     branches = accuracy.branches_of(case, plan)
     total = sum(len(branch.frequency) for branch in branches)
-    with _place(case, path, {HOME: branches}) as store:
+    with place.opened(case, {HOME: branches}) as store:
         try:
             kept = [store.restore(branch).done for branch in branches] if store else [0]
             progress(total if sum(kept) == total else 0, total)
@@ -96,7 +112,7 @@ def _accurate(
         except KeyboardInterrupt:
             raise Interrupted(f"stopped: nothing is kept of its {total} points") from None
     up, down = (study.curves[way].response if way in study.curves else None for way in ("up", "down"))
-    return Result(case, {HOME: Branches(up, down)}, path, found, shown, study)
+    return Result(case, {HOME: Branches(up, down)}, place.path, found, shown, study)
 
 
 def _shown(case: Case, store: Store | None) -> dict[str, tuple[Sheet, ...]]:
@@ -136,16 +152,34 @@ def _branches(case: Case, name: str, modes: int) -> tuple[Branch, ...]:
     up = np.sort(case.sweep.frequency)
     grids = {"up": up, "down": up[::-1].copy()}
     wanted = ("up", "down") if case.sweep.direction == "both" else (case.sweep.direction,)
-    return tuple(Branch(name, direction, grids[direction], modes) for direction in wanted)
+    keys = {direction: _key(case.own[name], direction, up, after_up=len(wanted) > 1) for direction in wanted}
+    return tuple(Branch(name, direction, grids[direction], modes, keys[direction]) for direction in wanted)
 
 
-def _place(
-    case: Case, path: Path | None, plan: Mapping[str, tuple[Branch, ...]]
-) -> AbstractContextManager[Store | None]:
-    if path is None:
-        return nullcontext()
-    branches = [branch for several in plan.values() for branch in several]
-    return opened(path, text=case.numbers, key=case.key, branches=branches, unit=_output_unit(case))
+def _key(own: str, direction: str, up: NDArray[np.float64], after_up: bool) -> str:
+    """Of what decides the numbers at each frequency beside those before it: they know the sweep's lowest frequency."""
+    start = up.tobytes() if direction == "down" and after_up else b"equilibrium"
+    return sha256(b"\n".join((own.encode(), direction.encode(), up[:1].tobytes(), start))).hexdigest()
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where a run is kept: the results file (None: nowhere), and how it is opened."""
+
+    path: Path | None
+    fresh: bool
+    tell: Tell | None
+
+    def opened(self, case: Case, plan: Mapping[str, tuple[Branch, ...]]) -> AbstractContextManager[Store | None]:
+        if self.path is None:
+            return nullcontext()
+        branches = [branch for several in plan.values() for branch in several]
+        wanted = Wanted(case.numbers, case.key, case.shared, branches, _output_unit(case))
+        return opened(self.path, wanted, fresh=self.fresh, tell=self.tell or _warn)
+
+
+def _warn(line: str) -> None:
+    warnings.warn(line, stacklevel=2)
 
 
 def _how_to_go_on(count: Count, path: Path | None) -> str:

@@ -102,6 +102,8 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
         "text": f'title = "a case"\nkey = "{key}"\n',
         "numbers": f'key = "{key}"\n',
         "key": key,
+        "shared": f'key = "{key}"\n',
+        "own": {name: f'key = "{key}"\nmodes = {each.size}\n' for name, each in systems.items()},
         "title": "a case",
         "scene": None,
         "fidelities": defaultdict(plain, {name: plain(name) for name in systems}),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from hashlib import sha256
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +13,6 @@ from vibeam.accuracy.keep import HOME
 from vibeam.accuracy.study import Study, study
 from vibeam.faults import CaseError, Fault
 from vibeam.fidelity import gap_drift, gap_wear
-from vibeam.state import State
 from vibeam.store.branch import Branch
 from vibeam.store.store import Store
 
@@ -36,7 +36,8 @@ def refuse_beyond(case: Case, systems: Mapping[str, ImpactSystem]) -> None:
 def branches_of(case: Case, branches: Mapping[str, tuple[Branch, ...]]) -> tuple[Branch, ...]:
     """The branches of the result: as the finest fidelity's, under the name ``accuracy``."""
     widest = max(branches.values(), key=lambda several: several[0].modes)
-    return tuple(replace(branch, fidelity=HOME) for branch in widest)
+    key = sha256(f"{HOME} {case.key}".encode()).hexdigest()
+    return tuple(replace(branch, fidelity=HOME, key=key, carried=False) for branch in widest)
 
 
 def found_or_made(
@@ -49,9 +50,7 @@ def found_or_made(
         return there, there.points
     made = study(case, plan.within, plan.quantities, systems)
     if store:
-        store.write_study(made)
         for branch in branches:
-            response = made.curves[branch.direction].response
-            unknown = np.full(branch.modes, np.nan)
-            store.write(branch, 0, response, State.reached(unknown, unknown))
+            store.write(branch, 0, made.curves[branch.direction].response, ())
+        store.write_study(made)
     return made, 0

@@ -23,6 +23,7 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON in place of tab
 ResultsFile = Annotated[
     Path | None, typer.Option("--out", help="The results file (.h5), or the folder for it.", show_default=False)
 ]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Keep nothing of the results file that is there: start over.")]
 TableFile = Annotated[Path | None, typer.Option("--out", help="Write the table to this CSV file.", show_default=False)]
 StudyFile = Annotated[
     Path | None, typer.Option("--out", help="The CSV file, or the folder for it.", show_default=False)

@@ -5,14 +5,16 @@ from __future__ import annotations
 import typer
 
 from vibeam.commands.answer import answer
-from vibeam.commands.arguments import AsJson, CaseFile, Overrides, ResultsFile, load, results_path
+from vibeam.commands.arguments import AsJson, CaseFile, Fresh, Overrides, ResultsFile, load, results_path
 from vibeam.commands.streams import say
 from vibeam.commands.working import swept
 
 MISSED = 1
 
 
-def check(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: ResultsFile = None) -> None:
+def check(
+    case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: ResultsFile = None, fresh: Fresh = False
+) -> None:
     """Compare a case with its reference curves: exit code 1 where one is missed."""
     loaded = load(case, set_)
     if not (loaded.references or loaded.expectations):
@@ -23,7 +25,7 @@ def check(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: 
     from vibeam.report.units import units_of
 
     loaded = loaded.everywhere()  # each fidelity is checked by itself
-    result = swept(loaded, None if out is None else results_path(loaded, out), show=False)
+    result = swept(loaded, None if out is None else results_path(loaded, out), show=False, fresh=fresh)
     rows = references.check(loaded, result, partial=bool(set_)) + expect.check(loaded, result, partial=bool(set_))
     answer(rows, as_json, lambda tables: [tables.checks(rows, units_of(loaded))])
     if not all(row.passed for row in rows):

@@ -6,18 +6,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vibeam.commands.answer import answer
-from vibeam.commands.arguments import AsJson, CaseFile, Overrides, ResultsFile, load, results_path
+from vibeam.commands.arguments import AsJson, CaseFile, Fresh, Overrides, ResultsFile, load, results_path
 from vibeam.commands.working import swept
 
 if TYPE_CHECKING:
     from vibeam.result import Result
 
 
-def run(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: ResultsFile = None) -> None:
+def run(
+    case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: ResultsFile = None, fresh: Fresh = False
+) -> None:
     """Sweep every fidelity of a case; go on where the results file ends."""
     loaded = load(case, set_)
     path = results_path(loaded, out)
-    _report(swept(loaded, path), path, as_json)
+    _report(swept(loaded, path, fresh=fresh), path, as_json)
 
 
 def _report(result: Result, path: Path, as_json: bool) -> None:

@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from vibeam.result import Result
 
 
-def swept(case: Case, path: Path | None, show: bool = True) -> Result:
+def swept(case: Case, path: Path | None, show: bool = True, fresh: bool = False) -> Result:
     """The case run, kept in ``path``, under a bar."""
-    from vibeam.progress import Bar
+    from vibeam.progress import Bar, stderr
     from vibeam.run import run
 
     with Bar() as bar:
-        return run(case, out=path, progress=bar, show=show)
+        return run(case, out=path, progress=bar, show=show, fresh=fresh, tell=stderr().print)
 
 
 def studied(path: Path, case: Case, study: Callable[[Case, Callable[[str], None]], Made]) -> Made:

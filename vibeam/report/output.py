@@ -6,11 +6,14 @@ import csv
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass
+from io import StringIO
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+from vibeam.store.whole import write_whole
 
 
 def to_json(value: Any) -> str:
@@ -25,10 +28,11 @@ def write_csv(rows: Sequence[Any], path: Path) -> None:
 
 def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
     """Rows by name as CSV, a column a name, in the order in which names first come."""
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, list(dict.fromkeys(name for row in rows for name in row)))
-        writer.writeheader()
-        writer.writerows(rows)
+    text = StringIO(newline="")
+    writer = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)))
+    writer.writeheader()
+    writer.writerows(rows)
+    write_whole(path, text.getvalue().encode())
 
 
 def plain(value: Any) -> Any:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
+
+from vibeam.store.whole import write_whole
 
 PAGE: Any = {
     "font.size": 8.0,
@@ -30,4 +33,6 @@ def write_page(make: Callable[[], Figure], paths: Iterable[Path], dots: int = DO
         figure = make()
         for path in paths:
             metadata: Any = {"Date": None} if path.suffix == ".svg" else None
-            figure.savefig(path, dpi=dots, metadata=metadata)
+            content = BytesIO()
+            figure.savefig(content, format=path.suffix.removeprefix("."), dpi=dots, metadata=metadata)
+            write_whole(path, content.getvalue())

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.show.plan import Column, Sheet, ShowPlan
+from vibeam.store.checksum import CHECKSUM, sign, verify
 from vibeam.store.layout import Quantity, fixed, unit_of
 
 if TYPE_CHECKING:
@@ -17,10 +18,11 @@ HOME = "show"
 
 
 def read_sheets(file: h5py.File, plan: ShowPlan) -> tuple[Sheet, ...] | None:
-    """What the file holds for ``plan``; None where there is nothing whole, or it was made for another one."""
+    """What the file holds for ``plan``; None without, or where it was made for another one; ValueError if damaged."""
     group = file.get(f"{HOME}/{plan.name}")
-    if group is None or group.attrs.get("key", b"") != plan.key.encode():
+    if group is None or CHECKSUM not in group.attrs or group.attrs.get("key", b"") != plan.key.encode():
         return None
+    verify(group)
     return tuple(
         _sheet(group[name][index]) for name in plan.fidelities if name in group for index in _order(group[name])
     )
@@ -39,7 +41,7 @@ def _sheet(group: h5py.Group) -> Sheet:
 
 
 def write_sheets(file: h5py.File, plan: ShowPlan, sheets: tuple[Sheet, ...], unit: str) -> None:
-    """Put ``sheets`` in the place of what is there; ``unit``: of the outputs. The key comes last: it says whole."""
+    """Put ``sheets`` in the place of what is there; ``unit``: of the outputs."""
     place = f"{HOME}/{plan.name}"
     if place in file:
         del file[place]
@@ -48,9 +50,8 @@ def write_sheets(file: h5py.File, plan: ShowPlan, sheets: tuple[Sheet, ...], uni
     for name in plan.fidelities:
         for index, sheet in enumerate(_of(sheets, name)):
             _write(group.create_group(f"{name}/{index}"), sheet, unit)
-    file.flush()
     group.attrs["key"] = fixed(plan.key)
-    file.flush()
+    sign(group)
 
 
 def _of(sheets: tuple[Sheet, ...], name: str) -> Iterator[Sheet]:

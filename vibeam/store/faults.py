@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 # what h5py raises where the bytes are not as they were written
 FAULTS = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError)
+CURE = "start over with --fresh, or delete it and run again"
 
 
 class StoreError(ValueError):
@@ -20,22 +22,15 @@ def reading(path: Path, where: str) -> Iterator[None]:
     """StoreError for whatever ``where`` in the file cannot be read by."""
     try:
         yield
+    except StoreError:
+        raise
     except FAULTS as fault:
         raise damaged(path, where, fault) from None
 
 
-@contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """StoreError where there is no place for what is written into the open file."""
-    try:
-        yield
-    except OSError as fault:
-        raise unwritable(path, fault, "make room, then run again to go on") from None
-
-
 def damaged(path: Path, where: str, fault: BaseException) -> StoreError:
     """The file does not hold what was written."""
-    return StoreError(f"{path}: {where} cannot be read ({reason(fault)}): the file is damaged: delete it and run again")
+    return StoreError(f"{path}: {where} cannot be read ({reason(fault)}): the file is damaged: {CURE}")
 
 
 def unwritable(path: Path, fault: OSError, cure: str) -> StoreError:
@@ -44,7 +39,8 @@ def unwritable(path: Path, fault: OSError, cure: str) -> StoreError:
 
 
 def reason(fault: BaseException) -> str:
-    """Why, in a few words."""
+    """Why, in a few words; without the name that the file has in memory."""
     if isinstance(fault, OSError) and fault.errno:
         return os.strerror(fault.errno).lower()
-    return (str(fault).splitlines() or [type(fault).__name__])[0]
+    first = (str(fault).splitlines() or [""])[0]
+    return re.sub(r",? ?name = '[^']*'", "", first) or type(fault).__name__

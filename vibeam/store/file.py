@@ -1,133 +1,143 @@
-"""The results file of a case: made, opened, and refused where it is another's or none."""
+"""The results file of a case: made, opened, adapted, and refused where it is another's or none."""
 
 from __future__ import annotations
 
-import errno
-import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from itertools import zip_longest
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vibeam.provenance import write_provenance
 from vibeam.response import FrequencyResponse
-from vibeam.show.keep import HOME
-from vibeam.store.branch import Branch, read_response
-from vibeam.store.faults import FAULTS, StoreError, damaged, reading, reason, unwritable
-from vibeam.store.layout import fixed, write_branch
+from vibeam.store.branch import read_rows
+from vibeam.store.content import FORMAT, OLDER, SIGNATURE, adapted, blank, format_of, is_ours
+from vibeam.store.disk import Disk
+from vibeam.store.faults import CURE, FAULTS, StoreError, damaged, reading, reason
+from vibeam.store.image import Image
+from vibeam.store.layout import LAYOUT
+from vibeam.store.lock import locked
+from vibeam.store.reuse import Wanted, branch_names
 from vibeam.store.store import Store
+from vibeam.store.structure import refuse_foreign
+from vibeam.store.whole import regular
 
 if TYPE_CHECKING:
     import h5py
 
-FORMAT = "vibeam results 1"
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
+Tell = Callable[[str], None]
 
 
 @contextmanager
-def opened(path: Path, *, text: str, key: str, branches: Sequence[Branch], unit: str = "m") -> Iterator[Store]:
-    """The results file of one case, made where there is none; ``unit``: of the outputs.
+def opened(path: Path, wanted: Wanted, *, fresh: bool = False, tell: Tell = lambda line: None) -> Iterator[Store]:
+    """The results file of one case, made where there is none; held against other processes meanwhile.
 
-    StoreError where ``path`` is something else, belongs to another case, is damaged or cannot be written. A file that
-    is made here and gets no point is taken away again.
+    A file of a changed case keeps the branches whose numbers are the same; ``tell`` gets one line on that. ``fresh``:
+    a new file takes the place of what is there with its first point. StoreError where ``path`` is something else,
+    belongs to another case, is damaged, held or cannot be written. A file that is made here and gets no point is taken
+    away again.
     """
-    if path.is_dir():
-        raise StoreError(f"{path}: is a folder: name a file in it")
-    made = not path.exists()
-    if made:
-        _make(path, text, key, branches, unit)
-    written = 0
+    target = _regular(path)
+    with locked(path, target):
+        disk = Disk(path, target)
+        try:
+            with _begun(disk, wanted, target.exists(), fresh, tell) as begun:
+                yield from _used(begun, disk, wanted)
+        finally:
+            disk.close()
+
+
+@dataclass(frozen=True)
+class _Begun:
+    """An open file: ``new`` or not, ``made`` where there was none, ``changed`` so that it stays without points too."""
+
+    image: Image
+    file: h5py.File
+    new: bool
+    made: bool = False
+    changed: bool = False
+
+
+def _used(begun: _Begun, disk: Disk, wanted: Wanted) -> Iterator[Store]:
+    store = Store(begun.file, begun.image, disk, wanted.unit, noted=begun.new)
     try:
-        with _open(path, "r+") as file:
-            _same_case(file, path, text, key)
-            store = Store(file, path, made, unit)
-            try:
-                yield store
-            finally:
-                written = store.written
+        yield store
     finally:
-        if made and not written:
-            path.unlink(missing_ok=True)
+        if begun.made and not store.written:
+            disk.remove()
+    if begun.changed:
+        disk.settle()
+
+
+@contextmanager
+def _begun(disk: Disk, wanted: Wanted, there: bool, fresh: bool, tell: Tell) -> Iterator[_Begun]:
+    import h5py
+
+    if there and not fresh:
+        with _continued(disk, wanted, tell) as begun:
+            yield begun
+        return
+    if there and not is_ours(disk.read()):
+        raise no_result(disk.path)
+    image = blank(wanted)
+    put = disk.stage if there else disk.create
+    put(image.getvalue())
+    with h5py.File(image, "r+") as file:
+        yield _Begun(image, file, new=True, made=not there)
+
+
+@contextmanager
+def _continued(disk: Disk, wanted: Wanted, tell: Tell) -> Iterator[_Begun]:
+    image = Image(disk.read())
+    with _open(image, disk.path) as file:
+        line = adapted(file, disk.path, wanted)
+        if line is not None:
+            file.flush()
+            disk.stage(image.getvalue())
+            tell(f"{disk.path}: {line}")
+        yield _Begun(image, file, new=False, changed=line is not None)
 
 
 def read(path: Path) -> dict[tuple[str, str], FrequencyResponse]:
     """Every branch a results file holds, by fidelity and direction; points that were not run are NaN."""
-    with _open(path, "r") as file, reading(path, "its groups"):
-        return {(fidelity, way): read_response(group) for fidelity, way, group in _branches(file)}
+    try:
+        content = _regular(path).read_bytes()
+    except OSError as fault:
+        raise StoreError(f"{path}: cannot be opened ({reason(fault)})") from None
+    with _open(Image(content), path) as file, reading(path, "its groups"):
+        rows = read_rows if format_of(file) == FORMAT else lambda group: {name: group[name][()] for name in LAYOUT}
+        found = {(fidelity, way): rows(file[fidelity][way]) for fidelity, way in branch_names(file)}
+        return {at: FrequencyResponse(**{name: values[name] for name in LAYOUT}) for at, values in found.items()}
 
 
-def _branches(file: h5py.File) -> Iterator[tuple[str, str, h5py.Group]]:
-    for fidelity, ways in file.items():
-        for way, group in ways.items() if fidelity != HOME else ():
-            if "done" in group.attrs:
-                yield fidelity, way, group
-
-
-def _make(path: Path, text: str, key: str, branches: Sequence[Branch], unit: str) -> None:
-    """Lay the file out under another name and rename it, so that ``path`` is whole from its first moment."""
+@contextmanager
+def _open(image: Image, path: Path) -> Iterator[h5py.File]:
     import h5py
 
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    if image.read(len(SIGNATURE)) != SIGNATURE:  # h5py would take an empty file for a new one
+        raise no_result(path)
     try:
-        with h5py.File(part, "w-") as file:
-            file.attrs["format"] = fixed(FORMAT)
-            file.create_group("case").attrs["key"] = fixed(key)
-            file["case"]["text"] = fixed(text)
-            write_provenance(file.create_group("provenance"))
-            for branch in branches:
-                write_branch(file.create_group(branch.group), branch.frequency, branch.modes, unit)
-        os.replace(part, path)
-    except OSError as fault:
-        raise unwritable(path, fault, "choose another --out") from None
-    finally:
-        part.unlink(missing_ok=True) if part.parent.is_dir() else None
-
-
-def _open(path: Path, mode: str) -> h5py.File:
-    import h5py
-
-    try:
-        with path.open("rb") as raw:
-            known = raw.read(len(SIGNATURE)) == SIGNATURE  # h5py would take an empty file for a new one
-        file = h5py.File(path, mode) if known else None
-    except BlockingIOError:
-        raise StoreError(f"{path}: another run is writing it: wait for it, or choose another --out") from None
-    except OSError as fault:
-        raise _refused(path, fault) from None
-    if file is not None and _format(file, path) == FORMAT:
-        return file
-    raise StoreError(f"{path}: is no vibeam result: choose another --out, or delete it")
-
-
-def _format(file: h5py.File, path: Path) -> str | None:
-    """What the file says it is; it is left open only if that is a vibeam result."""
-    try:
-        found = file.attrs["format"].decode() if "format" in file.attrs else None
+        file = h5py.File(image, "r+")
     except FAULTS as fault:
-        file.close()
         raise damaged(path, "it", fault) from None
-    if found != FORMAT:
-        file.close()
-    return found
+    with file:
+        with reading(path, "it"):
+            known = format_of(file) in (FORMAT, OLDER)
+        if not known:
+            raise no_result(path)
+        try:
+            refuse_foreign(file)
+        except FAULTS as fault:
+            raise StoreError(f"{path}: {reason(fault)}: vibeam writes no such file: {CURE}") from None
+        yield file
 
 
-def _refused(path: Path, fault: OSError) -> StoreError:
-    if fault.errno in (errno.EACCES, errno.EPERM, errno.EROFS, errno.ENOENT):
-        return StoreError(f"{path}: cannot be opened ({reason(fault)}): choose another --out")
-    return damaged(path, "it", fault)
+def no_result(path: Path) -> StoreError:
+    """The file is something else."""
+    return StoreError(f"{path}: is no vibeam result: choose another --out, or delete it")
 
 
-def _same_case(file: h5py.File, path: Path, text: str, key: str) -> None:
-    with reading(path, "/case"):
-        there, kept = (value.decode() for value in (file["case"].attrs["key"], file["case/text"][()]))
-    if there != key:
-        raise StoreError(
-            f"{path}: holds another case ({_first_difference(kept, text)}): choose another --out, or delete it"
-        )
-
-
-def _first_difference(there: str, here: str) -> str:
-    pairs = zip_longest(there.splitlines(), here.splitlines(), fillvalue="nothing")
-    differing = next(((old, new) for old, new in pairs if old != new), ("its key", "another"))
-    return f"{differing[0] or 'nothing'!r} there, {differing[1] or 'nothing'!r} here"
+def _regular(path: Path) -> Path:
+    try:
+        return regular(path)
+    except OSError as fault:
+        raise StoreError(f"{path}: {fault.strerror}") from None

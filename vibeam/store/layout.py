@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from vibeam.motions import BRANCHES, MotionCurves
 from vibeam.response import VELOCITIES_KEPT, Array, Ended, FrequencyResponse
+from vibeam.store.checksum import CHECKSUM
 
 if TYPE_CHECKING:
     import h5py
@@ -90,6 +91,8 @@ def write_branch(group: h5py.Group, frequency: Array, modes: int, unit: str) -> 
     blanks: tuple[Values, ...] = (rows, rows, np.zeros(len(frequency), dtype=np.int64))
     for (name, quantity), values, text in zip(STATES.items(), blanks, (*MODAL_UNITS[unit], "1"), strict=True):
         _quantity(group, name, quantity, values, text)
+    checksums = Quantity("CRC-32 of all values of the point, its branch and what decides them", "1")
+    _quantity(group, CHECKSUM, checksums, np.zeros(len(frequency), dtype=np.uint32), "1")
     group["ended"].attrs.update(_meanings())
     group.attrs["done"] = np.int64(0)
 
