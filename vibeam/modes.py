@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from io import BytesIO
 from itertools import pairwise
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import NDArray
@@ -108,9 +108,10 @@ def write_shapes(table: ModeTable, path: Path) -> None:
     lines = np.column_stack((np.arange(count - 1), np.arange(1, count)))
     names = [f"mode {row.number:02} ({row.frequency:.4g} Hz)" for row in table.rows]
     fields = {name: _vector(table.shapes[:, i]) for i, name in enumerate(names)}
-    content = BytesIO()
-    meshio.Mesh(points, [("line", lines)], point_data=fields).write(content, file_format="vtu")
-    write_whole(path, content.getvalue())
+    with TemporaryDirectory() as folder:  # meshio writes to a path alone
+        place = Path(folder) / "shapes.vtu"
+        meshio.Mesh(points, [("line", lines)], point_data=fields).write(place)
+        write_whole(path, place.read_bytes())
 
 
 def _vector(shape: Array) -> Array:

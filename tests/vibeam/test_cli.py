@@ -79,7 +79,19 @@ def test_run_takes_overrides_and_a_folder(command: Command, sdof: Path, tmp_path
     assert found["files"] == ["there/sdof.h5", "there/sdof.png", "there/sdof.svg"]
     assert (found["total"], found["found"]) == (3, 0)
     assert found["fidelities"][0]["fidelity"] == "sdof"
-    assert command("run", sdof, "--out", "there", expect=2).stderr.count("\n") == 1
+    other = ("--set", "sdof.damping_ratio=0.5", "--out", "there")
+    assert command("run", sdof, *other, expect=2).stderr.count("\n") == 1
+    assert command("run", sdof, *other, "--fresh").stderr == ""
+
+
+def test_run_says_what_it_keeps_of_a_changed_case(command: Command, sdof: Path) -> None:
+    grid = ("--set", "sweep.frequency.from=1 Hz", "--set", "sweep.frequency.to=2 Hz")
+    command("run", sdof, *grid)
+    more = ("--set", "sweep.frequency.to=2.5 Hz", "--set", "sweep.frequency.points=7")
+    told = command("run", sdof, *grid[:2], *more).stderr.splitlines()
+    assert told[0] == "sdof.h5: extended: sdof/up (5 of 7 points); swept anew: sdof/down"
+    assert told[1] == "continuing: 5 of 14 points are there"
+    assert command("check", with_reference(sdof, curve_of(sdof)), "--out", "sdof.h5", "--fresh").stderr == ""
 
 
 def curve_of(case: Path, columns: str = "amplitude") -> str:
