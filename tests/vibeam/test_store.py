@@ -250,7 +250,7 @@ def test_figures_and_curves_that_are_damaged_are_noticed(tmp_path: Path) -> None
 
 
 def test_a_state_that_is_not_finite_is_refused(tmp_path: Path) -> None:
-    state = State(np.array([0.0, np.nan, 0.0]), np.zeros(3))
+    state = State.reached(np.array([0.0, np.nan, 0.0]), np.zeros(3))
     with opened(tmp_path / "a.h5", CASE) as store:
         store.write(UP, 0, point(GRID[0], 3), [state])
         with pytest.raises(StoreError, match="state after its point 1 is not finite"):
