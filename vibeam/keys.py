@@ -97,7 +97,8 @@ def _template() -> Iterator[str]:
 
 def _section(name: str, table: type[BaseModel], field: FieldInfo) -> Iterator[str]:
     """A table, or one for each name that the template shows; commented out if the case does without."""
-    aside = "" if field.is_required() else "# "
+    extra: Any = field.json_schema_extra or {}
+    aside = "" if field.is_required() or extra.get("written", False) else "# "
     yield ""
     yield from wrap(table.__doc__ or "", WIDTH, initial_indent="# ", subsequent_indent="# ")
     if not is_repeated(field):

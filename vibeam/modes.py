@@ -42,11 +42,15 @@ class ModeRow:
 
 @dataclass(frozen=True)
 class ModeTable:
-    """The first modes of a beam, and their shapes: deflections (points, modes) at ``positions`` (points,) in m."""
+    """The first modes of a beam, and their shapes: deflections (points, modes) at ``positions`` (points,) in m.
+
+    ``notes``: what the numbers cannot say, in sentences.
+    """
 
     rows: tuple[ModeRow, ...]
     positions: Array
     shapes: Array
+    notes: tuple[str, ...] = ()
 
 
 def mode_table(scene: Scene | SdofScene, count: int = 10) -> ModeTable:
@@ -80,7 +84,17 @@ def mode_table(scene: Scene | SdofScene, count: int = 10) -> ModeTable:
         )
         for i in range(len(modes.omega))
     ]
-    return ModeTable(tuple(rows), *_drawn(space, modes))
+    return ModeTable(tuple(rows), *_drawn(space, modes), _notes(scene, rows))
+
+
+def _notes(scene: Scene, rows: list[ModeRow]) -> tuple[str, ...]:
+    """Where the table ends in a restitution that makes no sense."""
+    from vibeam.remarks import ill_posed
+
+    if scene.stop.law not in (None, "restitution"):
+        return ()
+    below = next((row for row in rows if row.first_mode_restitution < 0), None)
+    return tuple(ill_posed({f"from {below.number} modes on": below.first_mode_restitution})) if below else ()
 
 
 def _restitutions(scene: Scene, contact: Array, mobility: float) -> tuple[float, float]:

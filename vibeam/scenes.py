@@ -51,8 +51,8 @@ def scene_of(case: BeamCase | SdofCase) -> Scene | SdofScene:
         )
     return Scene(
         beam=_beam(case.beam),
-        mass=Mass(**dict(case.mass)),
-        stop=_stop(case.stop, case.mass.position),
+        mass=None if case.mass is None else Mass(**dict(case.mass)),
+        stop=_stop(case.stop, 0.0 if case.mass is None else case.mass.position),
         sensor=Sensor(case.sensor.position),
         base=Base(**dict(case.drive)),
         added_masses=tuple(AddedMass(**dict(added)) for added in case.added_mass),

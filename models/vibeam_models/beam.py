@@ -10,7 +10,7 @@ import numpy as np
 from vibeam_models.damping import damped
 from vibeam_models.lumped import with_inertia
 from vibeam_models.mesh import nodes
-from vibeam_models.scene import Beam, Gravity, Scene, Torsion
+from vibeam_models.scene import Beam, Gravity, Mass, Scene, Torsion
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure
 
@@ -39,7 +39,8 @@ def assemble_with_space(scene: Scene) -> tuple[Structure, BeamSpace]:
 
         structure, space = SprungClamp(scene.clamp.stiffness, scene.beam).apply(structure, space)
     structure = _observed(structure, space, scene)
-    structure = with_inertia(structure, space.row(scene.mass.position), scene.mass.mass, translation=1.0)
+    if scene.mass is not None:
+        structure = with_inertia(structure, space.row(scene.mass.position), scene.mass.mass, translation=1.0)
     for effect in _effects(scene):
         structure, space = effect.apply(structure, space)
     return damped(structure, scene.beam.damping), space
@@ -80,7 +81,10 @@ def _concentrated(scene: Scene) -> list[float]:
     Inside that zone, or within a thousandth of the length of these, the stop needs no node, for the cubics reach it to
     10⁻⁹; with one the elements there would be so short and stiff that their round-off drowned the beam's stiffness.
     """
-    middle, half, stop = scene.mass.position, scene.mass.rigid_half_width or 0.0, scene.stop.position
+    stop = scene.stop.position
+    if scene.mass is None:
+        return [stop]
+    middle, half = scene.mass.position, scene.mass.rigid_half_width or 0.0
     ends = [] if half == 0 else [x for x in (middle - half, middle + half) if 0 < x < scene.beam.length]
     near = min(abs(stop - x) for x in (middle, *ends)) < NEAR * scene.beam.length
     return [middle, *([] if near or abs(stop - middle) < half else [stop]), *ends]
@@ -92,14 +96,8 @@ def _effects(scene: Scene) -> Iterator[Effect]:
         from vibeam_models.effects.added_mass import PointMass
 
         yield from (PointMass(added.mass, added.position) for added in scene.added_masses)
-    if scene.mass.rotary_inertia is not None:
-        from vibeam_models.effects.rotary_inertia import RotaryInertia
-
-        yield RotaryInertia(scene.mass.rotary_inertia, scene.mass.position)
-    if scene.mass.rigid_half_width is not None:
-        from vibeam_models.effects.rigid_zone import RigidZone
-
-        yield RigidZone(scene.mass.position, scene.mass.rigid_half_width)
+    if scene.mass is not None:
+        yield from _of_mass(scene.mass)
     if scene.torsion is not None:
         yield _torsion(scene, scene.torsion)
     if scene.gravity is not None:
@@ -110,9 +108,23 @@ def _effects(scene: Scene) -> Iterator[Effect]:
         yield MasslessBeam()
 
 
+def _of_mass(mass: Mass) -> Iterator[Effect]:
+    """What the attached mass has beyond being a point."""
+    if mass.rotary_inertia is not None:
+        from vibeam_models.effects.rotary_inertia import RotaryInertia
+
+        yield RotaryInertia(mass.rotary_inertia, mass.position)
+    if mass.rigid_half_width is not None:
+        from vibeam_models.effects.rigid_zone import RigidZone
+
+        yield RigidZone(mass.position, mass.rigid_half_width)
+
+
 def _torsion(scene: Scene, torsion: Torsion) -> Effect:
     from vibeam_models.effects.torsion import StVenantTorsion
 
+    if scene.mass is None:
+        raise ValueError("torsion: it has the polar inertia of an attached mass, and the scene has none")
     return StVenantTorsion(
         torsion.eccentricity,
         torsion.shear_modulus,
@@ -134,7 +146,8 @@ def _gravity(scene: Scene, gravity: Gravity) -> Effect:
 
 
 def _check_positions(scene: Scene) -> None:
-    places = {"mass": scene.mass.position, "stop": scene.stop.position, "sensor": scene.sensor.position}
+    places = {} if scene.mass is None else {"mass": scene.mass.position}
+    places |= {"stop": scene.stop.position, "sensor": scene.sensor.position}
     length = scene.beam.length
     faults = [f"{name}.position: {x} m is outside (0, {length}] m" for name, x in places.items() if not 0 < x <= length]
     if faults:

@@ -179,10 +179,10 @@ class Shaker:
 
 @dataclass(frozen=True)
 class Scene:
-    """A cantilever with an attached mass, a stop, a sensor and a shaken base."""
+    """A cantilever with an attached mass (None: a bare beam), a stop, a sensor and a shaken base."""
 
     beam: Beam
-    mass: Mass
+    mass: Mass | None
     stop: Stop
     sensor: Sensor
     base: Base
@@ -196,13 +196,13 @@ class Scene:
     @property
     def moving_mass(self) -> float:
         """What the base carries, in kg: the beam with all that is on it."""
-        attached = self.mass.mass + sum(added.mass for added in self.added_masses)
-        return self.beam.mass_per_length * self.beam.length + attached
+        return self.beam.mass_per_length * self.beam.length + sum(mass for mass, _ in self.weights)
 
     @property
     def weights(self) -> tuple[tuple[float, float], ...]:
         """(mass in kg, position in m) of everything attached."""
-        return ((self.mass.mass, self.mass.position), *((each.mass, each.position) for each in self.added_masses))
+        attached = () if self.mass is None else (self.mass,)
+        return tuple((each.mass, each.position) for each in (*attached, *self.added_masses))
 
 
 @dataclass(frozen=True)

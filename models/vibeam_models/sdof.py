@@ -88,8 +88,10 @@ def sdof_model(scene: Scene) -> SdofModel:
     """The paper's model of ``scene``; its effects, beam mass and further masses are what this model leaves out.
 
     β_S is the first given damping ratio, Δ = Δ_G/L with Δ_G the grazing amplitude at the sensor. ValueError where mass
-    or sensor stand at the clamp.
+    or sensor stand at the clamp, and for a beam without an attached mass.
     """
+    if scene.mass is None:
+        raise ValueError("the single degree of freedom of eq. 43-47 is that of an attached mass: the beam is bare")
     beam, load_at, unit_at = scene.beam, scene.mass.position, scene.sensor.position
     if not (load_at > 0 and unit_at > 0):
         raise ValueError("the static shape needs mass and sensor away from the clamp")

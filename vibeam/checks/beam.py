@@ -12,7 +12,7 @@ from vibeam.reading import Complaint
 def beam_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about the beam and what is fixed to it."""
     yield from _positions(case)
-    yield from _rigid_zone(case)
+    yield from _bare(case) if case.mass is None else _rigid_zone(case)
     yield from _damping(case.beam)
 
 
@@ -22,8 +22,23 @@ def _positions(case: SimpleNamespace) -> Iterator[Complaint]:
     places |= {("added_mass", index, "position"): added for index, added in enumerate(case.added_mass)}
     length = case.beam.length
     for path, table in places.items():
-        if length is not None and table.position is not None and table.position > length:
+        if length is not None and table is not None and table.position is not None and table.position > length:
             yield path, f"{table.position:g} m is beyond the tip: beam.length is {length:g} m"
+
+
+def _bare(case: SimpleNamespace) -> Iterator[Complaint]:
+    """What a beam without an attached mass has to say otherwise."""
+    if case.stop.position is None:
+        yield (
+            ("stop", "position"),
+            'missing (without [mass] the stop is nowhere): write position = "132 mm", or add [mass]',
+        )
+    if case.beam.massless and not case.added_mass:
+        yield ("beam", "massless"), "nothing is left that has mass: add [mass], or take massless out"
+    if case.torsion is not None:
+        yield ("torsion",), "has the polar inertia of the attached mass: add [mass], or take [torsion] out"
+    if case.drive.gain is not None:
+        yield ("drive", "gain"), 'is of a beam with an attached mass: write amplitude = "0.05 mm", or add [mass]'
 
 
 def _rigid_zone(case: SimpleNamespace) -> Iterator[Complaint]:

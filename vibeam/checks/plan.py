@@ -45,7 +45,6 @@ def _most_modes(case: SimpleNamespace) -> tuple[int, str]:
     """How many modes the beam can have at most (0: not known), and what gives them."""
     twists = case.torsion is not None
     if case.beam.massless:
-        return 1 + (case.mass.rotary_inertia is not None) + len(
-            case.added_mass
-        ) + twists, "a massless beam's inertias give"
+        attached = 0 if case.mass is None else 1 + (case.mass.rotary_inertia is not None)
+        return attached + len(case.added_mass) + twists, "a massless beam's inertias give"
     return 2 * (case.beam.elements or 0) * (1 + twists), "beam.elements gives"

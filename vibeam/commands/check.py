@@ -22,11 +22,12 @@ def check(
         answer([], as_json)
         return
     from vibeam import expect, references
+    from vibeam.remarks import remarks
     from vibeam.report.units import units_of
 
     loaded = loaded.everywhere()  # each fidelity is checked by itself
     result = swept(loaded, None if out is None else results_path(loaded, out), show=False, fresh=fresh)
     rows = references.check(loaded, result, partial=bool(set_)) + expect.check(loaded, result, partial=bool(set_))
-    answer(rows, as_json, lambda tables: [tables.checks(rows, units_of(loaded))])
+    answer(rows, as_json, lambda tables: [tables.checks(rows, units_of(loaded))], remarks(result))
     if not all(row.passed for row in rows):
         raise typer.Exit(MISSED)

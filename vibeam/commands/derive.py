@@ -12,6 +12,7 @@ def derive(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out:
     from vibeam.derive import derive as derived
 
     loaded = load(case, set_)
-    rows = list(of_case(case, lambda: derived(loaded)))
+    table = of_case(case, lambda: derived(loaded))
+    rows = list(table)
     written(rows, out)
-    answer(rows, as_json, lambda tables: [tables.derivation(rows)])
+    answer(rows, as_json, lambda tables: [tables.derivation(rows)], table.notes)

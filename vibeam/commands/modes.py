@@ -30,4 +30,4 @@ def modes(
     if out is not None:
         write_shapes(table, out)
         say(f"wrote {out}")
-    answer(table.rows, as_json, lambda tables: [tables.modal(table)])
+    answer(table.rows, as_json, lambda tables: [tables.modal(table)], table.notes)

@@ -24,6 +24,7 @@ def run(
 
 def _report(result: Result, path: Path, as_json: bool) -> None:
     from vibeam.compare import compare
+    from vibeam.remarks import remarks
     from vibeam.report.frc import write_frc
     from vibeam.report.units import units_of
 
@@ -32,18 +33,19 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
     files += _shown(result, path)
     rows = compare(result)
     units = units_of(result.case)
-    whole = {"fidelities": rows, "found": result.found, "total": result.total, "files": files}
+    told = remarks(result)
+    whole = {"fidelities": rows, "remarks": told, "found": result.found, "total": result.total, "files": files}
     whole |= {"curves": curves} if (curves := result.curves) else {}
     study = result.accuracy
     if study is None:
-        answer(whole, as_json, lambda tables: [tables.responses(rows, units), tables.costs(rows)], files)
+        answer(whole, as_json, lambda tables: [tables.responses(rows, units), tables.costs(rows)], [*told, *files])
         return
     from vibeam.report import accuracy_table
 
     answer(
         whole | {"accuracy": study}, as_json,
         lambda tables: [tables.responses(rows, units), accuracy_table.choices(study)],
-        [*accuracy_table.sentences(study, units), *files],
+        [*accuracy_table.sentences(study, units), *told, *files],
     )  # fmt: skip
 
 

@@ -39,7 +39,8 @@ def stability(
     write_stability(found, *figures)
     output.write_csv(found.points, path)
     files = [path, *figures]
+    told = found.notes
     answer(
-        {"crossings": found.crossings, "maps": found.shares, "files": files}, as_json,
-        lambda tables: [tables.crossings(found.crossings, found.axis.own_text, units_of(loaded))], files,
+        {"crossings": found.crossings, "maps": found.shares, "remarks": told, "files": files}, as_json,
+        lambda tables: [tables.crossings(found.crossings, found.axis.own_text, units_of(loaded))], [*told, *files],
     )  # fmt: skip

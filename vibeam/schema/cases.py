@@ -52,7 +52,7 @@ class BeamCase(_Case):
     """A beam on the bench."""
 
     beam: BeamTable
-    mass: MassTable
+    mass: MassTable | None = key("attached to the beam; absent = a bare beam", None, None)
     added_mass: tuple[AddedMassTable, ...] = key("further point masses", None, (), written=False)
     clamp: ClampTable | None = None
     gravity: GravityTable | None = None

@@ -44,7 +44,7 @@ class BeamTable(Table):
 
 
 class MassTable(Table):
-    """The mass attached to the beam."""
+    """The mass attached to the beam; absent = a bare beam."""
 
     mass: Annotated[float, Quantity(units.MASS, POSITIVE)] = key("attached mass", "0.2 kg")
     position: Annotated[float, Place] = key("distance from the clamp, in (0, length]", "132 mm")
@@ -70,7 +70,10 @@ class StopTable(Table):
         "whose it is: the contact's, or mode 1's (each fidelity's own is then derived)", "contact", "contact"
     )
     position: Annotated[float | None, Place] = key(
-        "effect: of the contact, from the clamp; absent = at the mass", "132 mm", None, written=False
+        "effect: of the contact, from the clamp; absent = at the mass, if there is one",
+        "132 mm",
+        None,
+        written=False,
     )
     law: Annotated[str | None, Word(LAWS)] = key(
         "effect: what the stop does; absent = restitution, the same at every velocity", "linear", None, written=False

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.periodic.map import OrbitMap, orbit_map
+from vibeam.remarks import ill_posed, listed
 from vibeam.solvers.averaging import slow_flow
 from vibeam.stability import axes
 from vibeam.stability.axes import Axis
@@ -47,6 +48,19 @@ class Stability:
     axis: Axis
     maps: tuple[ModelMap, ...]
     crossings: tuple[Crossing, ...]
+    refused: tuple[str, ...] = ()
+
+    @property
+    def notes(self) -> list[str]:
+        """What maps and boundaries cannot say, in sentences: models left out, no motion, no boundary, R₁ < 0."""
+        from vibeam.fidelity import restitutions
+
+        names = [name for one in self.maps for name in one.fidelities]
+        seen = {name: restitutions(self.case.scene_of(name), self.case.fidelities[name])[1] for name in names}
+        empty = [each.fidelity for each in self.shares if not each.exists]
+        told = [f"{listed(empty)}: no motion with impacts of this kind anywhere on the map"] if empty else []
+        told += [] if self.crossings or empty else [f"no boundary at the case's own {self.axis.own_text}"]
+        return [*self.refused, *told, *ill_posed(seen)]
 
     @property
     def points(self) -> list[CurvePoint]:
@@ -76,7 +90,7 @@ def stability(
     """
     if fidelity is not None and fidelity not in case.fidelities:
         raise ValueError(f"no fidelity {fidelity!r}: there are {', '.join(case.fidelities)}")
-    models = _models(case, fidelity)
+    models, refused = _models(case, fidelity)
     axis = axes.second_axis(case, over, low, high, next(iter(models.values()))[0])
     grid, values = axes.frequencies(case, frequencies), axis.factor * np.linspace(axis.low, axis.high, points)
     maps: list[ModelMap] = []
@@ -88,20 +102,32 @@ def stability(
         found = orbit_map(system, grid, given["amplitude"], periods, given["gap"])
         maps.append(ModelMap(tuple(names), system.size, found, _averaged(amplitude, system, axis.over, grid, periods)))
         met += crossings(name, system, amplitude, span, periods)
-    return Stability(case, axis, tuple(maps), tuple(met))
+    return Stability(case, axis, tuple(maps), tuple(met), refused)
 
 
-def _models(case: Case, fidelity: str | None) -> dict[str, tuple[ImpactSystem, list[str]]]:
-    """The systems that differ, by the first fidelity that makes each, with all that do."""
+def _models(
+    case: Case, fidelity: str | None
+) -> tuple[dict[str, tuple[ImpactSystem, list[str]]], tuple[str, ...]]:  # fmt: skip
+    """The systems that differ, by the first fidelity that makes each, with all that do; and why others have no map.
+
+    ValueError where none has one.
+    """
     found: dict[str, tuple[ImpactSystem, list[str]]] = {}
+    refused: dict[str, list[str]] = {}
     for name in case.fidelities if fidelity is None else [fidelity]:
         system = case.system(name)
+        if system.beyond_plain:
+            refused.setdefault(" or ".join(system.beyond_plain), []).append(name)
+            continue
         twin = next((names for other, names in found.values() if system.moves_as(other)), None)
         if twin is None:
             found[name] = system, [name]
         else:
             twin.append(name)
-    return found
+    told = tuple(f"{listed(names)}: no map, for no closed form knows {why}" for why, names in refused.items())
+    if not found:
+        raise ValueError("; ".join(told))
+    return found, told
 
 
 def _averaged(amplitude: float, system: ImpactSystem, over: str, omega: Array, periods: int) -> Array | None:
