@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from textwrap import wrap
 from typing import Any
@@ -11,11 +11,15 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from vibeam.canonical import written
+from vibeam.entries.entry import Entry
+from vibeam.faults import cure, shown, suggestion
 from vibeam.reading import entry_of, example_of, fields_of, is_repeated, table_of
 from vibeam.schema import BeamCase, SdofCase
 
 COLUMN = 44  # where the template's comments begin
 WIDTH = 120
+WITH_SDOF = " with [sdof]"  # what marks a table in the reference that is another beside [sdof]
+SEVERAL = ("[[", "[fidelity.", "[reference.", "[expect.", "[show.")  # headings of tables of which there are several
 # What the template shows of the tables that have names.
 NAMED: dict[str, dict[str, dict[str, Any]]] = {
     "fidelity": {
@@ -50,7 +54,43 @@ def reference_table() -> list[Row]:
     """Every key of a case, in the order of the template; those of a case with [sdof] after them, marked so."""
     rows = list(_rows(BeamCase, ""))
     others = [row for row in _rows(SdofCase, "") if row not in rows]
-    return rows + [row if row.table == "[sdof]" else replace(row, table=f"{row.table} with [sdof]") for row in others]
+    return rows + [row if row.table == "[sdof]" else replace(row, table=f"{row.table}{WITH_SDOF}") for row in others]
+
+
+def rows_of(name: str) -> list[Row]:
+    """The keys of one table (``"stop"``), or one key (``"stop.gap"``), as ``reference_table`` has them.
+
+    The name or index of one of several tables may be said or left away: ``"fidelity.beam.modes"``. ValueError, with
+    what was meant, for a name that is none.
+    """
+    rows = {row: (*_place(row.table), row.key) for row in reference_table()}
+    wanted = _without_name(tuple(name.strip("[] ").split(".")), rows)
+    found = [row for row, path in rows.items() if path[: len(wanted)] == wanted]
+    if not found:
+        raise ValueError(f"unknown key {shown(name)}; {_meant(wanted, set(rows.values()))}")
+    return found
+
+
+def _place(heading: str) -> tuple[str, ...]:
+    """The names in a heading: ``[sweep] frequency`` is sweep and frequency, ``[show.NAME] with [sdof]`` show alone."""
+    names = heading.removesuffix(WITH_SDOF).replace("[", "").replace("]", "").split()
+    return tuple(name.removesuffix(".NAME") for name in names)
+
+
+def _without_name(wanted: tuple[str, ...], rows: Mapping[Row, tuple[str, ...]]) -> tuple[str, ...]:
+    """``wanted`` without what a case calls one of several tables, where it is said."""
+    keys = [path[1] for row, path in rows.items() if path[0] == wanted[0] and row.table.startswith(SEVERAL)]
+    named = keys and len(wanted) > 1 and wanted[1] not in keys
+    return wanted[:1] + wanted[2:] if named and (len(wanted) > 2 or not suggestion(wanted[1], keys)) else wanted
+
+
+def _meant(wanted: tuple[str, ...], paths: Collection[tuple[str, ...]]) -> str:
+    """What may have been meant by a name that is none: the known ones where it leaves them."""
+    depth = 0
+    while any(path[: depth + 1] == wanted[: depth + 1] for path in paths):
+        depth += 1
+    known = sorted({path[depth] for path in paths if path[:depth] == wanted[:depth] and len(path) > depth})
+    return cure(wanted[depth], known) if known else f"{'.'.join(wanted[:depth])} holds a value, no keys"
 
 
 def _rows(model: type[BaseModel], table: str) -> Iterator[Row]:
@@ -76,8 +116,14 @@ def _row(table: str, name: str, field: FieldInfo) -> Row:
     entry = entry_of(field)
     kind = entry.describe() if entry else ""
     kind = f"table | {kind}" if table_of(field) else kind
-    default = "" if entry is None or field.is_required() or field.default is None else entry.canonical(field.default)
-    return Row(table, name, kind, default and written(default), field.is_required(), field.description or "")
+    return Row(table, name, kind, _default(entry, field), field.is_required(), field.description or "")
+
+
+def _default(entry: Entry | None, field: FieldInfo) -> str:
+    """The default as a case writes it; empty where there is none, or an empty one."""
+    if entry is None or field.is_required() or field.default is None or field.default in ("", (), {}):
+        return ""
+    return written(entry.canonical(field.default))
 
 
 def template() -> str:

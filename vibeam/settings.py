@@ -31,6 +31,10 @@ class Settings(Entry):
         """As ``Entry.describe``."""
         return 'table { "stop.gap" = value, … }'
 
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"type": "object", "minProperties": 1}
+
 
 @dataclass(frozen=True)
 class Names(Entry):
@@ -49,6 +53,10 @@ class Names(Entry):
     def describe(self) -> str:
         """As ``Entry.describe``."""
         return f"list of {self.what}"
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"type": "array", "items": {"type": "string"}, "minItems": 1, "uniqueItems": True}
 
 
 @dataclass(frozen=True)
@@ -71,6 +79,10 @@ class Value(Entry):
     def describe(self) -> str:
         """As ``Entry.describe``."""
         return "number | Hz"
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return Quantity(units.RATIO).schema()
 
 
 def flat(tables: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:

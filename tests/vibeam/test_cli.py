@@ -180,13 +180,57 @@ def test_new_writes_a_sound_case_once(command: Command, tmp_path: Path) -> None:
     assert "is there already" in command("new", expect=2).stderr
     assert (tmp_path / "case.toml").read_bytes() == before
     assert json.loads(command("new", "--out", "b.toml", "--json").stdout) == {"written": "b.toml"}
-    command("new", "none/c.toml", expect=2)
     command("new", ".", expect=2)
+    assert command("new", "a/folder").stdout.startswith("wrote a/folder/case.toml: ")
+    assert ".toml, or a folder" in command("new", "case.tml", expect=2).stderr
 
 
 def test_keys_lists_every_key(command: Command) -> None:
     assert "youngs_modulus" in command("keys").stdout
     assert {"table", "key", "unit", "default", "meaning"} <= set(json.loads(command("keys", "--json").stdout)[0])
+    assert all(isinstance(row["default"], str) for row in json.loads(command("keys", "--json").stdout))
+
+
+@pytest.mark.parametrize(
+    ("name", "keys"),
+    [
+        ("clamp", {"stiffness"}),
+        ("[clamp]", {"stiffness"}),
+        ("stop.gap", {"gap"}),
+        ("sweep.frequency", {"frequency", "from", "to", "points"}),
+        ("sweep.frequency.from", {"from"}),
+        ("fidelity.beam.modes", {"modes"}),
+        ("fidelity.modes", {"modes"}),
+        ("added_mass.0.mass", {"mass"}),
+        ("added_mass", {"mass", "position"}),
+        ("title", {"title"}),
+        ("sdof", {"natural_frequency", "damping_ratio"}),
+    ],
+)
+def test_keys_of_one_table_or_one_name(command: Command, name: str, keys: set[str]) -> None:
+    assert {row["key"] for row in json.loads(command("keys", name, "--json").stdout)} == keys
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("stpo", "unknown key 'stpo'; did you mean 'stop'?"),
+        ("stop.gpa", "unknown key 'stop.gpa'; did you mean 'gap'?"),
+        ("stop.gap.x", "unknown key 'stop.gap.x'; stop.gap holds a value, no keys"),
+        ("fidelity.modse", "unknown key 'fidelity.modse'; did you mean 'modes'?"),
+        ("fidelity.beam.modse", "unknown key 'fidelity.beam.modse'; did you mean 'modes'?"),
+        ("clamp.xyz", "unknown key 'clamp.xyz'; known here: stiffness"),
+        ("x\x1b", r"unknown key 'x\x1b'; known here: accuracy,"),
+    ],
+)
+def test_keys_says_what_was_meant(command: Command, name: str, message: str) -> None:
+    assert command("keys", name, expect=2).stderr.startswith(message)
+
+
+def test_keys_prints_the_schema_of_a_case(command: Command) -> None:
+    from vibeam.schema.json_schema import case_schema
+
+    assert json.loads(command("keys", "--schema").stdout) == case_schema()
 
 
 def test_version_and_help(command: Command) -> None:
@@ -244,13 +288,39 @@ def test_a_wrong_override_is_a_message(command: Command, sdof: Path, setting: st
 
 
 def test_a_place_that_cannot_be_written_is_one_line(command: Command, sdof: Path) -> None:
-    for out in ("none/a.h5", "sdof.toml/a.h5", "a.txt", "none", "sdof.toml"):
+    for out in ("sdof.toml/a.h5", "sdof.toml/below/a.h5", "sdof.toml/", "a.txt", "sdof.toml", "a.h5.txt", "v1.2"):
         assert command("run", sdof, "--out", out, expect=2).stderr.count("\n") == 1
+    assert "write v1.2/ for a new folder" in command("run", sdof, "--out", "v1.2", expect=2).stderr
+    assert list(sdof.parent.iterdir()) == [sdof]
     sdof.with_name("a.h5").write_text("mine", encoding="utf-8")
     assert "no vibeam result" in command("run", sdof, "--out", "a.h5", expect=2).stderr
     assert sdof.with_name("a.h5").read_text(encoding="utf-8") == "mine"
-    assert command("derive", RIG, "--out", "none/a.csv", expect=2).stderr.count("\n") == 1
-    assert command("modes", RIG, "--out", "none/a.vtu", expect=2).stderr.count("\n") == 1
+    assert command("derive", RIG, "--out", "sdof.toml/a.csv", expect=2).stderr.count("\n") == 1
+    assert command("modes", RIG, "--out", "a.h5/a.vtu", expect=2).stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("out", "file"),
+    [
+        ("some/new/folder/x.h5", "some/new/folder/x.h5"),
+        ("some/new/folder/", "some/new/folder/sdof.h5"),
+        ("some/new/folder", "some/new/folder/sdof.h5"),
+        ("v1.2/", "v1.2/sdof.h5"),
+        ("x.h5/", "x.h5/sdof.h5"),
+        (".", "sdof.h5"),
+    ],
+)
+def test_a_new_folder_is_made_for_what_is_written(command: Command, sdof: Path, out: str, file: str) -> None:
+    assert json.loads(command("run", sdof, "--out", out, "--json").stdout)["files"][0] == file
+    assert (sdof.parent / file).is_file()
+
+
+def test_every_command_makes_its_folder(command: Command, tmp_path: Path) -> None:
+    command("derive", RIG, "--out", "a/b/")
+    command("modes", RIG, "--count", 1, "--out", "a/c/shapes.vtu")
+    command("keys", "--out", "a/d/keys.csv")
+    files = {str(path.relative_to(tmp_path / "a")) for path in (tmp_path / "a").rglob("*.*")}
+    assert files == {"b/dtu_neutral_derive.csv", "c/shapes.vtu", "d/keys.csv"}
 
 
 def test_a_fidelity_that_cannot_be_built_is_a_message(command: Command, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from os import sep
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,13 +21,20 @@ Overrides = Annotated[
     typer.Option("--set", metavar="KEY=VALUE", help="A key of the case, in place of the file's. Repeatable."),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON in place of tables.")]
+_NEW_FOLDERS = "folders on the way are made"
 ResultsFile = Annotated[
-    Path | None, typer.Option("--out", help="The results file (.h5), or the folder for it.", show_default=False)
-]
+    str | None,
+    typer.Option(
+        "--out", metavar="FILE", help=f"The results file (.h5), or the folder for it; {_NEW_FOLDERS}.",
+        show_default=False,
+    ),
+]  # fmt: skip
 Fresh = Annotated[bool, typer.Option("--fresh", help="Keep nothing of the results file that is there: start over.")]
-TableFile = Annotated[Path | None, typer.Option("--out", help="Write the table to this CSV file.", show_default=False)]
-StudyFile = Annotated[
-    Path | None, typer.Option("--out", help="The CSV file, or the folder for it.", show_default=False)
+TableFile = Annotated[
+    str | None,
+    typer.Option(
+        "--out", metavar="FILE", help=f"The CSV file, or the folder for it; {_NEW_FOLDERS}.", show_default=False
+    ),
 ]
 
 
@@ -41,19 +49,42 @@ def load(path: Path, settings: list[str] | None) -> Case:
     return read(path, {key.strip(): value.strip() for key, _, value in parts})
 
 
-def results_path(case: Case, out: Path | None) -> Path:
+def results_path(case: Case, out: str | None) -> Path:
     """``out`` itself, or the case's name in the folder ``out``."""
-    return _place(out or Path(), f"{case.path.stem}.h5", RESULTS, "a results file that ends in .h5")
+    return place(out, f"{case.path.stem}.h5", RESULTS, "a results file")
 
 
-def table_path(case: Case, out: Path | None, kind: str) -> Path:
+def table_path(case: Case, out: str | None, kind: str) -> Path:
     """``out`` itself, or the case's name and ``kind`` in the folder ``out``."""
-    return _place(out or Path(), f"{case.path.stem}_{kind}.csv", (".csv",), "a file that ends in .csv")
+    return place(out, f"{case.path.stem}_{kind}.csv", (".csv",), "a table")
 
 
-def _place(out: Path, name: str, endings: tuple[str, ...], wanted: str) -> Path:
-    if out.is_dir():
-        return out / name
-    if out.suffix not in endings:
-        raise Mistake(f"{out}: --out names {wanted}, or a folder that is there")
-    return out
+def place(out: str | None, name: str, endings: tuple[str, ...], wanted: str) -> Path:
+    """The file that ``--out`` names, in a folder that is there: ``out``, or ``name`` where ``out`` is a folder.
+
+    A folder is what is one already, or ends in a slash, or, being new, has no ending. Mistake for another ending.
+    """
+    if out is None:
+        return Path(name)
+    path = Path(out)
+    if _is_folder(out):
+        return folder(path) / name
+    if path.suffix not in endings:
+        or_folder = f"write {path}/ for a new folder" if not path.exists() else "it is no folder either"
+        raise Mistake(f"{path}: --out names {wanted} that ends in {' or '.join(endings)}, or a folder: {or_folder}")
+    folder(path.parent)
+    return path
+
+
+def _is_folder(out: str) -> bool:
+    path = Path(out)
+    return out.endswith(("/", sep)) or path.is_dir() or not (path.suffix or path.exists())
+
+
+def folder(path: Path) -> Path:
+    """The folder, made with those above it where it is not there."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError):
+        raise Mistake(f"{path}: --out needs a folder here, and this is a file or lies below one") from None
+    return path

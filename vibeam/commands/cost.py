@@ -8,8 +8,7 @@ from typing import Annotated
 import typer
 
 from vibeam.commands.answer import answer
-from vibeam.commands.arguments import AsJson, CaseFile, Overrides, load
-from vibeam.commands.mistakes import Mistake
+from vibeam.commands.arguments import AsJson, CaseFile, Overrides, folder, load
 from vibeam.commands.working import studied
 
 
@@ -18,7 +17,8 @@ def cost(
     set_: Overrides = None,
     as_json: AsJson = False,
     out: Annotated[
-        Path | None, typer.Option("--out", help="The folder for plot and table.", show_default=False)
+        Path | None,
+        typer.Option("--out", metavar="FOLDER", help="The folder for plot and table, made if new.", show_default=False),
     ] = None,
 ) -> None:
     """Accuracy against time: every fidelity by every solver, and where the error comes from."""
@@ -27,11 +27,9 @@ def cost(
     from vibeam.report.cost_files import write_files
 
     loaded = load(case, set_)
-    folder = out or Path()
-    if not folder.is_dir():
-        raise Mistake(f"{folder}: --out names a folder that is there")
+    place = folder(out or Path())
     study = studied(case, loaded, costs)
-    files = write_files(study, folder, case.stem)
+    files = write_files(study, place, case.stem)
     answer(
         {"study": study, "files": files}, as_json,
         lambda tables: [cost_table.runs(study), cost_table.parts(study)], [*cost_table.sentences(study), *files],

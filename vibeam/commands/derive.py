@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vibeam.commands.answer import answer, written
-from vibeam.commands.arguments import AsJson, CaseFile, Overrides, TableFile, load
+from vibeam.commands.arguments import AsJson, CaseFile, Overrides, TableFile, load, table_path
 from vibeam.commands.mistakes import of_case
 
 
@@ -14,5 +14,5 @@ def derive(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out:
     loaded = load(case, set_)
     table = of_case(case, lambda: derived(loaded))
     rows = list(table)
-    written(rows, out)
+    written(rows, None if out is None else table_path(loaded, out, "derive"))
     answer(rows, as_json, lambda tables: [tables.derivation(rows)], table.notes)

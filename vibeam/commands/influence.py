@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from vibeam.commands.answer import answer
-from vibeam.commands.arguments import AsJson, CaseFile, Overrides, StudyFile, load, table_path
+from vibeam.commands.arguments import AsJson, CaseFile, Overrides, TableFile, load, table_path
 from vibeam.commands.working import studied
 
 
-def influence(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: StudyFile = None) -> None:
+def influence(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: TableFile = None) -> None:
     """What each effect of the case changes and costs, and which of them the scene needs."""
     from vibeam.influence.study import influence as influences
     from vibeam.report import influence as report

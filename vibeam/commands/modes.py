@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from vibeam.commands.answer import answer
-from vibeam.commands.arguments import AsJson, CaseFile, Overrides, load
-from vibeam.commands.mistakes import Mistake, of_case
+from vibeam.commands.arguments import AsJson, CaseFile, Overrides, load, place
+from vibeam.commands.mistakes import of_case
 from vibeam.commands.streams import say
 
 
@@ -17,17 +16,18 @@ def modes(
     case: CaseFile,
     set_: Overrides = None,
     as_json: AsJson = False,
-    out: Annotated[Path | None, typer.Option("--out", help="Write the mode shapes to this VTU file.")] = None,
+    out: Annotated[
+        str | None, typer.Option("--out", metavar="FILE", help="The VTU file of the mode shapes, or the folder for it.")
+    ] = None,
     count: Annotated[int, typer.Option("--count", min=1, help="How many modes.")] = 10,
 ) -> None:
     """The modes of the finite-element beam, and the restitution that is left when it is cut off after each."""
     from vibeam.modes import mode_table, write_shapes
 
     loaded = load(case, set_)
-    if out is not None and out.suffix != ".vtu":
-        raise Mistake(f"{out}: mode shapes go into a .vtu file")
+    path = None if out is None else place(out, f"{loaded.path.stem}_modes.vtu", (".vtu",), "a file of mode shapes")
     table = of_case(case, lambda: mode_table(loaded.scene, count))
-    if out is not None:
-        write_shapes(table, out)
-        say(f"wrote {out}")
+    if path is not None:
+        write_shapes(table, path)
+        say(f"wrote {path}")
     answer(table.rows, as_json, lambda tables: [tables.modal(table)], table.notes)

@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from vibeam.commands.answer import answer
-from vibeam.commands.arguments import AsJson
+from vibeam.commands.arguments import AsJson, place
 from vibeam.commands.mistakes import Mistake
 from vibeam.commands.streams import put, say
 
 
 def new(
-    path: Annotated[Path, typer.Argument(help="The case file to write.")] = Path("case.toml"),
-    out: Annotated[Path | None, typer.Option("--out", help="The same, as an option.", show_default=False)] = None,
+    path: Annotated[str, typer.Argument(metavar="FILE", help="The case file to write, or its folder.")] = "case.toml",
+    out: Annotated[
+        str | None, typer.Option("--out", metavar="FILE", help="The same, as an option.", show_default=False)
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Write a case to start from, every key explained; never over a file that is there."""
     from vibeam.keys import template
 
-    target = out or path
+    target = place(out or path, "case.toml", (".toml",), "a case file")
     try:
         with target.open("x", encoding="utf-8") as file:
             file.write(template())

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from vibeam.commands.answer import answer
-from vibeam.commands.arguments import AsJson, CaseFile, Overrides, StudyFile, load, table_path
+from vibeam.commands.arguments import AsJson, CaseFile, Overrides, TableFile, load, table_path
 from vibeam.commands.mistakes import of_case
 
 
@@ -15,7 +15,7 @@ def stability(
     case: CaseFile,
     set_: Overrides = None,
     as_json: AsJson = False,
-    out: StudyFile = None,
+    out: TableFile = None,
     over: Annotated[str, typer.Option("--over", help="What changes beside the frequency: gap or drive.")] = "gap",
     low: Annotated[str | None, typer.Option("--from", help="Its first value, with unit.", show_default=False)] = None,
     high: Annotated[str | None, typer.Option("--to", help="Its last value, with unit.", show_default=False)] = None,

@@ -49,6 +49,13 @@ class Several(Entry):
         one = [self.each.describe()] if self.alone else []
         return " | ".join([*(f'"{word}"' for word in self.words), *one, f"list of {self.each.describe()}"])
 
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        several = {"type": "array", "items": self.each.schema(), "minItems": 1, "maxItems": self.limit}
+        one = [self.each.schema()] if self.alone else []
+        words = [Word(self.words).schema()] if self.words else []
+        return {"anyOf": [*words, *one, several]} if words or one else several
+
 
 @dataclass(frozen=True)
 class Each(Entry):
@@ -68,6 +75,10 @@ class Each(Entry):
     def describe(self) -> str:
         """As ``Entry.describe``."""
         return f"list of {self.of.describe()}"
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"type": "array", "items": self.of.schema(), "minItems": 1, "uniqueItems": True}
 
 
 def _items(entry: Entry, values: list[Any], called: str) -> Iterator[Any]:

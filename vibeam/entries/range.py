@@ -26,6 +26,11 @@ class Range:
         """The range after a unit: ``"> 0"``, ``"in [0, 1]"``, empty where all numbers will do."""
         return f"in {self}" if math.isfinite(self.high) else str(self)
 
+    def schema(self) -> dict[str, float]:
+        """The range as JSON schema has it."""
+        low = {"minimum" if self.closed else "exclusiveMinimum": self.low} if math.isfinite(self.low) else {}
+        return low | ({"maximum": self.high} if math.isfinite(self.high) else {})
+
     def __str__(self) -> str:
         if self.low == -math.inf:
             return ""

@@ -10,6 +10,8 @@ from vibeam.entries.range import ANY, Range
 from vibeam.faults import shown, suggestion
 from vibeam.units import Kind, to_si
 
+NUMBER_WITH_UNIT = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?(\s|[A-Za-zµμ%]|1\s*/|$)"
+
 
 @dataclass(frozen=True)
 class Quantity(Entry):
@@ -27,6 +29,11 @@ class Quantity(Entry):
     def describe(self) -> str:
         """As ``Entry.describe``."""
         return " ".join(filter(None, [self.kind.unit or "number", self.range.describe()]))
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``: a number in SI units, or text that begins with one."""
+        text = {"type": "string", "pattern": NUMBER_WITH_UNIT}
+        return {"anyOf": [{"type": "number"} | self.range.schema(), text]} if self.kind.bare else text
 
     def canonical(self, value: Any) -> Any:
         """As ``Entry.canonical``."""
@@ -51,6 +58,10 @@ class Count(Entry):
         """As ``Entry.describe``."""
         return f"whole number {Range(self.low, self.high).describe()}"
 
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"type": "integer", "minimum": self.low, "maximum": self.high}
+
 
 @dataclass(frozen=True)
 class Flag(Entry):
@@ -65,6 +76,10 @@ class Flag(Entry):
     def describe(self) -> str:
         """As ``Entry.describe``."""
         return "true | false"
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"type": "boolean"}
 
 
 @dataclass(frozen=True)
@@ -87,6 +102,10 @@ class Word(Entry):
         """As ``Entry.describe``."""
         return " | ".join(f'"{word}"' for word in self.words)
 
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"enum": list(self.words)}
+
 
 @dataclass(frozen=True)
 class Text(Entry):
@@ -101,3 +120,7 @@ class Text(Entry):
     def describe(self) -> str:
         """As ``Entry.describe``."""
         return "text"
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"type": "string"}

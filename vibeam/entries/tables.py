@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import BaseModel, GetCoreSchemaHandler
+from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from vibeam.entries.entry import Entry
@@ -30,6 +30,10 @@ class Options(Entry):
     def describe(self) -> str:
         """As ``Entry.describe``."""
         return "table { name = value, … }"
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"type": "object", "additionalProperties": {"type": ["number", "string", "boolean"]}}
 
 
 def _is_plain(value: Any) -> bool:
@@ -59,6 +63,10 @@ class TableOr(Entry):
         """As ``Entry.describe``."""
         return self.several.describe()
 
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``, of the list alone."""
+        return self.several.schema()
+
     def canonical(self, value: Any) -> Any:
         """As ``Entry.canonical``."""
         return value.model_dump(by_alias=True) if isinstance(value, BaseModel) else value
@@ -70,3 +78,7 @@ class TableOr(Entry):
         written = core_schema.plain_serializer_function_ser_schema(self.canonical)
         inner = handler.generate_schema(self.table)
         return core_schema.no_info_wrap_validator_function(either, inner, serialization=written)
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        inner: Any = core
+        return {"anyOf": [handler(inner["schema"]), self.schema()]}
