@@ -31,14 +31,10 @@ def _plain(value: Any) -> Any:
 
 
 def _left_out(key: str, value: Any) -> bool:
-    return (key in _OF_THE_TEMPLATE and isinstance(value, bool)) or (
-        key in ("default", "examples") and _is_empty(value)
-    )
-
-
-def _is_empty(value: Any) -> bool:
-    """Whether a default or a list of examples is none that a case could write."""
-    return value in (None, [None]) or isinstance(value, Mapping)
+    """Whether a part is the template's own, or a default or example that a case could not write."""
+    if key in ("default", "examples"):
+        return value in (None, [None]) or isinstance(value, Mapping)
+    return key in _OF_THE_TEMPLATE and isinstance(value, bool)
 
 
 def _single(schema: dict[str, Any]) -> dict[str, Any]:
