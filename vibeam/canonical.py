@@ -11,9 +11,24 @@ from pydantic import BaseModel
 
 
 def canonical_text(case: BaseModel, without: Collection[str] = ()) -> str:
-    """The case as text that loads as the same case, less the tables and keys in ``without``."""
-    content = case.model_dump(by_alias=True, exclude_none=True, exclude=set(without))
+    """The case as text that loads as the same case, less the tables and keys in ``without``.
+
+    ``TABLE.*.KEY`` is a key of every table that goes by that name.
+    """
+    content = case.model_dump(by_alias=True, exclude_none=True, exclude=_nested(without))
     return "\n".join(_tables("", content)).lstrip("\n") + "\n"
+
+
+def _nested(without: Collection[str]) -> dict[str, Any]:
+    """Dotted names as pydantic excludes them."""
+    found: dict[str, Any] = {}
+    for name in without:
+        *above, last = name.split(".")
+        place = found
+        for part in above:
+            place = place.setdefault("__all__" if part == "*" else part, {})
+        place[last] = True
+    return found
 
 
 def written(value: Any) -> str:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.plans import AccuracyPlan, CostPlan, Direction, InfluencePlan, Reference, SweepPlan
+from vibeam.plans import AccuracyPlan, CostPlan, Direction, FigurePlan, InfluencePlan, Reference, SweepPlan
 from vibeam.scenes import scene_of
 
 if TYPE_CHECKING:
@@ -26,8 +26,10 @@ if TYPE_CHECKING:
     from vibeam_models.scene import Scene, SdofScene
 
 RIPPLE, ATTENUATION = 0.1, 60.0  # dB, of an elliptic filter that does not say
-#: tables that change no sweep
-NOT_NUMBERS = frozenset({"title", "source", "reference", "expect", "show", "cost", "influence", "measurement"})
+#: tables that change no sweep, and keys of the tables that do
+NOT_NUMBERS = frozenset(
+    {"title", "source", "reference", "expect", "show", "figure", "cost", "influence", "measurement", "fidelity.*.label"}
+)
 #: tables and keys that are no physics either
 NOT_PHYSICS = NOT_NUMBERS | {"fidelity", "sweep", "accuracy", "accuracy_of"}
 GRID = frozenset({"frequency", "direction"})  # of a sweep
@@ -61,6 +63,7 @@ class Case:
     shows: Mapping[str, ShowPlan] = field(default_factory=dict)
     cost: CostPlan = field(default_factory=CostPlan)
     influence: InfluencePlan = field(default_factory=InfluencePlan)
+    figure: FigurePlan = field(default_factory=FigurePlan)
     chain: Chain | None = None
     chains: Mapping[str, Chain | None] = field(default_factory=dict)
     accuracy: AccuracyPlan | None = None
@@ -151,6 +154,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         shows=_shows(declared, changed, sweep),
         cost=CostPlan(**dict(declared.cost)),
         influence=InfluencePlan(**dict(getattr(declared, "influence", ()))),
+        figure=FigurePlan(**dict(declared.figure)),
         chain=_chain(declared),
         chains={name: _chain(own) for name, own in changed.items()},
         accuracy=_accuracy(declared),

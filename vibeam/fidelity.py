@@ -28,7 +28,8 @@ ReductionName = Literal["static_mode", "modal", "full"]
 class Fidelity:
     """How much model: a ``reduction`` (``modes`` of them for ``"modal"``) and what runs it: ``solver``, ``options``.
 
-    ``changes``: physics keys that are its own, in its scene already; ``without``: those that it leaves out.
+    ``changes``: physics keys that are its own, in its scene already; ``without``: those that it leaves out. ``label``:
+    its name in figures, None for ``name``.
 
     ValueError for an unknown reduction, or ``modes`` missing, below 1 or given to another reduction.
     """
@@ -40,6 +41,7 @@ class Fidelity:
     options: Mapping[str, str | float] = field(default_factory=dict)
     changes: Mapping[str, Any] = field(default_factory=dict)
     without: tuple[str, ...] = ()
+    label: str | None = None
 
     def __post_init__(self) -> None:
         known = get_args(ReductionName)

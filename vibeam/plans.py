@@ -78,3 +78,12 @@ class AccuracyPlan:
 
     within: float
     quantities: tuple[str, ...] = ("amplitude",)
+
+
+@dataclass(frozen=True)
+class FigurePlan:
+    """How figures are written: file endings, ``width`` in m (None: by the number of panels), whether with a title."""
+
+    format: tuple[str, ...] = ("png", "svg")
+    width: float | None = None
+    title: bool = True

@@ -20,7 +20,7 @@ from vibeam.reading import Complaint, entry_of, fields_of, is_repeated, keys_of,
 from vibeam.settings import flat
 
 #: tables and keys of a case that are no physics: a fidelity shares them with all others
-DROPPED = ("accuracy", "accuracy_of", "fidelity", "reference", "show", "expect", "cost", "influence")
+DROPPED = ("accuracy", "accuracy_of", "fidelity", "reference", "show", "figure", "expect", "cost", "influence")
 SHARED = ("title", "source", "sweep", *DROPPED)
 OWN = ("set", "without")
 Judge = Callable[[dict[str, Any]], tuple[Any, list[Complaint]]]

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from vibeam.plans import FigurePlan
 from vibeam.response import FrequencyResponse
 from vibeam.state import State
 from vibeam.system import ImpactSystem
@@ -112,6 +113,7 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
         "expectations": {},
         "shows": {},
         "accuracy": None,
+        "figure": FigurePlan(),
         "system": systems.__getitem__,
         "scene_of": lambda name: SdofScene(48.0, 0.02, 1e-4, 1.0, 1e-3),
         "amplitude_of": lambda name, omega: 1e-3,
@@ -121,7 +123,7 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
 
 def plain(name: str = "") -> Any:
     """A fidelity with nothing of its own."""
-    return SimpleNamespace(name=name, solver="flight", options={}, changes={})
+    return SimpleNamespace(name=name, solver="flight", options={}, changes={}, label=None)
 
 
 def system(modes: int, gap: float = 1e-4) -> ImpactSystem:

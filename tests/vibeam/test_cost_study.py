@@ -175,16 +175,17 @@ def test_a_run_that_fails_is_no_number_with_its_reason(monkeypatch: pytest.Monke
         return Broken(inner) if name == "mapping" else inner
 
     monkeypatch.setattr(measured_module, "solver", made)
-    study = cost(parse(TINY, set={"cost.solvers": ["flight", "mapping"], "cost.settle": 150}))
+    case = parse(TINY, set={"cost.solvers": ["flight", "mapping"], "cost.settle": 150})
+    study = cost(case)
     failed = next(row for row in study.rows if row.solver == "mapping")
     assert np.isnan(failed.total.amplitude_max)
     assert failed.why.startswith("3 of 3 points: a number overflowed")
     assert [study.rows[i].solver for i in study.front] == ["flight"]
-    axes = work_precision(study).axes[0]
+    axes = work_precision(study, case).axes[0]
     edge = [x for each in axes.lines if each.get_marker() == "X" for x in each.get_xdata()]
     assert edge
     assert min(edge) > 10  # beyond an error of 1000 %, at the edge
-    write_files(study, tmp_path, "a")
+    write_files(study, tmp_path, "a", case)
     assert "a number overflowed" in (tmp_path / "a_cost.csv").read_text(encoding="utf-8")
 
 
@@ -294,12 +295,13 @@ def test_modes_are_asked_of_a_beam_alone() -> None:
 
 
 def test_too_little_time_leaves_all_runs_out_and_says_so() -> None:
-    study = cost(parse(TINY, set={"cost.budget": 1e-9, "cost.solvers": ["flight", "orbit"]}))
+    case = parse(TINY, set={"cost.budget": 1e-9, "cost.solvers": ["flight", "orbit"]})
+    study = cost(case)
     assert study.rows == ()
     assert {each.run for each in study.left_out} == {"flight", "orbit"}
     assert study.splits[0].cpu > 0
     assert "Left out for want of time, 2 runs" in "\n".join(sentences(study))
-    assert work_precision(study).axes
+    assert work_precision(study, case).axes
 
 
 def test_the_bound_sees_a_reference_that_is_off() -> None:

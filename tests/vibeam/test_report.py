@@ -151,7 +151,7 @@ def test_tables_show_what_they_are_given(capsys: pytest.CaptureFixture[str]) -> 
 
 def test_units() -> None:
     assert (METRIC.lengths(1.5e-4), METRIC.lengths(float("nan")), METRIC.range(None)) == ("0.15 mm", "–", "–")
-    assert units_of(case()) is METRIC
+    assert units_of(case()) == METRIC
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,7 @@ def cost(
     loaded = load(case, set_)
     place = folder(out or Path())
     study = studied(case, loaded, costs)
-    files = write_files(study, place, case.stem)
+    files = write_files(study, place, case.stem, loaded)
     answer(
         {"study": study, "files": files}, as_json,
         lambda tables: [cost_table.runs(study), cost_table.parts(study)], [*cost_table.sentences(study), *files],

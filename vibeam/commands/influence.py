@@ -16,7 +16,7 @@ def influence(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, o
     loaded = load(case, set_)
     path = table_path(loaded, out, "influence")
     study = studied(case, loaded, influences)
-    files, sentences = write_files(study, path), list(report.sentences(study))
+    files, sentences = write_files(study, path, loaded.figure), list(report.sentences(study))
     answer(
         {"study": study, "sentences": sentences, "files": files}, as_json,
         lambda tables: [report.taken_away(study), report.left_alone(study)], [*sentences, *files],

@@ -26,13 +26,14 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
     from vibeam.compare import compare
     from vibeam.remarks import remarks
     from vibeam.report.frc import write_frc
-    from vibeam.report.units import units_of
+    from vibeam.report.page import paths_of
+    from vibeam.report.units import units_for
 
-    files = [path, path.with_suffix(".png"), path.with_suffix(".svg")]
+    files = [path, *paths_of(path, result.case.figure)]
     write_frc(result, *files[1:])
     files += _shown(result, path)
     rows = compare(result)
-    units = units_of(result.case)
+    units = units_for(result)
     told = remarks(result)
     whole = {"fidelities": rows, "remarks": told, "found": result.found, "total": result.total, "files": files}
     whole |= {"curves": curves} if (curves := result.curves) else {}

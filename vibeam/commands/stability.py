@@ -28,19 +28,21 @@ def stability(
 ) -> None:
     """Map where periodic motions exist, keep clear of the stop and are stable, over frequency and gap or drive."""
     from vibeam.report import output
-    from vibeam.report.stability import write_stability
+    from vibeam.report.page import paths_of
+    from vibeam.report.stability import own_text, write_stability
     from vibeam.report.units import units_of
     from vibeam.stability.study import stability as mapped
 
     loaded = load(case, set_)
     path = table_path(loaded, out, "stability")
     found = of_case(case, lambda: mapped(loaded, over, low, high, points, frequencies, periods, fidelity))
-    figures = [path.with_suffix(ending) for ending in (".png", ".svg")]
+    figures = paths_of(path, loaded.figure)
     write_stability(found, *figures)
     output.write_csv(found.points, path)
     files = [path, *figures]
+    units = units_of(loaded, speed=max((each.velocity for each in found.crossings), default=0.0))
     told = found.notes
     answer(
         {"crossings": found.crossings, "maps": found.shares, "remarks": told, "files": files}, as_json,
-        lambda tables: [tables.crossings(found.crossings, found.axis.own_text, units_of(loaded))], [*told, *files],
+        lambda tables: [tables.crossings(found.crossings, own_text(found.axis), units)], [*told, *files],
     )  # fmt: skip

@@ -59,12 +59,15 @@ class Several(Entry):
 
 @dataclass(frozen=True)
 class Each(Entry):
-    """A list of at least one entry of a kind, each only once."""
+    """A list of at least one entry of a kind, each only once; also one ``alone``."""
 
     of: Entry
+    alone: bool = False
 
     def parse(self, value: Any) -> tuple[Any, ...]:
         """As ``Entry.parse``."""
+        if self.alone and isinstance(value, str):
+            return (self.of.parse(value),)
         if not isinstance(value, list) or not value:
             raise ValueError(f"must be a {self.describe()}, not {shown(value) if value != [] else 'an empty list'}")
         found = tuple(_items(self.of, value, "entry"))
@@ -74,7 +77,8 @@ class Each(Entry):
 
     def describe(self) -> str:
         """As ``Entry.describe``."""
-        return f"list of {self.of.describe()}"
+        one = self.of.describe()
+        return f"{one} | list of them" if self.alone else f"list of {one}"
 
     def schema(self) -> dict[str, Any]:
         """As ``Entry.schema``."""

@@ -7,17 +7,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vibeam.report.output import plain, write_rows
+from vibeam.report.page import paths_of
 from vibeam.report.work_precision import write_work_precision
 
 if TYPE_CHECKING:
+    from vibeam.case import Case
     from vibeam.cost.study import Study
 
 
-def write_files(study: Study, folder: Path, stem: str) -> list[Path]:
-    """Write ``STEM_cost.png``, ``.svg`` and ``.csv`` into the folder; gives their paths."""
-    figures = [folder / f"{stem}_cost{ending}" for ending in (".png", ".svg")]
+def write_files(study: Study, folder: Path, stem: str, case: Case) -> list[Path]:
+    """Write ``STEM_cost.csv`` and the plot beside it, as the case says, into the folder; gives their paths."""
     table = folder / f"{stem}_cost.csv"
-    write_work_precision(study, *figures)
+    figures = paths_of(table, case.figure)
+    write_work_precision(study, case, *figures)
     write_rows(_lines(study), table)
     return [*figures, table]
 

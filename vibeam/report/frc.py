@@ -12,13 +12,28 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from vibeam.compare import finest_of, modes_of, periodic
+from vibeam.compare import complete, finest_of, modes_of, periodic
 from vibeam.references import reference_points
+from vibeam.report.axes import from_zero, is_empty, mark_failed, say
 from vibeam.report.curve import Kind, motion_pieces, pieces
-from vibeam.report.page import PAGE, write_page
-from vibeam.report.style import GAP, GHOST, KEY, LINES, REFERENCE, STABLE, UNSTABLE, arrow, coloured, line
-from vibeam.report.units import Units, percent, units_of
-from vibeam.response import Array, FrequencyResponse
+from vibeam.report.outputs import amplitude_of, frequency_label
+from vibeam.report.page import PAGE, blank, legend, plain, titled, write_page
+from vibeam.report.style import (
+    GAP,
+    GHOST,
+    KEY,
+    LINES,
+    REFERENCE,
+    STABLE,
+    UNSTABLE,
+    Look,
+    arrow,
+    line,
+    looks_of,
+    name_of,
+)  # fmt: skip
+from vibeam.report.units import Units, percent, units_for
+from vibeam.response import Array, Ended, FrequencyResponse
 
 if TYPE_CHECKING:
     from vibeam.response import Branches
@@ -28,6 +43,7 @@ if TYPE_CHECKING:
 TOGETHER = 3  # so many fidelities share a panel
 ARROWS_A_BRANCH = 8
 REFERENCES_SHOWN = 60
+FAR = 2.0  # a grazing amplitude so many times what is drawn would press the curves flat
 
 
 def write_frc(result: Result, *paths: Path) -> None:
@@ -38,25 +54,31 @@ def write_frc(result: Result, *paths: Path) -> None:
 def frc(result: Result) -> Figure:
     """The figure: fidelity by colour, direction by shade and arrows, kinds of motion by line."""
     together = len(result) <= TOGETHER
-    figure, grid = _grid(1 if together else len(result))
-    units, finest = units_of(result.case), {name: finest_of(result, name) for name in result}
+    figure, grid = _grid(1 if together else len(result), result)
+    units, finest = units_for(result), {name: finest_of(result, name) for name in result}
     panels = []
-    for index, (name, colour) in enumerate(coloured(result)):
-        panel = _Panel(grid.flat[0 if together else index], units, colour, result, name)
+    for index, (name, look) in enumerate(looks_of(result.case, result).items()):
+        own = look if together else Look(look.colour)  # by itself: its dashes tell the kind of motion
+        panel = _Panel(grid.flat[0 if together else index], units, own, result, name, index if together else 0)
         panel.fill(ghost=None if together or name == finest[name] else finest[name], titled=not together)
         panels.append(panel)
+    highest = max((panel.highest for panel in panels), default=0.0)
+    for panel in panels:
+        panel.limit(highest)
+    for axes in {panel.axes for panel in panels if is_empty(panel.axes)}:
+        say(axes, "no motion at any frequency")
     _label(figure, grid, result, units)
-    handles = _legend(panels, _ghost_called(finest), together)
-    figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False, columnspacing=1.5)
+    handles = _legend(panels, _ghost_called(result, finest), together)
+    legend(figure, handles, [str(handle.get_label()) for handle in handles])
     return figure
 
 
-def _grid(count: int) -> tuple[Figure, Any]:
+def _grid(count: int, result: Result) -> tuple[Figure, Any]:
     """Axes that share their scales, the last of each column numbered below."""
     columns = 1 if count == 1 else 2 if count <= 4 else 3
     rows = ceil(count / columns)
     size = (5.8, 4.2) if count == 1 else (3.5 * columns, 2.3 * rows + 1.0)
-    figure = Figure(figsize=size, layout="constrained")
+    figure = blank(size, result.case.figure)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for spare in grid.flat[count:]:
         spare.set_axis_off()
@@ -66,24 +88,31 @@ def _grid(count: int) -> tuple[Figure, Any]:
 
 
 class _Panel:
-    """One fidelity on its axes; ``drawn`` collects what the legend must explain."""
+    """One fidelity on its axes; ``drawn``: what the legend must explain, ``row``: that of its failed marks."""
 
-    def __init__(self, axes: Axes, units: Units, colour: str, result: Result, name: str) -> None:
-        self.axes, self.units, self.colour, self.result, self.name = axes, units, colour, result, name
+    def __init__(self, axes: Axes, units: Units, look: Look, result: Result, name: str, row: int) -> None:
+        self.axes, self.units, self.look, self.result, self.name, self.row = axes, units, look, result, name, row
         self.drawn: set[object] = set()
+        self.reasons: set[str] = set()
 
     @property
     def label(self) -> str:
         """The fidelity and its size."""
-        modes = modes_of(self.result[self.name])
-        study = self.result.accuracy
+        study, case = self.result.accuracy, self.result.case
         if study is not None:
-            return f"within {percent(study.within)} of {study.finest}"
-        return f"{self.name} ({modes} mode{'s' * (modes > 1)})"
+            return f"within {percent(study.within)} of {name_of(case, study.finest)}"
+        modes, shown = modes_of(self.result[self.name]), name_of(case, self.name)
+        return shown if shown != self.name else f"{shown} ({modes} mode{'s' * (modes > 1)})"
+
+    @property
+    def highest(self) -> float:
+        """The largest amplitude in m, 0 without any."""
+        values = [response.amplitude[complete(response)] for _, response in self.result[self.name].items()]
+        return float(np.nanmax(np.concatenate([[0.0], *values])))
 
     def fill(self, ghost: str | None, titled: bool) -> None:
         if titled:
-            self.axes.set_title(self.label, color=self.colour)
+            self.axes.set_title(plain(self.label), color=self.look.colour)
         if ghost is not None:
             self._ghost(self.result[ghost])
         for direction, response in self.result[self.name].items():
@@ -92,18 +121,20 @@ class _Panel:
             self._arrows(response, direction)
         self._curves()
         self._references()
-        self._gap()
-        self.axes.margins(x=0.02, y=0.08)
-        self.axes.set_ylim(bottom=0)
+        self.axes.margins(x=0.02, y=0.08 + 0.1 * (Kind.FAILED in self.drawn))
+        from_zero(self.axes)
 
     def _branch(self, response: FrequencyResponse, direction: str) -> None:
         for index, piece in enumerate(pieces(response)):
             self.drawn.add(piece.kind)
-            look = line(piece.kind, direction, self.colour, len(piece.frequency))
+            keys = line(piece.kind, direction, self.look, len(piece.frequency), len(response))
             name = f"{self.name}-{direction}-{index}-{piece.kind.name.lower()}"
-            failed = piece.kind is Kind.FAILED  # has no amplitude: a cross on the axis
-            height = np.zeros_like(piece.amplitude) if failed else piece.amplitude
-            self._plot(piece.frequency, height, gid=name, clip_on=not failed, **look)
+            if piece.kind is Kind.FAILED:
+                row = 2 * self.row + (direction == "down")
+                mark_failed(self.axes, piece.frequency * self.units.frequency_factor, row, gid=name, **keys)
+            else:
+                self._plot(piece.frequency, piece.amplitude, gid=name, **keys)
+        self.reasons |= {Ended.of_code(int(code)).value for code in response.ended[~complete(response)]}
 
     def _curves(self) -> None:
         """All motions that the solver knows: unstable ones dashed, those through the stop left out."""
@@ -111,8 +142,8 @@ class _Panel:
         for index, piece in enumerate([] if curves is None else motion_pieces(curves)):
             self.drawn |= set() if piece.stable else {"unstable"}
             name = f"{self.name}-curve-{index}-{'stable' if piece.stable else 'unstable'}"
-            look = STABLE if piece.stable else UNSTABLE
-            self._plot(piece.frequency, piece.amplitude, gid=name, color=self.colour, **look)
+            keys = STABLE if piece.stable else UNSTABLE
+            self._plot(piece.frequency, piece.amplitude, gid=name, color=self.look.colour, **keys)
 
     def _arrows(self, response: FrequencyResponse, direction: str) -> None:
         """Marks of the direction on periodic points; the two directions take turns along the frequency axis."""
@@ -120,7 +151,7 @@ class _Panel:
         at = np.unique((turns * (len(response) - 1)).round().astype(int))
         at = at if direction == "up" else len(response) - 1 - at
         at = at[periodic(response)[at]]
-        self._plot(response.frequency[at], response.amplitude[at], **arrow(direction, self.colour))
+        self._plot(response.frequency[at], response.amplitude[at], **arrow(direction, self.look.colour))
 
     def _ghost(self, branches: Branches) -> None:
         self.drawn.add("ghost")
@@ -138,13 +169,15 @@ class _Panel:
                 every = ceil(len(points) / REFERENCES_SHOWN)  # all of them would hide the curve
                 self._plot(frequency, value, gid=f"reference-{reference.name}", markevery=every, **REFERENCE)
 
-    def _gap(self) -> None:
-        case = self.result.case
-        study = self.result.accuracy
+    def limit(self, highest: float) -> None:
+        """The amplitude at which the first mode alone reaches the stop, unless it is far above all that is drawn."""
+        case, study = self.result.case, self.result.accuracy
         height = grazing(case.system(self.name if study is None else study.finest), case.sweep.output)
-        if height > 0:
+        if 0 < height <= FAR * highest or (height > 0 and highest == 0):
             self.drawn.add("gap")
             self.axes.axhline(height * self.units.length_factor, gid=f"{self.name}-gap", **GAP)
+        elif height > 0:
+            self.drawn.add("gap above")
 
     def _plot(self, frequency: Array, length: Array, **look: Any) -> None:
         self.axes.plot(frequency * self.units.frequency_factor, length * self.units.length_factor, **look)
@@ -158,37 +191,39 @@ def grazing(system: ImpactSystem, output: str) -> float:
 
 
 def _label(figure: Figure, grid: Any, result: Result, units: Units) -> None:
-    names = {"contact": "the contact", "sensor": "the sensor", "tip": "the tip", "platform": "the platform"}
-    where = names.get(result.case.sweep.output, "")
-    across, upward = "drive frequency Ω/2π (Hz)", f"amplitude at {where}, ½(max − min) (mm)"
-    if not units.frequency:
-        across, upward = "drive frequency Ω/ω", "amplitude ½(max − min)"
     columns = grid.shape[1]
     for axes in [axes for axes in grid.flat if axes.axison][-columns:]:
-        axes.set_xlabel(across)
+        axes.set_xlabel(frequency_label(units))
+    upward = amplitude_of(result.case.sweep.output, units)
     figure.supylabel(upward, fontsize=PAGE["font.size"])
-    if result.case.title:
-        figure.suptitle(result.case.title, fontsize=9.5)
+    titled(figure, result.case.figure, result.case.title, "frequency response")
 
 
-def _ghost_called(finest: Mapping[str, str]) -> str:
+def _ghost_called(result: Result, finest: Mapping[str, str]) -> str:
     names = set(finest.values())
-    return names.pop() if len(names) == 1 else "the finest of the same physics"
+    return name_of(result.case, names.pop()) if len(names) == 1 else "the finest of the same physics"
 
 
 def _legend(panels: list[_Panel], finest: str, together: bool) -> list[Line2D]:
     """The fidelities by colour where they share a panel, then whatever occurs, in grey."""
     drawn = set().union(*(panel.drawn for panel in panels))
+    reasons = sorted(set().union(*(panel.reasons for panel in panels)))
     keys: dict[object, tuple[str, dict[str, Any]]] = {
         "up": ("sweep up", {"marker": ">", "markersize": 5, "markerfacecolor": "0.25"}),
         "down": ("sweep down", {"color": "0.75", "marker": "<", "markersize": 5, "linewidth": 3.1}),
-        **{kind: (kind.value, LINES[kind]) for kind in Kind if kind is not Kind.PERIOD_ONE},
+        **{kind: (kind.value, LINES[kind]) for kind in Kind if kind not in (Kind.PERIOD_ONE, Kind.FAILED)},
         "unstable": ("unstable", UNSTABLE),
         "ghost": (f"{finest}, for comparison", {"color": GHOST, "linewidth": 3.6}),
         "reference": ("reference", REFERENCE),
-        "gap": ("grazing: first mode just reaches the stop", GAP),
+        "gap": ("grazing: mode 1 reaches the stop", GAP),
+        "gap above": ("grazing: above the figure", GAP),
+        Kind.FAILED: (f"failed, along the upper edge: {'; '.join(reasons)}", LINES[Kind.FAILED]),
     }
-    colours = [Line2D([], [], label=panel.label, color=panel.colour, linewidth=2.5) for panel in panels if together]
+    colours = [
+        Line2D([], [], label=panel.label, **panel.look.keys(2.0 if len(panels) == 1 else 1.2))
+        for panel in panels
+        if together
+    ]
     return colours + [
         Line2D([], [], label=label, **(KEY | look)) for key, (label, look) in keys.items() if key in drawn
     ]

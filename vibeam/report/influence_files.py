@@ -11,20 +11,22 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from vibeam.plans import FigurePlan
 from vibeam.report.output import write_rows
-from vibeam.report.page import write_page
+from vibeam.report.page import blank, legend, paths_of, titled, write_page
 from vibeam.report.style import COLOURS
 
 if TYPE_CHECKING:
     from vibeam.influence.study import Study, Variant
 
+USUAL = FigurePlan()
 LEAST, MOST = 1e-3, 1e3  # changes beyond are drawn at the ends
 
 
-def write_files(study: Study, table: Path) -> list[Path]:
-    """Write the table, and the plot beside it as .png and .svg; gives the plots' and the table's paths."""
-    figures = [table.with_suffix(ending) for ending in (".png", ".svg")]
-    write_page(lambda: bars(study), figures, dots=160)
+def write_files(study: Study, table: Path, plan: FigurePlan = USUAL) -> list[Path]:
+    """Write the table, and the plot beside it as ``plan`` says; gives the plots' and the table's paths."""
+    figures = paths_of(table, plan)
+    write_page(lambda: bars(study, plan), figures, dots=160)
     write_rows(list(lines(study)), table)
     return [*figures, table]
 
@@ -52,10 +54,10 @@ def _lines(study: Study, effect: str, model: str, variant: Variant) -> Iterator[
         }  # fmt: skip
 
 
-def bars(study: Study) -> Figure:
+def bars(study: Study, plan: FigurePlan = USUAL) -> Figure:
     """For each effect a bar a quantity: its change over its tolerance when that effect alone is taken away."""
     count, quantities = len(study.rows), study.quantities
-    figure = Figure(figsize=(6.4, 1.5 + 0.09 * count * (len(quantities) + 1)), layout="constrained")
+    figure = blank((6.4, 1.5 + 0.09 * count * (len(quantities) + 1)), plan)
     axes = figure.subplots()
     thick = 1 / (len(quantities) + 1)
     colours = dict(zip((quantity.name for quantity in quantities), (*COLOURS, "#9A9A9A"), strict=False))
@@ -68,7 +70,8 @@ def bars(study: Study) -> Figure:
                 axes.text(MOST, place, "∞ ", ha="right", va="center", color="white", fontsize=6)
         axes.barh(places, shares, thick, left=LEAST, color=colours[quantity.name], label=label)
     _dress(axes, study)
-    figure.legend(loc="outside lower center", ncols=3, frameon=False)
+    titled(figure, plan, study.title, "what each effect changes")
+    legend(figure, *axes.get_legend_handles_labels())
     return figure
 
 
@@ -92,4 +95,3 @@ def _dress(axes: Axes, study: Study) -> None:
     axes.grid(axis="x", color="0.93", linewidth=0.5)
     axes.set_axisbelow(True)
     axes.set_xlabel("change when it alone is taken away, over its tolerance (in brackets)")
-    axes.set_title(f"{study.title}: what each effect changes", loc="left")

@@ -4,24 +4,24 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
-from vibeam.report.page import write_page
+from vibeam.report.page import blank, legend, paths_of, titled, write_page
+from vibeam.show import KINDS
+from vibeam.show.panels import name_faults
 from vibeam.show.plan import ShowPlan, module_of
 
 if TYPE_CHECKING:
     from vibeam.result import Result
 
-ENDINGS = (".png", ".svg")
-
 
 def write_shown(result: Result, path: Path) -> list[Path]:
-    """Draw every [show.NAME] of the case as ``STEM_NAME.png`` and ``.svg`` beside ``path``; the files written."""
+    """Draw every [show.NAME] of the case as ``STEM_NAME`` beside ``path``, in the case's formats; the files written."""
     written = []
     for plan in result.case.shows.values():
-        files = [path.with_name(f"{path.stem}_{plan.name}{ending}") for ending in ENDINGS]
+        files = paths_of(path.with_name(f"{path.stem}_{plan.name}.x"), result.case.figure)
         write_page(partial(figure, result, plan), files)
         written += files
     return written
@@ -29,13 +29,28 @@ def write_shown(result: Result, path: Path) -> list[Path]:
 
 def figure(result: Result, plan: ShowPlan) -> Figure:
     """The figure of one table."""
-    made = Figure(figsize=_size(plan), layout="constrained")
-    module_of(plan).draw(made, result, plan, result.shown.get(plan.name, ()))
-    if result.case.title:
-        made.suptitle(result.case.title, fontsize=9.5)
-    handles, labels = made.axes[0].get_legend_handles_labels()
-    made.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
+    made = blank(_size(plan), result.case.figure)
+    shown = result.shown.get(plan.name, ())
+    module_of(plan).draw(made, result, plan, shown)
+    titled(made, result.case.figure, result.case.title, _caption(plan))
+    handles = _handles(made) | name_faults(result.case, plan, shown)
+    legend(made, list(handles.values()), list(handles))
     return made
+
+
+def _caption(plan: ShowPlan) -> str:
+    """What the figure shows."""
+    own = getattr(module_of(plan), "caption", None)
+    return str(own(plan)) if own is not None else KINDS[plan.kind].meaning
+
+
+def _handles(made: Figure) -> dict[str, Any]:
+    """The labelled curves of all panels, each label once."""
+    found: dict[str, Any] = {}
+    for axes in made.axes:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    return found
 
 
 def _size(plan: ShowPlan) -> tuple[float, float]:

@@ -18,8 +18,11 @@ from numpy.typing import NDArray
 from vibeam.periodic.contours import BoundaryCurve
 from vibeam.periodic.line import Kind
 from vibeam.periodic.map import OrbitMap
-from vibeam.report.page import PAGE, write_page
-from vibeam.report.units import units_of
+from vibeam.report.axes import say
+from vibeam.report.outputs import frequency_label, with_unit
+from vibeam.report.page import PAGE, blank, legend, plain, titled, write_page
+from vibeam.report.style import name_of
+from vibeam.report.units import LENGTHS, prefixed, units_of
 from vibeam.stability.axes import Axis
 from vibeam.stability.rows import NAMES
 from vibeam.stability.study import ModelMap, Stability
@@ -39,7 +42,6 @@ LOOKS: dict[Kind, dict[str, Any]] = {
 }
 AVERAGED: dict[str, Any] = {"color": "#0072B2", "linestyle": (0, (6, 1.5, 1, 1.5)), "linewidth": 0.9}
 OWN: dict[str, Any] = {"color": "0.35", "linestyle": ":", "linewidth": 1.0}
-SHOWN = {"m": ("mm", 1e3), "V": ("V", 1.0), "1": ("", 1.0)}
 
 
 def write_stability(found: Stability, *paths: Path) -> None:
@@ -52,7 +54,7 @@ def stability_figure(found: Stability) -> Figure:
     count = len(found.maps)
     columns = min(count, 3)
     rows = ceil(count / columns)
-    figure = Figure(figsize=(5.8, 4.2) if count == 1 else (3.4 * columns, 2.7 * rows + 1.0), layout="constrained")
+    figure = blank((5.8, 4.2) if count == 1 else (3.4 * columns, 2.7 * rows + 1.0), found.case.figure)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     drawn: set[object] = set()
     for axes, one in zip(grid.flat, found.maps, strict=False):
@@ -60,8 +62,8 @@ def stability_figure(found: Stability) -> Figure:
     for spare in grid.flat[count:]:
         spare.set_axis_off()
     _label(figure, grid, found)
-    handles = _legend(drawn)
-    figure.legend(handles=handles, loc="outside lower center", ncols=2 if count == 1 else 3, frameon=False)
+    handles = _legend(drawn, found)
+    legend(figure, handles, [str(handle.get_label()) for handle in handles])
     return figure
 
 
@@ -73,7 +75,7 @@ def kinds_of_points(orbits: OrbitMap) -> NDArray[np.int64]:
 
 def _panel(axes: Axes, found: Stability, one: ModelMap) -> set[object]:
     """Draw one model; what the legend must explain."""
-    units, scale = units_of(found.case), _scale(found.axis)
+    units, scale = units_of(found.case), _shown(found.axis)[1]
     across = one.orbits.omega / (2 * np.pi) * units.frequency_factor
     shades = ListedColormap(list(SHADES.values()))
     kinds = kinds_of_points(one.orbits)
@@ -85,12 +87,16 @@ def _panel(axes: Axes, found: Stability, one: ModelMap) -> set[object]:
     for number, curve in enumerate(one.orbits.curves):
         drawn |= _curve(axes, curve, number, units.frequency_factor / (2 * np.pi), scale, one.orbits.over)
     if one.averaged is not None:
-        drawn.add("averaged")
+        inside = (one.averaged >= one.orbits.values[0]) & (one.averaged <= one.orbits.values[-1])
+        drawn |= {"averaged"} if inside.any() else set()
         axes.plot(across, one.averaged * scale, gid="averaged", **AVERAGED)
     axes.axhline(found.axis.own * found.axis.factor * scale, gid="own", **OWN)
     axes.set_xlim(across[0], across[-1])
     axes.set_ylim(one.orbits.values[0] * scale, one.orbits.values[-1] * scale)
-    axes.set_title(f"{', '.join(one.fidelities)} ({one.modes} mode{'s' * (one.modes > 1)})")
+    if not kinds.any():
+        say(axes, f"no motion with one impact {_span(found)} anywhere in this range")
+    names = ", ".join(name_of(found.case, name) for name in one.fidelities)
+    axes.set_title(plain(f"{names} ({one.modes} mode{'s' * (one.modes > 1)})"))
     return drawn
 
 
@@ -106,25 +112,35 @@ def _curve(axes: Axes, curve: BoundaryCurve, number: int, across: float, scale: 
     return drawn
 
 
-def _scale(axis: Axis) -> float:
-    """From the SI unit of the map to the unit shown."""
-    return SHOWN[axis.unit][1] / axis.factor
+def own_text(axis: Axis) -> str:
+    """The case's own value in words."""
+    size = abs(axis.own) if axis.own else max(abs(axis.low), abs(axis.high))
+    unit, factor = prefixed(LENGTHS, size) if axis.unit == "m" else (axis.unit.removeprefix("1"), 1.0)
+    return f"{axis.name} of {axis.own * factor:.4g} {unit}".strip()
+
+
+def _shown(axis: Axis) -> tuple[str, float]:
+    """The unit shown, and the factor from the SI unit of the map to it."""
+    largest = max(abs(axis.low), abs(axis.high))
+    unit, factor = prefixed(LENGTHS, largest) if axis.unit == "m" else ("" if axis.unit == "1" else axis.unit, 1.0)
+    return unit, factor / axis.factor
+
+
+def _span(found: Stability) -> str:
+    periods = found.maps[0].orbits.periods
+    return "a drive period" if periods == 1 else f"in {periods} drive periods"
 
 
 def _label(figure: Figure, grid: Any, found: Stability) -> None:
-    units = units_of(found.case)
-    across = "drive frequency Ω/2π (Hz)" if units.frequency else "drive frequency Ω/ω"
     for axes in [axes for axes in grid.flat if axes.axison][-grid.shape[1] :]:
-        axes.set_xlabel(across)
+        axes.set_xlabel(frequency_label(units_of(found.case)))
         axes.tick_params(labelbottom=True)
-    unit = SHOWN[found.axis.unit][0]
-    figure.supylabel(f"{found.axis.name} ({unit})" if unit else found.axis.name, fontsize=PAGE["font.size"])
-    periods = found.maps[0].orbits.periods
-    span = "a drive period" if periods == 1 else f"in {periods} drive periods"
-    figure.suptitle(f"{found.case.title}\nmotions with one impact {span}", fontsize=9.5)
+    figure.supylabel(with_unit(found.axis.name, _shown(found.axis)[0]), fontsize=PAGE["font.size"])
+    shows = f"stability of motions with one impact {_span(found)}"
+    titled(figure, found.case.figure, found.case.title, shows)
 
 
-def _legend(drawn: set[object]) -> list[Artist]:
+def _legend(drawn: set[object], found: Stability) -> list[Artist]:
     patches: list[Artist] = [
         Patch(facecolor=colour, edgecolor="0.6", linewidth=0.5, label=name)
         for name, colour in SHADES.items()
@@ -132,4 +148,6 @@ def _legend(drawn: set[object]) -> list[Artist]:
     ]
     lines = [Line2D([], [], label=NAMES[kind], linewidth=1.1, **look) for kind, look in LOOKS.items() if kind in drawn]
     averaged = [Line2D([], [], label="averaging: Δ_MAX", **AVERAGED)] if "averaged" in drawn else []
-    return [*patches, *lines, *averaged, Line2D([], [], label="the case's own", **OWN)]
+    values, own = found.maps[0].orbits.values, found.axis.own * found.axis.factor
+    outside = "" if values[0] <= own <= values[-1] else f", outside: {own_text(found.axis)}"
+    return [*patches, *lines, *averaged, Line2D([], [], label=f"the case's own{outside}", **OWN)]

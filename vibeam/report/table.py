@@ -15,7 +15,7 @@ from vibeam.keys import Row as KeyRow
 from vibeam.modes import ModeTable
 from vibeam.references import CheckRow
 from vibeam.report.fit import ReportTable, fitted, needed
-from vibeam.report.units import METRIC, Units, percent
+from vibeam.report.units import FREQUENCIES, METRIC, Units, percent, prefixed
 from vibeam.stability.rows import Crossing
 
 WIDEST = 160
@@ -97,8 +97,10 @@ def crossings(rows: Sequence[Crossing], own: str, units: Units = METRIC) -> Repo
     table.add_column("multipliers", justify="right")
     table.caption = "of motions with one impact a span that keep clear of the stop between; velocity: of the impact"
     for row in rows:
-        speed = f"{row.velocity * units.length_factor:.4g} {units.length}{'/s' if units.length else ''}".strip()
-        numbers = (f"{row.frequency * units.frequency_factor:.10g} {units.frequency}".strip(), speed)
+        numbers = (
+            f"{row.frequency * units.frequency_factor:.10g} {units.frequency}".strip(),
+            units.speeds(row.velocity),
+        )
         table.add_row(row.fidelity, row.boundary, row.motion, *numbers, row.multipliers)
     return table
 
@@ -115,12 +117,13 @@ def derivation(rows: Iterable[Row]) -> ReportTable:
 
 def modal(modes: ModeTable) -> ReportTable:
     """The modal table: what each mode brings to contact, sensor and drive, and the restitution that is left."""
-    table = blank("Modes of the finite-element beam", "mode|", "Hz|", "damping|")
+    unit, factor = prefixed(FREQUENCIES, min((row.frequency for row in modes.rows), default=0.0), usual=-1)
+    table = blank("Modes of the finite-element beam", "mode|", f"{unit}|", "damping|")
     table.add("contact|", "sensor|", "load|", "Σ share|", "R₁ seen|", "R|")
     for row in modes.rows:
         values = (f"{value:.4g}" for value in (row.contact, row.sensor, row.load))
         restitutions = (f"{row.first_mode_restitution:.4f}", f"{row.contact_restitution:.4f}")
-        first = (str(row.number), f"{row.frequency:.5g}", percent(row.damping_ratio))
+        first = (str(row.number), f"{row.frequency * factor:.5g}", percent(row.damping_ratio))
         table.add_row(*first, *values, percent(row.share), *restitutions)
     table.caption = (
         "contact, sensor: kg^-½; load: kg^½; Σ share: of the contact mobility w M⁻¹ wᵀ, up to this mode\n"

@@ -1,4 +1,4 @@
-"""In which units a case is shown: mm and Hz, or the nondimensional quantities of the paper."""
+"""Units in which a case is shown: a prefix that suits the size of its numbers, or nondimensional as in the paper."""
 
 from __future__ import annotations
 
@@ -6,22 +6,36 @@ from dataclasses import dataclass
 from math import isfinite, isinf, pi
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
     from vibeam.case import Case
+    from vibeam.result import Result
+
+Steps = tuple[tuple[float, str, float], ...]  # from which SI size on, the unit, factor from SI
+LENGTHS: Steps = ((1.0, "m", 1.0), (1e-4, "mm", 1e3), (1e-7, "µm", 1e6), (0.0, "nm", 1e9))
+SPEEDS: Steps = ((10.0, "m/s", 1.0), (1e-4, "mm/s", 1e3), (1e-7, "µm/s", 1e6), (0.0, "nm/s", 1e9))
+FREQUENCIES: Steps = ((1e10, "GHz", 1e-9), (1e7, "MHz", 1e-6), (1e4, "kHz", 1e-3), (0.0, "Hz", 1.0))
 
 
 @dataclass(frozen=True)
 class Units:
-    """Factors from the unit of a response to the one shown, and what that is called (empty: no unit)."""
+    """Factors from SI (or the case's own unit) to the unit shown, and the name of that (empty: no unit)."""
 
     length: str
     length_factor: float
     frequency: str
     frequency_factor: float
+    speed: str = "mm/s"
+    speed_factor: float = 1e3
 
     def lengths(self, value: float) -> str:
         """A length with its unit, to four digits; a dash where there is no number."""
         return _with_unit(value * self.length_factor, self.length)
+
+    def speeds(self, value: float) -> str:
+        """A velocity with its unit, to four digits; a dash where there is no number."""
+        return _with_unit(value * self.speed_factor, self.speed)
 
     def frequencies(self, value: float) -> str:
         """A frequency with its unit; a dash where there is no number."""
@@ -38,30 +52,40 @@ class Units:
 METRIC = Units("mm", 1e3, "Hz", 1.0)
 
 
-@dataclass(frozen=True)
-class Rates:
-    """Factor from the unit of a velocity to the one shown, and what that is called."""
+def prefixed(steps: Steps, largest: float, usual: int = 1) -> tuple[str, float]:
+    """Unit and factor that suit the ``largest`` SI value; those of step ``usual`` where it is 0 or unknown."""
+    known = isfinite(largest) and largest > 0
+    _, name, factor = next(step for step in steps if largest >= step[0]) if known else steps[usual]
+    return name, factor
 
-    name: str
-    factor: float
 
+def units_of(case: Case, length: float = float("nan"), speed: float = float("nan")) -> Units:
+    """Units by the sweep's frequencies, the largest ``length`` (m) and ``speed`` (m/s) to be shown; NaN: mm, mm/s.
 
-def units_of(case: Case) -> Units:
-    """Millimetres and hertz, or, for a model given without dimensions, q and Ω/ω."""
+    Of a model given without dimensions they are q, Ω/ω and dq/d(ω t).
+    """
     from vibeam_models.scene import SdofScene
 
     scene = case.scene
-    if not isinstance(scene, SdofScene):
-        return METRIC
-    return Units("", 1.0, "", 2 * pi / scene.natural_frequency)
+    if isinstance(scene, SdofScene):
+        return Units("", 1.0, "", 2 * pi / scene.natural_frequency, "", 1 / scene.natural_frequency)
+    frequency = prefixed(FREQUENCIES, float(np.max(case.sweep.frequency, initial=0.0)), usual=-1)
+    return Units(*prefixed(LENGTHS, length), *frequency, *prefixed(SPEEDS, speed))
 
 
-def rates_of(case: Case) -> Rates:
-    """Millimetres a second, or, for a model given without dimensions, dq/d(ω t)."""
-    from vibeam_models.scene import SdofScene
+def units_for(result: Result) -> Units:
+    """The units of all figures and tables of a result: by its largest amplitude, and by the speed that goes with it."""
+    sizes = [
+        (response.amplitude, 2 * pi * response.frequency * response.amplitude)
+        for branches in result.values()
+        for _, response in branches.items()
+    ]
+    length, speed = (max((_largest(size[index]) for size in sizes), default=0.0) for index in (0, 1))
+    return units_of(result.case, length, speed)
 
-    scene = case.scene
-    return Rates("", 1 / scene.natural_frequency) if isinstance(scene, SdofScene) else Rates("mm/s", 1e3)
+
+def _largest(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
+    return float(np.max(values[np.isfinite(values)], initial=0.0))
 
 
 def percent(value: float) -> str:

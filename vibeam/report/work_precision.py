@@ -16,10 +16,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from vibeam.report.page import write_page
-from vibeam.report.style import KEY, coloured
+from vibeam.report.page import blank, legend, titled, write_page
+from vibeam.report.style import COLOURS, KEY, looks, name_of, shade
 
 if TYPE_CHECKING:
+    from vibeam.case import Case
     from vibeam.cost.errors import Errors
     from vibeam.cost.row import Row
     from vibeam.cost.study import Study
@@ -42,17 +43,16 @@ NAMED = {0: "100 %", -2: "1 %"}  # powers of ten that are better said otherwise
 Pick = Callable[["Row"], "Errors"]
 
 
-def write_work_precision(study: Study, *paths: Path) -> None:
+def write_work_precision(study: Study, case: Case, *paths: Path) -> None:
     """Draw the plot; the format follows each path's ending (.png, .svg, .pdf)."""
-    write_page(lambda: work_precision(study), paths, dots=160)
+    write_page(lambda: work_precision(study, case), paths, dots=160)
 
 
-def work_precision(study: Study) -> Figure:
-    """The figure."""
-    figure = Figure(figsize=(8.4, 5.4), layout="constrained")
+def work_precision(study: Study, case: Case) -> Figure:
+    """The figure of a study of ``case``."""
+    figure = blank((8.4, 5.4), case.figure)
     whole, own = figure.subplots(1, 2, sharey=True)
-    names = list(dict.fromkeys(row.fidelity for row in study.rows))
-    colours = dict(coloured(names))
+    colours = _colours(study, case)
     _panel(whole, study, colours, lambda row: row.total)
     _front(whole, study)
     _panel(own, study, colours, lambda row: row.numerical)
@@ -62,13 +62,25 @@ def work_precision(study: Study) -> Figure:
     for axes in (whole, own):
         _scale(axes, study)
         axes.set_xlabel("root mean square error of amplitude")
-    if study.title:
-        figure.suptitle(f"{study.title}: what accuracy costs", fontsize=9.5)
-    figure.legend(handles=_legend(study, colours), loc="outside lower center", ncols=5, frameon=False)
+    titled(figure, case.figure, study.title, "what accuracy costs")
+    handles = _legend(study, case, colours)
+    legend(figure, handles, [str(handle.get_label()) for handle in handles])
     return figure
 
 
-def _panel(axes: Axes, study: Study, colours: dict[str, str], pick: Pick) -> None:
+def _colours(study: Study, case: Case) -> dict[str, Any]:
+    """The case's fidelities in their colours of all figures, then the models cut off; a second round is lighter."""
+    names = dict.fromkeys([*case.fidelities, *(row.fidelity for row in study.rows)])
+    shown = {row.fidelity for row in study.rows}
+    shades = ("up", "down")
+    return {
+        name: shade(own.colour, shades[place // len(COLOURS) % 2])
+        for place, (name, own) in enumerate(looks(names))
+        if name in shown
+    }
+
+
+def _panel(axes: Axes, study: Study, colours: dict[str, Any], pick: Pick) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     for (fidelity, solver, method), rows in _ladders(study).items():
@@ -113,7 +125,7 @@ def _point(row: Row, pick: Pick) -> tuple[float, float]:
     return (float(max(error, FLOOR)) if np.isfinite(error) and error < WIDEST else EDGE), max(seconds, 1e-9)
 
 
-def _marks(axes: Axes, points: Any, solver: str, colour: str, full: bool) -> None:
+def _marks(axes: Axes, points: Any, solver: str, colour: Any, full: bool) -> None:
     if not len(points):
         return
     shape, size = MARKS.get(solver, ("o", 4.0))
@@ -129,10 +141,10 @@ def _front(axes: Axes, study: Study) -> None:
         axes.step(points[:, 0], points[:, 1], where="post", **FRONT)
 
 
-def _legend(study: Study, colours: dict[str, str]) -> list[Line2D]:
+def _legend(study: Study, case: Case, colours: dict[str, Any]) -> list[Line2D]:
     modes = {row.fidelity: row.modes for row in study.rows}
     handles = [
-        Line2D([], [], color=colour, linewidth=2.5, label=f"{name} ({modes[name]} mode{'s' * (modes[name] > 1)})")
+        Line2D([], [], color=colour, linewidth=2.5, label=_called(case, name, modes[name]))
         for name, colour in colours.items()
     ]
     grey = KEY | {"linewidth": 0.0, "markerfacecolor": "0.25"}
@@ -147,3 +159,8 @@ def _legend(study: Study, colours: dict[str, str]) -> list[Line2D]:
         handles.append(Line2D([], [], label="open: no motion found at some points", **open_mark))
     handles.append(Line2D([], [], color="0.9", linewidth=6, label="below the reference's own bound"))
     return handles
+
+
+def _called(case: Case, name: str, modes: int) -> str:
+    label = name_of(case, name)
+    return label if label != name else f"{name} ({modes} mode{'s' * (modes > 1)})"

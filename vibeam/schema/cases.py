@@ -21,7 +21,7 @@ from vibeam.schema.rig import (
     TorsionTable,
 )
 from vibeam.schema.sdof import SdofDriveTable, SdofFidelityTable, SdofStopTable, SdofSweepTable, SdofTable
-from vibeam.schema.shown import MeasurementTable, SdofMeasurementTable, ShowTable
+from vibeam.schema.shown import FigureTable, MeasurementTable, SdofMeasurementTable, ShowTable
 from vibeam.schema.studies import CostTable, InfluenceTable
 from vibeam.schema.table import Table, key
 from vibeam.schema.words import (
@@ -68,6 +68,7 @@ class BeamCase(_Case):
     reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)
     expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False)
     show: dict[str, ShowTable] = key("further figures", None, {}, written=False)
+    figure: FigureTable = key("how figures are written", None, FigureTable(), written=False)
     cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False)
     influence: InfluenceTable = key("what vibeam influence does", None, InfluenceTable(), written=False)
 
@@ -88,4 +89,5 @@ class SdofCase(_Case):
     reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)
     expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False)
     show: dict[str, ShowTable] = key("further figures", None, {}, written=False)
+    figure: FigureTable = key("how figures are written", None, FigureTable(), written=False)
     cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False)

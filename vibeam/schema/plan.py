@@ -75,6 +75,9 @@ class FidelityTable(Table):
         (),
         written=False,
     )
+    label: Annotated[str | None, Text()] = key(
+        "its name in figures; absent = the name of its table", "8 modes", None, written=False
+    )
 
 
 class ReferenceTable(Table):

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from vibeam import units
 from vibeam.entries.lists import Several
 from vibeam.entries.range import NOT_NEGATIVE, POSITIVE
-from vibeam.entries.single import Quantity, Word
+from vibeam.entries.single import Quantity, Text, Word
 from vibeam.entries.tables import Options
 from vibeam.schema.plan import SweepTable
 from vibeam.schema.table import Table, key
@@ -107,4 +107,7 @@ class SdofFidelityTable(Table):
         ["mass.rotary_inertia"],
         (),
         written=False,
+    )
+    label: Annotated[str | None, Text()] = key(
+        "its name in figures; absent = the name of its table", "8 modes", None, written=False
     )

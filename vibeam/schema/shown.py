@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import Annotated
 
 from vibeam import units
-from vibeam.entries.lists import Several
-from vibeam.entries.range import POSITIVE
-from vibeam.entries.single import Count, Quantity, Word
+from vibeam.entries.lists import Each, Several
+from vibeam.entries.range import POSITIVE, Range
+from vibeam.entries.single import Count, Flag, Quantity, Word
 from vibeam.observe.filters import FAMILIES, HIGHEST_ORDER
+from vibeam.plans import FigurePlan
 from vibeam.schema.table import Table, key
 from vibeam.schema.words import (
+    FORMATS,
     MOST_POINTS,
     OUTPUTS,
     QUANTITIES,
@@ -51,6 +53,18 @@ class ShowTable(Table):
     subdivision: Annotated[int | None, Count(1, 64)] = key(
         "of harmonics: 2 shows orders ½, 1, 1½ …; absent = 1, whole orders", 2, None, written=False
     )
+
+
+class FigureTable(Table):
+    """How all figures of the case are written; absent = what the defaults say."""
+
+    format: Annotated[tuple[str, ...], Each(Word(FORMATS), alone=True)] = key(
+        "file format, or several", ["png", "svg"], FigurePlan.format, written=False
+    )
+    width: Annotated[float | None, Quantity(units.LENGTH, Range(0.04, 1.0))] = key(
+        "of each figure, its height in proportion; absent = by its number of panels", "140 mm", None, written=False
+    )
+    title: Annotated[bool, Flag()] = key("whether it has a title", False, True, written=False)
 
 
 class MeasurementTable(Table):

@@ -12,6 +12,7 @@ EXTENTS = ("peak", "peak_frequency", "period_one_from", "period_one_to")  # of a
 OF_INFLUENCE = (*EXTENTS, "ringing", "ringing_frequency", "apparent_restitution")
 OUTPUTS = ("sensor", "contact", "tip", "platform")
 ACCURATE = ("amplitude", "reach", "maximum", "minimum", "impact_velocity")  # what an accuracy can be asked of
+FORMATS = ("png", "svg", "pdf")  # of figures
 REDUCTIONS = ("static_mode", "modal", "full")
 LAWS = ("restitution", "velocity restitution", "linear", "hertz", "hunt-crossley")
 MOST_ELEMENTS = 2000

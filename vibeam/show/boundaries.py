@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from vibeam.periodic.boundaries import Boundary, boundaries
 from vibeam.periodic.line import Kind
 from vibeam.periodic.orbit import orbits
-from vibeam.report.style import coloured
-from vibeam.report.units import units_of
+from vibeam.report.axes import from_zero, is_empty, say
+from vibeam.report.style import FEW, looks_of, name_of
+from vibeam.report.units import units_for
 from vibeam.show.over import across_frequency
 from vibeam.show.panels import labelled
 from vibeam.show.plan import Column, Sheet, ShowPlan
@@ -34,7 +35,7 @@ Array = NDArray[np.float64]
 Options = Mapping[str, str | float]
 BESIDE = 1e-6  # share of the drive by which a fold is looked at from its side: the mean of both roots is its reach
 STRONGER = 1e3  # the weakest drive with orbits is looked for from 0 to so many times the case's
-CALLED = {"least_stable_reach": "least stable reach Q*", "largest_gap": "largest |gap| Δ_MAX"}
+CALLED = {"least_stable_reach": "least stable reach Q* of the contact", "largest_gap": "largest |gap| Δ_MAX"}
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
@@ -57,15 +58,26 @@ def limits(case: Case, fidelity: str, frequency: Array, quantity: str) -> Array:
 
 
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
-    """The limit over frequency, averaging's dashed."""
-    units, axes = units_of(result.case), figure.subplots()
-    for sheet, colour in coloured(shown):
-        averaged = result.case.fidelities[sheet.fidelity].solver == "averaging"
+    """The limit over frequency."""
+    case, units, axes = result.case, units_for(result), figure.subplots()
+    looks = looks_of(case, plan.fidelities)
+    for sheet in shown:
+        averaged = case.fidelities[sheet.fidelity].solver == "averaging"
         across, upward = sheet["frequency"] * units.frequency_factor, sheet["value"] * units.length_factor
-        axes.plot(across, upward, "--" if averaged else "-", color=colour, linewidth=1.2, label=sheet.fidelity)
-    axes.set_ylim(bottom=0)
+        keys = looks[sheet.fidelity].keys() | ({"marker": "o", "markersize": 3.5} if len(across) <= FEW else {})
+        without = "" if np.isfinite(upward).any() else ": no such limit at any frequency"
+        label = f"{name_of(case, sheet.fidelity)}{', averaged' if averaged else ''}{without}"
+        axes.plot(across, upward, label=label, **keys)
+    from_zero(axes)
+    if is_empty(axes):
+        say(axes, "no such limit at any frequency")
     across_frequency(axes, units)
     labelled(axes, CALLED[plan.quantity or ""], units.length)
+
+
+def caption(plan: ShowPlan) -> str:
+    """What the figure shows."""
+    return f"{CALLED[plan.quantity or '']}: averaging's beside the exact one"
 
 
 def _averaged(system: ImpactSystem, amplitudes: Array, omegas: Array, quantity: str, options: Options) -> Array:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
+from vibeam.compare import complete
+from vibeam.report.axes import is_empty, mark_failed, say
 from vibeam.report.curve import Kind, pieces
-from vibeam.report.style import coloured, line
-from vibeam.report.units import rates_of, units_of
+from vibeam.report.style import KEY, LINES, line, looks_of, name_of
+from vibeam.report.units import Units, units_for
 from vibeam.show.over import across_frequency
 from vibeam.show.panels import labelled
 from vibeam.show.plan import Sheet, ShowPlan
@@ -21,12 +25,15 @@ if TYPE_CHECKING:
     from vibeam.result import Result
 
 LENGTHS = ("amplitude", "reach", "maximum", "minimum")
+OF_OUTPUT = {"amplitude": "amplitude ½(max − min)", "maximum": "maximum", "minimum": "minimum"}
 CALLED = {
-    "reach": "reach Q = Δ − min q",
-    "impact_velocity": "mean impact velocity",
+    "reach": "reach of the contact Q = Δ − min q",
+    "impact_velocity": "mean impact velocity of the contact",
     "impacts_per_period": "impacts a drive period",
     "period": "period (0: none, −1: no contact)",
 }
+
+NOTHING = defaultdict(lambda: "no motion at any frequency", impact_velocity="no impact at any frequency")
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
@@ -36,17 +43,41 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """All fidelities on the same axes, drawn as in the frequency-response curve."""
-    units, rate, name = units_of(result.case), rates_of(result.case), plan.quantity or "amplitude"
+    case, units, name = result.case, units_for(result), plan.quantity or "amplitude"
     unit, factor = (units.length, units.length_factor) if name in LENGTHS else ("", 1.0)
-    unit, factor = (rate.name, rate.factor) if name == "impact_velocity" else (unit, factor)
-    axes = figure.subplots()
-    for fidelity, colour in coloured(plan.fidelities):
-        axes.plot([], [], color=colour, label=fidelity)
+    unit, factor = (units.speed, units.speed_factor) if name == "impact_velocity" else (unit, factor)
+    axes, failed = figure.subplots(), False
+    for row, (fidelity, look) in enumerate(looks_of(case, plan.fidelities).items()):
+        known = False
         for direction, response in result[fidelity].items():
             seen = replace(response, amplitude=np.asarray(getattr(response, name), dtype=float))
+            known |= bool(np.isfinite(seen.amplitude[complete(response)]).any())
             for piece in pieces(seen):
-                if piece.kind is not Kind.FAILED:
-                    look = line(piece.kind, direction, colour, len(piece.frequency))
-                    axes.plot(piece.frequency * units.frequency_factor, piece.amplitude * factor, **look)
+                keys = line(piece.kind, direction, look, len(piece.frequency), len(response))
+                across = piece.frequency * units.frequency_factor
+                if piece.kind is Kind.FAILED:
+                    failed = True
+                    mark_failed(axes, across, 2 * row + (direction == "down"), **keys)
+                else:
+                    axes.plot(across, piece.amplitude * factor, **keys)
+        axes.plot([], [], label=name_of(case, fidelity) + ("" if known else f": {NOTHING[name]}"), **look.keys())
+    if failed:
+        axes.plot([], [], label="failed, along the upper edge", **(KEY | LINES[Kind.FAILED]))
+        axes.margins(y=0.15)
+    if name == "period":
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    if is_empty(axes):
+        say(axes, NOTHING[name])
     across_frequency(axes, units)
-    labelled(axes, CALLED.get(name, name), unit)
+    labelled(axes, _called(name, case.sweep.output, units), unit)
+
+
+def caption(plan: ShowPlan) -> str:
+    """What the figure shows."""
+    name = plan.quantity or "amplitude"
+    return OF_OUTPUT.get(name, CALLED.get(name, name)).split(" (")[0]
+
+
+def _called(name: str, output: str, units: Units) -> str:
+    whose = f"{output} " if units.frequency else ""
+    return f"{whose}{OF_OUTPUT[name]}" if name in OF_OUTPUT else CALLED[name]

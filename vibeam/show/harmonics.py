@@ -6,16 +6,20 @@ frequency begins at static equilibrium.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibeam.observe.harmonics import harmonic_amplitudes
-from vibeam.report.style import COLOURS
-from vibeam.report.units import units_of
+from vibeam.report.axes import decades, is_empty, say
+from vibeam.report.outputs import motion_of
+from vibeam.report.page import plain
+from vibeam.report.style import bar, name_of
+from vibeam.report.style import look as style
+from vibeam.report.units import units_for
 from vibeam.show.motion import exact_motion, settled, sheet_each
 from vibeam.show.over import across_frequency
-from vibeam.show.panels import labelled, sheets_at, titled
+from vibeam.show.panels import faults_at, labelled, sheets_at, titled
 from vibeam.show.plan import Column, Columns, Sheet, ShowPlan
 
 if TYPE_CHECKING:
@@ -29,7 +33,7 @@ if TYPE_CHECKING:
 HIGHEST = 8
 PERIODS = 8  # times the subdivision
 FEW = 12  # frequencies that are drawn as bars
-STYLES = ("-", "--", "-.", ":")
+MARKED = 25  # points of a line below which each is marked
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
@@ -59,42 +63,56 @@ def size(plan: ShowPlan) -> tuple[float, float]:
 
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Bars at few frequencies, lines over many; the mean (order 0) is in the numbers alone."""
-    units = units_of(result.case)
-    if _few(plan):
-        grid = figure.subplots(1, len(plan.frequency), sharey=True, squeeze=False)[0]
-        for axes, frequency in zip(grid, plan.frequency, strict=True):
-            titled(axes, units, frequency)
-            _bars(axes, sheets_at(frequency, plan, shown), plan, units)
-            labelled(axes, "multiple of the drive frequency", "", across=True)
-    else:
-        grid = figure.subplots(1, len(plan.fidelities), sharey=True, squeeze=False)[0]
-        for axes, name in zip(grid, plan.fidelities, strict=True):
-            axes.set_title(name)
-            _lines(axes, [sheet for sheet in shown if sheet.fidelity == name and not sheet.fault], units)
-            across_frequency(axes, units)
-    grid[0].set_yscale("log")
-    labelled(grid[0], "amplitude", units.length)
+    units = units_for(result)
+    grid = (_bar_panels if _few(plan) else _line_panels)(figure, result, plan, shown, units)
+    heights = [sheet["harmonic"][sheet["order"] > 0] * units.length_factor for sheet in shown if not sheet.fault]
+    decades(grid[0], heights)
+    grid[0].set_ylabel(motion_of(plan.output, "amplitude", units))
+
+
+def caption(plan: ShowPlan) -> str:
+    """What the figure shows."""
+    return "amplitudes at multiples of the drive frequency"
 
 
 def _few(plan: ShowPlan) -> bool:
     return len(plan.frequency) <= FEW
 
 
-def _bars(axes: Axes, sheets: list[tuple[Sheet, str]], plan: ShowPlan, units: Units) -> None:
+def _bar_panels(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...], units: Units) -> Any:
+    """A panel a frequency, bars side by side for the fidelities."""
+    grid = figure.subplots(1, len(plan.frequency), sharey=True, squeeze=False)[0]
     width = 0.8 / len(plan.fidelities) / (plan.subdivision or 1)
-    for index, (sheet, colour) in enumerate(sheets):
-        order, height = sheet.of("order")[1:], sheet.of("harmonic")[1:]
-        place = order + (index - (len(sheets) - 1) / 2) * width
-        axes.bar(place, height * units.length_factor, width, color=colour, label=sheet.label)
+    for axes, frequency in zip(grid, plan.frequency, strict=True):
+        titled(axes, units, frequency)
+        for sheet, look in sheets_at(result.case, frequency, plan, shown):
+            place = plan.fidelities.index(sheet.fidelity) - (len(plan.fidelities) - 1) / 2
+            height, label = sheet["harmonic"][1:] * units.length_factor, name_of(result.case, sheet.fidelity)
+            axes.bar(sheet["order"][1:] + place * width, height, width, label=label, **bar(look))
+        labelled(axes, "multiple of the drive frequency", "", across=True)
+        faults_at(result.case, frequency, plan, shown, axes)
+    return grid
+
+
+def _line_panels(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...], units: Units) -> Any:
+    """A panel a fidelity, a line an order."""
+    grid = figure.subplots(1, len(plan.fidelities), sharey=True, squeeze=False)[0]
+    for axes, name in zip(grid, plan.fidelities, strict=True):
+        axes.set_title(plain(name_of(result.case, name)))
+        _lines(axes, [sheet for sheet in shown if sheet.fidelity == name and not sheet.fault], units)
+        across_frequency(axes, units)
+        if is_empty(axes):
+            say(axes, "no motion at any frequency")
+    return grid
 
 
 def _lines(axes: Axes, sheets: list[Sheet], units: Units) -> None:
+    """Each order where it is above round-off."""
     if not sheets:
         return
     across = np.array([sheet.frequency for sheet in sheets]) * units.frequency_factor
     for index, order in enumerate(sheets[0]["order"]):
         if order:
             height = np.array([sheet["harmonic"][index] for sheet in sheets])
-            colour = COLOURS[index % len(COLOURS)]
-            style = STYLES[index // len(COLOURS) % len(STYLES)]
-            axes.plot(across, height * units.length_factor, style, color=colour, linewidth=0.9, label=f"{order:g} Ω")
+            keys = style(index - 1).keys(0.9) | ({"marker": "o", "markersize": 2.4} if len(across) < MARKED else {})
+            axes.plot(across, height * units.length_factor, label=f"{order:g} Ω", **keys)

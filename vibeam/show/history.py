@@ -7,10 +7,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from vibeam.report.style import GAP, GHOST
-from vibeam.report.units import rates_of, units_of
+from vibeam.report.outputs import motion_of
+from vibeam.report.style import GAP, name_of
+from vibeam.report.units import units_for
 from vibeam.show.motion import motion_columns, sheet_each
-from vibeam.show.panels import labelled, sheets_at, stop_at, titled
+from vibeam.show.panels import STOP, faults_at, sheets_at, stop_at, titled
 from vibeam.show.plan import Sheet, ShowPlan
 
 if TYPE_CHECKING:
@@ -29,19 +30,22 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
-    """Displacement above velocity, a column a frequency; the first fidelity lies behind as a band."""
-    units, rate = units_of(result.case), rates_of(result.case)
+    """Displacement above velocity, a column a frequency; of coinciding motions the first is the widest line."""
+    case, units = result.case, units_for(result)
     grid = figure.subplots(2, len(plan.frequency), sharex=True, sharey="row", squeeze=False)
     for column, frequency in enumerate(plan.frequency):
         upper, lower = grid[:, column]
         titled(upper, units, frequency)
-        for order, (sheet, colour) in enumerate(sheets_at(frequency, plan, shown)):
-            look = {"color": GHOST, "linewidth": 3.2} if order == 0 and len(plan.fidelities) > 1 else {"color": colour}
-            turns = sheet.of("time") * frequency
-            upper.plot(turns, sheet.of("displacement") * units.length_factor, label=sheet.label, **look)
-            lower.plot(turns, sheet.of("velocity") * rate.factor, **look)
-        for height in stop_at(result.case, plan):
-            upper.axhline(height * units.length_factor, **GAP)
+        for sheet, look in sheets_at(case, frequency, plan, shown):
+            turns, keys = sheet["time"] * frequency, look.keys(1.0)
+            upper.plot(
+                turns, sheet["displacement"] * units.length_factor, label=name_of(case, sheet.fidelity), **keys
+            )  # fmt: skip
+            lower.plot(turns, sheet["velocity"] * units.speed_factor, **keys)
+        faults_at(case, frequency, plan, shown, upper)
+        faults_at(case, frequency, plan, shown, lower)
+        for height in stop_at(case, plan):
+            upper.axhline(height * units.length_factor, label=STOP, **GAP)
         lower.set_xlabel("time in drive periods")
-    labelled(grid[0, 0], "displacement", units.length)
-    labelled(grid[1, 0], "velocity", rate.name)
+    grid[0, 0].set_ylabel(motion_of(plan.output, "displacement", units))
+    grid[1, 0].set_ylabel(motion_of(plan.output, "velocity", units))

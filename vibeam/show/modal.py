@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.report.units import percent, units_of
+from vibeam.report.page import plain
+from vibeam.report.style import name_of
+from vibeam.report.units import percent, units_for
 from vibeam.show.plan import Column, Sheet, ShowPlan
 
 if TYPE_CHECKING:
@@ -41,12 +43,13 @@ def size(plan: ShowPlan) -> tuple[float, float]:
 
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """A table: a row a mode, in each column frequency and damping ratio of one fidelity."""
-    units, axes = units_of(result.case), figure.subplots()
+    units, axes = units_for(result), figure.subplots()
     count = min(MOST, max(len(sheet["mode"]) for sheet in shown))
     axes.axis("off")
     cells = [[_cell(sheet, mode, units.frequency_factor, units.frequency) for sheet in shown] for mode in range(count)]
     table = axes.table(
-        cells, rowLabels=[f"mode {mode + 1}" for mode in range(count)], colLabels=[sheet.fidelity for sheet in shown],
+        cells, rowLabels=[f"mode {mode + 1}" for mode in range(count)],
+        colLabels=[plain(name_of(result.case, sheet.fidelity)) for sheet in shown],
         loc="center", cellLoc="right",
     )  # fmt: skip
     table.auto_set_font_size(False)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.show.panels import labelled
+from vibeam.report.outputs import frequency_label
 from vibeam.show.plan import Sheet
 
 if TYPE_CHECKING:
@@ -30,9 +30,11 @@ def means(sheets: Sequence[Sheet], column: str) -> tuple[Array, Array, Array]:
     return frequency, mean, spread
 
 
-def drawn(axes: Axes, sheets: Sequence[Sheet], column: str, factor: float, across: float, **look: Any) -> None:
-    """The mean of a column over frequency; its spread between impacts as a band."""
+def drawn(axes: Axes, sheets: Sequence[Sheet], column: str, factor: float, across: float, **look: Any) -> bool:
+    """Draw the mean of a column over frequency, its spread between impacts as a band; False where there is nothing."""
     frequency, mean, spread = means(sheets, column)
+    if not np.isfinite(mean).any():
+        return False
     marks: dict[str, Any] = {"marker": "o", "markersize": 2.4} if len(frequency) < 40 else {}
     marks["linewidth"] = 1.0
     axes.plot(frequency * across, mean * factor, **(marks | look))
@@ -40,8 +42,9 @@ def drawn(axes: Axes, sheets: Sequence[Sheet], column: str, factor: float, acros
         frequency * across, (mean - spread) * factor, (mean + spread) * factor, color=look["color"], alpha=0.15,
         linewidth=0,
     )  # fmt: skip
+    return True
 
 
 def across_frequency(axes: Axes, units: Units) -> None:
     """The label below."""
-    labelled(axes, "drive frequency Ω/2π" if units.frequency else "drive frequency Ω/ω", units.frequency, across=True)
+    axes.set_xlabel(frequency_label(units))

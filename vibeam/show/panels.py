@@ -1,11 +1,15 @@
-"""What the figures share: titles, axis labels, whose sheets are in which colour, where the stop is."""
+"""What the figures share: titles, axis labels, whose sheets have which look, where the stop is."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from vibeam.report.style import coloured
+from matplotlib.lines import Line2D
+
+from vibeam.report.axes import is_empty, say
+from vibeam.report.outputs import with_unit
+from vibeam.report.style import Look, looks_of, name_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -14,23 +18,46 @@ if TYPE_CHECKING:
     from vibeam.report.units import Units
     from vibeam.show.plan import Sheet, ShowPlan
 
+STOP = "stop"  # what the legend calls its place
+
 
 def titled(axes: Axes, units: Units, frequency: float) -> None:
     """The panel's frequency (Hz)."""
     number = f"{frequency * units.frequency_factor:.5g}"
-    axes.set_title(f"{number} Hz" if units.frequency else f"Ω/ω = {number}")
+    axes.set_title(f"{number} {units.frequency}" if units.frequency else f"Ω/ω = {number}")
 
 
 def labelled(axes: Axes, what: str, unit: str, across: bool = False) -> None:
     """An axis with its unit, the one across or the one upward."""
-    text = f"{what} ({unit})" if unit else what
-    (axes.set_xlabel if across else axes.set_ylabel)(text)
+    (axes.set_xlabel if across else axes.set_ylabel)(with_unit(what, unit))
 
 
-def sheets_at(frequency: float, plan: ShowPlan, shown: Sequence[Sheet]) -> list[tuple[Sheet, str]]:
-    """Each fidelity's sheet of one frequency (Hz), with its colour."""
-    sheets = {sheet.fidelity: sheet for sheet in reversed(shown) if sheet.frequency == frequency}
-    return coloured(sheets[name] for name in plan.fidelities)
+def sheets_at(case: Case, frequency: float, plan: ShowPlan, shown: Sequence[Sheet]) -> list[tuple[Sheet, Look]]:
+    """The sheets of one frequency (Hz) that have numbers, in the plan's order, with the looks of their fidelities."""
+    sheets = {sheet.fidelity: sheet for sheet in reversed(shown) if sheet.frequency == frequency and not sheet.fault}
+    looks = looks_of(case, plan.fidelities)
+    return [(sheets[name], looks[name]) for name in plan.fidelities if name in sheets]
+
+
+def faults_at(case: Case, frequency: float, plan: ShowPlan, shown: Sequence[Sheet], axes: Axes) -> None:
+    """Say in an empty panel of one frequency (Hz) why there is nothing."""
+    faults = {sheet.fault: None for sheet in shown if sheet.frequency == frequency and sheet.fault}
+    if is_empty(axes):
+        say(axes, "\n".join(faults) or "nothing to show")
+
+
+def name_faults(case: Case, plan: ShowPlan, shown: Sequence[Sheet]) -> dict[str, Any]:
+    """Legend entries of fidelities that lack a motion somewhere: where, unless everywhere, and why."""
+    looks = looks_of(case, plan.fidelities)
+    found: dict[str, Any] = {}
+    for name in plan.fidelities:
+        own = [sheet for sheet in shown if sheet.fidelity == name]
+        for fault in dict.fromkeys(sheet.fault for sheet in own if sheet.fault):
+            some = sum(sheet.fault == fault for sheet in own)
+            where = "" if some == len(own) else f" at {some} of {len(own)} frequencies"
+            handle = Line2D([], [], **looks[name].keys())
+            found[f"{name_of(case, name)}{where}: {fault}"] = handle
+    return found
 
 
 def stop_at(case: Case, plan: ShowPlan) -> list[float]:

@@ -5,12 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from matplotlib.ticker import MaxNLocator
 
 from vibeam.observe.participation import modal_participation
-from vibeam.report.units import units_of
+from vibeam.report.axes import decades
+from vibeam.report.style import bar, name_of
+from vibeam.report.units import units_for
 from vibeam.show import SHARES
 from vibeam.show.motion import exact_motion, settled, sheet_each
-from vibeam.show.panels import labelled, sheets_at, titled
+from vibeam.show.panels import faults_at, labelled, sheets_at, titled
 from vibeam.show.plan import Column, Columns, Sheet, ShowPlan
 
 if TYPE_CHECKING:
@@ -58,17 +61,20 @@ def size(plan: ShowPlan) -> tuple[float, float]:
 
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Bars side by side for the fidelities, on a logarithmic scale."""
-    units = units_of(result.case)
+    case, units = result.case, units_for(result)
     grid = figure.subplots(len(SHARES), len(plan.frequency), sharex=True, sharey=True, squeeze=False)
     width = 0.8 / len(plan.fidelities)
     for column, frequency in enumerate(plan.frequency):
         titled(grid[0, column], units, frequency)
-        for index, (sheet, colour) in enumerate(sheets_at(frequency, plan, shown)):
-            place = sheet.of("mode") + (index - (len(plan.fidelities) - 1) / 2) * width
+        for sheet, look in sheets_at(case, frequency, plan, shown):
+            place = plan.fidelities.index(sheet.fidelity) - (len(plan.fidelities) - 1) / 2
             for axes, share in zip(grid[:, column], SHARES, strict=True):
-                axes.bar(place, sheet.of(share), width, color=colour, label=sheet.label)
+                label = name_of(case, sheet.fidelity)
+                axes.bar(sheet["mode"] + place * width, sheet[share], width, label=label, **bar(look))
+        for axes in grid[:, column]:
+            faults_at(case, frequency, plan, shown, axes)
         labelled(grid[-1, column], "mode", "", across=True)
-    grid[0, 0].set_yscale("log")
-    grid[0, 0].set_ylim(LEAST, 1.5)
+    grid[0, 0].xaxis.set_major_locator(MaxNLocator(8, integer=True, min_n_ticks=1))
+    decades(grid[0, 0], [sheet[share] for sheet in shown if not sheet.fault for share in SHARES], least=LEAST)
     for axes, share in zip(grid[:, 0], SHARES, strict=True):
         labelled(axes, share.removesuffix("_share"), "share")

@@ -72,11 +72,6 @@ class Sheet:
         """A column, empty where there are no numbers."""
         return self[name] if name in self.columns else np.empty(0)
 
-    @property
-    def label(self) -> str:
-        """The fidelity, with what kept it from a motion."""
-        return f"{self.fidelity}: {self.fault}" if self.fault else self.fidelity
-
 
 def module_of(plan: ShowPlan) -> Any:
     """The module of the plan's kind."""

@@ -21,8 +21,10 @@ from vibeam.observe.apparent_restitution import (
 )
 from vibeam.observe.path import impacts_within
 from vibeam.observe.slow import further_modes, slow_part
-from vibeam.report.style import coloured
-from vibeam.report.units import units_of
+from vibeam.report.axes import is_empty, say
+from vibeam.report.page import plain
+from vibeam.report.style import looks, name_of, nested
+from vibeam.report.units import units_for
 from vibeam.show import RESTITUTIONS
 from vibeam.show.motion import NoMotion, sheet_each
 from vibeam.show.over import across_frequency, drawn
@@ -109,15 +111,20 @@ def size(plan: ShowPlan) -> tuple[float, float]:
 
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """All readings over frequency, a panel a fidelity; a band is the spread between impacts."""
-    units = units_of(result.case)
+    case, units = result.case, units_for(result)
     grid = figure.subplots(1, len(plan.fidelities), sharex=True, sharey=True, squeeze=False)[0]
     for axes, name in zip(grid, plan.fidelities, strict=True):
         own = [sheet for sheet in shown if sheet.fidelity == name]
-        axes.set_title(own[0].label if all(sheet.fault for sheet in own) else name)
-        for kind, colour in coloured(RESTITUTIONS):
+        axes.set_title(plain(name_of(case, name)))
+        for index, (kind, look) in enumerate(looks(RESTITUTIONS)):
             label = kind.removesuffix("_restitution").replace("_", " ")
-            drawn(axes, own, kind, 1.0, units.frequency_factor, color=colour, label=label)
+            keys = look.keys() | {"linewidth": nested(index, len(RESTITUTIONS))}
+            drawn(axes, own, kind, 1.0, units.frequency_factor, label=label, **keys)
         across_frequency(axes, units)
+        if is_empty(axes):
+            say(axes, "no impact at any frequency")
     low, high = grid[0].get_ylim()
+    beyond = low < SHOWN[0] or high > SHOWN[1]
     grid[0].set_ylim(max(low, SHOWN[0]), min(high, SHOWN[1]))
-    labelled(grid[0], "apparent restitution", "")
+    cut = f"apparent restitution, drawn from {SHOWN[0]:g} to {SHOWN[1]:g}".replace("-", "−")
+    labelled(grid[0], cut if beyond else "apparent restitution", "")

@@ -12,8 +12,10 @@ import numpy as np
 
 from vibeam.observe.ringing import REACH, count_peaks, fit_ringing
 from vibeam.observe.slow import SlowPart, slow_part
-from vibeam.report.style import coloured
-from vibeam.report.units import rates_of, units_of
+from vibeam.report.axes import from_zero, is_empty, say
+from vibeam.report.outputs import motion_of
+from vibeam.report.style import looks_of, name_of
+from vibeam.report.units import units_for
 from vibeam.show.motion import NoMotion, sheet_each
 from vibeam.show.over import across_frequency, drawn
 from vibeam.show.panels import labelled
@@ -76,20 +78,27 @@ def size(plan: ShowPlan) -> tuple[float, float]:
 
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Frequency above, fitted solid and counted dashed; peak velocity below, on the right as displacement."""
-    units, rate = units_of(result.case), rates_of(result.case)
+    case, units = result.case, units_for(result)
     upper, lower = figure.subplots(2, 1, sharex=True)
     right = lower.twinx()
-    for name, colour in coloured(plan.fidelities):
-        own = [sheet for sheet in shown if sheet.fidelity == name]
-        fault = own[0].fault if all(sheet.fault for sheet in own) else ""
-        label, factor = f"{name}: {fault}" if fault else name, units.frequency_factor
-        drawn(upper, own, "ringing_frequency", factor, factor, color=colour, label=label)
+    factor = units.frequency_factor
+    for name, look in looks_of(case, plan.fidelities).items():
+        own, colour = [sheet for sheet in shown if sheet.fidelity == name], look.colour
+        drawn(upper, own, "ringing_frequency", factor, factor, label=name_of(case, name), **look.keys())
         drawn(upper, own, "counted_frequency", factor, factor, color=colour, linestyle="--", marker="")
-        drawn(lower, own, "ringing_velocity", rate.factor, factor, color=colour)
+        drawn(lower, own, "ringing_velocity", units.speed_factor, factor, **look.keys())
         drawn(right, own, "ringing_displacement", units.length_factor, factor, color=colour, linestyle=":", marker="")
+    for axes in (lower, right):
+        from_zero(axes)
+    for axes in (upper, lower):
+        if is_empty(axes):
+            say(axes, "nothing rings at any frequency")
     labelled(upper, "ringing: fitted –, counted - -", units.frequency)
-    labelled(lower, "mean peak –", rate.name)
-    labelled(right, "mean peak ···", units.length)
-    lower.set_ylim(bottom=0)
-    right.set_ylim(bottom=0)
+    lower.set_ylabel(f"{motion_of(plan.output, 'velocity', units)},\nmean peak –")
+    right.set_ylabel(f"{motion_of(plan.output, 'displacement', units)},\nmean peak ···")
     across_frequency(lower, units)
+
+
+def caption(plan: ShowPlan) -> str:
+    """What the figure shows."""
+    return "frequency and size of what rings between impacts"

@@ -8,10 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.observe.section import stroboscopic_section
-from vibeam.report.units import rates_of, units_of
+from vibeam.report.axes import around
+from vibeam.report.outputs import motion_of
+from vibeam.report.style import name_of
+from vibeam.report.units import units_for
 from vibeam.response import Ended
 from vibeam.show.motion import NoMotion, Settled, exact_motion, settled, sheet_each
-from vibeam.show.panels import labelled, sheets_at, titled
+from vibeam.show.panels import faults_at, sheets_at, titled
 from vibeam.show.plan import Column, Columns, Sheet, ShowPlan
 from vibeam.state import State
 
@@ -23,6 +26,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 PERIODS = 500
+PLACES = 32  # points of a section that is drawn with large marks
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
@@ -61,13 +65,27 @@ def _stepped(begin: Settled, state: State, periods: int, output: str) -> tuple[A
 
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """A panel a frequency."""
-    units, rate = units_of(result.case), rates_of(result.case)
+    case, units = result.case, units_for(result)
     grid = figure.subplots(1, len(plan.frequency), sharex=True, sharey=True, squeeze=False)[0]
     for axes, frequency in zip(grid, plan.frequency, strict=True):
         titled(axes, units, frequency)
-        for sheet, colour in sheets_at(frequency, plan, shown):
-            place, speed = sheet.of("displacement") * units.length_factor, sheet.of("velocity") * rate.factor
-            axes.plot(place, speed, ".", markersize=2.5, color=colour, label=sheet.label)
         axes.margins(0.1)
-        labelled(axes, "displacement at phase 0", units.length, across=True)
-    labelled(grid[0], "velocity at phase 0", rate.name)
+        for sheet, look in sheets_at(case, frequency, plan, shown):
+            place, speed = sheet["displacement"] * units.length_factor, sheet["velocity"] * units.speed_factor
+            marks = {"markersize": _size(place, speed) * look.wide, "color": look.colour}
+            axes.plot(place, speed, ".", label=name_of(case, sheet.fidelity), **marks)
+        faults_at(case, frequency, plan, shown, axes)
+        axes.set_xlabel(f"{motion_of(plan.output, 'displacement', units)}\nat phase 0")
+    around(grid)
+    grid[0].set_ylabel(f"{motion_of(plan.output, 'velocity', units)} at phase 0")
+
+
+def caption(plan: ShowPlan) -> str:
+    """What the figure shows."""
+    return "stroboscopic section: one point a drive period"
+
+
+def _size(place: Array, speed: Array) -> float:
+    """Of the marks, in points: a few places are to be seen, many are to stay apart."""
+    steps = [np.round(row / max(float(np.abs(row).max()), 1e-300), 6) for row in (place, speed)]
+    return 7.0 if len(np.unique(np.stack(steps), axis=1).T) <= PLACES else 2.0

@@ -5,9 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from vibeam.observe.spectrum import spectrum_of
-from vibeam.report.units import rates_of, units_of
+from vibeam.report.axes import Array, decades
+from vibeam.report.outputs import motion_of
+from vibeam.report.style import name_of
+from vibeam.report.units import units_for
 from vibeam.show.motion import sheet_each
-from vibeam.show.panels import labelled, sheets_at, titled
+from vibeam.show.panels import faults_at, labelled, sheets_at, titled
 from vibeam.show.plan import Column, Columns, Sheet, ShowPlan
 from vibeam.show.seen import chain_or_exact, seen
 
@@ -40,19 +43,21 @@ def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns
 
 def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Displacement above velocity, a column a frequency."""
-    units, rate = units_of(result.case), rates_of(result.case)
+    case, units = result.case, units_for(result)
+    rows = (("displacement", units.length_factor), ("velocity", units.speed_factor))
     grid = figure.subplots(2, len(plan.frequency), sharex="col", sharey="row", squeeze=False)
+    heights: dict[str, list[Array]] = {name: [] for name, _ in rows}
     for column, frequency in enumerate(plan.frequency):
         titled(grid[0, column], units, frequency)
-        for sheet, colour in sheets_at(frequency, plan, shown):
-            line = sheet.of("line")
-            inside = (line > 0) & (line <= SHOWN * frequency)
-            across = line[inside] * units.frequency_factor
-            rows = (("displacement_line", units.length_factor), ("velocity_line", rate.factor))
-            for axes, (values, factor) in zip(grid[:, column], rows, strict=True):
-                axes.semilogy(
-                    across, sheet.of(values)[inside] * factor, color=colour, linewidth=0.8, label=sheet.label
-                )  # fmt: skip
+        for sheet, look in sheets_at(case, frequency, plan, shown):
+            inside = (sheet["line"] > 0) & (sheet["line"] <= SHOWN * frequency)
+            across = sheet["line"][inside] * units.frequency_factor
+            for axes, (name, factor) in zip(grid[:, column], rows, strict=True):
+                heights[name].append(sheet[f"{name}_line"][inside] * factor)
+                axes.plot(across, heights[name][-1], label=name_of(case, sheet.fidelity), **look.keys(0.8))
+        for axes in grid[:, column]:
+            faults_at(case, frequency, plan, shown, axes)
         labelled(grid[1, column], "frequency", units.frequency, across=True)
-    labelled(grid[0, 0], "displacement", units.length)
-    labelled(grid[1, 0], "velocity", rate.name)
+    for axes, (name, _) in zip(grid[:, 0], rows, strict=True):
+        decades(axes, heights[name])
+        axes.set_ylabel(motion_of(plan.output, name, units))

@@ -35,11 +35,6 @@ class Axis:
     low: float
     high: float
 
-    @property
-    def own_text(self) -> str:
-        """The case's own value in words."""
-        return f"{self.name} of {self.own:.4g} {'' if self.unit == '1' else self.unit}".strip()
-
 
 def frequencies(case: Case, count: int) -> Array:
     """So many over the case's own range, in rad/s; ValueError where that is one frequency."""
