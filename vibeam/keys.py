@@ -30,6 +30,7 @@ NAMED: dict[str, dict[str, dict[str, Any]]] = {
             "reduction": "static_mode",
             "set": {"stop.restitution": 0.7},
             "without": ["mass.rotary_inertia"],
+            "label": "point mass",
         },
     },
     "reference": {"exact": {}},

@@ -62,7 +62,7 @@ class FigureTable(Table):
         "file format, or several", ["png", "svg"], FigurePlan.format, written=False
     )
     width: Annotated[float | None, Quantity(units.LENGTH, Range(0.04, 1.0))] = key(
-        "of each figure, its height in proportion; absent = by its number of panels", "140 mm", None, written=False
+        "of each figure; absent = by its number of panels", "140 mm", None, written=False
     )
     title: Annotated[bool, Flag()] = key("whether it has a title", False, True, written=False)
 
