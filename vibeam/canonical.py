@@ -20,14 +20,11 @@ def canonical_text(case: BaseModel, without: Collection[str] = ()) -> str:
 
 
 def _nested(without: Collection[str]) -> dict[str, Any]:
-    """Dotted names as pydantic excludes them."""
-    found: dict[str, Any] = {}
-    for name in without:
-        *above, last = name.split(".")
-        place = found
-        for part in above:
-            place = place.setdefault("__all__" if part == "*" else part, {})
-        place[last] = True
+    """Dotted names as pydantic excludes them: {table: True} as a whole, {table: {"__all__": {key: True}}} its keys."""
+    found: dict[str, Any] = {name: True for name in without if "." not in name}
+    for table, _, key in (name.split(".") for name in without if "." in name):
+        if found.get(table) is not True:
+            found.setdefault(table, {"__all__": {}})["__all__"][key] = True
     return found
 
 
