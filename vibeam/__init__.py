@@ -12,9 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from vibeam import observe as observe
+    from vibeam.case import Case as Case
     from vibeam.case import load as load
+    from vibeam.check import check as check
+    from vibeam.cost.study import cost as cost
     from vibeam.derive import derive as derive
+    from vibeam.faults import CaseError as CaseError
     from vibeam.influence.study import influence as influence
+    from vibeam.modes import modes as modes
     from vibeam.outcome import Outcome as Outcome
     from vibeam.periodic.boundaries import boundaries as boundaries
     from vibeam.periodic.curve import orbit_curve as orbit_curve
@@ -26,15 +31,22 @@ if TYPE_CHECKING:
     from vibeam.periodic.several import settled_orbit as settled_orbit
     from vibeam.periodic.several import train_orbit as train_orbit
     from vibeam.periodic.train_boundaries import train_boundaries as train_boundaries
+    from vibeam.plot import plot as plot
+    from vibeam.response import Branches as Branches
     from vibeam.response import Ended as Ended
     from vibeam.response import FrequencyResponse as FrequencyResponse
+    from vibeam.result import Result as Result
     from vibeam.run import run as run
+    from vibeam.simulate import Trajectory as Trajectory
     from vibeam.simulate import simulate as simulate
     from vibeam.stability.study import stability as stability
     from vibeam.state import State as State
+    from vibeam.store.faults import StoreError as StoreError
     from vibeam.sweep import sweep as sweep
     from vibeam.system import Drive as Drive
     from vibeam.system import ImpactSystem as ImpactSystem
+    from vibeam_models.structure import Structure as Structure
+    from vibeam_reductions.modal import modal as modal
 
 __version__ = "0.1.0"
 
@@ -62,8 +74,60 @@ _HOMES = {
     "Ended": "vibeam.response",
     "Outcome": "vibeam.outcome",
     "FrequencyResponse": "vibeam.response",
+    "cost": "vibeam.cost.study",
+    "check": "vibeam.check",
+    "modes": "vibeam.modes",
+    "plot": "vibeam.plot",
+    "Case": "vibeam.case",
+    "CaseError": "vibeam.faults",
+    "StoreError": "vibeam.store.faults",
+    "Result": "vibeam.result",
+    "Branches": "vibeam.response",
+    "Trajectory": "vibeam.simulate",
+    "Structure": "vibeam_models.structure",
+    "modal": "vibeam_reductions.modal",
 }
 _MODULES = ("observe",)  # handed on whole
+
+__all__ = [
+    "Branches",
+    "Case",
+    "CaseError",
+    "Drive",
+    "Ended",
+    "FrequencyResponse",
+    "ImpactSystem",
+    "Kind",
+    "Orbit",
+    "Outcome",
+    "Result",
+    "State",
+    "StoreError",
+    "Structure",
+    "Trajectory",
+    "__version__",
+    "boundaries",
+    "check",
+    "cost",
+    "derive",
+    "follow",
+    "influence",
+    "load",
+    "modal",
+    "modes",
+    "observe",
+    "orbit_curve",
+    "orbit_map",
+    "orbits",
+    "plot",
+    "run",
+    "settled_orbit",
+    "simulate",
+    "stability",
+    "sweep",
+    "train_boundaries",
+    "train_orbit",
+]
 
 
 class _House(ModuleType):
@@ -83,7 +147,7 @@ class _House(ModuleType):
         return value
 
     def __dir__(self) -> list[str]:
-        return ["__version__", *sorted([*_HOMES, *_MODULES])]
+        return __all__
 
 
 sys.modules[__name__].__class__ = _House

@@ -68,6 +68,11 @@ class Case:
     chains: Mapping[str, Chain | None] = field(default_factory=dict)
     accuracy: AccuracyPlan | None = None
 
+    def __repr__(self) -> str:
+        grid = self.sweep.frequency
+        swept = f"{len(grid)} frequencies {grid.min():.6g} … {grid.max():.6g} Hz {self.sweep.direction}"
+        return f"Case({self.title!r}, {str(self.path)!r}, fidelities {', '.join(self.fidelities)}, {swept})"
+
     @cached_property
     def key(self) -> str:
         """SHA-256 of ``numbers``, in hexadecimal."""

@@ -6,16 +6,21 @@ from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.store.whole import write_whole
+from vibeam_models.arguments import whole
 from vibeam_models.beam import assemble_with_space
 from vibeam_models.contact import first_mode_restitution
 from vibeam_models.scene import Scene, SdofScene
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Modes
+
+if TYPE_CHECKING:
+    from vibeam.case import Case
 
 Array = NDArray[np.float64]
 
@@ -53,6 +58,11 @@ class ModeTable:
     notes: tuple[str, ...] = ()
 
 
+def modes(case: Case, count: int = 10) -> ModeTable:
+    """The first ``count`` modes of a case's finite-element beam: as ``mode_table``."""
+    return mode_table(case.scene, count)
+
+
 def mode_table(scene: Scene | SdofScene, count: int = 10) -> ModeTable:
     """The first ``count`` modes (all, if there are fewer) of the finite-element model with the scene's effects.
 
@@ -62,10 +72,10 @@ def mode_table(scene: Scene | SdofScene, count: int = 10) -> ModeTable:
     """
     if isinstance(scene, SdofScene):
         raise ValueError("no modes to show: this case gives the SDOF model directly, there is no beam")
-    if count < 1:
-        raise ValueError(f"count: {count}, there is a table from 1 mode on")
+    if (whole(count) or 0) < 1:
+        raise ValueError(f"count: {count!r}, there is a table from 1 mode on")
     structure, space = assemble_with_space(scene)
-    modes = structure.modes(min(count, structure.size))
+    modes = structure.modes(min(int(count), structure.size))
     damping = np.einsum("ni,nm,mi->i", modes.shapes, structure.C, modes.shapes) / (2 * modes.omega)
     contact, sensor = structure.contact @ modes.shapes, structure.outputs["sensor"] @ modes.shapes
     mobility = float(structure.contact @ np.linalg.solve(structure.M, structure.contact))

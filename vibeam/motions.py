@@ -28,6 +28,12 @@ class MotionCurves:
     stable: Flags  #: all Floquet multipliers within the unit circle; False where there is no motion
     admissible: Flags  #: it keeps clear of the stop between its impacts; False where there is no motion
 
+    def __repr__(self) -> str:
+        found, stable = np.count_nonzero(self.admissible), np.count_nonzero(self.admissible & self.stable)
+        return (
+            f"MotionCurves({len(self.frequency)} frequencies, periods={self.periods}, {found} motions, {stable} stable)"
+        )
+
     @classmethod
     def empty(cls, frequency: Array, periods: int) -> MotionCurves:
         """No motion anywhere."""

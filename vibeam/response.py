@@ -10,7 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam_models.arguments import counted
+
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+    from xarray import Dataset
+
     from vibeam.motions import MotionCurves
 
 Array = NDArray[np.float64]
@@ -84,6 +92,30 @@ class FrequencyResponse:
     def __len__(self) -> int:
         return len(self.frequency)
 
+    def __repr__(self) -> str:
+        failed = int(np.count_nonzero(self.ended != Ended.COMPLETE.code))
+        size, modes = counted(len(self), "point"), counted(self.mode_energy.shape[1], "mode")
+        parts = [size, _span(self.frequency, "Hz"), modes]
+        return f"FrequencyResponse({', '.join(parts)}{f', {failed} not complete' if failed else ''})"
+
+    def to_xarray(self) -> Dataset:
+        """A data set over ``frequency`` (Hz), with units as attributes (see ``vibeam.labelled``); needs xarray."""
+        from vibeam.labelled import dataset
+
+        return dataset(self)
+
+    def to_dataframe(self) -> DataFrame:
+        """A table of one row a point, units in ``attrs["units"]``; needs pandas."""
+        from vibeam.labelled import frame
+
+        return frame([({}, self)])
+
+    def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
+        """As ``vibeam.plot``: the figure of one quantity over frequency, written to ``paths``."""
+        from vibeam.plot import plot
+
+        return plot(self, *paths, quantity=quantity)
+
     @classmethod
     def empty(cls, frequency: Array, modes: int) -> FrequencyResponse:
         """All points not run yet: NaN, 0 and ``Ended.NOT_RUN``."""
@@ -98,6 +130,10 @@ class FrequencyResponse:
         return cls(**blank)
 
 
+def _span(values: Array, unit: str) -> str:
+    return f"{values.min():.6g} … {values.max():.6g} {unit}" if len(values) else "no frequency"
+
+
 @dataclass(frozen=True)
 class Branches:
     """The branches of a sweep: None where it was not asked for.
@@ -108,6 +144,29 @@ class Branches:
     up: FrequencyResponse | None = None
     down: FrequencyResponse | None = None
     curves: MotionCurves | None = None
+
+    def __repr__(self) -> str:
+        parts = [f"{direction}={response!r}" for direction, response in self.items()]
+        parts += [] if self.curves is None else [f"curves={self.curves!r}"]
+        return f"Branches({', '.join(parts)})"
+
+    def to_xarray(self) -> Dataset:
+        """As of a response, along ``direction``; needs xarray."""
+        from vibeam.labelled import dataset, joined
+
+        return joined({direction: dataset(response) for direction, response in self.items()}, "direction")
+
+    def to_dataframe(self) -> DataFrame:
+        """As of a response, with a column ``direction``; needs pandas."""
+        from vibeam.labelled import frame
+
+        return frame([({"direction": direction}, response) for direction, response in self.items()])
+
+    def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
+        """As of a response, the sweep down lighter."""
+        from vibeam.plot import plot
+
+        return plot(self, *paths, quantity=quantity)
 
     def items(self) -> Iterator[tuple[str, FrequencyResponse]]:
         """Direction and response of each branch there is, up first."""

@@ -6,13 +6,25 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from vibeam.faults import cure
 from vibeam.response import Branches
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+    from xarray import Dataset
+
     from vibeam.accuracy.study import Study
     from vibeam.case import Case
     from vibeam.motions import MotionCurves
     from vibeam.show.plan import Sheet
+
+
+def output_unit(case: Case) -> str:
+    """The unit of the outputs of a case: metres, or "1" for a model without dimensions."""
+    from vibeam_models.scene import SdofScene
+
+    return "1" if isinstance(case.scene, SdofScene) else "m"
 
 
 class Result(Mapping[str, Branches]):
@@ -49,7 +61,42 @@ class Result(Mapping[str, Branches]):
         return {name: branches.curves for name, branches in self._branches.items() if branches.curves is not None}
 
     def __getitem__(self, fidelity: str) -> Branches:
+        if fidelity not in self._branches:
+            raise KeyError(f"no fidelity {fidelity!r}: {cure(str(fidelity), self._branches)}")
         return self._branches[fidelity]
+
+    def __repr__(self) -> str:
+        where = "" if self.path is None else f" in {self.path}"
+        lines = [f"Result of {self.case.title!r}{where}", *(f"  {name}: {self[name]!r}" for name in self)]
+        return "\n".join(lines)
+
+    def to_xarray(self) -> Dataset:
+        """A data set along ``fidelity``, ``direction`` and ``frequency`` (Hz); needs xarray.
+
+        NaN where a fidelity has fewer modes or was not swept that way; units are attributes.
+        """
+        from vibeam.labelled import dataset, joined
+
+        unit = output_unit(self.case)
+        ways = {name: {way: dataset(one, unit) for way, one in branches.items()} for name, branches in self.items()}
+        return joined({name: joined(parts, "direction") for name, parts in ways.items()}, "fidelity")
+
+    def to_dataframe(self) -> DataFrame:
+        """A table of one row a point, with columns ``fidelity`` and ``direction``; needs pandas."""
+        from vibeam.labelled import frame
+
+        rows = [
+            ({"fidelity": name, "direction": direction}, response)
+            for name, branches in self.items()
+            for direction, response in branches.items()
+        ]
+        return frame(rows, output_unit(self.case))
+
+    def plot(self, *paths: str | Path) -> Figure:
+        """The figure that ``vibeam run`` writes; written to ``paths`` (.png, .svg, .pdf) where there are any."""
+        from vibeam.plot import plot
+
+        return plot(self, *paths)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._branches)

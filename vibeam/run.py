@@ -17,7 +17,7 @@ from vibeam.faults import CaseError, Fault
 from vibeam.fidelity_sweep import Job, job_of, known_curves, sweep_branches
 from vibeam.recorder import Count, Progress
 from vibeam.response import Branches
-from vibeam.result import Result
+from vibeam.result import Result, output_unit
 from vibeam.solvers import knows_curves, solver
 from vibeam.solvers.warm_up import warm_up
 from vibeam.spread import spread
@@ -174,7 +174,7 @@ class _Place:
         if self.path is None:
             return nullcontext()
         branches = [branch for several in plan.values() for branch in several]
-        wanted = Wanted(case.numbers, case.key, case.shared, branches, _output_unit(case))
+        wanted = Wanted(case.numbers, case.key, case.shared, branches, output_unit(case))
         return opened(self.path, wanted, fresh=self.fresh, tell=self.tell or _warn)
 
 
@@ -186,10 +186,3 @@ def _how_to_go_on(count: Count, path: Path | None) -> str:
     if path is None or not count.done:
         return f"stopped after {count.done} of {count.total} points: nothing is kept"
     return f"stopped: {count.done} of {count.total} points are kept in {path}: the same command goes on from there"
-
-
-def _output_unit(case: Case) -> str:
-    """Unit of the outputs: metres, or none where the model is nondimensional."""
-    from vibeam_models.scene import SdofScene
-
-    return "1" if isinstance(case.scene, SdofScene) else "m"

@@ -30,7 +30,7 @@ from vibeam.solvers.regimes.kernels.layout import CONTACT, PEAK
 from vibeam.solvers.warm_up import warm_up_motion
 from vibeam.state import State
 from vibeam.system import Drive, ImpactSystem
-from vibeam_models.arguments import count, floats, number, refuse, require
+from vibeam_models.arguments import count, counted, floats, number, refuse, require
 
 if TYPE_CHECKING:
     from vibeam.certificate import Certificate
@@ -59,6 +59,11 @@ class Trajectory:
     _solver: FlightSolver | RegimeSolver
     _segments: Segments
     certificate: Certificate | None = None
+
+    def __repr__(self) -> str:
+        span, modes = f"{self.t_start:g} … {self.t_end:g} s", counted(self.system.size, "mode")
+        met = f"{counted(self.stats['impacts'], 'impact')}, {counted(len(self.rests), 'rest')}"
+        return f"Trajectory({span}, {modes}, {met}, {self.ended.name})"
 
     @property
     def segments(self) -> Segments:

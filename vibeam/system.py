@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam.system_arguments import checked
-from vibeam_models.arguments import number, read_only, refuse, require
+from vibeam_models.arguments import counted, number, read_only, refuse, require
 
 if TYPE_CHECKING:
     from vibeam_models.compliant import CompliantStop
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 ROUND_OFF = 1e-12  # share of the largest modal damping below which a mode without stiffness has none
+SHOWN = 4  # frequencies that a repr shows
 DIAGONAL = 1e-6  # share of the modal damping matrix that may lie off its diagonal; fine meshes round to 10⁻⁷
 
 
@@ -71,6 +72,14 @@ class ImpactSystem:
     def __post_init__(self) -> None:
         for name, value in checked(self).items():
             object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        rates = ", ".join(f"{rate:.6g}" for rate in self.omega[:SHOWN]) + (", …" if self.size > SHOWN else "")
+        law = f"restitution={self.restitution:g}" if self.law is None else f"law={self.law!r}"
+        second = "" if self.second_gap is None else f", second_gap={self.second_gap:g}"
+        coupled = "" if self.coupling is None else ", coupled damping"
+        stop, outputs = f"gap={self.gap:g}{second}, {law}{coupled}", ", ".join(self.outputs) or "none"
+        return f"ImpactSystem({counted(self.size, 'mode')}, omega {rates} rad/s, {stop}, outputs {outputs})"
 
     @property
     def beyond_plain(self) -> tuple[str, ...]:
@@ -161,6 +170,21 @@ class ImpactSystem:
     ) -> ImpactSystem:
         """The modal form of any Structure, all its modes; damping that couples them is kept as ``coupling``, and so is
         that of a mode without stiffness, which has no damping ratio.
+
+        ValueError as in the class, and for matrices that are no structure's. Own matrices M, C and K, here two masses
+        of 1 kg and 0.2 kg in a row on a base that shakes, the second one at the stop, in their lowest mode:
+
+        >>> import vibeam
+        >>> M, K = [[1.0, 0.0], [0.0, 0.2]], [[5000.0, -2000.0], [-2000.0, 2000.0]]
+        >>> C = [[0.5, -0.2], [-0.2, 0.2]]
+        >>> own = vibeam.Structure(
+        ...     M, C, K, load=[-1.0, -0.2], static=[0.0, 0.0], contact=[0.0, 1.0], outputs={"first": [1.0, 0.0]}
+        ... )
+        >>> system = vibeam.ImpactSystem.from_structure(vibeam.modal(own, 1).structure, gap=1e-3, restitution=0.7)
+        >>> system
+        ImpactSystem(1 mode, omega 48.7496 rad/s, gap=0.001, restitution=0.7, outputs first)
+        >>> vibeam.simulate(system, vibeam.Drive(omega=50.0, amplitude=1e-4), t_end=2.0)
+        Trajectory(0 … 2 s, 1 mode, 10 impacts, 0 rests, COMPLETE)
         """
         modes = structure.modes()
         damping = modes.shapes.T @ structure.C @ modes.shapes

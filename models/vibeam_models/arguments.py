@@ -48,26 +48,29 @@ def read_only(value: Any) -> Array | None:
         flags = value.flags
         if not flags.writeable and flags.c_contiguous:
             return value
-    try:
-        given = np.asarray(value)
-    except (ValueError, TypeError):
-        return None
-    if given.dtype.kind not in NUMERIC:
+    given = real_array(value)
+    if given is None:
         return None
     own = np.array(given, dtype=float, order="C")
     own.setflags(write=False)
     return own
 
 
-def floats(name: str, value: Any) -> Array:
-    """``value`` as an array of floats of any shape; ValueError, which names it, where it holds anything else."""
+def real_array(value: Any) -> Array | None:
+    """``value`` as an array of floats of any shape, itself where it is one; None where it holds anything else."""
     try:
         given = np.asarray(value)
     except (ValueError, TypeError):
-        given = np.asarray(None)
-    if given.dtype.kind not in NUMERIC:
+        return None
+    return given.astype(float, copy=False) if given.dtype.kind in NUMERIC else None
+
+
+def floats(name: str, value: Any) -> Array:
+    """``value`` as an array of floats of any shape; ValueError, which names it, where it holds anything else."""
+    given = real_array(value)
+    if given is None:
         raise ValueError(f"{name}: must be a number or an array of numbers, not {shown(value)}")
-    return np.asarray(given, dtype=float)
+    return given
 
 
 def number(
@@ -108,6 +111,11 @@ def shown(value: Any) -> str:
     return (
         text if isinstance(value, str | Number | np.bool_ | None) and len(text) <= 40 else f"a {type(value).__name__}"
     )
+
+
+def counted(number_of: float, what: str) -> str:
+    """``1 mode``, ``2 modes``."""
+    return f"{number_of:.0f} {what}{'' if number_of == 1 else 's'}"
 
 
 def require(name: str, value: Any, kind: type[Any], none_too: bool = False) -> None:

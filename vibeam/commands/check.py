@@ -21,13 +21,13 @@ def check(
         say(f"{case}: a sound case, but it names no reference to check against")
         answer([], as_json)
         return
-    from vibeam import expect, references
+    from vibeam.check import check as checked
     from vibeam.remarks import remarks
     from vibeam.report.units import units_of
 
     loaded = loaded.everywhere()  # each fidelity is checked by itself
     result = swept(loaded, None if out is None else results_path(loaded, out), show=False, fresh=fresh)
-    rows = references.check(loaded, result, partial=bool(set_)) + expect.check(loaded, result, partial=bool(set_))
+    rows = checked(loaded, result, partial=bool(set_))
     answer(rows, as_json, lambda tables: [tables.checks(rows, units_of(loaded))], remarks(result))
     if not all(row.passed for row in rows):
         raise typer.Exit(MISSED)
