@@ -29,7 +29,7 @@ def stability(
     """Map where periodic motions exist, keep clear of the stop and are stable, over frequency and gap or drive."""
     from vibeam.report import output
     from vibeam.report.page import paths_of
-    from vibeam.report.stability import own_text, write_stability
+    from vibeam.report.stability import write_stability
     from vibeam.report.units import units_of
     from vibeam.stability.study import stability as mapped
 
@@ -44,5 +44,5 @@ def stability(
     told = found.notes
     answer(
         {"crossings": found.crossings, "maps": found.shares, "remarks": told, "files": files}, as_json,
-        lambda tables: [tables.crossings(found.crossings, own_text(found.axis), units)], [*told, *files],
+        lambda tables: [tables.crossings(found.crossings, found.axis.own_text, units)], [*told, *files],
     )  # fmt: skip

@@ -22,10 +22,11 @@ from vibeam.report.axes import say
 from vibeam.report.outputs import frequency_label, with_unit
 from vibeam.report.page import PAGE, blank, legend, plain, titled, write_page
 from vibeam.report.style import name_of
-from vibeam.report.units import LENGTHS, prefixed, units_of
+from vibeam.report.units import units_of
 from vibeam.stability.axes import Axis
 from vibeam.stability.rows import NAMES
 from vibeam.stability.study import ModelMap, Stability
+from vibeam.units import LENGTHS, prefixed
 
 SHADES = {
     "no such motion": "white",
@@ -112,13 +113,6 @@ def _curve(axes: Axes, curve: BoundaryCurve, number: int, across: float, scale: 
     return drawn
 
 
-def own_text(axis: Axis) -> str:
-    """The case's own value in words."""
-    size = abs(axis.own) if axis.own else max(abs(axis.low), abs(axis.high))
-    unit, factor = prefixed(LENGTHS, size) if axis.unit == "m" else (axis.unit.removeprefix("1"), 1.0)
-    return f"{axis.name} of {axis.own * factor:.4g} {unit}".strip()
-
-
 def _shown(axis: Axis) -> tuple[str, float]:
     """The unit shown, and the factor from the SI unit of the map to it."""
     largest = max(abs(axis.low), abs(axis.high))
@@ -149,5 +143,5 @@ def _legend(drawn: set[object], found: Stability) -> list[Artist]:
     lines = [Line2D([], [], label=NAMES[kind], linewidth=1.1, **look) for kind, look in LOOKS.items() if kind in drawn]
     averaged = [Line2D([], [], label="averaging: Δ_MAX", **AVERAGED)] if "averaged" in drawn else []
     values, own = found.maps[0].orbits.values, found.axis.own * found.axis.factor
-    outside = "" if values[0] <= own <= values[-1] else f", outside: {own_text(found.axis)}"
+    outside = "" if values[0] <= own <= values[-1] else f", outside: {found.axis.own_text}"
     return [*patches, *lines, *averaged, Line2D([], [], label=f"the case's own{outside}", **OWN)]

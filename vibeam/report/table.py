@@ -15,8 +15,9 @@ from vibeam.keys import Row as KeyRow
 from vibeam.modes import ModeTable
 from vibeam.references import CheckRow
 from vibeam.report.fit import ReportTable, fitted, needed
-from vibeam.report.units import FREQUENCIES, METRIC, Units, percent, prefixed
+from vibeam.report.units import METRIC, Units, percent
 from vibeam.stability.rows import Crossing
+from vibeam.units import FREQUENCIES, prefixed
 
 WIDEST = 160
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.periodic.line import motions
-from vibeam.units import LENGTH, RATIO, VOLTAGE, Kind, UnitError, to_si
+from vibeam.units import LENGTH, LENGTHS, RATIO, VOLTAGE, Kind, UnitError, prefixed, to_si
 from vibeam_models.scene import SdofScene
 
 if TYPE_CHECKING:
@@ -34,6 +34,13 @@ class Axis:
     own: float
     low: float
     high: float
+
+    @property
+    def own_text(self) -> str:
+        """The case's own value in words."""
+        size = abs(self.own) or max(abs(self.low), abs(self.high))
+        unit, factor = prefixed(LENGTHS, size) if self.unit == "m" else (self.unit.removeprefix("1"), 1.0)
+        return f"{self.name} of {self.own * factor:.4g} {unit}".strip()
 
 
 def frequencies(case: Case, count: int) -> Array:
