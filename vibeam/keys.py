@@ -39,6 +39,13 @@ NAMED: dict[str, dict[str, dict[str, Any]]] = {
 }
 
 
+HEAD = """\
+# A case of vibeam: every key with what it means and, in brackets, what it may hold. Quantities are text with a unit, or
+# plain numbers in SI units (frequencies in Hz). What a case can do without is a comment here: take the "# " before the
+# key (and its table) away to use it. "effect:" marks what adds to the plain model. One key alone: vibeam keys stop.gap
+"""
+
+
 @dataclass(frozen=True)
 class Row:
     """One key: its table as headed in a case, what it holds (unit and range), default ("" where there is none)."""
@@ -129,8 +136,7 @@ def _default(entry: Entry | None, field: FieldInfo) -> str:
 
 def template() -> str:
     """A complete case to start from, the DTU rig, with every key explained; optional parts are comments."""
-    head = "# A case of vibeam. Quantities are numbers with a unit in quotes, or plain numbers in SI units (Hz).\n"
-    return head + "\n".join(_template()) + "\n"
+    return HEAD + "\n".join(_template()) + "\n"
 
 
 def _template() -> Iterator[str]:
@@ -147,7 +153,7 @@ def _section(name: str, table: type[BaseModel], field: FieldInfo) -> Iterator[st
     extra: Any = field.json_schema_extra or {}
     aside = "" if field.is_required() or extra.get("written", False) else "# "
     yield ""
-    yield from wrap(table.__doc__ or "", WIDTH, initial_indent="# ", subsequent_indent="# ")
+    yield from wrap(" ".join((table.__doc__ or "").split()), WIDTH, initial_indent="# ", subsequent_indent="# ")
     if not is_repeated(field):
         yield f"{aside}[{name}]"
         yield from (_line(inner, key, aside) for inner, key in fields_of(table).items())
@@ -155,28 +161,36 @@ def _section(name: str, table: type[BaseModel], field: FieldInfo) -> Iterator[st
         yield f"{aside}[[{name}]]"
         yield from (_line(inner, key, aside) for inner, key in fields_of(table).items())
     else:
+        explained: set[str] = set()
         for title, values in NAMED[name].items():
             yield f"{aside}[{name}.{title}]"
-            yield from _named(table, values, aside)
+            yield from _named(table, values, aside, explained)
 
 
-def _named(table: type[BaseModel], values: dict[str, Any], aside: str) -> Iterator[str]:
+def _named(table: type[BaseModel], values: dict[str, Any], aside: str, explained: set[str]) -> Iterator[str]:
+    """One of several tables: the first explains every key, those after it show what they have."""
+    first = not explained
     for name, field in fields_of(table).items():
-        if not values:
-            yield _line(name, field, aside)
-        elif name in values:
-            yield _commented(f"{aside}{name} = {written(values[name])}", _meaning(field))
+        if name in values:
+            meaning = "" if name in explained else _meaning(field)
+            yield _commented(f"{aside}{name} = {written(values[name])}", meaning)
+        elif first:
+            yield _line(name, field, aside or ("# " if values else ""))
+        explained.add(name)
 
 
 def _line(name: str, field: FieldInfo, aside: str = "") -> str:
     extra: Any = field.json_schema_extra or {}
     aside = aside or ("" if extra.get("written", True) else "# ")
-    return _commented(f"{aside}{name} = {example_of(field)}", _meaning(field))
+    text = _commented(f"{aside}{name} = {example_of(field)}", _meaning(field))
+    inner = table_of(field)
+    within = [f"#   {key}: {_meaning(each)}" for key, each in fields_of(inner).items()] if inner else []
+    return "\n".join([*within, text])
 
 
 def _commented(text: str, meaning: str) -> str:
     """The key with its meaning behind it, or above it where both do not fit a line."""
-    line = f"{text.ljust(COLUMN - 2)}  # {meaning}"
+    line = f"{text.ljust(COLUMN - 2)}  # {meaning}" if meaning else text
     if len(line) <= WIDTH:
         return line
     return "\n".join([*wrap(meaning, WIDTH, initial_indent="# ", subsequent_indent="# "), text])

@@ -170,8 +170,18 @@ def test_the_template_shows_every_key_and_fits_the_line():
     lines = template().splitlines()
     assert max(map(len, lines)) <= 120
     shown = {line.removeprefix("# ").split(" = ")[0] for line in lines if " = " in line}
-    inside = {"from", "to", "points", "solver", "options"}  # in the line of frequency; as good as their defaults
+    inside = {"from", "to", "points"}  # in the line of frequency
     assert {row.key for row in reference_table() if "sdof" not in row.table} <= shown | inside
+
+
+def test_the_template_explains_every_key_once():
+    text = " ".join(" ".join(line.removeprefix("# ") for line in template().splitlines()).split())
+    for row in reference_table():
+        if "sdof" not in row.table:
+            said = f"{row.meaning} [" if row.unit not in ("text",) and "table |" not in row.unit else row.meaning
+            assert " ".join(said.split()) in text, row.key
+    assert text.count("how its motion is found") == 1
+    assert "  " not in "\n".join(line.removeprefix("#   ") for line in template().splitlines() if " = " not in line)
 
 
 def every_key(model):

@@ -44,7 +44,8 @@ class SweepTable(Table):
     """The sweep that every fidelity runs: drive frequencies and, at each, periods to settle and to hold."""
 
     frequency: Annotated[GridTable | tuple[float, ...], FrequencyGrid] = key(
-        "from, to and points, or an ascending list", {"from": "14 Hz", "to": "17 Hz", "points": 121}
+        "drive frequencies: from, to and points, or an ascending list of Hz",
+        {"from": "14 Hz", "to": "17 Hz", "points": 121},
     )
     direction: Annotated[str, Word(DIRECTIONS)] = key("which way the frequencies are run", "both", "both")
     settle: Annotated[int, Periods] = key("drive periods left out before the reading", 300)
@@ -56,12 +57,12 @@ class FidelityTable(Table):
     """A fidelity, one table each: which model of the rig is swept."""
 
     reduction: Annotated[str, Word(REDUCTIONS)] = key(
-        "the static deflection alone, so many modes, or all of the finite elements", "static_mode"
+        "one mode, the static deflection; or the first few modes; or all of the finite elements", "static_mode"
     )
-    modes: Annotated[int | None, Count(1, 2 * MOST_ELEMENTS)] = key("how many, for modal alone", 8, None)
+    modes: Annotated[int | None, Count(1, 2 * MOST_ELEMENTS)] = key("how many modes, for modal alone", 8, None)
     solver: Annotated[str, Word(SOLVERS)] = key("how its motion is found", "flight", "flight")
     options: Annotated[dict[str, str | float], Options()] = key(
-        "of the solver, by name; absent = its own defaults", None, {}, written=False
+        "of the solver, by name; absent = its own defaults", {"rtol": 1e-9}, {}, written=False
     )
     set: Annotated[dict[str, Any], Settings()] = key(
         "physics that is this fidelity's own: dotted keys and their values",
@@ -111,7 +112,7 @@ class ExpectTable(Table):
         written=False,
     )
     number: Annotated[float | None, Ratio] = key(
-        "of the mode, or order of the harmonic, with show", 2, None, written=False
+        "number of the mode, or order of the harmonic, that is read off the figure of show", 2, None, written=False
     )
     against: Annotated[str | None, Text()] = key(
         "another fidelity: the value is then the relative difference to it", "beam", None

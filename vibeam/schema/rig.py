@@ -30,10 +30,13 @@ class BeamTable(Table):
     youngs_modulus: Annotated[float, Quantity(units.PRESSURE, POSITIVE)] = key("modulus of elasticity", "210 GPa")
     density: Annotated[float, Quantity(units.DENSITY, POSITIVE)] = key("mass per volume", "7850 kg/m^3")
     damping_ratio: Annotated[tuple[float, ...] | None, Several(Ratio, alone=True)] = key(
-        "of the first mode; two of them, modes 1 and 2, for rayleigh; none where damping is a list", 0.017, None
+        "of the first mode; for rayleigh a list of two, of modes 1 and 2; left away where damping is a list",
+        0.017,
+        None,
     )
     damping: Annotated[str | tuple[float, ...], Several(Ratio, words=("constant", "stiffness", "rayleigh"))] = key(
-        "every mode alike, proportional to stiffness, to mass and stiffness, or the ratios mode by mode",
+        "constant: the same ratio in every mode; stiffness: in proportion to the frequency; rayleigh: mass and "
+        "stiffness; or the ratios mode by mode",
         "constant",
         "constant",
     )
@@ -49,7 +52,7 @@ class MassTable(Table):
     mass: Annotated[float, Quantity(units.MASS, POSITIVE)] = key("attached mass", "0.2 kg")
     position: Annotated[float, Place] = key("distance from the clamp, in (0, length]", "132 mm")
     rotary_inertia: Annotated[float | None, Quantity(units.INERTIA, POSITIVE)] = key(
-        "effect: about the axis of bending; absent = a point mass", "2.988e-5 kg m^2", None
+        "effect: moment of inertia about the axis of bending; absent = a point mass", "2.988e-5 kg m^2", None
     )
     rigid_half_width: Annotated[float | None, Length] = key(
         "effect: the beam is rigid this far on either side of the mass; absent = nowhere", "11.7 mm", None
@@ -79,25 +82,38 @@ class StopTable(Table):
         "effect: what the stop does; absent = restitution, the same at every velocity", "linear", None, written=False
     )
     stiffness: Annotated[float | None, Quantity(units.STIFFNESS, POSITIVE)] = key(
-        "of a linear stop: force over penetration", "1e6 N/m", None, written=False
+        "of law linear: force over penetration", "1e6 N/m", None, written=False
     )
     damping: Annotated[float | None, Quantity(units.VISCOUS, NOT_NEGATIVE)] = key(
-        "of a linear stop; absent = what gives a free mass 1/S the restitution", "10 N s/m", None, written=False
+        "of law linear: force over velocity; absent = what gives the restitution to a free mass 1/S, S the contact's "
+        "mobility",
+        "10 N s/m",
+        None,
+        written=False,
     )
     hertz_stiffness: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "of hertz and hunt-crossley, N/m^exponent", 1e9, None, written=False
+        "of laws hertz and hunt-crossley: force over penetration^exponent, in N/m^exponent", 1e9, None, written=False
     )
     exponent: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "of the penetration, absent = 1.5; of the velocity in R = R0 (v/v0)^-n, absent = 0.25", 1.5, None, written=False
+        "of the penetration, absent = 1.5; in velocity restitution the n of R = R0 (v/v0)^-n, absent = 0.25",
+        1.5,
+        None,
+        written=False,
     )
     velocity: Annotated[float | None, Speed] = key(
-        "at which the restitution holds, for hunt-crossley and velocity restitution", "0.1 m/s", None, written=False
+        "of impact, v0, at which the restitution holds; for laws hunt-crossley and velocity restitution",
+        "0.1 m/s",
+        None,
+        written=False,
     )
     speeds: Annotated[tuple[float, ...] | None, Several(Speed, ascending=True)] = key(
-        "of a table of restitutions, instead of restitution and velocity", ["0.02 m/s", "0.2 m/s"], None, written=False
+        "of impact, of a table for law velocity restitution, instead of restitution and velocity",
+        ["0.02 m/s", "0.2 m/s"],
+        None,
+        written=False,
     )
     restitutions: Annotated[tuple[float, ...] | None, Several(Unity)] = key(
-        "at the speeds", [0.8, 0.6], None, written=False
+        "at these speeds, monotone cubics between them", [0.8, 0.6], None, written=False
     )
     second_gap: Annotated[float | None, Quantity(units.LENGTH)] = key(
         "effect: gap to a second stop on the other side; absent = none", "1 mm", None, written=False
@@ -152,7 +168,7 @@ class TorsionTable(Table):
         "of the attached mass about the beam's axis", "2.988e-5 kg m^2"
     )
     poissons_ratio: Annotated[float | None, Quantity(units.RATIO, Range(0, 1))] = key(
-        "of the beam, for its shear modulus; or say that", 0.3, None
+        "of the beam, gives its shear modulus; or say that", 0.3, None
     )
     shear_modulus: Annotated[float | None, Quantity(units.PRESSURE, POSITIVE)] = key(
         "of the beam, instead of Poisson's ratio", "80 GPa", None, written=False
@@ -177,8 +193,12 @@ class DriveTable(Table):
     [shaker] voltage alone.
     """
 
-    voltage: Annotated[float | None, Quantity(units.VOLTAGE, NOT_NEGATIVE)] = key("of the shaker", "0.6 V", None)
-    gain: Annotated[float | None, Quantity(units.PER_VOLT, POSITIVE)] = key("γ of eq. 46, 1/V", 5.16e-4, None)
+    voltage: Annotated[float | None, Quantity(units.VOLTAGE, NOT_NEGATIVE)] = key(
+        "amplitude of the shaker's voltage", "0.6 V", None
+    )
+    gain: Annotated[float | None, Quantity(units.PER_VOLT, POSITIVE)] = key(
+        "γ of eq. 46: base amplitude over mode shape at the mass, length and voltage", 5.16e-4, None
+    )
     amplitude: Annotated[float | None, Quantity(units.LENGTH, NOT_NEGATIVE)] = key(
         "of the base, instead of voltage and gain", "0.05 mm", None, written=False
     )

@@ -27,19 +27,19 @@ class SdofTable(Table):
     natural_frequency: Annotated[float, Quantity(units.ANGULAR_FREQUENCY, POSITIVE)] = key(
         "of free motion, with its unit; 1 rad/s = nondimensional time", "1 rad/s", 1.0
     )
-    damping_ratio: Annotated[float, Ratio] = key("β", 0.015)
+    damping_ratio: Annotated[float, Ratio] = key("β, of critical", 0.015)
 
 
 class SdofStopTable(Table):
     """The stop of the single degree of freedom."""
 
-    gap: Annotated[float, Quantity(units.RATIO)] = key("Δ, in the unit of the motion", 0.0)
+    gap: Annotated[float, Quantity(units.RATIO)] = key("gap at rest Δ, in the unit of the motion", 0.0)
     restitution: Annotated[float | None, Unity] = key("speed after over speed before an impact", 0.9, None)
     law: Annotated[str | None, Word(LAWS)] = key(
         "effect: what the stop does; absent = restitution, the same at every velocity", "linear", None, written=False
     )
     stiffness: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "of a linear stop, force over mass and penetration", 400, None, written=False
+        "of a linear stop: force over mass and penetration", 400, None, written=False
     )
     damping: Annotated[float | None, Quantity(units.RATIO, NOT_NEGATIVE)] = key(
         "of a linear stop, force over mass and velocity; absent = what gives the restitution", 2.5, None, written=False
@@ -79,7 +79,7 @@ class SdofStopTable(Table):
 class SdofDriveTable(Table):
     """The base motion of the single degree of freedom."""
 
-    amplitude: Annotated[float, Ratio] = key("B, in the unit of the motion", 0.5e-3)
+    amplitude: Annotated[float, Ratio] = key("of the base B, in the unit of the motion", 0.5e-3)
 
 
 class SdofSweepTable(SweepTable):
@@ -94,7 +94,7 @@ class SdofFidelityTable(Table):
     reduction: Annotated[str, Word(("static_mode",))] = key("one mode", "static_mode", "static_mode")
     solver: Annotated[str, Word(SOLVERS)] = key("how its motion is found", "flight", "flight")
     options: Annotated[dict[str, str | float], Options()] = key(
-        "of the solver, by name; absent = its own defaults", None, {}, written=False
+        "of the solver, by name; absent = its own defaults", {"rtol": 1e-9}, {}, written=False
     )
     set: Annotated[dict[str, Any], Settings()] = key(
         "physics that is this fidelity's own: dotted keys and their values",
