@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from rich.cells import cell_len
 from rich.text import Text
@@ -74,6 +76,14 @@ def test_every_further_table_says_what_its_rows_are_about() -> None:
     assert second.title == "Response, continued"
     shown = [str(column.header) for column in [*first.columns, *second.columns[second.heads :]]]
     assert shown == [str(column.header) for column in TABLES["responses"]().columns]
+
+
+def test_a_column_that_says_nothing_is_left_out() -> None:
+    passed = replace(MISSED, passed=True, notes=())
+    headers = [[str(column.header) for column in fitted(table.checks(rows), 160)[0].columns] for rows in ([passed], [])]
+    assert "why" not in headers[0]
+    assert "why" in headers[1]  # of no rows at all the head is all there is
+    assert "why" in [str(column.header) for column in fitted(table.checks([passed, MISSED]), 160)[0].columns]
 
 
 def test_what_goes_into_a_file_is_in_one_piece(capsys: pytest.CaptureFixture[str]) -> None:

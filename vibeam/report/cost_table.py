@@ -41,10 +41,10 @@ def runs(study: Study) -> ReportTable:
 def _legend(study: Study, chaos: bool) -> str:
     text = (
         f"off, rms: amplitude, largest and root mean square, against {study.truth}, where both repeat\n"
-        "by solver: largest, against the exact motion of its own fidelity; path: Hausdorff distance to it over ten\n"
-        f"periods; impacts: worst velocity on it. {len(study.frequency)} frequencies of {study.settle} + {study.hold} "
-        "periods; CPU: least of the repeats,\nthe solver's making included; *: on the Pareto front of rms and CPU, for "
-        "runs that found every motion"
+        "by solver: largest, against the exact motion of its own fidelity; path: Hausdorff distance to it over ten "
+        "periods; impacts: worst velocity on it\n"
+        f"{len(study.frequency)} frequencies of {study.settle} + {study.hold} periods; CPU: least of the repeats, the "
+        "solver's making included; *: on the Pareto front of rms and CPU, for runs that found every motion"
     )
     told = (
         "\nstatistics: where neither repeats, the worst of means and deciles (in brackets: of the exact one's halves)"

@@ -30,8 +30,14 @@ def fitted(table: ReportTable, width: int) -> list[ReportTable]:
     A piece of one column is made however wide it is: its numbers are not cut.
     """
     least = _narrowest(table, width)
-    pieces = _pieces(least, table.heads, width)
+    pieces = _pieces(_told(table), least, table.heads, width)
     return [_part(table, chosen, least, width) for chosen in pieces]
+
+
+def _told(table: ReportTable) -> list[int]:
+    """The columns behind the first that say something in some row."""
+    behind = range(table.heads, len(table.columns))
+    return [index for index in behind if not table.rows or any(map(str, table.columns[index].cells))]
 
 
 def _narrowest(table: ReportTable, width: int) -> list[int]:
@@ -44,15 +50,15 @@ def _narrowest(table: ReportTable, width: int) -> list[int]:
 
 
 def needed(table: ReportTable) -> int:
-    """Characters in which nothing wraps but headers of numbers."""
-    return _whole([_most(column) for column in table.columns])
+    """Characters in which nothing wraps."""
+    return _whole([_most(table.columns[index]) for index in [*range(table.heads), *_told(table)]])
 
 
-def _pieces(least: Sequence[int], heads: int, width: int) -> list[list[int]]:
-    """The columns of each piece: as many as ``width`` holds, in their order."""
+def _pieces(told: Sequence[int], least: Sequence[int], heads: int, width: int) -> list[list[int]]:
+    """The columns of each piece: of those that are ``told`` as many as ``width`` holds, in their order."""
     first = list(range(heads))
     pieces = [first.copy()]
-    for index in range(heads, len(least)):
+    for index in told:
         if len(pieces[-1]) > heads and _whole([least[i] for i in [*pieces[-1], index]]) > width:
             pieces.append(first.copy())
         pieces[-1].append(index)
@@ -61,7 +67,7 @@ def _pieces(least: Sequence[int], heads: int, width: int) -> list[list[int]]:
 
 def _part(table: ReportTable, chosen: Sequence[int], least: Sequence[int], width: int) -> ReportTable:
     """A table of the chosen columns, each with the width that it is given."""
-    continued = chosen[table.heads :] and chosen[table.heads] != table.heads
+    continued = chosen[table.heads :] and chosen[table.heads] != _told(table)[0]
     part = ReportTable(f"{table.title}, continued" if continued else str(table.title), table.heads)
     columns = [table.columns[index] for index in chosen]
     for column, size in zip(columns, _widths(columns, [least[index] for index in chosen], width), strict=True):
