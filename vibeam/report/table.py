@@ -95,7 +95,7 @@ def checks(rows: Iterable[CheckRow], units: Units = METRIC) -> ReportTable:
 def crossings(rows: Sequence[Crossing], own: str, units: Units = METRIC) -> ReportTable:
     """Every boundary that the case itself runs into as the frequency changes."""
     table = blank(f"Boundaries at the case's own {own}", "fidelity", "boundary", "motion", "at|", "velocity|", heads=2)
-    table.add_column("multipliers", justify="right")
+    table.add("multipliers|")
     table.caption = "of motions with one impact a span that keep clear of the stop between; velocity: of the impact"
     for row in rows:
         numbers = (

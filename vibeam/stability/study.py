@@ -59,7 +59,7 @@ class Stability:
         seen = {name: restitutions(self.case.scene_of(name), self.case.fidelities[name])[1] for name in names}
         empty = [each.fidelity for each in self.shares if not each.exists]
         told = [f"{listed(empty)}: no motion with impacts of this kind anywhere on the map"] if empty else []
-        told += [] if self.crossings or empty else [f"no boundary at the case's own {self.axis.own_text}"]
+        told += [] if self.crossings or empty else [f"no boundary at the case's own {self.axis.name}"]
         return [*self.refused, *told, *ill_posed(seen)]
 
     @property
