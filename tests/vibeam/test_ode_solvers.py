@@ -189,9 +189,9 @@ def test_a_start_beyond_the_stop_is_refused() -> None:
         (IvanovSolver, sdof(restitution=0.0), {}, "restitution 0"),
         (IvanovSolver, sdof(), {"method": "LSODA"}, "none of RK23, RK45, DOP853"),
         (DirectSolver, sdof(), {"method": "RK4"}, "'RK4' is none of RK23, RK45, DOP853, LSODA"),
-        (DirectSolver, sdof(), {"rtol": 0.0}, "rtol 0.0"),
-        (DirectSolver, sdof(), {"atol": -1.0}, "atol -1.0"),
-        (DirectSolver, sdof(), {"limit": 0}, "limit 0"),
+        (DirectSolver, sdof(), {"rtol": 0.0}, "rtol: 0.0"),
+        (DirectSolver, sdof(), {"atol": -1.0}, "atol: -1.0"),
+        (DirectSolver, sdof(), {"limit": 0}, "limit: 0"),
     ],
 )
 def test_what_cannot_be_is_refused_at_once(kind: Any, system: Any, options: dict[str, Any], message: str) -> None:
