@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import cos, exp, pi, sin, sqrt
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from vibeam.periodic.follow import follow
 from vibeam.periodic.line import Kind
 from vibeam.periodic.map import OrbitMap, orbit_map
 from vibeam.periodic.orbit import orbits
+from vibeam.periodic.sums import sums
 
 B = 0.5e-3
 NOMINAL = ImpactSystem.from_modes([1.0], 0.015, 1.0, 1.0, restitution=0.9)
@@ -166,3 +168,18 @@ def test_wrong_questions_are_named() -> None:
         orbit_map(NOMINAL, grid[::-1], B, 1, [0.0, 1.0])
     with pytest.raises(ValueError, match="periods"):
         orbit_map(NOMINAL, grid, B, 0, [0.0, 1.0])
+
+
+def test_boundaries_that_a_fold_cuts_off_within_a_cell_are_found() -> None:
+    """Grazing is where the free motion reaches the stop, at every frequency; the fold ends there within one row."""
+    case = vibeam.load(Path(__file__).parents[2] / "cases" / "dtu_tight.toml")
+    system, amplitude = case.system("sdof"), case.base_amplitude
+    grid, values = 2 * np.pi * np.linspace(14.9, 15.6, 19), np.linspace(-2e-4, 2e-4, 101)
+    found = orbit_map(system, grid, amplitude, gap=values)
+    free = amplitude * np.abs(sums(system, grid, 1).unit)
+    grazing = [curve for curve in curves(found, Kind.GRAZING) if curve.clear.all()]
+    for omega, expected in zip(grid, free, strict=True):
+        near = [curve.gap[np.abs(curve.omega - omega) < 1e-9] for curve in grazing]
+        assert np.abs(np.concatenate(near) / expected - 1).min(initial=np.inf) < 1e-9
+    touched = [curve.omega.max() for curve in found.curves if curve.kind is Kind.TOUCHING and curve.branch == 0]
+    assert max(touched) > 2 * np.pi * 15.2  # up to where it meets the fold

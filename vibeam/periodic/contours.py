@@ -74,6 +74,26 @@ class Plane:
         return low + share * (high - low), first + share * (last - first)
 
 
+def map_function(system: ImpactSystem, kind: Kind, branch: int, points: Points) -> Array:
+    """As ``test_function``, of grazing and touching also where there is no motion, with the sign beyond the boundary.
+
+    So a boundary is found that a fold or a grazing cuts off within a cell; that cut itself is a jump, no zero. Of
+    grazing: the harder impact vanishes into no impact, the softer one begins.
+    """
+    value = test_function(system, kind, branch, points)
+    if kind is Kind.TOUCHING:
+        return beyond_touching(value)
+    if kind is not Kind.GRAZING:
+        return value
+    size = np.abs(points.total.unit * points.amplitude) * points.total.omega / float(system.contact @ system.contact)
+    return np.where(np.isnan(value), size if branch == 0 else -size, value)
+
+
+def beyond_touching(share: Array) -> Array:
+    """Clearances as shares of the motion's size, −1 where there is no motion."""
+    return np.where(np.isnan(share), -1.0, share)
+
+
 def boundary_curves(plane: Plane, kind: Kind, branch: int, values: Array) -> list[BoundaryCurve]:
     """All curves of one boundary; ``values`` (rows, columns): its test function on the grid."""
     edges = _crossed(values)
@@ -105,7 +125,7 @@ def _roots(plane: Plane, kind: Kind, branch: int, edges: list[Edge]) -> Array:
     def test(share: Array, which: Array) -> Array:
         chosen = [(int(r), int(c), int(a)) for r, c, a in places[np.rint(which).astype(int).ravel()]]
         points = plane.at(*plane.between(chosen, np.ravel(share)))
-        return test_function(plane.system, kind, branch, points).reshape(np.shape(share))
+        return map_function(plane.system, kind, branch, points).reshape(np.shape(share))
 
     which = np.arange(len(edges), dtype=float)
     ends = [np.abs(test(np.full(len(edges), end), which)) for end in (0.0, 1.0)]

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.periodic.contours import BoundaryCurve, Plane, boundary_curves
+from vibeam.periodic.contours import BoundaryCurve, Plane, beyond_touching, boundary_curves, map_function
 from vibeam.periodic.curve import checked, proven, stability
-from vibeam.periodic.line import Kind, Points, clearances, test_function
+from vibeam.periodic.line import Kind, Points, clearances
 from vibeam.periodic.multipliers import real_crossing
 from vibeam.system import ImpactSystem
 
@@ -44,8 +44,9 @@ def orbit_map(
 ) -> OrbitMap:
     """The map over ascending ``omega`` (rad/s) and either ``amplitude`` or ``gap`` (m; None: the system's own).
 
-    Exactly one of the two is an ascending array. A curve may end up to a step of the grid short of a fold or a grazing
-    that it runs into. ValueError where none or both are arrays, or a grid does not ascend, and as in ``orbits``.
+    Exactly one of the two is an ascending array. A curve of lost stability may end up to a step of the grid short of a
+    fold or a grazing that it runs into. ValueError where none or both are arrays, or a grid does not ascend, and as in
+    ``orbits``.
     """
     grid = checked(system, omega, periods)
     given = {"amplitude": np.asarray(amplitude, float), "gap": np.asarray(system.gap if gap is None else gap, float)}
@@ -77,9 +78,9 @@ def orbit_map(
 def _values(system: ImpactSystem, kind: Kind, branch: int, points: Points, share: dict[int, Array]) -> Array:
     """The test function on the grid; NaN for a loss of stability where there is none to lose."""
     if kind is Kind.TOUCHING:
-        return share[branch]
+        return beyond_touching(share[branch])
     if kind in LOSSES:
         unstable = proven(real_crossing(system, points.total.plus, points.roots.lean[:, branch]))
         lean = np.where(unstable[:, None], np.nan, points.roots.lean)
         points = points._replace(roots=points.roots._replace(lean=lean))
-    return test_function(system, kind, branch, points)
+    return map_function(system, kind, branch, points)

@@ -29,8 +29,9 @@ def crowded_axes(figure: Figure) -> list[Any]:
     figure.draw_without_rendering()
     axes = [axis for each in figure.axes if each.axison for axis in (each.xaxis, each.yaxis)]
     boxes = [(axis, box) for axis in axes for box in _boxes(axis, ROOM * figure.dpi / 72)]
-    pairs = [(one[0], two[0]) for one, two in combinations(boxes, 2) if one[1].overlaps(two[1])]
-    return list(dict.fromkeys(axis for pair in pairs for axis in pair))
+    pairs = [(one, two) for (one, box), (two, other) in combinations(boxes, 2) if box.overlaps(other)]
+    alike = [pair for pair in pairs if pair[0].axis_name == pair[1].axis_name]  # where x and y meet fewer do not help
+    return list(dict.fromkeys(axis for pair in alike for axis in pair))
 
 
 def _boxes(axis: Any, room: float) -> list[Bbox]:
