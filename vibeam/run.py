@@ -48,8 +48,8 @@ def run(
 ) -> Result:
     """Sweep every fidelity of ``case``; what the results file ``out`` already holds is not computed again.
 
-    Branches whose numbers the case does not change are kept, the others are swept anew: ``tell`` gets one line that
-    names them, a warning does without it. ``fresh``: keep nothing of the file.
+    Branches whose numbers the case does not change are kept, the others are swept anew, unless that would leave fewer
+    points: ``tell`` gets one line that names them, a warning does without it. ``fresh``: keep nothing of the file.
 
     Where the case asks for an accuracy it is one curve, ``result["accuracy"]``, in place of one for each fidelity.
     ``out=None`` keeps nothing on disk. ``progress(done, total)`` is called with the points that are there at the start

@@ -122,8 +122,7 @@ def test_a_run_that_was_stopped_is_extended_too(again: Run) -> None:
 OTHER_GRIDS = {
     "finer": (np.linspace(14.0, 17.0, 15), "swept anew: one/up (after 1 points), one/down", 1),
     "from lower": (np.insert(GRID, 0, 13.5), "swept anew: one/up, one/down", 0),
-    "another end": (np.append(GRID[:5], 20.0), "swept anew: one/up (after 5 points), one/down", 5),
-    "shorter": (GRID[:5], "cut short: one/up (5 of 5 points); swept anew: one/down", 5),
+    "another end": (np.append(GRID[:5], [20.0, 21.0, 22.0]), "swept anew: one/up (after 5 points), one/down", 5),
     "off by a bit": (np.append(GRID[:-1], np.nextafter(17.0, 18)), "swept anew: one/up (after 7 points), one/down", 7),
 }
 
@@ -137,12 +136,22 @@ def test_another_grid_keeps_the_points_before_the_first_other_one(again: Run, gr
     assert as_anew(result)
 
 
+@pytest.mark.parametrize("grid", [GRID[:5], np.linspace(14.0, 17.0, 4), GRID[:1]])
+def test_a_sweep_of_fewer_points_does_not_take_the_place_of_one_of_more(again: Run, grid: Any) -> None:
+    """As a quick try with a coarser grid would, where the long sweep took hours."""
+    again(of({"one": 1, "three": 3}))
+    before = again.path.read_bytes()
+    with pytest.raises(StoreError, match=rf"holds 8 points of one/up, and this case has {len(grid)}: .*--fresh"):
+        again(of({"one": 1, "three": 3}, grid))
+    assert (again.path.read_bytes(), again.calls, again.told) == (before, [], [])
+
+
 def test_down_by_itself_is_not_down_after_up(again: Run) -> None:
     again(of({"one": 1}))
     result = again(of({"one": 1}, direction="down"))
     assert again.line() == "swept anew: one/down; left as they are, the case does not name them: one/up"
     assert as_anew(result)
-    result = again(of({"one": 1}, GRID[1:], direction="down"))
+    result = again(of({"one": 1}, np.append(12.0, GRID), direction="down"))
     assert result.found == 0, "a solver may know the lowest frequency of the sweep"
     assert as_anew(result)
 

@@ -100,11 +100,11 @@ def key_of(group: h5py.Group) -> str:
 def write_rows(group: h5py.Group, start: int, values: Values) -> None:
     """Put the ``values`` of all columns at the points from ``start`` on, and their checksums."""
     points = slice(start, start + len(values["frequency"]))
-    stored = {name: np.asarray(values[name], dtype=group[name].dtype) for name in ROWS}
-    stored["frequency"] = group["frequency"][points]  # the grid's own, to the last bit
-    for name in ROWS:
-        if name != "frequency":
-            group[name][points] = stored[name]
+    datasets = {name: group[name] for name in ROWS}
+    grid = datasets.pop("frequency")[points]  # the grid's own, to the last bit
+    stored = {"frequency": grid} | {name: np.asarray(values[name], each.dtype) for name, each in datasets.items()}
+    for name, dataset in datasets.items():
+        dataset[points] = stored[name]
     group[CHECKSUM][points] = _checksums(group, stored, slice(None))
 
 

@@ -52,7 +52,7 @@ def format_of(file: h5py.File) -> str | None:
 def adapted(file: h5py.File, path: Path, wanted: Wanted) -> str | None:
     """Make the file that of ``wanted``: what was changed in one line, None where nothing was.
 
-    StoreError where it is another case's, so that nothing in it would stay, or damaged.
+    StoreError where it is another case's, so that nothing in it would stay, where it has more points, or is damaged.
     """
     older = format_of(file) == OLDER
     if older:
@@ -64,6 +64,10 @@ def adapted(file: h5py.File, path: Path, wanted: Wanted) -> str | None:
         return "brought to the present format" if older else None
     if _text(file, path, "shared") != wanted.shared and lost_with(file, reuses):
         raise another(path, _text(file, path, "shared"), wanted.shared)
+    for reuse in reuses:
+        if reuse.shrinks:
+            points = f"{reuse.there} points of {reuse.branch.group}, and this case has {len(reuse.branch.frequency)}"
+            raise StoreError(f"{path}: holds {points}: {ELSEWHERE}")
     return _adapt(file, path, wanted, reuses)
 
 

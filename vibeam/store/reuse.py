@@ -40,6 +40,11 @@ class Reuse:
     kept: int
     fits: bool
 
+    @property
+    def shrinks(self) -> bool:
+        """Whether more points would be lost than the case asks for."""
+        return self.kept < self.there and len(self.branch.frequency) < self.there
+
     def __str__(self) -> str:
         return f"{self.branch.group} ({self.kept} of {len(self.branch.frequency)} points)"
 
@@ -101,8 +106,7 @@ def said(reuses: Sequence[Reuse], others: Iterable[str]) -> str:
     parts = {
         "kept": [reuse.branch.group for reuse in reuses if reuse.fits],
         "extended": [str(reuse) for reuse in reuses if not reuse.fits and reuse.kept == reuse.there > 0],
-        "cut short": [str(reuse) for reuse in reuses if reuse.there > reuse.kept == len(reuse.branch.frequency)],
-        "swept anew": [_anew(reuse) for reuse in reuses if len(reuse.branch.frequency) > reuse.kept < reuse.there],
+        "swept anew": [_anew(reuse) for reuse in reuses if reuse.there > reuse.kept],
         "added": [reuse.branch.group for reuse in reuses if not reuse.there and not reuse.fits],
         "left as they are, the case does not name them": list(others),
     }
