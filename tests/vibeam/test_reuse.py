@@ -233,9 +233,9 @@ def test_what_all_share_is_in_every_key(key: str) -> None:
     assert one.own["sdof"] != other.own["sdof"]
 
 
-@pytest.mark.parametrize("key", ["title", "sweep.frequency.points", "sweep.direction"])
-def test_grid_and_title_are_in_no_key(key: str) -> None:
-    values = {"title": "b", "sweep.frequency.points": 7, "sweep.direction": "up"}
+@pytest.mark.parametrize("key", ["title", "sweep.frequency.points", "sweep.direction", "fidelity.sdof.label"])
+def test_grid_and_names_are_in_no_key(key: str) -> None:
+    values = {"title": "b", "sweep.frequency.points": 7, "sweep.direction": "up", "fidelity.sdof.label": "c"}
     one, other = parse(SDOF), parse(SDOF, set={key: values[key]})
     assert (one.shared, one.own) == (other.shared, other.own)
 
