@@ -347,7 +347,9 @@ def test_the_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     wrong = CliRunner().invoke(app, ["cost", "tiny.toml", "--set", 'cost.solvers=["flite"]'])
     assert wrong.exit_code == 2
     assert "did you mean 'flight'" in wrong.stderr
-    assert CliRunner().invoke(app, [*words, "--out", "nowhere"]).exit_code == 2
+    assert CliRunner().invoke(app, [*words, "--out", "new/folder"]).exit_code == 0
+    assert (tmp_path / "new" / "folder" / "tiny_cost.csv").exists()
+    assert CliRunner().invoke(app, [*words, "--out", "tiny.toml"]).exit_code == 2
 
 
 def test_what_is_asked_of_cost_does_not_change_what_a_run_computes() -> None:
