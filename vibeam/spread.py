@@ -8,23 +8,27 @@ from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from threading import Event
 from typing import TypeVar
 
+from vibeam.solvers.pause import Stopped, stopping_at
+
+__all__ = ["Stopped", "cores", "spread"]
 Item = TypeVar("Item")
 Made = TypeVar("Made")
-
-
-class Stopped(Exception):
-    """A task saw its stop signal and left; never seen outside ``spread``."""
 
 
 def spread(task: Callable[[Item, Event], Made], items: Sequence[Item], workers: int | None = None) -> list[Made]:
     """``task(item, stop)`` of every item, as many at once as there are cores; results in the order of the items.
 
-    The first failure, or Ctrl-C, sets ``stop``, waits until the running tasks have left (by raising ``Stopped``), and
-    is raised.
+    The first failure, or Ctrl-C, sets ``stop``, waits until the running tasks have left (by raising ``Stopped``, as
+    solvers do within a fraction of a second), and is raised.
     """
     stop = Event()
+
+    def heard(item: Item) -> Made:
+        with stopping_at(stop):
+            return task(item, stop)
+
     with ThreadPoolExecutor(workers or cores(), thread_name_prefix="vibeam") as pool:
-        futures = [pool.submit(task, item, stop) for item in items]
+        futures = [pool.submit(heard, item) for item in items]
         try:
             wait(futures, return_when=FIRST_EXCEPTION)
         finally:

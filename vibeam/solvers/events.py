@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from vibeam.response import Ended
 from vibeam.solvers.frames import Frame, Settings, chosen
+from vibeam.solvers.pause import pause
 from vibeam.solvers.points import NO_MARKS, Stepper, Watch, cycle, slack
 from vibeam.solvers.sampled import Outcome, Piece, turning_points
 from vibeam.state import State
@@ -188,9 +189,13 @@ class Course:
     def _solve(self, rate: Callable[[float, Array], Any], event: Any, dense: bool) -> Any:
         from scipy.integrate import solve_ivp
 
+        def heard(t: float, y: Array) -> Any:
+            pause()
+            return rate(t, y)
+
         with ONE_AT_A_TIME if self.settings.method == "LSODA" else nullcontext():
             found = solve_ivp(
-                rate, (self.t, self.end), self.y, method=self.settings.method, rtol=self.settings.rtol, atol=self.atol,
+                heard, (self.t, self.end), self.y, method=self.settings.method, rtol=self.settings.rtol, atol=self.atol,
                 events=event, dense_output=dense, max_step=LONGEST * self.period,
             )  # fmt: skip
         self.evaluations += found.nfev

@@ -36,6 +36,7 @@ from vibeam.solvers.kernels.layout import (
     WHAT,
 )
 from vibeam.solvers.pack import Packed, pack
+from vibeam.solvers.pause import unpaused
 from vibeam.solvers.start import equilibrium, size_of_motion
 from vibeam.solvers.tally import OUTCOMES, Tally
 from vibeam.state import State
@@ -101,27 +102,26 @@ class FlightSolver:
         size = size_of_motion(self.system, drive, self.packed.outward(pose))
         desk = self.packed.desk_for(size)
         rows, done, kept = ROWS, 0.0, []
-        totals = np.zeros(COUNT_ROWS, dtype=np.int64)
+        counts = np.zeros(COUNT_ROWS, dtype=np.int64)
         outcome, span = FULL, end - start
         while outcome == FULL:
             trace, poses = np.zeros((rows, TRACE_COLUMNS)), np.zeros((rows, 2, self.system.size))
-            counts = np.zeros(COUNT_ROWS, dtype=np.int64)
-            outcome, step = move(
-                desk, drive.omega, drive.amplitude, pose, status, float(span - done), 0, 0,
-                limit - int(totals[IMPACTS]), self._room(None, 0, trace, poses), counts, 0,
+            counts[SEGMENTS] = 0
+            outcome, step = unpaused(
+                move, desk, drive.omega, drive.amplitude, pose, status, float(span - done), 0, 0, limit,
+                self._room(None, 0, trace, poses), counts, 0,
             )  # fmt: skip
             count = int(counts[SEGMENTS])
             trace[:count, START] += start + done
             kept.append(Segments(trace[:count], self.packed.outward(poses[:count]), size))
-            totals += counts
             done += step
             rows = min(2 * rows, 65536)
         segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]), size)
         if not len(segments.trace):  # ended where it began: the start is all there is
             segments = self._instant(start, pose, status, size)
         stats = {
-            "impacts": int(totals[IMPACTS]),
-            "evaluations": int(totals[PANELS]),
+            "impacts": int(counts[IMPACTS]),
+            "evaluations": int(counts[PANELS]),
             "cpu_seconds": time.thread_time() - begun,
         }
         last = end if outcome == COMPLETE else float(segments.trace[-1, START] + segments.trace[-1, DURATION])
@@ -168,8 +168,8 @@ class FlightSolver:
         desk, begun = self.packed.desk_for(np.inf), time.thread_time()
         for index, omega in enumerate(omegas):
             counts[:], status[ORDER], status[SPEED] = 0, 0.0, 0.0  # a point knows no more of the last than a State says
-            outcome, period = move(
-                desk, float(omega), float(amplitude), pose, status, 0.0, settle, hold, self.limit, room, counts,
+            outcome, period = unpaused(
+                move, desk, float(omega), float(amplitude), pose, status, 0.0, settle, hold, self.limit, room, counts,
                 LONGEST_PERIOD,
             )  # fmt: skip
             tally.note(index, outcome, int(period), room.result, room.energy, counts)
@@ -194,8 +194,8 @@ class FlightSolver:
         desk, limit, begun = self.packed.desk_for(np.inf), self.limit, time.thread_time()
         for index, (omega, amplitude) in enumerate(zip(omegas.tolist(), amplitudes.tolist(), strict=True)):
             counts[:] = 0
-            outcome, period = move(
-                desk, omega, amplitude, after[index], status[index], 0.0, 0, 1, limit, room, counts, 0
+            outcome, period = unpaused(
+                move, desk, omega, amplitude, after[index], status[index], 0.0, 0, 1, limit, room, counts, 0
             )
             tally.note(index, outcome, int(period), room.result, room.energy, counts)
             begun = tally.time(index, begun)

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.response import Ended
+from vibeam.solvers.pause import pause
 from vibeam.solvers.points import NO_MARKS, Stepper, Watch, cycle, onto_stop, slack
 from vibeam.solvers.sampled import Outcome, Piece
 from vibeam.solvers.stepping.moreau import HELD, IMPACTS, ROWS, march
@@ -72,6 +73,7 @@ class MoreauSolver(Stepper):
         pose, h = np.stack([state.displacement, state.velocity]), (end - start) / max(count, 1)
         march_on = _March(self, drive, pose, h, watch)
         for first in range(0, count, self.steps):
+            pause()
             march_on.chunk(start, first, min(self.steps, count - first))
         ended = Ended.COMPLETE if np.all(np.isfinite(pose)) else Ended.NOT_FINITE
         return Outcome(ended, end, State.reached(onto_stop(system, pose[0]), pose[1]), march_on.impacts, count)

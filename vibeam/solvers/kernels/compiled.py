@@ -8,22 +8,31 @@ from numpy.typing import NDArray
 from vibeam.solvers.kernels.desk import Desk, Room
 from vibeam.solvers.kernels.drive import phase, set_drive
 from vibeam.solvers.kernels.flight import begin_flight, land
-from vibeam.solvers.kernels.jit import entry
+from vibeam.solvers.kernels.jit import entry, kernel
 from vibeam.solvers.kernels.layout import (
     AT_CLOCK,
     CLOCK,
     COMPLETE,
+    DONE,
     FULL,
     IMPACTS,
+    KNOWN,
+    MOST,
+    PAUSED,
     PERIOD,
     RESTING,
     SEGMENTS,
+    SETTLED,
+    UNRESOLVED,
+    UNSEEN,
+    WATCHED,
     WHAT,
 )
-from vibeam.solvers.kernels.motion import advance
+from vibeam.solvers.kernels.motion import advance, piece_of, work_of
 from vibeam.solvers.kernels.rest import stay
 from vibeam.solvers.kernels.steady import (
     is_same,
+    is_unread,
     mark,
     note_impacts,
     note_strobe,
@@ -36,6 +45,7 @@ from vibeam.solvers.kernels.steady import (
 
 Array = NDArray[np.float64]
 SETTLED_AT_ONCE = 32  # periods: then the phase is set anew, so that a long settling does not round it off
+WATCHING = 64  # panels that reading a segment off is as much work as, about
 
 
 @entry
@@ -45,49 +55,84 @@ def move(
 ) -> tuple[int, float]:  # fmt: skip
     """Carry ``pose`` on under one drive; one function for both uses, so that the engine is compiled once.
 
-    span > 0: every segment of that time goes to ``room.trace``: outcome, time done. Otherwise a point of a sweep,
-    ``settle`` and ``hold`` periods watched: outcome, period (0 where the motion does not repeat).
+    span > 0: every segment of that time goes to ``room.trace``: outcome, time done; at most ``limit`` impacts in
+    counts[IMPACTS]. Otherwise a point of a sweep, ``settle`` and ``hold`` periods watched: outcome, period (0 where the
+    motion does not repeat). PAUSED: called again with the same arguments it goes on as if it had not been.
     """
     set_drive(desk, omega, amplitude)
     if span > 0.0:
         return advance(desk, pose, status, span, limit, room.trace, room.poses, counts)
-    outcome, settled = COMPLETE, 0
-    while outcome == COMPLETE and settled < settle:
-        turns = min(SETTLED_AT_ONCE, settle - settled)
-        outcome, _ = advance(
-            desk, pose, status, turns * desk.drive[PERIOD], limit * turns, room.nothing, room.poses, counts
-        )
-        status[CLOCK] = 0.0
-        settled += turns
-    start_watching(room, pose)
-    turn, left, known = 0, desk.drive[PERIOD], False
-    most = counts[IMPACTS] + limit
-    mark(room)
-    while outcome == COMPLETE and turn < hold:
-        counts[SEGMENTS] = 0
-        status[CLOCK] = desk.drive[PERIOD] - left
-        outcome, done = advance(desk, pose, status, left, most - counts[IMPACTS], room.trace, room.poses, counts)
-        if known:
-            note_impacts(room, counts[SEGMENTS])
-        else:
-            watch(desk, room, counts[SEGMENTS])
-        left -= done
-        if outcome == FULL:
-            outcome = COMPLETE
-            continue
-        turn, left, most = turn + 1, desk.drive[PERIOD], counts[IMPACTS] + limit
-        note_strobe(room.strobes, turn, pose)
-        if known:
-            repeat(room)
-        elif is_same(desk, room.strobes, turn):
-            share_out(room)
-            known = True
-        else:
-            mark(room)
+    begun, piece = work_of(counts), piece_of(pose)
+    outcome = settled_at(desk, pose, status, settle, limit, room, counts)
+    while outcome == COMPLETE and counts[WATCHED] <= hold:
+        outcome = watched(desk, pose, status, limit, room, counts)
+        begun -= WATCHING * counts[SEGMENTS]
+        if outcome == COMPLETE and counts[WATCHED] <= hold and work_of(counts) - begun >= piece:
+            outcome = PAUSED
+    if outcome == PAUSED:
+        return PAUSED, 0.0
     status[CLOCK] = 0.0
     if outcome != COMPLETE:
         return outcome, 0.0
     return outcome, float(repetition(desk.pairs, desk.drive, room.strobes, hold, longest))
+
+
+@kernel
+def settled_at(
+    desk: Desk, pose: Array, status: Array, settle: int, limit: int, room: Room, counts: NDArray[np.int64]
+) -> int:
+    """Carry ``pose`` on to the end of the settling, where it is not there yet, and begin to watch."""
+    begun, piece = work_of(counts), piece_of(pose)
+    while counts[SETTLED] < settle:
+        turns = min(SETTLED_AT_ONCE, settle - counts[SETTLED])
+        if counts[MOST] == 0:
+            counts[MOST] = counts[IMPACTS] + limit * turns
+        outcome, _ = advance(
+            desk, pose, status, turns * desk.drive[PERIOD], counts[MOST], room.nothing, room.poses, counts
+        )
+        if outcome != COMPLETE:
+            return outcome
+        status[CLOCK], counts[MOST] = 0.0, 0
+        counts[SETTLED] += turns
+        begun -= 1
+        if work_of(counts) - begun >= piece:
+            return PAUSED
+    if counts[WATCHED] == 0:
+        start_watching(room, pose)
+        mark(room)
+        counts[WATCHED], counts[MOST], status[UNSEEN] = 1, counts[IMPACTS] + limit, desk.drive[PERIOD]
+    return COMPLETE
+
+
+@kernel
+def watched(desk: Desk, pose: Array, status: Array, limit: int, room: Room, counts: NDArray[np.int64]) -> int:
+    """Carry ``pose`` on to the end of the period, or of the trace, and read off what is traced."""
+    if status[DONE] == 0.0:
+        counts[SEGMENTS] = 0
+        status[CLOCK] = desk.drive[PERIOD] - status[UNSEEN]
+    outcome, done = advance(desk, pose, status, status[UNSEEN], counts[MOST], room.trace, room.poses, counts)
+    if outcome == PAUSED:
+        return outcome
+    if counts[KNOWN] > 0:
+        note_impacts(room, counts[SEGMENTS])
+    else:
+        watch(desk, room, counts[SEGMENTS])
+        if is_unread(room.result):
+            return UNRESOLVED
+    status[UNSEEN] -= done
+    if outcome == FULL:
+        return COMPLETE
+    turn = counts[WATCHED]
+    status[UNSEEN], counts[MOST], counts[WATCHED] = desk.drive[PERIOD], counts[IMPACTS] + limit, turn + 1
+    note_strobe(room.strobes, turn, pose)
+    if counts[KNOWN] > 0:
+        repeat(room)
+    elif is_same(desk, room.strobes, turn):
+        share_out(room)
+        counts[KNOWN] = 1
+    else:
+        mark(room)
+    return outcome
 
 
 @entry

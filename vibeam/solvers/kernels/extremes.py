@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import hypot, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from vibeam.solvers.kernels.layout import (
     TURN_RE,
     ZI,
     ZR,
+    E,
 )
 from vibeam.solvers.kernels.pair import norm
 from vibeam.solvers.kernels.panel import accept, measure
@@ -29,6 +30,8 @@ ACCURACY = 1e-11  # share of the size of the signal's parts
 LIGHTLY = 1e-6  # and where not everything is read off
 FINE = 1e-2  # share of that which Newton's last step may be off
 ROUNDS = 60
+MOST_WORK = 100_000_000  # panels, times modes and a few, then a span is given up: a mode rings too fast beside it
+GLANCE = 1024  # panels after which it is asked whether what is left can reach beyond what is known at all
 EPSILON = 2.220446049250313e-16
 
 
@@ -46,14 +49,18 @@ def extremes_to(
     pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, span: float, coarsest: int,
     least: float, most: float, share: float,
 ) -> tuple[float, float]:  # fmt: skip
-    """(least, most) widened to the signal's values over [0, span], to a ``share`` of the size of its parts."""
+    """(least, most) widened to the signal's values over [0, span], to a ``share`` of the size of its parts.
+
+    (−∞, ∞) where that takes more than ``MOST_WORK``.
+    """
     total = to_node(pairs)
     att.restart(attached, signal)
     re, im = signal[ZR], signal[ZI]
     signal[HARMONIC] = norm(re, im)
     accuracy = share * (abs(signal[CONST]) + signal[HARMONIC] + total + att.swing(attached, signal, span))
-    time, level = 0.0, coarsest
-    while True:
+    time, level, panels = 0.0, coarsest, 0
+    while panels < MOST_WORK // (pairs.shape[1] + 8):
+        panels += 1
         h = levels[STEP, level]
         p0, s0, p1, s1, fourth, slack, _, slack2, begin, begin_slope, end, end_slope = measure(
             pairs, table, levels, signal, attached, time, re, im, level
@@ -84,6 +91,19 @@ def extremes_to(
         )
         time += h
         level = max(level - 1, coarsest)
+        if panels % GLANCE == 0 and contained(pairs, signal, least - accuracy, most + accuracy):
+            return least, most
+    return -np.inf, np.inf
+
+
+@kernel
+def contained(pairs: Array, signal: Array, least: float, most: float) -> bool:
+    """Whether the signal stays within [least, most] from the node on, however long."""
+    reach = hypot(signal[ZR], signal[ZI])
+    for k in range(pairs.shape[1]):
+        reach += pairs[E, k]
+    low, high = signal[CONST] - reach, signal[CONST] + reach
+    return bool(signal[ATTACHED] == 0.0 and low >= least and high <= most)
 
 
 @kernel

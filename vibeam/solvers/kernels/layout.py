@@ -48,9 +48,10 @@ RE1, RE2, IM1, IM2, OFFSET1, OFFSET2, Z1, Z2, WEIGHT1, WEIGHT2, CARRIED = range(
 BLOCK_ROWS = 21
 
 # pose (2, n): modal values, velocities; status (STATUS_ROWS,): time in the drive period, free or resting, order of the
-# contact at the start and g^{(order)} there, the largest impact velocity so far, cos and sin of the drive's phase
-CLOCK, KIND, ORDER, RISE, SPEED, PHASE_COS, PHASE_SIN = range(7)
-STATUS_ROWS = 7
+# contact at the start and g^{(order)} there, the largest impact velocity so far, cos and sin of the drive's phase; of a
+# span that was paused: the time done and its rounding error; of a period that is watched: the time left
+CLOCK, KIND, ORDER, RISE, SPEED, PHASE_COS, PHASE_SIN, DONE, LOST, UNSEEN = range(10)
+STATUS_ROWS = 10
 FREE, RESTING = 0.0, 1.0
 
 # trace (m, TRACE_COLUMNS): a segment each; what ended it, the contact velocity before, what a chatter still takes
@@ -58,9 +59,10 @@ START, DURATION, AT_CLOCK, WHAT, END, BEFORE, LEFT, REMAINDER = range(8)
 TRACE_COLUMNS = 8
 SPAN_END, IMPACT, RELEASE, CHATTER, STUCK = range(5)
 
-# counts (COUNT_ROWS,)
-IMPACTS, PANELS, CHATTERS, SEGMENTS = range(4)
-COUNT_ROWS = 4
+# counts (COUNT_ROWS,): what was done; then how far a point of a sweep is: events so far, the impacts it may have at the
+# end of the present span, periods settled, periods watched + 1 (0: still settling), whether the period repeats
+IMPACTS, PANELS, CHATTERS, SEGMENTS, EVENTS, MOST, SETTLED, WATCHED, KNOWN = range(9)
+COUNT_ROWS = 9
 
 # result (RESULT_ROWS,) of the hold: extremes of the output, least contact displacement, impacts, their velocities' sum,
 # time at rest; then the last impact velocities, oldest first after ``aligned``
@@ -71,5 +73,5 @@ RESULT_ROWS = VELOCITY + KEPT
 # how much of a hold is read off: the output's extremes alone, the gap's too, the modes' energies too
 OUTPUT_ALONE, REACH_TOO, EVERYTHING = range(3)
 
-# outcomes
-COMPLETE, FULL, EVENT_LIMIT, PENETRATED, NOT_FINITE, UNRESOLVED = range(6)
+# outcomes; FULL: the trace is, PAUSED: Python may look for signals; both go on when called again
+COMPLETE, FULL, EVENT_LIMIT, PENETRATED, NOT_FINITE, UNRESOLVED, PAUSED = range(7)

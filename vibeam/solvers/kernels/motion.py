@@ -20,7 +20,9 @@ from vibeam.solvers.kernels.layout import (
     COARSEST,
     COMPLETE,
     CONST,
+    DONE,
     EVENT_LIMIT,
+    EVENTS,
     FREE,
     FULL,
     IMPACT,
@@ -28,9 +30,11 @@ from vibeam.solvers.kernels.layout import (
     KAPPA,
     KIND,
     LEFT,
+    LOST,
     NOT_FINITE,
     ORDER,
     PANELS,
+    PAUSED,
     PENETRATED,
     PHASE_COS,
     PHASE_SIN,
@@ -54,6 +58,8 @@ from vibeam.solvers.kernels.volley import AT_STOP, NOT_PLAIN, volley
 Array = NDArray[np.float64]
 SMALLEST = 1e-300
 EVENTS_AN_IMPACT = 4  # flight, impact, rest, release: more are no motion but a fault, and end it
+IDLE = 1000  # events in a row without time or impact, the same
+PIECE = 4_000_000  # impacts and panels, times modes and a few, after which a call pauses: some hundredths of a second
 
 
 @kernel
@@ -62,7 +68,7 @@ def advance(
     pose: Array,
     status: Array,
     span: float,
-    limit: int,
+    most: int,
     trace: Array,
     poses: Array,
     counts: NDArray[np.int64],
@@ -70,22 +76,28 @@ def advance(
     """Carry ``pose`` and ``status`` on by ``span`` seconds: outcome, time done.
 
     Segments go to ``trace`` (m, TRACE_COLUMNS) and their first poses to ``poses`` (m, 2, n), where m > 0. FULL: no row
-    is left; empty them and call again with the rest of the span.
+    is left; empty them and call again with the rest of the span. PAUSED: call again with the same span, and it goes on
+    to the bit. It ends at ``most`` impacts in counts[IMPACTS].
     """
-    done, lost, rows = 0.0, 0.0, trace.shape[0]
-    most, events, plain = counts[IMPACTS] + limit, 0, desk.cells.shape[0] > 0 and desk.signal[ATTACHED] == 0.0
-    status[CLOCK] = wrap(desk.drive, status[CLOCK])
-    status[PHASE_COS], status[PHASE_SIN] = phase(desk.drive, status[CLOCK])
+    done, lost, rows, idle = status[DONE], status[LOST], trace.shape[0], 0
+    plain = desk.cells.shape[0] > 0 and desk.signal[ATTACHED] == 0.0
+    begun, piece = work_of(counts), piece_of(pose)
+    if done == 0.0:
+        status[CLOCK] = wrap(desk.drive, status[CLOCK])
+        status[PHASE_COS], status[PHASE_SIN] = phase(desk.drive, status[CLOCK])
+    status[DONE], status[LOST] = 0.0, 0.0
     while done < span:
         if rows > 0 and counts[SEGMENTS] >= rows:
             return FULL, done
         unusual = not plain or status[KIND] == RESTING
         if not unusual:
-            what, done, lost, flown = many(desk, pose, status, span, done, lost, most, trace, poses, counts)
+            upto = min(most, counts[IMPACTS] + piece)
+            what, done, lost, flown = many(desk, pose, status, span, done, lost, upto, trace, poses, counts)
             if what == AT_STOP:
                 struck(desk, pose, status, flown, trace, counts)
             unusual = what == NOT_PLAIN
         if unusual:
+            struck_before = counts[IMPACTS]
             if rows > 0:
                 open_segment(trace, poses, pose, status, done, counts[SEGMENTS])
             if status[KIND] == RESTING:
@@ -97,10 +109,28 @@ def advance(
             if step >= span - done:
                 return COMPLETE, span
             done, lost = add(done, lost, step)
-        events += 1
-        if (counts[IMPACTS] >= most or events > EVENTS_AN_IMPACT * (limit + 100)) and done < span:
+            idle = idle + 1 if step <= 0.0 and counts[IMPACTS] == struck_before else 0
+            if idle > IDLE:
+                return UNRESOLVED, done
+        counts[EVENTS] += 1
+        if (counts[IMPACTS] >= most or counts[EVENTS] > EVENTS_AN_IMPACT * (most + 100)) and done < span:
             return EVENT_LIMIT, done
+        if work_of(counts) - begun >= piece and done < span:
+            status[DONE], status[LOST] = done, lost
+            return PAUSED, done
     return COMPLETE, done
+
+
+@joined
+def work_of(counts: NDArray[np.int64]) -> int:
+    """What has been done so far, in panels."""
+    return int(counts[IMPACTS] + counts[PANELS])
+
+
+@joined
+def piece_of(pose: Array) -> int:
+    """How much of it is done between two pauses."""
+    return int(PIECE // (pose.shape[1] + 8))
 
 
 @joined
@@ -222,6 +252,8 @@ def lie(
     if duration < 0.0:
         return UNRESOLVED, 0.0
     stay(desk, pose, status[CLOCK], duration)
+    if not np.isfinite(pose[0, 0]):
+        return UNRESOLVED, 0.0
     status[CLOCK] = wrap(desk.drive, status[CLOCK] + duration)
     status[PHASE_COS], status[PHASE_SIN] = phase(desk.drive, status[CLOCK])
     close_segment(trace, duration, RELEASE if found else SPAN_END, 0.0, counts)

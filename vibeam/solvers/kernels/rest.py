@@ -65,6 +65,7 @@ from vibeam.solvers.kernels.layout import (
 from vibeam.solvers.kernels.pair import propagator
 
 Array = NDArray[np.float64]
+MOST_PIECES = 1e6  # of a Taylor series in time, then a block has no value
 
 
 @kernel
@@ -153,6 +154,9 @@ def carry_block(desk: Desk, k: int, clock: float, duration: float) -> None:
     """Carry blocks[Z1], blocks[Z2] of a block without steady response on, by Taylor series of y' = A y + u."""
     blocks, w, strength = desk.blocks, desk.drive[W], desk.drive[STRENGTH]
     rate = max(w, desk.rest_pairs[KAPPA, k] + abs(blocks[A12, k]) + abs(blocks[A21, k]))
+    if not rate * duration < MOST_PIECES:
+        blocks[Z1, k], blocks[Z2, k] = np.nan, np.nan
+        return
     pieces = max(1, int(np.ceil(rate * duration)))
     h = duration / pieces
     for piece in range(pieces):

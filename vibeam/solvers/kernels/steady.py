@@ -118,6 +118,14 @@ def watch(desk: Desk, room: Room, count: int) -> None:
         elif duration > 0.0:
             watch_flight(desk, room.row, frame, clock, duration, coarsest, result, room.energy, room.reading, share)
         note_impact(trace, i, result)
+        if is_unread(result):
+            return
+
+
+@kernel
+def is_unread(result: Array) -> bool:
+    """Whether the extremes of what was traced were not found in bounded work."""
+    return bool(result[HIGH] == np.inf or result[CONTACT_LEAST] == -np.inf)
 
 
 @kernel

@@ -29,6 +29,7 @@ from vibeam.solvers.kernels.layout import (
     WHAT,
 )
 from vibeam.solvers.pack import slowest_rate
+from vibeam.solvers.pause import unpaused
 from vibeam.solvers.per_thread import PerThread
 from vibeam.solvers.regimes.build import Row, plan, signals
 from vibeam.solvers.regimes.kernels.compiled import move, poses_at
@@ -102,28 +103,27 @@ class RegimeSolver:
         size = size_of_motion(self.system, drive, pose)
         own = self._plan_for(size)
         rows, done, kept = ROWS, 0.0, []
-        totals = np.zeros(COUNT_ROWS, dtype=np.int64)
+        counts = np.zeros(COUNT_ROWS, dtype=np.int64)
         outcome, span = FULL, end - start
         while outcome == FULL:
             trace, poses = np.zeros((rows, TRACE_COLUMNS)), np.zeros((rows, 2, self.system.size))
-            counts = np.zeros(COUNT_ROWS, dtype=np.int64)
+            counts[SEGMENTS] = 0
             left = max(float(span - done), 5e-324) if done > 0 else float(span)
-            outcome, step = move(
-                own, drive.omega, drive.amplitude, pose, status, left, 0, 0, limit - int(totals[IMPACTS]),
+            outcome, step = unpaused(
+                move, own, drive.omega, drive.amplitude, pose, status, left, 0, 0, limit,
                 self._room(None, 0, trace, poses), counts,
             )  # fmt: skip
             count = int(counts[SEGMENTS])
             trace[:count, START] += start + done
             kept.append(Segments(trace[:count], poses[:count], size))
-            totals += counts
             done += step
             rows = min(2 * rows, 65536)
         segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]), size)
         if not len(segments.trace):
             segments = self._instant(start, pose, status, size)
         stats = {
-            "impacts": int(totals[IMPACTS]),
-            "evaluations": int(totals[PANELS]),
+            "impacts": int(counts[IMPACTS]),
+            "evaluations": int(counts[PANELS]),
             "cpu_seconds": time.thread_time() - begun,
         }
         last = end if outcome == COMPLETE else float(segments.trace[-1, START] + segments.trace[-1, DURATION])
@@ -172,8 +172,8 @@ class RegimeSolver:
         for index, omega in enumerate(omegas):
             room.result[:], room.energy[:], counts[:] = 0.0, 0.0, 0
             pose, status = self.pose(self._state(pose, status))  # a point knows what a State says, no more
-            outcome, _ = move(
-                own, float(omega), float(amplitude), pose, status, 0.0, settle, hold, self.limit, room, counts
+            outcome, _ = unpaused(
+                move, own, float(omega), float(amplitude), pose, status, 0.0, settle, hold, self.limit, room, counts
             )
             period = repetition(room.strobes, self.system.omega, float(omega), REPEATS)
             tally.note(index, outcome, period, room.result, room.energy, counts)

@@ -5,30 +5,39 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.solvers.kernels.jit import kernel
 from vibeam.solvers.kernels.layout import (
     AT_CLOCK,
     CLOCK,
     COMPLETE,
     CONTACT_LEAST,
+    DONE,
     FREE,
     FULL,
     HIGH,
     IMPACTS,
     LEAST,
+    MOST,
+    PANELS,
+    PAUSED,
     PERIOD,
     SEGMENTS,
+    UNRESOLVED,
+    UNSEEN,
+    WATCHED,
     WHAT,
 )
-from vibeam.solvers.kernels.steady import note_strobe
+from vibeam.solvers.kernels.steady import is_unread, note_strobe
 from vibeam.solvers.regimes.kernels.drive import set_drive
 from vibeam.solvers.regimes.kernels.jit import entry
 from vibeam.solvers.regimes.kernels.layout import AT_SIDE, CONTACT, CURVED, FAMILY, Plan, Room
-from vibeam.solvers.regimes.kernels.motion import advance, at_side
+from vibeam.solvers.regimes.kernels.motion import advance, at_side, piece_of
 from vibeam.solvers.regimes.kernels.regime import enter, proceed
 from vibeam.solvers.regimes.kernels.squeeze import squeezed
 from vibeam.solvers.regimes.kernels.watch import watch
 
 Array = NDArray[np.float64]
+WATCHING = 1000  # panels that reading a segment off is as much work as, about
 
 
 @entry
@@ -38,30 +47,61 @@ def move(
 ) -> tuple[int, float]:  # fmt: skip
     """Carry ``pose`` on under one drive: outcome, time done.
 
-    span > 0: every segment of that time goes to ``room.trace``. Otherwise a point of a sweep, ``settle`` and ``hold``
-    periods watched, the states a period apart in ``room.strobes``.
+    span > 0: every segment of that time goes to ``room.trace``, up to ``limit`` impacts in counts[IMPACTS]. Otherwise a
+    point of a sweep, ``settle`` and ``hold`` periods watched, the states a period apart in ``room.strobes``. PAUSED:
+    called again with the same arguments it goes on as if it had not been.
     """
     set_drive(plan, omega, amplitude)
     if span > 0.0:
         return advance(plan, pose, status, span, limit, room.trace, room.poses, counts)
-    period = plan.drive[PERIOD]
-    outcome, _ = advance(plan, pose, status, settle * period, limit * max(settle, 1), room.nothing, room.poses, counts)
+    outcome = settled_at(plan, pose, status, settle, limit, room, counts)
+    begun, piece = counts[PANELS], piece_of(plan, pose)
+    while outcome == COMPLETE and counts[WATCHED] <= hold:
+        outcome = watched(plan, pose, status, limit, room, counts)
+        begun -= WATCHING * counts[SEGMENTS]
+        if outcome == COMPLETE and counts[WATCHED] <= hold and counts[PANELS] - begun >= piece:
+            outcome = PAUSED
+    if outcome != PAUSED:
+        status[CLOCK] = 0.0
+    return outcome, 0.0
+
+
+@kernel
+def settled_at(
+    plan: Plan, pose: Array, status: Array, settle: int, limit: int, room: Room, counts: NDArray[np.int64]
+) -> int:
+    """Carry ``pose`` on to the end of the settling, where it is not there yet, and begin to watch."""
+    if counts[WATCHED] > 0:
+        return COMPLETE
+    most = limit * max(settle, 1)
+    outcome, _ = advance(plan, pose, status, settle * plan.drive[PERIOD], most, room.nothing, room.poses, counts)
+    if outcome != COMPLETE:
+        return outcome
     room.result[HIGH], room.result[LEAST], room.result[CONTACT_LEAST] = -np.inf, np.inf, np.inf
     note_strobe(room.strobes, 0, pose)
-    turn, left, most = 0, period, counts[IMPACTS] + limit
-    while outcome == COMPLETE and turn < hold:
+    counts[WATCHED], counts[MOST], status[UNSEEN] = 1, counts[IMPACTS] + limit, plan.drive[PERIOD]
+    return outcome
+
+
+@kernel
+def watched(plan: Plan, pose: Array, status: Array, limit: int, room: Room, counts: NDArray[np.int64]) -> int:
+    """Carry ``pose`` on to the end of the period, or of the trace, and read off what is traced."""
+    if status[DONE] == 0.0:
         counts[SEGMENTS] = 0
-        status[CLOCK] = period - left
-        outcome, done = advance(plan, pose, status, left, most - counts[IMPACTS], room.trace, room.poses, counts)
-        watch(plan, room, counts[SEGMENTS])
-        left -= done
-        if outcome == FULL:
-            outcome = COMPLETE
-        else:
-            turn, left, most = turn + 1, period, counts[IMPACTS] + limit
-            note_strobe(room.strobes, turn, pose)
-    status[CLOCK] = 0.0
-    return outcome, 0.0
+        status[CLOCK] = plan.drive[PERIOD] - status[UNSEEN]
+    outcome, done = advance(plan, pose, status, status[UNSEEN], counts[MOST], room.trace, room.poses, counts)
+    if outcome == PAUSED:
+        return outcome
+    watch(plan, room, counts[SEGMENTS])
+    if is_unread(room.result):
+        return UNRESOLVED
+    status[UNSEEN] -= done
+    if outcome == FULL:
+        return COMPLETE
+    turn = counts[WATCHED]
+    status[UNSEEN], counts[MOST], counts[WATCHED] = plan.drive[PERIOD], counts[IMPACTS] + limit, turn + 1
+    note_strobe(room.strobes, turn, pose)
+    return outcome
 
 
 @entry

@@ -8,12 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.solvers.kernels import attached as att
+from vibeam.solvers.kernels.drive import phase
 from vibeam.solvers.kernels.jit import kernel
-from vibeam.solvers.kernels.layout import HARMONIC, KAPPA, SPEED, ZI, ZR, W
+from vibeam.solvers.kernels.layout import HARMONIC, KAPPA, SPEED, STRENGTH, ZI, ZR, W
 from vibeam.solvers.kernels.signal import magnitude, to_node
 from vibeam.solvers.regimes.kernels.layout import (
     COEFFICIENT,
     CONSTANT,
+    COUPLED,
     CURVE,
     EXPONENT,
     GAP,
@@ -26,7 +28,7 @@ from vibeam.solvers.regimes.kernels.layout import (
     VISCOUS,
     Plan,
 )
-from vibeam.solvers.regimes.kernels.regime import show
+from vibeam.solvers.regimes.kernels.regime import ROUND_OFF, show
 
 Array = NDArray[np.float64]
 NEAR = 1e-11  # share of the length scale that what is left of a chatter may span before its completion is considered
@@ -74,6 +76,61 @@ def approach(plan: Plan, pose: Array, side: int) -> float:
     for k in range(pose.shape[1]):
         total += plan.contact[side, k] * pose[1, k]
     return total
+
+
+@kernel
+def drift(plan: Plan, pose: Array, side: int) -> float:
+    """The contact velocity that is no more than round-off of what it is the sum of."""
+    size = 0.0
+    for k in range(pose.shape[1]):
+        size += abs(plan.contact[side, k]) * (abs(pose[1, k]) + sqrt(plan.spring[k]) * abs(pose[0, k]))
+    return ROUND_OFF * size
+
+
+@kernel
+def braked(plan: Plan, rates: Array, row: int, k: int) -> float:
+    """What the damping does to mode k: Σ damper_kj rates_j."""
+    if plan.law[COUPLED] == 0.0:
+        return float(plan.damping[k] * rates[row, k])
+    total = 0.0
+    for j in range(plan.contact.shape[1]):
+        total += plan.damper[k, j] * rates[row, j]
+    return total
+
+
+@kernel
+def braked_at_most(plan: Plan, rates: Array, row: int, k: int) -> float:
+    """The sizes of its parts, added up."""
+    if plan.law[COUPLED] == 0.0:
+        return float(plan.damping[k] * abs(rates[row, k]))
+    total = 0.0
+    for j in range(plan.contact.shape[1]):
+        total += abs(plan.damper[k, j] * rates[row, j])
+    return total
+
+
+@kernel
+def pull(plan: Plan, pose: Array, side: int, clock: float) -> tuple[float, float]:
+    """Second and third derivative of the contact towards the stop in free motion, each 0 where it is but the round-off
+    of what it is the sum of.
+    """
+    cosine, sine = phase(plan.drive, clock)
+    strength, scratch, second, second_size = plan.drive[STRENGTH], plan.stages, 0.0, 0.0
+    for k in range(pose.shape[1]):
+        push, spring = plan.load[k] * strength, plan.spring[k] * pose[0, k]
+        scratch[0, k] = push * sine + plan.static[k] - braked(plan, pose, 1, k) - spring
+        scratch[1, k] = abs(push) + abs(plan.static[k]) + braked_at_most(plan, pose, 1, k) + abs(spring)
+        second += plan.contact[side, k] * scratch[0, k]
+        second_size += abs(plan.contact[side, k]) * scratch[1, k]
+    third, third_size = 0.0, 0.0
+    for k in range(pose.shape[1]):
+        push, spring = plan.load[k] * strength * plan.drive[W], plan.spring[k] * pose[1, k]
+        third += plan.contact[side, k] * (push * cosine - braked(plan, scratch, 0, k) - spring)
+        parts = abs(push) + braked_at_most(plan, scratch, 1, k) + abs(spring) + sqrt(plan.spring[k]) * scratch[1, k]
+        third_size += abs(plan.contact[side, k]) * parts
+    second = second if abs(second) > ROUND_OFF * second_size else 0.0
+    third = third if abs(third) > ROUND_OFF * third_size else 0.0
+    return second, third
 
 
 @kernel

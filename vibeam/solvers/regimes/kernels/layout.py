@@ -21,11 +21,14 @@ CONSTANT, TABLE, PLASTIC, VISCOUS = 0.0, 1.0, 2.0, 3.0  # CURVE
 SPEED_AT, VALUE_AT, SLOPE_AT = range(3)  # rows of the table
 
 # status: the flight kernels' rows, then the side of the stop met, phases without duration in a row, the last step, the
-# largest force of a contact that is integrated, what a chatter still takes and the bound of its error
-SIDE, STALL, STEPPED, PEAKED, LEFT_OVER, LEFT_ERROR = range(7, 13)
-STATUS_ROWS = 13
+# largest force of a contact that is integrated, what a chatter still takes and the bound of its error, the steps beyond
+# what the time gone by allows
+SIDE, STALL, STEPPED, PEAKED, LEFT_OVER, LEFT_ERROR, BUSY = range(10, 17)
+STATUS_ROWS = 17
 CONTACT, INSIDE = 2.0, 3.0  # KIND, beside FREE and RESTING: pushed by the stop; where it is, but not pushed
-UNKNOWN, HIT = -1.0, -2.0  # ORDER of a start of which nothing is known; of one on the stop and moving into it
+# ORDER of a start of which nothing is known; of one on the stop and moving into it; of one that touches a stop that
+# yields without being pushed or drawn away, beyond round-off
+UNKNOWN, HIT, TOUCHING = -1.0, -2.0, -3.0
 
 # trace: the flight kernels' columns, then the side of the stop and the largest contact force
 AT_SIDE, PEAK = 8, 9

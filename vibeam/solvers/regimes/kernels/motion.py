@@ -17,9 +17,12 @@ from vibeam.solvers.kernels.layout import (
     CLOCK,
     COARSEST,
     COMPLETE,
+    CONST,
+    DONE,
     DURATION,
     END,
     EVENT_LIMIT,
+    EVENTS,
     FREE,
     FULL,
     IMPACT,
@@ -29,6 +32,7 @@ from vibeam.solvers.kernels.layout import (
     NOT_FINITE,
     ORDER,
     PANELS,
+    PAUSED,
     PENETRATED,
     RELEASE,
     REMAINDER,
@@ -42,12 +46,22 @@ from vibeam.solvers.kernels.layout import (
     STUCK,
     UNRESOLVED,
     WHAT,
-    WHOLE,
 )
-from vibeam.solvers.regimes.kernels.law import approach, chatter_left, push, restitution, settle_on_stop
+from vibeam.solvers.kernels.motion import PIECE
+from vibeam.solvers.regimes.kernels.law import (
+    approach,
+    chatter_left,
+    drift,
+    pull,
+    push,
+    restitution,
+    settle_on_stop,
+)
 from vibeam.solvers.regimes.kernels.layout import (
     AT_SIDE,
+    BUSY,
     CONTACT,
+    COUPLED,
     CURVED,
     DAMPING,
     FAMILY,
@@ -67,23 +81,29 @@ from vibeam.solvers.regimes.kernels.layout import (
     SIDES,
     STALL,
     STEPPED,
+    TOUCHING,
     UNKNOWN,
     Plan,
     Regime,
 )
-from vibeam.solvers.regimes.kernels.regime import ROUND_OFF, curve_of, enter, launch, proceed, show
+from vibeam.solvers.regimes.kernels.regime import ROUND_OFF, enter, launch, proceed, show
 from vibeam.solvers.regimes.kernels.squeeze import squeeze
 
 Array = NDArray[np.float64]
-STALLS = 6  # phases without duration in a row, after which a very short one is taken as it comes
-SHORT = 1e-9  # how short, as a share of the coarsest panel
+STALLS = 6  # phases next to no time in a row, after which a signal in doubt holds until it is out of doubt
+IDLE = 1000  # such phases in a row, after which a run is given up
+TINY = 1e-15  # how little time, as a share of the coarsest panel
+SMALLEST = 1e-300
 PHASES_AN_IMPACT = 16  # how many there may be on average before a run is given up
+STEPS_A_PANEL = 20_000  # steps of integrated contact, on average, before a run is given up
+STEP_WORK = 16  # panels that such a step is as much work as
+PHASES = 10_000  # between two pauses, at most
 NO_CLOCK = -1.0  # tells ``first_root`` that the signal is no gap of uncoupled modes, which it could judge more sharply
 
 
 @kernel
 def advance(
-    plan: Plan, pose: Array, status: Array, span: float, limit: int, trace: Array, poses: Array,
+    plan: Plan, pose: Array, status: Array, span: float, most: int, trace: Array, poses: Array,
     counts: NDArray[np.int64],
 ) -> tuple[int, float]:  # fmt: skip
     """Carry ``pose`` and ``status`` on by ``span`` seconds: outcome, time done; as the flight kernels' ``advance``.
@@ -91,8 +111,9 @@ def advance(
     One loop for all regimes: enter, find the first root of the signals watched, go on to it, and ask the law what
     follows. A phase may have no duration.
     """
-    done, rows = 0.0, trace.shape[0]
-    most, phases = counts[IMPACTS] + limit, 0
+    done, rows, begun, piece = status[DONE], trace.shape[0], counts[PANELS], piece_of(plan, pose)
+    status[DONE] = 0.0
+    panel = plan.free.levels[STEP, int(plan.drive[COARSEST])]
     if status[ORDER] == UNKNOWN:
         outcome = classify(plan, pose, status)
         if outcome != COMPLETE:
@@ -105,9 +126,11 @@ def advance(
             open_segment(trace, poses, pose, status, done, row)
         met, step, peak = -1, left, 0.0
         if status[KIND] == CONTACT and plan.law[FAMILY] == CURVED:
-            found, step, stages = squeeze(plan, pose, status, int(status[SIDE]), status[CLOCK], left)
+            found, step, stages = squeeze(plan, pose, status, int(status[SIDE]), status[CLOCK], left, rows > 0)
             met, peak = 0 if found else -1, status[PEAKED]
             counts[PANELS] += stages
+            begun -= (STEP_WORK - 1) * stages
+            status[BUSY] = max(status[BUSY] - STEPS_A_PANEL * step / panel, 0.0) + stages
         elif status[ORDER] == HIT:
             met, step = int(status[SIDE]), 0.0
         else:
@@ -116,15 +139,17 @@ def advance(
                 regime = at_side(plan, int(status[SIDE]))
             enter(regime, plan.drive, pose, clock)
             watched = 2 if status[KIND] == INSIDE else (int(plan.law[SIDES]) if status[KIND] == FREE else 1)
-            crawling = status[KIND] != FREE and status[STALL] >= STALLS
             for i in range(watched):
                 which, sign = watch_for(status, i)
                 value, rate, size = show(regime, plan.drive, which, sign, clock)
                 if not np.isfinite(size):
                     return NOT_FINITE, done
                 order, rise = start_of(regime, status, i, value, rate, size)
-                if crawling or (size == 0.0 and status[KIND] != FREE):
+                if size == 0.0 and status[KIND] != FREE:
                     continue
+                if is_held(status, i, order):
+                    regime.signal[CONST] += 2.0 * (ROUND_OFF * size + max(-value, 0.0)) + SMALLEST
+                    order, rise = 0, 0.0
                 if order < 0:
                     met, step = i, 0.0
                     break
@@ -137,8 +162,6 @@ def advance(
                     return UNRESOLVED, done
                 if found:
                     met, step = i, time
-            if crawling:
-                step = min(left, SHORT * plan.free.levels[STEP, int(plan.drive[COARSEST])])
             if status[KIND] == CONTACT and rows > 0:
                 _, peak = extremes(
                     regime.pairs, regime.table, regime.levels, regime.signal, regime.attached, step,
@@ -146,6 +169,8 @@ def advance(
                 )  # fmt: skip
             if step > 0.0:
                 proceed(regime, plan.drive, pose, clock, step)
+            if not (np.isfinite(peak) and np.isfinite(pose[0, 0])):
+                return UNRESOLVED, done
         if not np.isfinite(step):
             return NOT_FINITE, done
         status[CLOCK] = wrap(plan.drive, status[CLOCK] + step)
@@ -155,12 +180,37 @@ def advance(
         if rows > 0:
             close_segment(trace, row, status, step, end, before, peak)
             counts[SEGMENTS] = row + 1
-        status[STALL] = status[STALL] + 1.0 if step == 0.0 else 0.0
+        struck = plan.law[FAMILY] == IMPULSIVE and end in (IMPACT, CHATTER, STUCK)
+        status[STALL] = status[STALL] + 1.0 if step <= TINY * panel and not struck else 0.0
         done += step
-        phases += 1
-        if (counts[IMPACTS] >= most or phases > PHASES_AN_IMPACT * (limit + 100)) and done < span:
-            return EVENT_LIMIT, done
+        counts[EVENTS] += 1
+        if done < span:
+            if counts[IMPACTS] >= most or counts[EVENTS] > PHASES_AN_IMPACT * (most + 100):
+                return EVENT_LIMIT, done
+            if status[STALL] > IDLE or status[BUSY] > STEPS_A_PANEL:
+                return UNRESOLVED, done
+            if counts[PANELS] - begun >= piece or counts[EVENTS] % PHASES == 0:
+                status[DONE] = done
+                return PAUSED, done
     return COMPLETE, done
+
+
+@kernel
+def piece_of(plan: Plan, pose: Array) -> int:
+    """Panels between two pauses."""
+    return int(PIECE // ((pose.shape[1] + 8) * (pose.shape[1] if plan.law[COUPLED] > 0.0 else 1)))
+
+
+@kernel
+def is_held(status: Array, i: int, order: int) -> bool:
+    """Whether the i-th signal, which starts at 0, is taken to start above it: until it is below it beyond round-off.
+
+    So where the stop is just touched; and in phases that take next to no time, one after the other: round-off makes
+    them, and what it says is not to be followed.
+    """
+    if status[KIND] == FREE and status[ORDER] == TOUCHING:
+        return int(status[SIDE]) == i
+    return status[STALL] >= STALLS and order != 0
 
 
 @kernel
@@ -182,7 +232,7 @@ def start_of(regime: Regime, status: Array, i: int, value: float, rate: float, s
     if status[KIND] != FREE:
         fresh = status[ORDER] > 0.0 and (status[KIND] == CONTACT or i == 1)
         return launch(regime, max(value, 0.0) if fresh else value, rate, size)
-    if status[ORDER] > 0.0 and int(status[SIDE]) == i:
+    if int(status[SIDE]) == i and status[ORDER] > 0.0:
         return int(status[ORDER]), status[RISE]
     return 0, 0.0
 
@@ -282,21 +332,36 @@ def arrive(plan: Plan, pose: Array, status: Array, side: int) -> tuple[float, in
     status[SPEED] = max(status[SPEED], speed)
     if plan.law[FAMILY] == IMPULSIVE:
         return meet(plan, pose, status, side, speed)
-    if speed == 0.0:
-        order, rise = lifting(plan, pose, status, side)
-        if order > 0:
-            status[ORDER], status[RISE] = order, rise
-            return 0.0, PASS
+    if speed <= drift(plan, pose, side):
+        touch(plan, pose, status, side)
+        return speed, IMPACT if status[KIND] == CONTACT else PASS
     status[KIND], status[ORDER], status[STEPPED] = CONTACT, 1.0, 0.0
     return speed, IMPACT
 
 
 @kernel
+def touch(plan: Plan, pose: Array, status: Array, side: int) -> None:
+    """On a stop that yields, without velocity: into it, away from it, or neither: then it stands there, touching it."""
+    order, rise = lifting(plan, pose, status, side)
+    status[KIND], status[ORDER], status[RISE], status[STEPPED] = FREE, order, rise, 0.0
+    if order == 0:
+        settle_on_stop(plan, pose, side)
+        status[ORDER] = TOUCHING
+    elif order < 0:
+        status[KIND], status[ORDER] = CONTACT, 1.0
+
+
+@kernel
 def lifting(plan: Plan, pose: Array, status: Array, side: int) -> tuple[int, float]:
-    """Order and size of the derivative by which the gap opens from the stop without velocity; −1 where it does not."""
-    enter(plan.free, plan.drive, pose, status[CLOCK])
-    show(plan.free, plan.drive, GAP + side, 1.0, status[CLOCK])
-    return curve_of(plan.free)
+    """Order and size of the derivative by which the gap opens from the stop without velocity; −1 where it closes, 0
+    where neither can be told from round-off.
+    """
+    toward, jerk = pull(plan, pose, side, status[CLOCK])
+    if toward < 0.0:
+        return 2, -toward
+    if toward == 0.0 and jerk <= 0.0:
+        return 3 if jerk < 0.0 else 0, -jerk
+    return -1, 0.0
 
 
 @kernel
@@ -310,8 +375,9 @@ def meet(plan: Plan, pose: Array, status: Array, side: int, before: float) -> tu
         status[KIND] = FREE if order > 0 else RESTING
         status[ORDER], status[RISE] = max(order, 0), rise
         return before, IMPACT if order > 0 else STUCK
-    lifting(plan, pose, status, side)
-    left, remainder = chatter_left(plan, status, side, -plan.free.signal[WHOLE + 2], after, status[CLOCK])
+    toward, _ = pull(plan, pose, side, status[CLOCK])
+    enter(plan.free, plan.drive, pose, status[CLOCK])
+    left, remainder = chatter_left(plan, status, side, toward, after, status[CLOCK])
     if left < 0.0:
         status[ORDER], status[RISE] = 1.0, after
         return before, IMPACT
@@ -324,12 +390,11 @@ def meet(plan: Plan, pose: Array, status: Array, side: int, before: float) -> tu
 @kernel
 def release(plan: Plan, pose: Array, status: Array, side: int, at_root: bool) -> None:
     """Leave the stop where the motion is drawn away from it: with acceleration, or with jerk at the force's root."""
-    lifting(plan, pose, status, side)
-    second, third = plan.free.signal[WHOLE + 2], plan.free.signal[WHOLE + 3]
-    if third > 0.0 and (at_root or second <= 0.0):
-        status[KIND], status[ORDER], status[RISE] = FREE, 3.0, third
-    elif second > 0.0:
-        status[KIND], status[ORDER], status[RISE] = FREE, 2.0, second
+    toward, jerk = pull(plan, pose, side, status[CLOCK])
+    if jerk < 0.0 and (at_root or toward >= 0.0):
+        status[KIND], status[ORDER], status[RISE] = FREE, 3.0, -jerk
+    elif toward < 0.0:
+        status[KIND], status[ORDER], status[RISE] = FREE, 2.0, -toward
 
 
 @kernel
@@ -337,6 +402,5 @@ def leave(plan: Plan, pose: Array, status: Array, side: int) -> None:
     """Out of the stop's range."""
     speed = approach(plan, pose, side)
     status[KIND], status[ORDER], status[RISE], status[STEPPED] = FREE, 1.0, -speed, 0.0
-    if speed >= 0.0:
-        order, rise = lifting(plan, pose, status, side)
-        status[ORDER], status[RISE] = max(order, 0), rise
+    if -speed <= drift(plan, pose, side):
+        touch(plan, pose, status, side)

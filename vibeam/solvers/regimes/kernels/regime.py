@@ -55,6 +55,7 @@ from vibeam.solvers.kernels.layout import (
     W,
 )
 from vibeam.solvers.kernels.pair import propagator
+from vibeam.solvers.kernels.rest import MOST_PIECES
 from vibeam.solvers.kernels.signal import derivatives
 from vibeam.solvers.regimes.kernels.layout import Regime
 
@@ -184,6 +185,9 @@ def carry_block(regime: Regime, drive: Array, k: int, clock: float, duration: fl
     """Carry blocks[Z1], blocks[Z2] of a block without steady response on, by Taylor series of y' = A y + u."""
     blocks, w, strength = regime.blocks, drive[W], drive[STRENGTH]
     rate = max(w, regime.pairs[KAPPA, k] + abs(blocks[A12, k]) + abs(blocks[A21, k]))
+    if not rate * duration < MOST_PIECES:
+        blocks[Z1, k], blocks[Z2, k] = np.nan, np.nan
+        return
     pieces = max(1, int(np.ceil(rate * duration)))
     h = duration / pieces
     for piece in range(pieces):

@@ -1,7 +1,8 @@
 """Contact with a stop that is not linear, F = max(0, k d^p (1 + a d′)) for d > 0: integrated by DOP853.
 
 The only motion here that is not a closed form, and only while the stop is touched. Its end is where d returns to 0; the
-last step is shortened by Newton's method, each time a full step of order 8, until it ends there to round-off.
+last step is shortened by Newton's method, each time a full step of order 8, until it ends there to round-off. Where an
+output or the force is largest within a step is found in the same way.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from math import sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.solvers.kernels.extremes import hull
 from vibeam.solvers.kernels.jit import kernel
 from vibeam.solvers.kernels.layout import STRENGTH, W
 from vibeam.solvers.regimes.kernels.layout import (
@@ -28,6 +30,8 @@ Array = NDArray[np.float64]
 TOLERANCE = 1e-12  # of a step's error, as a share of the motion's size in the energy norm
 EPSILON = 2.220446049250313e-16
 BATCH = 64  # steps that make a segment
+MOST_STEPS = 100_000  # for one segment, whatever its steps come to
+ROUNDS = 24
 BEGIN, END, STAGE = range(3)  # rows of plan.state
 
 
@@ -84,14 +88,18 @@ def step(plan: Plan, side: int, time: float, h: float) -> float:
             total += nodes[12, j] * stages[j, i]
         state[END, i] = state[BEGIN, i] + h * total
     rate_of(plan, state[END], side, time + h, stages[12])
-    return error(plan, h)
+    return error(plan, side, h)
 
 
 @kernel
-def error(plan: Plan, h: float) -> float:
-    """|h| e₅² / √(e₅² + e₃²/100) in the energy norm, over the tolerance."""
+def error(plan: Plan, side: int, h: float) -> float:
+    """|h| e₅² / √(e₅² + e₃²/100) in the norm of the energy, the stop's included, over the tolerance."""
     n, state = plan.contact.shape[1], plan.state
-    third, fifth, size = 0.0, 0.0, 0.0
+    third, fifth = 0.0, 0.0
+    begin, _ = depth(plan, state[BEGIN], side)
+    end, _ = depth(plan, state[END], side)
+    power = plan.law[EXPONENT] + 1.0
+    size = 2.0 * plan.law[STIFFNESS] * max(begin, end, 0.0) ** power / power
     for k in range(n):
         for half in range(2):
             i = half * n + k
@@ -148,10 +156,13 @@ def first_step(plan: Plan, side: int) -> float:
 
 
 @kernel
-def squeeze(plan: Plan, pose: Array, status: Array, side: int, clock: float, span: float) -> tuple[bool, float, int]:
+def squeeze(
+    plan: Plan, pose: Array, status: Array, side: int, clock: float, span: float, traced: bool
+) -> tuple[bool, float, int]:
     """On from ``pose`` until d returns to 0, for ``span`` or for ``BATCH`` steps: (whether it did, time, steps).
 
-    status[STEPPED] holds the step to try, 0 where there is none yet; infinite time where the step underflows.
+    status[STEPPED] holds the step to try, 0 where there is none yet; infinite time where the step underflows. Where it
+    is ``traced``, status[PEAKED] receives the largest force. A start at d = 0 without velocity is no end.
     """
     load(plan, pose)
     value, rate = depth(plan, plan.state[BEGIN], side)
@@ -169,9 +180,10 @@ def squeeze(plan: Plan, pose: Array, status: Array, side: int, clock: float, spa
         if wrong > 1.0:
             h *= max(0.2, 0.9 * wrong**-0.125) if np.isfinite(wrong) else 0.1
             continue
-        value, _ = depth(plan, plan.state[END], side)
-        note_peak(plan, status, side, clock + done, h)
-        if value <= 0.0:
+        value, rate = depth(plan, plan.state[END], side)
+        if traced:
+            note_peak(plan, status, side, clock + done, h)
+        if value <= 0.0 and rate < 0.0:
             return True, done + last_step(plan, pose, side, clock + done, h), steps
         if dips(plan, side, h):
             h *= 0.5
@@ -209,13 +221,15 @@ def note_peak(plan: Plan, status: Array, side: int, time: float, h: float) -> No
     if not (rising > 0.0 and (falling < 0.0 or last == 0.0)):
         return
     low, high = 0.0, h
-    for i in range(24):
+    for i in range(ROUNDS):
         t = 0.5 * (low + high)
         if i % 3 > 0 and last > 0.0:
             t = low + (high - low) * min(max(rising / (rising - falling), 0.01), 0.99)
         step(plan, side, time, t)
         value, slope = growth(plan, END, 12, side)
         status[PEAKED] = max(status[PEAKED], value)
+        if abs(slope) * (high - low) <= EPSILON * value:
+            break
         if slope > 0.0:
             low, rising = t, slope
         else:
@@ -260,12 +274,88 @@ def last_step(plan: Plan, pose: Array, side: int, time: float, h: float) -> floa
 
 
 @kernel
+def watch_step(
+    plan: Plan, row: Array, side: int, time: float, h: float, least: float, most: float
+) -> tuple[float, float]:
+    """(least, most) widened to row·η over the step just made, which must be ``plain`` for that row.
+
+    Where its rate changes sign the step is shortened by Newton's method until the rate vanishes at its end; then it is
+    made anew as it was.
+    """
+    begin, rate, _ = read(plan, row, BEGIN, 0)
+    end, last, _ = read(plan, row, END, 12)
+    least, most = min(least, min(begin, end)), max(most, max(begin, end))
+    if rate * last >= 0.0:
+        return least, most
+    low, high, t = 0.0, h, h * rate / (rate - last)
+    for _ in range(ROUNDS):
+        step(plan, side, time, t)
+        value, slope, bend = read(plan, row, END, 12)
+        least, most = min(least, value), max(most, value)
+        if slope * slope <= EPSILON * abs(bend * value) or high - low <= EPSILON * h:
+            break
+        if (slope > 0.0) == (rate > 0.0):
+            low = t
+        else:
+            high = t
+        t = t - slope / bend if bend != 0.0 else 0.5 * (low + high)
+        if not low < t < high:
+            t = 0.5 * (low + high)
+    step(plan, side, time, h)
+    return least, most
+
+
+@kernel
+def read(plan: Plan, row: Array, place: int, stage: int) -> tuple[float, float, float]:
+    """row·η, its rate and curvature at state[place], whose rate is stages[stage]."""
+    n, value, rate, bend = row.shape[0], 0.0, 0.0, 0.0
+    for k in range(n):
+        value += row[k] * plan.state[place, k]
+        rate += row[k] * plan.state[place, n + k]
+        bend += row[k] * plan.stages[stage, n + k]
+    return value, rate, bend
+
+
+@kernel
+def plain(plan: Plan, row: Array, h: float, least: float, most: float) -> bool:
+    """Whether the rate of row·η changes sign at most once over the step just made, or that matters nothing.
+
+    By the signs of the Bernstein coefficients of its cubic Hermite interpolant (Descartes); it matters nothing where
+    the hull of row·η itself lies well within (least, most).
+    """
+    p0, s0, c0 = read(plan, row, BEGIN, 0)
+    p1, s1, c1 = read(plan, row, END, 12)
+    low, high = hull(p0, s0, p1, s1, h)
+    room = 0.25 * (high - low)
+    if low - room >= least and high + room <= most:
+        return True
+    b1, b2 = s0 + h * c0 / 3.0, s1 - h * c1 / 3.0
+    changes = (1 if s0 * b1 < 0.0 else 0) + (1 if b1 * b2 < 0.0 else 0) + (1 if b2 * s1 < 0.0 else 0)
+    return changes <= 1
+
+
+@kernel
+def add_energy_of_step(plan: Plan, h: float, energy: Array) -> None:
+    """Add ∫ ½(η'² + ω²η²) dt of every mode over the step just made, by its own quadrature of order 8."""
+    n = energy.shape[0]
+    for k in range(n):
+        total = 0.0
+        for s in range(12):
+            x, y = plan.state[BEGIN, k], plan.stages[s, k]
+            for j in range(s):
+                x += h * plan.nodes[s, j] * plan.stages[j, k]
+            total += plan.nodes[12, s] * (y * y + plan.spring[k] * x * x)
+        energy[k] += 0.5 * h * total
+
+
+@kernel
 def squeezed(plan: Plan, pose: Array, side: int, clock: float, duration: float) -> None:
     """Set ``pose`` to ``duration`` later in contact, wherever that ends."""
     load(plan, pose)
-    h, done = first_step(plan, side), 0.0
-    while done < duration:
+    h, done, steps = first_step(plan, side), 0.0, 0
+    while done < duration and steps < MOST_STEPS:
         h = min(h, duration - done)
+        steps += 1
         wrong = step(plan, side, clock + done, h)
         if wrong > 1.0:
             h *= max(0.2, 0.9 * wrong**-0.125) if np.isfinite(wrong) else 0.1

@@ -23,7 +23,7 @@ from vibeam.solvers.kernels.layout import (
     WHAT,
     W,
 )
-from vibeam.solvers.kernels.steady import note_impact
+from vibeam.solvers.kernels.steady import is_unread, note_impact
 from vibeam.solvers.regimes.kernels.layout import (
     AT_SIDE,
     CONTACT,
@@ -37,11 +37,20 @@ from vibeam.solvers.regimes.kernels.layout import (
 )
 from vibeam.solvers.regimes.kernels.motion import at_side
 from vibeam.solvers.regimes.kernels.regime import enter, proceed, show
-from vibeam.solvers.regimes.kernels.squeeze import squeezed
+from vibeam.solvers.regimes.kernels.squeeze import (
+    MOST_STEPS,
+    add_energy_of_step,
+    first_step,
+    load,
+    plain,
+    step,
+    take,
+    watch_step,
+)
 
 Array = NDArray[np.float64]
 MOST = 16  # panels of Gauss's quadrature for the energies in a segment
-PIECES = 64  # that a segment of integrated contact is read off in
+FINEST = 1e-6  # share of a segment of integrated contact below which a step is taken as it is
 
 
 @kernel
@@ -62,6 +71,8 @@ def watch(plan: Plan, room: Room, count: int) -> None:
                 regime = at_side(plan, int(trace[i, AT_SIDE]))
             watch_regime(plan, regime, room, frame, trace[i, AT_CLOCK], duration)
         note_impact(trace, i, result)
+        if is_unread(result):
+            return
 
 
 @kernel
@@ -101,17 +112,26 @@ def add_energy(plan: Plan, room: Room, weight: float) -> None:
 
 @kernel
 def watch_squeezed(plan: Plan, room: Room, pose: Array, clock: float, duration: float, side: int) -> None:
-    """One segment of integrated contact, in ``PIECES``: extremes at their ends, energies by the trapezoidal rule."""
-    result, scratch, h = room.result, room.scratch, duration / PIECES
-    for k in range(pose.shape[1]):
-        scratch[0, k], scratch[1, k] = pose[0, k], pose[1, k]
-    for i in range(PIECES + 1):
-        value, contact = 0.0, 0.0
-        for k in range(pose.shape[1]):
-            value += room.row[k] * scratch[0, k]
-            contact += plan.contact[0, k] * scratch[0, k]
-        result[LEAST], result[HIGH] = min(result[LEAST], value), max(result[HIGH], value)
-        result[CONTACT_LEAST] = min(result[CONTACT_LEAST], contact)
-        add_energy(plan, room, 0.5 * h * (0.5 if i in (0, PIECES) else 1.0))
-        if i < PIECES:
-            squeezed(plan, scratch, side, clock + i * h, h)
+    """One segment of integrated contact, integrated anew: extremes to round-off, energies by the steps' quadrature."""
+    load(plan, pose)
+    result, contact, h, done, steps = room.result, plan.contact[0], first_step(plan, side), 0.0, 0
+    while done < duration and steps < MOST_STEPS:
+        h, steps = min(h, duration - done), steps + 1
+        wrong = step(plan, side, clock + done, h)
+        if wrong > 1.0:
+            h *= max(0.2, 0.9 * wrong**-0.125) if np.isfinite(wrong) else 0.1
+            continue
+        if h > FINEST * duration and not (
+            plain(plan, room.row, h, result[LEAST], result[HIGH])
+            and plain(plan, contact, h, result[CONTACT_LEAST], np.inf)
+        ):
+            h *= 0.5
+            continue
+        add_energy_of_step(plan, h, room.energy)
+        result[LEAST], result[HIGH] = watch_step(plan, room.row, side, clock + done, h, result[LEAST], result[HIGH])
+        result[CONTACT_LEAST], _ = watch_step(plan, contact, side, clock + done, h, result[CONTACT_LEAST], np.inf)
+        take(plan)
+        done = done + h if h < duration - done else duration
+        h *= min(5.0, 0.9 * wrong**-0.125) if wrong > 0.0 else 5.0
+    if done < duration:
+        result[HIGH] = np.inf
