@@ -367,7 +367,7 @@ def test_a_plain_system_runs_on_the_flight_kernels_and_others_do_not() -> None:
 def test_solvers_refuse_what_they_cannot_take(name: str) -> None:
     from vibeam.solvers import solver
 
-    for system, what in ((made(1, law=LinearStop(1e5)), "LinearStop"), (made(1, second=1.0), "second stop")):
+    for system, what in ((made(1, law=LinearStop(1e5)), '"linear"'), (made(1, second=1.0), "second stop")):
         with pytest.raises(ValueError, match=what):
             solver(name, system, 95.0)
     with pytest.raises(ValueError, match="couples"):
