@@ -77,6 +77,18 @@ def check(case: Case, result: Result, *, partial: bool = False) -> list[CheckRow
     return [_check(reference, result, partial) for reference in case.references.values()]
 
 
+def require_readable(case: Case) -> None:
+    """CaseError with what is wrong in the reference files of a case: before anything is computed."""
+    faults: list[Fault] = []
+    for reference in case.references.values():
+        try:
+            reference_points(reference)
+        except CaseError as wrong:
+            faults += wrong.faults
+    if faults:
+        raise CaseError(faults)
+
+
 def reference_points(reference: Reference) -> list[Point]:
     """The points of a case's reference, on the branches it is about; CaseError where its file cannot be read."""
     wanted = ("up", "down") if reference.direction == "both" else (reference.direction,)

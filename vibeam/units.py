@@ -123,7 +123,8 @@ def _from_text(text: str, kind: Kind) -> float:
         raise UnitError(f"{shown(text)} is not a number with a unit: write {_example(kind)}")
     number, unit = found[1], found[2].replace("μ", "µ")
     if not unit and kind.unit:
-        raise UnitError(f"{shown(text)} has no unit: write '{number} {kind.unit}'")
+        written = f"'{number} {kind.unit}'" if len(number) < 40 else _example(kind)
+        raise UnitError(f"{shown(text)} has no unit: write {written}")
     factor = _factor(unit, kind, text) if unit else Decimal(1)
     try:
         exact = Decimal(number) * factor

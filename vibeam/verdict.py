@@ -53,7 +53,7 @@ def _override(tables: dict[str, Any], overrides: Mapping[str, Any]) -> tuple[lis
         try:
             paths.add(override(tables, key, value))
         except OverrideError as error:
-            faults.append(Fault(OVERRIDE, None, ascii(str(key))[1:-1], str(error)))
+            faults.append(Fault(OVERRIDE, None, _short(ascii(str(key))[1:-1], 80), str(error)))
     return faults, paths
 
 
@@ -105,5 +105,5 @@ class _Places:
         return any(path[: len(place)] == place for path in self.overridden)
 
 
-def _short(name: str) -> str:
-    return name if len(name) <= 40 else f"{name[:39]}…"
+def _short(name: str, longest: int = 40) -> str:
+    return name if len(name) <= longest else f"{name[: longest - 1]}…"

@@ -119,6 +119,19 @@ def test_check_passes_misses_and_says_which(command: Command, sdof: Path) -> Non
     assert not list(sdof.parent.glob("*.h5"))
 
 
+@pytest.mark.parametrize("name", ["run", "check"])
+def test_references_that_are_none_are_told_before_anything_is_computed(command: Command, sdof: Path, name: str) -> None:
+    with_reference(sdof, "1,up,2\n")
+    sdof.with_name("other.csv").write_text("frequency_hz,direction,amplitude\n1,left,2\n", encoding="utf-8")
+    table = '[reference.other]\nfile = "other.csv"\nfidelity = "sdof"\nquantity = "amplitude"\ntolerance = 1\n'
+    sdof.write_text(sdof.read_text(encoding="utf-8") + table, encoding="utf-8")
+    assert command(name, sdof, "--out", "new/", expect=2).stderr.splitlines() == [
+        "curve.csv:1: does not begin with the names of its columns: write frequency_hz,direction,amplitude",
+        "other.csv:2: is no reference point: direction 'left' is neither up nor down",
+    ]
+    assert not (sdof.parent / "new").exists()
+
+
 def test_check_with_another_grid_says_how_much_it_compared(command: Command, sdof: Path) -> None:
     checked = with_reference(sdof, curve_of(sdof))
     row = json.loads(command("check", checked, "--set", "sweep.frequency.points=3", "--json", expect=1).stdout)[0]
@@ -288,7 +301,7 @@ def test_a_wrong_override_is_a_message(command: Command, sdof: Path, setting: st
 
 
 def test_a_place_that_cannot_be_written_is_one_line(command: Command, sdof: Path) -> None:
-    for out in ("sdof.toml/a.h5", "sdof.toml/below/a.h5", "sdof.toml/", "a.txt", "sdof.toml", "a.h5.txt", "v1.2"):
+    for out in ("", "sdof.toml/a.h5", "sdof.toml/below/a.h5", "sdof.toml/", "a.txt", "sdof.toml", "a.h5.txt", "v1.2"):
         assert command("run", sdof, "--out", out, expect=2).stderr.count("\n") == 1
     assert "write v1.2/ for a new folder" in command("run", sdof, "--out", "v1.2", expect=2).stderr
     assert list(sdof.parent.iterdir()) == [sdof]

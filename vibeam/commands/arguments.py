@@ -66,6 +66,8 @@ def place(out: str | None, name: str, endings: tuple[str, ...], wanted: str) -> 
     """
     if out is None:
         return Path(name)
+    if not out:
+        raise Mistake("--out is empty: name a file or a folder")
     path = Path(out)
     if _is_folder(out):
         return folder(path) / name

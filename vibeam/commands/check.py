@@ -22,9 +22,11 @@ def check(
         answer([], as_json)
         return
     from vibeam.check import check as checked
+    from vibeam.references import require_readable
     from vibeam.remarks import remarks
     from vibeam.report.units import units_of
 
+    require_readable(loaded)
     loaded = loaded.everywhere()  # each fidelity is checked by itself
     result = swept(loaded, None if out is None else results_path(loaded, out), show=False, fresh=fresh)
     rows = checked(loaded, result, partial=bool(set_))

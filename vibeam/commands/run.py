@@ -17,7 +17,10 @@ def run(
     case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: ResultsFile = None, fresh: Fresh = False
 ) -> None:
     """Sweep every fidelity of a case; go on where the results file ends."""
+    from vibeam.references import require_readable
+
     loaded = load(case, set_)
+    require_readable(loaded)
     path = results_path(loaded, out)
     _report(swept(loaded, path, fresh=fresh), path, as_json)
 
