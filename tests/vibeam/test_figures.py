@@ -239,6 +239,13 @@ def test_a_far_stop_does_not_press_the_curve_flat() -> None:
     assert "grazing: above the figure" in labels(made)
 
 
+def test_a_far_stop_does_not_press_the_motion_flat() -> None:
+    case = parse(shows("portrait", BOTH, fidelities=1).text, set={"stop.gap": 1.0})
+    made = shown(case, *(motion("f0", each) for each in HERTZ))
+    assert made.axes[0].get_xlim()[1] < 2e-3
+    assert labels(made) == ["f0", "stop: beyond the figure"]
+
+
 def test_titles_and_labels_are_no_formulas(tmp_path: Path) -> None:
     shown = responses(1, title="a $\\frac{1 title\x1b[31m$")
     shown.case.fidelities["f0"].label = "cost: $5 and $x_"

@@ -8,10 +8,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from vibeam.report.outputs import motion_of
-from vibeam.report.style import GAP, name_of
+from vibeam.report.style import name_of
 from vibeam.report.units import units_for
 from vibeam.show.motion import motion_columns, sheet_each
-from vibeam.show.panels import STOP, faults_at, sheets_at, stop_at, titled
+from vibeam.show.panels import faults_at, mark_stop, sheets_at, titled
 from vibeam.show.plan import Sheet, ShowPlan
 
 if TYPE_CHECKING:
@@ -44,8 +44,7 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
             lower.plot(turns, sheet["velocity"] * units.speed_factor, **keys)
         faults_at(case, frequency, plan, shown, upper)
         faults_at(case, frequency, plan, shown, lower)
-        for height in stop_at(case, plan):
-            upper.axhline(height * units.length_factor, label=STOP, **GAP)
+        mark_stop(case, plan, shown, upper.axhline, upper, units.length_factor)
         lower.set_xlabel("time in drive periods")
     grid[0, 0].set_ylabel(motion_of(plan.output, "displacement", units))
     grid[1, 0].set_ylabel(motion_of(plan.output, "velocity", units))

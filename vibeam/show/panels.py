@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from matplotlib.lines import Line2D
 
 from vibeam.report.axes import is_empty, say
 from vibeam.report.outputs import with_unit
-from vibeam.report.style import Look, looks_of, name_of
+from vibeam.report.style import GAP, Look, looks_of, name_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from vibeam.show.plan import Sheet, ShowPlan
 
 STOP = "stop"  # what the legend calls its place
+FAR = 3.0  # of the largest displacement: a stop beyond is not drawn
 
 
 def titled(axes: Axes, units: Units, frequency: float) -> None:
@@ -71,3 +73,14 @@ def stop_at(case: Case, plan: ShowPlan) -> list[float]:
         elif plan.output == "contact":
             found.add(float(system.gap))
     return sorted(found)
+
+
+def mark_stop(case: Case, plan: ShowPlan, shown: Sequence[Sheet], mark: Any, axes: Axes, factor: float) -> None:
+    """Draw the stop by ``mark`` (axhline or axvline), unless it is so far away that it would press the motion flat."""
+    largest = max((float(np.abs(sheet["displacement"]).max()) for sheet in shown if not sheet.fault), default=0.0)
+    places = stop_at(case, plan)
+    near = [place for place in places if largest == 0 or abs(place) <= FAR * largest]
+    for place in near:
+        mark(place * factor, label=STOP, **GAP)
+    if len(near) < len(places):
+        axes.plot([], [], label=f"{STOP}: beyond the figure", **GAP)

@@ -10,10 +10,10 @@ from matplotlib.collections import LineCollection
 from numpy.typing import NDArray
 
 from vibeam.report.outputs import motion_of
-from vibeam.report.style import GAP, Look, name_of
+from vibeam.report.style import Look, name_of
 from vibeam.report.units import units_for
 from vibeam.show.motion import motion_columns, sheet_each
-from vibeam.show.panels import STOP, faults_at, sheets_at, stop_at, titled
+from vibeam.show.panels import faults_at, mark_stop, sheets_at, titled
 from vibeam.show.plan import Sheet, ShowPlan
 
 if TYPE_CHECKING:
@@ -46,8 +46,7 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
         for sheet, look in sheets_at(case, frequency, plan, shown):
             _path(axes, sheet, look, units, name_of(case, sheet.fidelity))
         faults_at(case, frequency, plan, shown, axes)
-        for place in stop_at(case, plan):
-            axes.axvline(place * units.length_factor, label=STOP, **GAP)
+        mark_stop(case, plan, shown, axes.axvline, axes, units.length_factor)
         axes.set_xlabel(motion_of(plan.output, "displacement", units))
     grid[0].set_ylabel(motion_of(plan.output, "velocity", units))
 
