@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -208,6 +210,62 @@ def test_the_file_says_the_case_it_is_of_now(again: Run) -> None:
         assert file["case/text"][()].decode() == now.numbers
         assert file["case/shared"][()].decode() == now.shared
         assert file["provenance/continued"][0].startswith(b"vibeam ")
+
+
+KILLED = """
+import os, signal, sys
+sys.path[:0] = {path!r}
+from pathlib import Path
+from stand_in import Solver
+from test_reuse import GRID, as_anew, of
+from vibeam import fidelity_sweep, recorder, run as running
+
+CALLS = ("pwrite", "fsync", "link", "replace", "unlink")
+path, before = Path({file!r}), Path({file!r} + ".before")
+fidelity_sweep.march, recorder.WRITE_EVERY = Solver(), 0.0
+sys.modules["vibeam.run"].warm_up = lambda *given, **options: None
+wanted = of({{"one": 1, "two": 2}}, GRID[:3], "up") if {changed} else of({{"one": 1}}, GRID[:2])
+if {changed}:
+    running(of({{"one": 1, "two": 1}}, GRID[:2], "up"), before)
+
+def killed_at(left):
+    def counted(call):
+        def called(*given, **options):
+            left[0] -= 1
+            if left[0] < 0:
+                os.kill(os.getpid(), signal.SIGKILL)
+            return call(*given, **options)
+        return called
+    for name in CALLS:
+        setattr(os, name, counted(getattr(os, name)))
+    running(wanted, path, tell=print)
+    os._exit(0)
+
+for calls in range(0, {most}, 5):
+    for place in path.parent.glob(".*"):
+        place.unlink()
+    path.unlink(missing_ok=True)
+    if {changed}:
+        path.write_bytes(before.read_bytes())
+    child = os.fork()
+    if not child:
+        killed_at([calls])
+    _, status = os.waitpid(child, 0)
+    assert as_anew(running(wanted, path, tell=print)), calls
+    assert [each.name for each in path.parent.iterdir() if each != before] == [path.name], calls
+    if status == 0:
+        sys.exit(0 if calls > 10 else 1)
+sys.exit(2)
+"""
+
+
+@pytest.mark.parametrize("changed", [False, True])
+def test_a_kill_between_calls_to_the_system_loses_nothing(tmp_path: Path, changed: bool) -> None:
+    """Of a new file and of one that is adapted: the run after it ends in the bits of a run from nothing."""
+    places = [str(Path(__file__).parent), *sys.path]
+    script = KILLED.format(path=places, file=str(tmp_path / "a.h5"), changed=changed, most=500)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 KEYS = {

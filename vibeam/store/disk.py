@@ -33,6 +33,7 @@ class Disk:
     def read(self) -> bytes:
         """All of the file; it is then overwritten in place."""
         try:
+            self._part.unlink(missing_ok=True)  # of a process that was killed: the lock is this one's
             self._handle = os.open(self._target, os.O_RDWR | os.O_NONBLOCK)
             with open(os.dup(self._handle), "rb") as file:
                 content = file.read()
@@ -56,7 +57,7 @@ class Disk:
     def stage(self, content: bytes, cure: str = ELSEWHERE) -> None:
         """Lay ``content`` beside the file."""
         try:
-            self._part.unlink(missing_ok=True)  # of a process that was killed: the lock is this one's
+            self._part.unlink(missing_ok=True)
             handle = new_part(self._part, self._target, content)
         except OSError as fault:
             raise unwritable(self.path, fault, cure) from None
