@@ -147,7 +147,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         text=canonical_text(declared),
         numbers=canonical_text(declared, without=NOT_NUMBERS),
         shared=_shared(declared, declared.sweep),
-        own=_own(declared, changed),
+        own=_own_numbers(declared, changed),
         title=declared.title or file.stem,
         source=declared.source,
         scene=scene_of(declared),
@@ -173,7 +173,7 @@ def _shared(case: BeamCase | SdofCase, sweep: SweepTable) -> str:
     return canonical_text(case, NOT_PHYSICS) + "\n[sweep]\n" + canonical_text(sweep, GRID)
 
 
-def _own(case: BeamCase | SdofCase, changed: Mapping[str, BeamCase | SdofCase]) -> dict[str, str]:
+def _own_numbers(case: BeamCase | SdofCase, changed: Mapping[str, BeamCase | SdofCase]) -> dict[str, str]:
     """For each fidelity its physics, how it is swept, and its table."""
     from vibeam.canonical import canonical_text
 
@@ -250,7 +250,7 @@ def _expectations(case: BeamCase | SdofCase, swept: Direction) -> dict[str, Expe
 def _shows(
     case: BeamCase | SdofCase, changed: Mapping[str, BeamCase | SdofCase], sweep: SweepPlan
 ) -> dict[str, ShowPlan]:
-    own = _own(case, changed)
+    own = _own_numbers(case, changed)
     seen = {name: f"{own[name]}{_measured(changed.get(name, case))}" for name in own}
     return {name: _show(case, name, sweep, seen) for name in case.show}
 

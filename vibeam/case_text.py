@@ -9,7 +9,7 @@ from pathlib import Path as File
 from typing import Any
 
 from vibeam.faults import CaseError, Fault
-from vibeam.lines import Path, key_lines
+from vibeam.lines import KeyPath, key_lines
 
 TOO_DEEP = "is nested too deeply for a case"
 LARGEST = 1_000_000  # bytes; a case is a page or two
@@ -33,7 +33,7 @@ def read_text(file: File) -> str:
         raise _refusal(file, f"is not text: byte {error.start + 1} is not UTF-8; a case is a TOML file") from None
 
 
-def parsed(text: str, file: File) -> tuple[dict[str, Any], dict[Path, int]]:
+def parsed(text: str, file: File) -> tuple[dict[str, Any], dict[KeyPath, int]]:
     """The tables of a TOML text, and the line of each key; CaseError if it is no TOML or empty."""
     if len(text) > LARGEST:
         raise _too_large(file, len(text))
@@ -55,9 +55,9 @@ def parsed(text: str, file: File) -> tuple[dict[str, Any], dict[Path, int]]:
     return tables, lines
 
 
-def too_deep(value: Any) -> Path:
+def too_deep(value: Any) -> KeyPath:
     """The path to a table or list that lies deeper in a value than any of a case; empty: none does."""
-    level: list[tuple[Path, Any]] = [((), value)]
+    level: list[tuple[KeyPath, Any]] = [((), value)]
     for _ in range(DEEPEST):
         level = [((*path, key), inner) for path, one in level for key, inner in _items(one)]
         level = [(path, one) for path, one in level if isinstance(one, dict | list)]

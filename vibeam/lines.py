@@ -11,7 +11,7 @@ import tomllib
 from bisect import bisect_right
 from typing import Any
 
-Path = tuple[str | int, ...]
+KeyPath = tuple[str | int, ...]
 
 _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
 _KEY = re.compile(r"""(?:[ \t]*(?:[A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')[ \t]*\.?)+""")
@@ -21,7 +21,7 @@ _STRING = re.compile(
 _PLAIN = re.compile(r"[^,\]}\n#]+")
 
 
-def key_lines(text: str) -> dict[Path, int]:
+def key_lines(text: str) -> dict[KeyPath, int]:
     """Line (from 1) of every key and table of a valid TOML text.
 
     Paths are tuples: ``("beam", "length")``, ``("added_mass", 0, "mass")``. A table opened by its content alone has the
@@ -34,12 +34,12 @@ class _Scan:
     def __init__(self, text: str) -> None:
         self.text = text
         self.at = 0
-        self.found: dict[Path, int] = {}
-        self.lengths: dict[Path, int] = {}  # of the arrays of tables
+        self.found: dict[KeyPath, int] = {}
+        self.lengths: dict[KeyPath, int] = {}  # of the arrays of tables
         self.starts = [0, *(match.end() for match in re.finditer("\n", text))]
 
-    def lines(self) -> dict[Path, int]:
-        table: Path = ()
+    def lines(self) -> dict[KeyPath, int]:
+        table: KeyPath = ()
         while self.skip():
             if self.text[self.at] == "[":
                 table = self.header()
@@ -56,7 +56,7 @@ class _Scan:
         found = pattern.match(self.text, self.at)
         return found.end() if found else self.at
 
-    def header(self) -> Path:
+    def header(self) -> KeyPath:
         line, brackets = self.line(), 2 if self.text.startswith("[[", self.at) else 1
         self.at += brackets
         parts = self.key()
@@ -70,23 +70,23 @@ class _Scan:
         self.found[table] = line
         return table
 
-    def inside(self, parts: list[str]) -> Path:
+    def inside(self, parts: list[str]) -> KeyPath:
         """The path of a header's key: a name that is an array of tables means its last table."""
-        path: Path = ()
+        path: KeyPath = ()
         for part in parts:
             path = (*path, part)
             if path in self.lengths:
                 path = (*path, self.lengths[path] - 1)
         return path
 
-    def pair(self, table: Path) -> None:
+    def pair(self, table: KeyPath) -> None:
         line = self.line()
         path = (*table, *self.key())
         self.note(path, line)
         self.at += 1  # the equals sign
         self.value(path)
 
-    def value(self, path: Path) -> None:
+    def value(self, path: KeyPath) -> None:
         self.skip()
         first = self.text[self.at]
         if first == "[":
@@ -96,7 +96,7 @@ class _Scan:
         else:
             self.at = self.past(_STRING if first in "\"'" else _PLAIN)
 
-    def items(self, path: Path, end: str) -> None:
+    def items(self, path: KeyPath, end: str) -> None:
         """An array's values or an inline table's pairs, with the brackets around them."""
         self.at += 1
         index = 0
@@ -119,7 +119,7 @@ class _Scan:
     def line(self) -> int:
         return bisect_right(self.starts, self.at)
 
-    def note(self, path: Path, line: int) -> None:
+    def note(self, path: KeyPath, line: int) -> None:
         """Keep the line, for the tables above too where they have none yet."""
         for length in range(1, len(path) + 1):
             self.found.setdefault(path[:length], line)

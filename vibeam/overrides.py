@@ -9,7 +9,7 @@ from typing import Any
 
 from vibeam.case_text import LONG_KEY, TOO_DEEP, too_deep
 from vibeam.faults import shown
-from vibeam.lines import Path, key_parts
+from vibeam.lines import KeyPath, key_parts
 from vibeam.reading import lists_of
 from vibeam.schema import BeamCase
 
@@ -21,7 +21,7 @@ class OverrideError(ValueError):
     """An override that has no place in the case."""
 
 
-def override(tables: dict[str, Any], key: str, value: Any, literal: bool = False) -> Path:
+def override(tables: dict[str, Any], key: str, value: Any, literal: bool = False) -> KeyPath:
     """Set (None: take away) one key in ``tables``, in place; returns its path. OverrideError if that cannot be.
 
     ``literal``: the value is a case's already; else text that is a TOML value is read as one.
@@ -30,7 +30,7 @@ def override(tables: dict[str, Any], key: str, value: Any, literal: bool = False
     _require_list(tables, parts)
     *above, last = parts
     place: Any = tables
-    path: Path = ()
+    path: KeyPath = ()
     for part in above:
         path = (*path, _where(place, part))
         place = _inside(place, path[-1])

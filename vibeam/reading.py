@@ -12,10 +12,10 @@ from vibeam.canonical import name_of, written
 from vibeam.entries.entry import Entry
 from vibeam.entries.tables import TableOr
 from vibeam.faults import cure, shown, suggestion
-from vibeam.lines import Path
+from vibeam.lines import KeyPath
 from vibeam.schema import AddedMassTable, BeamCase, SdofCase
 
-Complaint = tuple[Path, str]  # where in the case, and what is wrong there
+Complaint = tuple[KeyPath, str]  # where in the case, and what is wrong there
 BESIDE_SDOF = ("beam", "mass", "sensor", "added_mass", "clamp", "gravity", "torsion", "platform", "shaker")
 
 
@@ -29,7 +29,7 @@ def read(tables: dict[str, Any]) -> BeamCase | SdofCase:
     return declaration(tables).model_validate(tables)
 
 
-def complaints(error: ValidationError, model: type[BaseModel]) -> tuple[list[Complaint], set[Path]]:
+def complaints(error: ValidationError, model: type[BaseModel]) -> tuple[list[Complaint], set[KeyPath]]:
     """What is wrong with each key by itself, and the keys that were meant by those misspelt: not missing as well."""
     faults = error.errors(include_url=False, include_context=False)
     unknown = [fault["loc"] for fault in faults if fault["type"] == "extra_forbidden"]
@@ -38,12 +38,12 @@ def complaints(error: ValidationError, model: type[BaseModel]) -> tuple[list[Com
     return [(fault["loc"], _message(fault, model)) for fault in wrong], meant
 
 
-def _near(model: type[BaseModel], loc: Path) -> str | None:
+def _near(model: type[BaseModel], loc: KeyPath) -> str | None:
     return suggestion(str(loc[-1]), keys_of(model_at(model, loc[:-1])))
 
 
 def _message(fault: Any, model: type[BaseModel]) -> str:
-    loc: Path = fault["loc"]
+    loc: KeyPath = fault["loc"]
     if fault["type"] == "entry":
         return str(fault["msg"])
     if fault["type"] == "extra_forbidden":
@@ -54,21 +54,21 @@ def _message(fault: Any, model: type[BaseModel]) -> str:
     return f"must be {wanted}, {_header(loc, model)}, not {shown(fault['input'])}"
 
 
-def _unknown(loc: Path, model: type[BaseModel]) -> str:
+def _unknown(loc: KeyPath, model: type[BaseModel]) -> str:
     name = str(loc[-1])
     if len(loc) == 1 and model is SdofCase and name in BESIDE_SDOF:
         return f"[{name}] and [sdof] do not go together: keep [sdof], or the beam's tables"
     return f"unknown key; {cure(name, keys_of(model_at(model, loc[:-1])))}"
 
 
-def _missing(loc: Path, model: type[BaseModel]) -> str:
+def _missing(loc: KeyPath, model: type[BaseModel]) -> str:
     field = fields_of(model_at(model, loc[:-1]))[str(loc[-1])]
     if table_of(field) and not field.examples:
         return f"the table is missing: add {_header(loc, model)}"
     return f"missing ({field.description}): write {loc[-1]} = {example_of(field)}"
 
 
-def _header(loc: Path, model: type[BaseModel]) -> str:
+def _header(loc: KeyPath, model: type[BaseModel]) -> str:
     names = [name_of(str(part)) for part in loc if isinstance(part, str)]
     if names[0] in ("fidelity", "reference", "expect", "show") and len(names) == 1:
         names.append("NAME")
@@ -110,7 +110,7 @@ def lists_of(model: type[BaseModel]) -> list[str]:
     return [name for name, field in fields if is_repeated(field) and get_origin(field.annotation) is tuple]
 
 
-def model_at(model: type[BaseModel], loc: Path) -> type[BaseModel]:
+def model_at(model: type[BaseModel], loc: KeyPath) -> type[BaseModel]:
     """The table's declaration at a place in a case."""
     path = list(loc)
     while path:

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from vibeam.solvers.pause import Stopped, stopping_at
 
-__all__ = ["Stopped", "cores", "spread"]
+__all__ = ["Stopped", "cores", "run_parallel"]
 Item = TypeVar("Item")
 Made = TypeVar("Made")
 

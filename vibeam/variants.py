@@ -14,7 +14,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from vibeam.faults import cure, shown
-from vibeam.lines import Path, key_parts
+from vibeam.lines import KeyPath, key_parts
 from vibeam.overrides import OverrideError, override
 from vibeam.reading import Complaint, entry_of, fields_of, is_repeated, keys_of, table_of
 from vibeam.settings import flat
@@ -62,7 +62,7 @@ class _Change:
         self.settings = dict(flat(settings)) if isinstance(settings, dict) else {}
         self.left = [each for each in left if isinstance(each, str)] if isinstance(left, list) else []
 
-    def judged(self, tables: dict[str, Any], said: dict[Path, str], judge: Judge, wrong: list[Complaint]) -> Any:
+    def judged(self, tables: dict[str, Any], said: dict[KeyPath, str], judge: Judge, wrong: list[Complaint]) -> Any:
         """The changed case as declared; None where something is wrong, which joins ``wrong``."""
         before = len(wrong)
         wrong += self._key_faults()
@@ -102,18 +102,18 @@ class _Change:
             return f"{key} is left out and set at once: keep one of the two"
         return None
 
-    def _at(self, key: str) -> Path:
+    def _at(self, key: str) -> KeyPath:
         """Where in the case the fidelity's own key is written: in quotes, or as nested tables."""
         parts = (key,) if key in self.table["set"] else tuple(key_parts(key))
         return ("fidelity", self.name, "set", *parts)
 
-    def _changed(self, tables: dict[str, Any], wrong: list[Complaint]) -> tuple[dict[str, Any], dict[Path, Path]]:
+    def _changed(self, tables: dict[str, Any], wrong: list[Complaint]) -> tuple[dict[str, Any], dict[KeyPath, KeyPath]]:
         """The case's tables with the changes, less what is no physics; and where each changed key was written."""
         own = {key: deepcopy(value) for key, value in tables.items() if key not in DROPPED}
         own["fidelity"] = {self.name: {key: each for key, each in self.table.items() if key not in OWN}}
         for key in self.left:
             _leave(own, key_parts(key))
-        places: dict[Path, Path] = {}
+        places: dict[KeyPath, KeyPath] = {}
         for key, value in self.settings.items():
             try:
                 places[override(own, key, deepcopy(value), literal=True)] = self._at(key)
@@ -122,7 +122,7 @@ class _Change:
         return own, places
 
     def _placed(
-        self, faults: list[Complaint], places: Mapping[Path, Path], said: Mapping[Path, str]
+        self, faults: list[Complaint], places: Mapping[KeyPath, KeyPath], said: Mapping[KeyPath, str]
     ) -> Iterator[Complaint]:
         """What is wrong with the changed case, told where the change is; what was wrong before is not told again."""
         for path, message in faults:

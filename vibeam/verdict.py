@@ -13,7 +13,7 @@ from vibeam.canonical import name_of
 from vibeam.case_text import parsed
 from vibeam.checks import cross_checks
 from vibeam.faults import OVERRIDE, CaseError, Fault
-from vibeam.lines import Path
+from vibeam.lines import KeyPath
 from vibeam.overrides import OverrideError, override
 from vibeam.reading import Complaint, complaints, declaration, known, read
 from vibeam.schema import BeamCase, SdofCase
@@ -46,7 +46,7 @@ def _own(table: Any, variant: Variant | None) -> dict[str, Any]:
     return {} if variant is None or not table.set else {"set": dict(sorted(variant.changes.items()))}
 
 
-def _override(tables: dict[str, Any], overrides: Mapping[str, Any]) -> tuple[list[Fault], set[Path]]:
+def _override(tables: dict[str, Any], overrides: Mapping[str, Any]) -> tuple[list[Fault], set[KeyPath]]:
     """Apply the overrides in place: the faults in them, and the paths that they set."""
     faults, paths = [], set()
     for key, value in overrides.items():
@@ -61,7 +61,7 @@ def _judged(tables: dict[str, Any], folder: File) -> tuple[BeamCase | SdofCase |
     model = declaration(tables)
     case: BeamCase | SdofCase | None = None
     alone: list[Complaint] = []
-    excused: set[Path] = set()
+    excused: set[KeyPath] = set()
     try:
         case = read(tables)
     except ValidationError as error:
@@ -70,7 +70,7 @@ def _judged(tables: dict[str, Any], folder: File) -> tuple[BeamCase | SdofCase |
     return case, alone + _new(together, {path for path, _ in alone} | excused)
 
 
-def _new(together: Iterable[Complaint], said: set[Path]) -> list[Complaint]:
+def _new(together: Iterable[Complaint], said: set[KeyPath]) -> list[Complaint]:
     """Complaints across keys where nothing has been said of the key, or of the table it is in, before."""
     return [
         (path, message)
@@ -84,8 +84,8 @@ class _Places:
     """Where the keys of a case come from."""
 
     file: str
-    lines: Mapping[Path, int]
-    overridden: set[Path]
+    lines: Mapping[KeyPath, int]
+    overridden: set[KeyPath]
 
     def fault(self, complaint: Complaint) -> Fault:
         path, message = complaint
@@ -100,7 +100,7 @@ class _Places:
                 return Fault(OVERRIDE, None, key, message)
         return Fault(self.file, None, key, message)
 
-    def _opened(self, place: Path) -> bool:
+    def _opened(self, place: KeyPath) -> bool:
         """Whether an override opened this table."""
         return any(path[: len(place)] == place for path in self.overridden)
 

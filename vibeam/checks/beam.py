@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from types import SimpleNamespace
 
-from vibeam.lines import Path
+from vibeam.lines import KeyPath
 from vibeam.reading import Complaint
 
 
@@ -18,7 +18,7 @@ def beam_checks(case: SimpleNamespace) -> Iterator[Complaint]:
 
 def _positions(case: SimpleNamespace) -> Iterator[Complaint]:
     named = {"mass": case.mass, "sensor": case.sensor, "stop": case.stop}
-    places: dict[Path, SimpleNamespace] = {(name, "position"): table for name, table in named.items()}
+    places: dict[KeyPath, SimpleNamespace] = {(name, "position"): table for name, table in named.items()}
     places |= {("added_mass", index, "position"): added for index, added in enumerate(case.added_mass)}
     length = case.beam.length
     for path, table in places.items():

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from types import SimpleNamespace
 
-from vibeam.lines import Path
+from vibeam.lines import KeyPath
 from vibeam.reading import Complaint
 
 
@@ -21,7 +21,7 @@ def effect_checks(case: SimpleNamespace) -> Iterator[Complaint]:
         yield from _shaker(case)
 
 
-def platform_output(case: SimpleNamespace, path: Path, output: str | None) -> Iterator[Complaint]:
+def platform_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:
     """A complaint where the motion of a platform is asked for that is not there, or is prescribed."""
     if output == "platform" and (case.platform is None or case.platform.coupling == "one-way"):
         yield path, 'the platform has no motion of its own: add [platform] with coupling = "two-way"'

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 from vibeam.checks.effects import platform_output
 from vibeam.checks.names import named_fidelity
-from vibeam.lines import Path
+from vibeam.lines import KeyPath
 from vibeam.reading import Complaint
 from vibeam.schema import QUANTITIES
 from vibeam.show import KEYS, KINDS, LIMITS, Kind
@@ -17,7 +17,7 @@ from vibeam.solvers import EXACT
 def figure_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about every [show.NAME]."""
     for name, show in case.show.items():
-        path: Path = ("show", name)
+        path: KeyPath = ("show", name)
         for index, fidelity in enumerate(show.fidelities or ()):
             yield from named_fidelity(case, (*path, "fidelities", index), fidelity)
         if show.kind is not None:
@@ -26,7 +26,7 @@ def figure_checks(case: SimpleNamespace) -> Iterator[Complaint]:
             yield from _output(case, (*path, "output"), show.output)
 
 
-def _keys(path: Path, show: SimpleNamespace, kind: Kind) -> Iterator[Complaint]:
+def _keys(path: KeyPath, show: SimpleNamespace, kind: Kind) -> Iterator[Complaint]:
     for key in KEYS:
         given = getattr(show, key) is not None
         if given and key not in kind.needs + kind.takes:
@@ -42,7 +42,7 @@ def _keys(path: Path, show: SimpleNamespace, kind: Kind) -> Iterator[Complaint]:
         yield (*path, "periods"), f"{show.periods} drive periods hold no whole number of the longest ones: {multiple}"
 
 
-def _exact(case: SimpleNamespace, path: Path, show: SimpleNamespace, kind: Kind) -> Iterator[Complaint]:
+def _exact(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace, kind: Kind) -> Iterator[Complaint]:
     """Kinds that integrate along a motion, and the measuring chain, want one that is known at any time."""
     measured = case.measurement is not None and show.kind in ("history", "portrait")
     if not (kind.exact or measured):
@@ -55,7 +55,7 @@ def _exact(case: SimpleNamespace, path: Path, show: SimpleNamespace, kind: Kind)
             yield (*path, "fidelities"), f'{who} needs an exact motion, "{solver}" of {name} gives samples: {cured}'
 
 
-def _output(case: SimpleNamespace, path: Path, output: str | None) -> Iterator[Complaint]:
+def _output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:
     if hasattr(case, "beam"):
         yield from platform_output(case, path, output)
     elif output not in ("sensor", "contact", None):

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from types import SimpleNamespace
 
 from vibeam.faults import cure, shown
-from vibeam.lines import Path
+from vibeam.lines import KeyPath
 from vibeam.reading import Complaint
 
 NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
@@ -26,7 +26,7 @@ def name_checks(case: SimpleNamespace) -> Iterator[Complaint]:
         yield ("fidelity", "show"), 'the name "show" is that of a group of the results file: choose another'
 
 
-def named_fidelity(case: SimpleNamespace, path: Path, name: str | None) -> Iterator[Complaint]:
+def named_fidelity(case: SimpleNamespace, path: KeyPath, name: str | None) -> Iterator[Complaint]:
     """A complaint where a fidelity is named that is not there."""
     if name is not None and name not in case.fidelity:
         yield path, f"no fidelity {not_there(name, case.fidelity)}"

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 from vibeam.checks.names import NAME, named_fidelity
 from vibeam.faults import cure, shown
-from vibeam.lines import Path
+from vibeam.lines import KeyPath
 from vibeam.reading import Complaint
 from vibeam.reference_files import file_fault
 from vibeam.schema import EXTENTS, QUANTITIES
@@ -27,7 +27,7 @@ def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]
 def expectation_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about every [expect.NAME]."""
     for name, expect in case.expect.items():
-        path: Path = ("expect", name)
+        path: KeyPath = ("expect", name)
         yield from named_fidelity(case, (*path, "fidelity"), expect.fidelity)
         yield from named_fidelity(case, (*path, "against"), expect.against)
         yield from _swept(case, (*path, "direction"), expect.direction)
@@ -39,7 +39,7 @@ def expectation_checks(case: SimpleNamespace) -> Iterator[Complaint]:
             yield (*path, "frequency"), f'missing: "{expect.quantity}" is read at one frequency'
 
 
-def _of_a_figure(case: SimpleNamespace, path: Path, expect: SimpleNamespace) -> Iterator[Complaint]:
+def _of_a_figure(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about an [expect.NAME] that is, or should be, read off a figure."""
     if expect.show is None:
         what = f"[show.NAME] that {shown(expect.quantity)} is read off" if expect.quantity else "[show.NAME]"
@@ -66,7 +66,7 @@ def _of_a_figure(case: SimpleNamespace, path: Path, expect: SimpleNamespace) -> 
         yield (*path, "frequency"), f'kind = "{show.kind}" has no use for it: leave it away'
 
 
-def _swept(case: SimpleNamespace, path: Path, way: str | None) -> Iterator[Complaint]:
+def _swept(case: SimpleNamespace, path: KeyPath, way: str | None) -> Iterator[Complaint]:
     swept = case.sweep.direction
     if way and swept and swept not in ("both", way):
         yield path, f'"{way}" is not swept: sweep.direction is "{swept}"'

@@ -17,7 +17,7 @@ from vibeam.references import reference_points
 from vibeam.report.axes import from_zero, is_empty, mark_failed, say
 from vibeam.report.curve import Kind, motion_pieces, pieces
 from vibeam.report.outputs import amplitude_of, frequency_label
-from vibeam.report.page import PAGE, blank, legend, plain, titled, write_page
+from vibeam.report.page import PAGE, blank_page, legend, plain, titled, write_page
 from vibeam.report.style import (
     GAP,
     GHOST,
@@ -78,7 +78,7 @@ def _grid(count: int, result: Result) -> tuple[Figure, Any]:
     columns = 1 if count == 1 else 2 if count <= 4 else 3
     rows = ceil(count / columns)
     size = (5.8, 4.2) if count == 1 else (3.5 * columns, 2.3 * rows + 1.0)
-    figure = blank(size, result.case.figure)
+    figure = blank_page(size, result.case.figure)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for spare in grid.flat[count:]:
         spare.set_axis_off()

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from vibeam.plans import FigurePlan
 from vibeam.report.output import write_rows
-from vibeam.report.page import blank, legend, paths_of, titled, write_page
+from vibeam.report.page import blank_page, legend, paths_of, titled, write_page
 from vibeam.report.style import COLOURS
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def _lines(study: Study, effect: str, model: str, variant: Variant) -> Iterator[
 def bars(study: Study, plan: FigurePlan = USUAL) -> Figure:
     """For each effect a bar a quantity: its change over its tolerance when that effect alone is taken away."""
     count, quantities = len(study.rows), study.quantities
-    figure = blank((6.4, 1.5 + 0.09 * count * (len(quantities) + 1)), plan)
+    figure = blank_page((6.4, 1.5 + 0.09 * count * (len(quantities) + 1)), plan)
     axes = figure.subplots()
     thick = 1 / (len(quantities) + 1)
     colours = dict(zip((quantity.name for quantity in quantities), (*COLOURS, "#9A9A9A"), strict=False))

@@ -67,7 +67,7 @@ def paths_of(stem: Path, plan: FigurePlan) -> list[Path]:
     return [stem.with_suffix(f".{ending}") for ending in plan.format]
 
 
-def blank(size: tuple[float, float], plan: FigurePlan) -> Figure:
+def blank_page(size: tuple[float, float], plan: FigurePlan) -> Figure:
     """An empty figure of ``size`` (width, height in inches), or as wide as the plan says."""
     width, height = size
     if plan.width is not None:

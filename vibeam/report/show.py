@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
-from vibeam.report.page import blank, legend, paths_of, titled, write_page
+from vibeam.report.page import blank_page, legend, paths_of, titled, write_page
 from vibeam.show import KINDS
 from vibeam.show.panels import name_faults
 from vibeam.show.plan import ShowPlan, module_of
@@ -29,7 +29,7 @@ def write_shown(result: Result, path: Path) -> list[Path]:
 
 def figure(result: Result, plan: ShowPlan) -> Figure:
     """The figure of one table."""
-    made = blank(_size(plan), result.case.figure)
+    made = blank_page(_size(plan), result.case.figure)
     shown = result.shown.get(plan.name, ())
     module_of(plan).draw(made, result, plan, shown)
     titled(made, result.case.figure, result.case.title, _caption(plan))

@@ -20,7 +20,7 @@ from vibeam.periodic.line import Kind
 from vibeam.periodic.map import OrbitMap
 from vibeam.report.axes import say
 from vibeam.report.outputs import frequency_label, with_unit
-from vibeam.report.page import PAGE, blank, legend, plain, titled, write_page
+from vibeam.report.page import PAGE, blank_page, legend, plain, titled, write_page
 from vibeam.report.style import name_of
 from vibeam.report.units import units_of
 from vibeam.stability.axes import Axis
@@ -55,7 +55,7 @@ def stability_figure(found: Stability) -> Figure:
     count = len(found.maps)
     columns = min(count, 3)
     rows = ceil(count / columns)
-    figure = blank((5.8, 4.2) if count == 1 else (3.4 * columns, 2.7 * rows + 1.0), found.case.figure)
+    figure = blank_page((5.8, 4.2) if count == 1 else (3.4 * columns, 2.7 * rows + 1.0), found.case.figure)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     drawn: set[object] = set()
     for axes, one in zip(grid.flat, found.maps, strict=False):

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from vibeam.report.page import blank, legend, titled, write_page
+from vibeam.report.page import blank_page, legend, titled, write_page
 from vibeam.report.style import COLOURS, KEY, looks, name_of, shade
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def write_work_precision(study: Study, case: Case, *paths: Path) -> None:
 
 def work_precision(study: Study, case: Case) -> Figure:
     """The figure of a study of ``case``."""
-    figure = blank((8.4, 5.4), case.figure)
+    figure = blank_page((8.4, 5.4), case.figure)
     whole, own = figure.subplots(1, 2, sharey=True)
     colours = _colours(study, case)
     _panel(whole, study, colours, lambda row: row.total)

@@ -21,9 +21,9 @@ def equilibrium(system: ImpactSystem) -> State:
     lies beyond the stop, they alone carry the contact point back to it.
     """
     if system.beyond_plain:
-        from vibeam.solvers.regimes import rest
+        from vibeam.solvers.regimes.rest import equilibrium_with_law
 
-        return rest.equilibrium(system)
+        return equilibrium_with_law(system)
     moving, free = system.omega > 0, without_stop(system)
     beyond = float(system.contact @ free) - system.gap
     if beyond <= 0:

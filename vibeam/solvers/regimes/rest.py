@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.solvers import start
+from vibeam.solvers.start import equilibrium, without_stop
 from vibeam.state import State
 from vibeam.system import ImpactSystem
 from vibeam_models.compliant import HuntCrossley, LinearStop
@@ -13,18 +13,18 @@ from vibeam_models.compliant import HuntCrossley, LinearStop
 Array = NDArray[np.float64]
 
 
-def equilibrium(system: ImpactSystem) -> State:
+def equilibrium_with_law(system: ImpactSystem) -> State:
     """The static equilibrium: of a hard stop as for every solver, of one that yields where the forces balance.
 
     Modes without stiffness start at zero displacement and carry no contact force.
     """
-    free = start.without_stop(system)
+    free = without_stop(system)
     for row, gap in stops(system):
         beyond = float(row @ free) - gap
         if beyond <= 0:
             continue
         if not isinstance(system.law, LinearStop | HuntCrossley):
-            found = start.equilibrium(replaced(system, gap, row))
+            found = equilibrium(replaced(system, gap, row))
             return State(found.displacement, found.velocity, True)
         give = np.where(system.omega > 0, row / np.where(system.omega > 0, system.omega, 1.0) ** 2, 0.0)
         force = balance(system.law, beyond, float(row @ give))
