@@ -12,78 +12,78 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from vibeam import observe as observe
-    from vibeam.case import Case as Case
-    from vibeam.case import load as load
-    from vibeam.check import check as check
-    from vibeam.cost.study import cost as cost
-    from vibeam.derive import derive as derive
-    from vibeam.faults import CaseError as CaseError
-    from vibeam.influence.study import influence as influence
-    from vibeam.modes import modes as modes
-    from vibeam.outcome import Outcome as Outcome
-    from vibeam.periodic.boundaries import boundaries as boundaries
-    from vibeam.periodic.curve import orbit_curve as orbit_curve
-    from vibeam.periodic.follow import follow as follow
-    from vibeam.periodic.line import Kind as Kind
-    from vibeam.periodic.map import orbit_map as orbit_map
-    from vibeam.periodic.orbit import Orbit as Orbit
-    from vibeam.periodic.orbit import orbits as orbits
-    from vibeam.periodic.several import settled_orbit as settled_orbit
-    from vibeam.periodic.several import train_orbit as train_orbit
-    from vibeam.periodic.train_boundaries import train_boundaries as train_boundaries
-    from vibeam.plot import plot as plot
-    from vibeam.response import Branches as Branches
-    from vibeam.response import Ended as Ended
-    from vibeam.response import FrequencyResponse as FrequencyResponse
-    from vibeam.result import Result as Result
-    from vibeam.run import run as run
-    from vibeam.simulate import Trajectory as Trajectory
-    from vibeam.simulate import simulate as simulate
-    from vibeam.stability.study import stability as stability
-    from vibeam.state import State as State
-    from vibeam.store.faults import StoreError as StoreError
-    from vibeam.sweep import sweep as sweep
-    from vibeam.system import Drive as Drive
-    from vibeam.system import ImpactSystem as ImpactSystem
+    from vibeam.case.case import Case as Case
+    from vibeam.case.faults import CaseError as CaseError
+    from vibeam.casefile.read import load as load
+    from vibeam.flight.trajectory import Outcome as Outcome
+    from vibeam.flight.trajectory import Trajectory as Trajectory
+    from vibeam.flight.trajectory import simulate as simulate
+    from vibeam.orbits.bifurcation_functions import Kind as Kind
+    from vibeam.orbits.boundaries import boundaries as boundaries
+    from vibeam.orbits.continuation import follow as follow
+    from vibeam.orbits.orbit import Orbit as Orbit
+    from vibeam.orbits.orbit import orbits as orbits
+    from vibeam.orbits.orbit_curve import orbit_curve as orbit_curve
+    from vibeam.orbits.orbit_map import orbit_map as orbit_map
+    from vibeam.orbits.train_boundaries import train_boundaries as train_boundaries
+    from vibeam.orbits.train_orbits import settled_orbit as settled_orbit
+    from vibeam.orbits.train_orbits import train_orbit as train_orbit
+    from vibeam.report.plot import plot as plot
+    from vibeam.run.result import Result as Result
+    from vibeam.run.run import run as run
+    from vibeam.run.store.errors import StoreError as StoreError
+    from vibeam.run.sweep import sweep as sweep
+    from vibeam.studies.cost.study import cost as cost
+    from vibeam.studies.derive import derive as derive
+    from vibeam.studies.influence.study import influence as influence
+    from vibeam.studies.modes import modes as modes
+    from vibeam.studies.regression.check import check as check
+    from vibeam.studies.stability.study import stability as stability
+    from vibeam.system.impact_system import Drive as Drive
+    from vibeam.system.impact_system import ImpactSystem as ImpactSystem
+    from vibeam.system.response import Branches as Branches
+    from vibeam.system.response import Ended as Ended
+    from vibeam.system.response import FrequencyResponse as FrequencyResponse
+    from vibeam.system.state import State as State
     from vibeam_models.structure import Structure as Structure
     from vibeam_reductions.modal import modal as modal
 
 __version__ = "0.1.0"
 
 _HOMES = {
-    "load": "vibeam.case",
-    "run": "vibeam.run",
-    "derive": "vibeam.derive",
-    "ImpactSystem": "vibeam.system",
-    "Drive": "vibeam.system",
-    "State": "vibeam.state",
-    "simulate": "vibeam.simulate",
-    "sweep": "vibeam.sweep",
-    "orbits": "vibeam.periodic.orbit",
-    "Orbit": "vibeam.periodic.orbit",
-    "orbit_curve": "vibeam.periodic.curve",
-    "boundaries": "vibeam.periodic.boundaries",
-    "orbit_map": "vibeam.periodic.map",
-    "stability": "vibeam.stability.study",
-    "influence": "vibeam.influence.study",
-    "Kind": "vibeam.periodic.line",
-    "follow": "vibeam.periodic.follow",
-    "settled_orbit": "vibeam.periodic.several",
-    "train_orbit": "vibeam.periodic.several",
-    "train_boundaries": "vibeam.periodic.train_boundaries",
-    "Ended": "vibeam.response",
-    "Outcome": "vibeam.outcome",
-    "FrequencyResponse": "vibeam.response",
-    "cost": "vibeam.cost.study",
-    "check": "vibeam.check",
-    "modes": "vibeam.modes",
-    "plot": "vibeam.plot",
-    "Case": "vibeam.case",
-    "CaseError": "vibeam.faults",
-    "StoreError": "vibeam.store.faults",
-    "Result": "vibeam.result",
-    "Branches": "vibeam.response",
-    "Trajectory": "vibeam.simulate",
+    "load": "vibeam.casefile.read",
+    "run": "vibeam.run.run",
+    "derive": "vibeam.studies.derive",
+    "ImpactSystem": "vibeam.system.impact_system",
+    "Drive": "vibeam.system.impact_system",
+    "State": "vibeam.system.state",
+    "simulate": "vibeam.flight.trajectory",
+    "sweep": "vibeam.run.sweep",
+    "orbits": "vibeam.orbits.orbit",
+    "Orbit": "vibeam.orbits.orbit",
+    "orbit_curve": "vibeam.orbits.orbit_curve",
+    "boundaries": "vibeam.orbits.boundaries",
+    "orbit_map": "vibeam.orbits.orbit_map",
+    "stability": "vibeam.studies.stability.study",
+    "influence": "vibeam.studies.influence.study",
+    "Kind": "vibeam.orbits.bifurcation_functions",
+    "follow": "vibeam.orbits.continuation",
+    "settled_orbit": "vibeam.orbits.train_orbits",
+    "train_orbit": "vibeam.orbits.train_orbits",
+    "train_boundaries": "vibeam.orbits.train_boundaries",
+    "Ended": "vibeam.system.response",
+    "Outcome": "vibeam.flight.trajectory",
+    "FrequencyResponse": "vibeam.system.response",
+    "cost": "vibeam.studies.cost.study",
+    "check": "vibeam.studies.regression.check",
+    "modes": "vibeam.studies.modes",
+    "plot": "vibeam.report.plot",
+    "Case": "vibeam.case.case",
+    "CaseError": "vibeam.case.faults",
+    "StoreError": "vibeam.run.store.errors",
+    "Result": "vibeam.run.result",
+    "Branches": "vibeam.system.response",
+    "Trajectory": "vibeam.flight.trajectory",
     "Structure": "vibeam_models.structure",
     "modal": "vibeam_reductions.modal",
 }

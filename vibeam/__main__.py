@@ -1,5 +1,7 @@
 """``python -m vibeam`` is the command ``vibeam``."""
 
-from vibeam.cli import main
+from __future__ import annotations
+
+from vibeam.cli.main import main
 
 main()

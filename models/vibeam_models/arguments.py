@@ -10,8 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+
 FLOAT = np.dtype(float)
+
 NUMERIC = "fiu"  # kinds of arrays that hold real numbers
+
 TRUTH = (bool, np.bool_)
 
 

@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam_models.damping import damped
-from vibeam_models.lumped import with_inertia
-from vibeam_models.mesh import nodes
 from vibeam_models.scene import Beam, Gravity, Mass, Scene, Torsion
-from vibeam_models.space import BeamSpace
-from vibeam_models.structure import Structure
+from vibeam_models.space import BeamSpace, nodes
+from vibeam_models.structure import Structure, with_inertia
 
 if TYPE_CHECKING:
     from vibeam_models.effects import Effect

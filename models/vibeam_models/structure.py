@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from vibeam_models.arguments import real_array, refuse
 
 Array = NDArray[np.float64]
+
 SYMMETRIC = 1e-9  # share of a matrix's largest entry by which two entries may differ
+
 STIFF = 1e-9  # share of the largest ω² by which another may be negative and still be round-off
 
 
@@ -82,7 +84,6 @@ class Structure:
 
         ValueError where ``M`` is not positive definite or ``K`` not positive semidefinite.
         """
-        from vibeam_models.eigen import natural_modes
 
         try:
             squared, shapes = natural_modes(self.K, self.M)
@@ -100,3 +101,51 @@ def _check(name: str, value: Array | None, shape: tuple[int, ...], faults: list[
         faults.append(f"{name}: must be {' × '.join(map(str, shape)) if shape[0] else 'n × n'} finite numbers")
     elif value.ndim == 2 and np.max(np.abs(value - value.T)) > SYMMETRIC * np.max(np.abs(value)):
         faults.append(f"{name}: must be symmetric")
+
+
+def in_coordinates(structure: Structure, basis: Array) -> Structure:
+    """The structure in coordinates y with x = basis @ y, ``basis`` (n, fewer): BᵀMB, Bᵀload, w B …"""
+    return structure.with_(
+        M=_congruent(structure.M, basis),
+        C=_congruent(structure.C, basis),
+        K=_congruent(structure.K, basis),
+        load=structure.load @ basis,
+        static=structure.static @ basis,
+        contact=structure.contact @ basis,
+        outputs={name: row @ basis for name, row in structure.outputs.items()},
+    )
+
+
+def _congruent(matrix: Array, basis: Array) -> Array:
+    product = basis.T @ matrix @ basis
+    return (product + product.T) / 2
+
+
+def natural_modes(K: Array, M: Array) -> tuple[Array, Array]:
+    """ω² (n,) ascending and shapes (n, n) with ΦᵀMΦ = I; ``M`` positive definite, ``K`` positive semidefinite.
+
+    Solved as it stands, the problem is exact to 10⁻¹⁶ of the *highest* ω², which leaves little or nothing of the first
+    mode on a fine or light beam; so the modes below the geometric middle come from M φ = ω⁻² K φ. Where ``K`` is
+    singular, a free body, they stay as they are.
+    """
+    from scipy.linalg import LinAlgError, eigh
+
+    squared, shapes = eigh(K, M)
+    try:
+        inverse, flexible = eigh(M, K)
+    except LinAlgError:
+        return squared, shapes
+    inverse, flexible = inverse[::-1], flexible[:, ::-1]
+    low = int(np.count_nonzero(inverse > 1 / np.sqrt(squared[-1] / inverse[0])))
+    squared[:low] = 1 / inverse[:low]
+    shapes[:, :low] = flexible[:, :low] / np.sqrt(inverse[:low])
+    return squared, shapes
+
+
+def with_inertia(structure: Structure, row: Array, inertia: float, translation: float) -> Structure:
+    """The structure with ``inertia`` (kg, or kg m² on a slope) on the coordinate row·x, ``row`` (n,).
+
+    ``translation``: what the coordinate reads when the base moves by 1 m: 1 for a deflection, 0 for a slope.
+    """
+    mass = structure.M + inertia * np.outer(row, row)
+    return structure.with_(M=mass, load=structure.load - inertia * translation * row)

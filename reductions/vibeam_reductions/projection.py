@@ -6,8 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibeam_models.coordinates import in_coordinates
-from vibeam_models.structure import Array, Structure
+from vibeam_models.structure import Array, Structure, in_coordinates
 
 
 @dataclass(frozen=True)

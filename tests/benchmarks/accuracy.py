@@ -21,14 +21,13 @@ from typing import Any, TypeVar
 import numpy as np
 
 import vibeam
-from vibeam.accuracy.rungs import rows
-from vibeam.accuracy.study import Curve, Study, study
-from vibeam.accuracy.verify import DRAWS, judged
-from vibeam.case import Case
-from vibeam.response import Branches, FrequencyResponse
-from vibeam.solvers import flight
-from vibeam.solvers.flight import FlightSolver
-from vibeam.sweep import join
+from vibeam.case.case import Case
+from vibeam.flight import solver as flight
+from vibeam.flight.solver import FlightSolver
+from vibeam.run.accuracy.candidates import rows
+from vibeam.run.accuracy.study import Curve, Study, study
+from vibeam.run.accuracy.verification import DRAWS, judged
+from vibeam.system.response import Branches, FrequencyResponse, join
 
 Found = TypeVar("Found")
 Times = tuple[float, float]  # CPU seconds in all, and of these in the flight kernels

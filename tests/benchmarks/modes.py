@@ -23,11 +23,12 @@ from typing import Any
 import numpy as np
 
 import vibeam
-from vibeam.fidelity import Fidelity, base_amplitude, system
-from vibeam.response import Ended
-from vibeam.solvers.flight import FlightSolver
-from vibeam.state import State
-from vibeam.system import ImpactSystem
+from vibeam.case.fidelity import Fidelity, system
+from vibeam.flight.solver import FlightSolver
+from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.response import Ended
+from vibeam.system.state import State
+from vibeam_models.base_motion import base_amplitude
 
 RIG = Path(__file__).parents[2] / "cases" / "dtu_neutral.toml"
 TARGET = Path(__file__).with_name("results") / "modes.json"

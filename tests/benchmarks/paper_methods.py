@@ -19,13 +19,13 @@ from typing import Any
 import numpy as np
 
 import vibeam
-from vibeam.solvers.averaging import AveragingSolver
-from vibeam.solvers.flight import FlightSolver
-from vibeam.solvers.ivanov import IvanovSolver
-from vibeam.solvers.mapping import MappingSolver
-from vibeam.solvers.ode import DirectSolver
-from vibeam.solvers.timestepping import MoreauSolver
-from vibeam.solvers.zhuravlev import ZhuravlevSolver
+from vibeam.flight.solver import FlightSolver
+from vibeam.solvers.averaging.solver import AveragingSolver
+from vibeam.solvers.integration.direct import DirectSolver
+from vibeam.solvers.integration.ivanov import IvanovSolver
+from vibeam.solvers.integration.moreau import MoreauSolver
+from vibeam.solvers.integration.zhuravlev import ZhuravlevSolver
+from vibeam.solvers.mapping.solver import MappingSolver
 
 AMPLITUDE = 0.5e-3
 AS_THE_PAPER: dict[str, Any] = {"method": "RK23", "rtol": 1e-4, "atol": 1e-8}

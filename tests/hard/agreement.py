@@ -15,7 +15,7 @@ import numpy as np
 
 import vibeam
 
-sys.path[:0] = [str(Path(__file__).parent.parent / place) for place in ("vibeam", "independent")]
+sys.path[:0] = [str(Path(__file__).parent.parent / place) for place in ("support", "independent")]
 
 import events  # noqa: E402
 from random_systems import Case  # noqa: E402

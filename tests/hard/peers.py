@@ -29,7 +29,7 @@ from scenes import FIRM, MAKERS, Scene
 from scipy.integrate import solve_ivp
 
 import vibeam
-from vibeam.solvers.timestepping import MoreauSolver
+from vibeam.solvers.integration.moreau import MoreauSolver
 
 HERE = Path(__file__).parent
 BEYOND = 0.01  # share of the motion's reach by which the contact may stand beyond the stop before that is told

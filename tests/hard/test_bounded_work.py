@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam_models.compliant import HuntCrossley, LinearStop
-from vibeam_models.contact import PlasticRestitution, TableRestitution, ViscousRestitution
+from vibeam_models.laws.compliant import HuntCrossley, LinearStop
+from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
 
 THROWN = vibeam.State(np.array([-1.0, 0.0]), np.array([0.0, 0.0]))
 

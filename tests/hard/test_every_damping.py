@@ -1,6 +1,6 @@
 """ζ = 0, 1, 1 ± 1e-12, 50 and no stiffness at all, side by side in many modes, flying and at rest on the stop.
 
-One mode at each damping, free and driven, is in ``tests/vibeam/test_flight_special.py``.
+One mode at each damping, free and driven, is in ``tests/vibeam/flight/test_flight_special.py``.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ import pytest
 from mpmath import mpf
 
 import vibeam
-from vibeam.simulate import Trajectory
+from vibeam.flight.trajectory import Trajectory
 from vibeam_models.beam import assemble
 
 pytestmark = pytest.mark.slow  # half a minute

@@ -1,6 +1,6 @@
 """Drives at, beside, far above and far below the modes, undamped, impact by impact in arbitrary precision.
 
-One mode in closed form is in ``tests/vibeam/test_flight_special.py``.
+One mode in closed form is in ``tests/vibeam/flight/test_flight_special.py``.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ from random_systems import Case, random_case
 from sensitivity import Blur, Knot, blur, drift
 
 import vibeam
-from vibeam.simulate import Trajectory
+from vibeam.flight.trajectory import Trajectory
 
 SEED, NUMBERS = 11, range(40)
 SAFE = 256.0  # last digits in every state

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.interpolate import PchipInterpolator
 
-from vibeam_models.compliant import (
+from vibeam_models.laws.compliant import (
     Hertz,
     HuntCrossley,
     LinearStop,
@@ -17,7 +17,7 @@ from vibeam_models.compliant import (
     hunt_crossley_product,
     linear_restitution,
 )
-from vibeam_models.contact import PlasticRestitution, TableRestitution, ViscousRestitution
+from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
 
 MASS, SPEED = 0.2, 0.35
 

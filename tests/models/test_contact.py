@@ -3,7 +3,7 @@ import pytest
 
 from tests.models.bench import RIG
 from vibeam_models.beam import assemble
-from vibeam_models.contact import Restitution, contact_restitution, first_mode_restitution
+from vibeam_models.laws.restitution import Restitution, contact_restitution, first_mode_restitution
 
 
 @pytest.fixture(scope="module")

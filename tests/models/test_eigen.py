@@ -1,7 +1,7 @@
 import numpy as np
 from scipy.linalg import eigh
 
-from vibeam_models.eigen import natural_modes
+from vibeam_models.structure import natural_modes
 
 
 def chain(n, free=False):

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from vibeam_models.mesh import nodes
+from vibeam_models.space import nodes
 
 
 def test_a_uniform_mesh_where_nothing_is_inserted():

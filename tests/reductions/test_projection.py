@@ -4,8 +4,7 @@ from scipy.linalg import null_space
 
 from tests.models.bench import RIG
 from vibeam_models.beam import assemble
-from vibeam_reductions.full import full
-from vibeam_reductions.modal import modal
+from vibeam_reductions.modal import full, modal
 from vibeam_reductions.projection import projection
 from vibeam_reductions.static_mode import static_mode
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.observe.path import Path, impacts_within, modes_around_impacts
-from vibeam.observe.slow import SlowPart, solved
-from vibeam.system import ImpactSystem
-from vibeam_models.compliant import CompliantStop
+from vibeam.observe.motion import Path, impacts_within, modes_around_impacts
+from vibeam.observe.slow_part import SlowPart, solved
+from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.laws.compliant import CompliantStop
 
 Array = NDArray[np.float64]
 

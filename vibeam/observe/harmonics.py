@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.observe.path import Path, last_periods
+from vibeam.observe.motion import Path, last_periods
 from vibeam.observe.quadrature import integral
 
 Array = NDArray[np.float64]
+
 Complex = NDArray[np.complex128]
 
 

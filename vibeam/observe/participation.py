@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.observe.path import Path, last_periods
+from vibeam.observe.motion import Path, last_periods
 from vibeam.observe.quadrature import integral
 
 Array = NDArray[np.float64]

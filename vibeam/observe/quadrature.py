@@ -14,13 +14,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.observe.path import Path, smooth_stretches
+from vibeam.observe.motion import Path, smooth_stretches
 
 Array = NDArray[np.float64]
+
 BLOCK = 512  # panels whose nodes are evaluated at once
+
 NODES = 20  # they miss about (TURN/2)^40/40! = 2e-17 of a product of two e^{λt}
+
 TURN = 12.0  # |λ|h of the fastest live exponential in a panel
+
 DEAD = 36.0  # e^{-36} = 2e-16
+
 DEAD_AT_REST = 144.0  # held on the stop, modes of other damping move: a wide margin
 
 

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.observe.slow import SlowPart, fitted, solved
+from vibeam.observe.slow_part import SlowPart, fitted, solved
 
 Array = NDArray[np.float64]
+
 REACH = 1.5  # how far the search goes from where it begins
 
 

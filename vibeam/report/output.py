@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.store.whole import write_whole
+from vibeam.exchange.whole_files import write_whole
 
 
 def to_json(value: Any) -> str:

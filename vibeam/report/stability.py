@@ -15,18 +15,18 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from vibeam.periodic.contours import BoundaryCurve
-from vibeam.periodic.line import Kind
-from vibeam.periodic.map import OrbitMap
-from vibeam.report.axes import say
-from vibeam.report.outputs import frequency_label, with_unit
-from vibeam.report.page import PAGE, blank_page, legend, plain, titled, write_page
-from vibeam.report.style import name_of
-from vibeam.report.units import units_of
-from vibeam.stability.axes import Axis
-from vibeam.stability.rows import NAMES
-from vibeam.stability.study import ModelMap, Stability
-from vibeam.units import LENGTHS, prefixed
+from vibeam.casefile.quantities import LENGTHS, prefixed
+from vibeam.figures.axes import say
+from vibeam.figures.outputs import frequency_label, with_unit
+from vibeam.figures.page import PAGE, blank_page, legend, plain, titled, write_page
+from vibeam.figures.style import name_of
+from vibeam.figures.units import units_of
+from vibeam.orbits.bifurcation_functions import Kind
+from vibeam.orbits.contours import BoundaryCurve
+from vibeam.orbits.orbit_map import OrbitMap
+from vibeam.studies.stability.axes import Axis
+from vibeam.studies.stability.rows import NAMES
+from vibeam.studies.stability.study import ModelMap, Stability
 
 SHADES = {
     "no such motion": "white",
@@ -34,6 +34,7 @@ SHADES = {
     "unstable": "#F6D9B8",
     "stable": "#B9DCF2",
 }
+
 LOOKS: dict[Kind, dict[str, Any]] = {
     Kind.FOLD: {"color": "black"},
     Kind.GRAZING: {"color": "#009E73"},
@@ -41,7 +42,9 @@ LOOKS: dict[Kind, dict[str, Any]] = {
     Kind.DOUBLING: {"color": "#D55E00"},
     Kind.NEIMARK_SACKER: {"color": "#AA4499"},
 }
+
 AVERAGED: dict[str, Any] = {"color": "#0072B2", "linestyle": (0, (6, 1.5, 1, 1.5)), "linewidth": 0.9}
+
 OWN: dict[str, Any] = {"color": "0.35", "linestyle": ":", "linewidth": 1.0}
 
 

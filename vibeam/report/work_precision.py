@@ -16,14 +16,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from vibeam.report.page import blank_page, legend, titled, write_page
-from vibeam.report.style import COLOURS, KEY, looks, name_of, shade
+from vibeam.figures.page import blank_page, legend, titled, write_page
+from vibeam.figures.style import COLOURS, KEY, looks, name_of, shade
 
 if TYPE_CHECKING:
-    from vibeam.case import Case
-    from vibeam.cost.errors import Errors
-    from vibeam.cost.row import Row
-    from vibeam.cost.study import Study
+    from vibeam.case.case import Case
+    from vibeam.studies.cost.errors import Errors
+    from vibeam.studies.cost.row import Row
+    from vibeam.studies.cost.study import Study
+
 
 MARKS = {
     "flight": ("*", 9.0),
@@ -35,11 +36,17 @@ MARKS = {
     "ivanov": (">", 4.5),
     "moreau": ("s", 3.8),
 }
+
 JOINED: dict[str, Any] = {"RK23": "-", "RK45": "--", "DOP853": "-.", "LSODA": ":", "": "-"}
+
 FRONT: dict[str, Any] = {"color": "0.8", "linewidth": 5.0, "zorder": 1.0, "solid_capstyle": "round"}
+
 FLOOR = 1e-16  # where an error of zero is drawn
+
 WIDEST, EDGE = 6.0, 50.0  # errors beyond the one, and what failed, are drawn at the other
+
 NAMED = {0: "100 %", -2: "1 %"}  # powers of ten that are better said otherwise
+
 Pick = Callable[["Row"], "Errors"]
 
 

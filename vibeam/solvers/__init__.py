@@ -15,28 +15,34 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from vibeam.motions import MotionCurves
-    from vibeam.response import FrequencyResponse
-    from vibeam.state import State
-    from vibeam.system import ImpactSystem
+    from vibeam.system.impact_system import ImpactSystem
+    from vibeam.system.motion_curves import MotionCurves
+    from vibeam.system.response import FrequencyResponse
+    from vibeam.system.state import State
+
 
 HOMES = {
-    "flight": "vibeam.solvers.flight:FlightSolver",
+    "flight": "vibeam.flight.solver:FlightSolver",
     "orbit": "vibeam.solvers.orbit:OrbitSolver",
-    "averaging": "vibeam.solvers.averaging:AveragingSolver",
-    "mapping": "vibeam.solvers.mapping:MappingSolver",
-    "direct": "vibeam.solvers.ode:DirectSolver",
-    "zhuravlev": "vibeam.solvers.zhuravlev:ZhuravlevSolver",
-    "ivanov": "vibeam.solvers.ivanov:IvanovSolver",
-    "moreau": "vibeam.solvers.timestepping:MoreauSolver",
+    "averaging": "vibeam.solvers.averaging.solver:AveragingSolver",
+    "mapping": "vibeam.solvers.mapping.solver:MappingSolver",
+    "direct": "vibeam.solvers.integration.direct:DirectSolver",
+    "zhuravlev": "vibeam.solvers.integration.zhuravlev:ZhuravlevSolver",
+    "ivanov": "vibeam.solvers.integration.ivanov:IvanovSolver",
+    "moreau": "vibeam.solvers.integration.moreau:MoreauSolver",
 }
+
 NAMES = tuple(HOMES)
+
 STATIONARY = ("orbit", "averaging", "mapping")  # steady motions by formula: nothing settles, no impact is flown
+
 EXACT = ("flight", "orbit", "mapping")  # whose motion is exact between impacts; the others have samples: ``motion``
+
 GIVEN = ("system", "slowest", "span")  # to every solver
+
 BEYOND_PLAIN = {  # the same name for systems that are more than plain; a solver that is not here cannot take them
-    "flight": "vibeam.solvers.regimes.solver:RegimeSolver",
-    "direct": "vibeam.solvers.ode:DirectSolver",
+    "flight": "vibeam.flight.regime_solver:RegimeSolver",
+    "direct": "vibeam.solvers.integration.direct:DirectSolver",
 }
 
 

@@ -9,16 +9,16 @@ from dataclasses import fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.motions import MotionCurves
-from vibeam.periodic.certify import Witness
-from vibeam.periodic.curve import checked
-from vibeam.periodic.motion import phasors
-from vibeam.periodic.orbit import Orbit, orbits
-from vibeam.periodic.sums import offsets, resonant
-from vibeam.response import VELOCITIES_KEPT, Ended, FrequencyResponse
-from vibeam.solvers.start import equilibrium
-from vibeam.state import State
-from vibeam.system import Drive, ImpactSystem
+from vibeam.flight.equilibrium import equilibrium
+from vibeam.orbits.admissibility import Witness
+from vibeam.orbits.modal_sums import offsets, resonant
+from vibeam.orbits.orbit import Orbit, orbits
+from vibeam.orbits.orbit_curve import checked
+from vibeam.orbits.states import phasors
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.motion_curves import MotionCurves
+from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
+from vibeam.system.state import State
 
 Array = NDArray[np.float64]
 

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 
 from vibeam.solvers import solver
-from vibeam.system import Drive, ImpactSystem
+from vibeam.system.impact_system import Drive, ImpactSystem
 
 SETTLE, HOLD = 1, 2  # drive periods: the fewest in which a motion can repeat
+
 
 _READY: set[tuple[Hashable, ...]] = set()
 

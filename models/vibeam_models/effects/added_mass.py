@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from vibeam_models.lumped import with_inertia
 from vibeam_models.space import BeamSpace
-from vibeam_models.structure import Structure
+from vibeam_models.structure import Structure, with_inertia
 
 
 @dataclass(frozen=True)

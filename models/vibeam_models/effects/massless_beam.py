@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibeam_models.coordinates import in_coordinates
 from vibeam_models.space import BeamSpace
-from vibeam_models.structure import Structure
+from vibeam_models.structure import Structure, in_coordinates
 
 NOTHING = 1e-12  # share of the largest 1/ω² below which a shape carries no inertia; round-off leaves 10⁻¹⁶
 

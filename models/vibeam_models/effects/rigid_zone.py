@@ -6,9 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibeam_models.coordinates import in_coordinates
 from vibeam_models.space import BeamSpace
-from vibeam_models.structure import Array, Structure
+from vibeam_models.structure import Array, Structure, in_coordinates
 
 LEAST = 1e-3  # share of the length below which the zone changes nothing, but its elements' round-off does
 

@@ -9,10 +9,11 @@ import numpy as np
 
 import vibeam
 from peers.job import Array, Impacts, Job
-from vibeam.fidelity import Fidelity, base_amplitude
-from vibeam.fidelity import system as system_of
-from vibeam.solvers.flight import FlightSolver
-from vibeam.state import State
+from vibeam.case.fidelity import Fidelity
+from vibeam.case.fidelity import system as system_of
+from vibeam.flight.solver import FlightSolver
+from vibeam.system.state import State
+from vibeam_models.base_motion import base_amplitude
 
 RIG = Path(__file__).parents[3] / "cases" / "dtu_neutral.toml"
 PERIODS, SETTLE = 250, 1000

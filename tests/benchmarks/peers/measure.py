@@ -9,9 +9,9 @@ import numpy as np
 
 from peers.cases import exact_velocities, system, true_impacts
 from peers.job import Array, Entry, Impacts, Job
-from vibeam.solvers.flight import FlightSolver
-from vibeam.solvers.kernels.layout import EVERYTHING, OUTPUT_ALONE
-from vibeam.state import State
+from vibeam.flight.kernels.layout import EVERYTHING, OUTPUT_ALONE
+from vibeam.flight.solver import FlightSolver
+from vibeam.system.state import State
 
 NEAR = 0.02  # of the drive period: how far two impacts may be apart and still be the same one
 OBSERVED = 50  # periods of 250 over which a sweep also takes extremes and modal energies

@@ -1,0 +1,1 @@
+"""Contact laws: restitution laws and compliant stops."""

@@ -1,0 +1,187 @@
+"""Stops that yield: the contact lasts, and its force is a function of the penetration d and its rate.
+
+All of them push only. Contact begins where d = 0 is crossed inwards; the force is zero wherever the formula would pull.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import acos, acosh, exp, inf, log1p, sinh, sqrt
+from typing import TYPE_CHECKING, ClassVar
+
+from vibeam_models.arguments import number, real, refuse
+
+if TYPE_CHECKING:
+    from vibeam_models.laws.restitution import VelocityRestitution
+    from vibeam_models.scene import Stop
+
+
+@dataclass(frozen=True)
+class LinearStop:
+    """F = k d + c d′ while that is positive and d > 0: ``stiffness`` k > 0 in N/m, ``damping`` c ≥ 0 in N s/m.
+
+    With damping the force vanishes before d does: the contact ends there, without adhesion. ValueError otherwise.
+    """
+
+    stiffness: float
+    damping: float = 0.0
+
+    name: ClassVar[str] = "linear"  #: as ``law`` of a case's stop has it
+
+    def __post_init__(self) -> None:
+        faults: list[str] = []
+        object.__setattr__(self, "stiffness", number("stiffness", self.stiffness, faults, above=0.0))
+        object.__setattr__(self, "damping", number("damping", self.damping, faults, least=0.0))
+        refuse("stop", faults)
+
+    @classmethod
+    def matched(cls, stiffness: float, restitution: float, mass: float) -> LinearStop:
+        """The stop that gives back a free ``mass`` (kg) the share ``restitution`` in (0, 1] of its velocity.
+
+        For several modes the mass is 1/S, S = w M⁻¹ wᵀ: with k → ∞ the contact then goes over to that restitution.
+        """
+        faults: list[str] = []
+        stiff, heavy = number("stiffness", stiffness, faults, above=0.0), number("mass", mass, faults, above=0.0)
+        refuse("stop", faults)
+        return cls(stiff, 2 * contact_damping_ratio(restitution) * sqrt(stiff * heavy))
+
+    def damping_ratio(self, mass: float) -> float:
+        """ζ = c / 2√(km) of a free ``mass`` (kg) in contact."""
+        return self.damping / (2 * sqrt(self.stiffness * mass))
+
+    def restitution(self, mass: float) -> float:
+        """R of a free ``mass`` (kg): see ``linear_restitution``."""
+        return linear_restitution(self.damping_ratio(mass))
+
+    def duration(self, mass: float) -> float:
+        """Contact time in s of a free ``mass`` (kg): 2θ / (ω sin θ), ζ = cos θ, or its hyperbolic form."""
+        zeta, omega = self.damping_ratio(mass), sqrt(self.stiffness / mass)
+        if zeta < 1:
+            angle = acos(zeta)
+            return 2 * angle / (omega * sqrt(1 - zeta**2)) if angle > 0 else 2 / omega
+        angle = acosh(zeta)
+        return 2 * angle / (omega * sinh(angle)) if angle > 0 else 2 / omega
+
+
+def linear_restitution(zeta: float) -> float:
+    """R = e^{−2θ cot θ} with ζ = cos θ (ζ < 1), e^{−2α coth α} with ζ = cosh α (ζ > 1), e⁻² between them.
+
+    Of m d″ + c d′ + k d = 0, d(0) = 0: the force is m times the deceleration, so contact ends where d″ = 0, that is
+    where tan wt = tan 2θ: after 2θ/w, with d′ = −v e^{−σt}.
+    """
+    if zeta == 1:
+        return exp(-2)
+    if zeta > 1:
+        angle = acosh(zeta)
+        return exp(-2 * angle / (sqrt(zeta**2 - 1) / zeta))
+    return exp(-2 * acos(zeta) * zeta / sqrt(1 - zeta**2))
+
+
+def contact_damping_ratio(restitution: float) -> float:
+    """The ζ of ``linear_restitution`` for R in (0, 1]; ValueError outside. Bisected: R falls steadily with ζ."""
+    if not 0 < (real(restitution) or 0.0) <= 1:
+        raise ValueError(f"restitution: {restitution!r} is outside (0, 1], which is what a linear stop can give")
+    low, high = 0.0, 1.0
+    while linear_restitution(high) > restitution:
+        low, high = high, 2 * high
+    return _bisected(lambda zeta: linear_restitution(zeta) - restitution, low, high)
+
+
+@dataclass(frozen=True)
+class HuntCrossley:
+    """F = k d^p (1 + a d′): ``stiffness`` k > 0 in N/m^p, ``damping`` a ≥ 0 in s/m, ``exponent`` p ≥ 1 (3/2: a sphere).
+
+    a = 0 is Hertz's law. ValueError otherwise.
+    """
+
+    stiffness: float
+    damping: float = 0.0
+    exponent: float = 1.5
+
+    def __post_init__(self) -> None:
+        faults: list[str] = []
+        object.__setattr__(self, "stiffness", number("stiffness", self.stiffness, faults, above=0.0))
+        object.__setattr__(self, "damping", number("damping", self.damping, faults, least=0.0))
+        object.__setattr__(self, "exponent", number("exponent", self.exponent, faults, least=1.0))
+        refuse("stop", faults)
+
+    @property
+    def name(self) -> str:
+        """As ``law`` of a case's stop has it."""
+        return "hunt-crossley" if self.damping else "hertz"
+
+    @classmethod
+    def matched(cls, stiffness: float, restitution: float, velocity: float, exponent: float = 1.5) -> HuntCrossley:
+        """The stop that gives a free mass hitting at ``velocity`` (m/s) back the share ``restitution`` in (0, 1]."""
+        if not (real(velocity) or 0.0) > 0:
+            raise ValueError("stop: the velocity at which the restitution holds must be a finite number above 0")
+        return cls(stiffness, hunt_crossley_product(restitution) / velocity, exponent)
+
+    def restitution(self, velocity: float) -> float:
+        """R of a free mass hitting at ``velocity`` (m/s), whatever its mass, k and p."""
+        x = self.damping * velocity
+        if x == 0:
+            return 1.0
+        return _bisected(lambda r: _loss(x, r), 0.0, min(1.0, (1 - 1e-16) / x))
+
+    def depth(self, mass: float, velocity: float) -> float:
+        """Largest penetration in m of a free ``mass`` (kg) without damping: ½ m v² = k d^{p+1}/(p + 1)."""
+        power = self.exponent + 1
+        return float((power * mass * velocity**2 / (2 * self.stiffness)) ** (1 / power))
+
+
+def Hertz(stiffness: float, exponent: float = 1.5) -> HuntCrossley:
+    """F = k d^p, elastic: ``stiffness`` k in N/m^p."""
+    return HuntCrossley(stiffness, 0.0, exponent)
+
+
+def hunt_crossley_product(restitution: float) -> float:
+    """x = a v from a v (1 + R) = ln((1 + a v)/(1 − a v R)), R in (0, 1]; ValueError outside.
+
+    From m d′ dd′/(1 + a d′) = −k d^p dd, integrated from v to 0 and from 0 to −R v over the same depth.
+    """
+    if not 0 < (real(restitution) or 0.0) <= 1:
+        raise ValueError(f"restitution: {restitution!r} is outside (0, 1], which is what this law can give")
+    if restitution == 1:
+        return 0.0
+    return _bisected(lambda x: _loss(x, restitution), 0.0, (1 - 1e-16) / restitution)
+
+
+def _loss(x: float, restitution: float) -> float:
+    """(x (1 + R) − ln((1 + x)/(1 − xR))) / x², a power series where x is small; falls with R."""
+    if x < 0.05:
+        return float(-sum(x ** (j - 2) * (restitution**j - (-1) ** j) / j for j in range(2, 16)))
+    inside = -x * restitution
+    return float((x * (1 + restitution) - log1p(x) + (log1p(inside) if inside > -1 else -inf)) / x**2)
+
+
+def _bisected(function: Callable[[float], float], low: float, high: float) -> float:
+    """The zero of a falling function, to the last digit."""
+    for _ in range(200):
+        middle = (low + high) / 2
+        if middle in (low, high):
+            break
+        low, high = (middle, high) if function(middle) > 0 else (low, middle)
+    return (low + high) / 2
+
+
+CompliantStop = LinearStop | HuntCrossley
+
+
+def _law(stop: Stop, mobility: float) -> VelocityRestitution | CompliantStop:
+    """The law that the stop names; ``mobility`` S = w M⁻¹ wᵀ of the model: a linear stop's loss is matched for 1/S."""
+    from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution
+
+    loss, power = stop.usual_restitution, {} if stop.exponent is None else {"exponent": stop.exponent}
+    if stop.law == "linear" and stop.damping is not None:
+        return LinearStop(stop.stiffness or 0.0, stop.damping)
+    if stop.law == "linear":
+        return LinearStop.matched(stop.stiffness or 0.0, loss, 1 / mobility)
+    if stop.law == "hertz":
+        return Hertz(stop.hertz_stiffness or 0.0, **power)
+    if stop.law == "hunt-crossley":
+        return HuntCrossley.matched(stop.hertz_stiffness or 0.0, loss, stop.velocity or 0.0, **power)
+    if stop.speeds is not None:
+        return TableRestitution(stop.speeds, stop.restitutions or ())
+    return PlasticRestitution(loss, stop.velocity or 0.0, **power)

@@ -1,0 +1,87 @@
+"""Every file in ``cases/`` runs, short, and meets its references there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vibeam
+from vibeam.case.case import Case
+from vibeam.case.reference_curves import reference_points
+from vibeam.studies.regression import expectations as expect
+from vibeam.studies.regression.references import check
+from vibeam.system.response import Ended
+
+STEPPED = ("direct", "zhuravlev", "ivanov", "moreau")
+ANALYTICAL = ("mapping", "averaging")  # they say where they have no motion
+FILES = sorted((Path(__file__).parents[3] / "cases").rglob("*.toml"))
+
+
+def shortened(file: Path, **more: object) -> Case:
+    """The case at five of its reference's frequencies, the ends and the middle among them."""
+    case = vibeam.load(file)
+    if not case.references:
+        return expecting(case, **more)
+    first = next(iter(case.references.values()))
+    there = sorted({p.frequency for p in reference_points(first) if p.value is not None})
+    few = [there[round(i)] for i in np.linspace(0, len(there) - 1, 5)]
+    return vibeam.load(file, set={"sweep.frequency": few} | more)
+
+
+def expecting(case: Case, **more: object) -> Case:
+    """The case at the frequencies where it expects something, and near them where that is of whole branches.
+
+    Integration by steps, which takes seconds a point, settles from rest at one frequency in fewer periods. What is read
+    off a figure needs no sweep; the peaks of the experiment lie anywhere in it.
+    """
+    swept = [each for each in case.expectations.values() if each.show is None]
+    wanted = {each.frequency for each in swept if each.frequency is not None}
+    whole = any(each.frequency is None for each in swept)
+    if not swept or (whole and case.path.parent.name == "experiment"):
+        return vibeam.load(case.path, set=more if swept else {"sweep.frequency": [14.5]} | more)
+    near = 0.04 if whole else 1e-9
+    grid = [f for f in case.sweep.frequency.tolist() if any(np.isclose(f, each, rtol=near) for each in wanted)]
+    stepped = any(each.solver in STEPPED for each in case.fidelities.values())
+    settle = {"sweep.settle": 60, "sweep.direction": "up"} if stepped else {}
+    return vibeam.load(case.path, set={"sweep.frequency": grid} | settle | more)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_a_case_runs_and_meets_its_references(file: Path) -> None:
+    case = shortened(file)
+    result = vibeam.run(case, show=False)
+    for name, branches in result.items():
+        for _, response in branches.items():
+            there = response.ended == Ended.COMPLETE.code
+            without = case.fidelities[name].solver in ANALYTICAL and response.ended == Ended.NO_ORBIT.code
+            assert np.all(there | without)
+            assert np.all(np.isfinite(response.amplitude[there]))
+    rows = check(case, result, partial=True) + expect.check(case, result, partial=True)
+    assert rows
+    assert all(row.passed and row.points for row in rows), rows
+
+
+def test_every_numerical_figure_of_the_paper_has_its_case() -> None:
+    numbers = {int(file.stem.removeprefix("fig")) for file in FILES if file.parent.name == "paper"}
+    assert numbers == {3, 5, 6, 7, 8, 9, 10, 11, 13, 14}
+
+
+def test_every_experiment_of_the_paper_has_its_case() -> None:
+    names = {file.stem for file in FILES if file.parent.name == "experiment"}
+    assert names == {"fig17", "fig20", "fig21", "fig22", "fig25", "fig27", "fig28", "ridge"}
+
+
+@pytest.mark.parametrize("change", [{"stop.restitution": 0.62}, {"sdof.damping_ratio": 0.02}])
+def test_an_expected_number_can_be_missed(change: dict[str, float]) -> None:
+    file = next(f for f in FILES if f.stem == "fig11")
+    case = shortened(file, **change)
+    rows = {row.reference: row.passed for row in expect.check(case, vibeam.run(case, show=False), partial=True)}
+    assert not rows["of_the_exact"]
+
+
+def test_a_reference_can_be_missed() -> None:
+    file = next(f for f in FILES if f.stem == "dtu_neutral")
+    case = shortened(file, **{"stop.restitution": 0.7201})
+    assert not any(row.passed for row in check(case, vibeam.run(case), partial=True))

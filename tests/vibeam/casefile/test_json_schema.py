@@ -1,0 +1,88 @@
+"""The JSON schema of case files: it takes what a case may be, and refuses what an editor can see to be none."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+from jsonschema import Draft202012Validator
+
+from vibeam.casefile.documentation import reference_table, template
+from vibeam.casefile.json_schema import case_schema
+
+CASES = sorted((Path(__file__).parents[3] / "cases").rglob("*.toml"))
+SCHEMA = case_schema()
+VALIDATOR = Draft202012Validator(SCHEMA)
+
+
+def case() -> dict[str, Any]:
+    return tomllib.loads(template())
+
+
+def test_it_is_a_schema_that_json_can_hold() -> None:
+    Draft202012Validator.check_schema(SCHEMA)
+    assert json.loads(json.dumps(SCHEMA, allow_nan=False)) == SCHEMA
+
+
+@pytest.mark.parametrize("file", CASES, ids=lambda file: file.stem)
+def test_every_case_fits_it(file: Path) -> None:
+    VALIDATOR.validate(tomllib.loads(file.read_text(encoding="utf-8")))
+
+
+def test_the_template_fits_it_with_and_without_what_is_optional() -> None:
+    VALIDATOR.validate(case())
+    lines = [line.removeprefix("# ") for line in template().splitlines()]
+    keys = [line for line in lines if re.match(r"\[\[?[a-z_.]+\]\]?$|[a-z_]+ = ", line)]
+    whole = tomllib.loads("\n".join(keys))
+    assert {"added_mass", "shaker", "influence"} <= set(whole)
+    VALIDATOR.validate(whole)
+
+
+@pytest.mark.parametrize(
+    ("path", "value"),
+    [
+        ("beam.length", "long"),
+        ("beam.length", -1),
+        ("beam.length", True),
+        ("beam.lenght", 1),
+        ("beam.elements", 0),
+        ("beam.elements", 1.5),
+        ("beam.damping", "none"),
+        ("beam.damping", []),
+        ("stop.restitution", 1.5),
+        ("stop.law", "hooke"),
+        ("sweep.frequency", "14 Hz"),
+        ("sweep.frequency.points", "many"),
+        ("fidelity.sdof.solver", "ode"),
+        ("fidelity.sdof.set", {}),
+        ("fidelity.sdof.without", ["stop.gap", "stop.gap"]),
+        ("expect", {"a": {"fidelity": "sdof"}}),
+        ("cost", {"solvers": []}),
+        ("sdof", {"natural_frequency": 1}),
+        ("title", None),
+    ],
+)
+def test_what_is_no_case_does_not_fit(path: str, value: Any) -> None:
+    tables = case()
+    *above, last = path.split(".")
+    place = tables
+    for name in above:
+        place = place[name]
+    place[last] = value
+    assert not VALIDATOR.is_valid(tables)
+
+
+def test_it_explains_every_key() -> None:
+    explained = {
+        (name, key.get("description"))
+        for table in SCHEMA["$defs"].values()
+        for name, key in table["properties"].items()
+    }
+    grid = SCHEMA["$defs"]["SweepTable"]["properties"]["frequency"]["anyOf"][0]["properties"]
+    explained |= {(name, key["description"]) for name, key in grid.items()}
+    assert {(row.key, row.meaning) for row in reference_table()} <= explained
+    assert '"written"' not in json.dumps(SCHEMA)

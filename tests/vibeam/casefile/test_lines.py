@@ -1,0 +1,117 @@
+"""Lines of keys: against texts that could fool a scan, and against the parser on generated ones."""
+
+import tomllib
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from vibeam.casefile.canonical import name_of, written
+from vibeam.casefile.toml import key_lines, key_parts
+
+TRAPS = '''title = "x" # [comment]
+a.b . "c d" = 1
+several = """
+[beam]
+length = 1 ""\\\\""""
+literal = \'\'\'
+[x] = 'y\'\'\'\'
+list = [
+  1, # ] no
+  "a]", [2,
+   3],
+]
+empty = ""
+quoted = """"q" """
+grid = { from = 1, to = { x = [1, {y=2}], 'z.z' = 3 } }
+[beam] # here
+length = '#'
+[fidelity . "x y"]
+when = 1979-05-27 07:32:00
+[[added_mass]]
+mass = 1
+  [[added_mass.sub]]
+  q = 1
+[[added_mass]]
+mass = 2
+  [added_mass.deep]
+  z = 1
+[late.table]
+x = 1
+[late]
+'''
+WHERE = {
+    ("title",): 1,
+    ("a", "b", "c d"): 2,
+    ("several",): 3,
+    ("literal",): 6,
+    ("list",): 8,
+    ("list", 1): 10,
+    ("list", 2, 1): 11,
+    ("empty",): 13,
+    ("quoted",): 14,
+    ("grid", "from"): 15,
+    ("grid", "to", "x", 1, "y"): 15,
+    ("grid", "to", "z.z"): 15,
+    ("beam",): 16,
+    ("beam", "length"): 17,
+    ("fidelity",): 18,
+    ("fidelity", "x y", "when"): 19,
+    ("added_mass", 0): 20,
+    ("added_mass", 0, "mass"): 21,
+    ("added_mass", 0, "sub", 0, "q"): 23,
+    ("added_mass", 1): 24,
+    ("added_mass", 1, "mass"): 25,
+    ("added_mass", 1, "deep", "z"): 27,
+    ("late", "table"): 28,
+    ("late",): 30,
+}
+
+
+def paths(value, above=()):
+    """Every path in a parsed text."""
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for name, inner in items:
+        yield (*above, name)
+        yield from paths(inner, (*above, name))
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_each_key_has_its_line(end):
+    found = key_lines(TRAPS.replace("\n", end))
+    assert {path: found.get(path) for path in WHERE} == WHERE
+
+
+def test_nothing_is_found_that_the_parser_does_not_find():
+    assert set(key_lines(TRAPS)) == set(paths(tomllib.loads(TRAPS)))
+
+
+values = st.recursive(
+    st.integers(-99, 99) | st.booleans() | st.text(st.characters(codec="utf-8"), max_size=6),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text(st.characters(codec="utf-8")), inner, max_size=3)
+    ),
+    max_leaves=8,
+)
+
+
+@settings(deadline=None)
+@given(st.dictionaries(st.text(st.characters(codec="utf-8"), max_size=5), values, max_size=6))
+def test_any_text_has_the_lines_at_which_its_keys_were_written(tables):
+    text = "".join(f"{name_of(name)} = {written(value)}\n" for name, value in tables.items())
+    found = key_lines(text)
+    assert set(found) == set(paths(tomllib.loads(text)))
+    assert [found[name,] for name in tables] == list(range(1, len(tables) + 1))
+
+
+@pytest.mark.parametrize(
+    ("key", "parts"), [("a", ["a"]), ("a.b-c.0", ["a", "b-c", "0"]), ('a . "b.c"', ["a", "b.c"]), ("'é'", ["é"])]
+)
+def test_dotted_keys(key, parts):
+    assert key_parts(key) == parts
+
+
+@pytest.mark.parametrize("key", ["", "a.", ".a", "a b", "a\nb", "é", "a = 1\nb", "#", "a = 1 #", "a = {} #"])
+def test_what_is_no_dotted_key(key):
+    with pytest.raises(ValueError, match=r"."):
+        key_parts(key)

@@ -1,0 +1,134 @@
+"""What [stop] can say beyond one coefficient: the system that comes of it, and the faults."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import vibeam
+from vibeam.case.faults import CaseError
+from vibeam.casefile.read import parse
+from vibeam_models.laws.compliant import HuntCrossley, LinearStop
+from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution
+
+RIG = """
+[beam]
+length = "180 mm"
+width = "20 mm"
+thickness = "1.034 mm"
+youngs_modulus = "210 GPa"
+density = "7850 kg/m^3"
+damping_ratio = 0.017
+[mass]
+mass = "0.2 kg"
+position = "132 mm"
+[stop]
+gap = "0.1 mm"
+STOP
+[sensor]
+position = "100 mm"
+[drive]
+amplitude = "0.1 mm"
+[sweep]
+frequency = ["14 Hz", "15 Hz", "16 Hz"]
+settle = 30
+hold = 10
+direction = "up"
+[fidelity.two]
+reduction = "modal"
+modes = 2
+"""
+
+
+def made(stop: str) -> vibeam.ImpactSystem:
+    return parse(RIG.replace("STOP", stop)).system("two")
+
+
+def faults(stop: str) -> str:
+    with pytest.raises(CaseError) as caught:
+        parse(RIG.replace("STOP", stop), "mine.toml")
+    return str(caught.value)
+
+
+def test_without_a_law_nothing_of_it_is_there() -> None:
+    plain = parse(RIG.replace("STOP", "restitution = 0.72"))
+    assert plain.system("two").beyond_plain == ()
+    named = parse(RIG.replace("STOP", 'restitution = 0.72\nlaw = "restitution"')).system("two")
+    assert (named.restitution, named.beyond_plain) == (0.72, ())
+    for key in ("law", "stiffness", "drift", "second_gap", "velocity"):
+        assert f"\n{key} =" not in plain.numbers
+
+
+def test_every_law_is_built() -> None:
+    linear = made('law = "linear"\nstiffness = "1e6 N/m"\ndamping = "12 N s/m"').law
+    assert linear == LinearStop(1e6, 12.0)
+    system = made('law = "linear"\nstiffness = "1 kN/mm"\nrestitution = 0.72')
+    assert isinstance(system.law, LinearStop)
+    mass = 1 / float(np.sum(system.contact**2))
+    assert system.law.restitution(mass) == pytest.approx(0.72, rel=1e-12)
+    assert made('law = "hertz"\nhertz_stiffness = 1e9').law == HuntCrossley(1e9, 0.0, 1.5)
+    hunt = made(
+        'law = "hunt-crossley"\nhertz_stiffness = 1e9\nrestitution = 0.7\nvelocity = "50 mm/s"\nexponent = 2'
+    ).law
+    assert isinstance(hunt, HuntCrossley)
+    assert (hunt.exponent, hunt.restitution(0.05)) == (2.0, pytest.approx(0.7, rel=1e-12))
+    plastic = made('law = "velocity restitution"\nrestitution = 0.6\nvelocity = "0.1 m/s"').law
+    assert plastic == PlasticRestitution(0.6, 0.1)
+    table = made('law = "velocity restitution"\nspeeds = ["10 mm/s", "0.1 m/s"]\nrestitutions = [0.8, 0.6]').law
+    assert table == TableRestitution((0.01, 0.1), (0.8, 0.6))
+    assert made('restitution = 0.72\nsecond_gap = "1 mm"').second_gap == pytest.approx(1e-3)
+
+
+@pytest.mark.parametrize(
+    ("stop", "said"),
+    [
+        ("", "stop.restitution: missing (speed after over speed before an impact): write restitution = 0.72"),
+        ('law = "linear"\nrestitution = 0.7', "stop.stiffness: missing"),
+        ('law = "linear"\nstiffness = 1e6', "stop.damping: the loss of the linear stop is not said"),
+        ('law = "linear"\nstiffness = 1e6\nrestitution = 0.7\ndamping = 1', "is said twice"),
+        ('law = "linear"\nstiffness = 1e6\nrestitution = 0', "stop.restitution: 0 is more than"),
+        ('law = "hertz"\nhertz_stiffness = 1e9\nrestitution = 0.7', 'stop.restitution: does not go with law = "hertz"'),
+        ('law = "hertz"\nhertz_stiffness = 1e9\nexponent = 0.5', "stop.exponent: 0.5 is below 1"),
+        ('law = "hunt-crossley"\nhertz_stiffness = 1e9\nrestitution = 0.7', "stop.velocity: missing"),
+        ('law = "velocity restitution"\nspeeds = [0.1, 0.2]\nrestitutions = [0.5]', "1 numbers for 2 speeds"),
+        ('restitution = 0.7\nstiffness = "1 N/m"', 'stop.stiffness: does not go with law = "restitution"'),
+        ('law = "linear"\nstiffness = "1 N"', "not a stiffness"),
+        ('law = "linaer"', "linear"),
+        ('restitution = 0.7\nsecond_gap = "-0.1 mm"', "stop.second_gap: must be above −gap"),
+        ('restitution = 0.7\ndrift = ["0 mm"]', "stop.drift_frequency: missing"),
+        ("restitution = 0.7\ndrift = [0.0]\ndrift_frequency = [14, 16]", "stop.drift: 1 numbers for 2 frequencies"),
+        (
+            'law = "hertz"\nhertz_stiffness = 1e9\nrestitution_of = "first mode"',
+            'stop.restitution_of: "first mode" does not go',
+        ),
+    ],
+)
+def test_what_does_not_go_together_is_said_at_its_key(stop: str, said: str) -> None:
+    assert said in faults(stop)
+
+
+def test_a_gap_that_drifts_is_another_gap_at_each_frequency() -> None:
+    stop = 'restitution = 0.72\ndrift_frequency = ["14 Hz", "16 Hz"]\ndrift = ["0 mm", "0.04 mm"]'
+    case = parse(RIG.replace("STOP", stop))
+    found = vibeam.run(case)["two"].up
+    system, state = case.system("two"), None
+    assert system.beyond_plain == ()
+    for i, (frequency, more) in enumerate([(14.0, 0.0), (15.0, 2e-5), (16.0, 4e-5)]):
+        moved = replace(system, gap=system.gap + more)
+        omega = [2 * np.pi * frequency]
+        one = vibeam.sweep(moved, omega=omega, amplitude=1e-4, settle=30, hold=10, state=state, output="sensor")
+        assert found.reach[i] == pytest.approx(one.reach[0], rel=1e-6)
+        state = vibeam.simulate(moved, vibeam.Drive(omega[0], 1e-4), 40 / frequency, state).state
+    still = vibeam.run(parse(RIG.replace("STOP", "restitution = 0.72")))["two"].up
+    assert abs(still.amplitude[2] - found.amplitude[2]) > 1e-7
+
+
+def test_a_gap_that_closes_takes_what_rests_on_the_stop_along() -> None:
+    system = vibeam.ImpactSystem.from_modes([10.0], 0.1, 1.0, 1.0, gap=-1e-3, restitution=0.3)
+    falling = vibeam.sweep(
+        system, omega=[20.0, 21.0], amplitude=1e-7, settle=5, hold=5, drift=lambda w: -1e-4 * (w - 20)
+    )
+    assert falling.rest == pytest.approx([1.0, 1.0], rel=1e-14)
+    assert falling.maximum == pytest.approx([-1e-3, -1.1e-3], rel=1e-9)

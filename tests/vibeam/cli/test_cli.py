@@ -1,0 +1,385 @@
+"""The commands: what they print where, how they exit, and that a mistake leaves a message and no file."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import meshio
+import numpy as np
+import pytest
+from stand_in import RIG, SDOF, Solver
+from typer.testing import CliRunner
+
+from vibeam import __version__
+from vibeam.casefile.read import parse
+from vibeam.cli.main import app
+from vibeam.run import fidelity_sweep
+from vibeam.run.run import run
+
+TESTS = str(Path(__file__).parents[2] / "support")
+HANGS = 600  # seconds: only what never ends takes so long
+Command = Callable[..., Any]
+
+
+@pytest.fixture
+def command(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Command:
+    """``vibeam …`` in an empty folder, with a solver that takes no time."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(fidelity_sweep, "march", Solver())
+
+    def call(*words: object, expect: int = 0) -> Any:
+        result = CliRunner().invoke(app, [str(word) for word in words])
+        unexpected = result.exception is not None and not isinstance(result.exception, SystemExit)
+        assert not unexpected, repr(result.exception)
+        assert result.exit_code == expect, result.output
+        assert "Traceback" not in result.output
+        return result
+
+    return call
+
+
+@pytest.fixture
+def sdof(tmp_path: Path) -> Path:
+    path = tmp_path / "sdof.toml"
+    path.write_text(SDOF, encoding="utf-8")
+    return path
+
+
+def test_run_writes_results_and_figures_and_goes_on(command: Command, sdof: Path, tmp_path: Path) -> None:
+    first = command("run", sdof)
+    assert {path.name for path in tmp_path.iterdir()} == {"sdof.toml", "sdof.h5", "sdof.png", "sdof.svg"}
+    assert first.stdout.splitlines()[-3:] == ["sdof.h5", "sdof.png", "sdof.svg"]
+    assert "Accuracy and cost" in first.stdout
+    again = command("run", sdof)
+    assert again.stderr == "all 10 points are there already\n"
+    assert again.stdout == first.stdout
+
+
+def test_run_says_that_it_continues(
+    command: Command, sdof: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(fidelity_sweep, "march", Solver(fail_at=4, failure=KeyboardInterrupt()))
+    stopped = command("run", sdof, expect=130)
+    assert stopped.stderr == "stopped: 4 of 10 points are kept in sdof.h5: the same command goes on from there\n"
+    assert stopped.stdout == ""
+    monkeypatch.setattr(fidelity_sweep, "march", Solver())
+    assert command("run", sdof).stderr == "continuing: 4 of 10 points are there\n"
+
+
+def test_run_takes_overrides_and_a_folder(command: Command, sdof: Path, tmp_path: Path) -> None:
+    (tmp_path / "there").mkdir()
+    words = ("--set", "sweep.frequency.points=3", "--set", 'sweep.direction="up"', "--out", "there", "--json")
+    found = json.loads(command("run", sdof, *words).stdout)
+    assert found["files"] == ["there/sdof.h5", "there/sdof.png", "there/sdof.svg"]
+    assert (found["total"], found["found"]) == (3, 0)
+    assert found["fidelities"][0]["fidelity"] == "sdof"
+    other = ("--set", "sdof.damping_ratio=0.5", "--out", "there")
+    assert command("run", sdof, *other, expect=2).stderr.count("\n") == 1
+    assert command("run", sdof, *other, "--fresh").stderr == ""
+
+
+def test_run_says_what_it_keeps_of_a_changed_case(command: Command, sdof: Path) -> None:
+    grid = ("--set", "sweep.frequency.from=1 Hz", "--set", "sweep.frequency.to=2 Hz")
+    command("run", sdof, *grid)
+    more = ("--set", "sweep.frequency.to=2.5 Hz", "--set", "sweep.frequency.points=7")
+    told = command("run", sdof, *grid[:2], *more).stderr.splitlines()
+    assert told[0] == "sdof.h5: extended: sdof/up (5 of 7 points); swept anew: sdof/down"
+    assert told[1] == "continuing: 5 of 14 points are there"
+    assert command("check", with_reference(sdof, curve_of(sdof)), "--out", "sdof.h5", "--fresh").stderr == ""
+
+
+def curve_of(case: Path, columns: str = "amplitude") -> str:
+    branch = run(parse(case.read_text(encoding="utf-8"), case))["sdof"].up
+    assert branch is not None
+    rows = zip(branch.frequency, getattr(branch, columns), strict=True)
+    return "\n".join([f"frequency_hz,direction,{columns}", *(f"{float(f)!r},up,{float(a)!r}" for f, a in rows)]) + "\n"
+
+
+def with_reference(case: Path, text: str) -> Path:
+    case.with_name("curve.csv").write_text(text, encoding="utf-8")
+    table = '\n[reference.exact]\nfile = "curve.csv"\nfidelity = "sdof"\nquantity = "amplitude"\ntolerance = "0.1 %"\n'
+    case.write_text(case.read_text(encoding="utf-8") + table, encoding="utf-8")
+    return case
+
+
+def test_check_passes_misses_and_says_which(command: Command, sdof: Path) -> None:
+    checked = with_reference(sdof, curve_of(sdof))
+    assert "passed" in command("check", checked).stdout
+    assert json.loads(command("check", checked, "--json").stdout)[0]["passed"] is True
+    curve = sdof.with_name("curve.csv")
+    curve.write_text(curve.read_text(encoding="utf-8").replace("up,0.", "up,0.9"), encoding="utf-8")
+    assert "missed" in command("check", checked, expect=1).stdout
+    assert json.loads(command("check", checked, "--json", expect=1).stdout)[0]["passed"] is False
+    assert not list(sdof.parent.glob("*.h5"))
+
+
+@pytest.mark.parametrize("name", ["run", "check"])
+def test_references_that_are_none_are_told_before_anything_is_computed(command: Command, sdof: Path, name: str) -> None:
+    with_reference(sdof, "1,up,2\n")
+    sdof.with_name("other.csv").write_text("frequency_hz,direction,amplitude\n1,left,2\n", encoding="utf-8")
+    table = '[reference.other]\nfile = "other.csv"\nfidelity = "sdof"\nquantity = "amplitude"\ntolerance = 1\n'
+    sdof.write_text(sdof.read_text(encoding="utf-8") + table, encoding="utf-8")
+    assert command(name, sdof, "--out", "new/", expect=2).stderr.splitlines() == [
+        "curve.csv:1: does not begin with the names of its columns: write frequency_hz,direction,amplitude",
+        "other.csv:2: is no reference point: direction 'left' is neither up nor down",
+    ]
+    assert not (sdof.parent / "new").exists()
+
+
+def test_check_with_another_grid_says_how_much_it_compared(command: Command, sdof: Path) -> None:
+    checked = with_reference(sdof, curve_of(sdof))
+    row = json.loads(command("check", checked, "--set", "sweep.frequency.points=3", "--json", expect=1).stdout)[0]
+    assert (row["points"], row["total"]) == (3, 5)
+    assert "2 of 5 reference points are not in the sweep's grid" in row["notes"]
+
+
+def test_check_keeps_what_it_computes_where_it_is_told(command: Command, sdof: Path) -> None:
+    checked = with_reference(sdof, curve_of(sdof))
+    command("check", checked, "--out", "kept.h5")
+    assert command("check", checked, "--out", "kept.h5").stderr == "all 10 points are there already\n"
+
+
+def test_check_without_a_reference_says_so(command: Command, sdof: Path) -> None:
+    result = command("check", sdof)
+    assert "names no reference" in result.stderr
+    assert command("check", sdof, "--json").stdout == "[]\n"
+
+
+def test_derive_prints_and_writes_its_table(command: Command, tmp_path: Path) -> None:
+    assert "K_S" in command("derive", RIG).stdout
+    rows = json.loads(command("derive", RIG, "--json", "--out", "a.csv").stdout)
+    assert {"name", "symbol", "unit", "value", "reference", "error", "assumption"} <= set(rows[0])
+    assert len((tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()) == len(rows) + 1
+    assert "there is no beam" in command("derive", write(tmp_path, SDOF), expect=2).stderr
+
+
+def test_modes_prints_its_table_and_writes_shapes(command: Command, tmp_path: Path) -> None:
+    rows = json.loads(command("modes", RIG, "--json", "--count", 4, "--out", "a.vtu").stdout)
+    assert [row["number"] for row in rows] == [1, 2, 3, 4]
+    assert rows[0]["frequency"] == pytest.approx(7.60, abs=0.005)
+    assert rows[0]["first_mode_restitution"] == pytest.approx(0.72)
+    assert [round(rows[n - 1]["first_mode_restitution"], 2) for n in (1, 2)] == [0.72, 0.68]
+    mesh = meshio.read(tmp_path / "a.vtu")
+    assert mesh.cells[0].type == "line"
+    assert len(mesh.point_data) == 4
+    for field in mesh.point_data.values():
+        assert np.abs(field[:, 2]).max() == 1.0
+        assert not field[:, :2].any()
+    assert mesh.points[:, 0].max() == pytest.approx(0.18)
+    assert "R₁" in command("modes", RIG).stdout
+    assert ".vtu" in command("modes", RIG, "--out", "a.png", expect=2).stderr
+    assert "there is no beam" in command("modes", write(tmp_path, SDOF), expect=2).stderr
+    command("modes", RIG, "--count", 0, expect=2)
+
+
+def test_all_shares_make_one_in_the_whole_beam(command: Command) -> None:
+    rows = json.loads(command("modes", RIG, "--json", "--count", 1000).stdout)
+    assert rows[-1]["share"] == pytest.approx(1.0)
+    first = json.loads(command("modes", RIG, "--json", "--set", 'stop.restitution_of="first mode"').stdout)
+    assert {row["first_mode_restitution"] for row in first} == {0.72}
+    assert first[-1]["contact_restitution"] > first[0]["contact_restitution"]
+
+
+def test_new_writes_a_sound_case_once(command: Command, tmp_path: Path) -> None:
+    command("new")
+    assert parse((tmp_path / "case.toml").read_text(encoding="utf-8")).fidelities
+    before = (tmp_path / "case.toml").read_bytes()
+    assert "is there already" in command("new", expect=2).stderr
+    assert (tmp_path / "case.toml").read_bytes() == before
+    assert json.loads(command("new", "--out", "b.toml", "--json").stdout) == {"written": "b.toml"}
+    command("new", ".", expect=2)
+    assert command("new", "a/folder").stdout.startswith("wrote a/folder/case.toml: ")
+    assert ".toml, or a folder" in command("new", "case.tml", expect=2).stderr
+
+
+def test_keys_lists_every_key(command: Command) -> None:
+    assert "youngs_modulus" in command("keys").stdout
+    assert {"table", "key", "unit", "default", "meaning"} <= set(json.loads(command("keys", "--json").stdout)[0])
+    assert all(isinstance(row["default"], str) for row in json.loads(command("keys", "--json").stdout))
+
+
+@pytest.mark.parametrize(
+    ("name", "keys"),
+    [
+        ("clamp", {"stiffness"}),
+        ("[clamp]", {"stiffness"}),
+        ("stop.gap", {"gap"}),
+        ("sweep.frequency", {"frequency", "from", "to", "points"}),
+        ("sweep.frequency.from", {"from"}),
+        ("fidelity.beam.modes", {"modes"}),
+        ("fidelity.modes", {"modes"}),
+        ("added_mass.0.mass", {"mass"}),
+        ("added_mass", {"mass", "position"}),
+        ("title", {"title"}),
+        ("sdof", {"natural_frequency", "damping_ratio"}),
+    ],
+)
+def test_keys_of_one_table_or_one_name(command: Command, name: str, keys: set[str]) -> None:
+    assert {row["key"] for row in json.loads(command("keys", name, "--json").stdout)} == keys
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("stpo", "unknown key 'stpo'; did you mean 'stop'?"),
+        ("stop.gpa", "unknown key 'stop.gpa'; did you mean 'gap'?"),
+        ("stop.gap.x", "unknown key 'stop.gap.x'; stop.gap holds a value, no keys"),
+        ("fidelity.modse", "unknown key 'fidelity.modse'; did you mean 'modes'?"),
+        ("fidelity.beam.modse", "unknown key 'fidelity.beam.modse'; did you mean 'modes'?"),
+        ("clamp.xyz", "unknown key 'clamp.xyz'; known here: stiffness"),
+        ("x\x1b", r"unknown key 'x\x1b'; known here: accuracy,"),
+    ],
+)
+def test_keys_says_what_was_meant(command: Command, name: str, message: str) -> None:
+    assert command("keys", name, expect=2).stderr.startswith(message)
+
+
+def test_keys_prints_the_schema_of_a_case(command: Command) -> None:
+    from vibeam.casefile.json_schema import case_schema
+
+    assert json.loads(command("keys", "--schema").stdout) == case_schema()
+
+
+def test_version_and_help(command: Command) -> None:
+    assert command("--version").stdout == f"vibeam {__version__}\n"
+    text = command("--help").stdout
+    assert all(name in text for name in ("run", "derive", "check", "modes", "new", "keys"))
+
+
+def write(folder: Path, text: str) -> Path:
+    path = folder / "case.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+WRONG = {
+    "unknown key": ("densty = 1\n[beam]", "[beam]", "unknown key"),
+    "wrong unit": ('length = "180 kg"', 'length = "180 mm"', "is a mass, not a length"),
+    "negative length": ('length = "-180 mm"', 'length = "180 mm"', "beam.length"),
+    "mass beyond the tip": ('position = "190 mm"', 'position = "132 mm"', "beyond the tip"),
+    "sensor at the clamp": ('position = "0 mm"', 'position = "100 mm"', "sensor.position"),
+    "restitution": ("restitution = 1.2", "restitution = 0.72", "1.2 is outside [0, 1]"),
+    "empty sweep": ("points = 0", "points = 121", "sweep.frequency"),
+    "NaN": ("width = nan", 'width = "20 mm"', "beam.width"),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+@pytest.mark.parametrize("name", ["run", "check", "derive", "modes"])
+def test_a_wrong_case_is_a_message_and_no_file(command: Command, tmp_path: Path, name: str, wrong: str) -> None:
+    new, old, message = WRONG[wrong]
+    text = RIG.read_text(encoding="utf-8").replace(old, new, 1).split("[reference")[0]
+    path = write(tmp_path, text)
+    result = command(name, path, expect=2)
+    assert message in result.stderr
+    assert str(path) in result.stderr
+    assert result.stdout == ""
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("content", [b"", b"\x00\xff\x89HDF rubbish", b"a = [" * 9000, b"# text\n" * 1_500_000])
+def test_a_file_that_is_no_case(command: Command, tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "case.toml"
+    path.write_bytes(content)
+    for name in ("run", "check", "derive", "modes"):
+        assert str(path) in command(name, path, expect=2).stderr
+        assert str(tmp_path) in command(name, tmp_path, expect=2).stderr
+        assert "none.toml" in command(name, tmp_path / "none.toml", expect=2).stderr
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("setting", ["", "=", "stop.gap", "=1", "nonsense.key=1", "stop.gap=1 kg", "stop=1"])
+def test_a_wrong_override_is_a_message(command: Command, sdof: Path, setting: str) -> None:
+    assert "--set" in command("run", sdof, "--set", setting, expect=2).stderr
+    assert list(sdof.parent.iterdir()) == [sdof]
+
+
+def test_a_place_that_cannot_be_written_is_one_line(command: Command, sdof: Path) -> None:
+    for out in ("", "sdof.toml/a.h5", "sdof.toml/below/a.h5", "sdof.toml/", "a.txt", "sdof.toml", "a.h5.txt", "v1.2"):
+        assert command("run", sdof, "--out", out, expect=2).stderr.count("\n") == 1
+    assert "write v1.2/ for a new folder" in command("run", sdof, "--out", "v1.2", expect=2).stderr
+    assert list(sdof.parent.iterdir()) == [sdof]
+    sdof.with_name("a.h5").write_text("mine", encoding="utf-8")
+    assert "no vibeam result" in command("run", sdof, "--out", "a.h5", expect=2).stderr
+    assert sdof.with_name("a.h5").read_text(encoding="utf-8") == "mine"
+    assert command("derive", RIG, "--out", "sdof.toml/a.csv", expect=2).stderr.count("\n") == 1
+    assert command("modes", RIG, "--out", "a.h5/a.vtu", expect=2).stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("out", "file"),
+    [
+        ("some/new/folder/x.h5", "some/new/folder/x.h5"),
+        ("some/new/folder/", "some/new/folder/sdof.h5"),
+        ("some/new/folder", "some/new/folder/sdof.h5"),
+        ("v1.2/", "v1.2/sdof.h5"),
+        ("x.h5/", "x.h5/sdof.h5"),
+        (".", "sdof.h5"),
+    ],
+)
+def test_a_new_folder_is_made_for_what_is_written(command: Command, sdof: Path, out: str, file: str) -> None:
+    assert json.loads(command("run", sdof, "--out", out, "--json").stdout)["files"][0] == file
+    assert (sdof.parent / file).is_file()
+
+
+def test_every_command_makes_its_folder(command: Command, tmp_path: Path) -> None:
+    command("derive", RIG, "--out", "a/b/")
+    command("modes", RIG, "--count", 1, "--out", "a/c/shapes.vtu")
+    command("keys", "--out", "a/d/keys.csv")
+    files = {str(path.relative_to(tmp_path / "a")) for path in (tmp_path / "a").rglob("*.*")}
+    assert files == {"b/dtu_neutral_derive.csv", "c/shapes.vtu", "d/keys.csv"}
+
+
+def test_a_fidelity_that_cannot_be_built_is_a_message(command: Command, tmp_path: Path) -> None:
+    settings = ("--set", "stop.restitution=1", "--set", 'stop.restitution_of="first mode"')
+    result = command("run", RIG, *settings, expect=2)
+    assert "fidelity.beam" in result.stderr
+    assert not list(tmp_path.iterdir())
+
+
+STOPPED = """
+import importlib, os, signal, sys
+sys.path[:0] = {path!r}
+from stand_in import Solver
+from vibeam import fidelity_sweep
+from vibeam.cli import main
+
+def march(*given, **options):
+    for i, block in enumerate(Solver(pause=0.05)(*given, **options)):
+        yield block
+        if i == 3:
+            os.kill(os.getpid(), signal.SIGINT)  # four points are taken by now
+
+fidelity_sweep.march = march
+importlib.import_module("vibeam.run")._warm_up = lambda case, job: None
+sys.argv = ["vibeam", "run", {case!r}, "--set", "sweep.frequency.points=100000"]
+main()
+"""
+
+
+def test_ctrl_c_stops_keeps_and_says_how_to_go_on(sdof: Path, tmp_path: Path) -> None:
+    """The program interrupts itself; were it not to stop, it would go on for hours."""
+    script = STOPPED.format(path=[TESTS, *sys.path], case=str(sdof))
+    command = [sys.executable, "-c", script]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=HANGS, check=False)
+    assert done.returncode == 130
+    kept = re.search(r"stopped: (\d+) of 200000 points are kept in sdof.h5: the same command goes on", done.stderr)
+    assert kept
+    assert int(kept[1]) >= 4
+    assert "Traceback" not in done.stderr
+
+
+def test_the_module_is_the_command(tmp_path: Path) -> None:
+    places = os.pathsep.join(path for path in sys.path if path)
+    command = [sys.executable, "-m", "vibeam", "run", "none.toml"]
+    done = subprocess.run(
+        command, cwd=tmp_path, env=os.environ | {"PYTHONPATH": places}, capture_output=True, text=True, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", "none.toml: no such file\n")

@@ -1,0 +1,84 @@
+"""The command's standard streams: encodings without the characters, readers that went away, a full device."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from vibeam.cli.streams import legible
+
+RIG = Path(__file__).parents[3] / "cases" / "dtu_neutral.toml"
+MODES = ("modes", str(RIG), "--count", "2")
+
+
+def vibeam(*words: str, **options: Any) -> subprocess.CompletedProcess[bytes]:
+    """The command in a process of its own; ``environment`` and what ``subprocess.run`` takes as options."""
+    places = os.pathsep.join(path for path in sys.path if path)
+    environment = os.environ | {"PYTHONPATH": places} | options.pop("environment", {})
+    options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE} | options
+    return subprocess.run([sys.executable, "-m", "vibeam", *words], env=environment, check=False, **options)
+
+
+C_LOCALE = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+
+
+@pytest.mark.parametrize("environment", [{"PYTHONIOENCODING": "ascii"}, C_LOCALE, {"PYTHONIOENCODING": "ascii:strict"}])
+def test_tables_are_legible_where_the_encoding_lacks_their_characters(environment: dict[str, str]) -> None:
+    done = vibeam(*MODES, environment=environment)
+    assert (done.returncode, done.stderr) == (0, b"")
+    text = done.stdout.decode("ascii")
+    assert "R1 seen" in text
+    assert "kg^-1/2" in text
+    assert "\\u" not in text
+
+
+def test_json_is_the_same_in_every_encoding() -> None:
+    rows = [
+        json.loads(vibeam("derive", str(RIG), "--json", environment={"PYTHONIOENCODING": encoding}).stdout)
+        for encoding in ("ascii", "utf-8")
+    ]
+    assert rows[0] == rows[1]
+    assert rows[0][0]["symbol"] == "φ(L_m)"
+
+
+@pytest.mark.parametrize("words", [MODES, (*MODES, "--json"), ("--help",), ("--version",), ("keys", "--json")])
+def test_a_reader_that_has_gone_ends_the_command_in_silence(words: tuple[str, ...]) -> None:
+    there, here = os.pipe()
+    os.close(there)
+    try:
+        done = vibeam(*words, stdout=here)
+    finally:
+        os.close(here)
+    assert done.stderr == b""
+    assert done.returncode in (1, 141)
+
+
+@pytest.mark.parametrize("words", [MODES, (*MODES, "--json"), ("--help",), ("--version",)])
+def test_a_full_device_is_one_message(words: tuple[str, ...]) -> None:
+    with open("/dev/full", "wb") as full:
+        done = vibeam(*words, stdout=full)
+    assert done.returncode == 2
+    assert b"no space left on device" in done.stderr
+    assert b"Traceback" not in done.stderr
+
+
+def test_control_characters_of_a_file_name_are_escapes(tmp_path: Path) -> None:
+    name = "a\x1b[2J\u202e.toml"
+    (tmp_path / name).write_text("", encoding="utf-8")
+    done = vibeam("run", name, cwd=tmp_path)
+    assert done.stderr.decode().startswith(r"a\x1b[2J\u202e.toml: is empty")
+    made = vibeam("new", "--out", "b\x1b.toml", cwd=tmp_path)
+    assert made.stdout.decode().startswith(r"wrote b\x1b.toml: ")
+    assert json.loads(vibeam("new", "c\x9b.toml", "--json", cwd=tmp_path).stdout) == {"written": "c\x9b.toml"}
+
+
+def test_what_an_encoding_lacks_is_its_nearest_or_its_escape() -> None:
+    text = "R₁ – 5 µm ≥ é 世"
+    found, end = legible(UnicodeEncodeError("ascii", text, 0, len(text), ""))
+    assert (found, end) == (r"R1 - 5 um >= e \u4e16", len(text))

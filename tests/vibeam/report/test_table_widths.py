@@ -1,0 +1,106 @@
+"""Tables at every width: no number is cut, every row keeps its name, and 80 columns hold the main table."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from rich.cells import cell_len
+from rich.text import Text
+from stand_in import case, curve
+
+from vibeam.casefile.documentation import reference_table
+from vibeam.figures.fit import ReportTable, fitted
+from vibeam.report import tables as table
+from vibeam.run.result import Result
+from vibeam.run.summary import Distance, Summary, compare
+from vibeam.studies.derive import Row
+from vibeam.studies.regression.references import CheckRow
+from vibeam.system.response import Branches
+
+
+def summary(name: str, modes: int) -> Summary:
+    """The widest numbers that the main table of the neutral rig has."""
+    ends = (14.125, 16.675)
+    return Summary(
+        name, modes, 0.3866e-3, 15.525, "down", {"up": ends, "down": ends}, Distance(0.315, 0.2121, 60),
+        0.01234, 123.4, 123456, 12, 0.7212, -0.6041,
+    )  # fmt: skip
+
+
+SUMMARIES = [summary("sdof", 1), summary("two_modes", 2), summary("beam", 8)]
+MISSED = CheckRow("exact", "two_modes", "amplitude", 3, 4, 0.0123, 15.2, 0.01, False, ("one is off by much",))
+TABLES = {
+    "responses": lambda: table.responses(SUMMARIES),
+    "costs": lambda: table.costs(SUMMARIES),
+    "checks": lambda: table.checks([MISSED]),
+    "keys": lambda: table.keys(reference_table()),
+    "derivation": lambda: table.derivation([Row("mass, massless beam", "M_S", "kg", 0.41321, 0.40011, "point mass")]),
+}
+
+
+def cells(shown: ReportTable, right: bool) -> list[str]:
+    return [str(cell) for column in shown.columns if (column.justify == "right") is right for cell in column.cells]
+
+
+def printed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, name: str, width: int) -> str:
+    """What a terminal of that width shows."""
+    for key, value in {"FORCE_COLOR": "1", "COLUMNS": str(width), "NO_COLOR": "1", "TERM": "xterm"}.items():
+        monkeypatch.setenv(key, value)
+    table.show(TABLES[name]())
+    return Text.from_ansi(capsys.readouterr().out).plain
+
+
+@pytest.mark.parametrize("width", [40, 60, 80, 120])
+@pytest.mark.parametrize("name", TABLES)
+def test_no_number_is_cut_and_nothing_is_wider_than_the_terminal(
+    name: str, width: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = printed(capsys, monkeypatch, name, width)
+    for number in cells(TABLES[name](), right=True):
+        assert number in text
+    ours = sum(cell.count("…") for right in (True, False) for cell in cells(TABLES[name](), right))
+    assert text.count("…") == ours  # of the cells themselves
+    assert width < 60 or max(map(cell_len, text.splitlines())) <= width
+
+
+def test_eighty_columns_hold_the_main_tables() -> None:
+    for name in ("responses", "costs"):
+        assert len(fitted(TABLES[name](), 80)) == 1
+        assert len(fitted(TABLES[name](), 60)) == 2
+
+
+def test_every_further_table_says_what_its_rows_are_about() -> None:
+    first, second = fitted(TABLES["responses"](), 60)
+    assert list(second.columns[0].cells) == list(first.columns[0].cells) == ["sdof", "two_modes", "beam"]
+    assert second.title == "Response, continued"
+    shown = [str(column.header) for column in [*first.columns, *second.columns[second.heads :]]]
+    assert shown == [str(column.header) for column in TABLES["responses"]().columns]
+
+
+def test_a_column_that_says_nothing_is_left_out() -> None:
+    passed = replace(MISSED, passed=True, notes=())
+    headers = [[str(column.header) for column in fitted(table.checks(rows), 160)[0].columns] for rows in ([passed], [])]
+    assert "why" not in headers[0]
+    assert "why" in headers[1]  # of no rows at all the head is all there is
+    assert "why" in [str(column.header) for column in fitted(table.checks([passed, MISSED]), 160)[0].columns]
+
+
+def test_what_goes_into_a_file_is_in_one_piece(capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("responses", "costs", "checks"):
+        table.show(TABLES[name]())
+        assert "continued" not in capsys.readouterr().out
+
+
+def test_a_terminal_narrower_than_a_number_gets_the_number() -> None:
+    pieces = fitted(TABLES["responses"](), 5)
+    assert all(len(piece.columns) == 2 for piece in pieces)
+    assert all(
+        column.width == len("period") + 7 for piece in pieces for column in piece.columns if "14" in str(column.cells)
+    )
+
+
+def test_the_direction_of_the_peak_is_told_by_an_arrow() -> None:
+    one = Branches(curve([14, 15], [1e-3, 2e-3]), curve([15, 14], [1e-3, 3e-3]))
+    rows = compare(Result(case(), {"one": one}, None, 0, {}))
+    assert list(table.responses(rows).columns[5].cells) == ["14 ↓"]

@@ -1,0 +1,177 @@
+"""``vibeam stability``: axes, units, what the fidelities share, averaging beside it, files and faults."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from stand_in import RIG
+from typer.testing import CliRunner
+
+import vibeam
+from vibeam.case.case import Case
+from vibeam.casefile.read import parse
+from vibeam.cli.main import app
+from vibeam.report.stability import kinds_of_points, stability_figure
+from vibeam.studies.stability.study import stability
+
+NOMINAL = """
+title = "nominal"
+[sdof]
+damping_ratio = 0.015
+[stop]
+gap = 0.2e-3
+restitution = 0.9
+[drive]
+amplitude = 0.5e-3
+[sweep]
+frequency = { from = "1.6 rad/s", to = "2.9 rad/s", points = 5 }
+settle = 20
+hold = 5
+[fidelity.flown]
+[fidelity.averaged]
+solver = "averaging"
+"""
+FEW = {"points": 21, "frequencies": 27}
+Command = Callable[..., Any]
+
+
+@pytest.fixture(scope="module")
+def nominal() -> Case:
+    return parse(NOMINAL)
+
+
+@pytest.fixture
+def command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Command:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "nominal.toml").write_text(NOMINAL, encoding="utf-8")
+
+    def call(*words: object, expect: int = 0) -> Any:
+        result = CliRunner().invoke(app, ["stability", *map(str, words)])
+        assert result.exit_code == expect, result.output + repr(result.exception)
+        return result
+
+    return call
+
+
+def test_fidelities_of_one_model_share_a_map(nominal: Case) -> None:
+    found = stability(nominal, **FEW)
+    assert [one.fidelities for one in found.maps] == [("flown", "averaged")]
+    assert len(stability_figure(found).axes) == 1
+    kinds = kinds_of_points(found.maps[0].orbits)
+    assert kinds.shape == (21, 27)
+    assert {0, 2, 3} <= set(np.unique(kinds))
+
+
+def test_the_own_line_meets_the_boundaries_that_the_library_finds(nominal: Case) -> None:
+    (crossing,) = stability(nominal, **FEW).crossings
+    system = nominal.system("flown")
+    wanted = [b for b in vibeam.boundaries(system, 0.5e-3, (1.6, 2.9)) if b.kind is vibeam.Kind.DOUBLING and b.clear]
+    assert crossing.boundary == "period doubling"
+    assert crossing.frequency == wanted[0].omega / (2 * np.pi)
+    assert crossing.multipliers == "-1"
+    sides = [vibeam.orbits(system, vibeam.Drive(wanted[0].omega * share, 0.5e-3))[0].stable for share in (0.999, 1.001)]
+    assert sides == [True, False]
+
+
+def test_averaging_lies_beside_it(nominal: Case) -> None:
+    """Δ_MAX = Ω²B/3 √(1 + σ²/β₁²), β₁ = (β + (1 − R)/π)/2, where the branch leans to; Ω²B/3 on the other side."""
+    found = stability(nominal, **FEW).maps[0]
+    omega, averaged = found.orbits.omega, found.averaged
+    assert averaged is not None
+    sigma, decay = omega / 2 - 1, (0.015 + 0.1 / np.pi) / 2
+    force = omega**2 * 0.5e-3 / 3
+    fold = force * np.hypot(1, sigma / decay)
+    np.testing.assert_allclose(averaged[:, 1], np.where(sigma < 0, fold, force), rtol=1e-12)
+    np.testing.assert_allclose(averaged[:, 0], np.where(sigma < 0, -force, -fold), rtol=1e-12)
+    drive = stability(nominal, "drive", **FEW).maps[0].averaged
+    assert drive is not None
+    np.testing.assert_allclose(drive[:, 0], 0.5e-3 * 0.2e-3 / averaged[:, 1], rtol=1e-12)
+
+
+def test_exact_and_averaged_folds_meet_as_the_losses_vanish() -> None:
+    misses = []
+    for small in (0.04, 0.02):
+        settings = {"stop.restitution": 1 - small, "sdof.damping_ratio": 0.15 * small, "stop.gap": 0.8e-3}
+        settings["sweep.frequency"] = {
+            "from": f"{2 * (1 - small)} rad/s",
+            "to": f"{2 * (1 - small / 4)} rad/s",
+            "points": 3,
+        }
+        found = stability(parse(NOMINAL, set=settings), low=0.5e-3, high=3e-3, points=40, frequencies=13).maps[0]
+        fold = next(curve for curve in found.orbits.curves if curve.kind is vibeam.Kind.FOLD)
+        assert found.averaged is not None
+        at = [(gap, averaged) for omega, gap in zip(fold.omega, fold.gap, strict=True)
+              for averaged in found.averaged[found.orbits.omega == omega, 1]]  # fmt: skip
+        assert len(at) >= 5
+        misses.append(max(abs(gap / averaged - 1) for gap, averaged in at))
+    assert misses[1] < 0.75 * misses[0] < 0.1
+
+
+def test_axes_of_a_beam_are_in_volts_and_metres() -> None:
+    case = vibeam.load(RIG)
+    few = {"points": 3, "frequencies": 3, "fidelity": "sdof"}
+    volts = stability(case, "drive", "0.3 V", "900 mV", **few)
+    assert (volts.axis.unit, volts.axis.own, volts.axis.low, volts.axis.high) == ("V", pytest.approx(0.6), 0.3, 0.9)
+    np.testing.assert_allclose(volts.maps[0].orbits.values, case.base_amplitude * np.array([0.5, 1, 1.5]), rtol=1e-12)
+    gaps = stability(case, "gap", "-0.2 mm", "0.1 mm", **few)
+    np.testing.assert_allclose(gaps.maps[0].orbits.values, [-2e-4, -0.5e-4, 1e-4], rtol=1e-12)
+    assert stability(case, **few).axis.low < case.system("sdof").gap < stability(case, **few).axis.high
+
+
+def test_the_command_writes_what_it_says(command: Command, tmp_path: Path) -> None:
+    words = ("nominal.toml", "--points", 21, "--frequencies", 27)
+    shown = command(*words)
+    names = ["nominal_stability.csv", "nominal_stability.png", "nominal_stability.svg"]
+    assert shown.stdout.splitlines()[-3:] == names
+    assert "period doubling" in shown.stdout
+    assert {path.name for path in tmp_path.iterdir()} == {"nominal.toml", *names}
+    with (tmp_path / names[0]).open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["boundary"] for row in rows} >= {"fold", "grazing", "period doubling"}
+    svg = (tmp_path / names[2]).read_text(encoding="utf-8")
+    for word in ("stable", "unstable", "fold", "grazing", "period doubling", "averaging", "gap Δ", "Ω/ω"):
+        assert word in svg
+    found = json.loads(command(*words, "--json", "--out", "other.csv").stdout)
+    assert found["files"][0] == "other.csv"
+    assert found["crossings"][0]["boundary"] == "period doubling"
+    assert 0 < found["maps"][0]["stable"] < found["maps"][0]["admissible"] <= found["maps"][0]["exists"] < 1
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--over", "speed"), "none of gap, drive"),
+        (("--fidelity", "none"), "there are flown, averaged"),
+        (("--from", "1 mm"), "--from: '1 mm' is a length"),
+        (("--from", "2", "--to", "1"), "must ascend"),
+        (("--over", "drive", "--from", "0"), "must be > 0"),
+        (("--out", "a.png"), "ends in .csv"),
+        (("--set", "sweep.frequency=[0.3]"), "needs a range of frequencies"),
+    ],
+)
+def test_a_wrong_question_is_a_message_and_no_file(
+    command: Command, tmp_path: Path, words: tuple[str, ...], message: str
+) -> None:
+    result = command("nominal.toml", *words, expect=2)
+    assert message in result.stderr
+    assert result.stdout == ""
+    assert [path.name for path in tmp_path.iterdir()] == ["nominal.toml"]
+
+
+def test_longer_periods(nominal: Case) -> None:
+    """One impact in two periods near Ω = 4: the averaged resonance k = 2, Δ_MAX = Ω²B/15 where σ is 0."""
+    settings = {"sweep.frequency": {"from": "3.6 rad/s", "to": "4.4 rad/s", "points": 3}}
+    found = stability(parse(NOMINAL, set=settings), periods=2, **FEW).maps[0]
+    assert found.orbits.periods == 2
+    assert found.averaged is not None
+    assert found.averaged[13, 1] == pytest.approx(16 * 0.5e-3 / 15, rel=1e-9)
+    assert found.orbits.omega[13] == pytest.approx(4.0)
+    there = [vibeam.orbits(nominal.system("flown"), vibeam.Drive(4.0, 0.5e-3), periods=2)]
+    assert [orbit.stable for orbits in there for orbit in orbits][:1] == [True]
+    assert found.orbits.stable[:, 13].any()

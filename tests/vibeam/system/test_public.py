@@ -1,0 +1,232 @@
+"""What ``import vibeam`` offers to someone at a Python prompt."""
+
+from __future__ import annotations
+
+import ast
+import doctest
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+
+import vibeam
+from tests.vibeam.test_imports import loaded
+
+ROOT = Path(__file__).parents[3]
+SMALL = {"sweep.frequency.points": 5, "sweep.settle": 20, "sweep.hold": 10}
+SYSTEM = vibeam.ImpactSystem.from_modes(
+    [47.7, 635.0], 0.017, [2.12, 0.31], [0.46, 0.09], restitution=0.72, outputs={"sensor": [1.0, 2.0]}
+)
+
+
+def swept(direction: Any = "both") -> Any:
+    return vibeam.sweep(
+        SYSTEM, omega=[90.0, 95.0, 100.0], amplitude=1e-4, direction=direction, settle=20, hold=10, output="sensor"
+    )
+
+
+@pytest.fixture(scope="module")
+def result() -> vibeam.Result:
+    return vibeam.run(vibeam.load(ROOT / "cases" / "dtu_neutral.toml", set=SMALL | {"sweep.direction": "both"}))
+
+
+def test_all_public_names_are_there() -> None:
+    wanted = {"CaseError", "StoreError", "cost", "check", "modes", "plot", "load", "run", "Structure", "modal"}
+    assert wanted <= set(vibeam.__all__)
+    assert dir(vibeam) == vibeam.__all__ == sorted(vibeam.__all__)
+    for name in vibeam.__all__:
+        assert getattr(vibeam, name) is not None
+    names: dict[str, Any] = {}
+    exec("from vibeam import *", names)
+    assert set(vibeam.__all__) <= set(names)
+
+
+def test_the_type_checker_sees_the_same_names() -> None:
+    tree = ast.parse((ROOT / "vibeam" / "__init__.py").read_text(encoding="utf-8"))
+    block = next(node for node in tree.body if isinstance(node, ast.If))
+    seen = {alias.asname for node in block.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    assert seen == set(vibeam.__all__) - {"__version__"}
+
+
+@pytest.mark.parametrize("name", ["CaseError", "StoreError", "ImpactSystem", "State", "Structure", "modal"])
+def test_plain_names_load_nothing_heavy(name: str) -> None:
+    assert loaded(f"import vibeam\nvibeam.{name}") == []
+
+
+def test_functions_stay_what_they_are_when_a_module_of_their_name_is_loaded() -> None:
+    import vibeam.check
+    import vibeam.modes
+
+    import vibeam.report.plot
+    import vibeam.studies.cost.study
+
+    for name in ("check", "cost", "modes", "plot"):
+        assert callable(getattr(vibeam, name)), name
+
+
+def test_a_case_is_checked_and_its_modes_listed() -> None:
+    case = vibeam.load(ROOT / "cases" / "dtu_neutral.toml", set=SMALL)
+    rows = vibeam.check(case, partial=True)
+    assert rows
+    assert {row.fidelity for row in rows} <= set(case.fidelities)
+    table = vibeam.modes(case, 3)
+    assert [row.number for row in table.rows] == [1, 2, 3]
+    for count in (0, 1.5, "3", None):
+        with pytest.raises(ValueError, match="count"):
+            vibeam.modes(case, count)  # type: ignore[arg-type]
+
+
+def test_errors_of_files_are_caught_by_public_names(tmp_path: Path) -> None:
+    with pytest.raises(vibeam.CaseError):
+        vibeam.load(ROOT / "cases" / "dtu_neutral.toml", set={"sweep.frequency.points": "many"})
+    broken = tmp_path / "broken.h5"
+    broken.write_text("no results")
+    with pytest.raises(vibeam.StoreError):
+        vibeam.run(vibeam.load(ROOT / "cases" / "dtu_neutral.toml", set=SMALL), out=broken)
+
+
+def test_reprs_are_short_and_say_what_there_is(result: vibeam.Result) -> None:
+    path = vibeam.simulate(SYSTEM, vibeam.Drive(95.0, 1e-4), 1.0)
+    many = vibeam.ImpactSystem.from_modes(np.arange(1, 200.0), 0.0, 1.0, 1.0, coupling=np.eye(199), second_gap=1.0)
+    texts = [repr(each) for each in (SYSTEM, many, path, swept("up"), swept(), result, result.case)]
+    assert texts[0] == "ImpactSystem(2 modes, omega 47.7, 635 rad/s, gap=0, restitution=0.72, outputs sensor)"
+    assert "199 modes, omega 1, 2, 3, 4, … rad/s" in texts[1]
+    assert "second_gap=1" in texts[1]
+    assert re.fullmatch(r"Trajectory\(0 … 1 s, 2 modes, \d+ impacts, \d+ rests?, COMPLETE\)", texts[2])
+    assert texts[3] == "FrequencyResponse(3 points, 14.3239 … 15.9155 Hz, 2 modes)"
+    assert texts[4].startswith("Branches(up=FrequencyResponse(3 points")
+    for name in result:
+        assert f"  {name}: Branches(up=" in texts[5]
+    assert "dtu_neutral.toml" in texts[6]
+    for text in texts:
+        assert all(len(line) < 200 for line in text.splitlines())
+        assert "array" not in text
+        assert len(text.splitlines()) <= 1 + len(result)
+
+
+def test_a_response_says_how_many_points_failed() -> None:
+    blank = vibeam.FrequencyResponse.empty(np.array([10.0]), 1)
+    assert repr(blank) == "FrequencyResponse(1 point, 10 … 10 Hz, 1 mode, 1 not complete)"
+
+
+def test_an_unknown_fidelity_is_answered_by_the_known_ones(result: vibeam.Result) -> None:
+    name = next(iter(result))
+    with pytest.raises(KeyError, match=f"did you mean '{name}'"):
+        result[name + "s"]
+    with pytest.raises(KeyError, match="known here"):
+        result["xyzzy"]
+    assert result.get("xyzzy") is None
+    assert "xyzzy" not in result
+
+
+def test_responses_become_data_sets_with_units(result: vibeam.Result) -> None:
+    both = swept()
+    one, two, all_ = both.up.to_xarray(), both.to_xarray(), result.to_xarray()
+    np.testing.assert_array_equal(one.amplitude, both.up.amplitude)
+    assert dict(one.sizes) == {"frequency": 3, "mode": 2, "impact": 16}
+    assert (one.amplitude.attrs["units"], one.frequency.attrs["units"]) == ("m", "Hz")
+    assert one.impact_velocity.attrs["units"] == "m s-1"
+    assert one.ended.attrs["flag_meanings"].split()[int(one.ended[0])] == "COMPLETE"
+    for direction, response in both.items():
+        found = two.sel(direction=direction, frequency=response.frequency)
+        np.testing.assert_array_equal(found.amplitude, response.amplitude)
+        np.testing.assert_array_equal(found.mode_energy, response.mode_energy)
+    for name, branches in result.items():
+        for direction, response in branches.items():
+            found = all_.sel(fidelity=name, direction=direction, frequency=response.frequency)
+            np.testing.assert_array_equal(found.amplitude, response.amplitude)
+    assert all_.amplitude.attrs["units"] == "m"
+    assert isinstance(all_, xarray.Dataset)
+
+
+def test_responses_become_tables_with_units(result: vibeam.Result) -> None:
+    both = swept()
+    one, two, all_ = both.up.to_dataframe(), both.to_dataframe(), result.to_dataframe()
+    assert one["amplitude"].tolist() == both.up.amplitude.tolist()
+    assert one["mode_energy_2"].tolist() == both.up.mode_energy[:, 1].tolist()
+    assert set(one["ended"]) == {"COMPLETE"}
+    assert one.attrs["units"]["mode_energy_2"] == "J"
+    assert two[two["direction"] == "down"]["reach"].tolist() == both.down.reach.tolist()
+    assert len(all_) == result.total
+    assert set(all_["fidelity"]) == set(result)
+    assert all_.attrs["units"]["impact_velocity"] == "m s-1"
+    assert "direction" not in all_.attrs["units"]
+
+
+def test_a_model_without_dimensions_has_no_metres() -> None:
+    case = vibeam.load(ROOT / "cases" / "sdof_nominal.toml", set={"sweep.settle": 2, "sweep.hold": 2})
+    short = vibeam.run(case)
+    assert short.to_dataframe().attrs["units"]["amplitude"] == "1"
+    assert short.to_xarray().reach.attrs["units"] == "1"
+
+
+@pytest.mark.parametrize(("package", "method"), [("xarray", "to_xarray"), ("pandas", "to_dataframe")])
+def test_a_missing_package_is_named(package: str, method: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(ImportError, match=f"{method} needs the package {package}: pip install {package}"):
+        getattr(swept("up"), method)()
+
+
+def test_responses_and_results_are_drawn(result: vibeam.Result, tmp_path: Path) -> None:
+    both = swept()
+    figure = both.plot(tmp_path / "both.png", quantity="impact_velocity")
+    drawn = [line.get_ydata() for line in figure.axes[0].lines]
+    assert sum(map(len, drawn)) == 6
+    assert sorted(np.concatenate(drawn)) == sorted([*both.up.impact_velocity, *both.down.impact_velocity])
+    assert (tmp_path / "both.png").stat().st_size > 5000
+    assert vibeam.report.plot(both.up).axes[0].get_ylabel().startswith("amplitude")
+    assert result.plot(tmp_path / "result.svg").axes
+    assert (tmp_path / "result.svg").exists()
+    for wrong in ("amplitudes", "mode_energy", 3):
+        with pytest.raises(ValueError, match="quantity"):
+            both.up.plot(quantity=wrong)
+    with pytest.raises(ValueError, match="quantity"):
+        vibeam.report.plot(result, quantity="reach")
+    with pytest.raises(ValueError, match="plot"):
+        vibeam.report.plot([1.0, 2.0])  # type: ignore[arg-type]
+
+
+def test_the_example_of_own_matrices_runs() -> None:
+    from vibeam.system import impact_system as system
+
+    found = doctest.testmod(system)
+    assert (found.failed, found.attempted > 4) == (0, True)
+
+
+def test_the_readme_shows_own_matrices_as_they_run() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    start, end = text.index("own = vibeam.Structure("), text.index("\n\nsystem = vibeam.ImpactSystem.from_modes(")
+    names: dict[str, Any] = {"vibeam": vibeam}
+    exec(text[start:end], names)
+    assert names["system"].size == 1
+
+
+M, C, K = np.diag([1.0, 0.2]), np.array([[0.5, -0.2], [-0.2, 0.2]]), np.array([[5e3, -2e3], [-2e3, 2e3]])
+
+
+@pytest.mark.parametrize(("wrong", "named"), [
+    ({"M": [[1.0, 0.5], [0.0, 1.0]]}, "M: must be symmetric"), ({"C": np.eye(3)}, "C: must be 2 × 2"),
+    ({"K": "stiff"}, "K"), ({"load": [1.0]}, "load"), ({"contact": [[1.0, 0.0]]}, "contact"),
+    ({"static": [np.nan, 0.0]}, "static"), ({"outputs": {"tip": [1.0]}}, r"outputs\['tip'\]"),
+    ({"M": np.diag([1.0, 0.0])}, "M: must be positive definite"), ({"K": -K}, "K: must be positive semidefinite"),
+    ({"C": -C}, "coupling|zeta"), ({"contact": [0.0, 0.0]}, "contact"),
+])  # fmt: skip
+def test_matrices_that_are_no_structure_are_refused(wrong: dict[str, Any], named: str) -> None:
+    given: dict[str, Any] = {"M": M, "C": C, "K": K, "load": [-1.0, -0.2], "static": [0.0, 0.0], "contact": [0.0, 1.0]}
+    with pytest.raises(ValueError, match=named):
+        vibeam.ImpactSystem.from_structure(vibeam.Structure(**given | wrong), gap=0.0)
+
+
+def test_all_faults_of_a_structure_are_told_at_once() -> None:
+    with pytest.raises(ValueError, match=r"M: .*; .*C: .*; .*load: "):
+        vibeam.Structure(np.ones((2, 3)), np.eye(4), K, [1.0], [0.0, 0.0], [0.0, 1.0])
+
+
+def test_the_citation_is_a_citation() -> None:
+    text = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    for line in ("cff-version: 1.2.0", f"version: {vibeam.__version__}", "license: BSD-3-Clause", "references:"):
+        assert f"\n{line}" in f"\n{text}"

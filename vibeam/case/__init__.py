@@ -1,0 +1,1 @@
+"""The case as a record in SI units: scene, fidelities, sweep, plans, reference curves."""

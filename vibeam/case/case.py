@@ -1,0 +1,122 @@
+"""The case: what a case file says, checked and in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.plans import AccuracyPlan, CostPlan, FigurePlan, InfluencePlan, Reference, SweepPlan
+
+if TYPE_CHECKING:
+    from vibeam.case.fidelity import Fidelity
+    from vibeam.case.plans import Expectation, ShowPlan
+    from vibeam.observe.measuring_chain import Chain
+    from vibeam.system.impact_system import ImpactSystem
+    from vibeam_models.scene import Scene, SdofScene
+
+#: tables that change no sweep, and keys of the tables that do
+NOT_NUMBERS = frozenset(
+    {"title", "source", "reference", "expect", "show", "figure", "cost", "influence", "measurement", "fidelity.*.label"}
+)
+
+#: tables and keys that are no physics either
+NOT_PHYSICS = NOT_NUMBERS | {"fidelity", "sweep", "accuracy", "accuracy_of"}
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A scene, the fidelities that model it, their sweep and what they are checked against.
+
+    ``text`` is the case in canonical form, SI units and overrides included: it loads as the same case. ``numbers`` is
+    the part of it that decides what the sweeps compute (no title, source, checks, figures): two cases compute the same
+    where that text, or ``key``, is the same. ``shared`` is the part of that which no fidelity has for itself, ``own``
+    for each fidelity all that decides its numbers at given frequencies. ``scenes`` has the scenes of the fidelities
+    that change the case's, ``chains`` their measuring chains (None: exact).
+    """
+
+    path: Path
+    text: str
+    numbers: str
+    shared: str
+    own: Mapping[str, str]
+    title: str
+    source: str
+    scene: Scene | SdofScene
+    fidelities: dict[str, Fidelity]
+    sweep: SweepPlan
+    references: dict[str, Reference]
+    scenes: Mapping[str, Scene | SdofScene] = field(default_factory=dict)
+    expectations: Mapping[str, Expectation] = field(default_factory=dict)
+    shows: Mapping[str, ShowPlan] = field(default_factory=dict)
+    cost: CostPlan = field(default_factory=CostPlan)
+    influence: InfluencePlan = field(default_factory=InfluencePlan)
+    figure: FigurePlan = field(default_factory=FigurePlan)
+    chain: Chain | None = None
+    chains: Mapping[str, Chain | None] = field(default_factory=dict)
+    accuracy: AccuracyPlan | None = None
+
+    def __repr__(self) -> str:
+        grid = self.sweep.frequency
+        swept = f"{len(grid)} frequencies {grid.min():.6g} … {grid.max():.6g} Hz {self.sweep.direction}"
+        return f"Case({self.title!r}, {str(self.path)!r}, fidelities {', '.join(self.fidelities)}, {swept})"
+
+    @cached_property
+    def key(self) -> str:
+        """SHA-256 of ``numbers``, in hexadecimal."""
+        return sha256(self.numbers.encode()).hexdigest()
+
+    def everywhere(self) -> Case:
+        """The same case without its ``accuracy``: every fidelity at every frequency."""
+        text, numbers = _without_accuracy(self.text), _without_accuracy(self.numbers)
+        return replace(self, accuracy=None, text=text, numbers=numbers)
+
+    @property
+    def base_amplitude(self) -> float:
+        """Amplitude of the base motion in m (of a SdofScene: in its own unit).
+
+        ValueError on a platform, where it depends on the frequency: ``amplitude`` has it there too.
+        """
+        from vibeam_models.base_motion import base_amplitude
+
+        return base_amplitude(self.scene)
+
+    def amplitude(self, omega: NDArray[np.float64]) -> float | NDArray[np.float64]:
+        """Amplitude of the drive for a sweep over ``omega`` (rad/s): one for all, or on a platform one each."""
+        from vibeam_models.base_motion import drive_amplitude
+
+        return drive_amplitude(self.scene, omega)
+
+    def scene_of(self, name: str) -> Scene | SdofScene:
+        """The scene of one fidelity, with what it changes; KeyError names those there are."""
+        if name not in self.fidelities:
+            raise KeyError(f"no fidelity {name!r}: there are {', '.join(self.fidelities)}")
+        return self.scenes.get(name, self.scene)
+
+    def chain_of(self, name: str) -> Chain | None:
+        """The measuring chain through which one fidelity's motion is seen; None: none, it is exact."""
+        return self.chains.get(name, self.chain)
+
+    def amplitude_of(self, name: str, omega: NDArray[np.float64] | None = None) -> float | NDArray[np.float64]:
+        """As ``amplitude``, of one fidelity (``omega`` None: as ``base_amplitude``); KeyError as in ``scene_of``."""
+        from vibeam_models.base_motion import base_amplitude, drive_amplitude
+
+        scene = self.scene_of(name)
+        return base_amplitude(scene) if omega is None else drive_amplitude(scene, omega)
+
+    def system(self, name: str) -> ImpactSystem:
+        """What a solver gets of one fidelity; KeyError names those there are."""
+        from vibeam.case.fidelity import system
+
+        return system(self.scene_of(name), self.fidelities[name])
+
+
+def _without_accuracy(text: str) -> str:
+    lines = text.splitlines(keepends=True)
+    return "".join(line for line in lines if not line.startswith(("accuracy = ", "accuracy_of = "))).lstrip("\n")

@@ -1,0 +1,82 @@
+"""What is wrong with a case: every fault at its line, all of them at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from difflib import get_close_matches
+
+OVERRIDE = "--set"  # stands where the file's name would, for a fault in an override
+
+
+@dataclass(frozen=True)
+class Fault:
+    """One fault: the file (or ``"--set"``), the line (None: no one line), the key (empty: the whole file), the cure."""
+
+    file: str
+    line: int | None
+    key: str
+    message: str
+
+    def __str__(self) -> str:
+        where = f"{OVERRIDE} {self.key}" if self.file == OVERRIDE else self._place()
+        return printable(f"{where}: {self.message}")
+
+    def _place(self) -> str:
+        place = self.file if self.line is None else f"{self.file}:{self.line}"
+        return f"{place}: {self.key}" if self.key else place
+
+    @property
+    def order(self) -> tuple[bool, int, str]:
+        """Sorts faults by line, those in overrides last."""
+        return self.file == OVERRIDE, self.line or 0, self.key
+
+
+class CaseError(ValueError):
+    """A case that cannot be used. ``faults`` holds every fault in line order; the text has one a line."""
+
+    def __init__(self, faults: Iterable[Fault]) -> None:
+        self.faults = tuple(sorted(dict.fromkeys(faults), key=lambda fault: fault.order))
+        super().__init__("\n".join(map(str, self.faults)))
+
+    def __reduce__(self) -> tuple[type[CaseError], tuple[tuple[Fault, ...]]]:
+        return type(self), (self.faults,)
+
+
+def suggestion(wrong: str, known: Iterable[str]) -> str | None:
+    """The known name that ``wrong`` most likely meant, or None."""
+    names = {name.lower(): name for name in reversed(list(known))}
+    close = get_close_matches(wrong.lower(), names, n=1, cutoff=0.6)
+    return names[close[0]] if close else None
+
+
+def cure(wrong: str, known: Iterable[str]) -> str:
+    """``did you mean 'density'?``, or the list of what is known where nothing is near."""
+    names = list(known)
+    near = suggestion(wrong, names)
+    return f"did you mean '{near}'?" if near else f"known here: {', '.join(names)}"
+
+
+def printable(text: str) -> str:
+    """The text with every control, format and surrogate character as its escape: ``\\x1b``, ``\\u202e``."""
+    if text.isprintable():
+        return text
+    return "".join(each if each.isprintable() else each.encode("unicode_escape", "replace").decode() for each in text)
+
+
+def shown(value: object) -> str:
+    """A value as a message shows it: text in quotes, numbers bare, tables and lists by their kind, all of it short."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, dict | list | tuple):
+        return "a table" if isinstance(value, dict) else "a list"
+    if isinstance(value, int) and value.bit_length() > 128:
+        return "a number of more than 38 digits"
+    text = repr(value) if isinstance(value, str | int | float) else f"the date or time {value}"
+    return text if len(text) <= 60 else f"{text[:56]} …{text[-1]}"
+
+
+KeyPath = tuple[str | int, ...]
+
+
+Complaint = tuple[KeyPath, str]  # where in the case, and what is wrong there

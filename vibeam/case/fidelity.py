@@ -1,0 +1,168 @@
+"""Fidelity: which reduction of which scene, and the system that a solver gets of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+import numpy as np
+
+from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.laws.compliant import _law
+from vibeam_models.scene import Scene, SdofScene
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+    from vibeam_models.structure import Structure
+
+    Array = NDArray[np.float64]
+
+
+ReductionName = Literal["static_mode", "modal", "full"]
+
+
+@dataclass(frozen=True)
+class Fidelity:
+    """How much model: a ``reduction`` (``modes`` of them for ``"modal"``) and what runs it: ``solver``, ``options``.
+
+    ``changes``: physics keys that are its own, in its scene already; ``without``: those that it leaves out. ``label``:
+    its name in figures, None for ``name``.
+
+    ValueError for an unknown reduction, or ``modes`` missing, below 1 or given to another reduction.
+    """
+
+    name: str
+    reduction: ReductionName
+    modes: int | None = None
+    solver: str = "flight"
+    options: Mapping[str, str | float] = field(default_factory=dict)
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    without: tuple[str, ...] = ()
+    label: str | None = None
+
+    def __post_init__(self) -> None:
+        known = get_args(ReductionName)
+        if self.reduction not in known:
+            raise ValueError(f"fidelity {self.name!r}: no reduction {self.reduction!r}, there are {', '.join(known)}")
+        if (self.modes is not None) != (self.reduction == "modal") or (self.modes is not None and self.modes < 1):
+            raise ValueError(f"fidelity {self.name!r}: modes = {self.modes} with reduction {self.reduction!r}")
+
+
+def reduced(structure: Structure, fidelity: Fidelity) -> Structure:
+    """``structure`` made as small as ``fidelity`` says; ValueError for more modes than it has."""
+    if fidelity.reduction == "static_mode":
+        from vibeam_reductions.static_mode import static_mode
+
+        return static_mode(structure).structure
+    if fidelity.reduction == "modal":
+        from vibeam_reductions.modal import modal
+
+        return modal(structure, fidelity.modes or 0).structure
+    from vibeam_reductions.modal import full
+
+    return full(structure).structure
+
+
+def system(scene: Scene | SdofScene, fidelity: Fidelity) -> ImpactSystem:
+    """What a solver gets of ``scene`` at ``fidelity``: SI units, output ``"sensor"`` (and ``"tip"`` of a beam).
+
+    A SdofScene is one mode whatever the reduction, in its own units. ValueError for what cannot be built: a position
+    off the beam, too many modes, a first-mode restitution that no contact restitution in [0, 1] gives.
+    """
+    return _direct(scene) if isinstance(scene, SdofScene) else _of_beam(scene, fidelity)
+
+
+def restitutions(scene: Scene | SdofScene, fidelity: Fidelity) -> tuple[float, float]:
+    """R of the contact and R₁, what mode 1 of the beam on a base held still sees of it, in this model.
+
+    NaN where the stop has another law: no one number says it.
+    """
+    if isinstance(scene, SdofScene):
+        return scene.restitution, scene.restitution
+    from vibeam.observe.apparent_restitution import first_mode_restitution
+
+    still = system(replace(scene, platform=None, shaker=None), fidelity)
+    if still.law is not None:
+        return float("nan"), float("nan")
+    return still.restitution, first_mode_restitution(still)
+
+
+def _direct(scene: SdofScene) -> ImpactSystem:
+    return ImpactSystem.from_modes(
+        [scene.natural_frequency],
+        [scene.damping_ratio],
+        contact=[1.0],
+        load=[1.0],
+        gap=scene.gap,
+        restitution=scene.restitution,
+        outputs={"sensor": [1.0]},
+        law=None if scene.stop is None or scene.stop.law in (None, "restitution") else _law(scene.stop, 1.0),
+        second_gap=None if scene.stop is None else scene.stop.second_gap,
+    )
+
+
+def _of_beam(scene: Scene, fidelity: Fidelity) -> ImpactSystem:
+    from vibeam_models.beam import assemble
+
+    structure = assemble(scene)
+    factor = _gap_factor(scene, structure)
+    small, second = reduced(structure, fidelity), scene.stop.second_gap
+    built = ImpactSystem.from_structure(
+        small,
+        gap=scene.stop.gap * factor,
+        restitution=scene.stop.usual_restitution,
+        second_gap=None if second is None else second * factor,
+    )
+    if scene.stop.law not in (None, "restitution"):
+        built = replace(built, law=_law(scene.stop, float(np.sum(built.contact**2))))
+    elif scene.stop.restitution_of != "contact":
+        built = _seen_by_first_mode(built)
+    if scene.platform is None or scene.platform.coupling == "one-way":
+        return built
+    from vibeam_models.base_motion import moving_platform
+
+    # After the reduction, so that it carries the whole mass with the modes of the beam on a base held still.
+    moved = moving_platform(scene.platform, scene.shaker, scene.moving_mass).under(small)
+    return ImpactSystem.from_structure(
+        moved, gap=built.gap, restitution=built.restitution, law=built.law, second_gap=built.second_gap
+    )
+
+
+def _gap_factor(scene: Scene, structure: Structure) -> float:
+    """The gap at the contact over the gap as given: one measured at the sensor is carried there by the static mode."""
+    if scene.stop.gap_at == "contact":
+        return 1.0
+    from vibeam_reductions.static_mode import static_mode
+
+    return float(static_mode(structure).structure.contact[0])
+
+
+def gap_drift(scene: Scene | SdofScene, omega: ArrayLike) -> NDArray[np.float64] | None:
+    """What is added to the contact's gap at drive frequencies ``omega`` (rad/s), m; None where the gap stays.
+
+    Held constant beyond the first and the last frequency of the table.
+    """
+    if scene.stop is None or scene.stop.drift is None or scene.stop.drift_frequency is None:
+        return None
+    frequency = np.asarray(omega, dtype=float) / (2 * np.pi)
+    added = np.interp(frequency, scene.stop.drift_frequency, scene.stop.drift)
+    if isinstance(scene, SdofScene) or scene.stop.gap_at == "contact":
+        return added
+    from vibeam_models.beam import assemble
+
+    return np.asarray(added * _gap_factor(scene, assemble(scene)))
+
+
+def gap_wear(scene: Scene | SdofScene) -> float | None:
+    """What each impact adds to the contact's gap, m; None where it adds nothing."""
+    return None if scene.stop is None else scene.stop.wear
+
+
+def _seen_by_first_mode(built: ImpactSystem) -> ImpactSystem:
+    """The system whose contact restitution makes mode 1 see what was given for the contact."""
+    from vibeam_models.laws.restitution import contact_restitution
+
+    mobility = float(np.sum(built.contact**2))
+    return replace(built, restitution=contact_restitution(built.restitution, float(built.contact[0]), mobility))

@@ -1,0 +1,1 @@
+"""Case files: from TOML to a case, with every fault at its line, and back."""

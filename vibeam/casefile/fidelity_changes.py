@@ -1,0 +1,179 @@
+"""What a fidelity changes in the scene: its own values for physics keys, optional keys and tables that it leaves out.
+
+A fidelity's scene is the case's tables with the changes made in them, judged by the same declaration as the case.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from copy import deepcopy
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+
+from vibeam.case.faults import Complaint, KeyPath, cure, shown
+from vibeam.casefile.field_lists import flat
+from vibeam.casefile.overrides import OverrideError, override
+from vibeam.casefile.toml import key_parts
+from vibeam.casefile.validation import entry_of, fields_of, is_repeated, keys_of, table_of
+
+#: tables and keys of a case that are no physics: a fidelity shares them with all others
+DROPPED = ("accuracy", "accuracy_of", "fidelity", "reference", "show", "figure", "expect", "cost", "influence")
+
+SHARED = ("title", "source", "sweep", *DROPPED)
+
+OWN = ("set", "without")
+
+Judge = Callable[[dict[str, Any]], tuple[Any, list[Complaint]]]
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A fidelity's own case: ``declared`` with the changes made, ``changes`` {dotted key: value in SI, as written}."""
+
+    declared: Any
+    changes: Mapping[str, Any]
+
+
+def variants(
+    tables: dict[str, Any], model: type[BaseModel], said: list[Complaint], judge: Judge
+) -> tuple[dict[str, Variant], list[Complaint]]:
+    """The variant of every fidelity that changes something, and what is wrong with the changes.
+
+    ``said``: what is wrong with the case itself, not told again; ``judge``: the verdict on other tables of this kind.
+    """
+    found: dict[str, Variant] = {}
+    wrong: list[Complaint] = []
+    fidelities = tables.get("fidelity")
+    for name, table in fidelities.items() if isinstance(fidelities, dict) else ():
+        if isinstance(table, dict) and ("set" in table or "without" in table):
+            change = _Change(model, name, table)
+            own = change.judged(tables, dict(said), judge, wrong)
+            if own is not None:
+                found[name] = Variant(own, change.canonical())
+    return found, wrong
+
+
+class _Change:
+    """What one fidelity sets and leaves out."""
+
+    def __init__(self, model: type[BaseModel], name: str, table: dict[str, Any]) -> None:
+        self.model, self.name, self.table = model, name, table
+        settings, left = table.get("set"), table.get("without")
+        self.settings = dict(flat(settings)) if isinstance(settings, dict) else {}
+        self.left = [each for each in left if isinstance(each, str)] if isinstance(left, list) else []
+
+    def judged(self, tables: dict[str, Any], said: dict[KeyPath, str], judge: Judge, wrong: list[Complaint]) -> Any:
+        """The changed case as declared; None where something is wrong, which joins ``wrong``."""
+        before = len(wrong)
+        wrong += self._key_faults()
+        if len(wrong) > before:
+            return None
+        own, places = self._changed(tables, wrong)
+        declared, faults = judge(own)
+        wrong += self._placed(faults, places, said)
+        return declared if len(wrong) == before else None
+
+    def canonical(self) -> dict[str, Any]:
+        """The settings in SI, as the canonical text writes them."""
+        return {key: self._in_si(key, value) for key, value in self.settings.items()}
+
+    def _in_si(self, key: str, value: Any) -> Any:
+        field = _walk(self.model, key)[0]
+        entry = entry_of(field) if field is not None else None
+        return value if entry is None else entry.canonical(entry.parse(value))
+
+    def _key_faults(self) -> Iterator[Complaint]:
+        for key in self.settings:
+            fault = _walk(self.model, key)[1]
+            if fault:
+                yield self._at(key), fault
+        for index, key in enumerate(self.left):
+            fault = self._left_fault(key)
+            if fault:
+                yield ("fidelity", self.name, "without", index), fault
+
+    def _left_fault(self, key: str) -> str | None:
+        field, fault = _walk(self.model, key)
+        if fault or field is None:
+            return fault or f"{shown(key)}: name the whole table, not one of its kind"
+        if field.is_required():
+            return f"{key} cannot be left out: every case needs it; set it instead"
+        if any(each == key or each.startswith(f"{key}.") for each in self.settings):
+            return f"{key} is left out and set at once: keep one of the two"
+        return None
+
+    def _at(self, key: str) -> KeyPath:
+        """Where in the case the fidelity's own key is written: in quotes, or as nested tables."""
+        parts = (key,) if key in self.table["set"] else tuple(key_parts(key))
+        return ("fidelity", self.name, "set", *parts)
+
+    def _changed(self, tables: dict[str, Any], wrong: list[Complaint]) -> tuple[dict[str, Any], dict[KeyPath, KeyPath]]:
+        """The case's tables with the changes, less what is no physics; and where each changed key was written."""
+        own = {key: deepcopy(value) for key, value in tables.items() if key not in DROPPED}
+        own["fidelity"] = {self.name: {key: each for key, each in self.table.items() if key not in OWN}}
+        for key in self.left:
+            _leave(own, key_parts(key))
+        places: dict[KeyPath, KeyPath] = {}
+        for key, value in self.settings.items():
+            try:
+                places[override(own, key, deepcopy(value), literal=True)] = self._at(key)
+            except OverrideError as error:
+                wrong.append((self._at(key), str(error)))
+        return own, places
+
+    def _placed(
+        self, faults: list[Complaint], places: Mapping[KeyPath, KeyPath], said: Mapping[KeyPath, str]
+    ) -> Iterator[Complaint]:
+        """What is wrong with the changed case, told where the change is; what was wrong before is not told again."""
+        for path, message in faults:
+            at = next((own for changed, own in places.items() if changed == path[: len(changed)]), None)
+            if at is not None:
+                yield at, message
+            elif said.get(path) != message and path[:1] != ("fidelity",):
+                where = ".".join(map(str, path))
+                yield ("fidelity", self.name), f"with what it changes, {where}: {message}"
+
+
+def _walk(model: type[BaseModel], key: str) -> tuple[FieldInfo | None, str | None]:
+    """The declaration of a physics key (None: one of several tables), or what is wrong with it."""
+    try:
+        first, *rest = key_parts(key)
+    except (ValueError, RecursionError):
+        return None, f"{shown(key)} is not a key such as stop.gap"
+    known = [name for name in keys_of(model) if name not in SHARED]
+    if first in SHARED:
+        return None, f"{first} is shared by all fidelities: a fidelity changes {', '.join(known)} alone"
+    if first not in known:
+        return None, f"unknown key {shown(key)}; {cure(first, known)}"
+    return _within(fields_of(model)[first], rest, key)
+
+
+def _within(field: FieldInfo, rest: list[str], key: str) -> tuple[FieldInfo | None, str | None]:
+    """As ``_walk``, from a table on."""
+    table = table_of(field)
+    if rest and table is not None and is_repeated(field) and rest[0].isdigit():
+        rest = rest[1:]
+        if not rest:
+            return None, None
+    if not rest:
+        return field, None
+    if table is None:
+        return None, f"{shown(key)} goes beyond a value"
+    if rest[0] not in keys_of(table):
+        return None, f"unknown key {shown(key)}; {cure(rest[0], keys_of(table))}"
+    return _within(fields_of(table)[rest[0]], rest[1:], key)
+
+
+def _leave(tables: dict[str, Any], parts: list[str]) -> None:
+    """Take a key away where it is; a key of tables of which there are several, from each of them."""
+    *above, last = parts
+    places: list[Any] = [tables]
+    for part in above:
+        inner = [place.get(part) for place in places if isinstance(place, dict)]
+        places = [each for one in inner for each in (one if isinstance(one, list) else [one])]
+    for place in places:
+        if isinstance(place, dict):
+            place.pop(last, None)

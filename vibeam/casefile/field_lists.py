@@ -1,0 +1,258 @@
+"""Entries that hold several values in a row."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from vibeam.case.faults import shown
+from vibeam.casefile import quantities as units
+from vibeam.casefile.canonical import name_of
+from vibeam.casefile.fields import Entry, Quantity, Word
+from vibeam.casefile.toml import key_parts
+
+
+@dataclass(frozen=True)
+class Several(Entry):
+    """A list of at least one quantity; also one alone, or a word instead, where ``alone`` or ``words`` say so."""
+
+    each: Quantity
+    alone: bool = False
+    words: tuple[str, ...] = ()
+    limit: int = 1_000_000
+    ascending: bool = False
+
+    def parse(self, value: Any) -> str | tuple[float, ...]:
+        """As ``Entry.parse``: the word or the numbers."""
+        if isinstance(value, list):
+            return self._numbers(value)
+        if self.words:
+            return self._word(value)
+        return (self.each.parse(value),) if self.alone else self._refuse(value)
+
+    def _word(self, value: Any) -> str:
+        return Word(self.words).parse(value) if isinstance(value, str) else str(self._refuse(value))
+
+    def _refuse(self, value: Any) -> Any:
+        raise ValueError(f"must be {self.describe()}, not {shown(value)}")
+
+    def _numbers(self, values: list[Any]) -> tuple[float, ...]:
+        if not 0 < len(values) <= self.limit:
+            raise ValueError(f"a list of {len(values)} numbers is outside [1, {self.limit}]")
+        numbers = tuple(_items(self.each, values, "number"))
+        if self.ascending and any(one >= two for one, two in pairwise(numbers)):
+            raise ValueError("the list must ascend, each number once; the direction is said elsewhere")
+        return numbers
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        one = [self.each.describe()] if self.alone else []
+        return " | ".join([*(f'"{word}"' for word in self.words), *one, f"list of {self.each.describe()}"])
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        several = {"type": "array", "items": self.each.schema(), "minItems": 1, "maxItems": self.limit}
+        one = [self.each.schema()] if self.alone else []
+        words = [Word(self.words).schema()] if self.words else []
+        return {"anyOf": [*words, *one, several]} if words or one else several
+
+
+@dataclass(frozen=True)
+class Each(Entry):
+    """A list of at least one entry of a kind, each only once; also one ``alone``."""
+
+    of: Entry
+    alone: bool = False
+
+    def parse(self, value: Any) -> tuple[Any, ...]:
+        """As ``Entry.parse``."""
+        if self.alone and isinstance(value, str):
+            return (self.of.parse(value),)
+        if not isinstance(value, list) or not value:
+            raise ValueError(f"must be a {self.describe()}, not {shown(value) if value != [] else 'an empty list'}")
+        found = tuple(_items(self.of, value, "entry"))
+        if len(set(found)) < len(found):
+            raise ValueError("names one of its entries twice")
+        return found
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        one = self.of.describe()
+        return f"{one} | list of them" if self.alone else f"list of {one}"
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"type": "array", "items": self.of.schema(), "minItems": 1, "uniqueItems": True}
+
+
+def _items(entry: Entry, values: list[Any], called: str) -> Iterator[Any]:
+    for number, value in enumerate(values, 1):
+        try:
+            yield entry.parse(value)
+        except ValueError as error:
+            raise ValueError(f"{called} {number} of the list: {error}") from None
+
+
+@dataclass(frozen=True)
+class Options(Entry):
+    """A table of names and plain values, whose meaning is another's: a solver's options."""
+
+    def parse(self, value: Any) -> dict[str, str | float]:
+        """As ``Entry.parse``."""
+        if not isinstance(value, dict):
+            raise ValueError(f"must be {self.describe()}, not {shown(value)}")
+        wrong = [name for name, each in value.items() if not _is_plain(each)]
+        if wrong:
+            raise ValueError(f"{', '.join(wrong)}: must be a finite number or text in quotes")
+        return dict(value)
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return "table { name = value, … }"
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"type": "object", "additionalProperties": {"type": ["number", "string", "boolean"]}}
+
+
+def _is_plain(value: Any) -> bool:
+    try:
+        return isinstance(value, str) or (isinstance(value, int | float) and math.isfinite(value))
+    except OverflowError:  # a whole number beyond the range of doubles
+        return False
+
+
+@dataclass(frozen=True)
+class TableOr(Entry):
+    """A table of its own (a model), or a list instead."""
+
+    table: type[BaseModel]
+    several: Several
+
+    def parse(self, value: Any) -> Any:
+        """As ``Entry.parse``, of the list alone: the table is read by its model."""
+        if not isinstance(value, list):
+            raise ValueError(f"must be {{ {', '.join(self._names())} }} or a {self.describe()}, not {shown(value)}")
+        return self.several.parse(value)
+
+    def _names(self) -> list[str]:
+        return [field.alias or name for name, field in self.table.model_fields.items()]
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return self.several.describe()
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``, of the list alone."""
+        return self.several.schema()
+
+    def canonical(self, value: Any) -> Any:
+        """As ``Entry.canonical``."""
+        return value.model_dump(by_alias=True) if isinstance(value, BaseModel) else value
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        def either(value: Any, inner: Any) -> Any:
+            return inner(value) if isinstance(value, dict) else self._validated(value)
+
+        written = core_schema.plain_serializer_function_ser_schema(self.canonical)
+        inner = handler.generate_schema(self.table)
+        return core_schema.no_info_wrap_validator_function(either, inner, serialization=written)
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        inner: Any = core
+        return {"anyOf": [handler(inner["schema"]), self.schema()]}
+
+
+@dataclass(frozen=True)
+class Settings(Entry):
+    """A table of dotted keys with values as in a case; nested tables mean the same."""
+
+    def parse(self, value: Any) -> dict[str, Any]:
+        """As ``Entry.parse``: keys are flat, values as written."""
+        if not isinstance(value, dict):
+            raise ValueError(f"must be {self.describe()}, not {shown(value)}")
+        found = dict(flat(value))
+        if not found:
+            raise ValueError("sets nothing: name a key, or leave it away")
+        return found
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return 'table { "stop.gap" = value, … }'
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"type": "object", "minProperties": 1}
+
+
+@dataclass(frozen=True)
+class Names(Entry):
+    """A list of names, each once."""
+
+    what: str
+
+    def parse(self, value: Any) -> tuple[str, ...]:
+        """As ``Entry.parse``."""
+        if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
+            raise ValueError(f"must be a {self.describe()}, not {shown(value)}")
+        if len(set(value)) < len(value):
+            raise ValueError("names one twice")
+        return tuple(value)
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return f"list of {self.what}"
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"type": "array", "items": {"type": "string"}, "minItems": 1, "uniqueItems": True}
+
+
+@dataclass(frozen=True)
+class Value(Entry):
+    """A plain number, a percentage or a frequency."""
+
+    def parse(self, value: Any) -> float:
+        """As ``Entry.parse``."""
+        try:
+            return Quantity(units.RATIO).parse(value)
+        except ValueError as error:
+            return self._frequency(value, error)
+
+    def _frequency(self, value: Any, error: ValueError) -> float:
+        try:
+            return Quantity(units.FREQUENCY).parse(value)
+        except ValueError:
+            raise error from None
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return "number | Hz"
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return Quantity(units.RATIO).schema()
+
+
+def flat(tables: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Dotted keys and their values; a key in quotes that holds dots is the path that it spells."""
+    for name, value in tables.items():
+        key = above + _spelt(name)
+        if isinstance(value, Mapping):
+            yield from flat(value, f"{key}.")
+        else:
+            yield key, value
+
+
+def _spelt(name: str) -> str:
+    try:
+        key_parts(name)
+    except (ValueError, RecursionError):
+        return name_of(name)
+    return name

@@ -1,0 +1,49 @@
+"""The JSON schema of case files, for the editors that complete and check TOML by one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic.json_schema import models_json_schema
+
+from vibeam.casefile.tables.cases import BeamCase, SdofCase
+
+DIALECT = "https://json-schema.org/draft/2020-12/schema"
+
+TITLE = "A case of vibeam"
+
+_OF_THE_TEMPLATE = ("written",)  # what the declarations say for the template alone
+
+
+def case_schema() -> dict[str, Any]:
+    """The schema: one of the two kinds of case, each of whose tables is a definition."""
+    _, declared = models_json_schema([(BeamCase, "validation"), (SdofCase, "validation")])
+    kinds = [{"$ref": f"#/$defs/{kind.__name__}"} for kind in (BeamCase, SdofCase)]
+    return {"$schema": DIALECT, "title": TITLE, "anyOf": kinds, "$defs": _plain(declared["$defs"])}
+
+
+def _plain(value: Any) -> Any:
+    """The schema without what TOML cannot say (null) and what is the template's."""
+    if isinstance(value, list):
+        return [_plain(each) for each in value]
+    if not isinstance(value, Mapping):
+        return value
+    return _single({key: _plain(inner) for key, inner in value.items() if not _left_out(key, inner)})
+
+
+def _left_out(key: str, value: Any) -> bool:
+    """Whether a part is the template's own, or a default or example that a case could not write."""
+    if key in ("default", "examples"):
+        return value in (None, [None]) or isinstance(value, Mapping)
+    return key in _OF_THE_TEMPLATE and isinstance(value, bool)
+
+
+def _single(schema: dict[str, Any]) -> dict[str, Any]:
+    """A choice of one kind and null is that kind: what may be absent is not required, and never null."""
+    kinds = schema.get("anyOf", [])
+    kept = [kind for kind in kinds if kind != {"type": "null"}]
+    if len(kept) == len(kinds):
+        return schema
+    rest = {key: value for key, value in schema.items() if key != "anyOf"}
+    return rest | (kept[0] if len(kept) == 1 else {"anyOf": kept})

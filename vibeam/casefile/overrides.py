@@ -1,0 +1,127 @@
+"""Overrides: single keys of a case given beside its file, ``{"sweep.frequency.points": 31}``."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping
+from typing import Any
+
+from vibeam.case.faults import KeyPath, shown
+from vibeam.casefile.tables.cases import BeamCase
+from vibeam.casefile.toml import LONG_KEY, TOO_DEEP, key_parts, too_deep
+from vibeam.casefile.validation import lists_of
+
+LISTS = lists_of(BeamCase)
+
+_INDEX = re.compile("[0-9]{1,9}")
+
+
+class OverrideError(ValueError):
+    """An override that has no place in the case."""
+
+
+def override(tables: dict[str, Any], key: str, value: Any, literal: bool = False) -> KeyPath:
+    """Set (None: take away) one key in ``tables``, in place; returns its path. OverrideError if that cannot be.
+
+    ``literal``: the value is a case's already; else text that is a TOML value is read as one.
+    """
+    parts = _parts(key)
+    _require_list(tables, parts)
+    *above, last = parts
+    place: Any = tables
+    path: KeyPath = ()
+    for part in above:
+        path = (*path, _where(place, part))
+        place = _inside(place, path[-1])
+    where = _where(place, last)
+    _put(place, where, value, literal)
+    return (*path, where)
+
+
+def _parts(key: str) -> list[str]:
+    try:
+        key.encode()
+        parts = [] if LONG_KEY.search(key) else key_parts(key)
+    except (AttributeError, ValueError, RecursionError):
+        raise OverrideError(f"{shown(key)} is not a key such as sweep.frequency.points") from None
+    if not parts:
+        raise OverrideError(TOO_DEEP)
+    return parts
+
+
+def _require_list(tables: dict[str, Any], parts: list[str]) -> None:
+    """OverrideError for an index into a list of tables that the case does not have."""
+    if parts[0] in LISTS and parts[0] not in tables and _INDEX.fullmatch("".join(parts[1:2])):
+        raise OverrideError(f"the case has no [[{parts[0]}]]: give the whole list, {parts[0]} = [{{ … }}]")
+
+
+def _where(place: Any, part: str) -> str | int:
+    """The index in a list, the name in a table."""
+    if isinstance(place, dict):
+        return part
+    if not isinstance(place, list):
+        raise OverrideError(f"there is no {shown(part)} in {shown(place)}")
+    if not _INDEX.fullmatch(part):
+        raise OverrideError(f"{shown(part)} is no index of a list; {_indices(place)}")
+    if int(part) >= len(place):
+        raise OverrideError(f"the index {part} is out of range; {_indices(place)}")
+    return int(part)
+
+
+def _indices(place: list[Any]) -> str:
+    indices = "index 0 alone" if len(place) == 1 else f"the indices 0 to {len(place) - 1}"
+    return f"the list has {indices}" if place else "the list is empty"
+
+
+def _inside(place: Any, where: str | int) -> Any:
+    return place.setdefault(where, {}) if isinstance(place, dict) else place[where]
+
+
+def _put(place: Any, where: str | int, value: Any, literal: bool) -> None:
+    if value is not None:
+        place[where] = value if literal else _shallow(value)
+    elif isinstance(where, str) and where not in place:
+        raise OverrideError("cannot be taken away: it is not in the case")
+    else:
+        del place[where]
+
+
+def _shallow(value: Any) -> Any:
+    """As ``_toml_value``; OverrideError for a value that is nested deeper than any of a case."""
+    try:
+        found = _toml_value(value)
+    except RecursionError:
+        raise OverrideError(TOO_DEEP) from None
+    if too_deep([found]):
+        raise OverrideError(TOO_DEEP)
+    return found
+
+
+def _toml_value(value: Any) -> Any:
+    """The value as the parser would give it: numpy's numbers plain, text read as TOML where it is a TOML value."""
+    value = value.tolist() if hasattr(value, "tolist") else value
+    if isinstance(value, str):
+        return _from_text(value)
+    if isinstance(value, tuple | list):
+        return [_toml_value(inner) for inner in value]
+    if isinstance(value, Mapping):
+        return {str(name): _toml_value(inner) for name, inner in value.items()}
+    if not isinstance(value, bool | int | float):
+        raise OverrideError(f"a {type(value).__name__} is no value of a case")
+    return value
+
+
+def _from_text(text: str) -> Any:
+    try:
+        text.encode()
+        if LONG_KEY.search(text):
+            raise OverrideError(TOO_DEEP)
+        found = tomllib.loads(f"value = {text}")
+    except UnicodeEncodeError:
+        raise OverrideError(f"{text!a} holds characters that are not text") from None
+    except OverrideError:
+        raise
+    except (ValueError, RecursionError):
+        return text
+    return found["value"] if list(found) == ["value"] and "\n" not in text else text

@@ -1,0 +1,235 @@
+"""Quantities in case files: ``'180 mm'`` is 0.18, a plain number is SI already, and a wrong dimension says so."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass
+from decimal import Decimal, DecimalException
+from functools import cache
+from typing import Any
+
+from vibeam.case.faults import cure, shown
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of quantity: what a message calls it, its SI unit (empty: a plain number), one example."""
+
+    phrase: str
+    unit: str
+    example: str
+    bare: bool = True  # whether a number without a unit can only mean one thing
+
+
+LENGTH = Kind("a length", "m", "180 mm")
+
+MASS = Kind("a mass", "kg", "0.2 kg")
+
+TIME = Kind("a time", "s", "1 s")
+
+INERTIA = Kind("a moment of inertia", "kg m^2", "2.84e-5 kg m^2")
+
+PRESSURE = Kind("a pressure", "Pa", "210 GPa")
+
+DENSITY = Kind("a density", "kg/m^3", "7850 kg/m^3")
+
+VOLTAGE = Kind("a voltage", "V", "0.6 V")
+
+PER_VOLT = Kind("a number per volt", "1/V", "5.16e-4 1/V")
+
+SPEED = Kind("a speed", "m/s", "0.1 m/s")
+
+VISCOUS = Kind("a damping constant", "N s/m", "10 N s/m")
+
+FREQUENCY = Kind("a frequency", "Hz", "15.5 Hz")
+
+ANGULAR_FREQUENCY = Kind("a frequency", "rad/s", "1 rad/s", bare=False)
+
+RATIO = Kind("a plain number", "", "0.5")
+
+ACCELERATION = Kind("an acceleration", "m/s^2", "9.81 m/s^2")
+
+FORCE = Kind("a force", "N", "5 N")
+
+STIFFNESS = Kind("a stiffness", "N/m", "2000 N/m")
+
+TURNING_STIFFNESS = Kind("a rotational stiffness", "N m/rad", "500 N m/rad")
+
+RESISTANCE = Kind("a resistance", "ohm", "4 ohm")
+
+INDUCTANCE = Kind("an inductance", "H", "1 mH")
+
+FORCE_FACTOR = Kind("a force per current", "N/A", "20 N/A")
+
+
+_NAMED = (
+    *(LENGTH, MASS, TIME, INERTIA, PRESSURE, DENSITY, VOLTAGE, PER_VOLT, SPEED, FREQUENCY, RATIO),
+    *(ACCELERATION, FORCE, STIFFNESS, VISCOUS, TURNING_STIFFNESS, RESISTANCE, INDUCTANCE, FORCE_FACTOR),
+)
+
+_USUAL = ["mm", "m", "cm", "µm", "km", "kg", "g", "s", "ms", "Hz", "kHz", "rad/s", "rpm", "Pa", "kPa", "MPa", "GPa"]
+
+_USUAL += ["V", "mV", "1/V", "kg/m^3", "g/cm^3", "kg m^2", "N/m^2", "m/s", "mm/s", "N s/m", "%"]
+
+_USUAL += ["m/s^2", "N", "N/m", "N m/rad", "ohm", "H", "mH", "N/A"]
+
+# An angle is a dimension of its own here, so that 1 Hz = 2π rad/s and a bare 1/s is neither.
+_DEFINITIONS = """
+nano- = 1e-9 = n-
+micro- = 1e-6 = µ- = u-
+milli- = 1e-3 = m-
+centi- = 1e-2 = c-
+kilo- = 1e3 = k-
+mega- = 1e6 = M-
+giga- = 1e9 = G-
+meter = [length] = m = metre
+inch = 0.0254 * meter = in
+gram = [mass] = g
+tonne = 1000 * kilogram = t
+second = [time] = s
+minute = 60 * second = min
+radian = [angle] = rad
+turn = 6.283185307179586476925286766559 * radian = rev
+degree = turn / 360 = deg
+hertz = turn / second = Hz
+rpm = turn / minute
+newton = kilogram * meter / second ** 2 = N
+pascal = newton / meter ** 2 = Pa
+volt = [voltage] = V
+ampere = newton * meter / second / volt = A
+ohm = volt / ampere
+henry = ohm * second = H
+percent = 0.01
+"""
+
+_QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)
+
+_POWER = r"(?: ?(?:\^|\*\*) ?-?[0-9]|⁻?[¹²³])?"
+
+_UNIT = re.compile(rf"(?:1 ?/ ?)?[A-Za-zµ%]+{_POWER}(?:(?: ?[*/·] ?| )[A-Za-zµ%]+{_POWER}){{0,5}}")
+
+_NOT_FINITE = re.compile(r"\s*[+-]?(nan|inf|infinity)\b.*", re.DOTALL | re.IGNORECASE)
+
+
+class UnitError(ValueError):
+    """A value that is not the quantity asked for; the text says what it is instead, or how to write it."""
+
+
+def to_si(value: Any, kind: Kind) -> float:
+    """The value as a finite number in ``kind``'s SI unit; UnitError if it is none."""
+    if isinstance(value, str):
+        number = _from_text(value, kind)
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        number = _from_number(value, kind)
+    else:
+        raise UnitError(f"must be {kind.phrase} such as {_example(kind)}, not {shown(value)}")
+    if not math.isfinite(number):
+        raise UnitError(f"{shown(value)} is not a finite number")
+    return number
+
+
+def _example(kind: Kind) -> str:
+    return repr(kind.example) if kind.unit else kind.example
+
+
+def _from_number(value: float, kind: Kind) -> float:
+    try:
+        number = float(value)
+    except OverflowError:
+        return math.inf
+    if not kind.bare and math.isfinite(number):
+        raise UnitError(f"{shown(value)} may be rad/s or Hz: write '{number:g} rad/s' or '{number:g} Hz'")
+    return number
+
+
+def _from_text(text: str, kind: Kind) -> float:
+    found = _QUANTITY.fullmatch(text)
+    if not found:
+        if _NOT_FINITE.fullmatch(text):
+            return math.nan
+        raise UnitError(f"{shown(text)} is not a number with a unit: write {_example(kind)}")
+    number, unit = found[1], found[2].replace("μ", "µ")
+    if not unit and kind.unit:
+        written = f"'{number} {kind.unit}'" if len(number) < 40 else _example(kind)
+        raise UnitError(f"{shown(text)} has no unit: write {written}")
+    factor = _factor(unit, kind, text) if unit else Decimal(1)
+    try:
+        exact = Decimal(number) * factor
+    except DecimalException:
+        exact = Decimal("nan")
+    if exact.is_nan() or (exact and not float(exact)):
+        raise UnitError(f"{shown(text)} is beyond the range of numbers")
+    return float(exact)
+
+
+def _factor(unit: str, kind: Kind, text: str) -> Decimal:
+    """What one ``unit`` is in the kind's unit; UnitError says what ``text`` is where that cannot be."""
+    found = _parsed(unit)
+    if found is None:
+        raise UnitError(_unknown(unit, text))
+    factor, dimension = found
+    wanted_factor, wanted = _parsed(kind.unit) or (Decimal(1), {})
+    if dimension != wanted:
+        raise UnitError(f"{shown(text)} is {_phrase(dimension)}, not {kind.phrase}{_hint(dimension, kind)}")
+    return factor / wanted_factor
+
+
+def _unknown(unit: str, text: str) -> str:
+    if unit.startswith(","):
+        return f"{shown(text)}: write the decimal sign as a point"
+    return f"{shown(text)} has the unknown unit {shown(unit)}; {cure(unit, _USUAL)}"
+
+
+def _phrase(dimension: dict[str, float]) -> str:
+    for kind in _NAMED:
+        if (_parsed(kind.unit) or (1, {}))[1] == dimension:
+            return kind.phrase
+    powers = (f"{name.strip('[]')}^{power:g}" for name, power in sorted(dimension.items()))
+    return f"a quantity of dimension {' '.join(powers)}"
+
+
+def _hint(dimension: dict[str, float], kind: Kind) -> str:
+    if kind.phrase == FREQUENCY.phrase and dimension == {"[time]": -1}:
+        return ": write Hz or rad/s"
+    return ""
+
+
+@cache
+def _parsed(unit: str) -> tuple[Decimal, dict[str, float]] | None:
+    """Size in base units and dimension of a unit, or None; pint, which can compute, sees plain products only."""
+    if len(unit) > 40 or not _UNIT.fullmatch(unit):
+        return None
+    registry = _registry()
+    try:
+        one = registry.Quantity(Decimal(1), registry.parse_units(unit.replace("%", "percent")))
+        base = one.to_base_units()
+        return Decimal(base.magnitude), {str(name): float(power) for name, power in base.dimensionality.items()}
+    except Exception:  # whatever pint's parser makes of rubbish, it is not a unit
+        return None
+
+
+@cache
+def _registry() -> Any:
+    """Pint with the few units of this bench: its own thousand take ten times as long to read."""
+    import pint
+
+    registry: Any = pint.UnitRegistry(None, non_int_type=Decimal)
+    registry.load_definitions(_DEFINITIONS.strip().splitlines())
+    return registry
+
+
+Steps = tuple[tuple[float, str, float], ...]  # from which SI size on, the unit, factor from SI
+
+LENGTHS: Steps = ((1.0, "m", 1.0), (1e-4, "mm", 1e3), (1e-7, "µm", 1e6), (0.0, "nm", 1e9))
+
+SPEEDS: Steps = ((10.0, "m/s", 1.0), (1e-4, "mm/s", 1e3), (1e-7, "µm/s", 1e6), (0.0, "nm/s", 1e9))
+
+FREQUENCIES: Steps = ((1e10, "GHz", 1e-9), (1e7, "MHz", 1e-6), (1e4, "kHz", 1e-3), (0.0, "Hz", 1.0))
+
+
+def prefixed(steps: Steps, largest: float, usual: int = 1) -> tuple[str, float]:
+    """Unit and factor that suit the ``largest`` SI value; those of step ``usual`` where it is 0 or unknown."""
+    known = math.isfinite(largest) and largest > 0
+    _, name, factor = next(step for step in steps if largest >= step[0]) if known else steps[usual]
+    return name, factor

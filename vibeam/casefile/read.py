@@ -1,0 +1,167 @@
+"""The verdict on a case's text and overrides: the checked tables, or every fault at its line."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from pathlib import Path as File
+from typing import Any
+
+from pydantic import ValidationError
+
+from vibeam.case.case import NOT_NUMBERS, Case
+from vibeam.case.faults import OVERRIDE, CaseError, Complaint, Fault, KeyPath
+from vibeam.case.plans import CostPlan, FigurePlan, InfluencePlan
+from vibeam.casefile.build import (
+    _accuracy,
+    _chain,
+    _expectations,
+    _fidelities,
+    _own_numbers,
+    _references,
+    _shared,
+    _shows,
+    _sweep,
+    scene_of,
+)
+from vibeam.casefile.canonical import name_of
+from vibeam.casefile.fidelity_changes import Variant, variants
+from vibeam.casefile.overrides import OverrideError, override
+from vibeam.casefile.tables.cases import BeamCase, SdofCase
+from vibeam.casefile.tables.rules import cross_checks
+from vibeam.casefile.toml import parsed
+from vibeam.casefile.validation import complaints, declaration, known, read
+
+
+def load(path: str | PathLike[str], set: Mapping[str, Any] | None = None) -> Case:
+    """The case in a file, with the keys in ``set`` put in the place of the file's.
+
+    ``set`` maps dotted keys to values as in a case file (``{"sweep.frequency.points": 31, "stop.gap": "0.1 mm"}``);
+    None takes a key away. CaseError has every fault of file and overrides.
+    """
+    from vibeam.casefile.toml import read_text
+
+    return parse(read_text(Path(path)), path, set)
+
+
+def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, Any] | None = None) -> Case:
+    """The case that ``text`` says, as ``load``; ``path`` is what faults call it, references lie in its folder."""
+    from vibeam.casefile.canonical import canonical_text
+
+    file = Path(path)
+    declared, changed = accepted(text, file, set or {})
+    sweep = _sweep(declared.sweep)
+    return Case(
+        path=file,
+        text=canonical_text(declared),
+        numbers=canonical_text(declared, without=NOT_NUMBERS),
+        shared=_shared(declared, declared.sweep),
+        own=_own_numbers(declared, changed),
+        title=declared.title or file.stem,
+        source=declared.source,
+        scene=scene_of(declared),
+        fidelities=_fidelities(declared),
+        sweep=sweep,
+        references=_references(declared, file.parent, sweep.direction),
+        scenes={name: scene_of(own) for name, own in changed.items()},
+        expectations=_expectations(declared, sweep.direction),
+        shows=_shows(declared, changed, sweep),
+        cost=CostPlan(**dict(declared.cost)),
+        influence=InfluencePlan(**dict(getattr(declared, "influence", ()))),
+        figure=FigurePlan(**dict(declared.figure)),
+        chain=_chain(declared),
+        chains={name: _chain(own) for name, own in changed.items()},
+        accuracy=_accuracy(declared),
+    )
+
+
+Declared = BeamCase | SdofCase
+
+
+def accepted(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[Declared, dict[str, Declared]]:
+    """The declared case in SI units, and that of each fidelity that changes it; CaseError with all faults."""
+    tables, lines = parsed(text, file)
+    faults, paths = _override(tables, overrides)
+    place = _Places(str(file), lines, paths)
+    case, wrong = _judged(tables, file.parent)
+    changed, more = variants(tables, declaration(tables), wrong, lambda own: _judged(own, file.parent))
+    faults += [place.fault(complaint) for complaint in wrong + more]
+    if faults or case is None:
+        raise CaseError(faults)
+    return _settled(case, changed), {name: variant.declared for name, variant in changed.items()}
+
+
+def _settled(case: Declared, changed: Mapping[str, Variant]) -> Declared:
+    """The case with what its fidelities set in SI units, so that equal cases have equal texts."""
+    tables: Any = case.fidelity
+    own = {name: table.model_copy(update=_own(table, changed.get(name))) for name, table in tables.items()}
+    return case.model_copy(update={"fidelity": own})
+
+
+def _own(table: Any, variant: Variant | None) -> dict[str, Any]:
+    return {} if variant is None or not table.set else {"set": dict(sorted(variant.changes.items()))}
+
+
+def _override(tables: dict[str, Any], overrides: Mapping[str, Any]) -> tuple[list[Fault], set[KeyPath]]:
+    """Apply the overrides in place: the faults in them, and the paths that they set."""
+    faults, paths = [], set()
+    for key, value in overrides.items():
+        try:
+            paths.add(override(tables, key, value))
+        except OverrideError as error:
+            faults.append(Fault(OVERRIDE, None, _short(ascii(str(key))[1:-1], 80), str(error)))
+    return faults, paths
+
+
+def _judged(tables: dict[str, Any], folder: File) -> tuple[BeamCase | SdofCase | None, list[Complaint]]:
+    model = declaration(tables)
+    case: BeamCase | SdofCase | None = None
+    alone: list[Complaint] = []
+    excused: set[KeyPath] = set()
+    try:
+        case = read(tables)
+    except ValidationError as error:
+        alone, excused = complaints(error, model)
+    together = list(cross_checks(known(model, tables), folder))
+    return case, alone + _new(together, {path for path, _ in alone} | excused)
+
+
+def _new(together: Iterable[Complaint], said: set[KeyPath]) -> list[Complaint]:
+    """Complaints across keys where nothing has been said of the key, or of the table it is in, before."""
+    return [
+        (path, message)
+        for path, message in together
+        if not any(path[:length] in said for length in range(1, len(path) + 1))
+    ]
+
+
+@dataclass(frozen=True)
+class _Places:
+    """Where the keys of a case come from."""
+
+    file: str
+    lines: Mapping[KeyPath, int]
+    overridden: set[KeyPath]
+
+    def fault(self, complaint: Complaint) -> Fault:
+        path, message = complaint
+        key = ".".join(name_of(_short(str(part))) for part in path)
+        places = [path[:length] for length in range(len(path), 0, -1)]
+        if self.overridden.intersection(places):
+            return Fault(OVERRIDE, None, key, message)
+        for place in places:
+            if place in self.lines:
+                return Fault(self.file, self.lines[place], key, message)
+            if self._opened(place):
+                return Fault(OVERRIDE, None, key, message)
+        return Fault(self.file, None, key, message)
+
+    def _opened(self, place: KeyPath) -> bool:
+        """Whether an override opened this table."""
+        return any(path[: len(place)] == place for path in self.overridden)
+
+
+def _short(name: str, longest: int = 40) -> str:
+    return name if len(name) <= longest else f"{name[: longest - 1]}…"

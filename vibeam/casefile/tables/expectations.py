@@ -1,0 +1,127 @@
+"""What a case is held to, reference curves and expected numbers, together with what it sweeps and shows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path as File
+from types import SimpleNamespace
+from typing import Annotated
+
+from vibeam.case.faults import Complaint, KeyPath, cure, shown
+from vibeam.case.reference_files import file_fault
+from vibeam.casefile import quantities as units
+from vibeam.casefile.field_lists import Value
+from vibeam.casefile.fields import POSITIVE, Quantity, Text, Word
+from vibeam.casefile.tables.names import NAME, named_fidelity
+from vibeam.casefile.tables.table import DIRECTIONS, EXTENTS, QUANTITIES, Frequency, Ratio, Table, key
+from vibeam.figures import KINDS, LIMITS, READ
+
+
+def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
+    """Complaints about every [reference.NAME]; files are looked for from ``folder``."""
+    for name, reference in case.reference.items():
+        yield from named_fidelity(case, ("reference", name, "fidelity"), reference.fidelity)
+        if reference.file is not None and (fault := _file_fault(folder, reference.file)):
+            yield ("reference", name, "file"), fault
+        yield from _swept(case, ("reference", name, "direction"), reference.direction)
+
+
+def expectation_checks(case: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about every [expect.NAME]."""
+    for name, expect in case.expect.items():
+        path: KeyPath = ("expect", name)
+        yield from named_fidelity(case, (*path, "fidelity"), expect.fidelity)
+        yield from named_fidelity(case, (*path, "against"), expect.against)
+        yield from _swept(case, (*path, "direction"), expect.direction)
+        if expect.show is not None or expect.number is not None or expect.quantity in READ:
+            yield from _of_a_figure(case, path, expect)
+        elif expect.quantity in EXTENTS and expect.frequency is not None:
+            yield (*path, "frequency"), f'"{expect.quantity}" is of a whole branch: leave the frequency away'
+        elif expect.quantity in QUANTITIES + LIMITS and expect.frequency is None:
+            yield (*path, "frequency"), f'missing: "{expect.quantity}" is read at one frequency'
+
+
+def _of_a_figure(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about an [expect.NAME] that is, or should be, read off a figure."""
+    if expect.show is None:
+        what = f"[show.NAME] that {shown(expect.quantity)} is read off" if expect.quantity else "[show.NAME]"
+        yield (*path, "show"), f"missing: name the {what}"
+        return
+    if expect.show not in case.show:
+        yield (*path, "show"), f"no [show.{expect.show}]; {cure(expect.show, filter(NAME.fullmatch, case.show))}"
+        return
+    show = case.show[expect.show]
+    if show.kind is None or expect.quantity is None:
+        return
+    kind = KINDS[show.kind]
+    if expect.quantity not in kind.reads:
+        words = " | ".join(f'"{word}"' for word in kind.reads) or "nothing that can be expected"
+        yield (*path, "quantity"), f'kind = "{show.kind}" has {words}'
+    if expect.number is None and kind.entries:
+        yield (*path, "number"), f'missing: which {kind.entries} of kind = "{show.kind}" is meant; write number = 2'
+    elif expect.number is not None and not kind.entries:
+        yield (*path, "number"), f'kind = "{show.kind}" is read by its mean: leave it away'
+    there = "frequency" in kind.needs + kind.takes
+    if there and expect.frequency is None:
+        yield (*path, "frequency"), f'missing: kind = "{show.kind}" is read at one frequency'
+    elif not there and expect.frequency is not None:
+        yield (*path, "frequency"), f'kind = "{show.kind}" has no use for it: leave it away'
+
+
+def _swept(case: SimpleNamespace, path: KeyPath, way: str | None) -> Iterator[Complaint]:
+    swept = case.sweep.direction
+    if way and swept and swept not in ("both", way):
+        yield path, f'"{way}" is not swept: sweep.direction is "{swept}"'
+
+
+def _file_fault(folder: File, name: str) -> str | None:
+    fault = file_fault(folder / name)
+    if fault == "no such file" or "\0" in name:
+        return f"no file {shown(name)} in the case file's folder"
+    return fault and f"{shown(name)} {fault}"
+
+
+class ReferenceTable(Table):
+    """A curve that a fidelity is checked against, one table each."""
+
+    file: Annotated[str, Text()] = key("CSV file, from the case file's folder", "references/dtu_neutral_sdof.csv")
+    fidelity: Annotated[str, Text()] = key("the fidelity that must meet it", "sdof")
+    quantity: Annotated[str, Word(QUANTITIES)] = key("the column compared", "amplitude")
+    tolerance: Annotated[float, Quantity(units.RATIO, POSITIVE)] = key("largest relative difference", "0.0001 %")
+    direction: Annotated[str | None, Word(DIRECTIONS)] = key(
+        "the branches compared; absent = all that are swept", "both", None, written=False
+    )
+
+
+class ExpectTable(Table):
+    """A number that a fidelity is checked against, by itself or against another fidelity, one table each."""
+
+    fidelity: Annotated[str, Text()] = key("the fidelity that must meet it", "sdof")
+    quantity: Annotated[str, Word(QUANTITIES + EXTENTS + LIMITS + READ)] = key(
+        "what is compared; of those after largest_gap: that of a figure, with show", "amplitude"
+    )
+    frequency: Annotated[float | None, Frequency] = key(
+        "where, one of the sweep's (of a limit or a figure anywhere); none for the peak, the range of period 1, modes",
+        "15.3 Hz",
+        None,
+    )
+    show: Annotated[str | None, Text()] = key(
+        "the [show.NAME] that the quantity is read off, its mean unless number chooses one",
+        "ringing",
+        None,
+        written=False,
+    )
+    number: Annotated[float | None, Ratio] = key(
+        "number of the mode, or order of the harmonic, that is read off the figure of show", 2, None, written=False
+    )
+    against: Annotated[str | None, Text()] = key(
+        "another fidelity: the value is then the relative difference to it", "beam", None
+    )
+    value: Annotated[float, Value()] = key("the number expected, in SI units (frequencies in Hz)", "34 %")
+    tolerance: Annotated[float, Quantity(units.RATIO, POSITIVE)] = key(
+        "largest difference: relative to the value, or, with against or where the value is 0, of the number itself",
+        "1 %",
+    )
+    direction: Annotated[str | None, Word(DIRECTIONS)] = key(
+        "the branches compared; absent = all that are swept", "up", None
+    )

@@ -1,0 +1,177 @@
+"""The tables of what is shown beside the curves, and of the chain that it is measured through."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Annotated
+
+from vibeam.case.faults import Complaint, KeyPath
+from vibeam.case.plans import FigurePlan
+from vibeam.casefile import quantities as units
+from vibeam.casefile.field_lists import Each, Names, Several
+from vibeam.casefile.fields import POSITIVE, Count, Flag, Quantity, Range, Word
+from vibeam.casefile.tables.effects import platform_output
+from vibeam.casefile.tables.names import named_fidelity
+from vibeam.casefile.tables.table import (
+    FORMATS,
+    MOST_POINTS,
+    OUTPUTS,
+    QUANTITIES,
+    Frequency,
+    Length,
+    Periods,
+    Table,
+    key,
+)
+from vibeam.figures import KEYS, KINDS, LIMITS, Kind
+from vibeam.observe.low_pass import FAMILIES, HIGHEST_ORDER
+from vibeam.solvers import EXACT
+
+
+def figure_checks(case: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about every [show.NAME]."""
+    for name, show in case.show.items():
+        path: KeyPath = ("show", name)
+        for index, fidelity in enumerate(show.fidelities or ()):
+            yield from named_fidelity(case, (*path, "fidelities", index), fidelity)
+        if show.kind is not None:
+            yield from _keys(path, show, KINDS[show.kind])
+            yield from _exact(case, path, show, KINDS[show.kind])
+            yield from _output(case, (*path, "output"), show.output)
+
+
+def _keys(path: KeyPath, show: SimpleNamespace, kind: Kind) -> Iterator[Complaint]:
+    for key in KEYS:
+        given = getattr(show, key) is not None
+        if given and key not in kind.needs + kind.takes:
+            yield (*path, key), f'kind = "{show.kind}" has no use for it: leave it away'
+        elif key in kind.needs and not given:
+            yield (*path, key), f'missing: kind = "{show.kind}" needs it'
+    limits = show.kind == "boundaries"
+    if "quantity" in kind.needs and show.quantity is not None and (show.quantity in LIMITS) != limits:
+        words = " | ".join(f'"{word}"' for word in (LIMITS if limits else QUANTITIES))
+        yield (*path, "quantity"), f'kind = "{show.kind}" shows {words}'
+    if show.periods and show.subdivision and show.periods % show.subdivision:
+        multiple = f"write a multiple of subdivision = {show.subdivision}"
+        yield (*path, "periods"), f"{show.periods} drive periods hold no whole number of the longest ones: {multiple}"
+
+
+def _exact(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace, kind: Kind) -> Iterator[Complaint]:
+    """Kinds that integrate along a motion, and the measuring chain, want one that is known at any time."""
+    measured = case.measurement is not None and show.kind in ("history", "portrait")
+    if not (kind.exact or measured):
+        return
+    who = f'kind = "{show.kind}"' if kind.exact else "[measurement]"
+    for name in show.fidelities or tuple(case.fidelity):
+        solver = case.fidelity[name].solver if name in case.fidelity else None
+        if solver is not None and solver not in EXACT:
+            cured = f"name in fidelities those by {', '.join(EXACT)}"
+            yield (*path, "fidelities"), f'{who} needs an exact motion, "{solver}" of {name} gives samples: {cured}'
+
+
+def _output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:
+    if hasattr(case, "beam"):
+        yield from platform_output(case, path, output)
+    elif output not in ("sensor", "contact", None):
+        yield path, f'a single degree of freedom has no "{output}": write "sensor"'
+
+
+def measurement_checks(chain: SimpleNamespace | None) -> Iterator[Complaint]:
+    """Complaints about the filter and the noise of [measurement]."""
+    if chain is None:
+        return
+    path = ("measurement",)
+    for name, example in (("order", "4"), ("cut_off", '"500 Hz"')):
+        given = getattr(chain, name) is not None
+        if chain.low_pass is None and given:
+            yield (*path, name), 'goes with a filter: write low_pass = "bessel", or leave it away'
+        elif chain.low_pass is not None and not given:
+            yield (*path, name), f"missing: the filter needs it; write {name} = {example}"
+    for name in ("ripple", "attenuation"):
+        if getattr(chain, name) is not None and chain.low_pass != "elliptic":
+            yield (*path, name), 'goes with low_pass = "elliptic" alone: leave it away'
+    if chain.ripple is not None and chain.attenuation is not None and chain.ripple >= chain.attenuation:
+        yield (*path, "ripple"), f"{chain.ripple:g} dB is not below attenuation, {chain.attenuation:g} dB"
+    if chain.noise is not None and chain.seed is None:
+        yield (*path, "seed"), "missing: the noise needs one; write seed = 1"
+    elif chain.noise is None and chain.seed is not None:
+        yield (*path, "seed"), "goes with noise: leave it away"
+
+
+class ShowTable(Table):
+    """A further figure beside the frequency-response curves, one table each."""
+
+    kind: Annotated[str, Word(tuple(KINDS))] = key(
+        "; ".join(f"{name}: {kind.meaning}" for name, kind in KINDS.items()), "portrait"
+    )
+    fidelities: Annotated[tuple[str, ...], Names("fidelities")] = key("whose; absent = all", ["sdof"], ())
+    frequency: Annotated[tuple[float, ...] | None, Several(Frequency, alone=True, limit=12)] = key(
+        "drive frequency, or several, a panel each", "15.3 Hz", None
+    )
+    periods: Annotated[int | None, Count(1, MOST_POINTS)] = key(
+        "drive periods shown; absent = as many as the kind needs", 4, None
+    )
+    settle: Annotated[int | None, Periods] = key("drive periods left out before; absent = the sweep's", 500, None)
+    quantity: Annotated[str | None, Word(QUANTITIES + LIMITS)] = key(
+        "of a curve one of the response's, of boundaries one of the last two", "reach", None
+    )
+    output: Annotated[str | None, Word(OUTPUTS)] = key(
+        "whose displacement; absent = the sweep's output", "contact", None, written=False
+    )
+    near: Annotated[float | None, Frequency] = key(
+        "of ringing: where it is looked for; modes below two thirds of it are taken off", "101 Hz", None, written=False
+    )
+    highest: Annotated[int | None, Count(1, 100)] = key(
+        "of harmonics: the last order; absent = 8", 8, None, written=False
+    )
+    subdivision: Annotated[int | None, Count(1, 64)] = key(
+        "of harmonics: 2 shows orders ½, 1, 1½ …; absent = 1, whole orders", 2, None, written=False
+    )
+
+
+class FigureTable(Table):
+    """How all figures of the case are written; absent = what the defaults say."""
+
+    format: Annotated[tuple[str, ...], Each(Word(FORMATS), alone=True)] = key(
+        "file format, or several", ["png", "svg"], FigurePlan.format, written=False
+    )
+    width: Annotated[float | None, Quantity(units.LENGTH, Range(0.04, 1.0))] = key(
+        "of each figure; absent = by its number of panels", "140 mm", None, written=False
+    )
+    title: Annotated[bool, Flag()] = key("whether it has a title", False, True, written=False)
+
+
+class MeasurementTable(Table):
+    """The measuring chain through which histories, portraits, spectra, ringing and restitution are seen; absent = they
+    are exact. Velocities are central differences of the record.
+    """
+
+    sampling: Annotated[float, Frequency] = key("samples a second", "5 kHz")
+    low_pass: Annotated[str | None, Word(FAMILIES)] = key(
+        "analog filter before sampling; absent = none", "bessel", None
+    )
+    order: Annotated[int | None, Count(1, HIGHEST_ORDER)] = key("of the filter", 4, None)
+    cut_off: Annotated[float | None, Frequency] = key(
+        "of the filter: gain 1/√2, or of an elliptic one where it leaves the ripple", "500 Hz", None
+    )
+    ripple: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
+        "dB, of an elliptic filter's pass band; absent = 0.1", 0.1, None, written=False
+    )
+    attenuation: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
+        "dB, of an elliptic filter's stop band; absent = 60", 60, None, written=False
+    )
+    quantisation: Annotated[float | None, Length] = key("step of the converter; absent = none", "1 µm", None)
+    noise: Annotated[float | None, Length] = key("rms, white, on the samples; absent = none", "1 µm", None)
+    seed: Annotated[int | None, Count(0, 2**31 - 1)] = key("of the noise, which needs one", 1, None)
+
+
+class SdofMeasurementTable(MeasurementTable):
+    """The measuring chain of the single degree of freedom."""
+
+    quantisation: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
+        "step of the converter, in the unit of the motion; absent = none", 1e-6, None
+    )
+    noise: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
+        "rms, white, on the samples, in the unit of the motion; absent = none", 1e-6, None
+    )

@@ -1,0 +1,35 @@
+"""What tables may be called, and that what a key names is there."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from types import SimpleNamespace
+
+from vibeam.case.faults import Complaint, KeyPath, cure, shown
+
+NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
+
+
+def name_checks(case: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about the names that a case gives."""
+    if case.fidelity == {}:
+        yield ("fidelity",), "no fidelity: add a table [fidelity.NAME]"
+    named = {"fidelity": case.fidelity, "reference": case.reference, "expect": case.expect, "show": case.show}
+    for kind, tables in named.items():
+        for name in tables:
+            if not NAME.fullmatch(name):
+                yield (kind, name), f"the name {shown(name)} must be 1 to 64 letters, digits, - or _"
+    if "show" in case.fidelity:
+        yield ("fidelity", "show"), 'the name "show" is that of a group of the results file: choose another'
+
+
+def named_fidelity(case: SimpleNamespace, path: KeyPath, name: str | None) -> Iterator[Complaint]:
+    """A complaint where a fidelity is named that is not there."""
+    if name is not None and name not in case.fidelity:
+        yield path, f"no fidelity {not_there(name, case.fidelity)}"
+
+
+def not_there(name: str, tables: Iterable[str]) -> str:
+    """A name that is none of ``tables``, and which of them it may have meant."""
+    return f"{shown(name)}; {cure(name, filter(NAME.fullmatch, tables))}"

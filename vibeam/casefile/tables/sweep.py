@@ -1,0 +1,150 @@
+"""The tables of what is run and what it is checked against: sweep, fidelities, references, expected numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from vibeam.case.faults import Complaint
+from vibeam.casefile.field_lists import Names, Options, Settings, Several, TableOr
+from vibeam.casefile.fields import Count, Text, Word
+from vibeam.casefile.tables.effects import platform_output
+from vibeam.casefile.tables.table import (
+    DIRECTIONS,
+    MOST_ELEMENTS,
+    MOST_POINTS,
+    OUTPUTS,
+    REDUCTIONS,
+    Frequency,
+    Periods,
+    Table,
+    key,
+)
+from vibeam.solvers import NAMES as SOLVERS
+
+
+def plan_checks(case: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about the sweep's grid and, where there is a beam, its output and the modes that are asked for."""
+    yield from _grid(case.sweep.frequency)
+    if hasattr(case, "beam"):
+        yield from platform_output(case, ("sweep", "output"), case.sweep.output)
+        yield from _modes(case)
+
+
+def _grid(grid: SimpleNamespace | tuple[float, ...] | None) -> Iterator[Complaint]:
+    if not isinstance(grid, SimpleNamespace) or grid.from_ is None or grid.to is None:
+        return
+    path = ("sweep", "frequency")
+    if grid.from_ > grid.to:
+        yield (*path, "to"), 'is below from; to sweep downwards write direction = "down"'
+    elif grid.points == 1 and grid.from_ < grid.to:
+        yield (*path, "points"), "1 point does not span from … to: make them equal, or take more points"
+    elif grid.points is not None and grid.points > 1 and grid.from_ == grid.to:
+        yield (*path, "points"), f"{grid.points} points from a frequency to itself: points = 1, or another to"
+
+
+def _modes(case: SimpleNamespace) -> Iterator[Complaint]:
+    most, gives = _most_modes(case)
+    for name, fidelity in case.fidelity.items():
+        path = ("fidelity", name, "modes")
+        if fidelity.reduction == "modal" and fidelity.modes is None:
+            yield path, 'missing: reduction = "modal" needs how many; write modes = 8'
+        elif fidelity.reduction not in ("modal", None) and fidelity.modes is not None:
+            yield path, f'goes with reduction = "modal" alone, not "{fidelity.reduction}"'
+        elif fidelity.modes is not None and 0 < most < fidelity.modes:
+            yield path, f"{fidelity.modes} are more than the model has: {gives} {most} at most"
+
+
+def _most_modes(case: SimpleNamespace) -> tuple[int, str]:
+    """How many modes the beam can have at most (0: not known), and what gives them."""
+    twists = case.torsion is not None
+    if case.beam.massless:
+        attached = 0 if case.mass is None else 1 + (case.mass.rotary_inertia is not None)
+        return attached + len(case.added_mass) + twists, "a massless beam's inertias give"
+    return 2 * (case.beam.elements or 0) * (1 + twists), "beam.elements gives"
+
+
+class GridTable(Table):
+    """Evenly spaced drive frequencies."""
+
+    from_: Annotated[float, Frequency] = Field(alias="from", description="first frequency", examples=["14 Hz"])
+    to: Annotated[float, Frequency] = key("last frequency, itself included", "17 Hz")
+    points: Annotated[int, Count(1, MOST_POINTS)] = key("how many", 121)
+
+
+FrequencyGrid = TableOr(GridTable, Several(Frequency, limit=MOST_POINTS, ascending=True))
+
+
+class SweepTable(Table):
+    """The sweep that every fidelity runs: drive frequencies and, at each, periods to settle and to hold."""
+
+    frequency: Annotated[GridTable | tuple[float, ...], FrequencyGrid] = key(
+        "drive frequencies: from, to and points, or an ascending list of Hz",
+        {"from": "14 Hz", "to": "17 Hz", "points": 121},
+    )
+    direction: Annotated[str, Word(DIRECTIONS)] = key("which way the frequencies are run", "both", "both")
+    settle: Annotated[int, Periods] = key("drive periods left out before the reading", 300)
+    hold: Annotated[int, Count(1, MOST_POINTS)] = key("drive periods read", 50)
+    output: Annotated[str, Word(OUTPUTS)] = key("whose displacement is read", "sensor", "sensor")
+
+
+class FidelityTable(Table):
+    """A fidelity, one table each: which model of the rig is swept."""
+
+    reduction: Annotated[str, Word(REDUCTIONS)] = key(
+        "one mode, the static deflection; or the first few modes; or all of the finite elements", "static_mode"
+    )
+    modes: Annotated[int | None, Count(1, 2 * MOST_ELEMENTS)] = key("how many modes, for modal alone", 8, None)
+    solver: Annotated[str, Word(SOLVERS)] = key("how its motion is found", "flight", "flight")
+    options: Annotated[dict[str, str | float], Options()] = key(
+        "of the solver, by name; absent = its own defaults", {"rtol": 1e-9}, {}, written=False
+    )
+    set: Annotated[dict[str, Any], Settings()] = key(
+        "physics that is this fidelity's own: dotted keys and their values",
+        {"stop.restitution": 0.6},
+        {},
+        written=False,
+    )
+    without: Annotated[tuple[str, ...], Names("dotted keys")] = key(
+        "optional keys, or whole optional tables, of the physics that it leaves out",
+        ["mass.rotary_inertia"],
+        (),
+        written=False,
+    )
+    label: Annotated[str | None, Text()] = key(
+        "its name in figures; absent = the name of its table", "8 modes", None, written=False
+    )
+
+
+class SdofSweepTable(SweepTable):
+    """The sweep of the single degree of freedom."""
+
+    output: Annotated[str, Word(("sensor", "contact"))] = key("both are the one motion", "sensor", "sensor")
+
+
+class SdofFidelityTable(Table):
+    """A fidelity of the single degree of freedom, which is one mode already; the table may be empty."""
+
+    reduction: Annotated[str, Word(("static_mode",))] = key("one mode", "static_mode", "static_mode")
+    solver: Annotated[str, Word(SOLVERS)] = key("how its motion is found", "flight", "flight")
+    options: Annotated[dict[str, str | float], Options()] = key(
+        "of the solver, by name; absent = its own defaults", {"rtol": 1e-9}, {}, written=False
+    )
+    set: Annotated[dict[str, Any], Settings()] = key(
+        "physics that is this fidelity's own: dotted keys and their values",
+        {"stop.restitution": 0.6},
+        {},
+        written=False,
+    )
+    without: Annotated[tuple[str, ...], Names("dotted keys")] = key(
+        "optional keys, or whole optional tables, of the physics that it leaves out",
+        ["mass.rotary_inertia"],
+        (),
+        written=False,
+    )
+    label: Annotated[str | None, Text()] = key(
+        "its name in figures; absent = the name of its table", "8 modes", None, written=False
+    )

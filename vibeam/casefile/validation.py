@@ -1,0 +1,153 @@
+"""A case's tables against the declaration: the model where all is well, else every fault by its key."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any, get_args, get_origin
+
+from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
+
+from vibeam.case.faults import Complaint, KeyPath, cure, shown, suggestion
+from vibeam.casefile.canonical import name_of, written
+from vibeam.casefile.field_lists import TableOr
+from vibeam.casefile.fields import Entry
+from vibeam.casefile.tables.beam import AddedMassTable
+from vibeam.casefile.tables.cases import BeamCase, SdofCase
+
+BESIDE_SDOF = ("beam", "mass", "sensor", "added_mass", "clamp", "gravity", "torsion", "platform", "shaker")
+
+
+def declaration(tables: dict[str, Any]) -> type[BeamCase] | type[SdofCase]:
+    """Which of the two kinds of case this is."""
+    return SdofCase if "sdof" in tables else BeamCase
+
+
+def read(tables: dict[str, Any]) -> BeamCase | SdofCase:
+    """The case; pydantic's ValidationError if a key by itself is wrong."""
+    return declaration(tables).model_validate(tables)
+
+
+def complaints(error: ValidationError, model: type[BaseModel]) -> tuple[list[Complaint], set[KeyPath]]:
+    """What is wrong with each key by itself, and the keys that were meant by those misspelt: not missing as well."""
+    faults = error.errors(include_url=False, include_context=False)
+    unknown = [fault["loc"] for fault in faults if fault["type"] == "extra_forbidden"]
+    meant = {(*loc[:-1], near) for loc in unknown if (near := _near(model, loc))}
+    wrong = [fault for fault in faults if fault["type"] != "missing" or fault["loc"] not in meant]
+    return [(fault["loc"], _message(fault, model)) for fault in wrong], meant
+
+
+def _near(model: type[BaseModel], loc: KeyPath) -> str | None:
+    return suggestion(str(loc[-1]), keys_of(model_at(model, loc[:-1])))
+
+
+def _message(fault: Any, model: type[BaseModel]) -> str:
+    loc: KeyPath = fault["loc"]
+    if fault["type"] == "entry":
+        return str(fault["msg"])
+    if fault["type"] == "extra_forbidden":
+        return _unknown(loc, model)
+    if fault["type"] == "missing":
+        return _missing(loc, model)
+    wanted = "a list of tables" if fault["type"].startswith("tuple") else "a table"
+    return f"must be {wanted}, {_header(loc, model)}, not {shown(fault['input'])}"
+
+
+def _unknown(loc: KeyPath, model: type[BaseModel]) -> str:
+    name = str(loc[-1])
+    if len(loc) == 1 and model is SdofCase and name in BESIDE_SDOF:
+        return f"[{name}] and [sdof] do not go together: keep [sdof], or the beam's tables"
+    return f"unknown key; {cure(name, keys_of(model_at(model, loc[:-1])))}"
+
+
+def _missing(loc: KeyPath, model: type[BaseModel]) -> str:
+    field = fields_of(model_at(model, loc[:-1]))[str(loc[-1])]
+    if table_of(field) and not field.examples:
+        return f"the table is missing: add {_header(loc, model)}"
+    return f"missing ({field.description}): write {loc[-1]} = {example_of(field)}"
+
+
+def _header(loc: KeyPath, model: type[BaseModel]) -> str:
+    names = [name_of(str(part)) for part in loc if isinstance(part, str)]
+    if names[0] in ("fidelity", "reference", "expect", "show") and len(names) == 1:
+        names.append("NAME")
+    return f"[[{names[0]}]]" if model_at(model, loc) is AddedMassTable else f"[{'.'.join(names)}]"
+
+
+def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
+    """The fields of a table by the name they have in a case."""
+    return {field.alias or name: field for name, field in model.model_fields.items()}
+
+
+def keys_of(model: type[BaseModel] | None) -> list[str]:
+    """The keys that a table may have."""
+    return list(fields_of(model)) if model else []
+
+
+def entry_of(field: FieldInfo) -> Entry | None:
+    """What reads the field; None for a table."""
+    return next((part for part in field.metadata if isinstance(part, Entry)), None)
+
+
+def table_of(field: FieldInfo) -> type[BaseModel] | None:
+    """The table that the field holds, one or (by name, or in a list) several; None for a value."""
+    entry = entry_of(field)
+    if entry:
+        return entry.table if isinstance(entry, TableOr) else None
+    inner = (field.annotation, *get_args(field.annotation))
+    return next((part for part in inner if isinstance(part, type) and issubclass(part, BaseModel)), None)
+
+
+def is_repeated(field: FieldInfo) -> bool:
+    """Whether the field holds several tables."""
+    return not entry_of(field) and get_origin(field.annotation) in (dict, tuple)
+
+
+def lists_of(model: type[BaseModel]) -> list[str]:
+    """The keys of a table that hold lists of tables."""
+    fields = fields_of(model).items()
+    return [name for name, field in fields if is_repeated(field) and get_origin(field.annotation) is tuple]
+
+
+def model_at(model: type[BaseModel], loc: KeyPath) -> type[BaseModel]:
+    """The table's declaration at a place in a case."""
+    path = list(loc)
+    while path:
+        field = fields_of(model)[str(path.pop(0))]
+        model = table_of(field) or model
+        if path and is_repeated(field):
+            path.pop(0)
+    return model
+
+
+def example_of(field: FieldInfo) -> str:
+    """The field's example as it is written in a case."""
+    return written((field.examples or [None])[0])
+
+
+def known(model: type[BaseModel], tables: Any) -> SimpleNamespace:
+    """What of a case can be read by itself, for checks across keys: a value that cannot, or is missing, is None."""
+    found = tables if isinstance(tables, dict) else {}
+    fields = model.model_fields.items()
+    return SimpleNamespace(**{name: _known(field, found.get(field.alias or name)) for name, field in fields})
+
+
+def _known(field: FieldInfo, value: Any) -> Any:
+    entry, table = entry_of(field), table_of(field)
+    if table and (isinstance(value, dict) or not entry):
+        return _tables(field, table, value)
+    if value is None or not entry:
+        return None if field.is_required() else field.default
+    try:
+        return entry.parse(value)
+    except ValueError:
+        return None
+
+
+def _tables(field: FieldInfo, table: type[BaseModel], value: Any) -> Any:
+    if not is_repeated(field):
+        return None if value is None and not field.is_required() else known(table, value)
+    if get_origin(field.annotation) is dict:
+        items = value.items() if isinstance(value, dict) else ()
+        return {name: known(table, inner) for name, inner in items}
+    return [known(table, inner) for inner in value] if isinstance(value, list) else []

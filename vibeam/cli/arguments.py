@@ -1,0 +1,118 @@
+"""The arguments that several commands take, and what their words become: a case, a place to write to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from os import sep
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vibeam.cli.errors import Made, Mistake, of_case
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.run.result import Result
+
+
+RESULTS = (".h5", ".hdf5")
+
+
+CaseFile = Annotated[Path, typer.Argument(metavar="CASE", help="The case file (TOML).", show_default=False)]
+
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="A key of the case, in place of the file's. Repeatable."),
+]
+
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON in place of tables.")]
+
+_NEW_FOLDERS = "folders on the way are made"
+
+ResultsFile = Annotated[
+    str | None,
+    typer.Option(
+        "--out", metavar="FILE", help=f"The results file (.h5), or the folder for it; {_NEW_FOLDERS}.",
+        show_default=False,
+    ),
+]  # fmt: skip
+
+Fresh = Annotated[bool, typer.Option("--fresh", help="Keep nothing of the results file that is there: start over.")]
+
+TableFile = Annotated[
+    str | None,
+    typer.Option(
+        "--out", metavar="FILE", help=f"The CSV file, or the folder for it; {_NEW_FOLDERS}.", show_default=False
+    ),
+]
+
+
+def load(path: Path, settings: list[str] | None) -> Case:
+    """The case of the file, with the ``--set`` keys in place of its own."""
+    from vibeam.casefile.read import load as read
+
+    parts = [text.partition("=") for text in settings or []]
+    wrong = [key for key, equals, _ in parts if not (equals and key.strip())]
+    if wrong:
+        raise Mistake("\n".join(f"--set {key}: write --set key=value" for key in wrong))
+    return read(path, {key.strip(): value.strip() for key, _, value in parts})
+
+
+def results_path(case: Case, out: str | None) -> Path:
+    """``out`` itself, or the case's name in the folder ``out``."""
+    return place(out, f"{case.path.stem}.h5", RESULTS, "a results file")
+
+
+def table_path(case: Case, out: str | None, kind: str) -> Path:
+    """``out`` itself, or the case's name and ``kind`` in the folder ``out``."""
+    return place(out, f"{case.path.stem}_{kind}.csv", (".csv",), "a table")
+
+
+def place(out: str | None, name: str, endings: tuple[str, ...], wanted: str) -> Path:
+    """The file that ``--out`` names, in a folder that is there: ``out``, or ``name`` where ``out`` is a folder.
+
+    A folder is what is one already, or ends in a slash, or, being new, has no ending. Mistake for another ending.
+    """
+    if out is None:
+        return Path(name)
+    if not out:
+        raise Mistake("--out is empty: name a file or a folder")
+    path = Path(out)
+    if _is_folder(out):
+        return folder(path) / name
+    if path.suffix not in endings:
+        or_folder = f"write {path}/ for a new folder" if not path.exists() else "it is no folder either"
+        raise Mistake(f"{path}: --out names {wanted} that ends in {' or '.join(endings)}, or a folder: {or_folder}")
+    folder(path.parent)
+    return path
+
+
+def _is_folder(out: str) -> bool:
+    path = Path(out)
+    return out.endswith(("/", sep)) or path.is_dir() or not (path.suffix or path.exists())
+
+
+def folder(path: Path) -> Path:
+    """The folder, made with those above it where it is not there."""
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except (FileExistsError, NotADirectoryError):
+        raise Mistake(f"{path}: --out needs a folder here, and this is a file or lies below one") from None
+    return path
+
+
+def swept(case: Case, path: Path | None, show: bool = True, fresh: bool = False) -> Result:
+    """The case run, kept in ``path``, under a bar."""
+    from vibeam.cli.progress import Bar, stderr
+    from vibeam.run.run import run
+
+    with Bar() as bar:
+        return run(case, out=path, progress=bar, show=show, fresh=fresh, tell=stderr().print)
+
+
+def studied(path: Path, case: Case, study: Callable[[Case, Callable[[str], None]], Made]) -> Made:
+    """What a study of the case finds."""
+    from vibeam.cli.progress import stderr
+
+    return of_case(path, lambda: study(case, stderr().print))

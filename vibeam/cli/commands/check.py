@@ -1,0 +1,34 @@
+"""``vibeam check``: the verdict on a case's references and expectations."""
+
+from __future__ import annotations
+
+import typer
+
+from vibeam.cli.arguments import AsJson, CaseFile, Fresh, Overrides, ResultsFile, load, results_path, swept
+from vibeam.cli.output import answer
+from vibeam.cli.streams import say
+
+MISSED = 1
+
+
+def check(
+    case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: ResultsFile = None, fresh: Fresh = False
+) -> None:
+    """Compare a case with its reference curves: exit code 1 where one is missed."""
+    loaded = load(case, set_)
+    if not (loaded.references or loaded.expectations):
+        say(f"{case}: a sound case, but it names no reference to check against")
+        answer([], as_json)
+        return
+    from vibeam.figures.units import units_of
+    from vibeam.run.remarks import remarks
+    from vibeam.studies.regression.check import check as checked
+    from vibeam.studies.regression.references import require_readable
+
+    require_readable(loaded)
+    loaded = loaded.everywhere()  # each fidelity is checked by itself
+    result = swept(loaded, None if out is None else results_path(loaded, out), show=False, fresh=fresh)
+    rows = checked(loaded, result, partial=bool(set_))
+    answer(rows, as_json, lambda tables: [tables.checks(rows, units_of(loaded))], remarks(result))
+    if not all(row.passed for row in rows):
+        raise typer.Exit(MISSED)

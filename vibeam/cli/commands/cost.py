@@ -1,0 +1,35 @@
+"""``vibeam cost``: its study into plot and table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from vibeam.cli.arguments import AsJson, CaseFile, Overrides, folder, load, studied
+from vibeam.cli.output import answer
+
+
+def cost(
+    case: CaseFile,
+    set_: Overrides = None,
+    as_json: AsJson = False,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="FOLDER", help="The folder for plot and table, made if new.", show_default=False),
+    ] = None,
+) -> None:
+    """Accuracy against time: every fidelity by every solver, and where the error comes from."""
+    from vibeam.report import cost as cost_table
+    from vibeam.report.cost import write_files
+    from vibeam.studies.cost.study import cost as costs
+
+    loaded = load(case, set_)
+    place = folder(out or Path())
+    study = studied(case, loaded, costs)
+    files = write_files(study, place, case.stem, loaded)
+    answer(
+        {"study": study, "files": files}, as_json,
+        lambda tables: [cost_table.runs(study), cost_table.parts(study)], [*cost_table.sentences(study), *files],
+    )  # fmt: skip

@@ -1,0 +1,22 @@
+"""``vibeam influence``: its study into plot and table."""
+
+from __future__ import annotations
+
+from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, studied, table_path
+from vibeam.cli.output import answer
+
+
+def influence(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: TableFile = None) -> None:
+    """What each effect of the case changes and costs, and which of them the scene needs."""
+    from vibeam.report import influence as report
+    from vibeam.report.influence import write_files
+    from vibeam.studies.influence.study import influence as influences
+
+    loaded = load(case, set_)
+    path = table_path(loaded, out, "influence")
+    study = studied(case, loaded, influences)
+    files, sentences = write_files(study, path, loaded.figure), list(report.sentences(study))
+    answer(
+        {"study": study, "sentences": sentences, "files": files}, as_json,
+        lambda tables: [report.taken_away(study), report.left_alone(study)], [*sentences, *files],
+    )  # fmt: skip

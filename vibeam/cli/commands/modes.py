@@ -1,0 +1,33 @@
+"""``vibeam modes``: the table of modes, and their shapes."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from vibeam.cli.arguments import AsJson, CaseFile, Overrides, load, place
+from vibeam.cli.errors import of_case
+from vibeam.cli.output import answer
+from vibeam.cli.streams import say
+
+
+def modes(
+    case: CaseFile,
+    set_: Overrides = None,
+    as_json: AsJson = False,
+    out: Annotated[
+        str | None, typer.Option("--out", metavar="FILE", help="The VTU file of the mode shapes, or the folder for it.")
+    ] = None,
+    count: Annotated[int, typer.Option("--count", min=1, help="How many modes.")] = 10,
+) -> None:
+    """The modes of the finite-element beam, and the restitution that is left when it is cut off after each."""
+    from vibeam.studies.modes import mode_table, write_shapes
+
+    loaded = load(case, set_)
+    path = None if out is None else place(out, f"{loaded.path.stem}_modes.vtu", (".vtu",), "a file of mode shapes")
+    table = of_case(case, lambda: mode_table(loaded.scene, count))
+    if path is not None:
+        write_shapes(table, path)
+        say(f"wrote {path}")
+    answer(table.rows, as_json, lambda tables: [tables.modal(table)], table.notes)

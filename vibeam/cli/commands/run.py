@@ -1,0 +1,61 @@
+"""``vibeam run``: the results file, its figures, and what they come to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vibeam.cli.arguments import AsJson, CaseFile, Fresh, Overrides, ResultsFile, load, results_path, swept
+from vibeam.cli.output import answer
+
+if TYPE_CHECKING:
+    from vibeam.run.result import Result
+
+
+def run(
+    case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: ResultsFile = None, fresh: Fresh = False
+) -> None:
+    """Sweep every fidelity of a case; go on where the results file ends."""
+    from vibeam.studies.regression.references import require_readable
+
+    loaded = load(case, set_)
+    require_readable(loaded)
+    path = results_path(loaded, out)
+    _report(swept(loaded, path, fresh=fresh), path, as_json)
+
+
+def _report(result: Result, path: Path, as_json: bool) -> None:
+    from vibeam.figures.page import paths_of
+    from vibeam.figures.response_curve import write_frc
+    from vibeam.figures.units import units_for
+    from vibeam.run.remarks import remarks
+    from vibeam.run.summary import compare
+
+    files = [path, *paths_of(path, result.case.figure)]
+    write_frc(result, *files[1:])
+    files += _shown(result, path)
+    rows = compare(result)
+    units = units_for(result)
+    told = remarks(result)
+    whole = {"fidelities": rows, "remarks": told, "found": result.found, "total": result.total, "files": files}
+    whole |= {"curves": curves} if (curves := result.curves) else {}
+    study = result.accuracy
+    if study is None:
+        answer(whole, as_json, lambda tables: [tables.responses(rows, units), tables.costs(rows)], [*told, *files])
+        return
+    from vibeam.report import accuracy as accuracy_table
+
+    answer(
+        whole | {"accuracy": study}, as_json,
+        lambda tables: [tables.responses(rows, units), accuracy_table.choices(study)],
+        [*accuracy_table.sentences(study, units), *told, *files],
+    )  # fmt: skip
+
+
+def _shown(result: Result, path: Path) -> list[Path]:
+    """The further figures of a case, where it asks for any."""
+    if not result.case.shows:
+        return []
+    from vibeam.report.figures import write_shown
+
+    return write_shown(result, path)

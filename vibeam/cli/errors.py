@@ -1,0 +1,51 @@
+"""How a command ends that cannot do what it was told: one message on stderr, and an exit code."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TypeVar
+
+import typer
+
+from vibeam.cli.streams import STOPPED, WRONG, reader_gone, say
+
+Made = TypeVar("Made")
+
+
+class Mistake(Exception):
+    """Something wrong with an argument: one line for stderr."""
+
+
+@contextmanager
+def mistakes() -> Iterator[None]:
+    """Turn what a user can get wrong into its message on stderr and an exit code; a defect keeps its traceback."""
+    from vibeam.case.faults import CaseError
+    from vibeam.run.store.errors import StoreError
+
+    try:
+        yield
+    except (CaseError, StoreError, Mistake) as mistake:
+        _stop(str(mistake), WRONG)
+    except BrokenPipeError:
+        reader_gone()
+    except OSError as error:
+        _stop(f"{error.filename or 'file'}: {(error.strerror or str(error)).lower()}", WRONG)
+    except MemoryError:
+        _stop("there is not enough memory: take fewer points, periods, modes or elements", WRONG)
+    except KeyboardInterrupt as interrupt:
+        _stop(str(interrupt) or "stopped", STOPPED)
+
+
+def of_case(case: Path, make: Callable[[], Made]) -> Made:
+    """What ``make`` gives; its refusal of the case (one without a beam, say) as a mistake."""
+    try:
+        return make()
+    except ValueError as refusal:
+        raise Mistake(f"{case}: {refusal}") from None
+
+
+def _stop(message: str, code: int) -> None:
+    say(message)
+    raise typer.Exit(code) from None

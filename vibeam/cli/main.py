@@ -1,0 +1,49 @@
+"""The command ``vibeam``: its commands in the order of its help.
+
+Results go to stdout, everything else to stderr. Exit code 0: fine, 1: a check was missed, 2: something is wrong with
+the case, an argument or a file, 130: stopped, 141: the reader of stdout has gone.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from vibeam.cli.commands.check import check
+from vibeam.cli.commands.cost import cost
+from vibeam.cli.commands.derive import derive
+from vibeam.cli.commands.influence import influence
+from vibeam.cli.commands.keys import keys
+from vibeam.cli.commands.modes import modes
+from vibeam.cli.commands.new import new
+from vibeam.cli.commands.run import run
+from vibeam.cli.commands.stability import stability
+from vibeam.cli.errors import mistakes
+from vibeam.cli.streams import put, standard_streams
+
+app = typer.Typer(
+    help="How much model does a vibro-impact beam need?",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+
+def main() -> None:
+    """The entry point."""
+    with standard_streams():
+        app()
+
+
+@app.callback(invoke_without_command=True)
+def _version(version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False) -> None:
+    if version:
+        from vibeam import __version__
+
+        put(f"vibeam {__version__}")
+        raise typer.Exit
+
+
+for command in (run, check, stability, cost, influence, derive, modes, new, keys):
+    app.command()(mistakes()(command))

@@ -1,0 +1,41 @@
+"""What a command answers on stdout: JSON, or tables and what is to be said below them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from vibeam.cli.streams import put, put_json, reader_gone, say
+
+if TYPE_CHECKING:
+    from vibeam.figures.fit import ReportTable
+
+
+Tables = Callable[[Any], list["ReportTable"]]
+
+
+def answer(rows: Any, as_json: bool, tables: Tables = lambda tables: [], told: Iterable[object] = ()) -> None:
+    """``rows`` as JSON, or the ``tables`` that ``vibeam.report.tables`` makes of them and a line for each ``told``."""
+    from vibeam.report import output
+    from vibeam.report import tables as table
+
+    if as_json:
+        put_json(output.to_json(rows))
+        return
+    for shown in tables(table):
+        try:
+            table.show(shown)
+        except SystemExit:  # rich's answer to a reader that has gone
+            reader_gone()
+    for line in told:
+        put(str(line))
+
+
+def written(rows: Any, out: Path | None) -> None:
+    """``rows`` as CSV in ``out``, where a file is asked for."""
+    if out is not None:
+        from vibeam.report import output
+
+        output.write_csv(rows, out)
+        say(f"wrote {out}")

@@ -1,0 +1,105 @@
+"""The standard streams of the command: any encoding, any reader, no character that would steer a terminal."""
+
+from __future__ import annotations
+
+import codecs
+import io
+import json
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import NoReturn
+from unicodedata import normalize
+
+from vibeam.case.faults import printable
+
+WRONG, STOPPED = 2, 130
+
+LEGIBLE = "vibeam.legible"  # the name of the error handler below
+
+CLOSED = 141  # exit code of a command whose reader went away, as a shell reports it
+
+_WORDS = str.maketrans(
+    {
+        "–": "-", "—": "-", "−": "-", "…": "...", "·": "*", "×": "x", "≥": ">=", "≤": "<=", "≫": ">>", "≪": "<<",
+        "→": "->", "½": "1/2", "√": "sqrt ", "µ": "u", "μ": "u", "Ω": "Omega", "ω": "omega", "ζ": "zeta", "γ": "gamma",
+        "β": "beta", "Δ": "Delta", "Σ": "sum", "∞": "inf", "⁻": "^-", "ᵀ": "^T", "°": " deg", "«": '"', "»": '"',
+    }
+)  # fmt: skip
+
+
+@contextmanager
+def standard_streams() -> Iterator[None]:
+    """Let stdout and stderr take any text; end in silence where stdout's reader has gone."""
+    codecs.register_error(LEGIBLE, legible)
+    for name in ("stdout", "stderr"):
+        _open(name)
+    try:
+        with _flushed():
+            yield
+    except BrokenPipeError:
+        reader_gone()
+    except OSError as error:  # of stdout: what a command meets elsewhere it has told already
+        _discard()
+        say(f"stdout: {(error.strerror or str(error)).lower()}")
+        raise SystemExit(WRONG) from None
+
+
+def legible(error: UnicodeError) -> tuple[str, int]:
+    """The error handler of an encoding that lacks a character: the nearest ASCII, else its escape."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    lacking = error.object[error.start : error.end]
+    return "".join(map(_nearest, lacking)), error.end
+
+
+def _nearest(character: str) -> str:
+    plain = normalize("NFKD", character.translate(_WORDS)).encode("ascii", "ignore").decode()
+    return plain or character.encode("unicode_escape").decode()
+
+
+def _open(name: str) -> None:
+    stream = getattr(sys, name)
+    if stream is None:  # closed by the caller
+        setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+    elif isinstance(stream, io.TextIOWrapper):
+        stream.reconfigure(errors=LEGIBLE)
+
+
+@contextmanager
+def _flushed() -> Iterator[None]:
+    try:
+        yield
+    finally:
+        sys.stdout.flush()
+
+
+def reader_gone() -> NoReturn:
+    """Leave the command: nobody reads what it says (``vibeam keys | head``)."""
+    _discard()
+    raise SystemExit(CLOSED) from None
+
+
+def _discard() -> None:
+    """Send what is still to be written nowhere: the interpreter flushes once more at its end."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, sys.stdout.fileno())
+    os.close(nowhere)
+
+
+def say(text: str) -> None:
+    """Print lines on stderr, control characters as escapes."""
+    print("\n".join(map(printable, text.split("\n"))), file=sys.stderr)
+
+
+def put(text: str) -> None:
+    """Print lines on stdout, control characters as escapes."""
+    print("\n".join(map(printable, text.split("\n"))))
+
+
+def put_json(text: str) -> None:
+    """Print JSON on stdout; what the stream cannot take, and control characters, as JSON's own escapes."""
+    unicode = (sys.stdout.encoding or "utf-8").lower().startswith("utf")
+    plain = (each == "\n" or (each.isprintable() and (unicode or each.isascii())) for each in text)
+    print("".join(each if kept else json.dumps(each)[1:-1] for each, kept in zip(text, plain, strict=True)))

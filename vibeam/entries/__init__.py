@@ -1,1 +1,0 @@
-"""What one key of a case may hold: each entry reads a value, refuses what it cannot be, and describes itself."""

@@ -1,0 +1,89 @@
+"""How a branch is drawn: cut into pieces of one kind of motion, at jumps too, so that no line joins what is apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.system.motion_curves import MotionCurves
+from vibeam.system.response import FrequencyResponse, complete
+
+Array = NDArray[np.float64]
+
+STEEP = 5.0  # a step is a jump if so many times its larger neighbour …
+
+LARGE = 0.05  # … and at least this share of the range
+
+
+class Kind(Enum):
+    """A kind of motion; the value is what the legend calls it."""
+
+    PERIOD_ONE = "period 1"
+    PERIOD_MORE = "period 2 … 16"
+    NO_CONTACT = "no contact"
+    NOT_PERIODIC = "not periodic"
+    FAILED = "failed"
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Neighbouring points of one kind: frequency in Hz and amplitude (points,)."""
+
+    kind: Kind
+    frequency: Array
+    amplitude: Array
+
+
+@dataclass(frozen=True)
+class MotionPiece:
+    """Neighbouring points of one branch, alike in stability: frequency in Hz and amplitude (points,)."""
+
+    stable: bool
+    frequency: Array
+    amplitude: Array
+
+
+def motion_pieces(curves: MotionCurves) -> Iterator[MotionPiece]:
+    """The admissible motions, cut where they end; a change of stability is joined to the point before it."""
+    for branch in range(curves.amplitude.shape[1]):
+        shown = curves.admissible[:, branch]
+        kind = np.where(shown, curves.stable[:, branch], -1)
+        cuts = np.flatnonzero(np.diff(kind)) + 1
+        for points in np.split(np.arange(len(kind)), cuts):
+            if len(points) and shown[points[0]]:
+                before = points[0] - 1
+                joined = np.append(before, points) if before >= 0 and shown[before] else points
+                stable = bool(curves.stable[points[0], branch])
+                yield MotionPiece(stable, curves.frequency[joined], curves.amplitude[joined, branch])
+
+
+def pieces(response: FrequencyResponse) -> Iterator[Piece]:
+    """A branch cut wherever the period changes or the amplitude jumps."""
+    if not len(response):
+        return
+    period = np.where(complete(response), response.period, -2)
+    cuts = np.flatnonzero((np.diff(period) != 0) | jumps(response.amplitude, period)) + 1
+    for points in np.split(np.arange(len(response)), cuts):
+        yield Piece(_kind(int(period[points[0]])), response.frequency[points], response.amplitude[points])
+
+
+def jumps(amplitude: Array, period: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which steps (points − 1,) between neighbours are jumps: steep beside the steps next to them, and large."""
+    if len(amplitude) < 2:
+        return np.zeros(0, dtype=bool)
+    alike = np.diff(period) == 0
+    step = np.where(alike & np.isfinite(np.diff(amplitude)), np.abs(np.diff(amplitude)), 0.0)
+    around = np.concatenate(([0.0], step, [0.0]))
+    beside = np.maximum(around[:-2], around[2:])
+    finite = amplitude[np.isfinite(amplitude)]
+    extent = np.ptp(finite) if len(finite) else 0.0
+    return np.asarray((step > STEEP * beside) & (step > LARGE * extent))
+
+
+def _kind(period: int) -> Kind:
+    special = {-2: Kind.FAILED, -1: Kind.NO_CONTACT, 0: Kind.NOT_PERIODIC, 1: Kind.PERIOD_ONE}
+    return special.get(period, Kind.PERIOD_MORE)

@@ -1,0 +1,123 @@
+"""The kind ``boundaries``: where averaging says that impacting motions end, beside the exact folds (paper eq. 24, 26).
+
+At each frequency of the sweep, for an averaging fidelity: Q*, the least stable reach at the fidelity's gap, or Δ_MAX,
+the largest gap, loose or tight, at its drive. For any other fidelity the exact ones: both are folds of the orbit
+with one impact a drive period, Q* its reach where it folds as the drive grows weaker, Δ_MAX the gap at which it folds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.plans import ShowPlan
+from vibeam.figures.axes import from_zero, is_empty, say
+from vibeam.figures.panels import across_frequency, labelled
+from vibeam.figures.sheet import Column, Sheet
+from vibeam.figures.style import FEW, looks_of, name_of
+from vibeam.figures.units import units_for
+from vibeam.orbits.bifurcation_functions import Kind
+from vibeam.orbits.boundaries import Boundary, boundaries
+from vibeam.orbits.orbit import orbits
+from vibeam.solvers.averaging.solver import slow_flow
+from vibeam.system.impact_system import Drive, ImpactSystem
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from vibeam.case.case import Case
+    from vibeam.run.result import Result
+
+
+Array = NDArray[np.float64]
+
+Options = Mapping[str, str | float]
+
+BESIDE = 1e-6  # share of the drive by which a fold is looked at from its side: the mean of both roots is its reach
+
+STRONGER = 1e3  # the weakest drive with orbits is looked for from 0 to so many times the case's
+
+CALLED = {"least_stable_reach": "least stable reach Q* of the contact", "largest_gap": "largest |gap| Δ_MAX"}
+
+
+def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
+    """One, over the sweep's frequencies; NaN where the motion has no such limit."""
+    frequency, quantity = np.array(plan.frequency), plan.quantity or ""
+    columns = {
+        "frequency": Column(frequency, "Hz", "drive frequency, Ω/2π"),
+        "value": Column(limits(case, fidelity, frequency, quantity), "q", CALLED[quantity]),
+    }
+    return [Sheet(fidelity, float("nan"), columns)]
+
+
+def limits(case: Case, fidelity: str, frequency: Array, quantity: str) -> Array:
+    """The limit (points,) of one fidelity at ``frequency`` (points,) Hz, NaN where the motion has none."""
+    system, omegas = case.system(fidelity), 2 * np.pi * frequency
+    amplitudes = np.broadcast_to(case.amplitude_of(fidelity, omegas), omegas.shape)
+    averaged = case.fidelities[fidelity].solver == "averaging"
+    found = (_averaged if averaged else _exact)(system, amplitudes, omegas, quantity, case.fidelities[fidelity].options)
+    return np.asarray(found, dtype=float)
+
+
+def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+    """The limit over frequency."""
+    case, units, axes = result.case, units_for(result), figure.subplots()
+    looks = looks_of(case, plan.fidelities)
+    for sheet in shown:
+        averaged = case.fidelities[sheet.fidelity].solver == "averaging"
+        across, upward = sheet["frequency"] * units.frequency_factor, sheet["value"] * units.length_factor
+        keys = looks[sheet.fidelity].keys() | ({"marker": "o", "markersize": 3.5} if len(across) <= FEW else {})
+        without = "" if np.isfinite(upward).any() else ": no such limit at any frequency"
+        label = f"{name_of(case, sheet.fidelity)}{', averaged' if averaged else ''}{without}"
+        axes.plot(across, upward, label=label, **keys)
+    from_zero(axes)
+    if is_empty(axes):
+        say(axes, "no such limit at any frequency")
+    across_frequency(axes, units)
+    labelled(axes, CALLED[plan.quantity or ""], units.length)
+
+
+def caption(plan: ShowPlan) -> str:
+    """What the figure shows."""
+    return f"{CALLED[plan.quantity or '']}: averaging's beside the exact one"
+
+
+def _averaged(system: ImpactSystem, amplitudes: Array, omegas: Array, quantity: str, options: Options) -> Array:
+    chosen: dict[str, Any] = {key: options[key] for key in ("resonance", "damping") if key in options}
+    found = []
+    for amplitude, omega in zip(amplitudes, omegas, strict=True):
+        flow, unit = slow_flow(system, float(amplitude), **chosen)
+        limit = flow.largest_gap if quantity == "largest_gap" else flow.least_stable
+        found.append(limit(float(omega) / unit))
+    values = np.array(found)
+    return np.where(values > 0, values, np.nan)
+
+
+def _exact(system: ImpactSystem, amplitudes: Array, omegas: Array, quantity: str, options: Options) -> Array:
+    periods = int(str(options.get("periods", 1)))
+    limit = _gap_at_fold if quantity == "largest_gap" else _reach_at_fold
+    drives = zip(amplitudes, omegas, strict=True)
+    return np.array([limit(system, float(amplitude), float(omega), periods) for amplitude, omega in drives])
+
+
+def _gap_at_fold(system: ImpactSystem, amplitude: float, omega: float, periods: int) -> float:
+    far = 100 * amplitude * float(np.abs(system.contact @ system.load))
+    folds = boundaries(system, amplitude, omega, periods, gap=(-far, far), points=1001, kinds=(Kind.FOLD,))
+    return max((abs(fold.gap) for fold in folds if fold.clear), default=float("nan"))
+
+
+def _reach_at_fold(system: ImpactSystem, amplitude: float, omega: float, periods: int) -> float:
+    # the motion scales with drive and gap together, so that the weakest drive is anywhere below or above the case's
+    for most in (amplitude, STRONGER * amplitude):
+        folds = boundaries(system, (most * 1e-4, most), omega, periods, points=2001, kinds=(Kind.FOLD,))
+        if folds and folds[0].clear:
+            return _reach(system, folds[0], omega)
+    return float("nan")
+
+
+def _reach(system: ImpactSystem, fold: Boundary, omega: float) -> float:
+    found = orbits(system, Drive(omega, fold.amplitude * (1 + BESIDE)), fold.periods)
+    return float(np.mean([orbit.reach for orbit in found])) if len(found) == 2 else float("nan")

@@ -1,0 +1,87 @@
+"""The kind ``curve``: another quantity of the frequency-response curve than its amplitude."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.ticker import MaxNLocator
+
+from vibeam.case.plans import ShowPlan
+from vibeam.figures.axes import is_empty, mark_failed, say
+from vibeam.figures.branches import Kind, pieces
+from vibeam.figures.panels import across_frequency, labelled
+from vibeam.figures.sheet import Sheet
+from vibeam.figures.style import KEY, LINES, line, looks_of, name_of
+from vibeam.figures.units import Units, units_for
+from vibeam.system.response import complete
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from vibeam.case.case import Case
+    from vibeam.run.result import Result
+
+
+LENGTHS = ("amplitude", "reach", "maximum", "minimum")
+
+OF_OUTPUT = {"amplitude": "amplitude ½(max − min)", "maximum": "maximum", "minimum": "minimum"}
+
+CALLED = {
+    "reach": "reach of the contact Q = Δ − min q",
+    "impact_velocity": "mean impact velocity of the contact",
+    "impacts_per_period": "impacts a drive period",
+    "period": "period (0: none, −1: no contact)",
+}
+
+
+NOTHING = defaultdict(lambda: "no motion at any frequency", impact_velocity="no impact at any frequency")
+
+
+def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
+    """None: the sweep has them."""
+    return []
+
+
+def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+    """All fidelities on the same axes, drawn as in the frequency-response curve."""
+    case, units, name = result.case, units_for(result), plan.quantity or "amplitude"
+    unit, factor = (units.length, units.length_factor) if name in LENGTHS else ("", 1.0)
+    unit, factor = (units.speed, units.speed_factor) if name == "impact_velocity" else (unit, factor)
+    axes, failed = figure.subplots(), False
+    for row, (fidelity, look) in enumerate(looks_of(case, plan.fidelities).items()):
+        known = False
+        for direction, response in result[fidelity].items():
+            seen = replace(response, amplitude=np.asarray(getattr(response, name), dtype=float))
+            known |= bool(np.isfinite(seen.amplitude[complete(response)]).any())
+            for piece in pieces(seen):
+                keys = line(piece.kind, direction, look, len(piece.frequency), len(response))
+                across = piece.frequency * units.frequency_factor
+                if piece.kind is Kind.FAILED:
+                    failed = True
+                    mark_failed(axes, across, 2 * row + (direction == "down"), **keys)
+                else:
+                    axes.plot(across, piece.amplitude * factor, **keys)
+        axes.plot([], [], label=name_of(case, fidelity) + ("" if known else f": {NOTHING[name]}"), **look.keys())
+    if failed:
+        axes.plot([], [], label="failed, along the upper edge", **(KEY | LINES[Kind.FAILED]))
+        axes.margins(y=0.15)
+    if name == "period":
+        axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    if is_empty(axes):
+        say(axes, NOTHING[name])
+    across_frequency(axes, units)
+    labelled(axes, _called(name, case.sweep.output, units), unit)
+
+
+def caption(plan: ShowPlan) -> str:
+    """What the figure shows."""
+    name = plan.quantity or "amplitude"
+    return OF_OUTPUT.get(name, CALLED.get(name, name)).split(" (")[0]
+
+
+def _called(name: str, output: str, units: Units) -> str:
+    whose = f"{output} " if units.frequency else ""
+    return f"{whose}{OF_OUTPUT[name]}" if name in OF_OUTPUT else CALLED[name]

@@ -1,0 +1,52 @@
+"""The kind ``history``: displacement and velocity of the output over a few drive periods, the fidelities laid together.
+
+Velocities jump at impacts and are drawn so: a stray value beside an impact, as in the paper's Fig. 5, would be seen.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from vibeam.case.plans import ShowPlan
+from vibeam.figures.outputs import motion_of
+from vibeam.figures.panels import faults_at, mark_stop, sheets_at, titled
+from vibeam.figures.settled_motion import motion_columns, sheet_each
+from vibeam.figures.sheet import Sheet
+from vibeam.figures.style import name_of
+from vibeam.figures.units import units_for
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from vibeam.case.case import Case
+    from vibeam.run.result import Result
+
+
+PERIODS = 4
+
+
+def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
+    """One a frequency."""
+    periods = plan.periods or PERIODS
+    return sheet_each(plan, fidelity, lambda frequency: motion_columns(case, fidelity, frequency, plan, periods))
+
+
+def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+    """Displacement above velocity, a column a frequency; of coinciding motions the first is the widest line."""
+    case, units = result.case, units_for(result)
+    grid = figure.subplots(2, len(plan.frequency), sharex=True, sharey="row", squeeze=False)
+    for column, frequency in enumerate(plan.frequency):
+        upper, lower = grid[:, column]
+        titled(upper, units, frequency)
+        for sheet, look in sheets_at(case, frequency, plan, shown):
+            turns, keys = sheet["time"] * frequency, look.keys(1.0)
+            upper.plot(
+                turns, sheet["displacement"] * units.length_factor, label=name_of(case, sheet.fidelity), **keys
+            )  # fmt: skip
+            lower.plot(turns, sheet["velocity"] * units.speed_factor, **keys)
+        faults_at(case, frequency, plan, shown, upper)
+        faults_at(case, frequency, plan, shown, lower)
+        mark_stop(case, plan, shown, upper.axhline, upper, units.length_factor)
+        lower.set_xlabel("time in drive periods")
+    grid[0, 0].set_ylabel(motion_of(plan.output, "displacement", units))
+    grid[1, 0].set_ylabel(motion_of(plan.output, "velocity", units))

@@ -1,0 +1,91 @@
+"""The kind ``portrait``: velocity over displacement of the output, with the stop and the impacts marked."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.collections import LineCollection
+from numpy.typing import NDArray
+
+from vibeam.case.plans import ShowPlan
+from vibeam.figures.outputs import motion_of
+from vibeam.figures.panels import faults_at, mark_stop, sheets_at, titled
+from vibeam.figures.settled_motion import motion_columns, sheet_each
+from vibeam.figures.sheet import Sheet
+from vibeam.figures.style import Look, name_of
+from vibeam.figures.units import units_for
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from vibeam.case.case import Case
+    from vibeam.figures.units import Units
+    from vibeam.run.result import Result
+
+
+PERIODS = 16
+
+ROUNDING = 1e-13
+
+NEAR = 0.01  # share of the range within which a motion is back where it was
+
+REPEATS = 8  # drive periods after which a motion that repeats is back
+
+SHADES, LEAST_SHADE = 8.0, 0.12  # opacity of the lines of a motion that does not: this over their number, at least that
+
+
+def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
+    """One a frequency."""
+    periods = plan.periods or PERIODS
+    return sheet_each(plan, fidelity, lambda frequency: motion_columns(case, fidelity, frequency, plan, periods))
+
+
+def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+    """A panel a frequency."""
+    case, units = result.case, units_for(result)
+    grid = figure.subplots(1, len(plan.frequency), sharex=True, sharey=True, squeeze=False)[0]
+    for axes, frequency in zip(grid, plan.frequency, strict=True):
+        titled(axes, units, frequency)
+        for sheet, look in sheets_at(case, frequency, plan, shown):
+            _path(axes, sheet, look, units, name_of(case, sheet.fidelity))
+        faults_at(case, frequency, plan, shown, axes)
+        mark_stop(case, plan, shown, axes.axvline, axes, units.length_factor)
+        axes.set_xlabel(motion_of(plan.output, "displacement", units))
+    grid[0].set_ylabel(motion_of(plan.output, "velocity", units))
+
+
+def _path(axes: Axes, sheet: Sheet, look: Look, units: Units, label: str) -> None:
+    place, speed = sheet["displacement"] * units.length_factor, sheet["velocity"] * units.speed_factor
+    before = np.searchsorted(sheet["time"], sheet["impact_time"] * (1 - ROUNDING))  # the first of the two samples
+    loops = _loops(sheet)
+    faded = max(LEAST_SHADE, SHADES / len(loops)) if len(loops) > REPEATS else 1.0
+    if faded < 1:  # a line a period: where many pass the shade grows darker
+        axes.plot([], [], label=label, **look.keys(0.8))
+        paths = [np.stack([place[each], speed[each]], axis=1) for each in loops]
+        axes.add_collection(LineCollection(paths, color=look.colour, linewidth=0.5, alpha=faded, rasterized=True))
+        axes.autoscale_view()
+    else:
+        axes.plot(place, speed, label=label, **look.keys(0.8))
+    size = 2.6 if faded == 1 else 1.2
+    axes.plot(place[before], speed[before], linestyle="", marker="o", markersize=size, color=look.colour,
+              markeredgewidth=0, alpha=faded**0.5)  # fmt: skip
+
+
+def _loops(sheet: Sheet) -> list[slice]:
+    """The samples of each drive period, with the first of the next; of a motion that repeats those of one alone."""
+    turns = sheet["time"] * sheet.frequency
+    last = max(round(float(turns[-1])), 1)
+    cuts = np.searchsorted(turns, np.arange(last) * (1 - ROUNDING))
+    loops = [slice(int(first), int(end) + 1) for first, end in pairwise([*cuts, len(turns)])]
+    return loops[:REPEATS] if _repeats(sheet, cuts) else loops
+
+
+def _repeats(sheet: Sheet, cuts: NDArray[np.int64]) -> bool:
+    """Whether the motion comes back to where it was after some of the first drive periods, and stays there."""
+    rows = [sheet[name] for name in ("displacement", "velocity")]
+    states = np.stack([row[cuts] / max(float(np.ptp(row)), 1e-300) for row in rows], axis=1)
+    back = (np.abs(states[each:] - states[:-each]).max() < NEAR for each in range(1, min(REPEATS + 1, len(states))))
+    return any(back)

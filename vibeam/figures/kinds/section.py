@@ -1,0 +1,95 @@
+"""The kind ``section``: the state of the output once a drive period, at the drive's phase 0 (a Poincaré section)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.plans import ShowPlan
+from vibeam.figures.axes import around
+from vibeam.figures.outputs import motion_of
+from vibeam.figures.panels import faults_at, sheets_at, titled
+from vibeam.figures.settled_motion import NoMotion, Settled, exact_motion, settled, sheet_each
+from vibeam.figures.sheet import Column, Columns, Sheet
+from vibeam.figures.style import name_of
+from vibeam.figures.units import units_for
+from vibeam.observe.poincare import stroboscopic_section
+from vibeam.system.response import Ended
+from vibeam.system.state import State
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from vibeam.case.case import Case
+    from vibeam.run.result import Result
+
+
+Array = NDArray[np.float64]
+
+PERIODS = 500
+
+PLACES = 32  # points of a section that is drawn with large marks
+
+
+def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
+    """One a frequency."""
+    return sheet_each(plan, fidelity, lambda frequency: _columns(case, fidelity, frequency, plan))
+
+
+def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+    begin, periods = settled(case, name, frequency, plan), plan.periods or PERIODS
+    if begin.state is None:
+        raise NoMotion(begin.fault)
+    if hasattr(begin.solver, "motion"):
+        place, speed = _stepped(begin, begin.state, periods, plan.output)
+    else:
+        found = stroboscopic_section(exact_motion(begin, periods), plan.output, periods=periods)
+        place, speed = found.displacement, found.velocity
+    return {
+        "displacement": Column(place, "q", "displacement of the output at the drive's phase 0"),
+        "velocity": Column(speed, "q/s", "velocity of the output at the drive's phase 0"),
+    }
+
+
+def _stepped(begin: Settled, state: State, periods: int, output: str) -> tuple[Array, Array]:
+    """Period by period, by the solver itself."""
+    row, points = begin.system.output(output), []
+    omega = np.array([begin.drive.omega])
+    for _ in range(periods):
+        points.append([row @ state.displacement, row @ state.velocity])
+        response, state = begin.solver.steady(omega, begin.drive.amplitude, state, 0, 1, output)
+        ended = Ended.of_code(int(response.ended[0]))
+        if ended is not Ended.COMPLETE:
+            raise NoMotion(ended.value)
+    place, speed = np.array(points, dtype=float).T
+    return place, speed
+
+
+def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+    """A panel a frequency."""
+    case, units = result.case, units_for(result)
+    grid = figure.subplots(1, len(plan.frequency), sharex=True, sharey=True, squeeze=False)[0]
+    for axes, frequency in zip(grid, plan.frequency, strict=True):
+        titled(axes, units, frequency)
+        axes.margins(0.1)
+        for sheet, look in sheets_at(case, frequency, plan, shown):
+            place, speed = sheet["displacement"] * units.length_factor, sheet["velocity"] * units.speed_factor
+            marks = {"markersize": _size(place, speed) * look.wide, "color": look.colour}
+            axes.plot(place, speed, ".", label=name_of(case, sheet.fidelity), **marks)
+        faults_at(case, frequency, plan, shown, axes)
+        axes.set_xlabel(f"{motion_of(plan.output, 'displacement', units)}\nat phase 0")
+    around(grid)
+    grid[0].set_ylabel(f"{motion_of(plan.output, 'velocity', units)} at phase 0")
+
+
+def caption(plan: ShowPlan) -> str:
+    """What the figure shows."""
+    return "stroboscopic section: one point a drive period"
+
+
+def _size(place: Array, speed: Array) -> float:
+    """Of the marks, in points: a few places are to be seen, many are to stay apart."""
+    steps = [np.round(row / max(float(np.abs(row).max()), 1e-300), 6) for row in (place, speed)]
+    return 7.0 if len(np.unique(np.stack(steps), axis=1).T) <= PLACES else 2.0

@@ -1,0 +1,127 @@
+"""A figure as a whole: its size, title and legend, legible tick labels, and the files that it is written to."""
+
+from __future__ import annotations
+
+import unicodedata
+from collections.abc import Callable, Iterable, Sequence
+from io import BytesIO
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
+
+from vibeam.case.plans import FigurePlan
+from vibeam.exchange.whole_files import write_whole
+from vibeam.figures.ticks import thin_out
+
+PAGE: Any = {
+    "font.size": 8.0,
+    "axes.linewidth": 0.6,
+    "axes.titlesize": 8.5,
+    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.use_mathtext": True,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "vibeam",
+    "pdf.fonttype": 42,
+    "legend.fontsize": 7.5,
+    "xtick.direction": "in",
+    "ytick.direction": "in",
+    "xtick.top": True,
+    "ytick.right": True,
+}
+
+DOTS = 220  # an inch
+
+INCH = 0.0254  # m
+
+LEAST_SHARE = 0.6  # of a figure's usual height, however narrow it is
+
+TITLE = 9.5  # pt
+
+LETTER = 0.52  # mean width of a letter, in font sizes
+
+HANDLE = 0.5  # inch, of a legend's entry beside its text
+
+ENTRY = 52  # letters in a line of a legend's entry, at most
+
+COLUMNS = 4  # of a legend, at most
+
+METADATA: dict[str, Any] = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+
+
+def write_page(make: Callable[[], Figure], paths: Iterable[Path], dots: int = DOTS) -> None:
+    """Make a figure and write it; the format follows each path's ending (.png, .svg, .pdf)."""
+    with mpl.rc_context(PAGE):
+        figure = composed(make)
+        for path in paths:
+            content = BytesIO()
+            options: Any = {"dpi": dots, "metadata": METADATA.get(path.suffix)}
+            figure.savefig(content, format=path.suffix.removeprefix("."), **options)
+            write_whole(path, content.getvalue())
+
+
+def composed(make: Callable[[], Figure]) -> Figure:
+    """A figure as it is written: in the style of the page, with as many ticks as have room."""
+    with mpl.rc_context(PAGE):
+        figure = make()
+        thin_out(figure)
+        return figure
+
+
+def paths_of(stem: Path, plan: FigurePlan) -> list[Path]:
+    """The files of a figure beside ``stem``, whose ending they replace."""
+    return [stem.with_suffix(f".{ending}") for ending in plan.format]
+
+
+def blank_page(size: tuple[float, float], plan: FigurePlan) -> Figure:
+    """An empty figure of ``size`` (width, height in inches), or as wide as the plan says."""
+    width, height = size
+    if plan.width is not None:
+        share = plan.width / INCH / width
+        width, height = share * width, max(share, LEAST_SHARE) * height
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def titled(figure: Figure, plan: FigurePlan, title: str, shows: str) -> None:
+    """The case's title above what the figure shows; nothing where the plan wants none."""
+    if plan.title:
+        lines = [_filled(plain(line), figure, TITLE) for line in (title, shows) if line]
+        figure.suptitle("\n".join(lines), fontsize=TITLE)
+
+
+def legend(figure: Figure, handles: Sequence[Artist], labels: Sequence[str]) -> None:
+    """The legend below, in as many columns as have room; nothing where there is nothing to explain."""
+    if not handles:
+        return
+    size = PAGE["legend.fontsize"]
+    texts = [fill(plain(label), _letters(figure, size, HANDLE, ENTRY)) for label in labels]
+    widths = [HANDLE + LETTER * size / 72 * max(map(len, text.splitlines())) for text in texts]
+    columns = next((n for n in range(COLUMNS, 1, -1) if _wide(widths, n) <= figure.get_figwidth()), 1)
+    figure.legend(
+        handles, texts, loc="outside lower center", ncols=min(columns, len(texts)), frameon=False, columnspacing=1.5
+    )  # fmt: skip
+
+
+def _wide(widths: Sequence[float], columns: int) -> float:
+    """Inches that a legend takes, its entries put column by column."""
+    rows = -(-len(widths) // columns)
+    return sum(max(widths[first : first + rows]) for first in range(0, len(widths), rows))
+
+
+def plain(text: str) -> str:
+    """Text as it is: no formula in it, control characters escaped."""
+    visible = (repr(each)[1:-1] if unicodedata.category(each) in ("Cc", "Cf", "Zl", "Zp") else each for each in text)
+    return "".join(visible).replace("$", r"\$")
+
+
+def _filled(text: str, figure: Figure, size: float) -> str:
+    """Broken into lines that the figure is wide enough for."""
+    return fill(text, _letters(figure, size))
+
+
+def _letters(figure: Figure, size: float, beside: float = 0.1, most: int = 1000) -> int:
+    """How many letters of a ``size`` (pt) have room in a line, with ``beside`` inches left free."""
+    return min(most, max(12, int((figure.get_figwidth() - beside) * 72 / (LETTER * size))))

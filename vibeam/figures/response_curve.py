@@ -1,0 +1,233 @@
+"""The frequency-response curve as a figure: fidelities in one panel, or each in its own where there are many."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import ceil
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from vibeam.case.reference_curves import reference_points
+from vibeam.figures.axes import from_zero, is_empty, mark_failed, say
+from vibeam.figures.branches import Kind, motion_pieces, pieces
+from vibeam.figures.outputs import amplitude_of, frequency_label
+from vibeam.figures.page import PAGE, blank_page, legend, plain, titled, write_page
+from vibeam.figures.style import (
+    GAP,
+    GHOST,
+    KEY,
+    LINES,
+    REFERENCE,
+    STABLE,
+    UNSTABLE,
+    Look,
+    arrow,
+    line,
+    looks_of,
+    name_of,
+)
+from vibeam.figures.units import Units, percent, units_for
+from vibeam.run.result import finest_of
+from vibeam.system.response import Array, Ended, FrequencyResponse, complete, modes_of, periodic
+
+if TYPE_CHECKING:
+    from vibeam.run.result import Result
+    from vibeam.system.impact_system import ImpactSystem
+    from vibeam.system.response import Branches
+
+
+TOGETHER = 3  # so many fidelities share a panel
+
+ARROWS_A_BRANCH = 8
+
+REFERENCES_SHOWN = 60
+
+FAR = 2.0  # a grazing amplitude so many times what is drawn would press the curves flat
+
+
+def write_frc(result: Result, *paths: Path) -> None:
+    """Draw amplitude against frequency; the format follows each path's ending (.png, .svg, .pdf)."""
+    write_page(lambda: frc(result), paths)
+
+
+def frc(result: Result) -> Figure:
+    """The figure: fidelity by colour, direction by shade and arrows, kinds of motion by line."""
+    together = len(result) <= TOGETHER
+    figure, grid = _grid(1 if together else len(result), result)
+    units, finest = units_for(result), {name: finest_of(result, name) for name in result}
+    panels = []
+    for index, (name, look) in enumerate(looks_of(result.case, result).items()):
+        own = look if together else Look(look.colour)  # by itself: its dashes tell the kind of motion
+        panel = _Panel(grid.flat[0 if together else index], units, own, result, name, index if together else 0)
+        panel.fill(ghost=None if together or name == finest[name] else finest[name], titled=not together)
+        panels.append(panel)
+    highest = max((panel.highest for panel in panels), default=0.0)
+    for panel in panels:
+        panel.limit(highest)
+    for axes in {panel.axes for panel in panels if is_empty(panel.axes)}:
+        say(axes, "no motion at any frequency")
+    _label(figure, grid, result, units)
+    handles = _legend(panels, _ghost_called(result, finest), together)
+    legend(figure, handles, [str(handle.get_label()) for handle in handles])
+    return figure
+
+
+def _grid(count: int, result: Result) -> tuple[Figure, Any]:
+    """Axes that share their scales, the last of each column numbered below."""
+    columns = 1 if count == 1 else 2 if count <= 4 else 3
+    rows = ceil(count / columns)
+    size = (5.8, 4.2) if count == 1 else (3.5 * columns, 2.3 * rows + 1.0)
+    figure = blank_page(size, result.case.figure)
+    grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    for spare in grid.flat[count:]:
+        spare.set_axis_off()
+    for lowest in grid.flat[max(count - columns, 0) : count]:
+        lowest.tick_params(labelbottom=True)
+    return figure, grid
+
+
+class _Panel:
+    """One fidelity on its axes; ``drawn``: what the legend must explain, ``row``: that of its failed marks."""
+
+    def __init__(self, axes: Axes, units: Units, look: Look, result: Result, name: str, row: int) -> None:
+        self.axes, self.units, self.look, self.result, self.name, self.row = axes, units, look, result, name, row
+        self.drawn: set[object] = set()
+        self.reasons: set[str] = set()
+
+    @property
+    def label(self) -> str:
+        """The fidelity and its size."""
+        study, case = self.result.accuracy, self.result.case
+        if study is not None:
+            return f"within {percent(study.within)} of {name_of(case, study.finest)}"
+        modes, shown = modes_of(self.result[self.name]), name_of(case, self.name)
+        return shown if shown != self.name else f"{shown} ({modes} mode{'s' * (modes > 1)})"
+
+    @property
+    def highest(self) -> float:
+        """The largest amplitude in m, 0 without any."""
+        values = [response.amplitude[complete(response)] for _, response in self.result[self.name].items()]
+        return float(np.nanmax(np.concatenate([[0.0], *values])))
+
+    def fill(self, ghost: str | None, titled: bool) -> None:
+        if titled:
+            self.axes.set_title(plain(self.label), color=self.look.colour)
+        if ghost is not None:
+            self._ghost(self.result[ghost])
+        for direction, response in self.result[self.name].items():
+            self.drawn.add(direction)
+            self._branch(response, direction)
+            self._arrows(response, direction)
+        self._curves()
+        self._references()
+        self.axes.margins(x=0.02, y=0.08 + 0.1 * (Kind.FAILED in self.drawn))
+        from_zero(self.axes)
+
+    def _branch(self, response: FrequencyResponse, direction: str) -> None:
+        for index, piece in enumerate(pieces(response)):
+            self.drawn.add(piece.kind)
+            keys = line(piece.kind, direction, self.look, len(piece.frequency), len(response))
+            name = f"{self.name}-{direction}-{index}-{piece.kind.name.lower()}"
+            if piece.kind is Kind.FAILED:
+                row = 2 * self.row + (direction == "down")
+                mark_failed(self.axes, piece.frequency * self.units.frequency_factor, row, gid=name, **keys)
+            else:
+                self._plot(piece.frequency, piece.amplitude, gid=name, **keys)
+        self.reasons |= {Ended.of_code(int(code)).value for code in response.ended[~complete(response)]}
+
+    def _curves(self) -> None:
+        """All motions that the solver knows: unstable ones dashed, those through the stop left out."""
+        curves = self.result[self.name].curves
+        for index, piece in enumerate([] if curves is None else motion_pieces(curves)):
+            self.drawn |= set() if piece.stable else {"unstable"}
+            name = f"{self.name}-curve-{index}-{'stable' if piece.stable else 'unstable'}"
+            keys = STABLE if piece.stable else UNSTABLE
+            self._plot(piece.frequency, piece.amplitude, gid=name, color=self.look.colour, **keys)
+
+    def _arrows(self, response: FrequencyResponse, direction: str) -> None:
+        """Marks of the direction on periodic points; the two directions take turns along the frequency axis."""
+        turns = np.linspace(0.03, 0.97, 2 * ARROWS_A_BRANCH)[(0 if direction == "up" else 1) :: 2]
+        at = np.unique((turns * (len(response) - 1)).round().astype(int))
+        at = at if direction == "up" else len(response) - 1 - at
+        at = at[periodic(response)[at]]
+        self._plot(response.frequency[at], response.amplitude[at], **arrow(direction, self.look.colour))
+
+    def _ghost(self, branches: Branches) -> None:
+        self.drawn.add("ghost")
+        for _, response in branches.items():
+            for piece in pieces(response):
+                if piece.kind in (Kind.PERIOD_ONE, Kind.PERIOD_MORE):
+                    self._plot(piece.frequency, piece.amplitude, color=GHOST, linewidth=3.6, zorder=1)
+
+    def _references(self) -> None:
+        for reference in self.result.case.references.values():
+            if reference.fidelity == self.name and reference.quantity == "amplitude":
+                points = [(point.frequency, point.value) for point in reference_points(reference)]
+                frequency, value = np.array(points, dtype=float).reshape(-1, 2).T  # None becomes NaN: not drawn
+                self.drawn.add("reference")
+                every = ceil(len(points) / REFERENCES_SHOWN)  # all of them would hide the curve
+                self._plot(frequency, value, gid=f"reference-{reference.name}", markevery=every, **REFERENCE)
+
+    def limit(self, highest: float) -> None:
+        """The amplitude at which the first mode alone reaches the stop, unless it is far above all that is drawn."""
+        case, study = self.result.case, self.result.accuracy
+        height = grazing(case.system(self.name if study is None else study.finest), case.sweep.output)
+        if 0 < height <= FAR * highest or (height > 0 and highest == 0):
+            self.drawn.add("gap")
+            self.axes.axhline(height * self.units.length_factor, gid=f"{self.name}-gap", **GAP)
+        elif height > 0:
+            self.drawn.add("gap above")
+
+    def _plot(self, frequency: Array, length: Array, **look: Any) -> None:
+        self.axes.plot(frequency * self.units.frequency_factor, length * self.units.length_factor, **look)
+
+
+def grazing(system: ImpactSystem, output: str) -> float:
+    """The amplitude of the output at which the first mode alone just reaches the stop; at most 0: it always does."""
+    drawn = np.divide(system.static, system.omega**2, out=np.zeros(system.size), where=system.static != 0)
+    left = system.gap - float(system.contact @ drawn)  # of the gap, under a constant load
+    return float(left * abs(system.output(output)[0] / system.contact[0]))
+
+
+def _label(figure: Figure, grid: Any, result: Result, units: Units) -> None:
+    columns = grid.shape[1]
+    for axes in [axes for axes in grid.flat if axes.axison][-columns:]:
+        axes.set_xlabel(frequency_label(units))
+    upward = amplitude_of(result.case.sweep.output, units)
+    figure.supylabel(upward, fontsize=PAGE["font.size"])
+    titled(figure, result.case.figure, result.case.title, "frequency response")
+
+
+def _ghost_called(result: Result, finest: Mapping[str, str]) -> str:
+    names = set(finest.values())
+    return name_of(result.case, names.pop()) if len(names) == 1 else "the finest of the same physics"
+
+
+def _legend(panels: list[_Panel], finest: str, together: bool) -> list[Line2D]:
+    """The fidelities by colour where they share a panel, then whatever occurs, in grey."""
+    drawn = set().union(*(panel.drawn for panel in panels))
+    reasons = sorted(set().union(*(panel.reasons for panel in panels)))
+    keys: dict[object, tuple[str, dict[str, Any]]] = {
+        "up": ("sweep up", {"marker": ">", "markersize": 5, "markerfacecolor": "0.25"}),
+        "down": ("sweep down", {"color": "0.75", "marker": "<", "markersize": 5, "linewidth": 3.1}),
+        **{kind: (kind.value, LINES[kind]) for kind in Kind if kind not in (Kind.PERIOD_ONE, Kind.FAILED)},
+        "unstable": ("unstable", UNSTABLE),
+        "ghost": (f"{finest}, for comparison", {"color": GHOST, "linewidth": 3.6}),
+        "reference": ("reference", REFERENCE),
+        "gap": ("grazing: mode 1 reaches the stop", GAP),
+        "gap above": ("grazing: above the figure", GAP),
+        Kind.FAILED: (f"failed, along the upper edge: {'; '.join(reasons)}", LINES[Kind.FAILED]),
+    }
+    colours = [
+        Line2D([], [], label=panel.label, **panel.look.keys(2.0 if len(panels) == 1 else 1.2))
+        for panel in panels
+        if together
+    ]
+    return colours + [
+        Line2D([], [], label=label, **(KEY | look)) for key, (label, look) in keys.items() if key in drawn
+    ]

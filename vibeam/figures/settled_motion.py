@@ -1,0 +1,200 @@
+"""A fidelity's settled motion: exact where its solver's is, else sampled by the solver itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import ceil
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.fidelity import gap_drift
+from vibeam.case.plans import ShowPlan
+from vibeam.figures.sheet import Column, Columns, Sheet
+from vibeam.flight.trajectory import Trajectory, simulate
+from vibeam.observe.measuring_chain import Chain, Record, measure
+from vibeam.observe.motion import impacts_within, last_periods
+from vibeam.observe.phase_portrait import phase_portrait
+from vibeam.solvers import solver as solver_named
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.response import Ended
+from vibeam.system.state import State
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+
+
+Array = NDArray[np.float64]
+
+SAMPLES = 1000  # a drive period, of a motion that is exact between its events
+
+
+class NoMotion(Exception):
+    """There is nothing to show; the text says why."""
+
+
+@dataclass(frozen=True)
+class Settled:
+    """A fidelity after its transient at one drive: ``state`` at the drive's phase 0 (None: ``fault`` says why)."""
+
+    system: ImpactSystem
+    drive: Drive
+    solver: Any
+    state: State | None
+    fault: str = ""
+
+    @property
+    def period(self) -> float:
+        """Of the drive, s."""
+        return 2 * np.pi / self.drive.omega
+
+
+@lru_cache(maxsize=16)
+def _system(case: Case, name: str) -> ImpactSystem:
+    """One for all frequencies of a figure: assembling takes longer than settling."""
+    return case.system(name)
+
+
+def _drifted(system: ImpactSystem, drift: Array | None) -> ImpactSystem:
+    """With the gap of one frequency."""
+    return system if drift is None else replace(system, gap=system.gap + float(drift[0]))
+
+
+def settled(case: Case, name: str, frequency: float, plan: ShowPlan) -> Settled:
+    """The fidelity after the plan's periods to settle at ``frequency`` Hz, begun at static equilibrium."""
+    omega, fidelity = np.array([2 * np.pi * frequency]), case.fidelities[name]
+    system = _drifted(_system(case, name), gap_drift(case.scene_of(name), omega))
+    drive = Drive(float(omega[0]), float(np.ravel(case.amplitude_of(name, omega))[0]))
+    made = solver_named(fidelity.solver, system, drive.omega, 0.0, **fidelity.options)
+    if plan.output not in ("contact", *system.outputs):
+        return Settled(system, drive, made, None, f"there is no {plan.output} in this model")
+    response, state = made.steady(omega, drive.amplitude, None, max(plan.settle - 1, 0), 1, plan.output)
+    ended = Ended.of_code(int(response.ended[0]))
+    if ended is not Ended.COMPLETE:
+        return Settled(system, drive, made, None, ended.value)
+    return Settled(system, drive, made, state)
+
+
+def exact_motion(begin: Settled, periods: float) -> Trajectory:
+    """``periods`` drive periods of the settled motion by flight, which is exact; NoMotion where there is none.
+
+    What a solver in closed form found goes on for itself.
+    """
+    if begin.state is None:
+        raise NoMotion(begin.fault)
+    path = simulate(begin.system, begin.drive, periods * begin.period, begin.state)
+    if path.ended is not Ended.COMPLETE:
+        raise NoMotion(path.ended.value)
+    return path
+
+
+def sheet_each(plan: ShowPlan, fidelity: str, make: Callable[[float], Columns]) -> list[Sheet]:
+    """A sheet a frequency of the plan, empty and with the reason where there is no motion."""
+    return [_sheet(fidelity, frequency, make) for frequency in plan.frequency]
+
+
+def _sheet(fidelity: str, frequency: float, make: Callable[[float], Columns]) -> Sheet:
+    try:
+        return Sheet(fidelity, frequency, make(frequency))
+    except (NoMotion, ValueError) as reason:  # ValueError: what an observer cannot read off, too few samples say
+        return Sheet(fidelity, frequency, fault=str(reason))
+
+
+def motion_columns(case: Case, name: str, frequency: float, plan: ShowPlan, periods: int) -> Columns:
+    """``periods`` drive periods of the settled motion; at an impact one sample before, one after.
+
+    Through the fidelity's measuring chain, where it has one: its samples, and when they show the impacts.
+    """
+    chain = case.chain_of(name)
+    if chain is not None:
+        return _measured(seen(case, name, frequency, plan, periods, chain))
+    begin = settled(case, name, frequency, plan)
+    if begin.state is None:
+        raise NoMotion(begin.fault)
+    if hasattr(begin.solver, "motion"):
+        return _stepped(begin, begin.state, periods, plan.output)
+    path = exact_motion(begin, periods)
+    curve = phase_portrait(path, plan.output, periods=periods, points=SAMPLES)
+    hits = impacts_within(path, *last_periods(path, periods))
+    jumps = curve.velocity[curve.jumps + 1] - curve.velocity[curve.jumps]
+    return _columns(curve.time, curve.displacement, curve.velocity, hits[:, 0], hits[:, 1], jumps)
+
+
+def _stepped(begin: Settled, state: State, periods: int, output: str) -> Columns:
+    """At the solver's own samples."""
+    found = begin.solver.motion(begin.drive, state, 0.0, periods * begin.period)
+    values = found.values @ begin.system.output(output)
+    return _columns(found.times, values[:, 0], values[:, 1], found.impact_times, found.impact_velocities, None)
+
+
+def _measured(found: Seen) -> Columns:
+    record, hits = found.window, found.hits
+    shown = hits[:, 0] + found.delay - found.begin
+    return _columns(record.time - found.begin, record.displacement, record.velocity, shown, hits[:, 1], None)
+
+
+def _columns(time: Array, place: Array, speed: Array, struck: Array, velocities: Array, jumps: Array | None) -> Columns:
+    columns = {
+        "time": Column(time, "s", "time, the drive's phase 0 at 0"),
+        "displacement": Column(place, "q", "displacement of the output"),
+        "velocity": Column(speed, "q/s", "velocity of the output"),
+        "impact_time": Column(struck, "s", "times of the impacts"),
+        "impact_velocity": Column(velocities, "q/s", "velocity of the contact just before impact, q̇₋"),
+    }
+    if jumps is not None:
+        columns["jump"] = Column(jumps, "q/s", "by how much the impacts change the output's velocity")
+    return columns
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A motion from before its window [``begin``, ``end``] s (after which a drive period more) and its ``record``.
+
+    The drive's phase is 0 at ``begin``; what a filter needs to settle has passed one drive period before.
+    """
+
+    path: Trajectory
+    record: Record
+    begin: float
+    end: float
+    chain: Chain
+
+    @property
+    def delay(self) -> float:
+        """By how much the record lags, s."""
+        return self.chain.low_pass.delay() if self.chain.low_pass else 0.0
+
+    @property
+    def window(self) -> Record:
+        """The samples of the window alone."""
+        inside = (self.record.time >= self.begin) & (self.record.time <= self.end)
+        return Record(*(rows[inside] for rows in (self.record.time, self.record.displacement, self.record.velocity)))
+
+    @property
+    def hits(self) -> Array:
+        """Times and contact velocities just before (m, 2) of the impacts in the window."""
+        return impacts_within(self.path, self.begin, self.end)
+
+    @property
+    def exact(self) -> bool:
+        """Whether the samples are the motion itself."""
+        return self.chain.velocity == "exact"
+
+
+def seen(case: Case, name: str, frequency: float, plan: ShowPlan, periods: int, chain: Chain) -> Seen:
+    """A window of ``periods`` drive periods of the settled motion at ``frequency`` Hz; NoMotion where there is none."""
+    begin = settled(case, name, frequency, plan)
+    fading = chain.low_pass.settling() if chain.low_pass else 0.0
+    lead = 1 + ceil(fading / begin.period)
+    path = exact_motion(begin, lead + periods + 1)
+    first, last = lead * begin.period, (lead + periods) * begin.period
+    record = measure(path, chain, plan.output).after(first - begin.period)
+    return Seen(path, record, first, last, chain)
+
+
+def chain_or_exact(case: Case, name: str, rate: float) -> Chain:
+    """The fidelity's measuring chain, or, where it has none, exact samples, ``rate`` a second."""
+    return case.chain_of(name) or Chain(rate, velocity="exact")

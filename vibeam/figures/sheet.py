@@ -1,0 +1,74 @@
+"""What is to be shown, and the numbers of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.plans import ShowPlan
+from vibeam.figures import KINDS
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Column:
+    """One row of numbers: its unit as in ``vibeam.run.store.layout`` (q: the output's, q/s: its rate's), and what it is."""
+
+    values: Array
+    unit: str
+    long_name: str
+
+
+Columns = Mapping[str, Column]
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """The numbers of one fidelity at one ``frequency`` (Hz; NaN: over all).
+
+    ``fault``: why there are none, empty where there are.
+    """
+
+    fidelity: str
+    frequency: float
+    columns: Columns = field(default_factory=dict)
+    fault: str = ""
+
+    def __getitem__(self, name: str) -> Array:
+        return self.columns[name].values
+
+    def of(self, name: str) -> Array:
+        """A column, empty where there are no numbers."""
+        return self[name] if name in self.columns else np.empty(0)
+
+
+def module_of(plan: ShowPlan) -> Any:
+    """The module of the plan's kind."""
+    return import_module(KINDS[plan.kind].home)
+
+
+def sheets(case: Case, plan: ShowPlan) -> tuple[Sheet, ...]:
+    """The numbers of all its fidelities, in their order."""
+    made = module_of(plan).sheets
+    return tuple(sheet for name in plan.fidelities for sheet in made(case, name, plan))
+
+
+def sheet_at(case: Case, plan: ShowPlan, fidelity: str, frequency: float | None, there: tuple[Sheet, ...]) -> Sheet:
+    """The numbers of one fidelity at one ``frequency`` (Hz; None: over all), made where they are not ``there``."""
+    at = float("nan") if frequency is None else frequency
+    for sheet in there:
+        if sheet.fidelity == fidelity and np.isclose(sheet.frequency, at, rtol=1e-9, atol=0, equal_nan=True):
+            return sheet
+    narrowed = plan if frequency is None else replace(plan, frequency=(frequency,))
+    found: Sheet = module_of(plan).sheets(case, fidelity, narrowed)[0]
+    return found

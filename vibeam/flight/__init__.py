@@ -1,0 +1,1 @@
+"""The exact engine: closed-form flight between certified impacts."""

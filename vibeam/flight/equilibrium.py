@@ -1,0 +1,107 @@
+"""Where a computation starts when nobody says: at static equilibrium, on the stop if the stop is in the way."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.state import State
+from vibeam_models.laws.compliant import HuntCrossley, LinearStop
+
+Array = NDArray[np.float64]
+
+SMALLEST = 1e-150  # rad/s
+
+DRIVEN = 10.0  # how much larger than the base motion times its share a driven mode is taken to be
+
+STRONG = 1e6  # drive over start beyond which the size of the motion is that of the start
+
+
+def equilibrium(system: ImpactSystem) -> State:
+    """The static equilibrium, resting on the stop where the free one lies beyond it.
+
+    Modes without stiffness (ω = 0) have no equilibrium of their own: they start at zero displacement, and where that
+    lies beyond the stop, they alone carry the contact point back to it.
+    """
+    if system.beyond_plain:
+        return equilibrium_with_law(system)
+    moving, free = system.omega > 0, without_stop(system)
+    beyond = float(system.contact @ free) - system.gap
+    if beyond <= 0:
+        return State(free, np.zeros(system.size))
+    loose = ~moving & (system.contact != 0)
+    softly = system.contact / np.where(moving, system.omega, 1.0) ** 2
+    shape = np.where(loose, system.contact, 0.0) if loose.any() else softly
+    held = free - shape * (beyond / float(system.contact @ shape))
+    return State(held, np.zeros(system.size), resting=True)
+
+
+def without_stop(system: ImpactSystem) -> Array:
+    """The displacements (n,) under the static forces alone; 0 of modes without stiffness."""
+    moving = system.omega > 0
+    with np.errstate(divide="ignore", over="ignore"):
+        free = np.where(moving & (system.static != 0), system.static / np.where(moving, system.omega, 1.0) ** 2, 0.0)
+    if not np.isfinite(free).all():
+        raise ValueError("static: no float holds the equilibrium, static over omega²: take other units")
+    return free
+
+
+def size_of_motion(system: ImpactSystem, drive: Drive, pose: Array) -> float:
+    """About how large the modal displacements are: those of a start ``pose`` (2, n), a swing on, and the drive's.
+
+    What steady response lies far beyond it costs digits when it is taken out of the state and put back. A drive so
+    strong that the start is nothing against it is left out: what happens first happens before it has its full effect.
+    (Not so of a start from nothing, which has no size to be kept.)
+    """
+    turn = 1 / np.where(system.omega > SMALLEST, system.omega, np.inf)
+    start = float(np.max(np.abs(pose[0]) + np.abs(pose[1]) * turn))
+    driven = DRIVEN * abs(drive.amplitude) * float(np.abs(system.load).max())
+    return start if driven > STRONG * start > 0 else start + driven
+
+
+def equilibrium_with_law(system: ImpactSystem) -> State:
+    """The static equilibrium: of a hard stop as for every solver, of one that yields where the forces balance.
+
+    Modes without stiffness start at zero displacement and carry no contact force.
+    """
+    free = without_stop(system)
+    for row, gap in stops(system):
+        beyond = float(row @ free) - gap
+        if beyond <= 0:
+            continue
+        if not isinstance(system.law, LinearStop | HuntCrossley):
+            found = equilibrium(replaced(system, gap, row))
+            return State(found.displacement, found.velocity, True)
+        give = np.where(system.omega > 0, row / np.where(system.omega > 0, system.omega, 1.0) ** 2, 0.0)
+        force = balance(system.law, beyond, float(row @ give))
+        return State(free - give * force, np.zeros(system.size))
+    return State(free, np.zeros(system.size))
+
+
+def stops(system: ImpactSystem) -> list[tuple[Array, float]]:
+    """Row towards the stop and gap, of every stop."""
+    second = [] if system.second_gap is None else [(-system.contact, system.second_gap)]
+    return [(system.contact, system.gap), *second]
+
+
+def replaced(system: ImpactSystem, gap: float, row: Array | None = None) -> ImpactSystem:
+    """The system with one hard stop, elsewhere."""
+    from dataclasses import replace
+
+    contact = system.contact if row is None else row
+    return replace(system, gap=gap, contact=contact, law=None, coupling=None, second_gap=None)
+
+
+def balance(law: LinearStop | HuntCrossley, beyond: float, give: float) -> float:
+    """The force F with F = k d^p and d = beyond − give F: ``beyond`` m into the stop without it, ``give`` m/N."""
+    if isinstance(law, LinearStop):
+        return law.stiffness * beyond / (1 + law.stiffness * give)
+    low, high = 0.0, beyond
+    for _ in range(200):
+        middle = (low + high) / 2
+        if middle in (low, high):
+            break
+        excess = middle + give * law.stiffness * middle**law.exponent - beyond
+        low, high = (low, middle) if excess > 0 else (middle, high)
+    return float(law.stiffness * high**law.exponent)

@@ -1,0 +1,129 @@
+"""The intervals that cover a flight: on each a bound says that the gap stays open, on the last that it closes once.
+
+The same walk as ``isolate.first_root``, but along a flight whose end is known, and written down.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.compiler import entry, kernel
+from vibeam.flight.kernels.drive import phase, set_drive
+from vibeam.flight.kernels.layout import (
+    AT_CLOCK,
+    ATTACHED,
+    CHATTER,
+    COARSEST,
+    CONST,
+    DURATION,
+    END,
+    HARMONIC,
+    IMPACT,
+    LEVELS,
+    RESTING,
+    STEP,
+    STUCK,
+    TURN_IM,
+    TURN_RE,
+    WHAT,
+    WHOLE,
+    ZI,
+    ZR,
+    Desk,
+)
+from vibeam.flight.kernels.modal_flow import begin_flight
+from vibeam.flight.kernels.roots import taylor_pairs as att
+from vibeam.flight.kernels.roots.bounds import CLEAR, MINIMUM, SPLIT
+from vibeam.flight.kernels.roots.first_root import first_level
+from vibeam.flight.kernels.roots.newton import EPSILON, polish_minimum
+from vibeam.flight.kernels.roots.pair import norm
+from vibeam.flight.kernels.roots.panels import accept, launching, ordinary, step_pairs
+from vibeam.flight.kernels.roots.signal import derivatives, to_node
+
+Array = NDArray[np.float64]
+
+FLIGHT, FROM, LENGTH, CLAIM = range(4)  # columns of a piece
+
+COLUMNS = 4
+
+OPEN, CLOSES, UNPROVED = 0.0, 1.0, 2.0  # claims
+
+
+@entry
+def cover(
+    desk: Desk, omega: float, amplitude: float, trace: Array, poses: Array, orders: Array, rises: Array,
+    first: int, pieces: Array,
+) -> tuple[int, int]:  # fmt: skip
+    """Fill ``pieces`` from flight ``first`` on: pieces written, the first flight that found no room."""
+    set_drive(desk, omega, amplitude)
+    count = 0
+    for flight in range(first, trace.shape[0]):
+        if trace[flight, WHAT] == RESTING or trace[flight, DURATION] == 0.0:
+            continue
+        written = along(desk, trace, poses, flight, int(orders[flight]), rises[flight], pieces, count)
+        if written < 0:
+            return count, flight
+        count += written
+    return count, trace.shape[0]
+
+
+@kernel
+def along(desk: Desk, trace: Array, poses: Array, flight: int, order: int, rise: float, pieces: Array, row: int) -> int:
+    """Pieces of one flight, written from ``row`` on; −1 where there is no room for them.
+
+    A last panel that reaches beyond the flight's end and holds one root there is open up to the end, where the gap is.
+    """
+    pairs, table, levels, signal, attached = desk.pairs, desk.table, desk.levels, desk.signal, desk.attached
+    cosine, sine = phase(desk.drive, trace[flight, AT_CLOCK])
+    begin_flight(pairs, signal, attached, desk.modes, desk.drive, poses[flight], cosine, sine)
+    total = to_node(pairs)
+    if signal[ATTACHED] > 0.0:
+        att.restart(attached, signal)
+    re, im = signal[ZR], signal[ZI]
+    signal[HARMONIC] = norm(re, im)
+    duration, end, coarsest = trace[flight, DURATION], trace[flight, END], int(desk.drive[COARSEST])
+    tolerance = 8.0 * EPSILON * (abs(signal[CONST]) + signal[HARMONIC] + total + att.swing(attached, signal, duration))
+    closes = end in (IMPACT, CHATTER, STUCK)
+    time, level, since, count = 0.0, coarsest, 0, 0
+    if order > 0:
+        derivatives(pairs, signal, attached, pairs.shape[1], WHOLE, order + 1)
+        level = first_level(levels, order, rise, signal, coarsest)
+    while time < duration:
+        h = levels[STEP, level]
+        start_order = order if time == 0.0 else 0
+        if start_order > 0:
+            found = launching(pairs, table, levels, signal, attached, order, rise, level)
+        else:
+            found = ordinary(pairs, table, levels, signal, attached, time, re, im, level, tolerance)
+        if found == SPLIT and level < LEVELS - 1:
+            level += 1
+            since = 0
+            continue
+        if found == MINIMUM:
+            _, value = polish_minimum(pairs, signal, attached, start_order, rise, time, h)
+            found = CLEAR if value > 0.0 else found
+        last = time + h >= duration
+        claim = OPEN if found == CLEAR or last else UNPROVED
+        if last and closes:
+            claim = CLOSES
+        if row + count >= pieces.shape[0]:
+            return -1
+        pieces[row + count, FLIGHT], pieces[row + count, FROM] = flight, time
+        pieces[row + count, LENGTH], pieces[row + count, CLAIM] = min(h, duration - time), claim
+        count += 1
+        if start_order > 0:
+            step_pairs(pairs, table, level)
+        if signal[ATTACHED] > 0.0:
+            att.carry(attached, signal, time, h)
+        accept(pairs, signal, attached)
+        re, im = (
+            re * levels[TURN_RE, level] - im * levels[TURN_IM, level],
+            im * levels[TURN_RE, level] + re * levels[TURN_IM, level],
+        )
+        time += h
+        since += 1
+        if level > coarsest and since > 1:
+            level -= 1
+            since = 0
+    return count

@@ -1,0 +1,250 @@
+"""Time integral of each mode's energy ½(η'² + ω²η²) over a segment: a sum of products of exponentials, integrated.
+
+In flight η = Σ Re(a e^{λt}): the free motion has one such term (two where it is overdamped), the steady response one
+with λ = iΩ, the static offset one with λ = 0. The product of two of them integrates to two differences e^{zt} − 1 over
+z, z the sum of their λ (of the second one's conjugate, too), each as good for small z as for large. Where that cannot
+be good to all digits, in flights short against the mode and the drive, near critical damping, where large parts cancel,
+for attached modes and at rest, it is Gauss's quadrature on panels that resolve the motion to round-off.
+"""
+
+from __future__ import annotations
+
+from math import ceil, cos, exp, expm1, sin, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.block_flow import stay
+from vibeam.flight.kernels.compiler import joined, kernel
+from vibeam.flight.kernels.drive import phase
+from vibeam.flight.kernels.layout import (
+    AMODE,
+    AOMEGA,
+    ATTACHED,
+    DISC,
+    DRIVE,
+    IM,
+    KAPPA,
+    NODE_X,
+    NODE_Y,
+    OFFSET,
+    OMEGA,
+    RE,
+    SERIES,
+    SIGMA,
+    TERM,
+    Desk,
+    W,
+)
+from vibeam.flight.kernels.roots import taylor_pairs as att
+from vibeam.flight.kernels.roots.pair import propagator
+
+Array = NDArray[np.float64]
+
+Terms = tuple[complex, complex, complex]  # a, λ, e^{λt} − 1
+
+NODES = tuple(float(x + 1) / 2 for x in np.polynomial.legendre.leggauss(8)[0])
+
+WEIGHTS = tuple(float(w) / 2 for w in np.polynomial.legendre.leggauss(8)[1])
+
+FEW_NODES = tuple(float(x + 1) / 2 for x in np.polynomial.legendre.leggauss(4)[0])
+
+FEW_WEIGHTS = tuple(float(w) / 2 for w in np.polynomial.legendre.leggauss(4)[1])
+
+PANEL = 2.0  # rate times length that eight nodes resolve: (2 · 2)¹⁶ (8!)⁴ / 17 (16!)³ = 7e-14
+
+SHORT = 0.15  # the same of four: (2 · 0.15)⁸ (4!)⁴ / 9 (8!)³ = 4e-14
+
+MOST = 128  # panels a rest, and where closed forms fail: a mode that turns oftener is not resolved
+
+SPLIT = 0.05  # |λ₁ − λ₂| / 2ω below which the free motion is no sum of exponentials worth the name
+
+FADED = 40.0  # decay exponent beyond which it is over
+
+CANCELLED = 1e-3  # share of its parts below which a sum is not taken
+
+NEAR = 0.1  # |z| t below which e^{zt} − 1 is not made of the two factors'
+
+
+@kernel
+def energy_in_flight(desk: Desk, pose: Array, clock: float, duration: float, energy: Array) -> None:
+    """Add ∫ E_k dt over a flight from ``pose`` to ``energy`` (n,). The desk's signal must be that of this flight."""
+    pairs, modes, w = desk.pairs, desk.modes, desk.drive[W]
+    cosine, sine = phase(desk.drive, clock)
+    turned = growth(1j * w, duration)
+    for k in range(pairs.shape[1]):
+        if carried(desk.attached, desk.signal, k):
+            continue
+        re, im, offset = modes[RE, k], modes[IM, k], modes[OFFSET, k]
+        x = pose[0, k] - offset - re * sine - im * cosine
+        y = pose[1, k] - w * (re * cosine - im * sine)
+        steady = (re * sine + im * cosine) - 1j * (re * cosine - im * sine)  # Re(steady e^{iΩt})
+        energy[k] += flown(pairs, k, x, y, steady, w, offset, duration, turned)
+    if desk.signal[ATTACHED] > 0.0:
+        energy_attached(desk.attached, desk.signal, duration, energy)
+
+
+@kernel
+def growth(z: complex, t: float) -> complex:
+    """e^{zt} − 1 to round-off of both its parts."""
+    x, y = z.real * t, z.imag * t
+    half, size = sin(0.5 * y), exp(x)
+    return complex(expm1(x) - 2.0 * size * half * half, size * sin(y))
+
+
+@kernel
+def flown(
+    pairs: Array, k: int, x: float, y: float, steady: complex, w: float, offset: float, t: float, turned: complex
+) -> float:
+    """∫ E over t of free motion from x, x', Re(steady e^{iΩt}) and an offset; turned = e^{iΩt} − 1."""
+    own, sigma, disc = pairs[OMEGA, k], pairs[SIGMA, k], pairs[DISC, k]
+    rate = max(pairs[KAPPA, k], w if steady != 0.0 else 0.0)
+    if rate * t <= PANEL:
+        return sampled(pairs, k, x, y, steady, w, offset, t, 1, rate * t <= SHORT)
+    if abs(disc) < SPLIT * SPLIT * own * own:
+        first = min(t, FADED / sigma)
+        panels = max(1, ceil(rate * first / PANEL))
+        total = sampled(pairs, k, x, y, steady, w, offset, first, panels, False)
+        if first < t:
+            begun = steady * (1.0 + growth(1j * w, first))
+            ended = growth(1j * w, t - first)
+            total += summed(0j, 0j, 0j, 0j, begun, 1j * w, ended, offset, own * own, t - first)[0]
+        return total
+    if disc < 0.0:
+        turn = sqrt(-disc)
+        total, parts = summed(
+            x - 1j * (y + sigma * x) / turn, -sigma + 1j * turn, 0j, 0j,
+            steady, 1j * w, turned, offset, own * own, t,
+        )  # fmt: skip
+    else:
+        fast = sigma + sqrt(disc)
+        slow = own * own / fast
+        a, b = (y + fast * x) / (fast - slow), -(y + slow * x) / (fast - slow)
+        total, parts = summed(a + 0j, -slow + 0j, b + 0j, -fast + 0j, steady, 1j * w, turned, offset, own * own, t)
+    if total < CANCELLED * parts and rate * t <= PANEL * MOST:
+        return sampled(pairs, k, x, y, steady, w, offset, t, ceil(rate * t / PANEL), False)
+    return total
+
+
+@kernel
+def summed(
+    a: complex, first: complex, b: complex, second: complex, c: complex, third: complex, turned: complex,
+    offset: float, square: float, t: float,
+) -> tuple[float, float]:  # fmt: skip
+    """∫ E of Re(a e^{first t} + b e^{second t} + c e^{third t}) + offset, and the sum of its parts' sizes."""
+    grown, still = growth(first, t), offset + 0j
+    total = 0.5 * product(a, first, grown, a, first, grown, square, t)
+    parts = abs(total)
+    if b != 0.0:
+        faded = growth(second, t)
+        part = 0.5 * product(b, second, faded, b, second, faded, square, t)
+        part += product(a, first, grown, b, second, faded, square, t)
+        total, parts = total + part, parts + abs(part)
+        if c != 0.0:
+            part = product(b, second, faded, c, third, turned, square, t)
+            total, parts = total + part, parts + abs(part)
+        if offset != 0.0:
+            part = product(b, second, faded, still, 0j, 0j, square, t)
+            total, parts = total + part, parts + abs(part)
+    if c != 0.0:
+        part = 0.5 * product(c, third, turned, c, third, turned, square, t)
+        total, parts = total + part, parts + abs(part)
+        part = product(a, first, grown, c, third, turned, square, t)
+        total, parts = total + part, parts + abs(part)
+        if offset != 0.0:
+            part = product(c, third, turned, still, 0j, 0j, square, t)
+            total, parts = total + part, parts + abs(part)
+    if offset != 0.0:
+        part = 0.5 * square * offset * offset * t
+        total, parts = total + part, parts + abs(part)
+        part = product(a, first, grown, still, 0j, 0j, square, t)
+        total, parts = total + part, parts + abs(part)
+    return total, parts
+
+
+@kernel
+def product(
+    a: complex, first: complex, grown: complex, b: complex, second: complex, turned: complex, square: float, t: float
+) -> float:
+    """∫ u'v' + ω²uv with u = Re(a e^{first t}), v = Re(b e^{second t}); grown and turned are e^{…t} − 1."""
+    back, other, unturned = b.conjugate(), second.conjugate(), turned.conjugate()
+    one = a * b * (first * second + square) * integral(first + second, grown, turned, t)
+    two = a * back * (first * other + square) * integral(first + other, grown, unturned, t)
+    return 0.5 * (one.real + two.real)
+
+
+@joined
+def integral(z: complex, grown: complex, turned: complex, t: float) -> complex:
+    """∫ e^{zt} over t, z the sum of two λ whose e^{λt} − 1 are given."""
+    if z == 0.0:
+        return t + 0j
+    if (abs(z.real) + abs(z.imag)) * t < NEAR:
+        return growth(z, t) / z
+    return (grown + turned + grown * turned) / z
+
+
+@kernel
+def sampled(
+    pairs: Array, k: int, x: float, y: float, steady: complex, w: float, offset: float, t: float, panels: int, few: bool
+) -> float:
+    """The same as ``flown``, by quadrature."""
+    h, own, total = t / panels, pairs[OMEGA, k] * pairs[OMEGA, k], 0.0
+    for panel in range(panels):
+        for i in range(4 if few else 8):
+            time = (panel + (FEW_NODES[i] if few else NODES[i])) * h
+            p00, p01, p10, p11 = propagator(pairs[SIGMA, k], pairs[OMEGA, k], pairs[DISC, k], time)
+            value, slope = offset + p00 * x + p01 * y, p10 * x + p11 * y
+            if steady != 0.0:
+                c, s = cos(w * time), sin(w * time)
+                value += steady.real * c - steady.imag * s
+                slope -= w * (steady.real * s + steady.imag * c)
+            total += (FEW_WEIGHTS[i] if few else WEIGHTS[i]) * (slope * slope + own * value * value)
+    return 0.5 * total * h
+
+
+@kernel
+def carried(attached: Array, signal: Array, k: int) -> bool:
+    """Whether mode k is attached."""
+    found = False
+    for j in range(int(signal[ATTACHED])):
+        found = found or int(attached[AMODE, j]) == k
+    return found
+
+
+@kernel
+def energy_attached(attached: Array, signal: Array, duration: float, energy: Array) -> None:
+    """Add the attached modes' part: their Taylor series at the nodes, panel by panel."""
+    panels = max(1, ceil(att.fastest(attached, signal) * duration))
+    h = duration / panels
+    att.restart(attached, signal)
+    for panel in range(panels):
+        cosine, sine = att.phase_after(signal, panel * h)
+        for j in range(int(signal[ATTACHED])):
+            x, y, own = attached[NODE_X, j], attached[NODE_Y, j], attached[AOMEGA, j]
+            att.series(attached, j, x, y, cosine, sine, signal[DRIVE], h)
+            for node in range(8):
+                value, slope = attached[TERM + SERIES - 1, j], 0.0
+                for i in range(SERIES - 2, -1, -1):
+                    slope = slope * NODES[node] + value
+                    value = value * NODES[node] + attached[TERM + i, j]
+                density = (slope / h) ** 2 + (own * value) ** 2
+                energy[int(attached[AMODE, j])] += 0.5 * h * WEIGHTS[node] * density
+        att.carry(attached, signal, panel * h, h)
+        att.accept(attached, signal)
+
+
+@kernel
+def energy_at_rest(desk: Desk, pose: Array, clock: float, duration: float, scratch: Array, energy: Array) -> None:
+    """Add ∫ E_k dt over a rest from ``pose`` to ``energy`` (n,)."""
+    n = pose.shape[1]
+    rate = max(desk.drive[W], desk.pairs[KAPPA, n - 1])
+    panels = int(min(MOST, max(1, ceil(rate * duration / PANEL))))
+    h = duration / panels
+    for panel in range(panels):
+        for node in range(8):
+            for k in range(n):
+                scratch[0, k], scratch[1, k] = pose[0, k], pose[1, k]
+            stay(desk, scratch, clock, (panel + NODES[node]) * h)
+            for k in range(n):
+                density = scratch[1, k] ** 2 + (desk.pairs[OMEGA, k] * scratch[0, k]) ** 2
+                energy[k] += 0.5 * h * WEIGHTS[node] * density

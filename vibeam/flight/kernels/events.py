@@ -1,0 +1,279 @@
+"""The motion from event to event: flight, impact, chatter, rest, release."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.block_flow import begin_rest, stay
+from vibeam.flight.kernels.compiler import joined, kernel
+from vibeam.flight.kernels.drive import phase, wrap
+from vibeam.flight.kernels.impact import chatter_left, settle_on_stop, strike
+from vibeam.flight.kernels.lanes.plain_flights import AT_STOP, NOT_PLAIN, volley
+from vibeam.flight.kernels.lanes.simd import eight, one
+from vibeam.flight.kernels.layout import (
+    ATTACHED,
+    CHATTER,
+    CHATTERS,
+    CLOCK,
+    COARSEST,
+    COMPLETE,
+    CONST,
+    DONE,
+    EVENT_LIMIT,
+    EVENTS,
+    FREE,
+    FULL,
+    IMPACT,
+    IMPACTS,
+    KAPPA,
+    KIND,
+    LEFT,
+    LOST,
+    NOT_FINITE,
+    ORDER,
+    PANELS,
+    PAUSED,
+    PENETRATED,
+    PHASE_COS,
+    PHASE_SIN,
+    RELEASE,
+    REMAINDER,
+    RESTING,
+    RESTITUTION,
+    RISE,
+    SEGMENTS,
+    SPAN_END,
+    SPEED,
+    STUCK,
+    UNRESOLVED,
+    Desk,
+    W,
+)
+from vibeam.flight.kernels.modal_flow import ROUND_OFF, begin_flight, land, pull
+from vibeam.flight.kernels.roots.first_root import first_root
+from vibeam.flight.kernels.segments import add, close_segment, open_segment
+
+Array = NDArray[np.float64]
+
+SMALLEST = 1e-300
+
+EVENTS_AN_IMPACT = 4  # flight, impact, rest, release: more are no motion but a fault, and end it
+
+IDLE = 1000  # events in a row without time or impact, the same
+
+PIECE = 4_000_000  # impacts and panels, times modes and a few, after which a call pauses: some hundredths of a second
+
+
+@kernel
+def advance(
+    desk: Desk,
+    pose: Array,
+    status: Array,
+    span: float,
+    most: int,
+    trace: Array,
+    poses: Array,
+    counts: NDArray[np.int64],
+) -> tuple[int, float]:
+    """Carry ``pose`` and ``status`` on by ``span`` seconds: outcome, time done.
+
+    Segments go to ``trace`` (m, TRACE_COLUMNS) and their first poses to ``poses`` (m, 2, n), where m > 0. FULL: no row
+    is left; empty them and call again with the rest of the span. PAUSED: call again with the same span, and it goes on
+    to the bit. It ends at ``most`` impacts in counts[IMPACTS].
+    """
+    done, lost, rows, idle = status[DONE], status[LOST], trace.shape[0], 0
+    plain = desk.cells.shape[0] > 0 and desk.signal[ATTACHED] == 0.0
+    begun, piece = work_of(counts), piece_of(pose)
+    if done == 0.0:
+        status[CLOCK] = wrap(desk.drive, status[CLOCK])
+        status[PHASE_COS], status[PHASE_SIN] = phase(desk.drive, status[CLOCK])
+    status[DONE], status[LOST] = 0.0, 0.0
+    while done < span:
+        if rows > 0 and counts[SEGMENTS] >= rows:
+            return FULL, done
+        unusual = not plain or status[KIND] == RESTING
+        if not unusual:
+            upto = min(most, counts[IMPACTS] + piece)
+            what, done, lost, flown = many(desk, pose, status, span, done, lost, upto, trace, poses, counts)
+            if what == AT_STOP:
+                struck(desk, pose, status, flown, trace, counts)
+            unusual = what == NOT_PLAIN
+        if unusual:
+            struck_before = counts[IMPACTS]
+            if rows > 0:
+                open_segment(trace, poses, pose, status, done, counts[SEGMENTS])
+            if status[KIND] == RESTING:
+                outcome, step = lie(desk, pose, status, span - done, trace, counts)
+            else:
+                outcome, step = fly(desk, pose, status, span - done, trace, counts)
+            if outcome != COMPLETE:
+                return outcome, done
+            if step >= span - done:
+                return COMPLETE, span
+            done, lost = add(done, lost, step)
+            idle = idle + 1 if step <= 0.0 and counts[IMPACTS] == struck_before else 0
+            if idle > IDLE:
+                return UNRESOLVED, done
+        counts[EVENTS] += 1
+        if (counts[IMPACTS] >= most or counts[EVENTS] > EVENTS_AN_IMPACT * (most + 100)) and done < span:
+            return EVENT_LIMIT, done
+        if work_of(counts) - begun >= piece and done < span:
+            status[DONE], status[LOST] = done, lost
+            return PAUSED, done
+    return COMPLETE, done
+
+
+@joined
+def work_of(counts: NDArray[np.int64]) -> int:
+    """What has been done so far, in panels."""
+    return int(counts[IMPACTS] + counts[PANELS])
+
+
+@joined
+def piece_of(pose: Array) -> int:
+    """How much of it is done between two pauses."""
+    return int(PIECE // (pose.shape[1] + 8))
+
+
+@joined
+def many(
+    desk: Desk, pose: Array, status: Array, span: float, done: float, lost: float, most: int, trace: Array,
+    poses: Array, counts: NDArray[np.int64],
+) -> tuple[int, float, float, float]:  # fmt: skip
+    """``volley`` in as many lanes as serve the system."""
+    if pose.shape[1] == 1:
+        return volley(desk, pose, status, span, done, lost, most, trace, poses, counts, one())
+    return volley(desk, pose, status, span, done, lost, most, trace, poses, counts, eight())
+
+
+@kernel
+def struck(desk: Desk, pose: Array, status: Array, flight: float, trace: Array, counts: NDArray[np.int64]) -> None:
+    """The impact at the end of a flight."""
+    before, end = meet(desk, pose, status, trace, counts[SEGMENTS])
+    counts[IMPACTS] += 1
+    counts[CHATTERS] += 1 if end == CHATTER else 0
+    close_segment(trace, flight, end, before, counts)
+
+
+@joined
+def fly(
+    desk: Desk, pose: Array, status: Array, span: float, trace: Array, counts: NDArray[np.int64]
+) -> tuple[int, float]:
+    """One flight and the impact at its end: outcome, duration."""
+    value, slope, size = begin_flight(
+        desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, status[PHASE_COS], status[PHASE_SIN]
+    )
+    if not np.isfinite(size):
+        return NOT_FINITE, 0.0
+    found, flight = False, 0.0
+    if status[ORDER] == 0.0 and value <= ROUND_OFF * size:
+        if value < -1e4 * ROUND_OFF * size:
+            return PENETRATED, 0.0
+        if slope > 0.0:
+            status[ORDER], status[RISE] = 1.0, slope
+        elif slope < 0.0:
+            found = True
+        elif lift_or_rest(desk, pose, status) == STUCK:
+            return COMPLETE, 0.0
+    if not found:
+        found, flight, panels = first_root(
+            desk.pairs, desk.table, desk.levels, desk.signal, desk.attached,
+            int(status[ORDER]), status[RISE], span, int(desk.drive[COARSEST]),
+            desk.modes, desk.drive, pose, status[CLOCK],
+        )  # fmt: skip
+        counts[PANELS] += panels
+        if flight < 0.0:
+            return UNRESOLVED, 0.0
+        land(
+            desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive,
+            pose, status, flight, found,
+        )  # fmt: skip
+    status[ORDER] = 0.0
+    if found:
+        struck(desk, pose, status, flight, trace, counts)
+    else:
+        close_segment(trace, flight, SPAN_END, 0.0, counts)
+    return COMPLETE, flight
+
+
+@joined
+def meet(desk: Desk, pose: Array, status: Array, trace: Array, row: int) -> tuple[float, int]:
+    """The impact: velocities through the impulse, then flight, chatter's end or rest. Velocity before, what it was."""
+    before = strike(desk.modes, desk.drive, pose)
+    after = desk.drive[RESTITUTION] * before
+    status[SPEED] = max(status[SPEED], before)
+    if after <= 0.0:
+        settle_on_stop(desk.modes, desk.drive, pose)
+        return before, lift_or_rest(desk, pose, status)
+    left, remainder = chatter_left(desk, pose, status, after)
+    if left < 0.0:
+        status[ORDER], status[RISE] = 1.0, after
+        return before, IMPACT
+    settle_on_stop(desk.modes, desk.drive, pose)
+    status[KIND], status[ORDER] = RESTING, 0.0
+    if trace.shape[0] > 0:
+        trace[row, LEFT], trace[row, REMAINDER] = left, remainder
+    return before, CHATTER
+
+
+@joined
+def lift_or_rest(desk: Desk, pose: Array, status: Array) -> int:
+    """On the stop without velocity: pressed against it (or not drawn away) it rests, drawn away it flies."""
+    toward, jerk = pull(desk.pairs, desk.modes, desk.drive, pose, status)
+    if toward < 0.0:
+        status[ORDER], status[RISE] = 2.0, -toward
+        return IMPACT
+    if toward == 0.0 and jerk < 0.0:
+        status[ORDER], status[RISE] = 3.0, -jerk
+        return IMPACT
+    status[KIND], status[ORDER] = RESTING, 0.0
+    return STUCK
+
+
+@kernel
+def lie(
+    desk: Desk, pose: Array, status: Array, span: float, trace: Array, counts: NDArray[np.int64]
+) -> tuple[int, float]:
+    """One rest on the stop, until the contact force vanishes: outcome, duration."""
+    force, rate, size = begin_rest(desk, pose, status[CLOCK])
+    if not np.isfinite(size):
+        return NOT_FINITE, 0.0
+    none = max(ROUND_OFF * size, SMALLEST)  # no more of a force than round-off
+    order = 0 if force > none else 1
+    fastest = max(desk.drive[W], desk.pairs[KAPPA, pose.shape[1] - 1])
+    if order == 1 and (rate <= none * fastest or force < -none):
+        if release(desk, pose, status, False):
+            return COMPLETE, 0.0
+        order = 0  # no force that can be told from none: it holds until one draws the contact away
+        desk.rest_signal[CONST] += 2.0 * none
+    found, duration, panels = first_root(
+        desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.rest_attached,
+        order, rate, span, int(desk.drive[COARSEST]), desk.modes, desk.drive, pose, -1.0,
+    )  # fmt: skip
+    counts[PANELS] += panels
+    if duration < 0.0:
+        return UNRESOLVED, 0.0
+    stay(desk, pose, status[CLOCK], duration)
+    if not np.isfinite(pose[0, 0]):
+        return UNRESOLVED, 0.0
+    status[CLOCK] = wrap(desk.drive, status[CLOCK] + duration)
+    status[PHASE_COS], status[PHASE_SIN] = phase(desk.drive, status[CLOCK])
+    close_segment(trace, duration, RELEASE if found else SPAN_END, 0.0, counts)
+    if found:
+        release(desk, pose, status, True)
+    return COMPLETE, duration
+
+
+@kernel
+def release(desk: Desk, pose: Array, status: Array, at_root: bool) -> bool:
+    """Leave the stop where the motion is drawn away from it: with acceleration, or with jerk at the force's root."""
+    toward, jerk = pull(desk.pairs, desk.modes, desk.drive, pose, status)
+    if jerk < 0.0 and (at_root or toward >= 0.0):
+        status[ORDER], status[RISE] = 3.0, -jerk
+    elif toward < 0.0:
+        status[ORDER], status[RISE] = 2.0, -toward
+    else:
+        return False
+    status[KIND] = FREE
+    return True

@@ -1,0 +1,164 @@
+"""The extremes of a signal over a span: panels whose hull cannot reach beyond what is known are passed over."""
+
+from __future__ import annotations
+
+from math import hypot, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.compiler import kernel
+from vibeam.flight.kernels.layout import ATTACHED, CONST, HARMONIC, LEVELS, STEP, TURN_IM, TURN_RE, ZI, ZR, E
+from vibeam.flight.kernels.roots import taylor_pairs as att
+from vibeam.flight.kernels.roots.pair import norm
+from vibeam.flight.kernels.roots.panels import accept, measure
+from vibeam.flight.kernels.roots.signal import to_node, value_at
+
+Array = NDArray[np.float64]
+
+ACCURACY = 1e-11  # share of the size of the signal's parts
+
+LIGHTLY = 1e-6  # and where not everything is read off
+
+FINE = 1e-2  # share of that which Newton's last step may be off
+
+ROUNDS = 60
+
+MOST_WORK = 100_000_000  # panels, times modes and a few, then a span is given up: a mode rings too fast beside it
+
+GLANCE = 1024  # panels after which it is asked whether what is left can reach beyond what is known at all
+
+EPSILON = 2.220446049250313e-16
+
+
+@kernel
+def extremes(
+    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, span: float, coarsest: int,
+    least: float, most: float,
+) -> tuple[float, float]:  # fmt: skip
+    """(least, most) widened to the signal's values over [0, span]."""
+    return extremes_to(pairs, table, levels, signal, attached, span, coarsest, least, most, ACCURACY)
+
+
+@kernel
+def extremes_to(
+    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, span: float, coarsest: int,
+    least: float, most: float, share: float,
+) -> tuple[float, float]:  # fmt: skip
+    """(least, most) widened to the signal's values over [0, span], to a ``share`` of the size of its parts.
+
+    (−∞, ∞) where that takes more than ``MOST_WORK``.
+    """
+    total = to_node(pairs)
+    att.restart(attached, signal)
+    re, im = signal[ZR], signal[ZI]
+    signal[HARMONIC] = norm(re, im)
+    accuracy = share * (abs(signal[CONST]) + signal[HARMONIC] + total + att.swing(attached, signal, span))
+    time, level, panels = 0.0, coarsest, 0
+    while panels < MOST_WORK // (pairs.shape[1] + 8):
+        panels += 1
+        h = levels[STEP, level]
+        p0, s0, p1, s1, fourth, slack, _, slack2, begin, begin_slope, end, end_slope = measure(
+            pairs, table, levels, signal, attached, time, re, im, level
+        )
+        if time == 0.0:
+            least, most = min(least, p0 + begin), max(most, p0 + begin)
+        if time >= span:
+            return least, most
+        error = fourth * h * h * h * h / 384.0 + slack
+        low, high = hull(p0, s0, p1, s1, h)
+        if low - error < least or high + error > most:
+            last = min(span - time, h)
+            if error > accuracy and level < LEVELS - 1:
+                bend = bent(p0, s0, p1, s1, h, fourth * h * h / 12.0 + slack2)
+                if bend == 0.0:
+                    level += 1
+                    continue
+                low, high = turning(pairs, signal, attached, time, s0 + begin_slope, last, bend, accuracy)
+            else:
+                low, high = cubic_range(p0 + begin, s0 + begin_slope, p1 + end, s1 + end_slope, h, last)
+            least, most = min(least, low), max(most, high)
+        if signal[ATTACHED] > 0.0:
+            att.carry(attached, signal, time, h)
+        accept(pairs, signal, attached)
+        re, im = (
+            re * levels[TURN_RE, level] - im * levels[TURN_IM, level],
+            im * levels[TURN_RE, level] + re * levels[TURN_IM, level],
+        )
+        time += h
+        level = max(level - 1, coarsest)
+        if panels % GLANCE == 0 and contained(pairs, signal, least - accuracy, most + accuracy):
+            return least, most
+    return -np.inf, np.inf
+
+
+@kernel
+def contained(pairs: Array, signal: Array, least: float, most: float) -> bool:
+    """Whether the signal stays within [least, most] from the node on, however long."""
+    reach = hypot(signal[ZR], signal[ZI])
+    for k in range(pairs.shape[1]):
+        reach += pairs[E, k]
+    low, high = signal[CONST] - reach, signal[CONST] + reach
+    return bool(signal[ATTACHED] == 0.0 and low >= least and high <= most)
+
+
+@kernel
+def hull(p0: float, s0: float, p1: float, s1: float, h: float) -> tuple[float, float]:
+    """Least and greatest Bernstein coefficient of the cubic Hermite interpolant."""
+    b1, b2 = p0 + h * s0 / 3.0, p1 - h * s1 / 3.0
+    return min(min(p0, b1), min(b2, p1)), max(max(p0, b1), max(b2, p1))
+
+
+@kernel
+def bent(p0: float, s0: float, p1: float, s1: float, h: float, error: float) -> float:
+    """1 where the signal is proved convex on the panel, −1 where concave, 0 where neither is."""
+    middle = 3.0 * (p1 - p0) / h - s0 - s1  # the interpolant's slope in the middle of its hull
+    left, right = 2.0 * (middle - s0) / h, 2.0 * (s1 - middle) / h
+    if min(left, right) > error:
+        return 1.0
+    return -1.0 if max(left, right) < -error else 0.0
+
+
+@kernel
+def turning(
+    pairs: Array, signal: Array, attached: Array, node: float, slope: float, last: float, bend: float, accuracy: float
+) -> tuple[float, float]:
+    """Least and greatest value on (node, node + last], convex (bend 1) or concave (−1) there; ``slope`` at the node."""
+    end, down, _ = value_at(pairs, signal, attached, node, node + last)
+    low, high = end, end
+    if bend * slope >= 0.0 or bend * down <= 0.0:
+        return low, high
+    left, right, t = 0.0, last, last * slope / (slope - down)
+    for _ in range(ROUNDS):
+        value, rate, curvature = value_at(pairs, signal, attached, node, node + t)
+        low, high = min(low, value), max(high, value)
+        if rate * rate <= abs(curvature) * FINE * accuracy or right - left <= EPSILON * (node + t):
+            break
+        if bend * rate < 0.0:
+            left = t
+        else:
+            right = t
+        t = t - rate / curvature if bend * curvature > 0.0 else 0.5 * (left + right)
+        if not left < t < right:
+            t = 0.5 * (left + right)
+    return low, high
+
+
+@kernel
+def cubic_range(p0: float, s0: float, p1: float, s1: float, h: float, end: float) -> tuple[float, float]:
+    """Least and greatest value of the cubic Hermite interpolant on [0, end], end ≤ h."""
+    c1, c2 = h * s0, 3.0 * (p1 - p0) - h * (2.0 * s0 + s1)
+    c3 = 2.0 * (p0 - p1) + h * (s0 + s1)
+    last = end / h
+    value = p0 + last * (c1 + last * (c2 + last * c3))
+    low, high = min(p0, value), max(p0, value)
+    root = c2 * c2 - 3.0 * c1 * c3
+    if root >= 0.0:
+        middle = -(c2 + (sqrt(root) if c2 >= 0.0 else -sqrt(root)))
+        for i in range(2):
+            top, bottom = (middle, 3.0 * c3) if i == 0 else (c1, middle)
+            u = top / bottom if bottom != 0.0 else -1.0
+            if 0.0 < u < last:
+                value = p0 + u * (c1 + u * (c2 + u * c3))
+                low, high = min(low, value), max(high, value)
+    return low, high

@@ -1,0 +1,1 @@
+"""Plain flights by blocks of modes in the processor's lanes."""

@@ -1,0 +1,214 @@
+"""The end of a plain flight: from a panel with one root to the root, and every pair there, by blocks of modes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.compiler import joined, kernel
+from vibeam.flight.kernels.drive import wrap
+from vibeam.flight.kernels.lanes import mode_blocks as row
+from vibeam.flight.kernels.lanes.elementary import REDUCED, exponential, sine_cosine
+from vibeam.flight.kernels.lanes.mode_blocks import cell
+from vibeam.flight.kernels.lanes.simd import Lanes, every, load, one, smaller, store, total, width
+from vibeam.flight.kernels.layout import CONTACT_IM, CONTACT_RE, DISC, OMEGA, SIGMA, W
+from vibeam.flight.kernels.roots.newton import EPSILON
+from vibeam.flight.kernels.roots.pair import propagator
+from vibeam.flight.kernels.roots.signal import FORGOTTEN
+
+Array = NDArray[np.float64]
+
+ROUNDS = 60
+
+NEAR = 0.02  # rad of the drive within which a step is taken by series
+
+SETTLED = 1e-9  # share of a step below which Newton's next correction is round-off
+
+
+@joined
+def turned(drive: Array, time: float) -> tuple[float, float]:
+    """cos and sin of the drive's phase."""
+    like = one()
+    sine, cosine = sine_cosine(every(drive[W] * wrap(drive, time), like))
+    return total(cosine), total(sine)
+
+
+@joined
+def drawn(drive: Array, cosine: float, sine: float) -> tuple[float, float]:
+    """The drive's part in the gap at that phase, as a phasor."""
+    return (
+        -(drive[CONTACT_RE] * cosine - drive[CONTACT_IM] * sine),
+        -(drive[CONTACT_RE] * sine + drive[CONTACT_IM] * cosine),
+    )
+
+
+@kernel
+def one_by_one(cells: Array, pairs: Array, b: int, t: float, like: Lanes) -> None:
+    """The pairs of a block that are not all underdamped, a time t after the start."""
+    lanes, at = width(like), cell(b, 0, like)
+    for j in range(min(lanes, pairs.shape[1] - b * lanes)):
+        k = b * lanes + j
+        x, y = cells[at + row.START_X * lanes + j], cells[at + row.START_Y * lanes + j]
+        p00, p01, p10, p11 = propagator(pairs[SIGMA, k], pairs[OMEGA, k], pairs[DISC, k], t)
+        cells[at + row.ROOT_X * lanes + j] = p00 * x + p01 * y
+        cells[at + row.ROOT_Y * lanes + j] = p10 * x + p11 * y
+
+
+@joined
+def pairs_at(cells: Array, pairs: Array, b: int, t: float, like: Lanes) -> tuple[Lanes, Lanes]:
+    """The pairs of a block a time t after the start."""
+    step, at = width(like), cell(b, 0, like)
+    if cells[at + row.SLOWEST * step] * t > FORGOTTEN:
+        return every(0.0, like), every(0.0, like)
+    if cells[at + row.MIXED * step] != 0.0:
+        one_by_one(cells, pairs, b, t, like)
+        return load(cells, at + row.ROOT_X * step, like), load(cells, at + row.ROOT_Y * step, like)
+    x, y = load(cells, at + row.START_X * step, like), load(cells, at + row.START_Y * step, like)
+    rate = load(cells, at + row.RATE * step, like)
+    sine, cosine = sine_cosine(smaller(load(cells, at + row.TURN * step, like) * t, every(REDUCED, like)))
+    decay = exponential(rate * (-t))
+    cosine, sine = decay * cosine, decay * sine * load(cells, at + row.TURN_INVERSE * step, like)
+    fall = rate * sine
+    return (cosine + fall) * x + sine * y, (cosine - fall) * y - load(cells, at + row.SPRING * step, like) * sine * x
+
+
+@joined
+def land_on(cells: Array, pairs: Array, blocks: int, t: float, like: Lanes) -> None:
+    """ROOT_X, ROOT_Y receive the pairs a time t after the start."""
+    for b in range(blocks):
+        x, y = pairs_at(cells, pairs, b, t, like)
+        store(cells, cell(b, row.ROOT_X, like), x)
+        store(cells, cell(b, row.ROOT_Y, like), y)
+
+
+@joined
+def expanded(
+    cells: Array, pairs: Array, blocks: int, t: float, side: int, like: Lanes
+) -> tuple[float, float, float, float, float, float]:
+    """The pairs' sum and four derivatives a time t after the start, and a bound on the fifth since the node.
+
+    ROOT_X … ROOT_4 receive every pair's.
+    """
+    step = width(like)
+    f0, f1, f2 = every(0.0, like), every(0.0, like), every(0.0, like)
+    f3, f4, f5 = every(0.0, like), every(0.0, like), every(0.0, like)
+    for b in range(blocks):
+        at = cell(b, 0, like)
+        damp, spring = load(cells, at + row.DAMP * step, like), load(cells, at + row.SPRING * step, like)
+        x, y = pairs_at(cells, pairs, b, t, like)
+        d2 = damp * y + spring * x  # minus the second derivative
+        d3 = damp * d2 - spring * y
+        d4 = spring * d2 - damp * d3
+        store(cells, at + row.ROOT_X * step, x)
+        store(cells, at + row.ROOT_Y * step, y)
+        store(cells, at + row.ROOT_2 * step, d2)
+        store(cells, at + row.ROOT_3 * step, d3)
+        store(cells, at + row.ROOT_4 * step, d4)
+        f0, f1, f2, f3, f4 = f0 + x, f1 + y, f2 - d2, f3 + d3, f4 + d4
+        f5 += load(cells, at + (row.SIDE_E + 3 * side) * step, like) * load(cells, at + row.K5 * step, like)
+    return total(f0), total(f1), total(f2), total(f3), total(f4), total(f5)
+
+
+@joined
+def shift(cells: Array, blocks: int, d: float, like: Lanes) -> tuple[float, float]:
+    """Carry ROOT_X, ROOT_Y on by a short time d; their sums."""
+    step, half, sixth = width(like), 0.5 * d, d * (1 / 6)
+    value, slope = every(0.0, like), every(0.0, like)
+    for b in range(blocks):
+        at = cell(b, 0, like)
+        x, y = load(cells, at + row.ROOT_X * step, like), load(cells, at + row.ROOT_Y * step, like)
+        d2, d3 = load(cells, at + row.ROOT_2 * step, like), load(cells, at + row.ROOT_3 * step, like)
+        d4 = load(cells, at + row.ROOT_4 * step, like)
+        x += (y + ((d3 + d4 * (0.5 * half)) * sixth - d2 * 0.5) * d) * d
+        y += ((d3 + d4 * (2.0 * sixth)) * half - d2) * d
+        store(cells, at + row.ROOT_X * step, x)
+        store(cells, at + row.ROOT_Y * step, y)
+        value += x
+        slope += y
+    return total(value), total(slope)
+
+
+@joined
+def foretold(p0: float, s0: float, c0: float, p1: float, s1: float, c1: float) -> float:
+    """About the root in (0, 1) of the quintic with values, slopes and second derivatives p0, s0, c0 at 0, … at 1."""
+    half = 0.5 * c0
+    p, s, c = p1 - p0 - s0 - half, s1 - s0 - c0, c1 - c0
+    a3, a4, a5 = 10.0 * p - 4.0 * s + 0.5 * c, 7.0 * s - 15.0 * p - c, 6.0 * p - 3.0 * s + 0.5 * c
+    u = p0 / (p0 - p1) if p1 < 0.0 < p0 else 0.5
+    for _ in range(3):
+        e = u * u
+        value = (p0 + s0 * u) + e * ((half + a3 * u) + e * (a4 + a5 * u))
+        slope = (s0 + c0 * u) + e * ((3.0 * a3 + 4.0 * a4 * u) + 5.0 * a5 * e)
+        step = value / slope if slope < 0.0 else 0.0
+        if 0.0 < u - step < 1.0:
+            u -= step
+    return u
+
+
+@joined
+def nearest(f0: float, f1: float, f2: float, f3: float, f4: float, least: float) -> tuple[float, bool]:
+    """The root near 0 of the quartic with these derivatives at 0, f1 < 0, and whether Newton settles on it.
+
+    ``least``: what is no more than round-off.
+    """
+    inverse, c2, c3, c4 = 1.0 / f1, f2 * (1 / 2), f3 * (1 / 6), f4 * (1 / 24)
+    b2, b3, r = c2 * inverse, c3 * inverse, -f0 * inverse
+    d = r - r * r * (b2 - (2.0 * b2 * b2 - b3) * r)
+    a, b = abs(r), abs(b2)
+    if (a * a) * (a * a) * (b * (5.0 * b * b + 5.0 * abs(b3)) + abs(c4 * inverse)) <= least:
+        return d, True
+    for _ in range(3):
+        e = d * d
+        change = ((f0 + d * f1) + e * ((c2 + d * c3) + e * c4)) / ((f1 + d * f2) + e * (3.0 * c3 + d * (4.0 * c4)))
+        d -= change
+        if abs(change) <= SETTLED * abs(d) + least:
+            return d, True
+    return d, False
+
+
+@joined
+def at_root(
+    cells: Array, pairs: Array, drive: Array, const: float, blocks: int, side: int, clock: float, start: float,
+    low: float, high: float, harmonic: float, like: Lanes,
+) -> tuple[bool, float, float, float, float, float]:  # fmt: skip
+    """The one root in (low, high]: (found, flight time, cos and sin of the drive's phase, value and slope of the gap).
+
+    ROOT_X, ROOT_Y receive the pairs there. ``start``: the guess; ``clock``: the drive's time at the flight's start.
+    The series' rest moves the velocity by less than half a last digit, or the closed form is taken once more.
+    """
+    w = drive[W]
+    w2, t = w * w, start
+    for _ in range(ROUNDS):
+        cosine, sine = turned(drive, clock + t)
+        zr, zi = drawn(drive, cosine, sine)
+        f0, f1, f2, f3, f4, f5 = expanded(cells, pairs, blocks, t, side, like)
+        f0, f1, f2, f3, f4 = f0 + (const + zi), f1 + w * zr, f2 - w2 * zi, f3 - w2 * (w * zr), f4 + w2 * (w2 * zi)
+        f5 += harmonic * w2 * w2 * w
+        if f0 > 0.0:
+            low = t
+        else:
+            high = t
+        if f1 < 0.0:
+            step, settled = nearest(f0, f1, f2, f3, f4, EPSILON * t)
+            d = abs(step)
+            if low <= t + step <= high and settled:
+                if f5 * (d * d) * (d * d) <= -12.0 * EPSILON * f1 and w * d < NEAR:
+                    value, slope = shift(cells, blocks, step, like)
+                    cosine, sine = advanced(cosine, sine, w * step)
+                    zr, zi = drawn(drive, cosine, sine)
+                    return True, t + step, cosine, sine, value + (const + zi), slope + w * zr
+                t += step
+                continue
+        if high - low <= EPSILON * t:
+            break
+        t = 0.5 * (low + high)
+    return False, t, 1.0, 0.0, 0.0, 0.0
+
+
+@joined
+def advanced(cosine: float, sine: float, a: float) -> tuple[float, float]:
+    """cos and sin of a phase ``a`` ≤ ``NEAR`` further on."""
+    e = a * a
+    less = e * (0.5 - e * (1 / 24 - e * (1 / 720)))  # 1 − cos a
+    ahead = a * (1.0 - e * (1 / 6 - e * (1 / 120)))
+    return cosine - (cosine * less + sine * ahead), sine + (cosine * ahead - sine * less)

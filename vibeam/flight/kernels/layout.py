@@ -1,0 +1,158 @@
+"""Where things stand in the kernels' arrays.
+
+The kernels work on a few float arrays with named rows: a compiled call passes an array almost for free, a tuple of
+thirty arrays not at all.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+class Desk(NamedTuple):
+    """See ``layout`` for the rows. The free system and the system at rest have a signal's arrays each."""
+
+    pairs: Array
+    table: Array
+    levels: Array
+    signal: Array
+    attached: Array
+    modes: Array
+    drive: Array
+    rest_pairs: Array
+    rest_table: Array
+    rest_levels: Array
+    rest_signal: Array
+    rest_attached: Array
+    blocks: Array
+    to_blocks: Array  # (2(n−1), 2n): block coordinates from (η − held, η')
+    from_blocks: Array  # (2n, 2(n−1))
+    held: Array  # (n,) contact · gap / Σ contact²
+    cells: Array  # the free system in blocks of modes, see ``cells``; empty where that cannot be
+    rungs: Array
+
+
+class Room(NamedTuple):
+    """What a point of a sweep is watched with: an output's rows, the segments traced, what is read off them."""
+
+    row: Array  # (n,) the output in flight
+    rest_row: Array  # (2, n − 1) and at rest
+    nothing: Array  # (0, TRACE_COLUMNS): no trace is kept
+    trace: Array  # (m, TRACE_COLUMNS)
+    poses: Array  # (m, 2, n)
+    strobes: Array  # (hold + 1, 2, n)
+    scratch: Array  # (2, n)
+    frame: Array  # (2, n)
+    result: Array  # (RESULT_ROWS,)
+    energy: Array  # (n,) ∫ E dt of each mode
+    share: Array  # (n + 1,) what the last period watched added to it, and to the time at rest
+    reading: int  # how much is read off: see ``layout``
+
+
+LEVELS = 48  # dyadic panel lengths
+
+SERIES = 26  # Taylor terms of an attached pair: 1.2²⁶/26! = 3e-25
+
+
+# pairs (PAIR_ROWS, n): the linear system's constants, then the signal's pairs at start, node, trial end and root
+OMEGA, SIGMA, DISC, KAPPA, INVERSE, DECAY = range(6)
+
+X0, Y0, X, Y, E, X2, Y2, XT, YT = range(6, 15)
+
+PAIR_ROWS = 15
+
+
+# modes (MODE_ROWS, n): the free system's modes, one drive's steady response Im((RE + i IM) e^{iφ}) + OFFSET, and how
+# each yields where the contact is brought back onto the stop
+CONTACT, LOAD, STATIC, ZETA, RE, IM, OFFSET, YIELD = range(8)
+
+MODE_ROWS = 8
+
+
+# levels (LEVEL_ROWS, LEVELS): panel length, pairs it resolves, e^{iΩh}, (e^{iΩh} − 1 − iΩh)/h², (e^{iΩh} − 1)/h
+STEP, COUNT, TURN_RE, TURN_IM, SECOND_RE, SECOND_IM, FIRST_RE, FIRST_IM = range(8)
+
+LEVEL_ROWS = 8
+
+
+# signal (SIGNAL_ROWS,): constant, phasor, Ω, drive phase, number of attached pairs, |phasor|; value and slope at both
+# ends of the last panel; derivatives 0…5 at the start of the interpolated part and of the whole, 0…7 at a guess
+CONST, ZR, ZI, DRIVE, COSINE, SINE, ATTACHED, HARMONIC = range(8)
+
+P0, S0, P1, S1 = range(8, 12)
+
+LOW, WHOLE, TAYLOR = 12, 18, 24
+
+SIGNAL_ROWS = 32
+
+
+# attached (ATTACHED_ROWS, n): pairs that carry their force F sin φ + G cos φ + s along, which mode each is, its
+# weight in the signal, and room for the terms of its Taylor series
+AX, AY, ASIGMA, AOMEGA, ASINE, ACOSINE, ASTATIC, AMODE, AWEIGHT, NODE_X, NODE_Y, TRIAL_X, TRIAL_Y, TERM = range(14)
+
+ATTACHED_ROWS = TERM + SERIES
+
+
+# drive (DRIVE_ROWS,): Ω, Ω²B, 2π/Ω in two parts, contact phasor, gap less the static offsets, coarsest level; the stop;
+# the size of the motion where it is known, or infinite; the longest flight that ``volley`` takes on
+W, STRENGTH, PERIOD, PERIOD_REST, CONTACT_RE, CONTACT_IM, CLEARANCE, COARSEST = range(8)
+
+GAP, RESTITUTION, MOBILITY, REST_FORCE, REST_LOAD, AMPLITUDE, MOTION, LONGEST = range(8, 16)
+
+DRIVE_ROWS = 16
+
+
+# blocks (BLOCK_ROWS, n − 1): the rest regime's 2×2 blocks, their rows in the contact force, inputs, steady response,
+# what is left of them, and whether they have none and carry their force along
+A11, A12, A21, A22, ROW1, ROW2, CONSTANT1, CONSTANT2, LOAD1, LOAD2 = range(10)
+
+RE1, RE2, IM1, IM2, OFFSET1, OFFSET2, Z1, Z2, WEIGHT1, WEIGHT2, CARRIED = range(10, 21)
+
+BLOCK_ROWS = 21
+
+
+# pose (2, n): modal values, velocities; status (STATUS_ROWS,): time in the drive period, free or resting, order of the
+# contact at the start and g^{(order)} there, the largest impact velocity so far, cos and sin of the drive's phase; of a
+# span that was paused: the time done and its rounding error; of a period that is watched: the time left
+CLOCK, KIND, ORDER, RISE, SPEED, PHASE_COS, PHASE_SIN, DONE, LOST, UNSEEN = range(10)
+
+STATUS_ROWS = 10
+
+FREE, RESTING = 0.0, 1.0
+
+
+# trace (m, TRACE_COLUMNS): a segment each; what ended it, the contact velocity before, what a chatter still takes
+START, DURATION, AT_CLOCK, WHAT, END, BEFORE, LEFT, REMAINDER = range(8)
+
+TRACE_COLUMNS = 8
+
+SPAN_END, IMPACT, RELEASE, CHATTER, STUCK = range(5)
+
+
+# counts (COUNT_ROWS,): what was done; then how far a point of a sweep is: events so far, the impacts it may have at the
+# end of the present span, periods settled, periods watched + 1 (0: still settling), whether the period repeats
+IMPACTS, PANELS, CHATTERS, SEGMENTS, EVENTS, MOST, SETTLED, WATCHED, KNOWN = range(9)
+
+COUNT_ROWS = 9
+
+
+# result (RESULT_ROWS,) of the hold: extremes of the output, least contact displacement, impacts, their velocities' sum,
+# time at rest; then the last impact velocities, oldest first after ``aligned``
+HIGH, LEAST, CONTACT_LEAST, STRUCK, SPEED_SUM, REST_TIME, VELOCITY = range(7)
+
+KEPT = 16
+
+RESULT_ROWS = VELOCITY + KEPT
+
+
+# how much of a hold is read off: the output's extremes alone, the gap's too, the modes' energies too
+OUTPUT_ALONE, REACH_TOO, EVERYTHING = range(3)
+
+
+# outcomes; FULL: the trace is, PAUSED: Python may look for signals; both go on when called again
+COMPLETE, FULL, EVENT_LIMIT, PENETRATED, NOT_FINITE, UNRESOLVED, PAUSED = range(7)

@@ -1,0 +1,206 @@
+"""One regime: into its blocks, a row over them as a signal, and on by a time."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.block_flow import MOST_PIECES
+from vibeam.flight.kernels.compiler import kernel
+from vibeam.flight.kernels.drive import phase
+from vibeam.flight.kernels.layout import (
+    A11,
+    A12,
+    A21,
+    A22,
+    ACOSINE,
+    AMODE,
+    AOMEGA,
+    ASIGMA,
+    ASINE,
+    ASTATIC,
+    ATTACHED,
+    AWEIGHT,
+    AX,
+    AY,
+    CARRIED,
+    CONST,
+    CONSTANT1,
+    CONSTANT2,
+    COSINE,
+    DISC,
+    DRIVE,
+    IM1,
+    IM2,
+    KAPPA,
+    LOAD1,
+    LOAD2,
+    OFFSET1,
+    OFFSET2,
+    OMEGA,
+    RE1,
+    RE2,
+    SERIES,
+    SIGMA,
+    SINE,
+    STRENGTH,
+    WEIGHT1,
+    WEIGHT2,
+    WHOLE,
+    X0,
+    Y0,
+    Z1,
+    Z2,
+    ZI,
+    ZR,
+    W,
+)
+from vibeam.flight.kernels.regimes.layout import Regime
+from vibeam.flight.kernels.roots.pair import propagator
+from vibeam.flight.kernels.roots.signal import derivatives
+
+Array = NDArray[np.float64]
+
+ROUND_OFF = 64.0 * 2.220446049250313e-16
+
+
+@kernel
+def enter(regime: Regime, drive: Array, pose: Array, clock: float) -> None:
+    """Set blocks[Z1], blocks[Z2]: what is left of ``pose`` in every block when its steady response is taken out."""
+    blocks, n = regime.blocks, pose.shape[1]
+    cosine, sine = phase(drive, clock)
+    for k in range(blocks.shape[1]):
+        first = -blocks[OFFSET1, k] - blocks[RE1, k] * sine - blocks[IM1, k] * cosine
+        second = -blocks[OFFSET2, k] - blocks[RE2, k] * sine - blocks[IM2, k] * cosine
+        for i in range(n):
+            x, y = pose[0, i] - regime.held[i], pose[1, i]
+            first += regime.into[2 * k, i] * x + regime.into[2 * k, n + i] * y
+            second += regime.into[2 * k + 1, i] * x + regime.into[2 * k + 1, n + i] * y
+        blocks[Z1, k], blocks[Z2, k] = first, second
+
+
+@kernel
+def show(regime: Regime, drive: Array, which: int, sign: float, clock: float) -> tuple[float, float, float]:
+    """sign · signals[which] as the regime's signal, from where it was entered: value, rate, size of its parts."""
+    blocks, signal, pairs, m = regime.blocks, regime.signal, regime.pairs, regime.blocks.shape[1]
+    w, strength = drive[W], drive[STRENGTH]
+    const, re = sign * regime.signals[which, 2 * m], sign * regime.signals[which, 2 * m + 1] * strength
+    cosine, sine = phase(drive, clock)
+    im, value, rate, size = 0.0, 0.0, 0.0, abs(const)
+    signal[ATTACHED] = 0.0
+    for k in range(m):
+        r0, r1 = sign * regime.signals[which, 2 * k], sign * regime.signals[which, 2 * k + 1]
+        blocks[WEIGHT1, k], blocks[WEIGHT2, k] = r0, r1
+        z1, z2 = blocks[Z1, k], blocks[Z2, k]
+        const += r0 * blocks[OFFSET1, k] + r1 * blocks[OFFSET2, k]
+        re += r0 * blocks[RE1, k] + r1 * blocks[RE2, k]
+        im += r0 * blocks[IM1, k] + r1 * blocks[IM2, k]
+        x = r0 * z1 + r1 * z2
+        y = (r0 * blocks[A11, k] + r1 * blocks[A21, k]) * z1 + (r0 * blocks[A12, k] + r1 * blocks[A22, k]) * z2
+        size += abs(r0 * z1) + abs(r1 * z2)
+        pairs[X0, k], pairs[Y0, k] = x, y
+        if blocks[CARRIED, k] > 0.0:
+            y = attach(regime, drive, k, x, y, sine)
+        value += x
+        rate += y
+    signal[CONST], signal[DRIVE], signal[COSINE], signal[SINE] = const, w, cosine, sine
+    signal[ZR], signal[ZI] = re * cosine - im * sine, re * sine + im * cosine
+    size += abs(const) + abs(signal[ZR]) + abs(signal[ZI])
+    return value + const + signal[ZI], rate + w * signal[ZR], size
+
+
+@kernel
+def attach(regime: Regime, drive: Array, k: int, x: float, y: float, sine: float) -> float:
+    """Block k as an attached pair of the signal; returns its rate.
+
+    For x = r·y, y' = A y + u with A² = −2σA − ω²: x'' + 2σx' + ω²x = 2σ r·u + r·A u + r·u', with
+    u = constant + load Ω²B sin φ.
+    """
+    blocks, attached, pairs = regime.blocks, regime.attached, regime.pairs
+    j, sigma, strength = int(regime.signal[ATTACHED]), pairs[SIGMA, k], drive[STRENGTH]
+    r0, r1 = blocks[WEIGHT1, k], blocks[WEIGHT2, k]
+    s0 = 2.0 * sigma * r0 + r0 * blocks[A11, k] + r1 * blocks[A21, k]
+    s1 = 2.0 * sigma * r1 + r0 * blocks[A12, k] + r1 * blocks[A22, k]
+    load = strength * (r0 * blocks[LOAD1, k] + r1 * blocks[LOAD2, k])
+    attached[ASIGMA, j], attached[AOMEGA, j], attached[AWEIGHT, j] = sigma, pairs[OMEGA, k], 1.0
+    attached[ASTATIC, j] = s0 * blocks[CONSTANT1, k] + s1 * blocks[CONSTANT2, k]
+    attached[ASINE, j] = strength * (s0 * blocks[LOAD1, k] + s1 * blocks[LOAD2, k])
+    attached[ACOSINE, j] = drive[W] * load
+    slope = y + r0 * blocks[CONSTANT1, k] + r1 * blocks[CONSTANT2, k] + load * sine
+    attached[AX, j], attached[AY, j], attached[AMODE, j] = x, slope, k
+    pairs[X0, k], pairs[Y0, k] = 0.0, 0.0
+    regime.signal[ATTACHED] += 1.0
+    return float(slope)
+
+
+@kernel
+def launch(regime: Regime, value: float, rate: float, size: float) -> tuple[int, float]:
+    """Order and size of the first derivative by which the signal just shown rises from 0: (0, 0) where it is above it
+    already, (−1, 0) where it falls.
+    """
+    if value > ROUND_OFF * size:
+        return 0, 0.0
+    if rate > 0.0 and value >= -ROUND_OFF * size:
+        return 1, rate
+    if rate < 0.0 or value < -ROUND_OFF * size:
+        return -1, 0.0
+    return curve_of(regime)
+
+
+@kernel
+def curve_of(regime: Regime) -> tuple[int, float]:
+    """The same for a signal known to start at 0 without slope: by its second and third derivative."""
+    derivatives(regime.pairs, regime.signal, regime.attached, regime.pairs.shape[1], WHOLE, 3)
+    if regime.signal[WHOLE + 2] > 0.0:
+        return 2, float(regime.signal[WHOLE + 2])
+    if regime.signal[WHOLE + 2] == 0.0 and regime.signal[WHOLE + 3] > 0.0:
+        return 3, float(regime.signal[WHOLE + 3])
+    return -1, 0.0
+
+
+@kernel
+def proceed(regime: Regime, drive: Array, pose: Array, clock: float, duration: float) -> None:
+    """Set ``pose`` to ``duration`` after the regime was entered at ``clock``."""
+    blocks, pairs, n = regime.blocks, regime.pairs, pose.shape[1]
+    cosine, sine = phase(drive, clock + duration)
+    for i in range(n):
+        pose[0, i], pose[1, i] = regime.held[i], 0.0
+    for k in range(blocks.shape[1]):
+        sigma, z1, z2 = pairs[SIGMA, k], blocks[Z1, k], blocks[Z2, k]
+        _, odd, _, rest = propagator(sigma, pairs[OMEGA, k], pairs[DISC, k], duration)
+        even = rest + sigma * odd  # exp(A t) = e^{−σt} (C + S (A + σ))
+        if blocks[CARRIED, k] > 0.0:
+            carry_block(regime, drive, k, clock, duration)
+            even, odd, z1, z2 = 1.0, 0.0, blocks[Z1, k], blocks[Z2, k]
+        y1 = even * z1 + odd * ((blocks[A11, k] + sigma) * z1 + blocks[A12, k] * z2)
+        y2 = even * z2 + odd * (blocks[A21, k] * z1 + (blocks[A22, k] + sigma) * z2)
+        y1 += blocks[OFFSET1, k] + blocks[RE1, k] * sine + blocks[IM1, k] * cosine
+        y2 += blocks[OFFSET2, k] + blocks[RE2, k] * sine + blocks[IM2, k] * cosine
+        for i in range(n):
+            pose[0, i] += regime.outof[i, 2 * k] * y1 + regime.outof[i, 2 * k + 1] * y2
+            pose[1, i] += regime.outof[n + i, 2 * k] * y1 + regime.outof[n + i, 2 * k + 1] * y2
+
+
+@kernel
+def carry_block(regime: Regime, drive: Array, k: int, clock: float, duration: float) -> None:
+    """Carry blocks[Z1], blocks[Z2] of a block without steady response on, by Taylor series of y' = A y + u."""
+    blocks, w, strength = regime.blocks, drive[W], drive[STRENGTH]
+    rate = max(w, regime.pairs[KAPPA, k] + abs(blocks[A12, k]) + abs(blocks[A21, k]))
+    if not rate * duration < MOST_PIECES:
+        blocks[Z1, k], blocks[Z2, k] = np.nan, np.nan
+        return
+    pieces = max(1, int(np.ceil(rate * duration)))
+    h = duration / pieces
+    for piece in range(pieces):
+        draw, pull = phase(drive, clock + piece * h)
+        first, second = blocks[Z1, k], blocks[Z2, k]
+        for i in range(SERIES):
+            u1 = strength * blocks[LOAD1, k] * pull + (blocks[CONSTANT1, k] if i == 0 else 0.0)
+            u2 = strength * blocks[LOAD2, k] * pull + (blocks[CONSTANT2, k] if i == 0 else 0.0)
+            first, second = (
+                h * (blocks[A11, k] * first + blocks[A12, k] * second + u1) / (i + 1),
+                h * (blocks[A21, k] * first + blocks[A22, k] * second + u2) / (i + 1),
+            )
+            blocks[Z1, k] += first
+            blocks[Z2, k] += second
+            pull, draw = h * w * draw / (i + 1), -h * w * pull / (i + 1)

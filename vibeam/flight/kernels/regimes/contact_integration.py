@@ -1,0 +1,365 @@
+"""Contact with a stop that is not linear, F = max(0, k d^p (1 + a d′)) for d > 0: integrated by DOP853.
+
+The only motion here that is not a closed form, and only while the stop is touched. Its end is where d returns to 0; the
+last step is shortened by Newton's method, each time a full step of order 8, until it ends there to round-off. Where an
+output or the force is largest within a step is found in the same way.
+"""
+
+from __future__ import annotations
+
+from math import sin, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.compiler import kernel
+from vibeam.flight.kernels.extremes import hull
+from vibeam.flight.kernels.layout import STRENGTH, W
+from vibeam.flight.kernels.regimes.layout import COUPLED, DAMPING, EXPONENT, MOBILITY, PEAKED, STEPPED, STIFFNESS, Plan
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-12  # of a step's error, as a share of the motion's size in the energy norm
+
+EPSILON = 2.220446049250313e-16
+
+BATCH = 64  # steps that make a segment
+
+MOST_STEPS = 100_000  # for one segment, whatever its steps come to
+
+ROUNDS = 24
+
+BEGIN, END, STAGE = range(3)  # rows of plan.state
+
+
+@kernel
+def depth(plan: Plan, y: Array, side: int) -> tuple[float, float]:
+    """d and d'."""
+    n = plan.contact.shape[1]
+    value, rate = -plan.gaps[side], 0.0
+    for k in range(n):
+        value += plan.contact[side, k] * y[k]
+        rate += plan.contact[side, k] * y[n + k]
+    return value, rate
+
+
+@kernel
+def force(plan: Plan, value: float, rate: float) -> float:
+    """The stop's force at d, d'."""
+    if value <= 0.0:
+        return 0.0
+    law = plan.law
+    return float(max(0.0, law[STIFFNESS] * value ** law[EXPONENT] * (1.0 + law[DAMPING] * rate)))
+
+
+@kernel
+def rate_of(plan: Plan, y: Array, side: int, time: float, out: Array) -> None:
+    """dy/dt of y = (η, η') into ``out``."""
+    n = plan.contact.shape[1]
+    value, rate = depth(plan, y, side)
+    pressed, base = force(plan, value, rate), plan.drive[STRENGTH] * sin(plan.drive[W] * time)
+    for k in range(n):
+        pull = plan.load[k] * base + plan.static[k] - plan.spring[k] * y[k] - plan.contact[side, k] * pressed
+        if plan.law[COUPLED] > 0.0:
+            for j in range(n):
+                pull -= plan.damper[k, j] * y[n + j]
+        else:
+            pull -= plan.damping[k] * y[n + k]
+        out[k], out[n + k] = y[n + k], pull
+
+
+@kernel
+def step(plan: Plan, side: int, time: float, h: float) -> float:
+    """One step from state[BEGIN] to state[END]; its error over what is allowed."""
+    state, stages, nodes, width = plan.state, plan.stages, plan.nodes, plan.state.shape[1]
+    for s in range(12):
+        for i in range(width):
+            total = 0.0
+            for j in range(s):
+                total += nodes[s, j] * stages[j, i]
+            state[STAGE, i] = state[BEGIN, i] + h * total
+        rate_of(plan, state[STAGE], side, time + nodes[13, s] * h, stages[s])
+    for i in range(width):
+        total = 0.0
+        for j in range(12):
+            total += nodes[12, j] * stages[j, i]
+        state[END, i] = state[BEGIN, i] + h * total
+    rate_of(plan, state[END], side, time + h, stages[12])
+    return error(plan, side, h)
+
+
+@kernel
+def error(plan: Plan, side: int, h: float) -> float:
+    """|h| e₅² / √(e₅² + e₃²/100) in the norm of the energy, the stop's included, over the tolerance."""
+    n, state = plan.contact.shape[1], plan.state
+    third, fifth = 0.0, 0.0
+    begin, _ = depth(plan, state[BEGIN], side)
+    end, _ = depth(plan, state[END], side)
+    power = plan.law[EXPONENT] + 1.0
+    size = 2.0 * plan.law[STIFFNESS] * max(begin, end, 0.0) ** power / power
+    for k in range(n):
+        for half in range(2):
+            i = half * n + k
+            weight = 1.0 if half == 1 else plan.spring[k] + 1.0 / (h * h)
+            e3, e5 = 0.0, 0.0
+            for s in range(13):
+                e3 += plan.weights[0, s] * plan.stages[s, i]
+                e5 += plan.weights[1, s] * plan.stages[s, i]
+            third += weight * e3 * e3
+            fifth += weight * e5 * e5
+            if half == 1:
+                size += max(state[BEGIN, i] ** 2, state[END, i] ** 2)
+            else:
+                size += plan.spring[k] * max(state[BEGIN, i] ** 2, state[END, i] ** 2)
+    if not np.isfinite(fifth + third + size):
+        return np.inf
+    if fifth == 0.0 or size == 0.0:
+        return 0.0
+    return float(h * fifth / sqrt((fifth + 0.01 * third) * size) / TOLERANCE)
+
+
+@kernel
+def load(plan: Plan, pose: Array) -> None:
+    """state[BEGIN] from ``pose``."""
+    n = pose.shape[1]
+    for k in range(n):
+        plan.state[BEGIN, k], plan.state[BEGIN, n + k] = pose[0, k], pose[1, k]
+
+
+@kernel
+def store(plan: Plan, pose: Array) -> None:
+    """``pose`` from state[BEGIN]."""
+    n = pose.shape[1]
+    for k in range(n):
+        pose[0, k], pose[1, k] = plan.state[BEGIN, k], plan.state[BEGIN, n + k]
+
+
+@kernel
+def take(plan: Plan) -> None:
+    """state[BEGIN] becomes state[END]."""
+    for i in range(plan.state.shape[1]):
+        plan.state[BEGIN, i] = plan.state[END, i]
+
+
+@kernel
+def first_step(plan: Plan, side: int) -> float:
+    """A hundredth of about how long the contact lasts: m d'' = −k d^p from d' = v, m = 1/S."""
+    value, rate = depth(plan, plan.state[BEGIN], side)
+    power, own = plan.law[EXPONENT] + 1.0, plan.law[STIFFNESS] * plan.law[MOBILITY]
+    energy = rate * rate / 2.0 + own * max(value, 0.0) ** power / power
+    if energy == 0.0:
+        return 1e-3 / sqrt(own)
+    return float(1e-2 * (power * energy / own) ** (1.0 / power) / sqrt(2.0 * energy))
+
+
+@kernel
+def squeeze(
+    plan: Plan, pose: Array, status: Array, side: int, clock: float, span: float, traced: bool
+) -> tuple[bool, float, int]:
+    """On from ``pose`` until d returns to 0, for ``span`` or for ``BATCH`` steps: (whether it did, time, steps).
+
+    status[STEPPED] holds the step to try, 0 where there is none yet; infinite time where the step underflows. Where it
+    is ``traced``, status[PEAKED] receives the largest force. A start at d = 0 without velocity is no end.
+    """
+    load(plan, pose)
+    value, rate = depth(plan, plan.state[BEGIN], side)
+    if value <= 0.0 and rate < 0.0:
+        status[PEAKED] = 0.0
+        return True, 0.0, 0
+    h = status[STEPPED] if status[STEPPED] > 0.0 else first_step(plan, side)
+    done, steps, status[PEAKED] = 0.0, 0, 0.0
+    while steps < BATCH and done < span:
+        h = min(h, span - done)
+        if not h > 0.0 or (clock + done + h * 1e-3 == clock + done and h < 1e-300):
+            return False, np.inf, steps
+        wrong = step(plan, side, clock + done, h)
+        steps += 1
+        if wrong > 1.0:
+            h *= max(0.2, 0.9 * wrong**-0.125) if np.isfinite(wrong) else 0.1
+            continue
+        value, rate = depth(plan, plan.state[END], side)
+        if traced:
+            note_peak(plan, status, side, clock + done, h)
+        if value <= 0.0 and rate < 0.0:
+            return True, done + last_step(plan, pose, side, clock + done, h), steps
+        if dips(plan, side, h):
+            h *= 0.5
+            continue
+        done += h
+        take(plan)
+        grown = h * (min(5.0, 0.9 * wrong**-0.125) if wrong > 0.0 else 5.0)
+        if done < span:
+            h = grown
+    status[STEPPED] = h
+    store(plan, pose)
+    return False, done, steps
+
+
+@kernel
+def growth(plan: Plan, row: int, stage: int, side: int) -> tuple[float, float]:
+    """F and dF/dt at state[row], whose rate is stages[stage]."""
+    value, rate = depth(plan, plan.state[row], side)
+    pressed, second, n = force(plan, value, rate), 0.0, plan.contact.shape[1]
+    if pressed == 0.0:
+        return 0.0, 0.0
+    for k in range(n):
+        second += plan.contact[side, k] * plan.stages[stage, n + k]
+    law = plan.law
+    by_depth = law[EXPONENT] * value ** (law[EXPONENT] - 1.0) * rate * (1.0 + law[DAMPING] * rate)
+    return pressed, float(law[STIFFNESS] * (by_depth + value ** law[EXPONENT] * law[DAMPING] * second))
+
+
+@kernel
+def note_peak(plan: Plan, status: Array, side: int, time: float, h: float) -> None:
+    """status[PEAKED] over the step just made; where the force turns inside, at its top."""
+    first, rising = growth(plan, BEGIN, 0, side)
+    last, falling = growth(plan, END, 12, side)
+    status[PEAKED] = max(status[PEAKED], max(first, last))
+    if not (rising > 0.0 and (falling < 0.0 or last == 0.0)):
+        return
+    low, high = 0.0, h
+    for i in range(ROUNDS):
+        t = 0.5 * (low + high)
+        if i % 3 > 0 and last > 0.0:
+            t = low + (high - low) * min(max(rising / (rising - falling), 0.01), 0.99)
+        step(plan, side, time, t)
+        value, slope = growth(plan, END, 12, side)
+        status[PEAKED] = max(status[PEAKED], value)
+        if abs(slope) * (high - low) <= EPSILON * value:
+            break
+        if slope > 0.0:
+            low, rising = t, slope
+        else:
+            high, falling, last = t, slope, value
+    step(plan, side, time, h)
+
+
+@kernel
+def dips(plan: Plan, side: int, h: float) -> bool:
+    """Whether the cubic through d and d' at the step's ends goes below 0 between them."""
+    p0, s0 = depth(plan, plan.state[BEGIN], side)
+    p1, s1 = depth(plan, plan.state[END], side)
+    if not (s0 < 0.0 < s1):
+        return False
+    a, b = 2.0 * (p0 - p1) + h * (s0 + s1), 3.0 * (p1 - p0) - h * (2.0 * s0 + s1)
+    root = sqrt(max(b * b - 3.0 * a * h * s0, 0.0))
+    u = -h * s0 / (b + root) if b + root > 0.0 else 0.5
+    return p0 + u * (h * s0 + u * (b + u * a)) < 0.0
+
+
+@kernel
+def last_step(plan: Plan, pose: Array, side: int, time: float, h: float) -> float:
+    """The step at whose end d = 0, at most h; ``pose`` receives the state there."""
+    low, high, t = 0.0, h, h
+    for _ in range(60):
+        value, rate = depth(plan, plan.state[END], side)
+        if value > 0.0:
+            low = t
+        else:
+            high = t
+        nearer = t - value / rate if rate < 0.0 else 0.5 * (low + high)
+        if not low < nearer < high:
+            nearer = 0.5 * (low + high)
+        change = abs(nearer - t)
+        t = nearer
+        step(plan, side, time, t)
+        if change <= 4.0 * EPSILON * h or high - low <= 4.0 * EPSILON * h:
+            break
+    take(plan)
+    store(plan, pose)
+    return t
+
+
+@kernel
+def watch_step(
+    plan: Plan, row: Array, side: int, time: float, h: float, least: float, most: float
+) -> tuple[float, float]:
+    """(least, most) widened to row·η over the step just made, which must be ``plain`` for that row.
+
+    Where its rate changes sign the step is shortened by Newton's method until the rate vanishes at its end; then it is
+    made anew as it was.
+    """
+    begin, rate, _ = read(plan, row, BEGIN, 0)
+    end, last, _ = read(plan, row, END, 12)
+    least, most = min(least, min(begin, end)), max(most, max(begin, end))
+    if rate * last >= 0.0:
+        return least, most
+    low, high, t = 0.0, h, h * rate / (rate - last)
+    for _ in range(ROUNDS):
+        step(plan, side, time, t)
+        value, slope, bend = read(plan, row, END, 12)
+        least, most = min(least, value), max(most, value)
+        if slope * slope <= EPSILON * abs(bend * value) or high - low <= EPSILON * h:
+            break
+        if (slope > 0.0) == (rate > 0.0):
+            low = t
+        else:
+            high = t
+        t = t - slope / bend if bend != 0.0 else 0.5 * (low + high)
+        if not low < t < high:
+            t = 0.5 * (low + high)
+    step(plan, side, time, h)
+    return least, most
+
+
+@kernel
+def read(plan: Plan, row: Array, place: int, stage: int) -> tuple[float, float, float]:
+    """row·η, its rate and curvature at state[place], whose rate is stages[stage]."""
+    n, value, rate, bend = row.shape[0], 0.0, 0.0, 0.0
+    for k in range(n):
+        value += row[k] * plan.state[place, k]
+        rate += row[k] * plan.state[place, n + k]
+        bend += row[k] * plan.stages[stage, n + k]
+    return value, rate, bend
+
+
+@kernel
+def plain(plan: Plan, row: Array, h: float, least: float, most: float) -> bool:
+    """Whether the rate of row·η changes sign at most once over the step just made, or that matters nothing.
+
+    By the signs of the Bernstein coefficients of its cubic Hermite interpolant (Descartes); it matters nothing where
+    the hull of row·η itself lies well within (least, most).
+    """
+    p0, s0, c0 = read(plan, row, BEGIN, 0)
+    p1, s1, c1 = read(plan, row, END, 12)
+    low, high = hull(p0, s0, p1, s1, h)
+    room = 0.25 * (high - low)
+    if low - room >= least and high + room <= most:
+        return True
+    b1, b2 = s0 + h * c0 / 3.0, s1 - h * c1 / 3.0
+    changes = (1 if s0 * b1 < 0.0 else 0) + (1 if b1 * b2 < 0.0 else 0) + (1 if b2 * s1 < 0.0 else 0)
+    return changes <= 1
+
+
+@kernel
+def add_energy_of_step(plan: Plan, h: float, energy: Array) -> None:
+    """Add ∫ ½(η'² + ω²η²) dt of every mode over the step just made, by its own quadrature of order 8."""
+    n = energy.shape[0]
+    for k in range(n):
+        total = 0.0
+        for s in range(12):
+            x, y = plan.state[BEGIN, k], plan.stages[s, k]
+            for j in range(s):
+                x += h * plan.nodes[s, j] * plan.stages[j, k]
+            total += plan.nodes[12, s] * (y * y + plan.spring[k] * x * x)
+        energy[k] += 0.5 * h * total
+
+
+@kernel
+def squeezed(plan: Plan, pose: Array, side: int, clock: float, duration: float) -> None:
+    """Set ``pose`` to ``duration`` later in contact, wherever that ends."""
+    load(plan, pose)
+    h, done, steps = first_step(plan, side), 0.0, 0
+    while done < duration and steps < MOST_STEPS:
+        h = min(h, duration - done)
+        steps += 1
+        wrong = step(plan, side, clock + done, h)
+        if wrong > 1.0:
+            h *= max(0.2, 0.9 * wrong**-0.125) if np.isfinite(wrong) else 0.1
+            if h < 1e-300:
+                break
+            continue
+        take(plan)
+        done = done + h if h < duration - done else duration
+        h *= min(5.0, 0.9 * wrong**-0.125) if wrong > 0.0 else 5.0
+    store(plan, pose)

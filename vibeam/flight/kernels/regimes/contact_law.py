@@ -1,0 +1,193 @@
+"""What the law says at an impact: R(v), and what is left of an endless series of impacts."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.compiler import kernel
+from vibeam.flight.kernels.drive import phase
+from vibeam.flight.kernels.layout import HARMONIC, KAPPA, SPEED, STRENGTH, ZI, ZR, W
+from vibeam.flight.kernels.regimes.block_flow import ROUND_OFF, show
+from vibeam.flight.kernels.regimes.layout import (
+    COEFFICIENT,
+    CONSTANT,
+    COUPLED,
+    CURVE,
+    EXPONENT,
+    GAP,
+    MOBILITY,
+    SLOPE_AT,
+    SPEED_AT,
+    TABLE,
+    VALUE_AT,
+    VELOCITY,
+    VISCOUS,
+    Plan,
+)
+from vibeam.flight.kernels.roots import taylor_pairs as att
+from vibeam.flight.kernels.roots.signal import magnitude, to_node
+
+Array = NDArray[np.float64]
+
+NEAR = 1e-11  # share of the length scale that what is left of a chatter may span before its completion is considered
+
+NEAR_MODES = 4e-15  # the same where other modes feel the impulses left out
+
+LATE = 1e-12  # share of the slowest time scale by which the end of the accumulation may be misjudged
+
+FLOOR = 1e-26  # share of the length scale below which a flight is no longer one
+
+
+@kernel
+def restitution(law: Array, curve: Array, velocity: float) -> float:
+    """R at an impact velocity ≥ 0."""
+    if law[CURVE] == CONSTANT:
+        return float(law[COEFFICIENT])
+    if law[CURVE] == TABLE:
+        return tabulated(curve, velocity)
+    if law[CURVE] == VISCOUS:
+        return float(max(0.0, 1.0 - law[COEFFICIENT] * velocity ** law[EXPONENT]))
+    if velocity <= law[VELOCITY] * law[COEFFICIENT] ** (1.0 / law[EXPONENT]):
+        return 1.0
+    return float(law[COEFFICIENT] * (velocity / law[VELOCITY]) ** -law[EXPONENT])
+
+
+@kernel
+def tabulated(curve: Array, velocity: float) -> float:
+    """R from the table, by its cubics."""
+    last = curve.shape[1] - 1
+    if velocity <= curve[SPEED_AT, 0]:
+        return float(curve[VALUE_AT, 0])
+    if velocity >= curve[SPEED_AT, last]:
+        return float(curve[VALUE_AT, last])
+    i = 0
+    while curve[SPEED_AT, i + 1] <= velocity:
+        i += 1
+    h = curve[SPEED_AT, i + 1] - curve[SPEED_AT, i]
+    u = (velocity - curve[SPEED_AT, i]) / h
+    rise = curve[VALUE_AT, i + 1] - curve[VALUE_AT, i]
+    bend = h * u * (1.0 - u) * ((1.0 - u) * curve[SLOPE_AT, i] - u * curve[SLOPE_AT, i + 1])
+    return float(curve[VALUE_AT, i] + rise * u * u * (3.0 - 2.0 * u) + bend)
+
+
+@kernel
+def approach(plan: Plan, pose: Array, side: int) -> float:
+    """Contact velocity towards the stop of that side."""
+    total = 0.0
+    for k in range(pose.shape[1]):
+        total += plan.contact[side, k] * pose[1, k]
+    return total
+
+
+@kernel
+def drift(plan: Plan, pose: Array, side: int) -> float:
+    """The contact velocity that is no more than round-off of what it is the sum of."""
+    size = 0.0
+    for k in range(pose.shape[1]):
+        size += abs(plan.contact[side, k]) * (abs(pose[1, k]) + sqrt(plan.spring[k]) * abs(pose[0, k]))
+    return ROUND_OFF * size
+
+
+@kernel
+def braked(plan: Plan, rates: Array, row: int, k: int) -> float:
+    """What the damping does to mode k: Σ damper_kj rates_j."""
+    if plan.law[COUPLED] == 0.0:
+        return float(plan.damping[k] * rates[row, k])
+    total = 0.0
+    for j in range(plan.contact.shape[1]):
+        total += plan.damper[k, j] * rates[row, j]
+    return total
+
+
+@kernel
+def braked_at_most(plan: Plan, rates: Array, row: int, k: int) -> float:
+    """The sizes of its parts, added up."""
+    if plan.law[COUPLED] == 0.0:
+        return float(plan.damping[k] * abs(rates[row, k]))
+    total = 0.0
+    for j in range(plan.contact.shape[1]):
+        total += abs(plan.damper[k, j] * rates[row, j])
+    return total
+
+
+@kernel
+def pull(plan: Plan, pose: Array, side: int, clock: float) -> tuple[float, float]:
+    """Second and third derivative of the contact towards the stop in free motion, each 0 where it is but the round-off
+    of what it is the sum of.
+    """
+    cosine, sine = phase(plan.drive, clock)
+    strength, scratch, second, second_size = plan.drive[STRENGTH], plan.stages, 0.0, 0.0
+    for k in range(pose.shape[1]):
+        push, spring = plan.load[k] * strength, plan.spring[k] * pose[0, k]
+        scratch[0, k] = push * sine + plan.static[k] - braked(plan, pose, 1, k) - spring
+        scratch[1, k] = abs(push) + abs(plan.static[k]) + braked_at_most(plan, pose, 1, k) + abs(spring)
+        second += plan.contact[side, k] * scratch[0, k]
+        second_size += abs(plan.contact[side, k]) * scratch[1, k]
+    third, third_size = 0.0, 0.0
+    for k in range(pose.shape[1]):
+        push, spring = plan.load[k] * strength * plan.drive[W], plan.spring[k] * pose[1, k]
+        third += plan.contact[side, k] * (push * cosine - braked(plan, scratch, 0, k) - spring)
+        parts = abs(push) + braked_at_most(plan, scratch, 1, k) + abs(spring) + sqrt(plan.spring[k]) * scratch[1, k]
+        third_size += abs(plan.contact[side, k]) * parts
+    second = second if abs(second) > ROUND_OFF * second_size else 0.0
+    third = third if abs(third) > ROUND_OFF * third_size else 0.0
+    return second, third
+
+
+@kernel
+def push(plan: Plan, pose: Array, side: int, impulse: float) -> None:
+    """η'⁺ = η'⁻ + c p."""
+    for k in range(pose.shape[1]):
+        pose[1, k] += plan.contact[side, k] * impulse
+
+
+@kernel
+def settle_on_stop(plan: Plan, pose: Array, side: int) -> None:
+    """Take contact velocity, and penetration by round-off, out by the least impulse."""
+    value = -plan.gaps[side]
+    for k in range(pose.shape[1]):
+        value += plan.contact[side, k] * pose[0, k]
+    for k in range(pose.shape[1]):
+        pose[0, k] -= plan.contact[side, k] * value / plan.law[MOBILITY]
+    push(plan, pose, side, -approach(plan, pose, side) / plan.law[MOBILITY])
+
+
+@kernel
+def chatter_left(
+    plan: Plan, status: Array, side: int, toward: float, after: float, clock: float
+) -> tuple[float, float]:
+    """Time that the rest of an accumulation of impacts takes, and a bound of its error; (−1, 0) where it is too early.
+
+    The free regime has been entered. With contact acceleration a = ``toward`` the stop the flights last 2v/a, 2Rv/a, …:
+    together T = 2v / (a (1 − R)); relative error at most M₃T/a, M₃ bounding the jerk (Nordmark & Piiroinen 2009). A
+    table is constant at the end; with R = 1 − c v^b the sum is ∫ 2 dv/(a c v^b) = T/(1 − b) for b < 1, but for a share
+    of about 1 − R.
+    """
+    loss = 1.0 - restitution(plan.law, plan.curve, after)
+    if toward <= 0.0 or loss <= 0.0:
+        return -1.0, 0.0
+    left, length = 2.0 * after / (toward * loss), status[SPEED] * status[SPEED] / toward
+    if plan.law[CURVE] == VISCOUS:
+        left = left / (1.0 - plan.law[EXPONENT]) if plan.law[EXPONENT] < 1.0 else np.inf
+    if after * left > NEAR * (length + abs(plan.gaps[side])):
+        return -1.0, 0.0
+    free = plan.free
+    _, _, size = show(free, plan.drive, GAP + side, 1.0, clock)
+    free.signal[HARMONIC] = sqrt(free.signal[ZR] ** 2 + free.signal[ZI] ** 2)
+    to_node(free.pairs)
+    jerk = magnitude(free.pairs, free.signal, 3) + att.jerk_bound(free.attached, free.signal)
+    remainder = left * (jerk * left / toward)
+    if plan.law[CURVE] == VISCOUS:
+        remainder += 2.0 * loss * left
+    elif plan.law[CURVE] == TABLE and after > plan.curve[SPEED_AT, 0]:
+        remainder += left
+    if after * left < FLOOR * length:
+        return left, remainder
+    near = NEAR if plan.contact.shape[1] == 1 else NEAR_MODES
+    slowest = max(plan.drive[W], free.pairs[KAPPA, 0])
+    if after * left > near * max(length, size) or jerk * left > 0.1 * toward or remainder * slowest > LATE:
+        return -1.0, 0.0
+    return left, remainder

@@ -1,0 +1,129 @@
+"""What is read off the segments of a steady point: extremes, energies, impacts, time in contact."""
+
+from __future__ import annotations
+
+from math import ceil
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.compiler import kernel
+from vibeam.flight.kernels.energy import NODES, PANEL, WEIGHTS
+from vibeam.flight.kernels.extremes import extremes
+from vibeam.flight.kernels.layout import (
+    AT_CLOCK,
+    COARSEST,
+    CONTACT_LEAST,
+    DURATION,
+    FREE,
+    HIGH,
+    KAPPA,
+    LEAST,
+    REST_TIME,
+    WHAT,
+    W,
+)
+from vibeam.flight.kernels.regimes.block_flow import enter, proceed, show
+from vibeam.flight.kernels.regimes.contact_integration import (
+    MOST_STEPS,
+    add_energy_of_step,
+    first_step,
+    load,
+    plain,
+    step,
+    take,
+    watch_step,
+)
+from vibeam.flight.kernels.regimes.events import at_side
+from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT, CURVED, FAMILY, GAP, OUTPUT, Plan, Regime, Room
+from vibeam.flight.kernels.steady_point import is_unread, note_impact
+
+Array = NDArray[np.float64]
+
+MOST = 16  # panels of Gauss's quadrature for the energies in a segment
+
+FINEST = 1e-6  # share of a segment of integrated contact below which a step is taken as it is
+
+
+@kernel
+def watch(plan: Plan, room: Room, count: int) -> None:
+    """Read off the segments just traced."""
+    trace, frame, result = room.trace, room.frame, room.result
+    for i in range(count):
+        duration, what = trace[i, DURATION], trace[i, WHAT]
+        for k in range(frame.shape[1]):
+            frame[0, k], frame[1, k] = room.poses[i, 0, k], room.poses[i, 1, k]
+        if what != FREE:
+            result[REST_TIME] += duration
+        if duration > 0.0 and what == CONTACT and plan.law[FAMILY] == CURVED:
+            watch_squeezed(plan, room, frame, trace[i, AT_CLOCK], duration, int(trace[i, AT_SIDE]))
+        elif duration > 0.0:
+            regime = plan.free
+            if what != FREE:
+                regime = at_side(plan, int(trace[i, AT_SIDE]))
+            watch_regime(plan, regime, room, frame, trace[i, AT_CLOCK], duration)
+        note_impact(trace, i, result)
+        if is_unread(result):
+            return
+
+
+@kernel
+def watch_regime(plan: Plan, regime: Regime, room: Room, pose: Array, clock: float, duration: float) -> None:
+    """One segment in closed form."""
+    result, coarsest, gap = room.result, int(plan.drive[COARSEST]), plan.gaps[0]
+    enter(regime, plan.drive, pose, clock)
+    show(regime, plan.drive, GAP, 1.0, clock)
+    _, widest = extremes(
+        regime.pairs, regime.table, regime.levels, regime.signal, regime.attached,
+        duration, coarsest, gap - result[CONTACT_LEAST], gap - result[CONTACT_LEAST],
+    )  # fmt: skip
+    result[CONTACT_LEAST] = gap - widest
+    show(regime, plan.drive, OUTPUT, 1.0, clock)
+    result[LEAST], result[HIGH] = extremes(
+        regime.pairs, regime.table, regime.levels, regime.signal, regime.attached,
+        duration, coarsest, result[LEAST], result[HIGH],
+    )  # fmt: skip
+    rate = plan.drive[W]
+    for k in range(regime.pairs.shape[1]):
+        rate = max(rate, regime.pairs[KAPPA, k])
+    panels = int(min(MOST, max(1, ceil(rate * duration / PANEL))))
+    h = duration / panels
+    for panel in range(panels):
+        for node in range(8):
+            enter(regime, plan.drive, pose, clock)
+            proceed(regime, plan.drive, room.scratch, clock, (panel + NODES[node]) * h)
+            add_energy(plan, room, 0.5 * h * WEIGHTS[node])
+
+
+@kernel
+def add_energy(plan: Plan, room: Room, weight: float) -> None:
+    """weight · (η'² + ω²η²) of the pose in room.scratch."""
+    for k in range(room.scratch.shape[1]):
+        room.energy[k] += weight * (room.scratch[1, k] ** 2 + plan.spring[k] * room.scratch[0, k] ** 2)
+
+
+@kernel
+def watch_squeezed(plan: Plan, room: Room, pose: Array, clock: float, duration: float, side: int) -> None:
+    """One segment of integrated contact, integrated anew: extremes to round-off, energies by the steps' quadrature."""
+    load(plan, pose)
+    result, contact, h, done, steps = room.result, plan.contact[0], first_step(plan, side), 0.0, 0
+    while done < duration and steps < MOST_STEPS:
+        h, steps = min(h, duration - done), steps + 1
+        wrong = step(plan, side, clock + done, h)
+        if wrong > 1.0:
+            h *= max(0.2, 0.9 * wrong**-0.125) if np.isfinite(wrong) else 0.1
+            continue
+        if h > FINEST * duration and not (
+            plain(plan, room.row, h, result[LEAST], result[HIGH])
+            and plain(plan, contact, h, result[CONTACT_LEAST], np.inf)
+        ):
+            h *= 0.5
+            continue
+        add_energy_of_step(plan, h, room.energy)
+        result[LEAST], result[HIGH] = watch_step(plan, room.row, side, clock + done, h, result[LEAST], result[HIGH])
+        result[CONTACT_LEAST], _ = watch_step(plan, contact, side, clock + done, h, result[CONTACT_LEAST], np.inf)
+        take(plan)
+        done = done + h if h < duration - done else duration
+        h *= min(5.0, 0.9 * wrong**-0.125) if wrong > 0.0 else 5.0
+    if done < duration:
+        result[HIGH] = np.inf

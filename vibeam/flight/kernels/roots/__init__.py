@@ -1,0 +1,1 @@
+"""The first root of a signal, isolated with proof."""

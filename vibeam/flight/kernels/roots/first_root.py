@@ -1,0 +1,143 @@
+"""The first root of a signal, with proof: no interval is left behind on which a bound does not exclude a root.
+
+Panels are walked from left to right. Each is rejected with proof, or found to hold exactly one root or one minimum, or
+halved (``hull.verdict``).
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.compiler import joined, kernel
+from vibeam.flight.kernels.layout import ATTACHED, CONST, HARMONIC, LEVELS, P1, STEP, TURN_IM, TURN_RE, WHOLE, ZI, ZR
+from vibeam.flight.kernels.roots import taylor_pairs as att
+from vibeam.flight.kernels.roots.bounds import CLEAR, MINIMUM, ROOT, SPLIT
+from vibeam.flight.kernels.roots.double_gap import sharp_gap
+from vibeam.flight.kernels.roots.levels import level_of
+from vibeam.flight.kernels.roots.newton import EPSILON, guess, polish, polish_minimum
+from vibeam.flight.kernels.roots.pair import norm, power
+from vibeam.flight.kernels.roots.panels import accept, launching, ordinary, step_pairs
+from vibeam.flight.kernels.roots.signal import derivatives, to_node, value_at
+
+Array = NDArray[np.float64]
+
+MOST_PANELS = 100_000  # a flight takes ten, or a few dozen where modes decay by orders faster than they are driven
+
+SHALLOW = 1e9  # times round-off: how far from zero a minimum is still judged, and its touch found, sharply
+
+
+@kernel
+def first_root(
+    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array,
+    order: int, rise: float, span: float, coarsest: int, modes: Array, drive: Array, pose: Array, clock: float,
+) -> tuple[bool, float, int]:  # fmt: skip
+    """(found, flight time, panels tried) of the first root in (0, span]; there XT, YT and the trial hold the pairs.
+
+    A negative time: it was not isolated within ``MOST_PANELS``.
+
+    ``order`` 0: the signal starts positive; 1 … 3: it starts with a root of that order, g^{(order)}(0) = ``rise`` > 0.
+    ``coarsest``: the level of the longest panel to try. ``clock`` ≥ 0: the signal is the gap of ``modes`` from ``pose``
+    at that drive time, and a minimum that round-off leaves in doubt is judged in twice the precision.
+    """
+    total = to_node(pairs)
+    if signal[ATTACHED] > 0.0:
+        att.restart(attached, signal)
+    re, im = signal[ZR], signal[ZI]
+    harmonic = norm(re, im)
+    signal[HARMONIC] = harmonic
+    size = abs(signal[CONST]) + harmonic + total
+    if signal[ATTACHED] > 0.0:
+        size += att.swing(attached, signal, min(span, levels[STEP, coarsest]))
+    tolerance = 8.0 * EPSILON * size
+    if order == 0 and signal[ATTACHED] == 0.0 and signal[CONST] - harmonic - total > tolerance:
+        return False, span, 0
+    time, level, panels, since, patience, lengthened = 0.0, coarsest, 0, 0, 1, False
+    if order > 0:
+        derivatives(pairs, signal, attached, pairs.shape[1], WHOLE, order + 1)
+        level = first_level(levels, order, rise, signal, coarsest)
+    while time < span:
+        panels += 1
+        if panels > MOST_PANELS:
+            return False, -1.0, panels
+        h = levels[STEP, level]
+        start_order = order if time == 0.0 else 0
+        if start_order > 0:
+            found = launching(pairs, table, levels, signal, attached, order, rise, level)
+        else:
+            found = ordinary(pairs, table, levels, signal, attached, time, re, im, level, tolerance)
+        if found == SPLIT and level == LEVELS - 1:
+            found = ROOT if signal[P1] <= 0.0 else CLEAR
+        if found == SPLIT:
+            level += 1
+            patience = min(2 * patience, 64) if lengthened else patience
+            since, lengthened = 0, False
+            continue
+        bracket = h
+        if found == MINIMUM:
+            where, value = polish_minimum(pairs, signal, attached, start_order, rise, time, h)
+            found, bracket = (ROOT, where) if value <= 0.0 else (CLEAR, h)
+            shallow = SHALLOW * tolerance if start_order == 0 else SHALLOW * tolerance / power(where, start_order)
+            if clock >= 0.0 and value < shallow and signal[ATTACHED] == 0.0:
+                touch = graze(pairs, signal, attached, modes, drive, pose, clock, time, time + where)
+                if 0.0 < touch <= span:
+                    return True, touch, panels
+                found = CLEAR
+        if found == ROOT:
+            start = time + guess(signal, h, bracket)
+            root = polish(pairs, signal, attached, start_order, rise, time, start, bracket)
+            return root <= span, min(root, span), panels
+        if start_order > 0:
+            step_pairs(pairs, table, level)
+        if signal[ATTACHED] > 0.0:
+            att.carry(attached, signal, time, h)
+        accept(pairs, signal, attached)
+        re, im = (
+            re * levels[TURN_RE, level] - im * levels[TURN_IM, level],
+            im * levels[TURN_RE, level] + re * levels[TURN_IM, level],
+        )
+        time += h
+        since += 1
+        patience = max(1, patience // 2) if lengthened else patience
+        lengthened = False
+        if level > coarsest and since > patience:
+            level -= 1
+            since, lengthened = 0, True
+    return False, span, panels
+
+
+@joined
+def first_level(levels: Array, order: int, rise: float, signal: Array, coarsest: int) -> int:
+    """The level to start with: a little longer than the flight that the first two derivatives foretell."""
+    ahead = signal[WHOLE + 2]
+    if order > 1 or ahead >= 0.0:
+        return coarsest
+    return max(coarsest, level_of(levels, -4.0 * rise / ahead))
+
+
+@kernel
+def graze(
+    pairs: Array, signal: Array, attached: Array, modes: Array, drive: Array, pose: Array, clock: float,
+    node: float, where: float,
+) -> float:  # fmt: skip
+    """The flight time at which a gap with its minimum near ``where`` touches the stop, or −1 where it does not.
+
+    The depth d below the stop comes from ``sharp_gap``; with curvature a it is struck √(2d/a) before the minimum.
+    """
+    t = where
+    for _ in range(3):
+        _, slope, curvature = value_at(pairs, signal, attached, node, t)
+        if curvature <= 0.0:
+            return -1.0
+        t -= slope / curvature
+    depth = -sharp_gap(pairs, modes, drive, pose, clock, t)
+    if depth < 0.0:
+        return -1.0
+    touch = t - sqrt(2.0 * depth / curvature)
+    for _ in range(4 if depth > 0.0 else 0):
+        _, slope, _ = value_at(pairs, signal, attached, node, touch)
+        touch -= sharp_gap(pairs, modes, drive, pose, clock, touch) / slope
+    value_at(pairs, signal, attached, node, touch)
+    return float(touch)

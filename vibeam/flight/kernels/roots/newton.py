@@ -1,0 +1,185 @@
+"""From a panel with one root to the root: closed form, repeated until it settles."""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.compiler import joined, kernel
+from vibeam.flight.kernels.layout import (
+    ATTACHED,
+    DRIVE,
+    HARMONIC,
+    KAPPA,
+    OMEGA,
+    P0,
+    P1,
+    S0,
+    S1,
+    SIGMA,
+    TAYLOR,
+    XT,
+    YT,
+    ZI,
+    ZR,
+    E,
+)
+from vibeam.flight.kernels.roots.pair import power
+from vibeam.flight.kernels.roots.signal import quotient_at, value_at
+
+Array = NDArray[np.float64]
+
+EPSILON = 2.220446049250313e-16
+
+ROUNDS = 80
+
+DEGREE = 7  # of the Taylor polynomial at a guess
+
+RECIPROCAL = np.array([1.0, *(1.0 / j for j in range(1, DEGREE + 2))])
+
+
+@kernel
+def evaluate(
+    pairs: Array, signal: Array, attached: Array, order: int, rise: float, node: float, t: float
+) -> tuple[float, float, float]:
+    """What the panel works on, the signal (order 0) or its quotient: value, slope, curvature at flight time t."""
+    if order > 0:
+        return quotient_at(pairs, signal, attached, order, rise, t)
+    return value_at(pairs, signal, attached, node, t)
+
+
+@joined
+def guess(signal: Array, h: float, bracket: float) -> float:
+    """About the root of the cubic Hermite interpolant of the last panel in (0, bracket)."""
+    p0, s0, p1, s1 = signal[P0], h * signal[S0], signal[P1], h * signal[S1]
+    a, b = 2.0 * (p0 - p1) + s0 + s1, 3.0 * (p1 - p0) - 2.0 * s0 - s1
+    last = bracket / h
+    u = min(p0 / (p0 - p1), last) if p1 < 0.0 < p0 else 0.5 * last
+    for _ in range(2):
+        slope = s0 + u * (2.0 * b + 3.0 * a * u)
+        step = (p0 + u * (s0 + u * (b + u * a))) / slope if slope < 0.0 else 0.0
+        if 0.0 < u - step < last:
+            u -= step
+    return u * h
+
+
+@joined
+def expand(pairs: Array, signal: Array, t: float, value: float, slope: float, curvature: float) -> float:
+    """signal[TAYLOR + j] = j-th derivative at t over j!, j ≤ DEGREE, from XT, YT; returns a bound on the next one."""
+    w = signal[DRIVE]
+    re = signal[ZR] * cos(w * t) - signal[ZI] * sin(w * t)
+    im = curvature
+    for k in range(pairs.shape[1]):
+        im += 2.0 * pairs[SIGMA, k] * pairs[YT, k] + pairs[OMEGA, k] * pairs[OMEGA, k] * pairs[XT, k]
+    im = -im  # w² times the harmonic's imaginary part
+    signal[TAYLOR], signal[TAYLOR + 1], signal[TAYLOR + 2] = value, slope, curvature
+    signal[TAYLOR + 3] = -w * w * w * re
+    signal[TAYLOR + 4] = w * w * im
+    for j in range(5, DEGREE + 1):
+        signal[TAYLOR + j] = -w * w * signal[TAYLOR + j - 2]
+    rest, factor = signal[HARMONIC] * power(w, DEGREE + 1), 1.0
+    for k in range(pairs.shape[1]):
+        damp, spring = 2.0 * pairs[SIGMA, k], pairs[OMEGA, k] * pairs[OMEGA, k]
+        before, now = pairs[YT, k], -damp * pairs[YT, k] - spring * pairs[XT, k]
+        for j in range(3, DEGREE + 1):
+            before, now = now, -damp * now - spring * before
+            signal[TAYLOR + j] += now
+        rest += pairs[E, k] * power(pairs[KAPPA, k], DEGREE + 1)
+    for j in range(2, DEGREE + 1):
+        factor *= RECIPROCAL[j]
+        signal[TAYLOR + j] *= factor
+    return float(rest)
+
+
+@joined
+def taylor_root(signal: Array, step: float) -> float:
+    """The root near ``step`` of the Taylor polynomial in signal[TAYLOR …]; infinite where Newton does not settle."""
+    for _ in range(3):
+        value, slope = signal[TAYLOR + DEGREE], 0.0
+        for j in range(DEGREE - 1, -1, -1):
+            slope = value + slope * step
+            value = signal[TAYLOR + j] + value * step
+        change = value / slope
+        step -= change
+        if abs(change) <= 1e-9 * abs(step):
+            return step
+    return np.inf
+
+
+@joined
+def shift(pairs: Array, step: float) -> None:
+    """Carry XT, YT on by a short step, by Taylor series of order DEGREE."""
+    for k in range(pairs.shape[1]):
+        damp, spring = 2.0 * pairs[SIGMA, k], pairs[OMEGA, k] * pairs[OMEGA, k]
+        x, y = pairs[XT, k], pairs[YT, k]
+        before, now = x, y
+        for j in range(1, DEGREE + 1):
+            before, now = now * step * RECIPROCAL[j], (-damp * now - spring * before) * step * RECIPROCAL[j]
+            x += before
+            y += now
+        pairs[XT, k], pairs[YT, k] = x, y
+
+
+@joined
+def polish(
+    pairs: Array, signal: Array, attached: Array, order: int, rise: float, node: float, start: float, bracket: float
+) -> float:
+    """The one root in (node, node + bracket]; XT, YT and the trial receive the pairs there."""
+    low, high = node, node + bracket
+    t = min(max(start, low), high)
+    for _ in range(ROUNDS):
+        value, slope, curvature = evaluate(pairs, signal, attached, order, rise, node, t)
+        if value == 0.0:
+            break
+        if value > 0.0:
+            low = t
+        else:
+            high = t
+        step = -value / slope if slope < 0.0 else np.inf
+        if not low < t + step < high:
+            step = 0.5 * (low + high) - t
+        elif order == 0 and signal[ATTACHED] == 0.0:
+            rest = expand(pairs, signal, t, value, slope, curvature)
+            near = taylor_root(signal, step)
+            if low < t + near < high:
+                step = near
+                if converged(signal, rest, abs(near), t):
+                    shift(pairs, near)
+                    return t + near
+        if abs(step) <= EPSILON * t or high - low <= EPSILON * t:
+            break
+        t += step
+    return t
+
+
+@joined
+def converged(signal: Array, rest: float, step: float, t: float) -> bool:
+    """Whether what the Taylor polynomial leaves out moves the root by less than round-off: rest Δ⁸/8! ≤ ε t |g'|."""
+    term = rest * (1.0 / 40320.0)
+    for _ in range(DEGREE + 1):
+        term *= step
+    return term <= 0.5 * EPSILON * t * abs(signal[TAYLOR + 1]) or term == 0.0
+
+
+@kernel
+def polish_minimum(
+    pairs: Array, signal: Array, attached: Array, order: int, rise: float, node: float, h: float
+) -> tuple[float, float]:
+    """(where after the node, value) of the one minimum of a convex panel, or of the first point found ≤ 0."""
+    low, high = 0.0, h
+    down, up = signal[S0], signal[S1]
+    if down >= 0.0:
+        return h, 1.0
+    value, where = 1.0, h
+    for i in range(ROUNDS):
+        where = low + (high - low) * (0.5 if i % 3 == 2 else min(max(down / (down - up), 1e-3), 0.999))
+        value, slope, _ = evaluate(pairs, signal, attached, order, rise, node, node + where)
+        if value <= 0.0 or slope == 0.0 or high - low <= 1e-11 * h:
+            break
+        if slope < 0.0:
+            low, down = where, slope
+        else:
+            high, up = where, slope
+    return where, value

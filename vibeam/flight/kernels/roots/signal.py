@@ -1,0 +1,144 @@
+"""A signal: constant + harmonic + damped pairs (+ attached pairs), whose first root is the next event.
+
+g(t) = CONST + Im((ZR + i ZI) e^{iΩt}) + Σ x_k(t) + Σ weight X_j(t): the gap in flight, the contact force at rest. The
+x_k are what is left of each pair when its steady response is taken out.
+"""
+
+from __future__ import annotations
+
+from math import cos, sin
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.compiler import joined, kernel
+from vibeam.flight.kernels.layout import (
+    ATTACHED,
+    CONST,
+    DECAY,
+    DISC,
+    DRIVE,
+    HARMONIC,
+    INVERSE,
+    KAPPA,
+    OMEGA,
+    SIGMA,
+    WHOLE,
+    X0,
+    XT,
+    Y0,
+    YT,
+    ZI,
+    ZR,
+    E,
+    X,
+    Y,
+)
+from vibeam.flight.kernels.roots.pair import increments, norm, phasor_increments, power, propagator
+from vibeam.flight.kernels.roots.taylor_pairs import add_derivatives, carry, growth, trial_sum
+
+Array = NDArray[np.float64]
+
+FORGOTTEN = 75.0  # decay exponents beyond this leave less than 1e-32
+
+
+@joined
+def value_at(pairs: Array, signal: Array, attached: Array, node: float, t: float) -> tuple[float, float, float]:
+    """Value, slope and curvature at flight time t; XT, YT and the trial receive the pairs there."""
+    w = signal[DRIVE]
+    c, s = cos(w * t), sin(w * t)
+    imaginary = signal[ZI] * c + signal[ZR] * s
+    value = signal[CONST] + imaginary
+    slope = w * (signal[ZR] * c - signal[ZI] * s)
+    curvature = -w * w * imaginary
+    for k in range(pairs.shape[1]):
+        x, y = 0.0, 0.0
+        if pairs[DECAY, k] * t < FORGOTTEN:
+            p00, p01, p10, p11 = propagator(pairs[SIGMA, k], pairs[OMEGA, k], pairs[DISC, k], t)
+            x = p00 * pairs[X0, k] + p01 * pairs[Y0, k]
+            y = p10 * pairs[X0, k] + p11 * pairs[Y0, k]
+        pairs[XT, k], pairs[YT, k] = x, y
+        value += x
+        slope += y
+        curvature -= 2.0 * pairs[SIGMA, k] * y + pairs[OMEGA, k] * pairs[OMEGA, k] * x
+    if signal[ATTACHED] > 0.0:
+        carry(attached, signal, node, t - node)
+        more = trial_sum(attached, signal, t)
+        return value + more[0], slope + more[1], curvature + more[2]
+    return value, slope, curvature
+
+
+@kernel
+def quotient_at(
+    pairs: Array, signal: Array, attached: Array, order: int, rise: float, t: float
+) -> tuple[float, float, float]:
+    """p = g / t^m, its slope and 0 (no curvature at hand) at flight time t > 0; XT, YT and the trial as in value_at."""
+    e0, e1, r0, r1 = phasor_increments(signal[DRIVE], t)
+    gamma = signal[ZR] * e1 + signal[ZI] * e0
+    delta = signal[DRIVE] * (signal[ZR] * r0 - signal[ZI] * r1)
+    for k in range(pairs.shape[1]):
+        d0, d1, v0, v1 = increments(pairs[SIGMA, k], pairs[OMEGA, k], pairs[DISC, k], t)
+        x, y = pairs[X0, k], pairs[Y0, k]
+        more_gamma, more_delta = d0 * x + d1 * y, v0 * x + v1 * y
+        pairs[XT, k] = x + t * y + t * t * more_gamma
+        pairs[YT, k] = y + t * more_delta
+        gamma += more_gamma
+        delta += more_delta
+    if signal[ATTACHED] > 0.0:
+        carry(attached, signal, 0.0, t)
+        more = growth(attached, signal, t)
+        gamma += more[0]
+        delta += more[1]
+    p, slope = quotient(order, rise, signal[WHOLE + 2], gamma, delta, t)
+    return p, slope, 0.0
+
+
+@joined
+def quotient(order: int, rise: float, second: float, gamma: float, delta: float, h: float) -> tuple[float, float]:
+    """p and p' at t = h of p = g / t^m from g = g'(0) h + γh², g' = g'(0) + δh; ``second`` = g''(0) as computed."""
+    if order == 1:
+        return rise + h * gamma, delta - gamma
+    if order == 2:
+        return gamma, (delta - 2.0 * gamma) / h
+    return (gamma - 0.5 * second) / h, (delta - second - 3.0 * (gamma - 0.5 * second)) / (h * h)
+
+
+@joined
+def derivatives(pairs: Array, signal: Array, attached: Array, count: int, start: int, depth: int) -> None:
+    """signal[start + j] = j-th derivative at the start, j = 0 … depth ≤ 5, of all but the pairs from ``count`` on."""
+    w = signal[DRIVE]
+    signal[start] = signal[CONST] + signal[ZI]
+    signal[start + 1] = w * signal[ZR]
+    signal[start + 2] = -w * w * signal[ZI]
+    for j in range(3, depth + 1):
+        signal[start + j] = -w * w * signal[start + j - 2]
+    for k in range(count):
+        damp, spring = 2.0 * pairs[SIGMA, k], pairs[OMEGA, k] * pairs[OMEGA, k]
+        before, now = pairs[X0, k], pairs[Y0, k]
+        signal[start] += before
+        signal[start + 1] += now
+        for j in range(2, depth + 1):
+            before, now = now, -damp * now - spring * before
+            signal[start + j] += now
+    if signal[ATTACHED] > 0.0:
+        add_derivatives(attached, signal, start)
+
+
+@joined
+def to_node(pairs: Array) -> float:
+    """The node goes to the start; the sum of the e_k ≥ √(x² + (x'/ω)²), which bound |x_k| for all later times."""
+    total = 0.0
+    for k in range(pairs.shape[1]):
+        x, y = pairs[X0, k], pairs[Y0, k]
+        pairs[X, k], pairs[Y, k], pairs[E, k] = x, y, norm(x, y * pairs[INVERSE, k])
+        total += pairs[E, k]
+    return total
+
+
+@kernel
+def magnitude(pairs: Array, signal: Array, order: int) -> float:
+    """Bound of the order-th derivative of the harmonic and every pair, from the node on."""
+    total = signal[HARMONIC] * power(signal[DRIVE], order)
+    for k in range(pairs.shape[1]):
+        total += pairs[E, k] * power(pairs[KAPPA, k], order)
+    return float(total)

@@ -1,0 +1,49 @@
+"""What is kept of a motion as it goes on: a row for every segment, and the time done."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.compiler import joined
+from vibeam.flight.kernels.layout import (
+    AT_CLOCK,
+    BEFORE,
+    CLOCK,
+    DURATION,
+    END,
+    KIND,
+    LEFT,
+    REMAINDER,
+    SEGMENTS,
+    START,
+    WHAT,
+)
+
+Array = NDArray[np.float64]
+
+
+@joined
+def open_segment(trace: Array, poses: Array, pose: Array, status: Array, time: float, row: int) -> None:
+    """Note where a segment starts."""
+    trace[row, START], trace[row, AT_CLOCK], trace[row, WHAT] = time, status[CLOCK], status[KIND]
+    trace[row, LEFT], trace[row, REMAINDER] = 0.0, 0.0
+    for k in range(pose.shape[1]):
+        poses[row, 0, k], poses[row, 1, k] = pose[0, k], pose[1, k]
+
+
+@joined
+def close_segment(trace: Array, duration: float, end: int, before: float, counts: NDArray[np.int64]) -> None:
+    """Note how long it was and what ended it."""
+    if trace.shape[0] > 0:
+        row = counts[SEGMENTS]
+        trace[row, DURATION], trace[row, END], trace[row, BEFORE] = duration, end, before
+        counts[SEGMENTS] = row + 1
+
+
+@joined
+def add(done: float, lost: float, step: float) -> tuple[float, float]:
+    """done + step with what rounding has cost so far, and will have then: times do not drift."""
+    step -= lost
+    total = done + step
+    return total, (total - done) - step

@@ -1,0 +1,1 @@
+"""Linear regimes in block form: eigenpairs, blocks, propagators."""

@@ -1,0 +1,120 @@
+"""From an ImpactSystem to the arrays that the kernels run on, and back."""
+
+from __future__ import annotations
+
+from math import floor, log2
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.drive import PANEL
+from vibeam.flight.kernels.lanes.mode_blocks import lay_out, longest_flight
+from vibeam.flight.kernels.layout import (
+    ATTACHED_ROWS,
+    CONTACT,
+    DRIVE_ROWS,
+    GAP,
+    LOAD,
+    LONGEST,
+    MOBILITY,
+    MODE_ROWS,
+    MOTION,
+    REST_FORCE,
+    REST_LOAD,
+    RESTITUTION,
+    SIGNAL_ROWS,
+    STATIC,
+    YIELD,
+    ZETA,
+    Desk,
+)
+from vibeam.flight.kernels.roots.levels import rates, regime
+from vibeam.flight.linear.constrained import constrained
+from vibeam.flight.per_thread import PerThread
+from vibeam.system.impact_system import ImpactSystem
+
+Array = NDArray[np.float64]
+
+SLOW = 1e-6  # turns within a motion below which a mode is slow, and the motion itself says how long a panel is
+
+FASTEST = 1e36  # bounds take eighth powers of the rates
+
+
+class Packed:
+    """An ImpactSystem as the kernels see it: modes sorted by rate, and the way back to the user's order."""
+
+    def __init__(self, system: ImpactSystem, slowest: float) -> None:
+        """``slowest``: the lowest rate (rad/s) that panels must serve. ValueError for rates that no double can hold."""
+        fastest = float(np.max(rates(system.omega, system.zeta * system.omega)))
+        if not (fastest < FASTEST and slowest > 1 / FASTEST):
+            raise ValueError(f"rates from {slowest:g} to {fastest:g} rad/s: take another unit of time")
+        self.system = system
+        self.order = np.argsort(rates(system.omega, system.zeta * system.omega), kind="stable")
+        self._desks = PerThread(self._desk(floor(log2(PANEL / slowest))))
+
+    @property
+    def desk(self) -> Desk:
+        """The calling thread's arrays."""
+        return self._desks.own()
+
+    def desk_for(self, size: float) -> Desk:
+        """The same, for a motion with modal displacements of about ``size``; inf where that is not known."""
+        desk = self.desk
+        desk.drive[MOTION] = size
+        return desk
+
+    def _desk(self, top: int) -> Desk:
+        own, order = self.system, self.order
+        omega, zeta = own.omega[order], own.zeta[order]
+        sigma, contact, load, static = zeta * omega, own.contact[order], own.load[order], own.static[order]
+        modes, drive = np.zeros((MODE_ROWS, own.size)), np.zeros(DRIVE_ROWS)
+        modes[CONTACT], modes[LOAD], modes[STATIC], modes[ZETA] = contact, load, static, zeta
+        modes[YIELD] = _yield(omega, contact)
+        drive[GAP], drive[RESTITUTION], drive[MOBILITY] = own.gap, own.restitution, contact @ contact
+        rest = constrained(omega, sigma, contact, load, static, own.gap)
+        drive[REST_FORCE], drive[REST_LOAD] = rest.force, rest.force_load
+        pairs, table, levels = regime(omega, sigma, omega**2 * (zeta - 1.0) * (zeta + 1.0), top)
+        rest_pairs, rest_table, rest_levels = regime(rest.omega, rest.sigma, rest.disc, top)
+        cells, rungs = lay_out(pairs, table, levels, modes, drive, 1 if own.size == 1 else 8)
+        drive[LONGEST] = longest_flight(pairs)
+        return Desk(
+            pairs, table, levels, np.zeros(SIGNAL_ROWS), np.zeros((ATTACHED_ROWS, own.size)),
+            modes, drive, rest_pairs, rest_table, rest_levels, np.zeros(SIGNAL_ROWS),
+            np.zeros((ATTACHED_ROWS, own.size)), rest.blocks, rest.to_blocks, rest.from_blocks, rest.held,
+            cells, rungs,
+        )  # fmt: skip
+
+    def inward(self, values: Array) -> Array:
+        """Values (…, n) of the user's modes in the kernels' order."""
+        return np.ascontiguousarray(np.asarray(values, dtype=float)[..., self.order])
+
+    def outward(self, values: Array) -> Array:
+        """Values (…, n) in the kernels' order as the user's modes."""
+        result = np.empty_like(values)
+        result[..., self.order] = values
+        return result
+
+
+def _yield(omega: Array, contact: Array) -> Array:
+    """Displacements that move the contact by 1 with the least energy: c/ω² over its sum, free modes alone if any."""
+    loose = (omega == 0.0) & (contact != 0.0)
+    softest = np.min(omega[contact != 0.0])
+    weight = (
+        np.where(loose, contact, 0.0) if loose.any() else contact * (softest / np.where(omega > 0, omega, 1.0)) ** 2
+    )
+    return np.asarray(weight / (contact @ weight))
+
+
+def pack(system: ImpactSystem, omega: float, span: float = 0.0) -> Packed:
+    """The system packed for drives of ``omega`` rad/s and more; without, for the slowest mode or a time of ``span``."""
+    return Packed(system, slowest_rate(system, omega, span))
+
+
+def slowest_rate(system: ImpactSystem, omega: float, span: float) -> float:
+    """The lowest rate (rad/s) that panels must serve."""
+    if omega > 0:
+        return omega
+    moving = system.omega[system.omega > 0]
+    once = 1.0 / span if span > 0 else 0.0
+    slowest = float(moving.min(initial=np.inf))
+    return slowest if SLOW * once < slowest < np.inf else once or 1.0

@@ -1,0 +1,271 @@
+"""One motion from beginning to end."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibeam.flight.equilibrium import equilibrium
+from vibeam.flight.kernels.layout import (
+    BEFORE,
+    CHATTER,
+    DURATION,
+    END,
+    IMPACT,
+    LEFT,
+    REMAINDER,
+    RESTING,
+    START,
+    STUCK,
+    WHAT,
+)
+from vibeam.flight.kernels.regimes.layout import CONTACT, PEAK
+from vibeam.solvers import solver as solver_named
+from vibeam.solvers.warm_up import warm_up_motion
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.response import Ended
+from vibeam.system.state import State
+from vibeam_models.arguments import count, counted, floats, number, refuse, require
+from vibeam_models.laws.compliant import CompliantStop
+from vibeam_models.laws.restitution import ViscousRestitution
+
+if TYPE_CHECKING:
+    from vibeam.flight.certificate import Certificate
+    from vibeam.flight.regime_solver import RegimeSolver
+    from vibeam.flight.round_off import Errors
+    from vibeam.flight.solver import FlightSolver, Segments
+
+
+STILL = 1e-11  # share of the motion's fastest velocity, and of ω times the static displacements, that is none
+
+FADING = 1e-3  # loss of speed at an impact, as a share, that is next to none
+
+LAST = 100  # impacts by which a motion that was given up is judged
+
+
+class Outcome(Enum):
+    """How a motion stands at its end."""
+
+    MOVING = "still moving, off the stop"
+    RESTING = "at rest on the stop, other modes or the drive still at work"
+    SETTLED = "settled: at static equilibrium, off the stop"
+    SETTLED_ON_STOP = "settled: at static equilibrium, pressed against the stop"
+    EVENT_LIMIT = Ended.EVENT_LIMIT.value
+    ENDLESS_CHATTER = (
+        "stopped in a chatter without end: pressed on the stop, impacts become weaker and more frequent, and as R → 1 "
+        "for the weakest the contact never comes to rest"
+    )
+    PENETRATED = Ended.PENETRATED.value
+    NOT_FINITE = Ended.NOT_FINITE.value
+    UNRESOLVED = Ended.UNRESOLVED.value
+
+
+def outcome_of(path: Trajectory) -> Outcome:
+    """The outcome of ``path``; how often it chattered to rest on the way is ``len(path.chatters)``."""
+    if path.ended is Ended.EVENT_LIMIT and _endless(path):
+        return Outcome.ENDLESS_CHATTER
+    if path.ended is not Ended.COMPLETE:
+        return Outcome[path.ended.name]
+    if path.drive.amplitude == 0 and _still(path):
+        return Outcome.SETTLED_ON_STOP if path.state.resting or _pressed(path) else Outcome.SETTLED
+    return Outcome.RESTING if path.state.resting else Outcome.MOVING
+
+
+def _endless(path: Trajectory) -> bool:
+    """Whether it was given up in impacts that become weaker and lose next to nothing of their speed.
+
+    With 1 − R ~ v^b the times 2v/a between impacts add up to a finite time for b < 1 alone: then it would have ended.
+    """
+    law, speeds = path.system.law, path.impact_velocities[-LAST:]
+    if isinstance(law, CompliantStop) or (isinstance(law, ViscousRestitution) and law.exponent < 1):
+        return False
+    at = (lambda velocity: path.system.restitution) if law is None else law.at
+    return len(speeds) == LAST and speeds[-1] < speeds[0] and at(0.0) == 1 and 1 - at(float(speeds[0])) <= FADING
+
+
+def _pressed(path: Trajectory) -> bool:
+    """Whether it stands within the range of a stop that yields."""
+    place, system = float(path.system.contact @ path.state.displacement), path.system
+    return place > system.gap or (system.second_gap is not None and -place > system.second_gap)
+
+
+def _still(path: Trajectory) -> bool:
+    """Whether the energy left above equilibrium is none, against the most that any segment began with."""
+    system, last = path.system, np.stack([path.state.displacement, path.state.velocity])
+    poses = np.concatenate([path.segments.poses, last[None]])
+    away = poses[:, 0] - equilibrium(system).displacement
+    speeds = np.sqrt(np.sum((system.omega * away) ** 2 + poses[:, 1] ** 2, axis=1))
+    held = float(np.linalg.norm(system.omega * equilibrium(system).displacement))
+    return bool(speeds[-1] <= STILL * max(speeds.max(), held))
+
+
+Array = NDArray[np.float64]
+
+MOST_IMPACTS = 10**15  # what is counted in an int64, with room to spare
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """A motion, exact between its events: SI units, times in s; the drive's phase is 0 at time 0.
+
+    ``stats``: impacts, evaluations, cpu_seconds.
+    """
+
+    system: ImpactSystem
+    drive: Drive
+    t_start: float
+    t_end: float
+    state: State
+    ended: Ended
+    stats: Mapping[str, float]
+    _solver: FlightSolver | RegimeSolver
+    _segments: Segments
+    certificate: Certificate | None = None
+
+    def __repr__(self) -> str:
+        span, modes = f"{self.t_start:g} … {self.t_end:g} s", counted(self.system.size, "mode")
+        met = f"{counted(self.stats['impacts'], 'impact')}, {counted(len(self.rests), 'rest')}"
+        return f"Trajectory({span}, {modes}, {met}, {self.ended.name})"
+
+    @property
+    def segments(self) -> Segments:
+        """Flights and rests as the solver left them (``kernels.layout``)."""
+        return self._segments
+
+    @property
+    def outcome(self) -> Outcome:
+        """What became of the motion."""
+        return outcome_of(self)
+
+    @cached_property
+    def errors(self) -> Errors:
+        """How far round-off has grown at each impact, and how many impacts still mean something; computed when asked.
+
+        A state carried in is taken as exact to its last digit.
+        """
+        from vibeam.flight.round_off import errors_of
+
+        return errors_of(self)
+
+    @property
+    def impact_times(self) -> Array:
+        """Times (m,) of the impacts computed one by one, s: at one of them ``velocity_at`` is the one after it."""
+        trace = self._segments.trace
+        ends = trace[:, START] + trace[:, DURATION]
+        ends[:-1] = trace[1:, START]  # where the next segment begins, to the bit
+        return np.asarray(ends[self._struck()])
+
+    @property
+    def impact_velocities(self) -> Array:
+        """Contact velocities (m,) just before the impacts, positive toward the stop, m/s."""
+        return np.asarray(self._segments.trace[self._struck(), BEFORE])
+
+    @property
+    def chatters(self) -> Array:
+        """(m, 2): when each accumulation of impacts was over, and a bound of the error of that time, s."""
+        trace = self._segments.trace
+        trace = trace[trace[:, END] == CHATTER]
+        return np.stack([trace[:, START] + trace[:, DURATION] + trace[:, LEFT], trace[:, REMAINDER]], axis=1)
+
+    @property
+    def rests(self) -> Array:
+        """(m, 2): begin (an accumulation of impacts completed) and end of each rest on the stop, s."""
+        trace = self._segments.trace
+        resting = np.flatnonzero(trace[:, WHAT] == RESTING)
+        before = trace[np.maximum(resting - 1, 0)]
+        waited = np.where((resting > 0) & (before[:, END] == CHATTER), before[:, LEFT], 0.0)
+        begin, end = trace[resting, START], np.append(trace[1:, START], self.t_end)[resting]
+        return np.stack([np.minimum(begin + waited, end), end], axis=1)
+
+    @property
+    def contacts(self) -> Array:
+        """(m, 3): begin, s, duration, s, and largest force, N, of each contact with a stop that yields."""
+        trace = self._segments.trace
+        pushed = np.flatnonzero(trace[:, WHAT] == CONTACT)
+        if not len(pushed):
+            return np.empty((0, 3))
+        begin, end = trace[pushed, START], trace[pushed, START] + trace[pushed, DURATION]
+        fresh = np.diff(pushed, prepend=-2) > 1  # what follows at once goes on with the same contact
+        first = np.flatnonzero(fresh)
+        last = np.append(first[1:], len(pushed)) - 1
+        peaks = np.maximum.reduceat(trace[pushed, PEAK], first)
+        return np.stack([begin[first], end[last] - begin[first], peaks], axis=1)
+
+    def at(self, t: ArrayLike, output: str = "contact") -> Array:
+        """The output at times t (any shape), m; ValueError outside [t_start, t_end], KeyError for an unknown name."""
+        return np.asarray(self.modes_at(t)[..., 0, :] @ self.system.output(output))
+
+    def velocity_at(self, t: ArrayLike, output: str = "contact") -> Array:
+        """The output's rate at times t (any shape), m/s; at an impact the one after it."""
+        return np.asarray(self.modes_at(t)[..., 1, :] @ self.system.output(output))
+
+    def modes_at(self, t: ArrayLike) -> Array:
+        """Modal displacements and velocities (…, 2, n) at times t of any shape; ValueError outside the motion."""
+        times = floats("t", t)
+        if times.size and not (np.min(times) >= self.t_start and np.max(times) <= self.t_end):
+            raise ValueError(f"t: must lie in [{self.t_start}, {self.t_end}]")
+        found = self._solver.poses_at(self.drive, self._segments, np.ascontiguousarray(times.ravel()))
+        return np.asarray(found.reshape(*times.shape, 2, self.system.size))
+
+    def _struck(self) -> NDArray[np.bool_]:
+        """Which segments (m,) end with an impact."""
+        return np.isin(self._segments.trace[:, END], (IMPACT, CHATTER, STUCK))
+
+
+def simulate(
+    system: ImpactSystem,
+    drive: Drive,
+    t_end: float,
+    state: State | None = None,
+    *,
+    t_start: float = 0.0,
+    solver: str = "flight",
+    max_impacts: int = 10_000_000,
+    certify: bool = False,
+) -> Trajectory:
+    """The motion of ``system`` under ``drive`` from ``t_start`` to ``t_end`` seconds.
+
+    ``state``: where it starts, static equilibrium where None. ``max_impacts``: it ends there with Ended.EVENT_LIMIT.
+    ``certify``: the result carries a ``certificate`` that no impact was missed, at less than the motion's cost again
+    (restitution and uncoupled damping only).
+    ValueError for times that do not ascend, a state of the wrong shape, an unknown solver or an argument of another
+    type; a start beyond the stop ends at once with Ended.PENETRATED.
+    """
+    require("system", system, ImpactSystem)
+    require("drive", drive, Drive)
+    require("state", state, State, none_too=True)
+    start, end, limit = _checked(t_start, t_end, max_impacts)
+    if solver != "flight":
+        raise ValueError(f"solver: {solver!r} keeps no exact path, only 'flight' does; its class has motion() instead")
+    if certify:
+        system.require_plain("a certificate")
+    runner = solver_named(solver, system, drive.omega, end - start)
+    warm_up_motion(system, drive)
+    ended, last, after, segments, stats = runner.simulate(drive, state, start, end, limit)
+    return Trajectory(
+        system, drive, start, last, after, ended, stats, runner, segments,
+        _certificate(runner, drive, segments) if certify else None,
+    )  # fmt: skip
+
+
+def _checked(t_start: Any, t_end: Any, max_impacts: Any) -> tuple[float, float, int]:
+    """The same as floats and an int; ValueError with every fault."""
+    faults: list[str] = []
+    start, end = number("t_start", t_start, faults, least=0.0), number("t_end", t_end, faults)
+    limit = count("max_impacts", max_impacts, faults, most=MOST_IMPACTS)
+    if end < start:
+        faults.append(f"t_end {end:g} must not be before t_start {start:g}")
+    refuse("simulate", faults)
+    return start, end, limit
+
+
+def _certificate(runner: FlightSolver, drive: Drive, segments: Segments) -> Certificate:
+    from vibeam.flight.certificate import certificate_of
+
+    return certificate_of(runner.packed, drive, segments)

@@ -1,0 +1,110 @@
+"""What an observer asks of a motion, and where that motion is not smooth."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam_models.arguments import count, refuse
+
+Array = NDArray[np.float64]
+
+
+class Path(Protocol):
+    """A motion known at any time, whatever fidelity made it: a ``Trajectory`` is one. SI units."""
+
+    @property
+    def system(self) -> ImpactSystem:
+        """The system that moves."""
+        ...
+
+    @property
+    def drive(self) -> Drive:
+        """What drives it; its phase is 0 at time 0."""
+        ...
+
+    @property
+    def t_start(self) -> float:
+        """Where it begins, s."""
+        ...
+
+    @property
+    def t_end(self) -> float:
+        """Where it ends, s."""
+        ...
+
+    @property
+    def impact_times(self) -> Array:
+        """(m,) s."""
+        ...
+
+    @property
+    def impact_velocities(self) -> Array:
+        """(m,) of the contact just before, positive toward the stop, m/s."""
+        ...
+
+    @property
+    def rests(self) -> Array:
+        """(m, 2) begin and end of each rest on the stop, s."""
+        ...
+
+    def at(self, t: ArrayLike, output: str = ...) -> Array:
+        """An output at times t, m."""
+        ...
+
+    def velocity_at(self, t: ArrayLike, output: str = ...) -> Array:
+        """Its rate, m/s; at an impact the one after it."""
+        ...
+
+    def modes_at(self, t: ArrayLike) -> Array:
+        """Modal displacements and velocities (…, 2, n)."""
+        ...
+
+
+def drive_period(path: Path) -> float:
+    """2π/Ω, s; ValueError where nothing drives the motion."""
+    if not path.drive.omega > 0:
+        raise ValueError("drive: omega is 0, so the motion has no drive period")
+    return 2 * np.pi / path.drive.omega
+
+
+def last_periods(path: Path, periods: int) -> tuple[float, float]:
+    """Begin and end (s) of the last ``periods`` drive periods of a motion; ValueError where it is not that long."""
+    faults: list[str] = []
+    count("periods", periods, faults, least=1)
+    refuse("", faults)
+    begin = path.t_end - periods * drive_period(path)
+    if begin < path.t_start - 1e-9 * drive_period(path):
+        there = (path.t_end - path.t_start) / drive_period(path)
+        raise ValueError(f"periods: the motion lasts {there:.6g} drive periods, {periods} are asked for")
+    return max(begin, path.t_start), path.t_end
+
+
+def smooth_stretches(path: Path, begin: float, end: float) -> Array:
+    """(m, 2): the intervals of [begin, end] between impacts, begins and ends of rests, in turn, s."""
+    events = np.concatenate([path.impact_times, path.rests.ravel()])
+    inside = np.unique(events[(events > begin) & (events < end)])
+    marks = np.concatenate([[begin], inside, [end]])
+    return np.stack([marks[:-1], marks[1:]], axis=1)
+
+
+def impacts_within(path: Path, begin: float, end: float) -> Array:
+    """Impact times and contact velocities just before (m, 2) in [begin, end)."""
+    hits = np.stack([path.impact_times, path.impact_velocities], axis=1)
+    return np.asarray(hits[(hits[:, 0] >= begin) & (hits[:, 0] < end)])
+
+
+def modes_around_impacts(path: Path, hits: Array) -> tuple[Array, Array]:
+    """Modal displacements and velocities (m, 2, n) just before and just after impacts ``hits`` of ``impacts_within``.
+
+    An impact is one impulse p on the contact: η'⁺ − η'⁻ = contact·p with p = (v⁺ − v⁻)/S, whatever the law.
+    """
+    contact = path.system.contact
+    after = path.modes_at(hits[:, 0])
+    impulse = (after[:, 1] @ contact - hits[:, 1]) / (contact @ contact)
+    before = after.copy()
+    before[:, 1] -= impulse[:, None] * contact
+    return before, after

@@ -1,0 +1,75 @@
+"""After how many drive periods a motion repeats, and how it touches the stop meanwhile."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.observe.motion import Path, drive_period, impacts_within, last_periods
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Rhythm:
+    """``period``: least number of drive periods after which the motion repeats, 0 where it does not within half of
+    what was looked at, −1 where it never touches the stop (as in a FrequencyResponse). ``seconds``: the same in s, NaN
+    where it does not repeat. ``impacts_per_period``, ``rest_per_period`` (s): a drive period's mean.
+    """
+
+    period: int
+    seconds: float
+    impacts_per_period: float
+    rest_per_period: float
+
+
+def rhythm(path: Path, *, periods: int, tolerance: float = 1e-6) -> Rhythm:
+    """What the last ``periods`` drive periods show; ``tolerance``: share of the state by which repeats may differ.
+
+    The longest period found is half of what is looked at, 16 at most. ValueError for more periods than there are.
+    """
+
+    begin, end = last_periods(path, periods)
+    hits, rest = impacts_within(path, begin, end), _overlap(path.rests, begin, end)
+    strobes = path.modes_at(_strobe(path, hits[:, 0], begin) + drive_period(path) * np.arange(periods))
+    found = repetition(strobes, path.system.omega, path.drive.omega, tolerance)
+    seconds = found * drive_period(path) if found else float("nan")
+    touched = len(hits) > 0 or rest > 0
+    return Rhythm(found if touched else -1, seconds, len(hits) / periods, rest / periods)
+
+
+def _strobe(path: Path, hits: Array, begin: float) -> float:
+    """The time in the first period that lies farthest from all impacts, whose jumps round-off would tear apart."""
+    span = drive_period(path)
+    if not len(hits):
+        return begin
+    phases = np.sort(np.mod(hits - begin, span))
+    gaps = np.diff(np.append(phases, phases[0] + span))
+    widest = int(np.argmax(gaps))
+    return begin + float(np.mod(phases[widest] + gaps[widest] / 2, span))
+
+
+def _overlap(spans: Array, begin: float, end: float) -> float:
+    """How much of [begin, end] the spans (m, 2) cover, s."""
+    cut = np.clip(spans, begin, end)
+    return float(np.sum(cut[:, 1] - cut[:, 0]))
+
+
+LONGEST_PERIOD = 16
+
+
+def repetition(strobes: Array, omega: Array, drive: float, tolerance: float, longest: int = LONGEST_PERIOD) -> int:
+    """The least k ≤ longest such that each of the last k strobes (m, 2, n) repeats the one k periods before, else 0.
+
+    Distances are in velocity units, ``omega`` (n,) and ``drive`` rad/s; ``tolerance`` is a share of the largest strobe.
+    """
+    weights = np.stack([omega**2 + drive**2, np.ones_like(omega)])
+    size = float(np.max(np.sum(weights * strobes**2, axis=(1, 2))))
+    hold = len(strobes) - 1
+    for k in range(1, min(longest, hold // 2) + 1):
+        steps = strobes[hold - k + 1 :] - strobes[hold - 2 * k + 1 : hold - k + 1]
+        if np.max(np.sum(weights * steps**2, axis=(1, 2))) <= tolerance**2 * size:
+            return k
+    return 0

@@ -1,0 +1,46 @@
+"""The phase portrait of a motion, its jumps at impacts drawn in full (paper Fig. 22–24)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.observe.motion import Path, drive_period, impacts_within, last_periods, modes_around_impacts
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Portrait:
+    """A curve (m,): ``time`` s, ``displacement`` m, ``velocity`` m/s; an impact is two points at the same time.
+
+    ``jumps`` (k,): the index of the first of each such two.
+    """
+
+    time: Array
+    displacement: Array
+    velocity: Array
+    jumps: NDArray[np.int64]
+
+
+def phase_portrait(path: Path, output: str = "sensor", *, periods: int, points: int = 1000) -> Portrait:
+    """The last ``periods`` drive periods of an output at about ``points`` a period, and just before and after impacts.
+
+    ValueError for more periods than there are or ``points`` < 2, KeyError for an unknown output.
+    """
+    if points < 2:
+        raise ValueError(f"points: {points} a period, there must be 2 or more")
+    begin, end = last_periods(path, periods)
+    row = path.system.output(output)
+    hits = impacts_within(path, begin, end)
+    even = np.linspace(begin, end, round((end - begin) / drive_period(path) * points) + 1)
+    even = even[~np.isin(even, hits[:, 0])]
+    before, after = modes_around_impacts(path, hits)
+    times = np.concatenate([even, hits[:, 0], hits[:, 0]])
+    rank = np.repeat([0, 0, 1], [len(even), len(hits), len(hits)])
+    values = np.concatenate([path.modes_at(even), before, after]) @ row
+    order = np.lexsort((rank, times))
+    jumps = np.flatnonzero(rank[order] == 1) - 1
+    return Portrait(times[order], values[order, 0], values[order, 1], jumps)

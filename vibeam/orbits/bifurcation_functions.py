@@ -1,0 +1,117 @@
+"""A line through the parameters and what changes sign on it at a branch's boundaries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.orbits.clearance import least_minimum
+from vibeam.orbits.gap import Flights
+from vibeam.orbits.impulse_balance import Roots, balance
+from vibeam.orbits.modal_sums import Sums, sums
+from vibeam.orbits.multipliers import multipliers, real_crossing
+from vibeam.system.impact_system import ImpactSystem
+
+Array = NDArray[np.float64]
+
+Complex = NDArray[np.complex128]
+
+NAMES = ("omega", "amplitude", "gap")
+
+REAL = 1e-9  # imaginary share below which a multiplier counts as real
+
+
+class Kind(Enum):
+    """What happens to a branch of periodic motions at a boundary."""
+
+    FOLD = "two motions meet and vanish: the discriminant is zero, a multiplier is 1"
+    GRAZING = "the impact velocity is zero"
+    TOUCHING = "the motion touches the stop a second time within its span"
+    PLUS_ONE = "a multiplier is 1"
+    DOUBLING = "a multiplier is −1: period doubling"
+    NEIMARK_SACKER = "a pair of complex multipliers crosses the unit circle"
+
+
+class Points(NamedTuple):
+    """The motions at some points of a line, or anywhere."""
+
+    total: Sums
+    roots: Roots
+    amplitude: Array
+    gap: Array
+
+
+def motions(system: ImpactSystem, periods: int, omega: Array, amplitude: Array, gap: Array) -> Points:
+    """Both motions at points of frequency (rad/s), amplitude and gap (m), all (points,); the system's gap is unused."""
+    total = sums(system, omega, periods)
+    return Points(total, balance(system, total, amplitude, gap), amplitude, gap)
+
+
+def test_function(system: ImpactSystem, kind: Kind, branch: int, points: Points) -> Array:
+    """(points,): changes sign where the branch has a boundary of that kind; NaN where there is no motion."""
+    found, total = points.roots, points.total
+    if kind is Kind.FOLD:
+        return found.discriminant / (np.abs(total.unit * points.amplitude) ** 2 * total.g0**2 + 1e-300)
+    if kind is Kind.GRAZING:
+        return found.impulse[:, branch]
+    if kind in (Kind.PLUS_ONE, Kind.DOUBLING):
+        side = total.plus if kind is Kind.PLUS_ONE else total.minus
+        value = real_crossing(system, side, found.lean[:, branch])
+    elif kind is Kind.NEIMARK_SACKER:
+        value = _complex_radius(system, total.span, found.lean[:, branch])
+    else:
+        value = clearances(system, points, branch)
+    return np.where(found.impulse[:, branch] < 0, value, np.nan)
+
+
+def _complex_radius(system: ImpactSystem, span: Array, lean: Array) -> Array:
+    """Largest modulus among the multipliers that are not real, less 1; −1 where all are real."""
+    result = np.full(len(span), np.nan)
+    known = np.isfinite(lean)
+    values = multipliers(system, span[known], lean[known])
+    paired = np.abs(values.imag) > REAL * np.abs(values)
+    result[known] = np.where(paired, np.abs(values), 0.0).max(axis=1) - 1
+    return result
+
+
+def clearances(system: ImpactSystem, points: Points, branch: int, ceiling: float = 1.0) -> Array:
+    """The least local minimum of the gap between impacts, as a share of the motion's size, certified; NaN without one.
+
+    Where all minima lie above ``ceiling``, or there is none, it is the ceiling.
+    """
+    there = np.flatnonzero((points.roots.impulse[:, branch] < 0) & np.isfinite(points.roots.phase[:, branch]))
+    size = np.abs(points.total.unit * points.amplitude) + np.abs(points.gap)
+    flights = Flights.of(system, points.total, points.roots, points.amplitude, branch).chosen(there)
+    result = np.full(len(size), np.nan)
+    result[there] = np.minimum(least_minimum(flights, ceiling * size[there]).value / size[there], ceiling)
+    return result
+
+
+@dataclass(frozen=True)
+class Line:
+    """All parameters but ``name`` are held; ``name`` is one of omega (rad/s), amplitude (m), gap (m)."""
+
+    system: ImpactSystem
+    periods: int
+    name: str
+    omega: float
+    amplitude: float
+    gap: float
+
+    def at(self, values: Array) -> Points:
+        """Both motions at ``values`` (points,) of the parameter."""
+        rows = {name: np.full(len(values), getattr(self, name)) for name in NAMES} | {self.name: values}
+        return motions(self.system, self.periods, **rows)
+
+    def moved(self, name: str, value: float) -> Line:
+        """The line with one of its held parameters changed."""
+        held = {each: float(getattr(self, each)) for each in NAMES} | {name: value}
+        return Line(self.system, self.periods, self.name, **held)
+
+    def test(self, kind: Kind, branch: int, points: Points) -> Array:
+        """As ``test_function``."""
+        return test_function(self.system, kind, branch, points)

@@ -1,0 +1,85 @@
+"""A boundary followed as a second parameter changes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibeam.orbits.bifurcation_functions import NAMES, Line
+from vibeam.orbits.boundaries import BRANCHES, Boundary, boundary, bracketed
+from vibeam.system.impact_system import ImpactSystem
+
+Array = NDArray[np.float64]
+
+WIDTHS = 10.0 ** np.arange(-7.0, -1.9, 0.5)  # shares of the scale by which a root is looked for around its guess
+
+HALVINGS = 6
+
+
+def follow(system: ImpactSystem, start: Boundary, parameter: str, values: ArrayLike) -> tuple[Boundary, ...]:
+    """``start`` at every one of ``values`` of a second ``parameter`` (omega, amplitude or gap), in their order.
+
+    Each is located to round-off in ``start.parameter``, guessed from the two before it; steps too long for that are
+    halved. Where it goes through a fold the two motions change their order, and ``branch`` with it. The curve ends
+    before the first value at which no root is found near the guess: at an extreme of ``parameter``, where it does not
+    turn back, and where the impact velocity comes to zero, beyond which the stop would have to pull (a fold meets
+    GRAZING there, G₀ = 0: for one mode at Ω = 2ω√(1 − ζ²)). ValueError where the two parameters are the same or
+    unknown.
+    """
+    if parameter not in NAMES or parameter == start.parameter:
+        raise ValueError(f"parameter: {parameter!r} must be one of {', '.join(NAMES)} other than {start.parameter!r}")
+    line = Line(system, start.periods, start.parameter, start.omega, start.amplitude, start.gap)
+    known = [(float(getattr(start, parameter)), float(getattr(start, start.parameter)))]
+    curve: list[Boundary] = []
+    last = start
+    for value in np.asarray(values, dtype=float):
+        found = _reached(line, parameter, last, known, float(value), HALVINGS)
+        if found is None:
+            break
+        curve.append(last := found)
+    return tuple(curve)
+
+
+def _reached(
+    line: Line, parameter: str, last: Boundary, known: list[tuple[float, float]], value: float, halvings: int
+) -> Boundary | None:
+    """The boundary at ``value``, by way of the middle where the step is too long; what is found joins ``known``."""
+    found = _next(line.moved(parameter, value), last, known, value)
+    if found is not None:
+        known.append((value, float(getattr(found, line.name))))
+        return found
+    middle = (known[-1][0] + value) / 2
+    between = None if halvings == 0 else _reached(line, parameter, last, known, middle, halvings - 1)
+    return None if between is None else _reached(line, parameter, between, known, value, halvings - 1)
+
+
+def _next(line: Line, last: Boundary, known: list[tuple[float, float]], value: float) -> Boundary | None:
+    """The nearest to the guess; on the branch of the ``last`` one, or on the other one where there is none."""
+    guess = _guess(known, value)
+    branches = sorted(BRANCHES[last.kind], key=lambda branch: branch != last.branch)
+    for width in _scale(line, guess, known) * WIDTHS:
+        for branch in branches:
+            root = bracketed(line, last.kind, branch, *_window(line, guess, width))
+            if root is not None:
+                return boundary(line, last.kind, branch, root)
+    return None
+
+
+def _scale(line: Line, guess: float, known: list[tuple[float, float]]) -> float:
+    """A gap may be none: what it is measured by is the motion under the drive alone."""
+    if line.name == "gap":
+        total = line.at(np.array([guess])).total
+        return abs(guess) + float(np.abs(total.unit[0] * line.amplitude))
+    return max(abs(guess), abs(known[0][1]))
+
+
+def _window(line: Line, guess: float, width: float) -> tuple[float, float]:
+    """Frequencies stay positive."""
+    low = max(guess - width, guess / 2) if line.name == "omega" else guess - width
+    return low, guess + width
+
+
+def _guess(known: list[tuple[float, float]], value: float) -> float:
+    """The straight line through the last two points."""
+    (x1, y1), (x0, y0) = known[-1], known[-2] if len(known) > 1 else known[-1]
+    return y1 if x1 == x0 else y1 + (y1 - y0) * (value - x1) / (x1 - x0)

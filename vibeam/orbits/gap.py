@@ -1,0 +1,112 @@
+"""The gap between two impacts as a function of time, with a bound on its fourth derivative.
+
+τ after an impact, with H e^{iφ} = y + ix at the impact (φ its drive phase) and the Green's function G of ``sums``,
+
+    d(τ) = Δ − u(τ) = x (1 − cos Ωτ) − y sin Ωτ − p (G(τ) − G(0)),
+
+0 at both ends of the span. Every mode's g obeys g'' + 2σg' + ω²g = 0, and so do its derivatives z, whose z² + (z'/ω)²
+never grows: |g''''| after τ is bounded by what it and the fifth derivative are at τ. Two decays far apart are bounded
+one by one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.linear.propagator import pair
+from vibeam.orbits.impulse_balance import Roots
+from vibeam.orbits.modal_sums import Sums, green
+from vibeam.system.impact_system import ImpactSystem
+
+Array = NDArray[np.float64]
+
+Index = NDArray[np.int64]
+
+APART = 1.2  # damping ratio from which the two decays of a mode are bounded apart
+
+
+class Gap(NamedTuple):
+    """d and its first two derivatives at some times, and a bound on |d''''| from there to the end of the span."""
+
+    value: Array
+    slope: Array
+    bend: Array
+    fourth: Array
+
+
+@dataclass(frozen=True)
+class Flights:
+    """Some motions of one system, each (motions,): drive, span, the drive's part y + ix at the impact, impulse."""
+
+    system: ImpactSystem
+    omega: Array
+    span: Array
+    part: NDArray[np.complex128]
+    impulse: Array
+    start: Array  # g(0) and g'(0⁺) of every mode (n, 2, motions)
+
+    @classmethod
+    def of(cls, system: ImpactSystem, total: Sums, roots: Roots, amplitude: Array, branch: int) -> Flights:
+        """The motions of one branch."""
+        pairs = zip(system.omega, system.zeta, strict=True)
+        start = np.array([green(own, zeta * own, pair(own, zeta, total.span)) for own, zeta in pairs])
+        part = total.unit * amplitude * np.exp(1j * roots.phase[:, branch])
+        return cls(system, total.omega, total.span, part, roots.impulse[:, branch], start)
+
+    def __len__(self) -> int:
+        return len(self.omega)
+
+    def chosen(self, which: Index) -> Flights:
+        """Those at the places ``which``."""
+        omega, span, part, impulse = self.omega[which], self.span[which], self.part[which], self.impulse[which]
+        return Flights(self.system, omega, span, part, impulse, self.start[:, :, which])
+
+    def gap(self, which: Index, times: Array) -> Gap:
+        """d of the motions ``which`` (m,) at ``times`` (m,) after the impact, 0 ≤ τ ≤ span."""
+        omega, part, impulse = self.omega[which], self.part[which], self.impulse[which]
+        turned = part * np.exp(1j * omega * times)
+        versine = 2 * np.sin(omega * times / 2) ** 2
+        drive = part.imag * versine - part.real * np.sin(omega * times)
+        g = self._green(which, times)
+        return Gap(
+            drive - impulse * g.value,
+            -omega * turned.real - impulse * g.slope,
+            omega**2 * turned.imag - impulse * g.bend,
+            np.abs(part) * omega**4 + np.abs(impulse) * g.fourth,
+        )
+
+    def _green(self, which: Index, times: Array) -> Gap:
+        """G − G(0), G', G'' and the bound on G''''."""
+        total = np.zeros((4, len(times)))
+        for i in np.flatnonzero(self.system.contact):
+            own, zeta = float(self.system.omega[i]), float(self.system.zeta[i])
+            mode = _mode(own, zeta, self.start[i][:, which], times, self.span[which])
+            total += self.system.contact[i] ** 2 * np.stack(mode)
+        return Gap(*total)
+
+
+def _mode(own: float, zeta: float, start: Array, times: Array, span: Array) -> Gap:
+    """g − g(0), g', g'' and the bound on g''''; without stiffness g = t(nT − t)/(2nT) + const."""
+    if own == 0:
+        return Gap(times / 2 - times**2 / (2 * span), 0.5 - times / span, -1 / span, np.zeros_like(times))
+    sigma, p = zeta * own, pair(own, zeta, times)
+    value, slope = p.p01 * start[1] - p.rise * start[0], p.p10 * start[0] + p.p11 * start[1]
+    bend = -2 * sigma * slope - own**2 * (start[0] + value)
+    if zeta > APART:
+        return Gap(value, slope, bend, _two_decays(own, sigma, zeta, times, span))
+    third = -2 * sigma * bend - own**2 * slope
+    fourth = -2 * sigma * third - own**2 * bend
+    fifth = -2 * sigma * fourth - own**2 * third
+    return Gap(value, slope, bend, np.hypot(fourth, fifth / own))
+
+
+def _two_decays(own: float, sigma: float, zeta: float, times: Array, span: Array) -> Array:
+    """g = (e^{−st}/(1 − e^{−snT}) − e^{−ft}/(1 − e^{−fnT}))/(f − s): the sum of what each part's g'''' is."""
+    fast = sigma + own * np.sqrt((zeta - 1) * (zeta + 1))
+    slow = own * own / fast
+    parts = [rate**4 * np.exp(-rate * times) / -np.expm1(-rate * span) for rate in (slow, fast)]
+    return np.asarray((parts[0] + parts[1]) / (fast - slow))

@@ -1,0 +1,105 @@
+"""Periodic motions with one impact per n drive periods at one drive, certified."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.orbits.admissibility import Witness
+from vibeam.orbits.impulse_balance import Roots, balance
+from vibeam.orbits.modal_sums import Sums, resonant, sums
+from vibeam.orbits.multipliers import multipliers
+from vibeam.orbits.orbit_curve import checked
+from vibeam.orbits.states import state_after
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.response import FrequencyResponse
+from vibeam.system.state import State
+
+Array = NDArray[np.float64]
+
+Complex = NDArray[np.complex128]
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """A motion with one impact every ``periods`` drive periods. SI units.
+
+    ``admissible``: it stays clear of the stop between its impacts, proved by the flight solver's root bounds; one that
+    is not satisfies the equations at the impact but is no motion, and its ``reach`` is NaN.
+    """
+
+    system: ImpactSystem
+    drive: Drive
+    periods: int
+    phase: float  #: drive phase Ωt at the impact, 0 … 2π
+    impulse: float  #: on the contact, N s per unit modal mass, negative: away from the stop
+    velocity: float  #: of the contact just before, toward the stop, m/s
+    reach: float  #: gap − min of the contact displacement, m
+    state: State  #: just after the impact
+    multipliers: Complex  #: the 2n Floquet multipliers, largest first; none is trivial, for time is not a state
+    stable: bool  #: all multipliers within the unit circle
+    admissible: bool
+
+    @property
+    def time(self) -> float:
+        """When it strikes, s, with the drive's phase 0 at time 0."""
+        return self.phase / self.drive.omega
+
+    @property
+    def span(self) -> float:
+        """Time from impact to impact, s."""
+        return 2 * np.pi * self.periods / self.drive.omega
+
+    def watched(self, output: str = "contact") -> FrequencyResponse:
+        """One point with extremes and modal energies over the motion; ValueError where it is not admissible.
+
+        KeyError for an unknown output.
+        """
+        if not self.admissible:
+            raise ValueError("orbit: it passes through the stop, so there is no motion to watch")
+        self.system.output(output)
+        witness = Witness(self.system, self.drive.omega)
+        return witness.watched(self.drive, self.state, self.time, self.periods, output)[0]
+
+    def amplitude(self, output: str = "contact") -> float:
+        """½(max − min) of an output over the motion, m; errors as in ``watched``."""
+        return float(self.watched(output).amplitude[0])
+
+
+def orbits(system: ImpactSystem, drive: Drive, periods: int = 1, witness: Witness | None = None) -> tuple[Orbit, ...]:
+    """All motions with one impact per ``periods`` drive periods, harder impact first: none, one or two.
+
+    Exact for any number of modes of any damping, with static forces; not admissible ones are among them. ``witness``:
+    the flight solver that certifies, where many drives are asked for. Empty where the impact equations have no real
+    root that pushes away from the stop (also without a drive). ValueError for an undamped mode at a resonance (driven
+    at its own frequency, or a whole number of its turns in the span, so that impacts make it grow), and for modes
+    without stiffness that no static force brings back to the stop.
+    """
+    omega = checked(system, drive.omega, periods)
+    reason = resonant(system, drive.omega, periods)
+    if reason:
+        raise ValueError(reason)
+    if drive.amplitude == 0:
+        return ()
+    total = sums(system, omega, periods)
+    found = balance(system, total, drive.amplitude, system.gap)
+    own = Witness(system, drive.omega) if witness is None else witness
+    return tuple(
+        _orbit(own, drive, int(periods), total, found, k)
+        for k in (0, 1)
+        if found.impulse[0, k] < 0 and np.isfinite(found.phase[0, k])
+    )
+
+
+def _orbit(witness: Witness, drive: Drive, periods: int, total: Sums, found: Roots, k: int) -> Orbit:
+    phase, impulse, velocity = (float(row[0, k]) for row in (found.phase, found.impulse, found.velocity))
+    system, time = witness.system, phase / drive.omega
+    state = state_after(system, drive, periods, phase, impulse)
+    values = multipliers(system, total.span, found.lean[:, k])[0]
+    admissible = witness.admits(drive, state, time, periods, velocity)
+    reach = float(witness.watched(drive, state, time, periods, "contact")[0].reach[0]) if admissible else np.nan
+    return Orbit(
+        system, drive, periods, phase, impulse, velocity, reach, state, values, bool(abs(values[0]) < 1), admissible
+    )

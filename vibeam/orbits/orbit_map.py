@@ -1,0 +1,91 @@
+"""Where motions with one impact per n drive periods exist, keep clear of the stop and are stable: a map."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibeam.orbits.bifurcation_functions import Kind, Points, clearances
+from vibeam.orbits.contours import BoundaryCurve, Plane, beyond_touching, boundary_curves, map_function
+from vibeam.orbits.multipliers import real_crossing
+from vibeam.orbits.orbit_curve import checked, proven, stability
+from vibeam.system.impact_system import ImpactSystem
+
+Array = NDArray[np.float64]
+
+Flags = NDArray[np.bool_]
+
+ENOUGH = 1e-9  # a gap is not looked at closer once it is known to be larger than this share of the motion
+
+LOSSES = (Kind.DOUBLING, Kind.NEIMARK_SACKER)
+
+BOTH = (Kind.GRAZING, Kind.TOUCHING, *LOSSES)
+
+CURVES = ((Kind.FOLD, 0), *((kind, branch) for kind in BOTH for branch in (0, 1)))
+
+
+@dataclass(frozen=True)
+class OrbitMap:
+    """The motions over ``omega`` (columns,) rad/s and ``values`` (rows,) m of gap or amplitude, ``over``.
+
+    Arrays (rows, columns, 2), the harder impact first. ``curves``: the boundaries, located to round-off wherever they
+    pass between neighbours of the grid; period doubling and Neimark–Sacker only of motions without a multiplier > 1.
+    """
+
+    periods: int
+    over: str
+    omega: Array
+    values: Array
+    velocity: Array  #: m/s; NaN where there is no motion
+    admissible: Flags  #: it keeps clear of the stop between its impacts, proved
+    stable: Flags  #: and all Floquet multipliers lie within the unit circle
+    curves: tuple[BoundaryCurve, ...]
+
+
+def orbit_map(
+    system: ImpactSystem, omega: ArrayLike, amplitude: ArrayLike, periods: int = 1, gap: ArrayLike | None = None
+) -> OrbitMap:
+    """The map over ascending ``omega`` (rad/s) and either ``amplitude`` or ``gap`` (m; None: the system's own).
+
+    Exactly one of the two is an ascending array. A curve of lost stability may end up to a step of the grid short of a
+    fold or a grazing that it runs into. ValueError where none or both are arrays, or a grid does not ascend, and as in
+    ``orbits``.
+    """
+    grid = checked(system, omega, periods)
+    given = {"amplitude": np.asarray(amplitude, float), "gap": np.asarray(system.gap if gap is None else gap, float)}
+    over = [name for name, value in given.items() if value.ndim == 1]
+    if len(over) != 1:
+        raise ValueError(f"amplitude, gap: exactly one must be an array, not {len(over)}")
+    values, held = given.pop(over[0]), float(*given.values())
+    for name, row in (("omega", grid), (over[0], values)):
+        if len(row) < 2 or not np.all(np.isfinite(row)) or not np.all(np.diff(row) > 0):
+            raise ValueError(f"{name}: must be two or more finite numbers that ascend")
+    plane = Plane(system, int(periods), over[0], grid, values, held)
+    points, shape = plane.grid(), tuple(len(row) for row in (values, grid))
+    share = {branch: clearances(system, points, branch, ceiling=ENOUGH) for branch in (0, 1)}
+    admissible = np.stack([share[branch] > 0 for branch in (0, 1)], axis=1)
+    velocity = np.where(points.roots.impulse < 0, points.roots.velocity, np.nan)
+    stable = stability(system, points.total, points.roots, admissible)
+    curves = [
+        curve
+        for kind, branch in CURVES
+        for curve in boundary_curves(plane, kind, branch, _values(system, kind, branch, points, share).reshape(shape))
+    ]
+    shape = (*shape, 2)
+    return OrbitMap(
+        int(periods), over[0], grid, values,
+        velocity.reshape(shape), admissible.reshape(shape), stable.reshape(shape), tuple(curves),
+    )  # fmt: skip
+
+
+def _values(system: ImpactSystem, kind: Kind, branch: int, points: Points, share: dict[int, Array]) -> Array:
+    """The test function on the grid; NaN for a loss of stability where there is none to lose."""
+    if kind is Kind.TOUCHING:
+        return beyond_touching(share[branch])
+    if kind in LOSSES:
+        unstable = proven(real_crossing(system, points.total.plus, points.roots.lean[:, branch]))
+        lean = np.where(unstable[:, None], np.nan, points.roots.lean)
+        points = points._replace(roots=points.roots._replace(lean=lean))
+    return map_function(system, kind, branch, points)

@@ -1,0 +1,130 @@
+"""Periodic motions with m impacts in n drive periods, refined to round-off from where the flight solver settles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibeam.orbits.admissibility import Witness
+from vibeam.orbits.modal_sums import offsets, resonant
+from vibeam.orbits.multipliers import monodromy
+from vibeam.orbits.orbit_curve import checked
+from vibeam.orbits.states import phasors
+from vibeam.orbits.trains import Train, lags, newton
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.state import State
+
+Array = NDArray[np.float64]
+
+Complex = NDArray[np.complex128]
+
+SETTLED = 1e-3  # share of the impact velocities by which what was flown may differ from the motion it settles on
+
+MOST = 4  # impacts a span
+
+
+@dataclass(frozen=True)
+class TrainOrbit:
+    """A motion with m impacts every ``periods`` drive periods; SI units, the drive's phase 0 at time 0."""
+
+    system: ImpactSystem
+    drive: Drive
+    periods: int
+    times: Array  #: of the impacts (m,), s, ascending
+    impulses: Array  #: (m,) negative: away from the stop
+    velocities: Array  #: (m,) just before, toward the stop, m/s
+    state: State  #: just after the first impact
+    multipliers: Complex  #: the 2n Floquet multipliers, largest first
+    stable: bool
+    admissible: bool  #: the flight solver finds exactly these impacts, one after the other
+
+
+def train_orbit(
+    system: ImpactSystem, drive: Drive, periods: int, times: ArrayLike, velocities: ArrayLike
+) -> TrainOrbit | None:
+    """The motion whose impacts lie near ``times`` (m,) s with ``velocities`` before, m/s; None where none is found.
+
+    ValueError for more than four impacts, for modes without stiffness, and as in ``orbits``.
+    """
+    checked(system, drive.omega, periods)
+    guess, speeds = np.atleast_1d(np.asarray(times, dtype=float)), np.atleast_1d(np.asarray(velocities, dtype=float))
+    if not 1 <= len(guess) <= MOST or guess.shape != speeds.shape:
+        raise ValueError(f"times, velocities: must be 1 to {MOST} impacts each, and as many of one as of the other")
+    reason = resonant(system, drive.omega, periods)
+    if np.any(system.omega == 0):
+        reason = "omega: several impacts a span need modes with stiffness only"
+    if reason:
+        raise ValueError(reason)
+    impulses = -(1 + system.restitution) * speeds / float(system.contact @ system.contact)
+    span = 2 * np.pi * periods / drive.omega
+    train = newton(system, drive, periods, Train(guess - span * np.floor(guess.min() / span), impulses))
+    return None if train is None else _orbit(system, drive, periods, train)
+
+
+def settled_orbit(
+    system: ImpactSystem, drive: Drive, periods: int = 1, *, state: State | None = None, settle: int = 300
+) -> TrainOrbit | None:
+    """The motion with period ``periods`` T that the flight solver comes to in ``settle`` periods from ``state``.
+
+    None where that has no or more than four impacts in ``periods`` periods, or does not repeat. ValueError as in
+    ``train_orbit``.
+    """
+    witness, period = Witness(system, drive.omega), 2 * np.pi / drive.omega
+    begin, end = settle * period, (settle + periods) * period
+    start = witness.flight.simulate(drive, state, 0.0, begin, 10**7)[2] if settle else state
+    times, velocities = witness.strikes(drive, start, begin, end, MOST + 1)
+    if not 1 <= len(times) <= MOST:
+        return None
+    found = train_orbit(system, drive, periods, times, velocities)
+    return found if found is not None and _near(found.velocities, velocities) else None
+
+
+def _near(found: Array, seen: Array) -> bool:
+    """Whether the impacts found are those seen, whichever came first."""
+    turns = [np.abs(np.roll(found, k) - seen).max() for k in range(len(seen))]
+    return len(found) == len(seen) and bool(min(turns) < SETTLED * seen.max())
+
+
+def _orbit(system: ImpactSystem, drive: Drive, periods: int, train: Train) -> TrainOrbit:
+    span = 2 * np.pi * periods / drive.omega
+    velocities = -train.impulses * float(system.contact @ system.contact) / (1 + system.restitution)
+    displacement, before = poses(system, drive, span, train)
+    values = multipliers_of(system, drive, span, train)
+    state = State(displacement[0], before[0] + system.contact * train.impulses[0])
+    witness = Witness(system, drive.omega)
+    expected = np.append(train.times[1:], train.times[0] + span)
+    slack = witness.slack(drive, float(velocities.min()), span)
+    end = train.times[0] + span + slack
+    seen, _ = witness.strikes(drive, state, float(train.times[0]), float(end), len(expected) + 1)
+    admissible = len(seen) == len(expected) and bool(np.abs(seen - expected).max() <= slack)
+    return TrainOrbit(
+        system, drive, periods, train.times, train.impulses, velocities, state, values,
+        bool(abs(values[0]) < 1), admissible,
+    )  # fmt: skip
+
+
+def poses(system: ImpactSystem, drive: Drive, span: float, train: Train) -> tuple[Array, Array]:
+    """Modal displacements and velocities (m, n) just before every impact."""
+    turned = phasors(system, drive) * np.exp(1j * drive.omega * train.times)[:, None]
+    lag = lags(system, span, train.times)
+    pushed = [np.einsum("jki,k->ji", part, train.impulses) * system.contact for part in lag]
+    return turned.imag + offsets(system) + pushed[0], drive.omega * turned.real + pushed[1]
+
+
+def multipliers_of(system: ImpactSystem, drive: Drive, span: float, train: Train) -> Complex:
+    """Largest first: flight to impact and through it, impact by impact, over one span from just after the first."""
+    order = np.argsort(train.times)
+    train = Train(train.times[order], train.impulses[order])
+    velocities = -train.impulses * float(system.contact @ system.contact) / (1 + system.restitution)
+    displacement, before = poses(system, drive, span, train)
+    force = np.outer(np.sin(drive.omega * train.times), system.load) * drive.omega**2 * drive.amplitude + system.static
+    toward = (force - 2 * system.zeta * system.omega * before - system.omega**2 * displacement) @ system.contact
+    lean = toward / velocities
+    flights = np.diff(np.append(train.times, train.times[0] + span))
+    matrix = np.eye(2 * system.size)
+    for step in monodromy(system, flights, np.roll(lean, -1)):
+        matrix = step @ matrix
+    values = np.linalg.eigvals(matrix).astype(complex)
+    return np.asarray(values[np.argsort(-np.abs(values))])

@@ -1,0 +1,191 @@
+"""Accuracy against time as tables for the terminal, and in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from itertools import groupby
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.text import Text
+
+from vibeam.figures.fit import ReportTable
+from vibeam.figures.page import paths_of
+from vibeam.figures.units import percent
+from vibeam.report.output import plain, write_rows
+from vibeam.report.tables import blank, coefficient
+from vibeam.report.work_precision import write_work_precision
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.studies.cost.error_split import Split
+    from vibeam.studies.cost.row import Row
+    from vibeam.studies.cost.schedule import LeftOut
+    from vibeam.studies.cost.study import Study
+
+
+def write_files(study: Study, folder: Path, stem: str, case: Case) -> list[Path]:
+    """Write ``STEM_cost.csv`` and the plot beside it, as the case says, into the folder; gives their paths."""
+    table = folder / f"{stem}_cost.csv"
+    figures = paths_of(table, case.figure)
+    write_work_precision(study, case, *figures)
+    write_rows(_lines(study), table)
+    return [*figures, table]
+
+
+def _lines(study: Study) -> list[dict[str, Any]]:
+    """Every run as a line; what is nested gets names with a dot, as ``total.amplitude_rms``."""
+    return [dict(_flat(plain(row))) for row in study.rows]
+
+
+def _flat(value: Mapping[str, Any], above: str = "") -> list[tuple[str, Any]]:
+    found: list[tuple[str, Any]] = []
+    for name, inner in value.items():
+        if isinstance(inner, list):
+            inner = {part["name"]: {key: part[key] for key in ("mean", "rms", "worst")} for part in inner}
+        found += _flat(inner, f"{above}{name}.") if isinstance(inner, Mapping) else [(f"{above}{name}", inner)]
+    return found
+
+
+RATIO = 10.0  # times smaller: then a sentence says so
+
+
+def runs(study: Study) -> ReportTable:
+    """Every run: its error against the reference and against its own fidelity's exact motion, and its work."""
+    chaos = any(isfinite(row.numerical.statistics) for row in study.rows)
+    names = ["fidelity", "modes|", "solver", "points|", "off|", "rms|", "by solver|", "path|", "impacts|"]
+    names += ["statistics|"] * chaos + ["CPU|", "µs/period|", "µs/impact|", "", "why"]
+    table = blank("Accuracy and time", *names, heads=3)
+    table.caption = _legend(study, chaos)
+    last = ""
+    for index, row in enumerate(study.rows):
+        if last and row.fidelity != last:
+            table.add_section()
+        table.add_row(*_run(row, row.fidelity == last, index in study.front, chaos))
+        last = row.fidelity
+    return table
+
+
+def _legend(study: Study, chaos: bool) -> str:
+    text = (
+        f"off, rms: amplitude, largest and root mean square, against {study.truth}, where both repeat\n"
+        "by solver: largest, against the exact motion of its own fidelity; path: Hausdorff distance to it over ten "
+        "periods; impacts: worst velocity on it\n"
+        f"{len(study.frequency)} frequencies of {study.settle} + {study.hold} periods; CPU: least of the repeats, the "
+        "solver's making included; *: on the Pareto front of rms and CPU, for runs that found every motion"
+    )
+    told = (
+        "\nstatistics: where neither repeats, the worst of means and deciles (in brackets: of the exact one's halves)"
+    )
+    return text + told * chaos
+
+
+def _run(row: Row, again: bool, best: bool, chaos: bool) -> list[str | Text]:
+    head: list[str | Text] = ["" if again else row.fidelity, "" if again else str(row.modes), row.label]
+    total, own, work = row.total, row.numerical, row.work
+    cells = [f"{total.points}/{total.total}" if total.total else "–", share(total.amplitude_max)]
+    cells += map(share, (total.amplitude_rms, own.amplitude_max, own.path, own.impact_velocities))
+    statistics = f"{share(own.statistics)} ({share(own.scatter)})" if isfinite(own.statistics) else "–"
+    cells += [statistics] * chaos
+    cells += [f"{work.cpu_min:.3g} s", *map(_micro, (work.per_period, work.per_impact))] if work else ["–"] * 3
+    return [*head, *cells, "*" if best else "", Text(row.why, style="red")]
+
+
+def parts(study: Study) -> ReportTable:
+    """Every fidelity's error and its parts."""
+    table = blank("Where the error comes from", "fidelity", "modes|", "R₁ seen|", "in all|")
+    shown = [
+        index for index in range(len(study.splits[0].parts)) if any(_counts(split, index) for split in study.splits)
+    ]
+    for index in shown:
+        table.add(f"{study.splits[0].parts[index].name}|")
+    table.add("by the solver|", "CPU, exact|")
+    table.caption = (
+        f"signed means of amplitude over that of {study.truth}: they add up; R₁: restitution that the first mode sees"
+    )
+    for split in study.splits:
+        cells = [signed(split.parts[index].mean) for index in shown]
+        first = (split.fidelity, str(split.modes), coefficient(split.restitution), signed(split.total.mean))
+        table.add_row(*first, *cells, _range(study, split), f"{split.cpu:.3g} s")
+    return table
+
+
+def _counts(split: Split, index: int) -> bool:
+    return split.parts[index].worst != 0
+
+
+def _range(study: Study, split: Split) -> str:
+    found = _solvers(study, split)
+    return f"{share(found[0][0])} … {share(found[-1][0])}" if found else "–"
+
+
+def _solvers(study: Study, split: Split) -> list[tuple[float, str]]:
+    """Largest numerical error of every run on a fidelity, the smallest first."""
+    rows = [row for row in study.rows if row.fidelity == split.fidelity and isfinite(row.numerical.amplitude_max)]
+    return sorted((row.numerical.amplitude_max, row.label) for row in rows)
+
+
+def sentences(study: Study) -> Iterator[str]:
+    """What the figures say, a line each."""
+    yield f"Reference: {study.finest}, {study.bound.sentence}."
+    for split in study.splits:
+        if (study.reference or split.fidelity != study.finest) and split.points:
+            yield _sentence(study, split)
+    for name, twin in study.same.items():
+        yield f"{name}: the same model as {twin}."
+    yield from _refusals(study.refused)
+    yield from _left_out(study.left_out)
+
+
+def _sentence(study: Study, split: Split) -> str:
+    told = [f"{signed(part.mean)} by the {part.name}" for part in split.parts if part.worst > 0]
+    told += [f"no part for the {part.name} ({part.note})" for part in split.parts if part.note]
+    text = f"{split.fidelity}: {signed(split.total.mean)} in amplitude, {' and '.join(told)}"
+    found = _solvers(study, split)
+    if not found:
+        return f"{text}."
+    large = sum(error * RATIO > split.total.rms for error, _ in found)
+    (least, best), (most, worst) = found[0], found[-1]
+    text += f"; the solver's part is {share(least)} ({best}) to {share(most)} ({worst})"
+    if not large:
+        return f"{text}: the solver is not where the error is."
+    return f"{text}, more than a tenth of it in {large} of {len(found)} runs."
+
+
+def _refusals(refused: tuple[LeftOut, ...]) -> Iterator[str]:
+    for solver, found in groupby(sorted(refused, key=lambda each: each.run), key=lambda each: each.run):
+        several = list(found)
+        why = several[0].why.removeprefix(f"solver {solver!r} cannot take ")
+        yield f"{solver} cannot take {', '.join(each.fidelity for each in several)}: {why}."
+
+
+def _left_out(left_out: tuple[LeftOut, ...]) -> Iterator[str]:
+    """A line a fidelity, with the first rung of each ladder that was left out."""
+    if not left_out:
+        return
+    yield f"Left out for want of time, {len(left_out)} runs (--json has each; [cost] budget gives more):"
+    for fidelity in dict.fromkeys(each.fidelity for each in left_out):
+        first: dict[str, str] = {}
+        for run in [each.run for each in left_out if each.fidelity == fidelity]:
+            ladder, rtol, setting = run.partition(" rtol ")
+            first.setdefault(ladder if rtol else run.partition(" ")[0], f"{rtol}{setting}" if rtol else "")
+        yield f"  {fidelity}: {', '.join(f'{ladder} from{rung}' if rung else ladder for ladder, rung in first.items())}"
+
+
+def share(value: float) -> str:
+    """A share to read: percent where it is one, else a power of ten."""
+    if not isfinite(value):
+        return "–"
+    return percent(value) if abs(value) >= 1e-3 else "0" if value == 0 else f"{value:.0e}"
+
+
+def signed(value: float) -> str:
+    """A signed share."""
+    if not isfinite(value):
+        return "–"
+    return f"{100 * value:+.3g} %" if abs(value) >= 1e-5 else "0" if value == 0 else f"{value:+.0e}"
+
+
+def _micro(seconds: float) -> str:
+    return f"{1e6 * seconds:.3g}" if isfinite(seconds) else "–"

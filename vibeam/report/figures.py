@@ -1,0 +1,64 @@
+"""The figures that a case asks for beside its frequency-response curves, each in files of its own."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from matplotlib.figure import Figure
+
+from vibeam.case.plans import ShowPlan
+from vibeam.figures import KINDS
+from vibeam.figures.page import blank_page, legend, paths_of, titled, write_page
+from vibeam.figures.panels import name_faults
+from vibeam.figures.sheet import module_of
+
+if TYPE_CHECKING:
+    from vibeam.run.result import Result
+
+
+def write_shown(result: Result, path: Path) -> list[Path]:
+    """Draw every [show.NAME] of the case as ``STEM_NAME`` beside ``path``, in the case's formats; the files written."""
+    written = []
+    for plan in result.case.shows.values():
+        files = paths_of(path.with_name(f"{path.stem}_{plan.name}.x"), result.case.figure)
+        write_page(partial(figure, result, plan), files)
+        written += files
+    return written
+
+
+def figure(result: Result, plan: ShowPlan) -> Figure:
+    """The figure of one table."""
+    made = blank_page(_size(plan), result.case.figure)
+    shown = result.shown.get(plan.name, ())
+    module_of(plan).draw(made, result, plan, shown)
+    titled(made, result.case.figure, result.case.title, _caption(plan))
+    handles = _handles(made) | name_faults(result.case, plan, shown)
+    legend(made, list(handles.values()), list(handles))
+    return made
+
+
+def _caption(plan: ShowPlan) -> str:
+    """What the figure shows."""
+    own = getattr(module_of(plan), "caption", None)
+    return str(own(plan)) if own is not None else KINDS[plan.kind].meaning
+
+
+def _handles(made: Figure) -> dict[str, Any]:
+    """The labelled curves of all panels, each label once."""
+    found: dict[str, Any] = {}
+    for axes in made.axes:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    return found
+
+
+def _size(plan: ShowPlan) -> tuple[float, float]:
+    """As the kind says, else a panel of its own for each frequency of a motion."""
+    own = getattr(module_of(plan), "size", None)
+    if own is not None:
+        wide, high = own(plan)
+        return wide, high
+    panels = 1 if plan.quantity else len(plan.frequency)
+    return (5.8 if panels == 1 else 3.2 * panels + 0.6, 4.2)

@@ -1,0 +1,181 @@
+"""Results as tables for the terminal."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Sequence
+from math import isfinite
+
+from rich.console import Console
+from rich.text import Text
+
+from vibeam.casefile.documentation import Row as KeyRow
+from vibeam.casefile.quantities import FREQUENCIES, prefixed
+from vibeam.figures.fit import ReportTable, fitted, needed
+from vibeam.figures.units import METRIC, Units, percent
+from vibeam.run.summary import Summary
+from vibeam.studies.derive import Row
+from vibeam.studies.modes import ModeTable
+from vibeam.studies.regression.references import CheckRow
+from vibeam.studies.stability.rows import Crossing
+
+WIDEST = 160
+
+
+def show(table: ReportTable) -> None:
+    """Print a table on stdout, in pieces where the terminal is too narrow for it; into a file as wide as it is."""
+    console = Console(file=sys.stdout, highlight=False, markup=False)
+    if not console.is_terminal:
+        console.width = max(80, min(WIDEST, needed(table)))
+    width = console.width
+    for piece in fitted(table, width):
+        title, piece.title = str(piece.title), None
+        console.width = max(width, needed(piece))  # a single number may be wider than a very narrow terminal
+        console.print(Text(title, style="bold"))
+        console.print(piece)
+        console.width = width
+    if table.caption:
+        console.print(Text(str(table.caption), style="dim italic"))
+    console.print()
+
+
+def responses(summaries: Sequence[Summary], units: Units = METRIC) -> ReportTable:
+    """Every fidelity: its peak and the range in which its motion with impacts has the drive's period."""
+    ways = [way for way in ("up", "down") if any(way in row.period_one for row in summaries)]
+    hertz, length = (f" ({unit})" if unit else "" for unit in (units.frequency, units.length))
+    table = blank("Response", "fidelity", "modes|", "R|", "R₁|", f"peak{length}|", f"at{hertz}|")
+    table.add(*(f"period 1, {way}{hertz}|" for way in ways))
+    table.caption = (
+        "R: restitution of the contact; R₁: what mode 1 sees of it; ↑ ↓: way of the sweep\n"
+        "period 1: the contiguous range with impacts around the largest amplitude"
+    )
+    for row in summaries:
+        peak = (plain(units.lengths(row.peak_amplitude)), _peak_frequency(row, units))
+        seen = map(coefficient, (row.restitution, row.first_mode_restitution))
+        table.add_row(
+            row.fidelity, str(row.modes), *seen, *peak, *(units.range(row.period_one.get(way)) for way in ways)
+        )
+    return table
+
+
+def _peak_frequency(row: Summary, units: Units) -> str:
+    arrow = {"up": " ↑", "down": " ↓"}.get(row.peak_direction, "")
+    return plain(units.frequencies(row.peak_frequency)) + arrow
+
+
+def plain(quantity: str) -> str:
+    """A number without its unit, which the column's name has."""
+    return quantity.partition(" ")[0]
+
+
+def costs(summaries: Sequence[Summary]) -> ReportTable:
+    """Every fidelity: how far from the finest, at what cost."""
+    table = blank("Accuracy and cost", "fidelity", "max off|", "rms off|", "CPU|", "ratio|")
+    table.add("impacts|", "ns each|", "failed|")
+    table.caption = "off: in amplitude, where it and the finest are periodic; ratio: to the cheapest"
+    for row in summaries:
+        per_impact = f"{row.nanoseconds_per_impact:.0f}" if row.impacts else "–"
+        cost = (f"{row.cpu_seconds:.3g} s", f"{row.cost_ratio:.3g}", str(row.impacts), per_impact)
+        table.add_row(row.fidelity, *_distance(row), *cost, _failed(row))
+    return table
+
+
+def checks(rows: Iterable[CheckRow], units: Units = METRIC) -> ReportTable:
+    """Every reference: passed or missed, by how much and where."""
+    names = ("", "reference", "fidelity", "quantity", "points|", "worst|", "at|", "allowed|", "why")
+    table = blank("References", *names, heads=2)
+    for row in rows:
+        mark = Text("passed", style="green") if row.passed else Text("missed", style="bold red")
+        points = str(row.points) if row.points == row.total else f"{row.points} of {row.total}"
+        numbers = (points, percent(row.worst), units.frequencies(row.frequency), percent(row.tolerance))
+        table.add_row(mark, row.reference, row.fidelity, row.quantity, *numbers, _why(row))
+    return table
+
+
+def crossings(rows: Sequence[Crossing], own: str, units: Units = METRIC) -> ReportTable:
+    """Every boundary that the case itself runs into as the frequency changes."""
+    table = blank(f"Boundaries at the case's own {own}", "fidelity", "boundary", "motion", "at|", "velocity|", heads=2)
+    table.add("multipliers|")
+    table.caption = "of motions with one impact a span that keep clear of the stop between; velocity: of the impact"
+    for row in rows:
+        numbers = (
+            f"{row.frequency * units.frequency_factor:.10g} {units.frequency}".strip(),
+            units.speeds(row.velocity),
+        )
+        table.add_row(row.fidelity, row.boundary, row.motion, *numbers, row.multipliers)
+    return table
+
+
+def derivation(rows: Iterable[Row]) -> ReportTable:
+    """SDOF parameters from geometry, each beside its finite-element value."""
+    table = blank("SDOF parameters", "parameter", "symbol", "by formula|", "by FE|", "unit", "error|", "assumption")
+    for row in rows:
+        values = (f"{row.value:.5g}", f"{row.reference:.5g}")
+        unit = "" if row.unit == "1" else row.unit
+        table.add_row(row.name, row.symbol, *values, unit, _signed(row.error), row.assumption)
+    return table
+
+
+def modal(modes: ModeTable) -> ReportTable:
+    """The modal table: what each mode brings to contact, sensor and drive, and the restitution that is left."""
+    unit, factor = prefixed(FREQUENCIES, min((row.frequency for row in modes.rows), default=0.0), usual=-1)
+    table = blank("Modes of the finite-element beam", "mode|", f"{unit}|", "damping|")
+    table.add("contact|", "sensor|", "load|", "Σ share|", "R₁ seen|", "R|")
+    for row in modes.rows:
+        values = (f"{value:.4g}" for value in (row.contact, row.sensor, row.load))
+        restitutions = (f"{row.first_mode_restitution:.4f}", f"{row.contact_restitution:.4f}")
+        first = (str(row.number), f"{row.frequency * factor:.5g}", percent(row.damping_ratio))
+        table.add_row(*first, *values, percent(row.share), *restitutions)
+    table.caption = (
+        "contact, sensor: kg^-½; load: kg^½; Σ share: of the contact mobility w M⁻¹ wᵀ, up to this mode\n"
+        "R: of the contact; R₁: what mode 1 sees of it where the model is cut off after this mode"
+    )
+    return table
+
+
+def keys(rows: Iterable[KeyRow]) -> ReportTable:
+    """Every key of a case file, by table."""
+    table = blank("Keys of a case file", "table", "key", "holds", "default", "meaning", heads=2)
+    last = ""
+    for row in rows:
+        if last and row.table != last:
+            table.add_section()
+        default = "required" if row.required else row.default or "absent"
+        table.add_row("" if row.table == last else row.table, row.key, row.unit, default, row.meaning)
+        last = row.table
+    return table
+
+
+def blank(title: str, *names: str, heads: int = 1) -> ReportTable:
+    """An empty table; a name that ends in | is a column of numbers, to the right.
+
+    The first ``heads`` columns come again where the others need a further table.
+    """
+    table = ReportTable(title, heads)
+    table.add(*names)
+    return table
+
+
+def coefficient(value: float) -> str:
+    """A coefficient of restitution; a dash where there is none."""
+    return f"{value:.4f}" if isfinite(value) else "–"
+
+
+def _distance(row: Summary) -> tuple[str, str]:
+    if row.distance is None:
+        return "finest", ""
+    return percent(row.distance.worst), percent(row.distance.rms)
+
+
+def _failed(row: Summary) -> Text:
+    return Text(str(row.failed), style="bold red") if row.failed else Text("–")
+
+
+def _signed(error: float) -> str:
+    return f"{100 * error:+.3g} %" if isfinite(error) else "–"
+
+
+def _why(row: CheckRow) -> str:
+    if row.notes:
+        return "; ".join(row.notes)
+    return "" if row.passed else "off by more than allowed"

@@ -1,0 +1,1 @@
+"""The sweep, the run of a case, and its results."""

@@ -1,0 +1,204 @@
+"""The rungs: one model and one way to have its motion of a known kind at single frequencies."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.solver import FlightSolver
+from vibeam.run.accuracy.closed_forms import FREE, HARDER, Index, Known, size
+from vibeam.run.accuracy.readings import reading_of
+from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse, join
+from vibeam.system.state import State
+
+Array = NDArray[np.float64]
+
+EXACT = 1e-5  # claimed of the finest model's own readings: the flight's light reading is good to about 1e-6
+
+CLOSES = 1e-6  # share of a state by which it may differ after a period and still be a periodic motion's
+
+READ = tuple(each.name for each in fields(FrequencyResponse) if each.name != "frequency")
+
+AVERAGED = ("amplitude", "reach", "impact_velocity")  # what averaging gives
+
+
+@dataclass
+class Spent:
+    """CPU seconds and points of one rung, as they come."""
+
+    seconds: float = 0.0
+    points: int = 0
+
+    def add(self, begun: float, points: int) -> None:
+        """Since ``begun`` of ``time.thread_time``."""
+        self.seconds += time.thread_time() - begun
+        self.points += points
+
+
+class Read(NamedTuple):
+    """What was read at some points, and by how much, relative, each may be off its model; NaN where failed."""
+
+    response: FrequencyResponse
+    off: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Rung:
+    """``fidelity`` by ``solver``; ``spent``: on all that was asked of it."""
+
+    fidelity: str
+    solver: str
+    known: Known
+    quantities: tuple[str, ...]
+    output: str
+    flight: FlightSolver
+    spent: Spent = field(default_factory=Spent)
+    seen: dict[int, tuple[Read, NDArray[np.bool_]]] = field(default_factory=dict)  # by kind: what was read, where
+
+    @property
+    def label(self) -> str:
+        """As tables name it."""
+        return f"{self.fidelity} by {self.solver}"
+
+    def read(self, which: Index, kind: int) -> Read:
+        """The motion of ``kind`` at the points ``which``; not there, not stable or through the stop: NaN.
+
+        A motion does not hang on the direction of a sweep: what was read once is kept.
+        """
+        first = not self.seen
+        if kind not in self.seen:
+            self.seen[kind] = _nothing(self.known), np.zeros(len(self.known.omega), dtype=bool)
+        kept, there = self.seen[kind]
+        asked = np.unique(which[~there[which]])
+        if len(asked):
+            begun = time.thread_time()
+            known = self.known.at(asked) if first else self.known
+            found = _averaged(self, asked) if self.solver == "averaging" else _by_formula(self, known, asked, kind)
+            put(kept.response, asked, found.response)
+            kept.off[asked], there[asked] = found.off, True
+            self.spent.add(begun, len(asked))
+        return Read(rows(kept.response, which), kept.off[which])
+
+    def fly(self, points: Index, state: State | None, settle: int, hold: int) -> tuple[FrequencyResponse, list[State]]:
+        """Points in turn by flight, the state carried from each to the next; and the states after each."""
+        begun = time.thread_time()
+        states: list[State] = []
+        reading, amplitude = reading_of(self.quantities), self.known.amplitude[points]
+        alike = [points] if np.all(amplitude == amplitude[0]) else points[:, None]
+        parts = []
+        for some in alike:
+            omega, base = self.known.omega[some], float(self.known.amplitude[some[0]])
+            part, state = self.flight.steady(omega, base, state, settle, hold, self.output, reading, states)
+            parts.append(part)
+        self.spent.add(begun, len(points))
+        return join(parts) if len(parts) > 1 else parts[0], states
+
+
+def _nothing(known: Known) -> Read:
+    return Read(
+        FrequencyResponse.empty(known.omega / (2 * np.pi), known.system.size), np.full(len(known.omega), np.nan)
+    )
+
+
+def rows(response: FrequencyResponse, which: Index) -> FrequencyResponse:
+    """Some of the points."""
+    return FrequencyResponse(**{name: getattr(response, name)[which] for name in ("frequency", *READ)})
+
+
+def _by_formula(rung: Rung, known: Known, which: Index, kind: int) -> Read:
+    """The closed form's state, carried once round by flight: it must come back, so nothing was touched in between.
+
+    ``known``: the rung's at all points or at ``which``.
+    """
+    which = which if known is rung.known else np.arange(len(which))
+    response = FrequencyResponse.empty(known.omega[which] / (2 * np.pi), known.system.size)
+    response.ended[:], off = Ended.NO_ORBIT.code, np.full(len(which), np.nan)
+    open_ = np.flatnonzero(known.radius(kind)[which] < 1)
+    if not len(open_):
+        return Read(response, off)
+    points = which[open_]
+    states = known.states(points, kind)
+    seen, after = rung.flight.rounds(
+        known.omega[points], known.amplitude[points], states, rung.output, reading_of(rung.quantities)
+    )
+    omega, system = known.omega[points], known.system
+    misses = size(system, omega, after - states) / size(system, omega, states)
+    fine = misses < CLOSES
+    _put(response, open_[fine], replace(seen, **_struck(known.velocity(points, kind), kind)), fine)
+    off[open_[fine]] = EXACT
+    return Read(response, off)
+
+
+def _struck(velocity: Array, kind: int) -> dict[str, Any]:
+    """The impact counted exactly once, wherever in the period it falls."""
+    count, hits = len(velocity), kind != FREE
+    kept = np.full((count, VELOCITIES_KEPT), np.nan)
+    kept[:, -1] = velocity
+    return {
+        "impacts_per_period": np.full(count, 1.0 if hits else 0.0),
+        "impact_velocity": velocity,
+        "impact_velocities": kept,
+        "period": np.full(count, 1 if hits else -1),
+        "rest": np.zeros(count),
+    }
+
+
+def _averaged(rung: Rung, which: Index) -> Read:
+    """The stable averaged motion; how far it is off its model is not known to itself."""
+    from vibeam.solvers.averaging.solver import AveragingSolver
+
+    curves = AveragingSolver(rung.known.system).curves(
+        rung.known.omega[which], rung.known.amplitude[which], rung.output
+    )
+    response = FrequencyResponse.empty(rung.known.omega[which] / (2 * np.pi), rung.known.system.size)
+    response.ended[:] = Ended.NO_ORBIT.code
+    stable = curves.stable.any(axis=1)
+    column = np.argmax(curves.stable, axis=1)
+    rows = np.arange(len(which))
+    parts = {"amplitude": curves.amplitude, "reach": curves.reach, "impact_velocity": curves.velocity}
+    for name, part in parts.items():
+        getattr(response, name)[stable] = part[rows, column][stable]
+    response.ended[stable], response.period[stable] = Ended.COMPLETE.code, 1
+    response.impacts_per_period[stable] = 1.0
+    return Read(response, np.where(stable, 0.0, np.nan))
+
+
+def put(target: FrequencyResponse, at: Index, source: FrequencyResponse) -> None:
+    """Copy points; energies of models with other numbers of modes are left out, the grid stays."""
+    _put(target, at, source, np.ones(len(source), dtype=bool))
+
+
+def _put(target: FrequencyResponse, at: Index, source: FrequencyResponse, chosen: NDArray[np.bool_]) -> None:
+    for name in READ:
+        ours, theirs = getattr(target, name), getattr(source, name)
+        if ours.shape[1:] == theirs.shape[1:]:
+            ours[at] = theirs[chosen]
+
+
+def rungs_of(name: str, known: Known, quantities: tuple[str, ...], output: str) -> Sequence[Rung]:
+    """What a model offers, the cheapest first: averaging where it can, the closed form, and flight for the rest."""
+    flight = FlightSolver(known.system, float(np.min(known.omega)))
+    solvers = ["averaging"] if _averages(known, quantities) else []
+    return [Rung(name, each, known, quantities, output, flight) for each in (*solvers, "orbit", "flight")]
+
+
+def _averages(known: Known, quantities: Sequence[str]) -> bool:
+    from vibeam.solvers.averaging.solver import AveragingSolver
+
+    if known.system.size > 1 or not set(quantities) <= set(AVERAGED):
+        return False
+    try:
+        AveragingSolver(known.system)
+    except ValueError:
+        return False
+    return True
+
+
+def takes(rung: Rung, kind: int) -> bool:
+    """Whether the rung knows motions of that kind."""
+    return rung.solver != "averaging" or kind == HARDER

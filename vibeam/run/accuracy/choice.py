@@ -1,0 +1,182 @@
+"""A run of frequencies on one known motion: the cheapest rung that is good enough, stretch by stretch.
+
+The finest model is read at five places, the cheaper rungs at the same: one that is good enough at fewer than two is
+asked no further, and where none is left the finest has it all. Between two places a rung's error is taken to go
+straight, and a third in the middle tells how far it does not: what is claimed for the stretch is the largest error seen
+plus that difference. Before it is taken the same is asked of its two halves, for a narrow resonance of a higher mode
+can hide between three places. A stretch of which neither can be said, good enough or not, is halved.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.run.accuracy.candidates import Read, Rung, takes
+from vibeam.run.accuracy.choices import Sheet
+from vibeam.run.accuracy.closed_forms import Index
+from vibeam.run.accuracy.readings import apart
+
+Array = NDArray[np.float64]
+
+FEW = 5  # points of the whole sweep that tell whether a rung is worth asking at more
+
+FAR = 5  # times the accuracy by which a rung is off where coarser ones are not worth asking
+
+STRETCHES = 8  # to begin with
+
+SHORTEST = 6  # steps of the sweep: below that a stretch is the finest model's
+
+SPARE = 0.9  # share of the accuracy that an estimate may use up
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """``rungs`` from the cheapest to the finest model by formula, each with its ``numbers`` in the study's list."""
+
+    rungs: Sequence[Rung]
+    numbers: Sequence[int]
+    quantities: tuple[str, ...]
+    within: float
+
+    def settle(self, sheet: Sheet, places: Index, kind: int) -> int:
+        """Fill the places; fewer than there are where the finest model's motion does not go on: how many."""
+        hopeful = self._hopeful(sheet, places, kind)
+        if hopeful:
+            places = places[: self._held(sheet, places, kind)]
+            stretches = _stretches(len(places)) if len(places) else []
+            for number, rung in hopeful:
+                if stretches:
+                    stretches = self._offered(sheet, places, kind, rung, number, stretches)
+        return self._finish(sheet, places, kind) if len(places) else 0
+
+    def _hopeful(self, sheet: Sheet, places: Index, kind: int) -> list[tuple[int, Rung]]:
+        """The cheaper rungs, with their numbers, that are good enough at two of five places: one may be by accident.
+
+        From the finest of them down: where one is off by many times the accuracy, coarser models are not asked.
+        """
+        step = max(len(sheet.grid) // FEW, 1)  # the same points both ways
+        few = places[sheet.grid[places] % step == step // 2]
+        few = few if len(few) else places[len(places) // 2 :][:1]
+        there = np.isfinite(self.rungs[-1].read(sheet.grid[few], kind).off)
+        found: list[tuple[int, Rung]] = []
+        for number, rung in list(zip(self.numbers, self.rungs, strict=True))[-2::-1]:
+            if not takes(rung, kind):
+                continue
+            off = np.abs(self._errors(sheet, few[there], kind, rung)).max(axis=1)
+            if np.count_nonzero(off <= self.within) >= len(off) // 2:
+                found.insert(0, (number, rung))
+            elif np.median(off) > FAR * self.within:
+                break
+        return found
+
+    def _held(self, sheet: Sheet, places: Index, kind: int) -> int:
+        """How many places the finest model's motion holds, by halving between one that does and one that does not."""
+        finest = self.rungs[-1]
+        probes = _probes(_stretches(len(places)))
+        fine = np.isfinite(finest.read(sheet.grid[places[probes]], kind).off)
+        if fine.all():
+            return len(places)
+        bad = int(probes[np.argmin(fine)])
+        good = int(max(probes[: np.argmin(fine)], default=-1))
+        while bad - good > 1:
+            middle = (good + bad) // 2
+            if np.isfinite(finest.read(sheet.grid[places[[middle]]], kind).off[0]):
+                good = middle
+            else:
+                bad = middle
+        return bad
+
+    def _offered(self, sheet: Sheet, places: Index, kind: int, rung: Rung, number: int,
+                 stretches: list[tuple[int, int]]) -> list[tuple[int, int]]:  # fmt: skip
+        """What is left of the stretches after the rung has taken those for which it is good enough."""
+        left, open_ = [], stretches
+        while open_:
+            fits = self._judged(sheet, places, kind, rung, _fifths(open_)[:, ::2])
+            closer = [i for i, (fine, _) in enumerate(fits) if fine is True]
+            checked = self._judged(sheet, places, kind, rung, _fifths([open_[i] for i in closer])) if closer else []
+            fits = [dict(zip(closer, checked, strict=True)).get(i, each) for i, each in enumerate(fits)]
+            halves: list[tuple[int, int]] = []
+            for (low, high), (fine, bound) in zip(open_, fits, strict=True):
+                if fine is True and self._take(sheet, places[low + 1 : high], kind, rung, number, bound):
+                    continue
+                if fine is None and high - low >= 3 * SHORTEST:
+                    halves += [(low, (low + high) // 2), ((low + high) // 2, high)]
+                else:
+                    left.append((low, high))
+            open_ = halves
+        return left
+
+    def _judged(
+        self, sheet: Sheet, places: Index, kind: int, rung: Rung, probes: Index
+    ) -> list[tuple[bool | None, float]]:
+        """The verdict on every stretch (rows of ``probes``, places within ``places``), and what can be claimed."""
+        asked, back = np.unique(probes, return_inverse=True)
+        errors = self._errors(sheet, places[asked], kind, rung)[back.reshape(probes.shape)]
+        return [_verdict(each, probes[i], self.within) for i, each in enumerate(errors)]
+
+    def _errors(self, sheet: Sheet, places: Index, kind: int, rung: Rung) -> Array:
+        points = sheet.grid[places]
+        truth, found = self.rungs[-1].read(points, kind), rung.read(points, kind)
+        error = apart(found.response, truth.response, self.quantities)
+        return np.where(np.isfinite(found.off)[:, None], error, np.inf)
+
+    def _take(self, sheet: Sheet, places: Index, kind: int, rung: Rung, number: int, bound: float) -> bool:
+        """Enter the rung's values, unless its motion is not there at one of the places."""
+        read = rung.read(sheet.grid[places], kind)
+        if not np.isfinite(read.off).all():
+            return False
+        sheet.enter(places, Read(read.response, np.full(len(places), bound)), number)
+        return True
+
+    def _finish(self, sheet: Sheet, places: Index, kind: int) -> int:
+        """The finest model wherever nothing cheaper was taken; how many places hold."""
+        finest, number = self.rungs[-1], self.numbers[-1]
+        left = places[sheet.rung[places] < 0]
+        read = finest.read(sheet.grid[left], kind)
+        sheet.enter(left, read, number)
+        lost = left[~np.isfinite(read.off)]
+        if not len(lost):
+            return len(places)
+        sheet.rung[lost[0] :] = -1
+        return int(np.searchsorted(places, lost[0]))
+
+
+def _verdict(errors: Array, places: Index, within: float) -> tuple[bool | None, float]:
+    """Whether a stretch with these errors (3 or 5 places, quantities) is within, None: cannot be said; and a bound.
+
+    Every second place is compared with the straight line between its neighbours.
+    """
+    known = np.isfinite(errors).all(axis=1)
+    if not known.all():
+        return (None if known.any() else False), np.inf
+    share = (places[1::2] - places[:-2:2]) / np.maximum(places[2::2] - places[:-2:2], 1)
+    straight = errors[:-2:2] + share[:, None] * (errors[2::2] - errors[:-2:2])
+    bent = np.abs(errors[1::2] - straight).max(axis=0)
+    bound = float(np.max(np.abs(errors).max(axis=0) + bent))
+    if bound <= SPARE * within:
+        return True, bound
+    one_side = np.abs(np.sign(errors).sum(axis=0)) == len(errors)  # else one is near nothing in between
+    beyond = one_side & (np.abs(errors).min(axis=0) - bent > within)
+    return (False if beyond.any() else None), bound
+
+
+def _stretches(count: int) -> list[tuple[int, int]]:
+    """Ends of about equal stretches over ``count`` places."""
+    ends = np.unique(np.linspace(0, count - 1, min(STRETCHES, max((count - 1) // SHORTEST, 1)) + 1).astype(int))
+    return [(int(low), int(high)) for low, high in pairwise(ends)] or [(0, 0)]
+
+
+def _fifths(stretches: Sequence[tuple[int, int]]) -> Index:
+    """Five places of each (stretches, 5): ends, middle and between."""
+    ends = np.array(stretches)
+    return np.asarray((ends[:, :1] * np.arange(4, -1, -1) + ends[:, 1:] * np.arange(5)) // 4)
+
+
+def _probes(stretches: Sequence[tuple[int, int]]) -> Index:
+    """Ends and middles, ascending."""
+    return np.unique(_fifths(stretches)[:, ::2])

@@ -1,0 +1,161 @@
+"""The motions of a model that are known in closed form, at every frequency of a sweep.
+
+Three kinds: the two with one impact a drive period, harder impact first, and the one that never reaches the stop.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.linear.propagator import pairs
+from vibeam.orbits.bifurcation_functions import Points, motions
+from vibeam.orbits.modal_sums import fault, green, offsets, phasor
+from vibeam.orbits.multipliers import largest, real_crossing
+from vibeam.orbits.orbit_curve import proven
+from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.state import State
+
+Array = NDArray[np.float64]
+
+Complex = NDArray[np.complex128]
+
+Flags = NDArray[np.bool_]
+
+Index = NDArray[np.int64]
+
+HARDER, SOFTER, FREE = range(3)
+
+MANY = 8  # of so many points one
+
+KINDS = (HARDER, SOFTER, FREE)
+
+
+@dataclass(frozen=True, eq=False)
+class Known:
+    """``omega`` (points,) rad/s, ``amplitude`` (points,) of the base, m."""
+
+    system: ImpactSystem
+    omega: Array
+    amplitude: Array
+    kept: dict[int, Array] = field(default_factory=dict, repr=False)  # states by kind, as they are asked for
+    radii: dict[int, Array] = field(default_factory=dict, repr=False)
+    leaps: dict[int, Array] = field(default_factory=dict, repr=False)
+
+    def at(self, which: Index) -> Known:
+        """The same at the points ``which`` alone, or itself where that is worked out already or they are many."""
+        if "_points" in self.__dict__ or len(which) > len(self.omega) // MANY:
+            return self
+        return Known(self.system, self.omega[which], self.amplitude[which])
+
+    @cached_property
+    def _points(self) -> Points:
+        return motions(self.system, 1, self.omega, self.amplitude, np.full(len(self.omega), self.system.gap))
+
+    @cached_property
+    def _phasors(self) -> Complex:
+        """h (n, points): each mode's steady response to the drive alone is Im(h e^{iΩt}) and its static one."""
+        own, sigma = self.system.omega[:, None], (self.system.zeta * self.system.omega)[:, None]
+        return self.system.load[:, None] * self.amplitude * phasor(own, sigma, self.omega)
+
+    @cached_property
+    def possible(self) -> bool:
+        """Whether the model has closed forms at all: every mode has stiffness, and none grows without bound."""
+        return bool(np.all(self.system.omega > 0)) and not fault(self.system)
+
+    @cached_property
+    def there(self) -> Flags:
+        """Where there is such a motion; those with impacts may pass through the stop in between."""
+        found = np.zeros((len(self.omega), len(KINDS)), dtype=bool)
+        if not self.possible:
+            return found
+        roots = self._points.roots
+        found[:, :2] = (roots.impulse < 0) & np.isfinite(roots.phase) & np.isfinite(roots.lean)
+        contact, rest = self.system.contact, float(self.system.contact @ offsets(self.system))
+        found[:, FREE] = np.abs(contact @ self._phasors) + rest < self.system.gap
+        return found
+
+    def radius(self, kind: int) -> Array:
+        """The largest Floquet multiplier (points,), by which disturbances shrink a period, from above.
+
+        ∞ where it is not below 1, or there is no such motion.
+        """
+        if kind not in self.radii:
+            self.radii[kind] = self._radius(kind)
+        return self.radii[kind]
+
+    def _radius(self, kind: int) -> Array:
+        found, open_ = np.full(len(self.omega), np.inf), self.there[:, kind].copy()
+        if kind == FREE:
+            bound = np.exp(-float(np.min(self.system.zeta * self.system.omega)) * 2 * np.pi / self.omega[open_])
+        else:
+            total, lean = self._points.total, self._points.roots.lean[:, kind]
+            for side in (total.plus, total.minus) if open_.any() else ():
+                open_ &= ~proven(real_crossing(self.system, side, lean))
+            bound = largest(self.system, total.span[open_], lean[open_]) if open_.any() else np.zeros(0)
+        found[open_] = np.where(bound < 1, bound, np.inf)
+        return found
+
+    def leap(self, kind: int) -> Array:
+        """(points − 1,): how far a motion moves to the next frequency, over how far another one is from it.
+
+        Where that is small a sweep that carries its state cannot change over to the other one; 0 where there is none.
+        """
+        if kind not in self.leaps:
+            self.leaps[kind] = self._leap(kind)
+        return self.leaps[kind]
+
+    def _leap(self, kind: int) -> Array:
+        every, found = np.arange(len(self.omega)), np.zeros(len(self.omega) - 1)
+        for other in KINDS:
+            both = self.there[:, kind] & self.there[:, other]
+            if other != kind and both.any():
+                ours, theirs = self.states(every, kind), self.states(every, other)
+                moved = size(self.system, self.omega[1:], np.diff(ours, axis=0))
+                away = np.where(both, size(self.system, self.omega, ours - theirs), np.inf)
+                found = np.maximum(found, moved / np.minimum(away[1:], away[:-1]))
+        return found
+
+    def velocity(self, which: Index, kind: int) -> Array:
+        """Impact velocities at the points ``which``, m/s; NaN where nothing strikes."""
+        return np.full(len(which), np.nan) if kind == FREE else self._points.roots.velocity[which, kind]
+
+    def states(self, which: Index, kind: int) -> Array:
+        """Modal displacements and velocities (m, 2, n) at the drive's phase 0, at the points ``which`` (m,)."""
+        if kind not in self.kept:
+            self.kept[kind] = self._states(kind)
+        return self.kept[kind][which]
+
+    def _states(self, kind: int) -> Array:
+        """At all points (points, 2, n); of no meaning where the motion is not there."""
+        h = self._phasors
+        values = np.stack([h.imag + offsets(self.system)[:, None], self.omega * h.real])
+        if kind != FREE and self.there[:, kind].any():
+            values += self._struck(kind)
+        return np.ascontiguousarray(values.transpose(2, 0, 1))
+
+    def _struck(self, kind: int) -> Array:
+        """What the impact train adds (2, n, points): the Green's functions of ``periodic.sums``, some time after."""
+        roots, span = self._points.roots, self._points.total.span
+        impulse, since = roots.impulse[:, kind], (2 * np.pi - roots.phase[:, kind]) / self.omega
+        hit = self.system.contact != 0
+        own, zeta, contact = (row[hit] for row in (self.system.omega, self.system.zeta, self.system.contact))
+        g0, g1 = green(own[:, None], (zeta * own)[:, None], pairs(own, zeta, span))
+        p, strength = pairs(own, zeta, since), impulse * contact[:, None]
+        added = np.zeros((2, self.system.size, len(span)))
+        added[:, hit] = strength * (p.p00 * g0 + p.p01 * g1), strength * (p.p10 * g0 + p.p11 * g1)
+        return added
+
+    def state(self, point: int, kind: int) -> State:
+        """One of them."""
+        both = self.states(np.array([point]), kind)[0]
+        return State(both[0], both[1])
+
+
+def size(system: ImpactSystem, omega: Array, states: Array) -> Array:
+    """The size (points,) of modal states (points, 2, n), or of differences, as a velocity: as the flight's strobes."""
+    rates = system.omega**2 + omega[:, None] ** 2
+    return np.asarray(np.sqrt(np.sum(states[:, 1] ** 2 + rates * states[:, 0] ** 2, axis=1)))

@@ -1,0 +1,148 @@
+"""The finest model through the frequencies, as a sweep that carries its state would go, flown only where it must be.
+
+A motion known in closed form goes on from one frequency to the next while it is stable, disturbances die out within
+the settling, and no other motion is near. Where it ends the model is flown, with the sweep's own settling and hold,
+until it is seen on a known motion again: after the first part of the settling or at its end. Stretches without any
+stable known motion are handed on as a whole.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibeam.case.plans import SweepPlan
+from vibeam.run.accuracy.candidates import EXACT, Read, Rung
+from vibeam.run.accuracy.choices import Sheet
+from vibeam.run.accuracy.closed_forms import KINDS, Index, size
+from vibeam.system.response import Ended, FrequencyResponse
+from vibeam.system.state import State
+
+DIES_OUT = 1e-2  # share of the accuracy that may be left of a disturbance after settling
+
+NEAR = 0.25  # of the way to another motion that the step from one frequency to the next may take
+
+PARTS = 3  # of so many parts of the settling the first one is looked at
+
+SAME = 1e-4  # share of a state within which a flown motion is a known one
+
+
+RunOf = Callable[[Sheet, Index, int], int]  # settles a run on one known motion: how many of its places held
+
+Unsettled = Callable[[Sheet, Index, State | None], State | None]  # a stretch without one: the state after it
+
+
+@dataclass(frozen=True)
+class Where:
+    """Where a sweep is: on a known motion of ``kind`` at ``point`` (−1: on none), or in a ``state``."""
+
+    kind: int = -1
+    point: int = -1
+    state: State | None = None
+
+
+@dataclass(frozen=True)
+class Finest:
+    """The finest model by ``formula`` and by ``flight``, and their numbers in the study's list; the sweep."""
+
+    formula: Rung
+    formula_number: int
+    flight: Rung
+    number: int
+    plan: SweepPlan
+    within: float
+
+    def known(self, point: int) -> bool:
+        """Whether a stable motion is known there."""
+        return any(self.formula.known.radius(kind)[point] < 1 for kind in KINDS)
+
+
+def track(sheet: Sheet, finest: Finest, start: Where, run: RunOf, unsettled: Unsettled) -> Where:
+    """Fill the sheet; and where the sweep ends."""
+    here, place = start, 0
+    while place < len(sheet.grid):
+        count = _goes_on(sheet, finest, here, place)
+        held = run(sheet, np.arange(place, place + count), here.kind) if count else 0
+        if held:
+            sheet.kind[place : place + held] = here.kind
+            place += held
+            here = Where(here.kind, int(sheet.grid[place - 1]))
+            continue
+        state = finest.formula.known.state(here.point, here.kind) if here.kind >= 0 else here.state
+        stretch = _without(sheet, finest.formula, place) if place or here.state is not None else 0
+        if stretch:
+            state = unsettled(sheet, np.arange(place, place + stretch), state)
+            place, here = place + stretch, Where(state=state)
+        else:
+            here = fly(sheet, finest, place, state)
+            place += 1
+    return here
+
+
+def fly(sheet: Sheet, finest: Finest, place: int, state: State | None) -> Where:
+    """One place as the sweep itself does it, cut short where a known motion is reached before; and where that leads."""
+    point, plan = sheet.grid[place : place + 1], finest.plan
+    part = plan.settle // PARTS if finest.known(int(point[0])) else 0
+    if part:
+        _, (state,) = finest.flight.fly(point, state, part, 1)
+        kind = identified(finest.formula, int(point[0]), state)
+        read = finest.formula.read(point, kind) if kind >= 0 else None
+        if read is not None and np.isfinite(read.off[0]):
+            sheet.enter(np.array([place]), read, finest.formula_number)
+            sheet.kind[place] = kind
+            return Where(kind, int(point[0]))
+        part += 1
+    response, states = finest.flight.fly(point, state, plan.settle - part, plan.hold)
+    note_flight(sheet, np.array([place]), finest.number, response, states)
+    kind = identified(finest.formula, int(point[0]), states[0]) if response.period[0] in (1, -1) else -1
+    sheet.kind[place] = kind
+    return Where(kind, int(point[0]), states[0])
+
+
+def note_flight(sheet: Sheet, places: Index, number: int, response: FrequencyResponse, states: Sequence[State]) -> None:
+    """Enter points flown by the finest model: exact where they repeat, else one reading of many."""
+    off = np.where(response.ended == Ended.COMPLETE.code, EXACT, np.nan)
+    sheet.enter(places, Read(response, off), number)
+    sheet.statistical[places] = (response.period == 0) & np.isfinite(off)
+    sheet.states.update(zip(places.tolist(), states, strict=True))
+
+
+def identified(finest: Rung, point: int, after: State) -> int:
+    """The known stable motion that a state is on, −1 for none."""
+    known, one = finest.known, np.array([point])
+    state = np.stack([after.displacement, after.velocity])[None]
+    for kind in KINDS:
+        if known.radius(kind)[point] < 1:
+            miss = size(known.system, known.omega[one], known.states(one, kind) - state)
+            if miss[0] <= SAME * size(known.system, known.omega[one], state)[0]:
+                return kind
+    return -1
+
+
+def _goes_on(sheet: Sheet, finest: Finest, here: Where, place: int) -> int:
+    """For how many places from ``place`` on the known motion goes on."""
+    if here.kind < 0:
+        return 0
+    points = np.concatenate([[here.point], sheet.grid[place:]])
+    known, kind = finest.formula.known, here.kind
+    with np.errstate(invalid="ignore", over="ignore"):
+        settled = known.radius(kind)[points[1:]] ** finest.plan.settle <= DIES_OUT * finest.within
+    first = np.minimum(points[1:], points[:-1])
+    moved = points[1:] != points[:-1]
+    near = np.zeros(len(first), dtype=bool)
+    near[moved] = known.leap(kind)[first[moved]] > NEAR
+    ends = np.flatnonzero(~settled | near)
+    return int(ends[0]) if len(ends) else len(first)
+
+
+def _without(sheet: Sheet, finest: Rung, place: int) -> int:
+    """How many places from ``place`` on have no known motion that is stable and keeps clear of the stop."""
+    known, left = finest.known, sheet.grid[place:]
+    stable = np.stack([known.radius(kind)[left] < 1 for kind in KINDS], axis=1)
+    for count in np.flatnonzero(stable.any(axis=1)):
+        one = left[count : count + 1]
+        if any(np.isfinite(finest.read(one, int(kind)).off[0]) for kind in np.flatnonzero(stable[count])):
+            return int(count)
+    return len(left)

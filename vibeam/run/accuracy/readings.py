@@ -1,0 +1,39 @@
+"""The quantities that an accuracy is asked for, and how far one reading is from another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.layout import OUTPUT_ALONE, REACH_TOO
+from vibeam.system.response import FrequencyResponse
+
+Array = NDArray[np.float64]
+
+OVER_AMPLITUDE = ("maximum", "minimum")  # may be nothing themselves: errors are shares of the amplitude
+
+
+def reading_of(quantities: Sequence[str]) -> int:
+    """How much the flight solver must read off for them."""
+    return REACH_TOO if "reach" in quantities else OUTPUT_ALONE
+
+
+def values(response: FrequencyResponse, quantities: Sequence[str]) -> Array:
+    """(points, quantities)."""
+    return np.stack([getattr(response, name) for name in quantities], axis=1)
+
+
+def apart(found: FrequencyResponse, truth: FrequencyResponse, quantities: Sequence[str]) -> Array:
+    """Signed relative errors (points, quantities); those of maximum and minimum over the amplitude.
+
+    0 where neither has a value (no impact, no velocity), ∞ where one alone has.
+    """
+    ours, theirs = values(found, quantities), values(truth, quantities)
+    scales = [truth.amplitude if name in OVER_AMPLITUDE else getattr(truth, name) for name in quantities]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        error = (ours - theirs) / np.abs(np.stack(scales, axis=1))
+    error = np.where(ours == theirs, 0.0, error)
+    neither = np.isnan(ours) & np.isnan(theirs)
+    return np.asarray(np.where(neither, 0.0, np.where(np.isnan(error), np.inf, error)))

@@ -1,0 +1,91 @@
+"""Random points after the fact: the finest model flown there as the sweep does it, against what was claimed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.plans import SweepPlan
+from vibeam.run.accuracy.candidates import Rung, rows
+from vibeam.run.accuracy.choices import Sheet
+from vibeam.run.accuracy.readings import apart
+from vibeam.system.response import FrequencyResponse, join
+from vibeam.system.state import State
+
+Array = NDArray[np.float64]
+
+POINTS = 24
+
+SEED = 20181005
+
+DRAWS = 8  # readings of a motion that does not repeat
+
+# Student's t for one more draw, 99 % on both sides, over 2 … 8 draws
+STUDENT = (63.657, 9.925, 5.841, 4.604, 4.032, 3.707, 3.499)
+
+
+@dataclass(frozen=True)
+class Verified:
+    """One point: the worst relative error of the quantities, and what it may be.
+
+    ``statistical``: the finest model's motion does not repeat there; the error is then that to the mean of its own
+    readings, and ``allowed`` has their scatter on top of the accuracy. ``seconds``: CPU time of the sweep's own point.
+    """
+
+    way: str
+    frequency: float
+    error: float
+    allowed: float
+    statistical: bool
+    seconds: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether it is within."""
+        return self.error <= self.allowed
+
+
+def verify(
+    sheets: Sequence[Sheet], finest: Rung, plan: SweepPlan, within: float, count: int = POINTS
+) -> list[Verified]:
+    """``count`` points drawn with a fixed seed, or all where there are no more, in the order of the sheets."""
+    places = [(sheet, place) for sheet in sheets for place in range(len(sheet.grid))]
+    chosen = np.random.default_rng(SEED).permutation(len(places))[:count]
+    return [_verified(*places[int(i)], finest, plan, within) for i in np.sort(chosen)]
+
+
+def _verified(sheet: Sheet, place: int, finest: Rung, plan: SweepPlan, within: float) -> Verified:
+    point = int(sheet.grid[place])
+    omega, base = finest.known.omega[[point]], float(finest.known.amplitude[point])
+    before = _before(sheet, place, finest)
+    first, state = finest.flight.steady(omega, base, before, plan.settle, plan.hold, plan.output)
+    drawn = [first]
+    while first.period[0] == 0 and len(drawn) < DRAWS:
+        more, state = finest.flight.steady(omega, base, state, 0, plan.hold, plan.output)
+        drawn.append(more)
+    error, allowed = judged(rows(sheet.response, np.array([place])), join(drawn), finest.quantities, within)
+    frequency = float(sheet.response.frequency[place])
+    return Verified(sheet.way, frequency, error, allowed, len(drawn) > 1, float(first.cpu_seconds[0]))
+
+
+def _before(sheet: Sheet, place: int, finest: Rung) -> State | None:
+    """What the sweep comes from: the finest model's motion at the frequency before; None where it is not known."""
+    if place == 0:
+        return None
+    kind = int(sheet.kind[place - 1])
+    return sheet.states.get(place - 1) if kind < 0 else finest.known.state(int(sheet.grid[place - 1]), kind)
+
+
+def judged(
+    found: FrequencyResponse, drawn: FrequencyResponse, quantities: Sequence[str], within: float
+) -> tuple[float, float]:
+    """Error of one point and what it may be, against one reading that repeats or several that do not."""
+    if len(drawn) == 1:
+        return float(np.max(np.abs(apart(found, drawn, quantities)))), within
+    errors = np.array([apart(found, rows(drawn, np.array([i])), quantities)[0] for i in range(len(drawn))])
+    spread = np.std(errors, axis=0, ddof=1) * np.sqrt(1 + 1 / len(drawn)) * STUDENT[len(drawn) - 2]
+    worst = int(np.argmax(np.abs(errors.mean(axis=0)) - spread))
+    return float(np.abs(errors.mean(axis=0))[worst]), float(within + spread[worst])

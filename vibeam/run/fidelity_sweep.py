@@ -1,0 +1,114 @@
+"""One fidelity of a run: its branches, swept from where the file ends."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from hashlib import sha256
+from threading import Event
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.flight.pause import Stopped
+from vibeam.run.recorder import Count, Recorder
+from vibeam.run.store.branch import Branch, Kept
+from vibeam.run.sweep import march
+from vibeam.solvers import solver
+from vibeam.system.response import Branches, FrequencyResponse
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.case.fidelity import Fidelity
+    from vibeam.run.store.store import Store
+    from vibeam.system.impact_system import ImpactSystem
+    from vibeam.system.motion_curves import MotionCurves
+    from vibeam.system.state import State
+
+
+@dataclass(frozen=True)
+class Job:
+    """One fidelity: its branches in the order in which they are swept, each with what is there of it."""
+
+    name: str
+    system: ImpactSystem
+    fidelity: Fidelity
+    branches: tuple[tuple[Branch, Kept], ...]
+
+    def gathered(self, curves: MotionCurves | None) -> Branches:
+        """The responses of all branches."""
+        return Branches(**{branch.direction: kept.response for branch, kept in self.branches}, curves=curves)
+
+
+def job_of(case: Case, name: str, system: ImpactSystem, branches: tuple[Branch, ...], store: Store | None) -> Job:
+    """The fidelity ``name``, with what the file holds of its branches."""
+    kept = tuple((branch, store.restore(branch) if store else _nothing(branch)) for branch in branches)
+    return Job(name, system, case.fidelities[name], kept)
+
+
+def _nothing(branch: Branch) -> Kept:
+    return Kept(FrequencyResponse.empty(branch.frequency, branch.modes), 0, None)
+
+
+def sweep_branches(case: Case, job: Job, store: Store | None, count: Count, stop: Event) -> None:
+    """All branches of one fidelity, the state carried from each to the next."""
+    carried: State | None = None
+    struck = 0
+    for branch, kept in job.branches:
+        recorder = Recorder(branch, kept, store)
+        start = kept.state if kept.done else carried
+        carried = start
+        try:
+            for block, carried in _march(case, job, kept, start, struck):
+                recorder.add(block, carried)
+                count.add(len(block))
+                if stop.is_set():
+                    raise Stopped
+        finally:
+            recorder.write()
+        struck += int(kept.response.impacts.sum())
+
+
+def _march(
+    case: Case, job: Job, kept: Kept, state: State | None, struck: int
+) -> Iterator[tuple[FrequencyResponse, State]]:
+    """The points that are missing; ``struck`` impacts were in the branches before this one."""
+    from vibeam.case.fidelity import gap_drift, gap_wear
+
+    scene = case.scene_of(job.name)
+    plan, omega = case.sweep, kept.response.omega[kept.done :]
+    if not len(omega):
+        return iter(())
+    return march(
+        job.system,
+        omega,
+        case.amplitude_of(job.name, omega),
+        settle=plan.settle,
+        hold=plan.hold,
+        solver=job.fidelity.solver,
+        options=job.fidelity.options,
+        output=plan.output,
+        state=state,
+        slowest=float(kept.response.omega.min()),
+        drift=gap_drift(scene, omega),
+        wear=gap_wear(scene),
+        struck=struck + int(kept.response.impacts[: kept.done].sum()),
+    )
+
+
+def _curves_key(case: Case, name: str) -> str:
+    return sha256(case.own[name].encode() + np.sort(case.sweep.frequency).tobytes()).hexdigest()
+
+
+def known_curves(case: Case, job: Job, store: Store | None) -> MotionCurves:
+    """All motions that the fidelity's solver knows at the sweep's frequencies: from the file where it has them."""
+    key = _curves_key(case, job.name)
+    there = store.curves(job.name, key) if store else None
+    if there is not None:
+        return there
+    omega = 2 * np.pi * np.sort(case.sweep.frequency)
+    made = solver(job.fidelity.solver, job.system, float(omega[0]), 0.0, **job.fidelity.options)
+    found: MotionCurves = made.curves(omega, case.amplitude_of(job.name, omega), case.sweep.output)
+    if store:
+        store.write_curves(job.name, key, found)
+    return found

@@ -1,0 +1,74 @@
+"""Points as they come: into a branch's response, into the file, and counted for whoever waits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import fields
+from threading import Lock
+from time import monotonic
+from typing import TYPE_CHECKING
+
+from vibeam.run.store.branch import Branch, Kept
+from vibeam.system.response import FrequencyResponse
+
+if TYPE_CHECKING:
+    from vibeam.run.store.store import Store
+    from vibeam.system.state import State
+
+
+WRITE_EVERY = 0.2  # seconds: a write costs as much as many points, and a killed run loses no more than this
+
+Progress = Callable[[int, int], None]
+
+
+class Recorder:
+    """Puts points into a branch's response as they come, and into the file every ``WRITE_EVERY`` seconds."""
+
+    def __init__(self, branch: Branch, kept: Kept, store: Store | None) -> None:
+        self._branch, self._response, self._store = branch, kept.response, store
+        self._done = self._written = kept.done
+        self._states: list[State] = []
+        self._due = monotonic() + WRITE_EVERY
+
+    def add(self, block: FrequencyResponse, state: State) -> None:
+        """Take the points of ``block``, and the state after the last of them."""
+        points = slice(self._done, self._done + len(block))
+        for field in fields(FrequencyResponse):
+            if field.name != "frequency":  # the grid's own value stays, to the last bit
+                getattr(self._response, field.name)[points] = getattr(block, field.name)
+        self._done = points.stop
+        if len(block) > 1:
+            self._states.clear()  # those between are not known
+        self._states.append(state)
+        if monotonic() >= self._due:
+            self.write()
+
+    def write(self) -> None:
+        """Write what is not written yet."""
+        if self._store and self._done > self._written:
+            block = _part(self._response, slice(self._written, self._done))
+            self._store.write(self._branch, self._written, block, self._states)
+        self._states.clear()
+        self._written, self._due = self._done, monotonic() + WRITE_EVERY
+
+
+def _part(response: FrequencyResponse, points: slice) -> FrequencyResponse:
+    return FrequencyResponse(**{field.name: getattr(response, field.name)[points] for field in fields(response)})
+
+
+class Count:
+    """Points done of all fidelities, told as they come."""
+
+    def __init__(self, branches: Iterable[Kept], progress: Progress) -> None:
+        kept = list(branches)
+        self._lock = Lock()
+        self._progress = progress
+        self.done = sum(part.done for part in kept)
+        self.total = sum(len(part.response) for part in kept)
+        self._progress(self.done, self.total)
+
+    def add(self, points: int) -> None:
+        """So many more."""
+        with self._lock:
+            self.done += points
+            self._progress(self.done, self.total)

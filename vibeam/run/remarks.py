@@ -1,0 +1,51 @@
+"""Remarks on results: fidelities that never touch the stop, and a restitution that is ill-posed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.run.summary import compare
+from vibeam.system.response import complete
+
+if TYPE_CHECKING:
+    from vibeam.run.result import Result
+    from vibeam.system.response import Branches
+
+
+YIELDS = 'let the stop yield (law = "linear" or "hertz")'
+
+BARE = (
+    "a coefficient of restitution at a contact without a mass of its own is ill-posed: with each mode more, mode 1 has "
+    f"less of the contact's mobility, and in the end none. Put a mass at the contact, or {YIELDS}."
+)
+
+NEGATIVE = (
+    "R₁ < 0, mode 1 goes on into the stop after an impact: one coefficient of restitution is ill-posed where so little "
+    f"of the contact's mobility is mode 1's. Take fewer modes, put a mass at the contact, or {YIELDS}."
+)
+
+
+def remarks(result: Result) -> list[str]:
+    """A sentence on the fidelities of a run that never touch the stop, and one on those whose mode 1 sees R₁ < 0."""
+    clear = [name for name, branches in result.items() if _stays_clear(branches)]
+    told = [f"{listed(clear)}: no impact at any frequency: narrow the gap, or drive harder"] if clear else []
+    return [*told, *ill_posed({row.fidelity: row.first_mode_restitution for row in compare(result)})]
+
+
+def ill_posed(seen: Mapping[str, float]) -> list[str]:
+    """The sentence on those with R₁ < 0; ``seen``: R₁ by name, NaN where the law has no coefficient."""
+    below = [f"{name} ({value:.2g})" for name, value in seen.items() if value < 0]
+    return [f"{listed(below)}: {NEGATIVE}"] if below else []
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names in a sentence."""
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def _stays_clear(branches: Branches) -> bool:
+    """Whether every point is complete and none touches the stop."""
+    return all(np.all(complete(each) & (each.period == -1)) for _, each in branches.items())

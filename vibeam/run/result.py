@@ -1,0 +1,117 @@
+"""What a run gives: the branches of every fidelity, and what the case asks for beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vibeam.case.faults import cure
+from vibeam.system.response import Branches, modes_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+    from xarray import Dataset
+
+    from vibeam.case.case import Case
+    from vibeam.figures.sheet import Sheet
+    from vibeam.run.accuracy.study import Study
+    from vibeam.system.motion_curves import MotionCurves
+
+
+def finest_of(result: Result, beside: str | None = None) -> str:
+    """The fidelity with most modes, the first of several; of those that set the same physics as the one ``beside``.
+
+    A member of a family of curves (other gaps, other R) is no measure for another one's accuracy.
+    """
+    if result.accuracy is not None:
+        return next(iter(result))
+    own = result.case.fidelities
+    alike = [name for name in result if beside is None or own[name].changes == own[beside].changes]
+    return max(alike, key=lambda name: modes_of(result[name]))
+
+
+def output_unit(case: Case) -> str:
+    """The unit of the outputs of a case: metres, or "1" for a model without dimensions."""
+    from vibeam_models.scene import SdofScene
+
+    return "1" if isinstance(case.scene, SdofScene) else "m"
+
+
+class Result(Mapping[str, Branches]):
+    """What a run gives: ``result[fidelity].up.amplitude``; ``found`` points of ``total`` were in the file already.
+
+    ``shown``: the numbers of the case's [show.NAME] tables, by name. ``accuracy``: where the case asks for one, what
+    was chosen and whether it holds; the one entry is then ``result["accuracy"]``.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        branches: Mapping[str, Branches],
+        path: Path | None = None,
+        found: int = 0,
+        shown: Mapping[str, tuple[Sheet, ...]] | None = None,
+        accuracy: Study | None = None,
+    ) -> None:
+        self.case = case
+        self.path = path
+        self.found = found
+        self.shown = dict(shown or {})
+        self.accuracy = accuracy
+        self._branches = dict(branches)
+
+    @property
+    def total(self) -> int:
+        """Points of all branches."""
+        return sum(len(response) for branches in self.values() for _, response in branches.items())
+
+    @property
+    def curves(self) -> dict[str, MotionCurves]:
+        """All motions, unstable ones too, of each fidelity whose solver knows them."""
+        return {name: branches.curves for name, branches in self._branches.items() if branches.curves is not None}
+
+    def __getitem__(self, fidelity: str) -> Branches:
+        if fidelity not in self._branches:
+            raise KeyError(f"no fidelity {fidelity!r}: {cure(str(fidelity), self._branches)}")
+        return self._branches[fidelity]
+
+    def __repr__(self) -> str:
+        where = "" if self.path is None else f" in {self.path}"
+        lines = [f"Result of {self.case.title!r}{where}", *(f"  {name}: {self[name]!r}" for name in self)]
+        return "\n".join(lines)
+
+    def to_xarray(self) -> Dataset:
+        """A data set along ``fidelity``, ``direction`` and ``frequency`` (Hz); needs xarray.
+
+        NaN where a fidelity has fewer modes or was not swept that way; units are attributes.
+        """
+        from vibeam.system.labelled import dataset, joined
+
+        unit = output_unit(self.case)
+        ways = {name: {way: dataset(one, unit) for way, one in branches.items()} for name, branches in self.items()}
+        return joined({name: joined(parts, "direction") for name, parts in ways.items()}, "fidelity")
+
+    def to_dataframe(self) -> DataFrame:
+        """A table of one row a point, with columns ``fidelity`` and ``direction``; needs pandas."""
+        from vibeam.system.labelled import frame
+
+        rows = [
+            ({"fidelity": name, "direction": direction}, response)
+            for name, branches in self.items()
+            for direction, response in branches.items()
+        ]
+        return frame(rows, output_unit(self.case))
+
+    def plot(self, *paths: str | Path) -> Figure:
+        """The figure that ``vibeam run`` writes; written to ``paths`` (.png, .svg, .pdf) where there are any."""
+        from vibeam.report.plot import plot
+
+        return plot(self, *paths)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._branches)
+
+    def __len__(self) -> int:
+        return len(self._branches)

@@ -1,0 +1,137 @@
+"""One branch in the file: its points, how many are there, and the state after the last of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.run.store.checksum import CHECKSUM, of_rows
+from vibeam.run.store.layout import STATES, fixed, write_branch
+from vibeam.system.quantities import LAYOUT
+from vibeam.system.response import Array, FrequencyResponse
+from vibeam.system.state import State
+
+if TYPE_CHECKING:
+    import h5py
+
+
+Values = Mapping[str, NDArray[Any]]
+
+ROWS = (*LAYOUT, *STATES)
+
+
+@dataclass(frozen=True)
+class Branch:
+    """What one group of the file is for: a fidelity swept one way over ``frequency`` (Hz, in the order swept).
+
+    ``key``: of all else that decides its numbers. ``carried``: whether a state is carried from point to point.
+    """
+
+    fidelity: str
+    direction: str
+    frequency: Array
+    modes: int
+    key: str = ""
+    carried: bool = True
+
+    @property
+    def group(self) -> str:
+        """The group's path in the file."""
+        return f"{self.fidelity}/{self.direction}"
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What a file holds of a branch: ``done`` points of ``response`` and the state after the last of them."""
+
+    response: FrequencyResponse
+    done: int
+    state: State | None
+
+
+def lay_out(parent: h5py.Group, branch: Branch, unit: str) -> h5py.Group:
+    """A group for ``branch``, no point of it there yet; ``unit``: of the outputs."""
+    group = parent.create_group(branch.group)
+    write_branch(group, branch.frequency, branch.modes, unit)
+    group.attrs["key"] = fixed(branch.key or " ")
+    return group
+
+
+def read_branch(group: h5py.Group, branch: Branch) -> Kept:
+    """What is there of ``branch``; ValueError where it is not as it was laid out and written."""
+    values, done = read_rows(group), points_of(group)
+    if values["mode_energy"].shape != (len(branch.frequency), branch.modes):
+        raise ValueError(f"{values['mode_energy'].shape} points and modes, not those of the case")
+    if not np.array_equal(values["frequency"], branch.frequency):
+        raise ValueError("other frequencies than the case's")
+    response = FrequencyResponse(**{name: values[name] for name in LAYOUT})
+    return Kept(response, done, _state(values, done - 1) if done and branch.carried else None)
+
+
+def read_rows(group: h5py.Group) -> Values:
+    """All values by name, those of points not run too; ValueError where one that was run is not as it was written."""
+    values, done = {name: group[name][()] for name in ROWS}, points_of(group)
+    wrong = np.flatnonzero(_checksums(group, values, slice(done)) != group[CHECKSUM][:done])
+    if len(wrong):
+        raise ValueError(f"the checksum of its point {wrong[0] + 1} does not fit")
+    return values
+
+
+def points_of(group: h5py.Group) -> int:
+    """How many points are there; ValueError where there cannot be so many."""
+    done, points = int(group.attrs["done"]), len(group["frequency"])
+    if not 0 <= done <= points:
+        raise ValueError(f"{done} of {points} points done")
+    return done
+
+
+def last_with_state(group: h5py.Group, points: int) -> int:
+    """Of the first ``points`` so many as end with a point after which the state is there to go on from."""
+    known = np.all([np.isfinite(group[name][:points]).all(axis=1) for name in list(STATES)[:2]], axis=0)
+    return int(np.flatnonzero(known)[-1]) + 1 if known.any() else 0
+
+
+def key_of(group: h5py.Group) -> str:
+    """The key of the branch whose group it is."""
+    return str(group.attrs["key"].decode())
+
+
+def write_rows(group: h5py.Group, start: int, values: Values) -> None:
+    """Put the ``values`` of all columns at the points from ``start`` on, and their checksums."""
+    points = slice(start, start + len(values["frequency"]))
+    datasets = {name: group[name] for name in ROWS}
+    grid = datasets.pop("frequency")[points]  # the grid's own, to the last bit
+    stored = {"frequency": grid} | {name: np.asarray(values[name], each.dtype) for name, each in datasets.items()}
+    for name, dataset in datasets.items():
+        dataset[points] = stored[name]
+    group[CHECKSUM][points] = _checksums(group, stored, slice(None))
+
+
+def count_points(group: h5py.Group, done: int) -> None:
+    """Say how many points are there: in place, an attribute made anew would be another."""
+    group.attrs.modify("done", np.int64(done))
+
+
+def rows_of(block: FrequencyResponse, states: Sequence[State]) -> Values:
+    """The columns of ``block`` with the ``states`` after its last points, as many as are known."""
+    displacement, velocity = np.full((2, *block.mode_energy.shape), np.nan)
+    resting = np.zeros(len(block), dtype=np.int64)
+    for at, state in enumerate(states, len(block) - len(states)):
+        displacement[at], velocity[at], resting[at] = state.displacement, state.velocity, int(state.resting)
+    after = dict(zip(STATES, (displacement, velocity, resting), strict=True))
+    return {name: getattr(block, name) for name in LAYOUT} | after
+
+
+def _checksums(group: h5py.Group, values: Values, points: slice) -> NDArray[np.uint32]:
+    return of_rows([values[name][points] for name in ROWS], f"{group.name} {key_of(group)}")
+
+
+def _state(values: Values, point: int) -> State:
+    displacement, velocity, resting = (values[name][point] for name in STATES)
+    if not np.all(np.isfinite([displacement, velocity])):
+        raise ValueError(f"the state after its point {point + 1} is not finite")
+    return State(displacement, velocity, bool(resting))

@@ -1,0 +1,132 @@
+"""The content of a results file: what a new one holds, whose an old one is, and how it is adapted to a changed case."""
+
+from __future__ import annotations
+
+import re
+from itertools import zip_longest
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vibeam.run.store.branch import Branch, lay_out, read_rows
+from vibeam.run.store.errors import StoreError, reading
+from vibeam.run.store.image import Image
+from vibeam.run.store.layout import fixed
+from vibeam.run.store.older import lay_out_anew
+from vibeam.run.store.provenance import write_provenance
+from vibeam.run.store.reuse import Reuse, Wanted, adapt, groups_with_points, lost_with, reuse_of, said
+
+if TYPE_CHECKING:
+    import h5py
+
+
+FORMAT = "vibeam results 2"
+
+OLDER = "vibeam results 1"  # a key for the whole case alone, no checksums
+
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
+OURS = re.compile(rb"vibeam results \d")
+
+ELSEWHERE = "choose another --out, or start over with --fresh"
+
+
+def blank(wanted: Wanted) -> Image:
+    """A new file: the case, what made it, every branch with room for all its points."""
+    import h5py
+
+    image = Image()
+    with h5py.File(image, "w") as file:
+        file.attrs["format"] = fixed(FORMAT)
+        _write_case(file, wanted)
+        write_provenance(file.create_group("provenance"))
+        for branch in wanted.branches:
+            lay_out(file, branch, wanted.unit)
+    return image
+
+
+def is_ours(content: bytes) -> bool:
+    """Whether bytes are those of a results file, be it damaged."""
+    return content.startswith(SIGNATURE) and OURS.search(content) is not None
+
+
+def format_of(file: h5py.File) -> str | None:
+    """What the file says it is."""
+    return str(file.attrs["format"].decode()) if "format" in file.attrs else None
+
+
+def adapted(file: h5py.File, path: Path, wanted: Wanted) -> str | None:
+    """Make the file that of ``wanted``: what was changed in one line, None where nothing was.
+
+    StoreError where it is another case's, so that nothing in it would stay, where it has more points, or is damaged.
+    """
+    older = format_of(file) == OLDER
+    if older:
+        _refuse_another(file, path, wanted)
+        with reading(path, "its groups"):
+            _bring_up_to_date(file, wanted)
+    reuses = [_reuse(file, path, branch) for branch in wanted.branches]
+    if all(reuse.fits for reuse in reuses) and _text(file, path, "text") == wanted.text:
+        return "brought to the present format" if older else None
+    if _text(file, path, "shared") != wanted.shared and lost_with(file, reuses):
+        raise another(path, _text(file, path, "shared"), wanted.shared)
+    for reuse in reuses:
+        if reuse.shrinks:
+            points = f"{reuse.there} points of {reuse.branch.group}, and this case has {len(reuse.branch.frequency)}"
+            raise StoreError(f"{path}: holds {points}: {ELSEWHERE}")
+    return _adapt(file, path, wanted, reuses)
+
+
+def _adapt(file: h5py.File, path: Path, wanted: Wanted, reuses: list[Reuse]) -> str:
+    with reading(path, "its groups"):
+        named = {branch.group for branch in wanted.branches}
+        others = [name for name in groups_with_points(file) if name not in named]
+        adapt(file, reuses, wanted.unit)
+        del file["case"]
+        _write_case(file, wanted)
+    return said(reuses, others)
+
+
+def _reuse(file: h5py.File, path: Path, branch: Branch) -> Reuse:
+    with reading(path, f"/{branch.group}"):
+        if branch.group in file:
+            read_rows(file[branch.group])  # damage is told as such, not as another case
+        return reuse_of(file, branch)
+
+
+def another(path: Path, there: str, here: str) -> StoreError:
+    """The file is of a case that shares nothing with this one: both texts say by what."""
+    return StoreError(f"{path}: holds another case ({_first_difference(there, here)}): {ELSEWHERE}")
+
+
+def _refuse_another(file: h5py.File, path: Path, wanted: Wanted) -> None:
+    """An older file has one key for all of it."""
+    with reading(path, "/case"):
+        key = file["case"].attrs["key"].decode()
+    if key != wanted.key:
+        raise another(path, _text(file, path, "text"), wanted.text)
+
+
+def _bring_up_to_date(file: h5py.File, wanted: Wanted) -> None:
+    """Lay out every branch of an older file anew; curves, figures and studies have no checksum: they are made again."""
+    for branch in wanted.branches:
+        lay_out_anew(file, branch, wanted.unit)
+    del file["case"]
+    _write_case(file, wanted)
+    file.attrs["format"] = fixed(FORMAT)
+
+
+def _write_case(file: h5py.File, wanted: Wanted) -> None:
+    group = file.create_group("case")
+    group.attrs["key"] = fixed(wanted.key)
+    group["text"], group["shared"] = fixed(wanted.text), fixed(wanted.shared)
+
+
+def _text(file: h5py.File, path: Path, name: str) -> str:
+    with reading(path, f"/case/{name}"):
+        return str(file["case"][name][()].decode())
+
+
+def _first_difference(there: str, here: str) -> str:
+    pairs = zip_longest(there.splitlines(), here.splitlines(), fillvalue="nothing")
+    differing = next(((old, new) for old, new in pairs if old != new), ("its key", "another"))
+    return f"{differing[0] or 'nothing'!r} there, {differing[1] or 'nothing'!r} here"

@@ -1,0 +1,118 @@
+"""A results file on disk: made exclusively, overwritten in place, or replaced as a whole."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import Iterable
+from contextlib import suppress
+from pathlib import Path
+
+from vibeam.exchange.whole_files import new_part, write_at
+from vibeam.run.store.errors import StoreError, reason, unwritable
+from vibeam.run.store.lock import lock
+
+ELSEWHERE = "choose another --out"
+
+ROOM = "make room, then run again to go on"
+
+NO_LINKS = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK)
+
+
+class Disk:
+    """The file ``target``, called ``path`` by the user, for its one writer.
+
+    What is staged lies beside it, with all the room it needs, until something is written into it: then it takes the
+    file's place. Every method: StoreError where the disk does not do it, and what was there before stays.
+    """
+
+    def __init__(self, path: Path, target: Path) -> None:
+        self.path = path
+        self._target, self._part = target, target.with_name(f".{target.name}.part")
+        self._handle: int | None = None
+        self._staged = False
+
+    def read(self) -> bytes:
+        """All of the file; it is then overwritten in place."""
+        try:
+            self._part.unlink(missing_ok=True)  # of a process that was killed: the lock is this one's
+            self._handle = os.open(self._target, os.O_RDWR | os.O_NONBLOCK)
+            with open(os.dup(self._handle), "rb") as file:
+                content = file.read()
+        except OSError as fault:
+            raise StoreError(f"{self.path}: cannot be opened ({reason(fault)}): {ELSEWHERE}") from None
+        if not lock(self._handle):
+            raise StoreError(f"{self.path}: another program has it open: close it there, or {ELSEWHERE}")
+        return content
+
+    def create(self, content: bytes) -> None:
+        """Make the file; it must not be there."""
+        self.stage(content)
+        try:
+            self._publish()
+        except FileExistsError:
+            raise StoreError(f"{self.path}: another program has made it meanwhile: {ELSEWHERE}") from None
+        except OSError as fault:
+            raise unwritable(self.path, fault, ELSEWHERE) from None
+        self._staged = False
+
+    def stage(self, content: bytes, cure: str = ELSEWHERE) -> None:
+        """Lay ``content`` beside the file."""
+        try:
+            self._part.unlink(missing_ok=True)
+            handle = new_part(self._part, self._target, content)
+        except OSError as fault:
+            raise unwritable(self.path, fault, cure) from None
+        lock(handle)
+        self._leave()
+        self._handle, self._staged = handle, True
+
+    def overwrite(self, pieces: Iterable[tuple[int, bytes]]) -> None:
+        """Put bytes where they belong; what was staged is the file from now on."""
+        assert self._handle is not None
+        try:
+            for start, content in pieces:
+                write_at(self._handle, start, content)
+        except OSError as fault:
+            raise unwritable(self.path, fault, ROOM) from None
+        self.settle()
+
+    def replace(self, content: bytes) -> None:
+        """Put ``content`` in the place of the whole file, at once."""
+        self.stage(content, ROOM)
+        self.settle()
+
+    def settle(self) -> None:
+        """Let what is staged take the file's place."""
+        if self._staged:
+            try:
+                os.replace(self._part, self._target)
+            except OSError as fault:
+                raise unwritable(self.path, fault, ELSEWHERE) from None
+            self._staged = False
+
+    def remove(self) -> None:
+        """Take the file away."""
+        self._target.unlink(missing_ok=True)
+
+    def close(self) -> None:
+        """Leave the file as it is; what is still staged goes."""
+        if self._staged:
+            self._part.unlink(missing_ok=True)
+        self._leave()
+
+    def _publish(self) -> None:
+        try:
+            os.link(self._part, self._target)
+        except OSError as fault:
+            if fault.errno not in NO_LINKS:
+                raise
+            os.close(os.open(self._target, os.O_WRONLY | os.O_CREAT | os.O_EXCL))
+            os.replace(self._part, self._target)
+        with suppress(FileNotFoundError):
+            self._part.unlink()
+
+    def _leave(self) -> None:
+        if self._handle is not None:
+            os.close(self._handle)
+            self._handle = None

@@ -1,0 +1,144 @@
+"""The results file of a case: made, opened, adapted, and refused where it is another's or none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vibeam.exchange.whole_files import regular
+from vibeam.run.store.branch import read_rows
+from vibeam.run.store.content import FORMAT, OLDER, SIGNATURE, adapted, blank, format_of, is_ours
+from vibeam.run.store.disk import Disk
+from vibeam.run.store.errors import CURE, FAULTS, StoreError, damaged, reading, reason
+from vibeam.run.store.image import Image
+from vibeam.run.store.lock import locked
+from vibeam.run.store.reuse import Wanted, branch_names
+from vibeam.run.store.store import Store
+from vibeam.run.store.structure import refuse_foreign
+from vibeam.system.quantities import LAYOUT
+from vibeam.system.response import FrequencyResponse
+
+if TYPE_CHECKING:
+    import h5py
+
+
+Tell = Callable[[str], None]
+
+
+@contextmanager
+def opened(path: Path, wanted: Wanted, *, fresh: bool = False, tell: Tell = lambda line: None) -> Iterator[Store]:
+    """The results file of one case, made where there is none; held against other processes meanwhile.
+
+    A file of a changed case keeps the branches whose numbers are the same; ``tell`` gets one line on that. ``fresh``:
+    a new file takes the place of what is there with its first point. StoreError where ``path`` is something else,
+    belongs to another case, is damaged, held or cannot be written. A file that is made here and gets no point is taken
+    away again.
+    """
+    target = _regular(path)
+    with locked(path, target):
+        disk = Disk(path, target)
+        try:
+            with _begun(disk, wanted, target.exists(), fresh, tell) as begun:
+                yield from _used(begun, disk, wanted)
+        finally:
+            disk.close()
+
+
+@dataclass(frozen=True)
+class _Begun:
+    """An open file: ``new`` or not, ``made`` where there was none, ``changed`` so that it stays without points too."""
+
+    image: Image
+    file: h5py.File
+    new: bool
+    made: bool = False
+    changed: bool = False
+
+
+def _used(begun: _Begun, disk: Disk, wanted: Wanted) -> Iterator[Store]:
+    store = Store(begun.file, begun.image, disk, wanted.unit, noted=begun.new)
+    try:
+        yield store
+    finally:
+        if begun.made and not store.written:
+            disk.remove()
+    if begun.changed:
+        disk.settle()
+
+
+@contextmanager
+def _begun(disk: Disk, wanted: Wanted, there: bool, fresh: bool, tell: Tell) -> Iterator[_Begun]:
+    import h5py
+
+    if there and not fresh:
+        with _continued(disk, wanted, tell) as begun:
+            yield begun
+        return
+    if there and not is_ours(disk.read()):
+        raise no_result(disk.path)
+    image = blank(wanted)
+    put = disk.stage if there else disk.create
+    put(image.getvalue())
+    with h5py.File(image, "r+") as file:
+        yield _Begun(image, file, new=True, made=not there)
+
+
+@contextmanager
+def _continued(disk: Disk, wanted: Wanted, tell: Tell) -> Iterator[_Begun]:
+    image = Image(disk.read())
+    with _open(image, disk.path) as file:
+        line = adapted(file, disk.path, wanted)
+        if line is not None:
+            file.flush()
+            disk.stage(image.getvalue())
+            tell(f"{disk.path}: {line}")
+        yield _Begun(image, file, new=False, changed=line is not None)
+
+
+def read(path: Path) -> dict[tuple[str, str], FrequencyResponse]:
+    """Every branch a results file holds, by fidelity and direction; points that were not run are NaN."""
+    try:
+        content = _regular(path).read_bytes()
+    except OSError as fault:
+        raise StoreError(f"{path}: cannot be opened ({reason(fault)})") from None
+    with _open(Image(content), path) as file, reading(path, "its groups"):
+        rows = read_rows if format_of(file) == FORMAT else lambda group: {name: group[name][()] for name in LAYOUT}
+        found = {(fidelity, way): rows(file[fidelity][way]) for fidelity, way in branch_names(file)}
+        return {at: FrequencyResponse(**{name: values[name] for name in LAYOUT}) for at, values in found.items()}
+
+
+@contextmanager
+def _open(image: Image, path: Path) -> Iterator[h5py.File]:
+    import h5py
+
+    if image.read(len(SIGNATURE)) != SIGNATURE:  # h5py would take an empty file for a new one
+        raise no_result(path)
+    try:
+        file = h5py.File(image, "r+")
+    except FAULTS as fault:
+        raise damaged(path, "it", fault) from None
+    with file:
+        with reading(path, "it"):
+            known = format_of(file) in (FORMAT, OLDER)
+        if not known:
+            raise no_result(path)
+        try:
+            refuse_foreign(file)
+        except FAULTS as fault:
+            raise StoreError(f"{path}: {reason(fault)}: vibeam writes no such file: {CURE}") from None
+        yield file
+
+
+def no_result(path: Path) -> StoreError:
+    """The file is something else."""
+    return StoreError(f"{path}: is no vibeam result: choose another --out, or delete it")
+
+
+def _regular(path: Path) -> Path:
+    try:
+        return regular(path)
+    except OSError as fault:
+        raise StoreError(f"{path}: {fault.strerror}") from None

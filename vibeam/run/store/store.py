@@ -1,0 +1,153 @@
+"""What an open results file gives and takes, from several threads: branches, curves, a study, what is shown."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from vibeam.run.store.branch import Branch, Kept, count_points, read_branch, rows_of, write_rows
+from vibeam.run.store.checksum import CHECKSUM, sign, verify
+from vibeam.run.store.errors import StoreError, reading
+from vibeam.run.store.figures import HOME, read_sheets, write_sheets
+from vibeam.run.store.layout import fixed, read_curves, write_curves
+from vibeam.run.store.provenance import note_continued
+from vibeam.system.response import FrequencyResponse
+from vibeam.system.state import State
+
+if TYPE_CHECKING:
+    import h5py
+
+    from vibeam.case.plans import ShowPlan
+    from vibeam.figures.sheet import Sheet
+    from vibeam.run.accuracy.study import Study
+    from vibeam.run.store.disk import Disk
+    from vibeam.run.store.image import Image
+    from vibeam.system.motion_curves import MotionCurves
+
+
+CURVES = "curves"  # the group of all motions a solver knows, beside those of the directions
+
+
+class Store:
+    """An open results file, safe to write from several threads; made by ``vibeam.run.store.file.opened``.
+
+    ``file`` is open on its ``image`` in memory, from where all changes go to ``disk``; ``unit``: of the outputs.
+    Every method: StoreError where the file does not hold what was written or takes no more.
+    """
+
+    def __init__(self, file: h5py.File, image: Image, disk: Disk, unit: str, *, noted: bool) -> None:
+        self._file, self._image, self._disk = file, image, disk
+        self._lock = threading.Lock()
+        self._noted = noted
+        self._unit = unit
+        self._failure: StoreError | None = None
+        self.path = disk.path
+        self.written = 0
+
+    @contextmanager
+    def _reading(self, where: str) -> Iterator[h5py.File]:
+        with self._lock, reading(self.path, where):
+            yield self._file
+
+    @contextmanager
+    def _replacing(self) -> Iterator[h5py.File]:
+        """For what makes, moves or removes groups: the file on disk is the old one or the new one, whole."""
+        with self._lock, self._once():
+            self._note()
+            yield self._file
+            self._file.flush()
+            self._disk.replace(self._image.getvalue())
+
+    @contextmanager
+    def _once(self) -> Iterator[None]:
+        """After a write that failed no other is tried: it would build on what is not on the disk."""
+        if self._failure is not None:
+            raise self._failure
+        try:
+            yield
+        except StoreError as failure:
+            self._failure = failure
+            raise
+
+    def restore(self, branch: Branch) -> Kept:
+        """What is there of one branch."""
+        with self._reading(f"/{branch.group}") as file:
+            return read_branch(file[branch.group], branch)
+
+    def write(self, branch: Branch, start: int, block: FrequencyResponse, states: Sequence[State]) -> None:
+        """Put ``block`` at the points from ``start`` on, and the ``states`` after its last ones.
+
+        In two steps, the values and then the count of points that are there: a run that is killed between the two
+        leaves points that nobody counts, and the next run writes them again.
+        """
+        with self._lock, self._once():
+            self._note()
+            group = self._file[branch.group]
+            write_rows(group, start, rows_of(block, states))
+            self._overwrite()
+            count_points(group, start + len(block))
+            self._overwrite()
+            self.written += len(block)
+
+    def _overwrite(self) -> None:
+        self._file.flush()
+        self._disk.overwrite(self._image.changes())
+
+    def _note(self) -> None:
+        """Say once what continues the file."""
+        if not self._noted:
+            note_continued(self._file["provenance/continued"])
+            self._noted = True
+
+    def curves(self, fidelity: str, key: str) -> MotionCurves | None:
+        """All motions of one fidelity that the file holds for ``key``, of all that decides them; None without."""
+        place = f"{fidelity}/{CURVES}"
+        with self._reading(f"/{place}") as file:
+            if place not in file or file[place].attrs.get("key", b"") != key.encode():
+                return None
+            verify(file[place])
+            return read_curves(file[place])
+
+    def write_curves(self, fidelity: str, key: str, curves: MotionCurves) -> None:
+        """Keep them in the place of what is there."""
+        place = f"{fidelity}/{CURVES}"
+        with self._replacing() as file:
+            if place in file:
+                del file[place]
+            group = file.create_group(place)
+            write_curves(group, curves, self._unit)
+            group.attrs["key"] = fixed(key)
+            sign(group)
+
+    def study(self, branches: Sequence[Branch]) -> Study | None:
+        """The study whose ``branches`` the file holds, None where it is not all there."""
+        from vibeam.run.store.accuracy import HOME as group
+        from vibeam.run.store.accuracy import read_study
+
+        kept = {branch.direction: self.restore(branch) for branch in branches}
+        with self._reading(f"/{group}") as file:
+            if CHECKSUM not in file[group].attrs or any(part.done < len(part.response) for part in kept.values()):
+                return None
+            verify(file[group])
+            return read_study(file[group], {way: part.response for way, part in kept.items()})
+
+    def write_study(self, study: Study) -> None:
+        """Keep what a study says beside its branches, after these."""
+        from vibeam.run.store.accuracy import HOME as group
+        from vibeam.run.store.accuracy import write_study
+
+        with self._replacing() as file:
+            write_study(file[group], study)
+            sign(file[group])
+
+    def shown(self, plan: ShowPlan) -> tuple[Sheet, ...] | None:
+        """What the file holds for ``plan``, None where it must be made."""
+        with self._reading(f"/{HOME}/{plan.name}") as file:
+            return read_sheets(file, plan)
+
+    def show(self, plan: ShowPlan, sheets: tuple[Sheet, ...]) -> None:
+        """Keep ``sheets``."""
+        with self._replacing() as file:
+            write_sheets(file, plan, sheets, self._unit)

@@ -1,0 +1,120 @@
+"""What each fidelity gets right and what it costs: peaks, period-1 ranges, distance to the finest, CPU time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.run.result import finest_of
+from vibeam.system.response import Array, FrequencyResponse, complete, modes_of, period_one_range, periodic
+
+if TYPE_CHECKING:
+    from vibeam.run.result import Result
+    from vibeam.system.response import Branches
+
+
+@dataclass(frozen=True)
+class Distance:
+    """Relative difference in amplitude to the finest fidelity, over the ``points`` where both are periodic."""
+
+    worst: float
+    rms: float
+    points: int
+
+
+@dataclass(frozen=True)
+class Summary:
+    """One fidelity: frequencies in Hz, amplitudes in the unit of the output, times in s.
+
+    ``period_one``: for each direction the lowest and highest frequency of the contiguous period-1 range with impacts
+    around its largest amplitude, None where there is none. ``distance``: to the finest fidelity with the same values
+    of its own (``set``), None for that itself. ``restitution``: of the contact, ``first_mode_restitution``: what mode 1
+    sees of it.
+    """
+
+    fidelity: str
+    modes: int
+    peak_amplitude: float
+    peak_frequency: float
+    peak_direction: str
+    period_one: Mapping[str, tuple[float, float] | None]
+    distance: Distance | None
+    cpu_seconds: float
+    cost_ratio: float
+    impacts: int
+    failed: int
+    restitution: float
+    first_mode_restitution: float
+
+    @property
+    def nanoseconds_per_impact(self) -> float:
+        """CPU time an impact in ns, NaN where nothing hit."""
+        return 1e9 * self.cpu_seconds / self.impacts if self.impacts else float("nan")
+
+
+def compare(result: Result) -> list[Summary]:
+    """A summary of every fidelity, in the case's order; the finest is the one with most modes."""
+    if not result:
+        return []
+    cheapest = min(_total(branches, "cpu_seconds") for branches in result.values())
+    finest = {name: finest_of(result, name) for name in result}
+    return [_summary(result, n, None if n == finest[n] else result[finest[n]], cheapest) for n in result]
+
+
+def _summary(result: Result, name: str, finest: Branches | None, cheapest: float) -> Summary:
+    from vibeam.case.fidelity import restitutions
+
+    branches, case = result[name], result.case
+    own = name if result.accuracy is None else result.accuracy.finest
+    contact, first = restitutions(case.scene_of(own), case.fidelities[own])
+    amplitude, frequency, direction = _peak(branches)
+    cpu = _total(branches, "cpu_seconds")
+    return Summary(
+        fidelity=name,
+        modes=modes_of(branches),
+        peak_amplitude=amplitude,
+        peak_frequency=frequency,
+        peak_direction=direction,
+        period_one={way: period_one_range(response) for way, response in branches.items()},
+        distance=None if finest is None else distance(branches, finest),
+        cpu_seconds=cpu,
+        cost_ratio=cpu / cheapest if cheapest > 0 else float("nan"),
+        impacts=int(_total(branches, "impacts")),
+        failed=sum(int(np.count_nonzero(~complete(response))) for _, response in branches.items()),
+        restitution=contact,
+        first_mode_restitution=first,
+    )
+
+
+def distance(branches: Branches, finest: Branches) -> Distance:
+    """How far the amplitudes are from the finest fidelity's, direction by direction."""
+    ours = dict(branches.items())
+    parts = [_relative(ours[way], response) for way, response in finest.items() if way in ours]
+    relative = np.concatenate([*parts, np.empty(0)])
+    if not len(relative):
+        return Distance(float("nan"), float("nan"), 0)
+    return Distance(float(np.abs(relative).max()), float(np.sqrt(np.mean(relative**2))), len(relative))
+
+
+def _relative(ours: FrequencyResponse, finest: FrequencyResponse) -> Array:
+    both = periodic(ours) & periodic(finest) & (finest.amplitude > 0)
+    return np.asarray(ours.amplitude[both] / finest.amplitude[both] - 1)
+
+
+def _peak(branches: Branches) -> tuple[float, float, str]:
+    """Largest amplitude of all branches, its frequency and direction."""
+    return max(_peaks(branches), default=(float("nan"), float("nan"), ""))
+
+
+def _peaks(branches: Branches) -> Iterator[tuple[float, float, str]]:
+    for way, response in branches.items():
+        if complete(response).any():
+            top = int(np.argmax(np.where(complete(response), response.amplitude, -np.inf)))
+            yield float(response.amplitude[top]), float(response.frequency[top]), way
+
+
+def _total(branches: Branches, name: str) -> float:
+    return float(sum(np.nansum(getattr(response, name)) for _, response in branches.items()))

@@ -1,0 +1,56 @@
+"""Run a case that asks for an accuracy: one curve instead of one for each fidelity."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from hashlib import sha256
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.case.faults import CaseError, Fault
+from vibeam.case.fidelity import gap_drift, gap_wear
+from vibeam.run.accuracy.study import Study, study
+from vibeam.run.store.accuracy import HOME
+from vibeam.run.store.branch import Branch
+from vibeam.run.store.store import Store
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.case.plans import AccuracyPlan
+    from vibeam.system.impact_system import ImpactSystem
+
+
+def refuse_beyond(case: Case, systems: Mapping[str, ImpactSystem]) -> None:
+    """CaseError where the finest model's motion cannot be followed by closed forms."""
+    reasons = {name: " or ".join(system.beyond_plain) for name, system in systems.items() if system.beyond_plain}
+    omega = 2 * np.pi * case.sweep.frequency
+    reasons |= {name: "a gap that drifts" for name in systems if gap_drift(case.scene_of(name), omega) is not None}
+    reasons |= {name: "a stop that wears" for name in systems if gap_wear(case.scene_of(name)) is not None}
+    if reasons:
+        told = "; ".join(f"{name} has {reason}" for name, reason in reasons.items())
+        raise CaseError([Fault(str(case.path), None, "accuracy", f"cannot be had of {told}: take this key away")])
+
+
+def branches_of(case: Case, branches: Mapping[str, tuple[Branch, ...]]) -> tuple[Branch, ...]:
+    """The branches of the result: as the finest fidelity's, under the name ``accuracy``."""
+    widest = max(branches.values(), key=lambda several: several[0].modes)
+    key = sha256(f"{HOME} {case.key}".encode()).hexdigest()
+    return tuple(replace(branch, fidelity=HOME, key=key, carried=False) for branch in widest)
+
+
+def found_or_made(
+    case: Case, plan: AccuracyPlan, systems: Mapping[str, ImpactSystem], branches: tuple[Branch, ...],
+    store: Store | None,
+) -> tuple[Study, int]:  # fmt: skip
+    """The study, and how many of its points were in the file already: all or none."""
+    there = store.study(branches) if store else None
+    if there is not None:
+        return there, there.points
+    made = study(case, plan.within, plan.quantities, systems)
+    if store:
+        for branch in branches:
+            store.write(branch, 0, made.curves[branch.direction].response, ())
+        store.write_study(made)
+    return made, 0

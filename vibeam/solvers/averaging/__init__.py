@@ -1,0 +1,1 @@
+"""First-order averaging of a one-mode system."""

@@ -1,0 +1,156 @@
+"""Averaging after the Zhuravlev transformation (paper eq. 16–27): frequency-response curves at the cost of a formula.
+
+First order in β, 1−R, σ_k, B/Q and Δ/Q. The slow flow and its derivation are in ``slow_flow``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibeam.solvers.averaging.averaged_motion import averaged_path
+from vibeam.solvers.averaging.slow_flow import Damping, SlowFlow, Stationary, law_faults
+from vibeam.solvers.integration.samples import Motion as Sampled
+from vibeam.solvers.one_mode.oscillator import OneMode, Oscillator
+from vibeam.solvers.one_mode.stationary import NOTHING_FOUND, Motion, StationarySolver, nearest
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.motion_curves import MotionCurves
+from vibeam.system.state import State
+
+Array = NDArray[np.float64]
+
+HIGHEST = 16  # the longest period that a response can name
+
+
+@dataclass(frozen=True)
+class AveragedCurve:
+    """Both branches of an averaged frequency-response curve, shapes (points,); NaN where there is no solution.
+
+    Frequencies in rad/s and reaches in m, or nondimensional, as ``averaging`` was asked.
+    """
+
+    omega: Array
+    reach: Array  #: Q of the stable solution
+    phase: Array  #: its ψ, rad in (−π, π]
+    unstable_reach: Array  #: Q of the unstable one
+    unstable_phase: Array  #: its ψ
+    least_stable: Array  #: Q*: the stability boundary (eq. 24 corrected); 0 or less: every solution is stable
+    largest_gap: Array  #: Δ_MAX
+
+
+def slow_flow(
+    subject: ImpactSystem | Oscillator,
+    amplitude: float | None = None,
+    *,
+    resonance: int = 1,
+    damping: Damping = "paper",
+) -> tuple[SlowFlow, float]:
+    """The slow flow of a system of one mode under base motion of ``amplitude`` m, and its unit of frequency, rad/s.
+
+    An ``Oscillator`` carries its own drive: no ``amplitude``, and the unit is 1. ValueError for what does not fit.
+    """
+    if isinstance(subject, Oscillator):
+        if amplitude is not None:
+            raise ValueError("amplitude: an Oscillator carries its own drive")
+        return SlowFlow(subject, resonance, damping), 1.0
+    if amplitude is None:
+        raise ValueError("amplitude: a system needs the amplitude of its base, m")
+    mode = OneMode(subject)
+    return SlowFlow(mode.oscillator(amplitude), resonance, damping), mode.omega
+
+
+def averaging(
+    subject: ImpactSystem | Oscillator,
+    omega: ArrayLike,
+    amplitude: float | None = None,
+    *,
+    resonance: int = 1,
+    damping: Damping = "paper",
+) -> AveragedCurve:
+    """All stationary solutions over ``omega`` (rad/s for a system, Ω for an ``Oscillator``); else as ``slow_flow``."""
+    flow, unit = slow_flow(subject, amplitude, resonance=resonance, damping=damping)
+    grid = np.atleast_1d(np.asarray(omega, dtype=float))
+    rows = [_point(flow, float(one) / unit) for one in grid]
+    return AveragedCurve(grid, *np.array(rows, dtype=float).reshape(len(grid), 6).T)
+
+
+def _point(flow: SlowFlow, omega: float) -> tuple[float, ...]:
+    found = flow.stationary(omega)
+    stable, unstable = ([s for s in found if s.stable is kind] for kind in (True, False))
+    return (*_first(stable), *_first(unstable), flow.least_stable(omega), flow.largest_gap(omega))
+
+
+def _first(solutions: list[Stationary]) -> tuple[float, float]:
+    return (solutions[0].reach, solutions[0].phase) if solutions else (np.nan, np.nan)
+
+
+class AveragingSolver(StationarySolver):
+    """The averaged motion of one mode near the resonance Ω = 2k: one impact every k drive periods.
+
+    At each frequency the stable solution, or the motion without impacts, whichever is nearer to the carried state. The
+    motion is q = Δ − Q |sin((Ωt − ψ)/2k)|, its impact velocity Q, its amplitude Q/2.
+    """
+
+    def __init__(
+        self,
+        system: ImpactSystem,
+        slowest: float = 0.0,
+        span: float = 0.0,
+        *,
+        resonance: int = 1,
+        damping: Damping = "paper",
+        strikes_only: bool = False,
+    ) -> None:
+        """``resonance``: k, 1 … 16; ``damping``: β_eff = β + (1−R)/π ("paper") or β − ln(R)/π ("log").
+
+        ``slowest`` and ``span`` have no meaning for a formula. ValueError for more than one mode, no stiffness, a mode
+        that is not underdamped, R = 0 with "log".
+        """
+        super().__init__(system, strikes_only)
+        faults = law_faults(resonance, damping, system.restitution)
+        faults += [f"resonance: {resonance} is beyond {HIGHEST}"] if resonance > HIGHEST else []
+        if faults:
+            raise ValueError("; ".join(faults))
+        self.resonance, self.damping = resonance, damping
+
+    def curves(self, omegas: ArrayLike, amplitude: ArrayLike, output: str) -> MotionCurves:
+        """Both stationary solutions at every one of ``omegas``, rad/s; q ≤ Δ always, so all are admissible."""
+        grid, mode = np.atleast_1d(np.asarray(omegas, dtype=float)), self.mode
+        share = abs(float(self.system.output(output)[0]) / mode.contact)
+        base = np.broadcast_to(np.asarray(amplitude, dtype=float), grid.shape)
+        found = MotionCurves.empty(grid / (2 * np.pi), self.resonance)
+        for index, omega in enumerate(grid):
+            flow = SlowFlow(mode.oscillator(float(base[index])), self.resonance, self.damping)
+            for branch, one in enumerate(flow.stationary(float(omega) / mode.omega)):
+                at = index, branch
+                found.amplitude[at], found.reach[at] = share * one.reach / 2, one.reach
+                found.velocity[at] = one.reach * mode.omega
+                found.stable[at], found.admissible[at] = one.stable, True
+        return found
+
+    def striking(self, model: Oscillator, omega: float) -> list[Motion]:
+        """The motion of the stable stationary solution, if there is one."""
+        flow = SlowFlow(model, self.resonance, self.damping)
+        return [averaged_motion(flow, found) for found in flow.stationary(omega) if found.stable]
+
+    def motion(self, drive: Drive, state: State | None, t_start: float, t_end: float) -> Sampled:
+        """The stationary motion nearest to ``state``, ``t_start`` to ``t_end`` in s; ValueError where there is none."""
+        found = nearest(
+            self.motions(self.mode.oscillator(drive.amplitude), drive.omega / self.mode.omega), self.mode.inward(state)
+        )
+        if found is None:
+            raise ValueError(NOTHING_FOUND.value)
+        return averaged_path(self.mode, drive, *found, t_start, t_end)
+
+
+def averaged_motion(flow: SlowFlow, found: Stationary) -> Motion:
+    """The motion q = Δ − Q |sin θ|, q̇ = −Q cos θ sgn sin θ, θ = (Ωt − ψ)/2k, of a stationary solution."""
+    k, gap, reach = flow.resonance, flow.oscillator.gap, found.reach
+    angle = (-found.phase / 2 + np.pi * np.arange(k)) / k
+    side = np.where(np.sin(angle) < 0, -1.0, 1.0)
+    places = np.stack([gap - reach * np.abs(np.sin(angle)), -reach * np.cos(angle) * side], axis=1)
+    mean = gap - 2 * reach / np.pi
+    square = gap**2 - 4 * gap * reach / np.pi + reach**2
+    return Motion(gap, gap - reach, places, mean, square, k, 1 / k, reach)

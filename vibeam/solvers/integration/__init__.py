@@ -1,0 +1,1 @@
+"""Numerical integration: impact events, coordinate transformations, time stepping."""

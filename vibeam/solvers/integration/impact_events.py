@@ -1,0 +1,256 @@
+"""Integration from impact to impact: scipy's solvers, stopped by an event at the stop and started again behind it.
+
+What goes wrong in such a loop, and what is done here:
+
+- A flight starts on the stop, where the distance is zero already. The event function is therefore the contact's
+  excess over the stop *divided by the time since the impact*: it starts at minus the speed of leaving, so that even a
+  flight that ends within the first step has a sign change, and the start itself is no root.
+- A step may go through the stop and come back. The cubics through the contact's values and rates at the ends of every
+  step are searched for such a turn, and the step's dense output for the impact before it.
+- An accumulation of impacts never ends. A flight that would rise less than ``atol`` (u²/2a with a the acceleration
+  toward the stop) is none: the contact is plastic there, and the system held on the stop is integrated until the
+  contact force changes sign. Where no flight gets that small (R = 1 on a pressed stop) ``limit`` events in one drive
+  period end the run.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable
+from contextlib import nullcontext
+from threading import Lock
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.pause import pause
+from vibeam.solvers.integration.coordinates import Frame, Settings, chosen
+from vibeam.solvers.integration.samples import Outcome, Piece, turning_points
+from vibeam.solvers.integration.stepper import NO_MARKS, Stepper, Watch, cycle, slack
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.response import Ended
+from vibeam.system.state import State
+
+Array = NDArray[np.float64]
+
+PER_STEP = 4  # samples a step of the integrator
+
+LONGEST = 1 / 8  # longest step, as a share of the drive period
+
+TINY = 1e-300
+
+DEEP = 1e-2  # share of atol by which a step may pass the stop before it counts as an impact
+
+ROUNDING = 1e-15
+
+STUCK = 1e-12  # share of a period below which a flight has not begun
+
+ONE_AT_A_TIME = Lock()  # LSODA keeps its state in one place for all threads, in scipy before 1.17
+
+
+class EventSolver(Stepper):
+    """What solvers with events share: they differ in the ``Frame`` of their flights."""
+
+    METHODS: tuple[str, ...]
+
+    def __init__(
+        self,
+        system: ImpactSystem,
+        slowest: float,
+        span: float = 0.0,
+        *,
+        method: str = "RK23",
+        rtol: float = 1e-4,
+        atol: float = 1e-8,
+        limit: int = 1000,
+        repeats: float | None = None,
+    ) -> None:
+        """``slowest`` and ``span`` mean nothing here.
+
+        ``method``: scipy's name, one of ``METHODS``; "RK23" is the paper's (Matlab's ode23). ``rtol``: a step's; no
+        step is longer than an eighth of the drive period.
+        ``atol``: of the contact displacement, m; a mode's own is atol/√(Σ contact²), its velocity's ω times that. The
+        default is the paper's for displacements near 10⁻²: keep it near 10⁻⁶ of the amplitude. Flights that rise less
+        than it count as rest on the stop. ``limit``: events a drive period. ``repeats``: how far states a period apart
+        may differ, as a share of the motion's size; None: 10 rtol, at least 1e-5 (settled runs repeat to about rtol).
+        ValueError for others.
+        """
+        self.takes(system)
+        self.system, self.settings = system, Settings(chosen(method, self.METHODS), rtol, atol, limit)
+        self.repeats = max(1e-5, 10 * rtol) if repeats is None else repeats
+
+    def takes(self, system: ImpactSystem) -> None:
+        """ValueError for a system that this solver cannot take."""
+        system.require_plain("this solver")
+
+    @abstractmethod
+    def enter(self, drive: Drive, state: State) -> tuple[Frame, Array]:
+        """Frame and state of the first flight."""
+
+    def run(
+        self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS
+    ) -> Outcome:
+        """As ``Stepper.run``."""
+        frame, y = self.enter(drive, state)
+        course = Course(frame, y, self.settings, cycle(self.system, drive), start, end, watch, marks)
+        with np.errstate(all="ignore"):
+            ended = course.travel(slack(self.system, state.displacement) + self.settings.atol, state.resting)
+        pose = course.frame.outward(course.y[:, None])[0]
+        return Outcome(
+            ended, course.t, State.reached(pose[0], pose[1], course.resting), course.impacts, course.evaluations
+        )
+
+
+class Course:
+    """One run: where it is, and what it has counted."""
+
+    def __init__(
+        self, frame: Frame, y: Array, settings: Settings, period: float, start: float, end: float,
+        watch: Watch | None, marks: Array,
+    ) -> None:  # fmt: skip
+        self.frame, self.y, self.settings, self.period = frame, y, settings, period
+        self.t, self.end, self.watch, self.marks = start, end, watch, marks
+        self.touching = self.resting = False
+        self.impacts, self.evaluations = 0, 0
+        self.turn, self.events = -1.0, 0
+        self.atol = settings.atol * frame.scale
+        self.deep = max(DEEP * settings.atol, ROUNDING * float(np.max(np.abs(y / frame.scale))))
+
+    def travel(self, allowed: float, resting: bool) -> Ended:
+        """Flight, impact, rest, release … to the end; the start may lie ``allowed`` m beyond the stop."""
+        excess = self.frame.excess(self.y)
+        if excess > allowed:
+            return Ended.PENETRATED
+        if excess >= 0 or (resting and excess >= -allowed):
+            self.land()
+        while self.t < self.end:
+            if not self._within_limit():
+                return Ended.EVENT_LIMIT
+            before = self.t
+            struck = self.rest() if self.resting else self.fly()
+            if not np.all(np.isfinite(self.y)):
+                return Ended.NOT_FINITE
+            if struck:
+                self.land(self.t - before < STUCK * self.period)
+        if self.frame.excess(self.y) > 0:
+            self.y = self.frame.touch(self.y)
+        return Ended.COMPLETE
+
+    def _within_limit(self) -> bool:
+        turn = self.t // self.period
+        self.events = self.events + 1 if turn == self.turn else 1
+        self.turn = turn
+        return self.events <= self.settings.limit
+
+    def land(self, stuck: bool = False) -> None:
+        """On the stop: an impact where it is approached, then a flight, or rest where that would rise below atol.
+
+        ``stuck``: the last flight ended where it began, as one does that starts without speed under a growing force.
+        """
+        self.y = self.frame.touch(self.y)
+        if self.frame.approach(self.y) > 0:
+            self.frame, self.y = self.frame.strike(self.y)
+            self.impacts += 1
+        away, press = self.frame.approach(self.y), self.frame.press(self.t, self.y)
+        self.touching = True
+        self.resting = bool(stuck or (press > 0 and away**2 <= 2 * press * self.settings.atol))
+        if self.resting:
+            self.y = self.frame.hold(self.y)
+
+    def fly(self) -> bool:
+        """One flight; whether it ends at the stop."""
+        event = self._event()
+        found = self._solve(self.frame.rate, event, self.watch is not None)
+        if found is None:
+            return False
+        times, states, struck = found.t, found.y, bool(found.status == 1)
+        passed = self._passed(times, states)
+        if passed is not None:
+            found = found if found.sol is not None else self._solve(self.frame.rate, event, True)
+            root = self._first_root(event, found.sol, *passed)
+            if root is not None:
+                times, struck = np.append(times[times < root], root), True
+                states = found.sol(times)
+        self._leave(found, times, states, struck)
+        return struck
+
+    def rest(self) -> bool:
+        """Held on the stop until the contact force changes sign; then (or at the end) nothing strikes."""
+        event = self.frame.press
+        found = self._solve(self.frame.rate_at_rest, _terminal(lambda t, y: event(t, y), -1.0), self.watch is not None)
+        if found is not None:
+            self._leave(found, found.t, found.y, False, rest=float(found.t[-1]) - self.t)
+            self.y = self.frame.hold(self.y)
+            self.resting, self.touching = found.status == 0, True
+        return False
+
+    def _event(self) -> Any:
+        """Excess over the stop; from a start on the stop, over the time since then."""
+        frame, start, leaving = self.frame, self.t, min(self.frame.approach(self.y), -TINY)
+        if not self.touching:
+            return _terminal(lambda t, y: frame.excess(y), 1.0)
+        height = frame.excess(self.y)
+        return _terminal(lambda t, y: (frame.excess(y) - height) / (t - start) if t > start else leaving, 1.0)
+
+    def _solve(self, rate: Callable[[float, Array], Any], event: Any, dense: bool) -> Any:
+        from scipy.integrate import solve_ivp
+
+        def heard(t: float, y: Array) -> Any:
+            pause()
+            return rate(t, y)
+
+        with ONE_AT_A_TIME if self.settings.method == "LSODA" else nullcontext():
+            found = solve_ivp(
+                heard, (self.t, self.end), self.y, method=self.settings.method, rtol=self.settings.rtol, atol=self.atol,
+                events=event, dense_output=dense, max_step=LONGEST * self.period,
+            )  # fmt: skip
+        self.evaluations += found.nfev
+        if found.status < 0:
+            self.y = np.full_like(self.y, np.nan)
+            return None
+        return found
+
+    def _passed(self, times: Array, states: Array) -> tuple[float, float] | None:
+        """Start of the first step inside which the contact turns beyond the stop, and when it does."""
+        shares, heights = turning_points(times, self.frame.excess(states), self.frame.approach(states))
+        beyond = np.where(shares * (1 - shares) > 0, heights, -np.inf)
+        steps = np.flatnonzero(np.max(beyond, axis=0) > self.deep)
+        if not len(steps):
+            return None
+        i = steps[0]
+        share = shares[np.argmax(beyond[:, i]), i]
+        return float(times[i]), float(times[i] + share * (times[i + 1] - times[i]))
+
+    @staticmethod
+    def _first_root(event: Any, dense: Any, before: float, turn: float) -> float | None:
+        """The impact before the turn; None where the dense output does not get there."""
+        from scipy.optimize import brentq
+
+        if event(turn, dense(turn)) <= 0:
+            return None
+        return float(brentq(lambda t: event(t, dense(t)), before, turn, xtol=1e-14 * abs(turn) + TINY, rtol=1e-15))
+
+    def _leave(self, found: Any, times: Array, states: Array, struck: bool, rest: float = 0.0) -> None:
+        """Go to the last state, and show the stretch to whoever watches."""
+        self.t, self.y, self.touching = float(times[-1]), states[:, -1], False
+        if self.watch is None:
+            return
+        speed = float(self.frame.approach(self.y))
+        count = 1 if struck and speed > 0 else 0
+        at = samples(times, self.marks)
+        values = self.frame.outward(found.sol(at))
+        self.watch(Piece(at, values, np.full(count, self.t), np.full(count, speed), rest))
+
+
+def samples(times: Array, marks: Array) -> Array:
+    """``PER_STEP`` times a step, and the marks inside."""
+    shares = np.arange(PER_STEP) / PER_STEP
+    between = (times[:-1, None] + np.diff(times)[:, None] * shares).ravel()
+    inside = marks[(marks > times[0]) & (marks < times[-1])]
+    return np.unique(np.concatenate([between, times[-1:], inside]))
+
+
+def _terminal(function: Callable[[float, Array], Any], direction: float) -> Any:
+    function.terminal, function.direction = True, direction  # type: ignore[attr-defined]
+    return function

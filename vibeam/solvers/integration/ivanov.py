@@ -1,0 +1,195 @@
+"""Ivanov's coordinates (paper eq. 11–15): one mode, impacts without events.
+
+From x, x' of ``zhuravlev`` (x ≥ 0 the distance to the stop, x'' + 2ζωx' + ω²x = N(t), x'⁺ = −R x'⁻ at x = 0) to z, v:
+
+    x = |z|,   x' = sgn z · [1 − k sgn(zv)] v,   k = (1−R)/(1+R).
+
+Before an impact |z| falls, so zv < 0 and |x'⁻| = (1+k)|v|; behind it zv > 0 and |x'⁺| = (1−k)|v|. With v continuous
+x'⁺/x'⁻ = −(1−k)/(1+k) = −R: the impact law holds by itself. From z' = x' sgn z and x'' as above
+
+    z' = [1 − k sgn(zv)] v,
+    v' = sgn z · (N(t) − ω²|z|)/(1 − k sgn(zv)) − 2ζω v.
+
+Where v passes 0 away from the stop, x' is 0 too, and nothing jumps but the factor in v'. R = 0 means k = 1: the factor
+behind the impact is 0 and the map cannot be inverted.
+
+The price: the right-hand side jumps at z = 0 and v = 0, inside the integrator's steps, and step control has to find
+every jump by rejected steps. Rest on the stop would be a sliding motion about z = v = 0 that explicit methods follow by
+rattling without end. Here a motion that is pressed (N − ω²|z| < 0) and would rise less than ``atol``,
+|z| + x'²/2|N − ω²|z|| ≤ atol, is frozen, z' = v' = 0, until the load lifts it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.equilibrium import equilibrium
+from vibeam.solvers.integration.coordinates import EXPLICIT, Settings, chosen, only_one_mode
+from vibeam.solvers.integration.impact_events import LONGEST, samples
+from vibeam.solvers.integration.samples import Outcome, Piece
+from vibeam.solvers.integration.stepper import NO_MARKS, Stepper, Watch, cycle, slack
+from vibeam.solvers.integration.zhuravlev import Distance
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.response import Ended
+from vibeam.system.state import State
+
+Array = NDArray[np.float64]
+
+
+class _Endless(Exception):
+    """More evaluations in one drive period than allowed."""
+
+
+@dataclass
+class Smooth:
+    """y = (z, v); counts its evaluations, and no more than ``limit`` in one ``period``."""
+
+    of: Distance
+    loss: float
+    period: float
+    limit: int
+    atol: float
+    evaluations: int = 0
+    turn: float = -1.0
+    before: int = 0
+
+    def inward(self, state: State) -> tuple[float, float]:
+        """(z, v) on the side z ≥ 0."""
+        x, slope = self.of.distance(state)
+        return max(x, 0.0), slope / (1 - self.loss * float(np.sign(slope)))
+
+    def rate(self, t: float, y: Array) -> tuple[float, float]:
+        """(z', v')."""
+        self._count(t)
+        z, v = y
+        factor, push = self._factor(z, v), self._push(t, z)
+        if self._frozen(z, factor * v, push):
+            return 0.0, 0.0
+        side = 1.0 if z > 0 or (z == 0 and v >= 0) else -1.0
+        return factor * v, side * push / factor - self.of.damping * v
+
+    def _factor(self, z: float, v: float) -> float:
+        return 1 - self.loss if z * v > 0 else 1 + self.loss if z * v < 0 else 1.0
+
+    def _push(self, t: float, z: float) -> float:
+        return self.of.load(t) - self.of.stiffness * abs(z)
+
+    def _frozen(self, z: float, slope: float, push: float) -> bool:
+        return push < 0 and slope * slope <= 2 * push * (abs(z) - self.atol)
+
+    def resting(self, times: Array, states: Array) -> float:
+        """Time that samples (m,), (2, m) spend frozen."""
+        parts = [(z, self._factor(z, v) * v, self._push(t, z)) for t, z, v in zip(times, *states, strict=True)]
+        frozen = np.array([self._frozen(*part) for part in parts])
+        return float(np.sum(np.diff(times)[frozen[1:] & frozen[:-1]]))
+
+    def _count(self, t: float) -> None:
+        self.evaluations += 1
+        turn = t // self.period
+        if turn > self.turn:
+            self.turn, self.before = turn, self.evaluations
+        if self.evaluations - self.before > self.limit:
+            raise _Endless
+
+    def outward(self, states: Array, side: float) -> tuple[Array, Array]:
+        """x and x' (m,) of states (2, m) of one flight on the side ±1."""
+        z, v = states
+        return side * z, side * (1 - self.loss * side * np.sign(v)) * v
+
+
+class IvanovSolver(Stepper):
+    """Integration in Ivanov's coordinates: one mode, 0 < R ≤ 1, no events."""
+
+    def __init__(
+        self,
+        system: ImpactSystem,
+        slowest: float,
+        span: float = 0.0,
+        *,
+        method: str = "RK23",
+        rtol: float = 1e-4,
+        atol: float = 1e-8,
+        limit: int = 20_000,
+        repeats: float | None = None,
+    ) -> None:
+        """Options as for ``EventSolver``, but ``limit``: evaluations of the right-hand side in a drive period.
+
+        ``repeats`` None: 30 rtol (the jumps make settled runs repeat to some 10 rtol). No "LSODA": a method that lives
+        on its past steps goes wrong, or never ends, at the jumps. ValueError for more than one mode or R = 0. Impacts
+        are read off at changes of sign between samples, four a step; a run that is stopped ends at its start and shows
+        no path.
+        """
+        only_one_mode("ivanov", system)
+        if system.restitution <= 0:
+            raise ValueError("ivanov: restitution 0 makes its coordinates singular: take R > 0, or 'direct'")
+        self.system, self.settings = system, Settings(chosen(method, EXPLICIT), rtol, atol, limit)
+        self.repeats = max(1e-5, 30 * rtol) if repeats is None else repeats
+
+    def run(
+        self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS
+    ) -> Outcome:
+        """As ``Stepper.run``."""
+        from scipy.integrate import solve_ivp
+
+        restitution, distance = self.system.restitution, Distance.of(self.system, drive)
+        loss, period = (1 - restitution) / (1 + restitution), cycle(self.system, drive)
+        smooth = Smooth(distance, loss, period, self.settings.limit, self.settings.atol)
+        if distance.distance(state)[0] < -slack(self.system, state.displacement) - self.settings.atol:
+            return Outcome(Ended.PENETRATED, start, state, 0, 0)
+        if end <= start:
+            return Outcome(Ended.COMPLETE, end, state, 0, 0)
+        try:
+            with np.errstate(all="ignore"):
+                found = solve_ivp(
+                    smooth.rate, (start, end), smooth.inward(state), method=self.settings.method,
+                    rtol=self.settings.rtol, atol=self.settings.atol * distance.scale, max_step=LONGEST * period,
+                    dense_output=watch is not None,
+                )  # fmt: skip
+        except _Endless:
+            return self._stopped(Ended.EVENT_LIMIT, start, smooth)
+        if found.status < 0 or not np.all(np.isfinite(found.y[:, -1])):
+            return self._stopped(Ended.NOT_FINITE, start, smooth)
+        if watch is not None:
+            _show(smooth, found, watch, marks)
+        last = distance.modal(*smooth.outward(found.y[:, -1:], side_of(found.y[:, -1])))[0]
+        impacts = int(np.count_nonzero(np.diff(np.signbit(found.y[0]))))
+        return Outcome(Ended.COMPLETE, end, State(last[0], last[1]), impacts, smooth.evaluations)
+
+    def _stopped(self, ended: Ended, start: float, smooth: Smooth) -> Outcome:
+        return Outcome(ended, start, equilibrium(self.system), 0, smooth.evaluations)
+
+
+def side_of(y: Array) -> float:
+    """sgn z; on the stop the side that v leads to."""
+    return float(np.sign(y[0]) or np.sign(y[1]) or 1.0)
+
+
+def _show(smooth: Smooth, found: Any, watch: Watch, marks: Array) -> None:
+    """The motion as flights, cut where z changes sign."""
+    times = samples(found.t, marks)
+    z = found.sol(times)[0]
+    cuts = np.flatnonzero(z[1:] * z[:-1] < 0)
+    roots = [_root(lambda t: float(found.sol(t)[0]), times[i], times[i + 1]) for i in cuts]
+    edges = [times[0], *roots, times[-1]]
+    for i, (first, last) in enumerate(pairwise(edges)):
+        inside = times[(times > first) & (times < last)]
+        at = np.concatenate([[first], inside, [last]])
+        side = side_of(np.array(found.sol((at[0] + at[1]) / 2)))
+        states = found.sol(at)
+        x, slope = smooth.outward(states, side)
+        struck = i < len(roots)
+        speed = -slope[-1:] if struck else NO_MARKS
+        when = at[-1:] if struck else NO_MARKS
+        watch(Piece(at, smooth.of.modal(x, slope), when, speed, smooth.resting(at, states)))
+
+
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    from scipy.optimize import brentq
+
+    return float(brentq(function, low, high, xtol=1e-15 * abs(high) + 1e-300, rtol=1e-15))

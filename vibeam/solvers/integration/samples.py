@@ -1,0 +1,163 @@
+"""What is read off a motion known at samples: extremes, energies, impacts, after how many periods it repeats.
+
+Between two samples a motion is taken as the cubic through both values and slopes (an error of the fourth order in
+their distance), or as the chord where it is not smooth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.observe.periodicity import repetition
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
+from vibeam.system.state import State
+
+Array = NDArray[np.float64]
+
+SLACK = 1e-9  # share of a period by which a sample's time may miss the period's end
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A stretch of motion: samples (m, 2, n) at ascending times (m,), the last one just before the impact that ends it.
+
+    ``impact_times`` and ``impact_velocities`` (k,): the impacts in it; ``rest``: time at rest on the stop, s;
+    ``smooth`` (m − 1,): False between samples with an impact between them, None where there are no such.
+    """
+
+    times: Array
+    values: Array
+    impact_times: Array
+    impact_velocities: Array
+    rest: float = 0.0
+    smooth: NDArray[np.bool_] | None = None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a run ended, when (s), in which state; impacts and evaluations of the right-hand side (or steps) it took."""
+
+    ended: Ended
+    time: float
+    state: State
+    impacts: int
+    evaluations: int
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A motion at samples, SI units: ``times`` (m,), modal ``values`` (m, 2, n); at an impact one before, one after.
+
+    ``impact_velocities`` (k,): contact velocities just before, positive toward the stop; ``rest``: time at rest on the
+    stop, s. ``stats``: impacts, evaluations, cpu_seconds.
+    """
+
+    system: ImpactSystem
+    drive: Drive
+    times: Array
+    values: Array
+    impact_times: Array
+    impact_velocities: Array
+    rest: float
+    t_end: float
+    state: State
+    ended: Ended
+    stats: Mapping[str, float]
+
+    def displacement(self, output: str = "contact") -> Array:
+        """The output (m,) at ``times``, m; KeyError for an unknown name."""
+        return np.asarray(self.values[:, 0] @ self.system.output(output))
+
+    def velocity(self, output: str = "contact") -> Array:
+        """The output's rate (m,) at ``times``, m/s."""
+        return np.asarray(self.values[:, 1] @ self.system.output(output))
+
+
+class Reading:
+    """Takes the pieces of ``hold`` periods in turn (from time 0) and reads off them what a steady point shows."""
+
+    def __init__(self, system: ImpactSystem, drive: Drive, output: str, hold: int, start: State) -> None:
+        self.system, self.drive, self.row, self.hold = system, drive, system.output(output), hold
+        self.marks: Array = np.arange(1.0, hold + 1.0) * (2 * np.pi / drive.omega)
+        self.strobes = [np.stack([start.displacement, start.velocity])]
+        self.high, self.low, self.least = -np.inf, np.inf, np.inf
+        self.rest, self.energy = 0.0, np.zeros(system.size)
+        self.velocities: list[float] = []
+
+    def add(self, piece: Piece) -> None:
+        """Read one piece."""
+        low, high = self._extremes(piece, self.row)
+        self.low, self.high = min(self.low, low), max(self.high, high)
+        self.least = min(self.least, self._extremes(piece, self.system.contact)[0])
+        self.energy += energy(piece, self.system.omega)
+        self.velocities += list(piece.impact_velocities)
+        self.rest += piece.rest
+        self._strobe(piece)
+
+    def _extremes(self, piece: Piece, row: Array) -> tuple[float, float]:
+        return extremes(piece.times, piece.values[:, 0] @ row, piece.values[:, 1] @ row, piece.smooth)
+
+    def _strobe(self, piece: Piece) -> None:
+        slack = SLACK * self.marks[0]
+        inside = self.marks[len(self.strobes) - 1 :]
+        inside = inside[inside <= piece.times[-1] + slack]
+        self.strobes += list(piece.values[np.searchsorted(piece.times, inside - slack)])
+
+    def write(self, response: FrequencyResponse, i: int, repeats: float) -> None:
+        """Put what was read into point ``i``; ``repeats``: tolerance of ``repetition``."""
+        span, struck = self.hold * self.marks[0], len(self.velocities)
+        response.maximum[i], response.minimum[i] = self.high, self.low
+        response.amplitude[i] = (self.high - self.low) / 2
+        response.reach[i] = self.system.gap - self.least
+        response.impacts_per_period[i] = struck / self.hold
+        kept = self.velocities[-VELOCITIES_KEPT:]
+        response.impact_velocities[i, VELOCITIES_KEPT - len(kept) :] = kept
+        response.impact_velocity[i] = np.mean(self.velocities) if struck else np.nan
+        response.rest[i], response.mode_energy[i] = self.rest / span, self.energy / span
+        touched = struck > 0 or self.rest > 0
+        period = repetition(np.array(self.strobes), self.system.omega, self.drive.omega, repeats)
+        response.period[i] = period if touched else -1
+
+
+def turning_points(times: Array, values: Array, slopes: Array) -> tuple[Array, Array]:
+    """Where (as shares 0…1 of each interval) and how high the cubics between samples turn: (2, m − 1) each.
+
+    p(s) = x₀ + a s + b s² + c s³ with p'(s) = a + 2bs + 3cs²; where a cubic does not turn inside, its ends stand in.
+    """
+    h, rise = np.diff(times), np.diff(values)
+    a, end = h * slopes[:-1], h * slopes[1:]
+    b, c = 3 * rise - 2 * a - end, a + end - 2 * rise
+    with np.errstate(all="ignore"):
+        q = -(b + np.copysign(np.sqrt(b * b - 3 * c * a), b))
+        shares = np.stack([q / (3 * c), a / q])
+    shares = np.clip(np.where(np.isfinite(shares), shares, 0.0), 0.0, 1.0)
+    return shares, values[:-1] + shares * (a + shares * (b + shares * c))
+
+
+def extremes(
+    times: Array, values: Array, slopes: Array, smooth: NDArray[np.bool_] | None = None
+) -> tuple[float, float]:
+    """Least and greatest value of the motion through samples (m,)."""
+    turns = turning_points(times, values, slopes)[1]
+    if smooth is not None:
+        turns = turns[:, smooth]
+    low, high = float(np.min(values)), float(np.max(values))
+    return (min(low, float(np.min(turns))), max(high, float(np.max(turns)))) if turns.size else (low, high)
+
+
+def energy(piece: Piece, omega: Array) -> Array:
+    """∫ ½(η'² + ω²η²) dt of each mode (n,) over a piece: Simpson's rule, the midpoints from the cubics."""
+    x, v, h = piece.values[:, 0], piece.values[:, 1], np.diff(piece.times)[:, None]
+    ends = (v**2 + omega**2 * x**2) / 2
+    rise = np.divide(np.diff(x, axis=0), h, out=np.zeros_like(x[1:]), where=h > 0)
+    middle_x = (x[:-1] + x[1:]) / 2 + h * (v[:-1] - v[1:]) / 8
+    middle_v = 1.5 * rise - (v[:-1] + v[1:]) / 4
+    middle = (middle_v**2 + omega**2 * middle_x**2) / 2
+    if piece.smooth is not None:
+        middle = np.where(piece.smooth[:, None], middle, (ends[:-1] + ends[1:]) / 2)
+    return np.asarray(np.sum(h * (ends[:-1] + 4 * middle + ends[1:]), axis=0) / 6)

@@ -1,0 +1,1 @@
+"""Pointwise mapping from impact to impact of a one-mode system."""

@@ -1,0 +1,133 @@
+"""Stability of the impact map: trace and determinant of its Jacobian, corrected and printed (paper eq. 29–30, 35–37).
+
+A flight of duration τ from (t₀, q̇₊ = −R q̇₋⁰) to (t₁, q̇₋), with E(τ) the free flow and accelerations
+q̈₊ = F(t₀) − 2βq̇₊ − Δ, q̈₋ = F(t₁) − 2βq̇₋ − Δ: a start that is late by δt₀ and faster by δq̇₊ arrives at the undisturbed
+time with (δq, δq̇) = E (−q̇₊ δt₀, δq̇₊ − q̈₊ δt₀), and at the stop
+
+    δt₁ = −δq/q̇₋,    δq̇₋ = δq̇ + q̈₋ δt₁.
+
+Trace and determinant of (t, q̇₋) → (t, q̇₋) follow, with N = F(t₀) − βq̇₊ − Δ:
+
+    tr J  = e^{−βτ}/(ω_D q̇₋) { [N + R(F(t₁) − βq̇₋ − Δ)] sin ω_Dτ + ω_D (q̇₊ − R q̇₋) cos ω_Dτ }     (eq. 30, corrected)
+    det J = −R e^{−2βτ} q̇₊/q̇₋                                                                       (eq. 29)
+
+and for a fixed point of n periods, τ = nT, q̇₊ = −R q̇₋, F = F(t₀) = F(t₁):
+
+    tr J  = e^{−βnT} [(1+R)(F − Δ) sin(ω_D nT)/(ω_D q̇₋) − 2R cos ω_D nT]                              (eq. 36–37)
+    det J = R² e^{−2βnT}                                                                             (eq. 35, corrected)
+
+The forms, by name:
+
+- ``"derived"``: these.
+- ``"printed 35-37"``: eq. 35 as printed, det J = R² e^{−βnT} without the 2, and the trace of eq. 36–37.
+- ``"printed 29-30"``: eq. 30 as printed has a wrong sign, a wrong index and a term less, but which ones is not on
+  record here, so it cannot be computed: asking for it is an error that says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import cos, exp, sin
+from typing import Literal
+
+import numpy as np
+
+from vibeam.solvers.mapping.impact_map import Impact, ImpactMap, Orbit, fixed_points, flight_solver
+from vibeam.solvers.one_mode.oscillator import Oscillator
+
+Form = Literal["derived", "printed 29-30", "printed 35-37"]
+
+FORMS: tuple[Form, ...] = ("derived", "printed 35-37")  # those that can be computed
+
+UNRECORDED = "form 'printed 29-30': eq. 30 as printed is not on record, only that it is wrong; see 'derived'"
+
+
+@dataclass(frozen=True)
+class Invariants:
+    """Trace and determinant of a Jacobian (2, 2)."""
+
+    trace: float
+    determinant: float
+
+    @property
+    def multipliers(self) -> tuple[complex, complex]:
+        """Its eigenvalues, that with the larger imaginary, then real part first."""
+        half = np.sqrt(complex(self.trace**2 / 4 - self.determinant))
+        return complex(self.trace / 2 + half), complex(self.trace / 2 - half)
+
+    @property
+    def margins(self) -> tuple[float, float, float]:
+        """Jury's conditions, each > 0 where it holds: 1 − tr + det (fold), 1 + tr + det (flip), 1 − det (torus)."""
+        return 1 - self.trace + self.determinant, 1 + self.trace + self.determinant, 1 - self.determinant
+
+    @property
+    def stable(self) -> bool:
+        """Whether both multipliers lie inside the unit circle."""
+        return max(abs(one) for one in self.multipliers) < 1
+
+    @property
+    def stable_by_jury(self) -> bool:
+        """Whether all of Jury's conditions hold: the same verdict without a square root."""
+        return min(self.margins) > 0
+
+
+def flight_invariants(model: Oscillator, omega: float, start: Impact, end: Impact) -> Invariants:
+    """Of the map along one flight from impact to impact (eq. 29, and eq. 30 corrected)."""
+    beta, loss, rate, tau = model.damping, model.restitution, model.damped, end.flight
+    after, before = -loss * start.velocity, end.velocity
+    leaving = model.force(omega, start.time) - beta * after - model.gap
+    arriving = model.force(omega, end.time) - beta * before - model.gap
+    turning = (leaving + loss * arriving) * sin(rate * tau) + rate * (after - loss * before) * cos(rate * tau)
+    trace = exp(-beta * tau) / (rate * before) * turning
+    return Invariants(trace, -loss * exp(-2 * beta * tau) * after / before)
+
+
+def orbit_invariants(orbit: Orbit, form: Form = "derived") -> Invariants:
+    """Of the map at a fixed point, in the form asked for (eq. 35–37); ValueError for a form that there is not."""
+    check_form(form)
+    model, duration = orbit.oscillator, orbit.duration
+    loss, rate, fade = model.restitution, model.damped, exp(-model.damping * duration)
+    push = (1 + loss) * (model.force(orbit.omega, orbit.time) - model.gap)
+    trace = fade * (push * sin(rate * duration) / (rate * orbit.velocity) - 2 * loss * cos(rate * duration))
+    return Invariants(trace, loss**2 * (fade if form == "printed 35-37" else fade**2))
+
+
+def check_form(form: str) -> None:
+    """ValueError where ``form`` cannot be computed."""
+    if form == "printed 29-30":
+        raise ValueError(UNRECORDED)
+    if form not in FORMS:
+        raise ValueError(f"form: {form!r} is none of {', '.join(map(repr, FORMS))}")
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What each form says of one admissible orbit."""
+
+    orbit: Orbit
+    derived: Invariants
+    printed: Invariants
+
+    @property
+    def misjudged(self) -> bool:
+        """Whether the printed form's verdict is wrong."""
+        return self.derived.stable is not self.printed.stable
+
+
+def verdicts(model: Oscillator, omegas: Iterable[float], periods: int = 1) -> tuple[Verdict, ...]:
+    """The verdicts on every admissible orbit of 1 … ``periods`` drive periods over Ω, in the order of ``omegas``."""
+    grid = [float(omega) for omega in omegas]
+    solver = flight_solver(model, min(grid, default=1.0))
+    found = []
+    for omega in grid:
+        flights = ImpactMap(model, omega, solver)
+        for orbit in admissible_orbits(flights, periods):
+            found.append(Verdict(orbit, orbit_invariants(orbit), orbit_invariants(orbit, "printed 35-37")))
+    return tuple(found)
+
+
+def admissible_orbits(flights: ImpactMap, periods: int = 1) -> list[Orbit]:
+    """The fixed points of 1 … ``periods`` drive periods that pass the stop nowhere, at the map's Ω."""
+    orbits = [o for n in range(1, periods + 1) for o in fixed_points(flights.oscillator, flights.omega, n)]
+    return [orbit for orbit in orbits if orbit.admissible(flights)]

@@ -1,0 +1,121 @@
+"""What the analytical solvers share: stationary motions at each frequency, the one nearest to the state goes on."""
+
+from __future__ import annotations
+
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.solvers.one_mode.oscillator import OneMode, Oscillator
+from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
+from vibeam.system.state import State
+
+Array = NDArray[np.float64]
+
+NOTHING_FOUND = Ended.NO_ORBIT  # no stable motion of the kind looked for
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A stationary motion of an ``Oscillator``, nondimensional.
+
+    ``places`` (m, 2): (q, q̇) at drive phase 0, one for each way to shift the motion by drive periods.
+    ``velocity``: before impact, NaN without; ``mean`` of q and ``square`` of q² + q̇² in time.
+    """
+
+    high: float
+    low: float
+    places: Array
+    mean: float
+    square: float
+    period: int = -1
+    impacts_per_period: float = 0.0
+    velocity: float = np.nan
+    resting: bool = False
+
+
+def without_impacts(model: Oscillator, omega: float) -> list[Motion]:
+    """The motion that never strikes, where there is one: free of the stop (|H| ≤ Δ), or at rest on it (Ω²|B| ≤ −Δ)."""
+    swing, gap = model.harmonic(omega), model.gap
+    if abs(swing) <= gap:
+        place = np.array([[swing.imag, omega * swing.real]])
+        return [Motion(abs(swing), -abs(swing), place, 0.0, abs(swing) ** 2 * (1 + omega**2) / 2)]
+    if omega**2 * abs(model.drive) <= -gap:
+        return [Motion(gap, gap, np.array([[gap, 0.0]]), gap, gap**2, period=1, resting=True)]
+    return []
+
+
+def nearest(motions: Sequence[Motion], place: Array) -> tuple[Motion, Array] | None:
+    """The motion that passes nearest to ``place`` (q, q̇) at drive phase 0, and where; None where there is none."""
+    passed = [(float(np.hypot(*(at - place))), index, at) for index, m in enumerate(motions) for at in m.places]
+    if not passed:
+        return None
+    _, index, at = min(passed, key=lambda one: one[:2])
+    return motions[index], at
+
+
+class StationarySolver(ABC):
+    """A solver that knows the stationary motions at each frequency and takes the one nearest to the carried state.
+
+    Hysteresis follows: a branch is kept for as long as it is there and stable. ``settle`` has no meaning (there is no
+    transient), ``hold`` says only how many impact velocities are kept. Where no motion is found the point is NaN with
+    its reason, and the next one starts from equilibrium. ``strikes_only``: never take a motion without impacts.
+    """
+
+    def __init__(self, system: ImpactSystem, strikes_only: bool = False) -> None:
+        """ValueError where the system is not one underdamped mode with stiffness."""
+        self.mode, self.system, self.strikes_only = OneMode(system), system, strikes_only
+
+    @abstractmethod
+    def striking(self, model: Oscillator, omega: float) -> list[Motion]:
+        """The stable motions with impacts at Ω."""
+
+    def motions(self, model: Oscillator, omega: float) -> list[Motion]:
+        """All stable motions at Ω that this solver knows of."""
+        return self.striking(model, omega) + ([] if self.strikes_only else without_impacts(model, omega))
+
+    def steady(
+        self,
+        omegas: Sequence[float] | Array,
+        amplitude: float,
+        state: State | None,
+        settle: int,
+        hold: int,
+        output: str,
+    ) -> tuple[FrequencyResponse, State]:
+        """Stationary points at ``omegas`` (rad/s) in turn, the state carried from each to the next; the last state."""
+        response = FrequencyResponse.empty(np.asarray(omegas, dtype=float) / (2 * np.pi), 1)
+        response.impacts[:] = response.evaluations[:] = 0
+        model, place, resting = self.mode.oscillator(amplitude), self.mode.inward(state), False
+        for index, omega in enumerate(omegas):
+            begun = time.thread_time()
+            found = nearest(self.motions(model, float(omega) / self.mode.omega), place)
+            if found is None:
+                response.ended[index], resting = NOTHING_FOUND.code, False
+                place = self.mode.inward(None)
+            else:
+                (motion, place), resting = found, found[0].resting
+                self._write(response, index, motion, hold, output)
+            response.cpu_seconds[index] = time.thread_time() - begun
+        return response, self.mode.outward(place, resting)
+
+    def _write(self, response: FrequencyResponse, i: int, motion: Motion, hold: int, output: str) -> None:
+        mode = self.mode
+        share = float(self.system.output(output)[0]) / mode.contact
+        ends = sorted(share * (extreme + mode.static) for extreme in (motion.low, motion.high))
+        response.minimum[i], response.maximum[i] = ends
+        response.amplitude[i] = (ends[1] - ends[0]) / 2
+        response.reach[i] = self.system.gap - mode.static - motion.low
+        response.period[i], response.rest[i] = motion.period, float(motion.resting)
+        response.impacts_per_period[i] = motion.impacts_per_period
+        response.impact_velocity[i] = motion.velocity * mode.omega
+        count = min(VELOCITIES_KEPT, int(hold * motion.impacts_per_period + 1e-9))
+        response.impact_velocities[i, VELOCITIES_KEPT - count :] = motion.velocity * mode.omega
+        square = motion.square + 2 * mode.static * motion.mean + mode.static**2
+        response.mode_energy[i] = square * (mode.omega / mode.contact) ** 2 / 2
+        response.ended[i] = Ended.COMPLETE.code

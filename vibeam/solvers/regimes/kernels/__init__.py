@@ -1,1 +1,0 @@
-"""The compiled part; it takes pairs, tables and root isolation from ``vibeam.solvers.kernels``."""

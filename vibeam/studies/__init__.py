@@ -1,0 +1,1 @@
+"""Studies of a case: regression, cost, influence, stability, derived parameters, modes."""

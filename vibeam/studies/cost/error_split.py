@@ -1,0 +1,116 @@
+"""Where the error comes from: a chain of models from one fidelity to the finest, one thing changed at each link.
+
+The difference of the ends is the sum of the links' differences, point by point and so in the mean:
+
+    a − a_finest = Σ (a_i − a_{i+1}).
+
+The links are: the contact law (R does not carry over between models: the fidelity with the R by which its first mode
+sees what the finest's first mode sees), the reduction (the finest's, with that same R₁), the effects left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.run.models import Model, equal, seen, with_seen
+from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.response import FrequencyResponse, periodic
+
+Array = NDArray[np.float64]
+
+LINKS = ("contact law", "reduction", "effects left out", "finest fidelity itself")  # the last against a file alone
+
+
+@dataclass(frozen=True)
+class Part:
+    """One link's share of the amplitude's error, over the finest's amplitude: signed mean, root mean square, largest.
+
+    ``note``: why there is none, where the numbers are NaN; the link after it then holds both.
+    """
+
+    name: str
+    mean: float
+    rms: float
+    worst: float
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Split:
+    """The exact error of a fidelity against the finest and its parts, over ``points`` where all of the chain repeats.
+
+    ``restitution``: what its first mode sees. ``cpu``: seconds of its exact run.
+    """
+
+    fidelity: str
+    modes: int
+    restitution: float
+    total: Part
+    parts: tuple[Part, ...]
+    points: int
+    cpu: float
+
+
+def shares(chain: Sequence[FrequencyResponse]) -> tuple[list[Array], Array]:
+    """The links' differences in amplitude over the last one's, (points,) each, and the whole; of the points where
+    every response of the chain repeats."""
+    last = chain[-1].amplitude
+    where = np.logical_and.reduce([periodic(each) for each in chain]) & (last > 0)
+    steps = [each.amplitude[where] / last[where] for each in chain]
+    return [one - other for one, other in pairwise(steps)], steps[0] - steps[-1]
+
+
+def part(name: str, values: Array) -> Part:
+    """A link's numbers."""
+    if not len(values):
+        return Part(name, np.nan, np.nan, np.nan, "no point where all of the chain repeats")
+    return Part(name, float(np.mean(values)), float(np.sqrt(np.mean(values**2))), float(np.max(np.abs(values))))
+
+
+Build = Callable[[Model, Model], ImpactSystem]
+
+Fly = Callable[[ImpactSystem], FrequencyResponse]
+
+
+def split(
+    model: Model,
+    finest: Model,
+    exact: FrequencyResponse,
+    top: FrequencyResponse,
+    build: Build,
+    fly: Fly,
+    cpu: float,
+    file: FrequencyResponse | None = None,
+) -> Split:
+    """The parts of ``model``'s error. ``build(model, finest)``: its system with the finest's reduction, its own
+    effects; ``fly``: the exact response of a system; ``exact`` and ``top``: those of the two ends;
+    ``file``: what the finest itself is compared with.
+    """
+    chain, notes = [exact], ["", "", "", ""]
+    try:
+        chain.append(exact if model is finest else fly(with_seen(model.system, seen(finest.system))))
+    except ValueError as refusal:
+        chain.append(exact)
+        notes[0] = str(refusal)
+    chain += [_reduced_alike(model, finest, top, build, fly), top, *([] if file is None else [file])]
+    steps, whole = shares(chain)
+    parts = [
+        replace(part(name, values), mean=np.nan, rms=np.nan, worst=np.nan, note=note) if note else part(name, values)
+        for name, values, note in zip(LINKS, steps, notes, strict=False)
+    ]
+    return Split(model.name, model.system.size, seen(model.system), part("total", whole), tuple(parts), len(whole), cpu)
+
+
+def _reduced_alike(model: Model, finest: Model, top: FrequencyResponse, build: Build, fly: Fly) -> FrequencyResponse:
+    alike = build(model, finest)
+    try:
+        alike = with_seen(alike, seen(finest.system))
+    except ValueError:
+        alike = replace(alike, restitution=finest.system.restitution)
+    rounded = replace(alike, restitution=finest.system.restitution)
+    return top if equal(rounded, finest.system) else fly(alike)

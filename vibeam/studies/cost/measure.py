@@ -1,0 +1,126 @@
+"""What one run shows: the same sweep and the same path for every fidelity and every solver."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.solvers import solver
+from vibeam.studies.cost.settings import Rung
+from vibeam.studies.cost.trajectories import Path, path_of, released
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.response import Ended, FrequencyResponse, join
+from vibeam.system.state import State
+
+Array = NDArray[np.float64]
+
+Clock = Callable[[], float]
+
+
+class OutOfTime(Exception):
+    """A run was stopped: the message says where."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What every run does: a sweep up over ``omega`` (rad/s), the state carried, then a path of ``window`` periods.
+
+    ``amplitude``: of the base at each, m.
+    Where the motion does not repeat, ``cloud`` periods more are read one by one. ``size``: of the contact's motion, m;
+    ``drive`` moves the path.
+    """
+
+    omega: Array
+    amplitude: Array
+    settle: int
+    hold: int
+    output: str
+    cloud: int
+    window: int
+    size: float
+    drive: Drive
+
+    def at(self, index: int) -> Plan:
+        """The plan for one of its frequencies alone."""
+        return replace(self, omega=self.omega[index : index + 1], amplitude=self.amplitude[index : index + 1])
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """A motion that does not repeat, period by period: amplitudes (periods,) and impact velocities (impacts,)."""
+
+    amplitude: Array
+    velocity: Array
+    impacts: int = 0
+    evaluations: int = 0
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What a run showed; ``clouds`` by the index of their frequency, ``path`` None where the solver keeps none."""
+
+    response: FrequencyResponse
+    clouds: Mapping[int, Cloud] = field(default_factory=dict)
+    path: Path | None = None
+    periods: int = 0
+
+    @property
+    def impacts(self) -> int:
+        """All impacts computed: of the sweep, the clouds and the path."""
+        pathed = 0 if self.path is None else len(self.path.impact_times)
+        return int(np.sum(self.response.impacts)) + sum(each.impacts for each in self.clouds.values()) + pathed
+
+    @property
+    def evaluations(self) -> int:
+        """All evaluations, of the same."""
+        pathed = 0 if self.path is None else self.path.evaluations
+        clouded = sum(each.evaluations for each in self.clouds.values())
+        return int(np.sum(self.response.evaluations)) + clouded + pathed
+
+    @property
+    def failure(self) -> str:
+        """Why a point of it broke down; empty where none did. To find no motion of one's kind is no failure."""
+        fine = (Ended.COMPLETE.code, Ended.NO_ORBIT.code)
+        broken = [int(code) for code in self.response.ended if code not in fine]
+        if not broken:
+            return ""
+        reason = Ended.of_code(broken[0]).value.partition(":")[0]  # the cure behind the colon is not the user's here
+        return f"{len(broken)} of {len(self.response)} points: {reason}"
+
+
+def measure(
+    system: ImpactSystem, rung: Rung, plan: Plan, clock: Clock = lambda: 0.0, deadline: float = np.inf
+) -> Measured:
+    """Run the plan; ValueError where the solver cannot take the system, OutOfTime if ``clock`` passes ``deadline``."""
+    runner = solver(rung.solver, system, float(np.min(plan.omega)), **rung.options)
+    parts: list[FrequencyResponse] = []
+    clouds: dict[int, Cloud] = {}
+    state: State | None = None
+    for index, omega in enumerate(plan.omega):
+        if clock() > deadline:
+            raise OutOfTime(f"stopped after {index} of {len(plan.omega)} points: the time was up")
+        one = np.array([omega])
+        base = float(plan.amplitude[index])
+        part, state = runner.steady(one, base, state, plan.settle, plan.hold, plan.output)
+        parts.append(part)
+        if part.period[0] == 0 and part.ended[0] == Ended.COMPLETE.code and plan.cloud:
+            each = np.full(plan.cloud, omega)
+            watched, state = runner.steady(each, base, state, 0, 1, plan.output)
+            clouds[index] = _cloud(watched)
+    path = _path(runner, system, plan) if plan.window else None
+    periods = len(plan.omega) * (plan.settle + plan.hold) + len(clouds) * plan.cloud + plan.window * (path is not None)
+    return Measured(join(parts), clouds, path, periods)
+
+
+def _cloud(watched: FrequencyResponse) -> Cloud:
+    velocities, amplitudes = watched.impact_velocities.ravel(), watched.amplitude
+    counts = int(np.sum(watched.impacts)), int(np.sum(watched.evaluations))
+    return Cloud(amplitudes[np.isfinite(amplitudes)], velocities[np.isfinite(velocities)], *counts)
+
+
+def _path(runner: object, system: ImpactSystem, plan: Plan) -> Path | None:
+    end = plan.window * 2 * np.pi / plan.drive.omega
+    return path_of(runner, plan.drive, released(system, plan.size), end, plan.output)

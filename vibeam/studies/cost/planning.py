@@ -1,0 +1,87 @@
+"""What every run of a study does: at which frequencies, how long it settles, how the path is driven and begun."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.run.models import Model
+from vibeam.studies.cost.errors import peak
+from vibeam.studies.cost.measure import Plan, measure
+from vibeam.studies.cost.reference import FLIGHT, curve
+from vibeam.system.impact_system import Drive
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+
+
+Array = NDArray[np.float64]
+
+POINTS, SETTLE, HOLD, CLOUD, WINDOW = 9, 100, 10, 200, 10
+
+
+class Planning:
+    """The plans of a case, each made when first asked for; ``finest``: the model whose motion they go by."""
+
+    def __init__(self, case: Case, finest: Model) -> None:
+        self._case, self._finest = case, finest
+
+    @cached_property
+    def first(self) -> Plan:
+        """The sweep alone, as the case asks for it."""
+        sweep, asked = self._case.sweep, self._case.cost
+        omega = 2 * np.pi * frequencies(self._case)
+        settle = min(sweep.settle, SETTLE) if asked.settle is None else asked.settle
+        hold = min(sweep.hold, HOLD) if asked.hold is None else asked.hold
+        base = np.broadcast_to(self._case.amplitude(omega), omega.shape)
+        return Plan(omega, base, settle, hold, sweep.output, 0, 0, 1.0, self._drive(float(omega[0])))
+
+    def _drive(self, omega: float) -> Drive:
+        return Drive(omega, float(np.ravel(self._case.amplitude(np.array([omega])))[0]))
+
+    @cached_property
+    def plan(self) -> Plan:
+        """What all run: the path is driven at the reference's peak, and starts as far from the stop as it swings."""
+        seen = measure(self._finest.system, FLIGHT, self.first).response
+        size, top = float(np.nanmedian(seen.reach)), peak(seen)[0]
+        drive = self._drive(2 * np.pi * top) if np.isfinite(top) else self.first.drive
+        size = size if size > 0 else 1.0
+        return replace(self.first, cloud=CLOUD, window=WINDOW, size=size, drive=drive)
+
+    @cached_property
+    def long(self) -> Plan:
+        """The plan with at least the case's own settling: what counts as exact."""
+        return replace(self.plan, settle=max(self._case.sweep.settle, self.plan.settle))
+
+    def of(self, model: Model) -> Plan:
+        """The plan as the model's own scene drives it."""
+        return self._driven(model, self.plan)
+
+    def long_of(self, model: Model) -> Plan:
+        """The long plan likewise."""
+        return self._driven(model, self.long)
+
+    def _driven(self, model: Model, plan: Plan) -> Plan:
+        if not self._case.scenes:
+            return plan
+        place = np.array([plan.drive.omega])
+        base, alone = (self._case.amplitude_of(model.like, omega) for omega in (plan.omega, place))
+        drive = Drive(plan.drive.omega, float(np.ravel(alone)[0]))
+        return replace(plan, amplitude=np.broadcast_to(base, plan.omega.shape), drive=drive)
+
+
+def frequencies(case: Case) -> Array:
+    """The frequencies (Hz) that are run: those asked for, or nine of the sweep's, evenly spread."""
+    asked = case.cost
+    if asked.frequency is not None:
+        return np.array(asked.frequency)
+    grid = np.sort(case.sweep.frequency)
+    if asked.reference is not None:
+        grid = np.array(sorted(f for f in curve(case) if grid[0] <= f <= grid[-1]))
+        if not len(grid):
+            raise ValueError(f"cost.reference: {asked.reference!r} has no point within the sweep")
+    return np.asarray(grid[np.unique(np.linspace(0, len(grid) - 1, POINTS).round().astype(int))])

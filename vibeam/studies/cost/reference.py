@@ -1,0 +1,121 @@
+"""The reference: the finest fidelity by the exact flight solver, and how far a second solver is from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.reference_curves import SAME_FREQUENCY, reference_points
+from vibeam.studies.cost.errors import Errors, errors
+from vibeam.studies.cost.measure import Measured, Plan, measure
+from vibeam.studies.cost.settings import Rung
+from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.response import FrequencyResponse
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+
+
+Array = NDArray[np.float64]
+
+FLIGHT, ORBIT = Rung("flight"), Rung("orbit")
+
+STRICT = 1e-12
+
+MOST = 12  # modes, beyond which strict integration takes too long
+
+WINDOW = 3  # drive periods of strict integration
+
+
+@dataclass(frozen=True)
+class Bound:
+    """How far two independent solvers are from flight on the finest fidelity, relative.
+
+    ``amplitude``, ``velocity``: the closed-form orbits, at the ``points`` of ``total`` frequencies with one impact a
+    period. ``path``, ``impacts``: integration by DOP853 at 1e-12 over three periods, of displacement (Hausdorff) and
+    impact velocity. NaN where they have nothing to say, ``note`` says why.
+    """
+
+    amplitude: float
+    velocity: float
+    points: int
+    total: int
+    path: float
+    impacts: float
+    note: str = ""
+
+    @property
+    def value(self) -> float:
+        """The stated figure: of amplitudes where there is one, else of paths."""
+        return self.amplitude if np.isfinite(self.amplitude) else self.path
+
+    @property
+    def sentence(self) -> str:
+        """In words."""
+        said = []
+        if self.points:
+            agreed = f"flight and closed-form orbits agree to {self.amplitude:.1e} in amplitude"
+            said.append(f"{agreed} at {self.points} of {self.total} frequencies")
+        if np.isfinite(self.impacts):
+            said.append(f"flight and DOP853 at 1e-12 to {self.impacts:.1e} in impact velocity over {WINDOW} periods")
+        return "; ".join([*said, *filter(None, [self.note])])
+
+
+def bound(system: ImpactSystem, exact: Measured, plan: Plan) -> Bound:
+    """Both second opinions on ``exact``."""
+    by_orbit, refusal = _closed_form(system, exact, plan)
+    by_steps, failure = _integrated(system, plan)
+    return Bound(
+        by_orbit.amplitude_max, by_orbit.velocity, by_orbit.points, by_orbit.total, by_steps.path,
+        by_steps.impact_velocities, "; ".join(filter(None, [refusal, failure])),
+    )  # fmt: skip
+
+
+def _closed_form(system: ImpactSystem, exact: Measured, plan: Plan) -> tuple[Errors, str]:
+    """The distance to the closed-form orbits, or why there are none."""
+    if system.beyond_plain:
+        return Errors(), f"no closed-form orbits with {' or '.join(system.beyond_plain)}"
+    alone = _single_impacts(exact.response)
+    return errors(measure(system, ORBIT, replace(plan, window=0)), replace(exact, response=alone), plan), ""
+
+
+def given(case: Case, frequency: Array) -> FrequencyResponse:
+    """The curve in the case's reference file, at ``frequency`` (Hz); ValueError where it has no such point."""
+    points = curve(case)
+    response = FrequencyResponse.empty(frequency, 1)
+    for index, each in enumerate(frequency):
+        near = [value for f, value in points.items() if abs(f - each) <= SAME_FREQUENCY * each]
+        if not near:
+            raise ValueError(f"cost.frequency: {each:g} Hz is no point of reference {case.cost.reference!r}")
+        response.amplitude[index], response.period[index] = near[0]
+    response.ended[:], response.impacts_per_period[:] = 0, 1.0
+    return response
+
+
+def curve(case: Case) -> dict[float, tuple[float, int]]:
+    """Amplitude and period (1 where none is said) over frequency (Hz) of the case's reference file, first branch."""
+    points = reference_points(case.references[case.cost.reference or ""])
+    way = points[0].direction if points else "up"
+    told = [point for point in points if point.direction == way and point.value is not None]
+    return {p.frequency: (p.value or 0.0, 1 if p.period is None else p.period) for p in told}
+
+
+def _single_impacts(response: FrequencyResponse) -> FrequencyResponse:
+    """The response with all but its simplest motions marked as not repeating: an orbit's solver knows no others."""
+    simple = (response.period == -1) | ((response.period == 1) & (response.impacts_per_period <= 1))
+    return replace(response, period=np.where(simple, response.period, 0))
+
+
+def _integrated(system: ImpactSystem, plan: Plan) -> tuple[Errors, str]:
+    if system.size > MOST:
+        return Errors(), f"{system.size} modes are too many to integrate at {STRICT:.0e}"
+    short = replace(plan.at(0), settle=0, hold=1, cloud=0, window=WINDOW)
+    options = {"method": "DOP853", "rtol": STRICT, "atol": STRICT * 1e-2 * plan.size}
+    try:
+        strict = measure(system, Rung("direct", options=options), short)
+    except ValueError as refusal:
+        return Errors(), f"no integration: {refusal}"
+    return errors(strict, measure(system, FLIGHT, short), short), strict.failure

@@ -1,0 +1,86 @@
+"""One run in one row: how far it is from the reference and from its own fidelity, in parts, and what it took."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibeam.run.models import Model
+from vibeam.studies.cost.error_split import Part, part, shares
+from vibeam.studies.cost.errors import Errors, errors
+from vibeam.studies.cost.measure import Measured, Plan
+from vibeam.studies.cost.settings import Rung
+from vibeam.studies.cost.work import Work
+from vibeam.system.response import Ended, complete
+
+PARTS = ("solver", "settling", "modelling", "total")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run: ``total`` error against the reference, ``numerical`` against the exact motion of its own fidelity.
+
+    ``parts`` of its amplitude's error, which add up: solver, settling, modelling. ``why``: the reason where it
+    failed, its errors are then NaN.
+    """
+
+    fidelity: str
+    modes: int
+    solver: str
+    method: str
+    setting: str
+    total: Errors
+    numerical: Errors
+    parts: tuple[Part, ...]
+    work: Work | None
+    found: int = 0  #: frequencies at which it found a motion
+    why: str = ""
+
+    @property
+    def label(self) -> str:
+        """The solver and its setting."""
+        return " ".join(filter(None, (self.solver, self.method, self.setting)))
+
+
+@dataclass(frozen=True)
+class Truths:
+    """What a run is held against: its fidelity's exact motion, settled as long as it is (``short``) and as long as
+    need be (``own``), and the reference.
+    """
+
+    short: Measured
+    own: Measured
+    reference: Measured
+
+
+def stopped(model: Model, rung: Rung, why: str) -> Row:
+    """The row of a run that came to no end."""
+    return _row(model, rung, Errors(), Errors(), (), None, 0, why)
+
+
+def compared(model: Model, rung: Rung, plan: Plan, found: Measured, work: Work, truths: Truths) -> Row:
+    """The row of a run that came to its end, broken down or not."""
+    motions = int(np.count_nonzero(complete(found.response)))
+    if found.failure:
+        return _row(model, rung, Errors(), Errors(), (), work, motions, found.failure)
+    total, numerical = (errors(found, truth, plan) for truth in (truths.reference, truths.own))
+    why = "" if total.points or np.isfinite(total.statistics) else _nothing(found)
+    steps, whole = shares([each.response for each in (found, truths.short, truths.own, truths.reference)])
+    parts = tuple(part(name, values) for name, values in zip(PARTS, [*steps, whole], strict=True))
+    return _row(model, rung, total, numerical, parts, work, motions, why)
+
+
+def _row(
+    model: Model, rung: Rung, total: Errors, numerical: Errors, parts: tuple[Part, ...], work: Work | None,
+    motions: int, why: str,
+) -> Row:  # fmt: skip
+    return Row(
+        model.name, model.system.size, rung.solver, rung.method, rung.setting,
+        total, numerical, parts, work, motions, why,
+    )  # fmt: skip
+
+
+def _nothing(found: Measured) -> str:
+    none = np.all(found.response.ended == Ended.NO_ORBIT.code)
+    return Ended.NO_ORBIT.value if none else "no frequency at which both its motion and the reference's repeat"

@@ -1,0 +1,213 @@
+"""``vibeam cost``: accuracy against time of a case, over fidelities and solvers."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.case.fidelity import gap_drift, gap_wear
+from vibeam.run.models import CUT_SOLVERS, Model, built, finest, models
+from vibeam.solvers import NAMES
+from vibeam.studies.cost.error_split import Split, split
+from vibeam.studies.cost.measure import Clock, Measured, OutOfTime, Plan, measure
+from vibeam.studies.cost.planning import Planning
+from vibeam.studies.cost.reference import FLIGHT, Bound, bound, given
+from vibeam.studies.cost.row import Row, Truths, compared, stopped
+from vibeam.studies.cost.schedule import LeftOut, Track, climb
+from vibeam.studies.cost.settings import Rung, ladders
+from vibeam.studies.cost.work import Work, front, timed
+from vibeam.system.impact_system import ImpactSystem
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+
+
+PROBE = 2  # drive periods of the warm-up, by which the cost of a ladder's first rung is estimated
+
+SHARE = 0.01  # of the budget that may go into repeating a run
+
+STIFF = 1e-5  # seconds, at least, that scipy's solvers take for a radian of the fastest mode
+
+FORMULAS = ("orbit", "averaging", "mapping")  # whose cost does not grow with the periods
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Study:
+    """All that ``vibeam cost`` found.
+
+    ``finest``: the fidelity that is the reference; ``reference``: the file that takes its place, None where none does;
+    ``same``: fidelities that are another's model; ``frequency`` in Hz, ``cpu``: seconds in all.
+    """
+
+    title: str
+    finest: str
+    reference: str | None
+    bound: Bound
+    rows: tuple[Row, ...]
+    splits: tuple[Split, ...]
+    left_out: tuple[LeftOut, ...]
+    refused: tuple[LeftOut, ...]
+    same: dict[str, str]
+    frequency: tuple[float, ...]
+    settle: int
+    hold: int
+    cpu: float
+
+    @property
+    def truth(self) -> str:
+        """What errors are taken against, in words."""
+        return f"reference {self.reference}" if self.reference else f"{self.finest}, exact"
+
+    @property
+    def front(self) -> list[int]:
+        """Rows that no other beats in both error and time, among those that found a motion at every frequency."""
+        whole = len(self.frequency)
+        errors = [row.total.amplitude_rms if row.found == whole else np.nan for row in self.rows]
+        seconds = [row.work.cpu_min if row.work else np.nan for row in self.rows]
+        return front(list(zip(errors, seconds, strict=True)))
+
+
+def _gap_changes(case: Case, name: str) -> bool:
+    scene = case.scene_of(name)
+    return gap_wear(scene) is not None or gap_drift(scene, 2 * np.pi * case.sweep.frequency) is not None
+
+
+def cost(case: Case, progress: Progress = lambda line: None, clock: Clock = time.thread_time) -> Study:
+    """Run what the budget allows and compare it.
+
+    ValueError for a fidelity that cannot be built, or whose gap changes during the sweep: no point then stands alone.
+    """
+    moving = [name for name in case.fidelities if _gap_changes(case, name)]
+    if moving:
+        names = ", ".join(moving)
+        raise ValueError(f"fidelity {names}: the gap changes along the sweep (drift or wear), no point stands alone")
+    return _Studied(case, progress, clock).study()
+
+
+class _Studied:
+    """One study as it grows."""
+
+    def __init__(self, case: Case, progress: Progress, clock: Clock) -> None:
+        self.case, self.asked, self.clock, self.say = case, case.cost, clock, progress
+        self.models, self.same = models(case, self.asked.modes)
+        self.finest = finest(self.models)
+        self.named = {model.name: model for model in self.models}
+        self.rows: list[Row] = []
+        self.refused: list[LeftOut] = []
+        self.planning = Planning(case, self.finest)
+        self.warm()
+        self.began = self.ready = clock()
+
+    def warm(self) -> None:
+        """Load and compile what is loaded and compiled but once: of flight, which all need, and of all solvers."""
+        for model in self.models:
+            self._warm(FLIGHT, [model])
+        smallest_first = sorted(self.models, key=lambda model: model.system.size)
+        for name in self.asked.solvers or NAMES:
+            for ladder in ladders(name, 1.0):
+                self._warm(ladder[0], smallest_first)
+
+    def _warm(self, rung: Rung, models: Sequence[Model]) -> None:
+        """A short run on the first model that the solver can take."""
+        plan = replace(self.planning.first.at(0), settle=0, hold=PROBE)
+        for model in models:
+            with suppress(ValueError):
+                measure(model.system, rung, plan)
+                return
+
+    def study(self) -> Study:
+        """Everything in turn: exact motions, their bound, the parts of modelling, then the ladders."""
+        self.say("exact motions of every fidelity, and what bounds them")
+        self.exact = {
+            model.name: self._timed(model.system, FLIGHT, self.planning.long_of(model), np.inf) for model in self.models
+        }
+        self.short = {model.name: measure(model.system, FLIGHT, self.planning.of(model)) for model in self.models}
+        top = self.exact[self.finest.name][0]
+        plan = self.planning.plan
+        hertz = plan.omega / (2 * np.pi)
+        self.file = None if self.asked.reference is None else given(self.case, hertz)
+        self.truth = top if self.file is None else Measured(self.file)
+        bounded = bound(self.finest.system, top, self.planning.long)
+        splits = tuple(self._split(model, top) for model in self.models)
+        tracks = self._tracks()
+        self.ready = self.clock()
+        left_out = climb(tracks, self._left, self._climbed)
+        order = {model.name: index for index, model in enumerate(self.models)}
+        rungs = [rung.label for name in NAMES for ladder in ladders(name, 1.0) for rung in ladder]
+        rows = sorted(self.rows, key=lambda row: (order[row.fidelity], rungs.index(row.label)))
+        grid = tuple(float(each) for each in hertz)
+        spent = self.clock() - self.began
+        return Study(
+            self.case.title, self.finest.name, self.asked.reference, bounded, tuple(rows), splits,
+            tuple(left_out), tuple(self.refused), self.same, grid, plan.settle, plan.hold, spent,
+        )  # fmt: skip
+
+    def _left(self) -> float:
+        """Seconds of the budget, which begins when all that every study needs is done."""
+        return self.asked.budget - (self.clock() - self.ready)
+
+    def _timed(self, system: ImpactSystem, rung: Rung, plan: Plan, deadline: float) -> tuple[Measured, Work]:
+        spend = SHARE * self.asked.budget
+        run = lambda: measure(system, rung, plan, self.clock, deadline)  # noqa: E731
+        return timed(run, self.clock, self.asked.repeats, spend)
+
+    def _split(self, model: Model, top: Measured) -> Split:
+        def build(one: Model, other: Model) -> ImpactSystem:
+            if one is other:
+                return other.system
+            alike = replace(one.fidelity, reduction=other.fidelity.reduction, modes=other.fidelity.modes)
+            return built(self.case, alike, one.like)
+
+        def fly(system: ImpactSystem) -> Any:
+            return measure(system, FLIGHT, replace(self.planning.long_of(model), window=0)).response
+
+        exact, work = self.exact[model.name]
+        return split(model, self.finest, exact.response, top.response, build, fly, work.cpu_min, self.file)
+
+    def _tracks(self) -> list[Track]:
+        """Every ladder on every fidelity that can be climbed; refusals are noted."""
+        tracks = []
+        for model in self.models:
+            for name in self.asked.solvers or NAMES:
+                if model.cut and name not in CUT_SOLVERS:
+                    continue
+                try:
+                    for ladder in ladders(name, self.planning.plan.size):
+                        tracks.append(Track(model.name, ladder, self._estimate(model, ladder[0])))
+                except ValueError as refusal:
+                    self.refused.append(LeftOut(model.name, name, str(refusal)))
+        return tracks
+
+    def _estimate(self, model: Model, rung: Rung) -> float:
+        """Seconds of a run: flight's are known, others from two periods of it; this is its warm-up as well."""
+        if rung.solver == "flight":
+            return self.exact[model.name][1].cpu_min
+        plan = self.planning.of(model)
+        least = STIFF * float(np.max(model.system.omega)) * float(np.sum(2 * np.pi / plan.omega))
+        if rung.solver == "direct" and least * (plan.settle + plan.hold) > self.asked.budget:
+            return least * (plan.settle + plan.hold)  # not even two periods are to be had for nothing
+        short = replace(plan.at(len(plan.omega) // 2), settle=0, hold=PROBE, cloud=0, window=0)
+        begun = self.clock()
+        measure(model.system, rung, short)
+        times = 1 if rung.solver in FORMULAS else (plan.settle + plan.hold) / PROBE
+        return (self.clock() - begun) * len(plan.omega) * times
+
+    def _climbed(self, fidelity: str, rung: Rung) -> float | None:
+        """One run and its row; the seconds it took, or None where it is of no use to go on."""
+        model = self.named[fidelity]
+        self.say(f"{fidelity}: {rung.label}")
+        try:
+            found, work = self._timed(model.system, rung, self.planning.of(model), self.ready + self.asked.budget)
+        except OutOfTime as up:
+            self.rows.append(stopped(model, rung, str(up)))
+            return None
+        truths = Truths(self.short[fidelity], self.exact[fidelity][0], self.truth)
+        self.rows.append(compared(model, rung, self.planning.plan, found, work, truths))
+        return work.cpu_median

@@ -1,0 +1,160 @@
+"""Two motions from the same start, compared as motions with impacts must be: an impact that comes a little later is a
+little error, though the velocities between the two moments differ by all of the jump.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.equilibrium import equilibrium
+from vibeam.system.state import State
+
+if TYPE_CHECKING:
+    from vibeam.system.impact_system import Drive, ImpactSystem
+
+
+Array = NDArray[np.float64]
+
+APART = 0.1  # share of a drive period by which an impact may be shifted and still count as the same
+
+GRID = 200  # vertices a drive period of an exact path
+
+VERTICES = 4000  # of which a longer path's distances are taken, besides its impacts
+
+
+@dataclass(frozen=True)
+class Path:
+    """The output's motion: ``at`` gives displacements (m,) at times (m,); ``times`` (k,): where it is sampled, s.
+
+    ``impact_velocities``: contact velocities just before the impacts, m/s.
+    """
+
+    at: Callable[[Array], Array]
+    times: Array
+    impact_times: Array
+    impact_velocities: Array
+    evaluations: int = 0
+
+
+@dataclass(frozen=True)
+class Matched:
+    """Impacts beside those of the truth: largest differences in time (s) and velocity (m/s) of those matched."""
+
+    time: float
+    velocity: float
+    missed: int
+    invented: int
+
+
+def released(system: ImpactSystem, size: float) -> State:
+    """The start of every path: at rest, the first mode pulled off the stop until the contact has moved by ``size`` m.
+
+    It is the same start, whatever the number of modes.
+    """
+    start = equilibrium(system)
+    displacement = start.displacement.copy()
+    displacement[0] -= size / system.contact[0]
+    return State(displacement, np.zeros(system.size))
+
+
+def path_of(runner: Any, drive: Drive, state: State, end: float, output: str) -> Path | None:
+    """The path that a solver takes from ``state`` until ``end`` s; None where it keeps none."""
+    if hasattr(runner, "motion"):
+        return _sampled(runner.motion(drive, state, 0.0, end), output)
+    return _exact(runner, drive, state, end, output) if hasattr(runner, "simulate") else None
+
+
+def _exact(runner: Any, drive: Drive, state: State, end: float, output: str) -> Path:
+    from vibeam.flight.trajectory import Trajectory
+
+    ended, last, after, segments, stats = runner.simulate(drive, state, 0.0, end, runner.limit)
+    found = Trajectory(runner.system, drive, 0.0, last, after, ended, stats, runner, segments)
+    grid = np.linspace(0.0, last, max(2, round(GRID * last * drive.omega / (2 * np.pi)) + 1))
+    times = np.union1d(grid, found.impact_times[found.impact_times <= last])
+    impacts = found.impact_times, found.impact_velocities
+    return Path(lambda t: found.at(np.clip(t, 0.0, last), output), times, *impacts, int(stats["evaluations"]))
+
+
+def _sampled(motion: Any, output: str) -> Path:
+    """Between its samples a motion is the cubic through values and slopes."""
+    times, last = np.unique(motion.times, return_index=True)
+    values, slopes = motion.displacement(output), motion.velocity(output)
+    after = np.append(last[1:], len(values)) - 1  # of two samples at an impact the later begins the next interval
+
+    def at(t: Array) -> Array:
+        i = np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(times) - 2)
+        left, right, h = after[i], last[i + 1], times[i + 1] - times[i]
+        s = (t - times[i]) / h
+        rise = values[right] - values[left]
+        b = 3 * rise - h * (2 * slopes[left] + slopes[right])
+        c = h * (slopes[left] + slopes[right]) - 2 * rise
+        return np.asarray(values[left] + s * (h * slopes[left] + s * (b + s * c)))
+
+    return Path(at, times, motion.impact_times, motion.impact_velocities, int(motion.stats["evaluations"]))
+
+
+def matched(times: Array, velocities: Array, true_times: Array, true_velocities: Array, apart: float) -> Matched:
+    """Impacts beside the true ones: each pair that is nearest to one another and at most ``apart`` s apart."""
+    if not len(times) or not len(true_times):
+        return Matched(np.nan, np.nan, len(true_times), len(times))
+    there, back = _nearest(times, true_times), _nearest(true_times, times)
+    mine = np.flatnonzero((back[there] == np.arange(len(times))) & (np.abs(times - true_times[there]) <= apart))
+    theirs = there[mine]
+    counts = len(true_times) - len(mine), len(times) - len(mine)
+    if not len(mine):
+        return Matched(np.nan, np.nan, *counts)
+    late, wrong = np.abs(times[mine] - true_times[theirs]), np.abs(velocities[mine] - true_velocities[theirs])
+    return Matched(float(late.max()), float(wrong.max()), *counts)
+
+
+def _nearest(of: Array, among: Array) -> NDArray[np.int64]:
+    right = np.clip(np.searchsorted(among, of), 0, len(among) - 1)
+    left = np.maximum(right - 1, 0)
+    return np.asarray(np.where(np.abs(among[left] - of) <= np.abs(among[right] - of), left, right))
+
+
+def hausdorff(one: Array, other: Array) -> float:
+    """The Hausdorff distance of two polylines (m, 2) over ascending first coordinates, taken at their vertices."""
+    return max(_directed(one, other), _directed(other, one))
+
+
+def _directed(vertices: Array, line: Array) -> float:
+    """How far the vertex farthest from ``line`` is from it.
+
+    The distance straight up or down bounds that of each vertex, and the stretch of the line in which to look for a
+    nearer point; vertices with bounds below the largest distance found need no look.
+    """
+    level = np.interp(vertices[:, 0], line[:, 0], line[:, 1])
+    over = np.maximum(line[0, 0] - vertices[:, 0], vertices[:, 0] - line[-1, 0]).clip(0.0)
+    bound = np.hypot(vertices[:, 1] - level, over)
+    worst = 0.0
+    for i in np.argsort(-bound):
+        if bound[i] <= worst:
+            break
+        first, last = np.searchsorted(line[:, 0], vertices[i, 0] + np.array([-bound[i], bound[i]]))
+        near = line[max(first - 1, 0) : last + 1]
+        worst = max(worst, min(float(bound[i]), _to_line(vertices[i], near)))
+    return worst
+
+
+def _to_line(point: Array, line: Array) -> float:
+    start, along = line[:-1], np.diff(line, axis=0)
+    length = np.sum(along**2, axis=1)
+    share = np.sum((point - start) * along, axis=1) / np.where(length > 0, length, 1.0)
+    nearest = start + np.clip(share, 0.0, 1.0)[:, None] * along
+    return float(np.min(np.hypot(*(point - nearest).T), initial=np.inf))
+
+
+def distance(path: Path, truth: Path, period: float, size: float) -> float:
+    """Hausdorff distance of the graphs (t, u), with times in periods and displacements in ``size`` m."""
+    end = min(path.times[-1], truth.times[-1])
+    sampled = np.union1d(path.times, truth.times)
+    impacts = np.concatenate([path.impact_times, truth.impact_times])
+    times = np.union1d(sampled[:: 1 + len(sampled) // VERTICES], impacts)
+    times = times[(times >= 0) & (times <= end)]
+    return hausdorff(*(np.stack([times / period, each.at(times) / size], axis=1) for each in (path, truth)))

@@ -1,0 +1,254 @@
+"""SDOF parameters from geometry, each beside its finite-element value: what every assumption of the paper costs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from math import pi, sqrt
+from typing import TYPE_CHECKING, Any
+
+from vibeam_models.scene import Mass, Scene, SdofScene
+
+if TYPE_CHECKING:
+    from vibeam_models.sdof import SdofModel
+
+
+@dataclass(frozen=True)
+class Row:
+    """One parameter: ``value`` by the paper's formula, ``reference`` of the finite-element model, both in ``unit``.
+
+    ``assumption``: what stands between the two.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    value: float
+    reference: float
+    assumption: str
+
+    @property
+    def error(self) -> float:
+        """value/reference − 1; 0 where both are zero."""
+        return 0.0 if self.value == self.reference else self.value / self.reference - 1
+
+
+@dataclass(frozen=True)
+class Table:
+    """The rows, to be iterated or looked up by name; ``notes``: which were left out, and why."""
+
+    rows: tuple[Row, ...]
+    notes: tuple[str, ...] = ()
+
+    def __iter__(self) -> Iterator[Row]:
+        return iter(self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __getitem__(self, name: str) -> Row:
+        for row in self.rows:
+            if row.name == name:
+                return row
+        raise KeyError(f"no row {name!r}: there are {', '.join(row.name for row in self.rows)}")
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain numbers and strings, ready for ``json.dumps``."""
+        return {"rows": [{**asdict(row), "error": row.error} for row in self.rows]}
+
+
+@dataclass(frozen=True)
+class _FirstMode:
+    """The first finite-element mode scaled to 1 at the sensor: contact value, N/m, kg, damping ratio, φᵀM1/φᵀMφ."""
+
+    shape: float
+    contact: float
+    stiffness: float
+    mass: float
+    damping_ratio: float
+    base_factor: float
+    static_contact: float
+
+    @property
+    def omega(self) -> float:
+        return sqrt(self.stiffness / self.mass)
+
+
+def derive(case_or_scene: Any) -> Table:
+    """The paper's eq. 44–47 for a Scene (or anything with one as ``.scene``), each with its finite-element value.
+
+    The reference is the first mode of bending of the finite-element model with all effects of the scene, on a base held
+    still and scaled to 1 at the sensor. Mass and frequency come as a ladder: massless beam, with the beam's mass, and
+    with the mass's rotary inertia where the scene gives one. On a platform there is no one drive to be derived. A bare
+    beam has the rows that no attached mass comes into, in its static deflection under a load at the contact; and where
+    the beam outweighs the mass by far, those that neglect the beam have no meaning and are left out, as ``notes`` says.
+    TypeError for what is no scene; ValueError for a SdofScene: it *is* the SDOF model.
+    """
+    scene = getattr(case_or_scene, "scene", case_or_scene)
+    if isinstance(scene, SdofScene):
+        raise ValueError("nothing to derive: this case gives the SDOF directly, there is no beam to derive it from")
+    if not isinstance(scene, Scene):
+        raise TypeError(f"derive takes a case or a scene, not {type(scene).__name__}")
+    exact = _first_mode(scene)
+    return _bare(scene, exact) if scene.mass is None else _loaded(scene, scene.mass, exact)
+
+
+def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> Table:
+    """The table of a beam with an attached mass."""
+    from vibeam_models.sdof import sdof_model
+
+    paper = sdof_model(scene)
+    ladder = _ladder(scene, mass, paper)
+    share, notes = ladder[MASSLESS] / ladder[WITH_BEAM], []
+    if share < LEAST_SHARE:
+        del ladder[MASSLESS]
+        notes.append(f"{NEGLECTED}: the attached mass is {100 * share:.2g} % of what moves, and eq. 45 needs m ≫ ρAL")
+    rows = [*_static_rows(paper, exact), *_mass_rows(ladder, exact), *_frequency_rows(ladder, paper.stiffness, exact)]
+    rows += [*_cost_rows(ladder, paper), *_scaling_rows(scene, paper, exact, MASSLESS in ladder)]
+    return Table(tuple(rows), tuple(notes))
+
+
+def _bare(scene: Scene, exact: _FirstMode) -> Table:
+    """The table of a beam without an attached mass."""
+    from vibeam_models.sdof import beam_mass, static_shape, static_stiffness
+
+    load_at, unit_at = scene.stop.position, scene.sensor.position
+    stiffness = static_stiffness(scene.beam, load_at, unit_at)
+    mass = {WITH_BEAM: beam_mass(scene.beam, load_at, unit_at)}
+    notes = [f"{OF_A_MASS}: there is no attached mass"]
+    if not mass[WITH_BEAM]:
+        return Table((Row("stiffness", "K_S", "N/m", stiffness, exact.stiffness, STATIC_SHAPE),), tuple(notes))
+    gap = scene.stop.gap / scene.beam.length
+    if scene.stop.gap_at == "contact":
+        gap /= static_shape(load_at, load_at, unit_at)
+    rows = [
+        Row("stiffness", "K_S", "N/m", stiffness, exact.stiffness, STATIC_SHAPE),
+        *(replace(row, assumption=STATIC_SHAPE) for row in _mass_rows(mass, exact)),
+        *(replace(row, assumption=STATIC_SHAPE) for row in _frequency_rows(mass, stiffness, exact)),
+        _gap_row(scene, gap, exact),
+    ]
+    return Table(tuple(rows), (*notes, *_ill_posed(scene)))
+
+
+def _ill_posed(scene: Scene) -> list[str]:
+    from vibeam.run.remarks import BARE
+
+    return [BARE] if scene.stop.law in (None, "restitution") else []
+
+
+LEAST_SHARE = 0.1  # of the attached mass in the moving one, below which neglecting the beam means nothing
+
+NEGLECTED = "left out: rows with a massless beam and the damping ratio that goes with them"
+
+OF_A_MASS = "left out: shape at the mass, rows with a massless beam, damping ratio, base factor and drive"
+
+MASSLESS, WITH_BEAM, WITH_INERTIA = "massless beam", "with the beam's mass", "with beam mass and rotary inertia"
+
+
+def _ladder(scene: Scene, mass: Mass, paper: SdofModel) -> dict[str, float]:
+    """M_S in kg by how much of the mass is kept."""
+    from vibeam_models.sdof import beam_mass, static_slope
+
+    load_at, unit_at = mass.position, scene.sensor.position
+    ladder = {MASSLESS: paper.mass}
+    ladder[WITH_BEAM] = paper.mass + beam_mass(scene.beam, load_at, unit_at)
+    if mass.rotary_inertia is not None:
+        turning = mass.rotary_inertia * static_slope(load_at, load_at, unit_at) ** 2
+        ladder[WITH_INERTIA] = ladder[WITH_BEAM] + turning
+    return ladder
+
+
+def _first_mode(scene: Scene) -> _FirstMode:
+    import numpy as np
+
+    from vibeam_models.beam import assemble_with_space
+    from vibeam_reductions.static_mode import static_mode
+
+    structure, space = assemble_with_space(scene)
+    modes = structure.modes()
+    seen = np.abs(structure.outputs["sensor"] @ modes.shapes)
+    first = int(np.argmax(seen > 1e-9 * np.max(seen)))  # a beam that twists first has its bending after that
+    shape = modes.shapes[:, first] / float(structure.outputs["sensor"] @ modes.shapes[:, first])
+    mass, stiffness = (float(shape @ matrix @ shape) for matrix in (structure.M, structure.K))
+    return _FirstMode(
+        shape=float(space.row(scene.stop.position if scene.mass is None else scene.mass.position) @ shape),
+        contact=float(structure.contact @ shape),
+        stiffness=stiffness,
+        mass=mass,
+        damping_ratio=float(shape @ structure.C @ shape) / (2 * mass * float(modes.omega[first])),
+        base_factor=-float(structure.load @ shape) / mass,
+        static_contact=float(static_mode(structure).structure.contact[0]),
+    )
+
+
+STATIC_SHAPE = "the static deflection of a uniform strip as mode shape"
+
+
+def _static_rows(paper: SdofModel, exact: _FirstMode) -> list[Row]:
+    return [
+        Row("shape at the mass", "φ(L_m)", "1", paper.shape, exact.shape, STATIC_SHAPE),
+        Row("stiffness", "K_S", "N/m", paper.stiffness, exact.stiffness, STATIC_SHAPE),
+    ]
+
+
+_LEFT_OUT = {
+    MASSLESS: "massless beam, point mass",
+    WITH_BEAM: "point mass",
+    WITH_INERTIA: STATIC_SHAPE,
+}
+
+
+def _mass_rows(ladder: dict[str, float], exact: _FirstMode) -> list[Row]:
+    return [Row(f"mass, {kept}", "M_S", "kg", mass, exact.mass, _LEFT_OUT[kept]) for kept, mass in ladder.items()]
+
+
+def _frequency_rows(ladder: dict[str, float], stiffness: float, exact: _FirstMode) -> list[Row]:
+    rows = []
+    for kept, mass in ladder.items():
+        omega, left_out = sqrt(stiffness / mass), _LEFT_OUT[kept]
+        rows.append(Row(f"circular frequency, {kept}", "ω_n", "rad/s", omega, exact.omega, left_out))
+        rows.append(Row(f"frequency, {kept}", "f_n", "Hz", omega / (2 * pi), exact.omega / (2 * pi), left_out))
+    return rows
+
+
+def _cost_rows(ladder: dict[str, float], paper: SdofModel) -> list[Row]:
+    """One assumption at a time: f_n with it against f_n without it, everything else alike."""
+    f = {kept: sqrt(paper.stiffness / mass) / (2 * pi) for kept, mass in ladder.items()}
+    rows = []
+    if MASSLESS in f:
+        rows.append(Row("error of the massless beam", "f_n", "Hz", f[MASSLESS], f[WITH_BEAM], "massless beam"))
+    if WITH_INERTIA in f:
+        rows.append(Row("error of the point mass", "f_n", "Hz", f[WITH_BEAM], f[WITH_INERTIA], "point mass"))
+    return rows
+
+
+def _scaling_rows(scene: Scene, paper: SdofModel, exact: _FirstMode, massless: bool) -> list[Row]:
+    """β_S where a massless beam means something, base factor, γ or B, and Δ."""
+    damping_time = 2 * exact.damping_ratio / exact.omega
+    ratio = damping_time * paper.omega / 2
+    damping = Row("damping ratio", "β_S", "1", ratio, exact.damping_ratio, "the same D, the ω_n of eq. 45")
+    return [
+        *([damping] if massless else []),
+        Row("base factor", "φᵀM1/φᵀMφ", "1", 1 / paper.shape, exact.base_factor, "massless beam, point mass"),
+        *_drive_rows(scene, paper, exact),
+        _gap_row(scene, paper.gap, exact),
+    ]
+
+
+def _gap_row(scene: Scene, gap: float, exact: _FirstMode) -> Row:
+    carried = scene.stop.gap * (exact.static_contact if scene.stop.gap_at == "sensor" else 1.0)
+    return Row("gap", "Δ", "1", gap, carried / (exact.contact * scene.beam.length), STATIC_SHAPE)
+
+
+def _drive_rows(scene: Scene, paper: SdofModel, exact: _FirstMode) -> list[Row]:
+    from vibeam_models.base_motion import base_amplitude
+
+    span, why = scene.beam.length, "massless beam, point mass"
+    if scene.platform is not None:
+        return []  # the base motion depends on the frequency there
+    amplitude, gain = base_amplitude(scene), scene.base.gain
+    rows = [Row("drive", "B", "1", paper.gain(amplitude), amplitude * exact.base_factor / span, why)]
+    if gain is not None:
+        base = paper.base_per_volt(gain)
+        rows.append(Row("gain", "γ", "1/V", gain, base * exact.base_factor / span, why))
+    return rows

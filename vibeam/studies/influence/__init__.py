@@ -1,0 +1,1 @@
+"""Influence of each effect, and the smallest set that a scene needs."""

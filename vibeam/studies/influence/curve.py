@@ -1,0 +1,179 @@
+"""The sweep of one model, point by point with its states, so that a peak or an end can be narrowed down afterwards."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.case import Case
+from vibeam.case.fidelity import gap_drift
+from vibeam.run.sweep import march
+from vibeam.studies.influence.quantities import NAN, Value
+from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.response import FrequencyResponse, complete, periodic
+from vibeam.system.state import State
+
+Array = NDArray[np.float64]
+
+FINER, ROUNDS, HALVINGS = 8, 2, 8
+
+SMOOTH = 0.05  # share of the parabola's height by which the motion at its top may differ from it
+
+EDGE = "at the end of the sweep: it may lie beyond"
+
+
+@dataclass(frozen=True)
+class Step:
+    """One point (a response of length 1) and the state after it."""
+
+    response: FrequencyResponse
+    state: State
+
+    @property
+    def frequency(self) -> float:
+        """Hz."""
+        return float(self.response.frequency[0])
+
+    @property
+    def amplitude(self) -> float:
+        """m; −∞ where the motion does not repeat or broke down, which is then no peak."""
+        return float(self.response.amplitude[0]) if periodic(self.response)[0] else -np.inf
+
+    @property
+    def is_period_one(self) -> bool:
+        """Whether it repeats every drive period, with impacts."""
+        one = self.response
+        return bool(complete(one)[0] and one.period[0] == 1 and one.impacts_per_period[0] > 0)
+
+
+@dataclass(frozen=True)
+class Curve:
+    """The branches of one model in the order swept; ``cpu``: seconds of these points alone."""
+
+    case: Case
+    fidelity: str
+    system: ImpactSystem
+    branches: dict[str, list[Step]]
+
+    @property
+    def cpu(self) -> float:
+        """CPU seconds of the sweep, without what narrows peaks and ends down."""
+        return float(sum(step.response.cpu_seconds[0] for steps in self.branches.values() for step in steps))
+
+    def on(self, frequencies: Array, state: State | None) -> list[Step]:
+        """Further points (Hz) from a state."""
+        omega = 2 * np.pi * frequencies
+        plan, own = self.case.sweep, self.case.fidelities[self.fidelity]
+        points = march(
+            self.system, omega, self.case.amplitude_of(self.fidelity, omega), settle=plan.settle, hold=plan.hold,
+            solver=own.solver, options=own.options, output=plan.output, state=state,
+            slowest=2 * np.pi * float(plan.frequency.min()), drift=gap_drift(self.case.scene, omega),
+        )  # fmt: skip
+        return [Step(response, after) for response, after in points]
+
+
+def swept(case: Case, fidelity: str, system: ImpactSystem) -> Curve:
+    """The fidelity's branches, to the bit those of an ordinary run."""
+    curve = Curve(case, fidelity, system, {})
+    up = np.sort(case.sweep.frequency)
+    grids = {"up": up, "down": up[::-1].copy()}
+    state: State | None = None
+    for way in ("up", "down") if case.sweep.direction == "both" else (case.sweep.direction,):
+        curve.branches[way] = curve.on(grids[way], state)
+        state = curve.branches[way][-1].state
+    return curve
+
+
+@dataclass(frozen=True)
+class Peak:
+    """Largest amplitude of all motions that repeat, its frequency, and a point near it to start from."""
+
+    amplitude: Value
+    frequency: Value
+    near: Step | None
+
+
+def peak(curve: Curve) -> Peak:
+    """The peak, by finer and finer steps between its neighbours and a parabola through the last three."""
+    tops = [(steps[i].amplitude, way, i) for way, steps in curve.branches.items() for i in range(len(steps))]
+    height, way, index = max(tops, key=lambda top: top[0])
+    if height == -np.inf:
+        none = Value(NAN, "no motion that repeats")
+        return Peak(none, none, None)
+    steps = curve.branches[way]
+    if not 0 < index < len(steps) - 1:
+        return Peak(Value(height, EDGE), Value(steps[index].frequency, EDGE), steps[index])
+    top = _top(curve, _narrowed(curve, steps[index - 1 : index + 2]))
+    return Peak(Value(top.amplitude), Value(top.frequency), top)
+
+
+def _narrowed(curve: Curve, three: list[Step]) -> list[Step]:
+    """Three neighbours around the top, ever closer; each finer point starts from the one before it, as in the sweep."""
+    for _ in range(ROUNDS):
+        grid = np.linspace(three[0].frequency, three[2].frequency, FINER + 1)[1:-1]
+        steps = [three[0], *curve.on(grid, three[0].state), three[2]]
+        top = max(range(1, len(steps) - 1), key=lambda i: steps[i].amplitude)
+        three = steps[top - 1 : top + 2]
+    return three
+
+
+def _top(curve: Curve, three: list[Step]) -> Step:
+    """The point at the top of the parabola through three; the middle one where they are not one smooth curve.
+
+    At a jump a parabola has a top as well, but the motion there is not what it says.
+    """
+    y = np.array([step.amplitude for step in three])
+    bend = y[0] - 2 * y[1] + y[2]
+    if not (np.all(np.isfinite(y)) and bend < 0):
+        return three[1]
+    aside = (y[0] - y[2]) / (2 * bend)
+    there = three[1].frequency + aside * (three[2].frequency - three[0].frequency) / 2
+    found = curve.on(np.array([there]), three[0].state)[0]
+    said = y[1] - (y[0] - y[2]) * aside / 4
+    return found if abs(found.amplitude - said) <= SMOOTH * (said - y.min()) else three[1]
+
+
+def ends(curve: Curve) -> tuple[Value, Value]:
+    """Lower and upper end (Hz) of the period-1 range around its largest amplitude.
+
+    The lower one is read where it is reached: on the way down, if that is swept, the upper one on the way up.
+    """
+    down = curve.branches.get("down", curve.branches.get("up", []))
+    up = curve.branches.get("up", down)
+    return _end(curve, down, min), _end(curve, up, max)
+
+
+def _end(curve: Curve, steps: list[Step], pick: Callable[..., Step]) -> Value:
+    inside = [i for i, step in enumerate(steps) if step.is_period_one]
+    if not inside:
+        return Value(NAN, "no motion of period 1 with impacts")
+    top = max(inside, key=lambda i: steps[i].amplitude)
+    first, last = top, top
+    while first - 1 in inside:
+        first -= 1
+    while last + 1 in inside:
+        last += 1
+    outer = pick((steps[first], steps[last]), key=lambda step: step.frequency)
+    at_last = outer is steps[last]
+    beyond = last + 1 if at_last else first - 1
+    if not 0 <= beyond < len(steps):
+        return Value(outer.frequency, "still period 1 at the end of the sweep")
+    bracket = (outer, steps[beyond]) if at_last else (steps[beyond], outer)
+    return Value(_crossing(curve, *bracket))
+
+
+def _crossing(curve: Curve, before: Step, after: Step) -> float:
+    """Hz between two neighbours in the order swept, of which one is of period 1, halved; always from the first."""
+    for _ in range(HALVINGS):
+        middle = curve.on(np.array([(before.frequency + after.frequency) / 2]), before.state)[0]
+        before, after = (middle, after) if middle.is_period_one == before.is_period_one else (before, middle)
+    return (before.frequency + after.frequency) / 2
+
+
+def nearest(curve: Curve, frequency: float) -> Step:
+    """The point of the first branch nearest to a frequency in Hz."""
+    steps: Iterator[Step] = iter(next(iter(curve.branches.values())))
+    return min(steps, key=lambda step: abs(step.frequency - frequency))

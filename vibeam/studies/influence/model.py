@@ -1,0 +1,90 @@
+"""One model with some of the case's effects: its quantities of interest, its size, its CPU time."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from vibeam.case.case import Case
+from vibeam.studies.influence.curve import Curve, Peak, ends, nearest, peak, swept
+from vibeam.studies.influence.quantities import NAN, Value
+from vibeam.studies.influence.settled_motion import heard
+from vibeam.studies.influence.subsets import Subsets
+from vibeam.system.impact_system import ImpactSystem
+
+IN_MOTION = ("ringing", "ringing_frequency", "apparent_restitution")
+
+
+@dataclass(frozen=True)
+class Model:
+    """``coordinates`` of the finite-element model, ``frequencies`` (Hz) of the modes that are swept; ``why``: the
+    reason where there is no such model, all ``values`` are then missing for it.
+    """
+
+    kept: tuple[str, ...]
+    values: Mapping[str, Value] = field(default_factory=dict)
+    coordinates: int = 0
+    frequencies: tuple[float, ...] = ()
+    case: Case | None = None
+    system: ImpactSystem | None = None
+    why: str = ""
+
+    @property
+    def modes(self) -> int:
+        """How many are swept."""
+        return len(self.frequencies)
+
+    def value(self, quantity: str) -> Value:
+        """What it has of a quantity."""
+        return self.values.get(quantity, Value(NAN, self.why))
+
+
+def model(subsets: Subsets, kept: Collection[str], wanted: Collection[str], frequency: float | None) -> Model:
+    """Build it and read the quantities in ``wanted``, those of the motion at ``frequency`` (Hz; None: at its peak)."""
+    names = tuple(name for name in subsets.effects if name in kept)
+    try:
+        case = subsets.case(names)
+        curve = swept(case, subsets.fidelity, case.system(subsets.fidelity))
+    except ValueError as refusal:
+        return Model(names, why=_reason(refusal))
+    system = curve.system
+    modes = tuple(np.sort(system.omega / (2 * np.pi)).tolist())
+    return Model(names, _values(curve, wanted, frequency), _coordinates(case.scene), modes, case, system)
+
+
+def _values(curve: Curve, wanted: Collection[str], frequency: float | None) -> dict[str, Value]:
+    top = peak(curve)
+    values = {"peak": top.amplitude, "peak_frequency": top.frequency}
+    if {"period_one_from", "period_one_to"} & set(wanted):
+        values |= dict(zip(("period_one_from", "period_one_to"), ends(curve), strict=True))
+    if set(IN_MOTION) & set(wanted):
+        values |= _in_motion(curve, top, frequency)
+    return {name: values[name] for name in wanted}
+
+
+def _in_motion(curve: Curve, top: Peak, frequency: float | None) -> dict[str, Value]:
+    if frequency is not None:
+        return heard(curve, frequency, nearest(curve, frequency))
+    if top.near is None:
+        return dict.fromkeys(IN_MOTION, top.frequency)
+    return heard(curve, top.frequency.number, top.near)
+
+
+def _coordinates(scene: Any) -> int:
+    """Of the finite elements, and of a platform that is pushed back."""
+    from vibeam_models.beam import assemble
+
+    moves = scene.platform is not None and scene.platform.coupling == "two-way"
+    return assemble(scene).size + moves
+
+
+def _reason(refusal: ValueError) -> str:
+    """The reason, without the file that each fault names first."""
+    from vibeam.case.faults import CaseError
+
+    if isinstance(refusal, CaseError):
+        return "; ".join(f"{fault.key}: {fault.message}" for fault in refusal.faults)
+    return str(refusal)

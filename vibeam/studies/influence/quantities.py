@@ -1,0 +1,78 @@
+"""The quantities of interest: what each is measured in, what change of it is too much, and how a change is told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, isfinite
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from vibeam.case.plans import InfluencePlan
+
+
+NAN = float("nan")
+
+How = Literal["relative", "absolute"]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """``label``: in words; ``unit`` in SI; ``how`` its change is taken, ``tolerance`` the largest that is let pass."""
+
+    name: str
+    label: str
+    unit: str
+    how: How
+    tolerance: float
+
+
+@dataclass(frozen=True)
+class Value:
+    """A quantity as one model has it; NaN with the reason ``why``, or a number with a remark."""
+
+    number: float
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Change:
+    """``value``, and how far it is from the complete model's: ``amount`` as its quantity says, ``share``: of the
+    tolerance, in absolute value; ∞ where one of the two has the quantity and the other has not. ``why``: the remarks.
+    """
+
+    quantity: str
+    value: float
+    amount: float
+    share: float
+    why: str = ""
+
+
+def quantities(plan: InfluencePlan) -> tuple[Quantity, ...]:
+    """The quantities that the case asks for, with its tolerances."""
+    ratio, hertz = plan.tolerance, plan.frequency_tolerance
+    known = (
+        Quantity("peak", "the peak", "m", "relative", ratio),
+        Quantity("peak_frequency", "its frequency", "Hz", "absolute", hertz),
+        Quantity("period_one_from", "the lower end of period 1", "Hz", "absolute", hertz),
+        Quantity("period_one_to", "the upper end of period 1", "Hz", "absolute", hertz),
+        Quantity("ringing", "the ringing", "m/s", "relative", ratio),
+        Quantity("ringing_frequency", "its frequency", "Hz", "relative", ratio),
+        Quantity("apparent_restitution", "the apparent R", "1", "absolute", plan.restitution_tolerance),
+    )
+    return tuple(each for each in known if each.name in plan.quantities)
+
+
+def change(quantity: Quantity, ours: Value, whole: Value) -> Change:
+    """From the complete model's value to ours; nothing has changed where neither has one."""
+    said = "; ".join(dict.fromkeys(filter(None, (ours.why, f"all effects: {whole.why}" if whole.why else ""))))
+    there = isfinite(ours.number), isfinite(whole.number)
+    if there == (False, False):
+        return Change(quantity.name, ours.number, NAN, 0.0, said)
+    if not all(there):
+        return Change(quantity.name, ours.number, NAN, inf, said)
+    amount = ours.number - whole.number
+    if quantity.how == "relative":
+        if not whole.number:
+            return Change(quantity.name, ours.number, NAN, inf if amount else 0.0, said)
+        amount /= abs(whole.number)
+    return Change(quantity.name, ours.number, amount, abs(amount) / quantity.tolerance, said)

@@ -1,0 +1,43 @@
+"""The smallest set of effects that is good enough: all sets where they are few, else one dropped after another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import combinations
+from math import inf
+
+EXACT = 6  # effects up to which all sets are tried
+
+Worst = Callable[[frozenset[str]], float]
+
+
+def smallest(effects: Sequence[str], worst: Worst) -> tuple[frozenset[str], bool]:
+    """The set, and whether it is known to be the smallest.
+
+    ``worst``: the largest change of a set in units of its tolerance, good enough where it is at most 1; ∞ for a set
+    that makes no sense. Of several as small the one with the least of it.
+    """
+    if len(effects) <= EXACT:
+        return _of_all(effects, worst), True
+    return _one_by_one(effects, worst), False
+
+
+def _of_all(effects: Sequence[str], worst: Worst) -> frozenset[str]:
+    for size in range(len(effects)):
+        best, least = min(((frozenset(kept), worst(frozenset(kept))) for kept in combinations(effects, size)),
+                          key=lambda pair: pair[1])  # fmt: skip
+        if least <= 1:
+            return best
+    return frozenset(effects)
+
+
+def _one_by_one(effects: Sequence[str], worst: Worst) -> frozenset[str]:
+    """Drop the effect that matters least among those left, as long as that is good enough."""
+    kept = frozenset(effects)
+    while kept:
+        away = [(worst(kept - {name}), index, name) for index, name in enumerate(effects) if name in kept]
+        least, _, name = min(away, default=(inf, 0, ""))
+        if least > 1:
+            break
+        kept -= {name}
+    return kept

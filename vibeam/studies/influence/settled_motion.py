@@ -1,0 +1,120 @@
+"""What a sensor sees between the impacts of one settled motion: ringing, and the restitution that it shows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.fidelity import gap_drift
+from vibeam.flight.trajectory import Trajectory, simulate
+from vibeam.observe.apparent_restitution import extrapolated_restitution
+from vibeam.observe.ringing import fit_ringing
+from vibeam.observe.slow_part import SlowPart, slow_part
+from vibeam.studies.influence.curve import Curve, Step
+from vibeam.studies.influence.quantities import NAN, Value
+from vibeam.system.impact_system import Drive, ImpactSystem
+
+Array = NDArray[np.float64]
+
+WILD = 8  # drive periods looked at where the motion does not repeat
+
+BESIDE = 1.5  # else: so many beyond those after which it does, so that no interval between impacts is cut off
+
+SAMPLES = 50  # a period of the ringing …
+
+LEAST = 300  # … and a drive period, at least
+
+FITTED = 10  # faster modes that are fitted along: what is faster has decayed
+
+GUARD = 0.02  # of a drive period, left out next to impacts where there are still faster ones
+
+UNSEEN = 1e-9  # share of the sensor's row below which it does not see a mode
+
+
+def heard(curve: Curve, frequency: float, near: Step) -> dict[str, Value]:
+    """``ringing`` (mean peak velocity between impacts, m/s), ``ringing_frequency`` (Hz) and ``apparent_restitution``.
+
+    Read at the case's output of the motion at ``frequency`` (Hz), started from ``near``. Ringing is the slowest mode
+    above twice the drive's frequency that the output sees; what is apparent is what the slower ones show.
+    """
+    settled = curve.on(np.array([frequency]), near.state)[0]
+    omega = 2 * np.pi * frequency
+    amplitude = float(np.ravel(curve.case.amplitude_of(curve.fidelity, np.array([omega])))[0])
+    repeats = int(settled.response.period[0])
+    periods = repeats + BESIDE if repeats > 0 else WILD
+    drift = gap_drift(curve.case.scene, np.array([omega]))
+    system = curve.system if drift is None else replace(curve.system, gap=curve.system.gap + float(drift[0]))
+    path = simulate(system, Drive(omega, amplitude), periods / frequency, settled.state)
+    if len(_touches(path)) < 2:
+        return dict.fromkeys(
+            ("ringing", "ringing_frequency", "apparent_restitution"), Value(NAN, "no impacts to read it from")
+        )
+    return _read(path, curve.case.sweep.output, frequency)
+
+
+def _read(path: Trajectory, output: str, frequency: float) -> dict[str, Value]:
+    system, omega = path.system, path.drive.omega
+    order = np.argsort(system.omega)
+    slow = max(int(np.count_nonzero(system.omega < 2 * omega)), 1)
+    faster = order[slow : slow + FITTED]
+    row = np.abs(system.output(output))
+    seen = [mode for mode in faster if row[mode] > UNSEEN * row.max() and system.zeta[mode] < 1]
+    rate = max(LEAST * frequency, SAMPLES * system.omega[seen[0]] / (2 * np.pi) if seen else 0.0)
+    times = np.linspace(0, path.t_end, int(rate * path.t_end), endpoint=False)
+    place = path.at(times, output)
+    guard = GUARD / frequency if system.size > slow + FITTED else 0.0
+    r = _restitution(
+        times, place, _touches(path), slow_part(system, path.drive, slow), window=1 / frequency, guard=guard,
+        beside=_free(system, faster),
+    )  # fmt: skip
+    found = {"apparent_restitution": Value(r) if np.isfinite(r) else Value(NAN, "too few samples at any impact")}
+    if not seen:
+        silent = Value(NAN, "no faster mode that the output sees: nothing rings")
+        return found | {"ringing": silent, "ringing_frequency": silent}
+    return found | _ringing(path, times, place, seen[0], [*order[:slow], *faster], guard)
+
+
+def _touches(path: Trajectory) -> Array:
+    """Begin and end (m, 2) of each impact, s: one instant, or the time on a stop that yields."""
+    contacts = path.contacts
+    pushed = np.stack([contacts[:, 0], contacts[:, 0] + contacts[:, 1]], axis=1)
+    hits = np.repeat(path.impact_times[:, None], 2, axis=1)
+    found = np.concatenate([hits, pushed])
+    return np.asarray(found[np.argsort(found[:, 0])])
+
+
+def _restitution(times: Array, place: Array, touches: Array, slow: SlowPart, **keys: Any) -> float:
+    """Mean over the impacts of −after/before, the slow part's rate at end and begin of each; NaN without any."""
+    marks = np.unique(touches)
+    read = extrapolated_restitution(times, place, marks, slow, **keys)
+    first, last = (np.searchsorted(marks, touches[:, side]) for side in (0, 1))
+    return replace(read, time=touches[:, 0], before=read.before[first], after=read.after[last]).mean
+
+
+def _ringing(
+    path: Trajectory, times: Array, place: Array, mode: int, modes: list[int], guard: float
+) -> dict[str, Value]:
+    """Mean over the intervals between impacts of a damped sinusoid fitted beside all other modes."""
+    system = path.system
+    others = _free(system, np.array([each for each in modes if each != mode]))
+    known = others or SlowPart(0)
+    rest = SlowPart(0, path.drive.omega, known.omega, known.zeta)
+    fit = fit_ringing(
+        times, place, _touches(path).ravel(), rest, near=float(system.omega[mode]) / (2 * np.pi), guard=guard
+    )
+    if not fit.found.any():
+        none = Value(NAN, "no interval between impacts could be fitted")
+        return {"ringing": none, "ringing_frequency": none}
+    mean = {name: float(np.nanmean(getattr(fit, name))) for name in ("mean_velocity", "frequency")}
+    return {"ringing": Value(mean["mean_velocity"]), "ringing_frequency": Value(mean["frequency"])}
+
+
+def _free(system: ImpactSystem, modes: NDArray[np.int64]) -> SlowPart | None:
+    """The free vibrations of some modes, overdamped ones left out; None without any."""
+    kept = [mode for mode in modes if system.zeta[mode] < 1]
+    if not kept:
+        return None
+    return SlowPart(-1, None, tuple(system.omega[kept].tolist()), tuple(system.zeta[kept].tolist()))

@@ -1,0 +1,191 @@
+"""``vibeam influence``: what each effect of a case changes and costs, and which of them the scene needs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.solvers.warm_up import warm_up_once
+from vibeam.studies.influence.curve import swept
+from vibeam.studies.influence.model import Model, model
+from vibeam.studies.influence.quantities import Change, Quantity, change, quantities
+from vibeam.studies.influence.search import smallest
+from vibeam.studies.influence.subsets import Subsets, subsets
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+
+
+Progress = Callable[[str], None]
+
+NAN = float("nan")
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A model and how far it is from the complete one; ``cpu``: s of its sweep, least of the repeats (NaN: not timed).
+
+    ``why``: the reason where there is no such model.
+    """
+
+    kept: tuple[str, ...]
+    changes: tuple[Change, ...]
+    coordinates: int
+    frequencies: tuple[float, ...]
+    cpu: float = NAN
+    why: str = ""
+
+    @property
+    def modes(self) -> int:
+        """How many are swept."""
+        return len(self.frequencies)
+
+    @property
+    def worst(self) -> float:
+        """The largest change in units of its tolerance; ∞ where there is no such model."""
+        return float("inf") if self.why else max((each.share for each in self.changes), default=0.0)
+
+
+@dataclass(frozen=True)
+class Row:
+    """One effect: the models without it alone and with it alone; what it adds, CPU in s (negative: it saves)."""
+
+    effect: str
+    without: Variant
+    alone: Variant
+    coordinates: int
+    modes: int
+    cpu: float
+    needed: bool
+
+    @property
+    def influence(self) -> float:
+        """The largest change that taking it away makes, in units of its tolerance."""
+        return self.without.worst
+
+
+@dataclass(frozen=True)
+class Study:
+    """All that ``vibeam influence`` found; ``rows`` sorted by influence, the largest first.
+
+    ``whole``, ``bare`` and ``enough``: the models with all effects, with none and with the smallest set; ``exact``:
+    whether all sets were tried; ``models``: how many were swept; ``scatter``: s by which repeats of a sweep's CPU time
+    differed at most, below which a difference means nothing; ``seconds``: CPU time in all.
+    """
+
+    title: str
+    fidelity: str
+    quantities: tuple[Quantity, ...]
+    whole: Variant
+    bare: Variant
+    enough: Variant
+    rows: tuple[Row, ...]
+    exact: bool
+    models: int
+    scatter: float
+    frequency: tuple[float, float, int]
+    settle: int
+    hold: int
+    seconds: float
+
+
+def influence(case: Case, progress: Progress = lambda line: None) -> Study:
+    """Take each effect away alone, leave each alone, and find the smallest set that keeps within the tolerances.
+
+    ValueError where the case names no effect, or its complete model cannot be built.
+    """
+    sets = subsets(case)
+    _warm_up(case, sets.fidelity)
+    begun = time.thread_time()
+    return _Studied(case, sets, progress).study(begun)
+
+
+def _warm_up(case: Case, name: str) -> None:
+    """One short point of the fidelity, unmeasured."""
+    fidelity, omega = case.fidelities[name], 2 * np.pi * float(case.sweep.frequency[0])
+    base = float(np.ravel(case.amplitude_of(name, np.array([omega])))[0])
+    warm_up_once(fidelity.solver, case.system(name), omega, base, case.sweep.output, **fidelity.options)
+
+
+class _Studied:
+    """One study as it grows: every set of effects is swept once."""
+
+    def __init__(self, case: Case, sets: Subsets, progress: Progress) -> None:
+        self.case, self.sets, self.say = case, sets, progress
+        self.asked = quantities(case.influence)
+        self.all = frozenset(sets.effects)
+        self.models: dict[frozenset[str], Model] = {}
+        self.cpu: dict[frozenset[str], list[float]] = {}
+        if self._model(self.all).why:
+            raise ValueError(self._model(self.all).why)
+
+    def study(self, begun: float) -> Study:
+        """Single effects first, then the search, then the rows."""
+        self._time()
+        needed, exact = smallest(self.sets.effects, lambda kept: self._variant(kept).worst)
+        rows = sorted((self._row(name, needed) for name in self.sets.effects), key=lambda row: -row.influence)
+        plan = self._case(self.all).sweep
+        return Study(
+            title=self.case.title,
+            fidelity=self.sets.fidelity,
+            quantities=self.asked,
+            whole=self._variant(self.all),
+            bare=self._variant(frozenset()),
+            enough=self._variant(needed),
+            rows=tuple(rows),
+            exact=exact,
+            models=len(self.models),
+            scatter=max(max(seconds) - min(seconds) for seconds in self.cpu.values()),
+            frequency=(float(plan.frequency.min()), float(plan.frequency.max()), len(plan.frequency)),
+            settle=plan.settle,
+            hold=plan.hold,
+            seconds=time.thread_time() - begun,
+        )
+
+    def _model(self, kept: frozenset[str]) -> Model:
+        if kept not in self.models:
+            self.say(f"with {', '.join(name for name in self.sets.effects if name in kept) or 'no effect'}")
+            wanted = [quantity.name for quantity in self.asked]
+            self.models[kept] = model(self.sets, kept, wanted, self.case.influence.frequency)
+        return self.models[kept]
+
+    def _case(self, kept: frozenset[str]) -> Case:
+        found = self._model(kept).case
+        assert found is not None
+        return found
+
+    def _time(self) -> None:
+        """Sweep what is compared once more, in turns, so that a slow moment of the machine meets all of them.
+
+        The first sweep of each, which read the quantities, was the warm-up and does not count.
+        """
+        single = [self.all, frozenset[str](), *(self.all - {name} for name in self.sets.effects)]
+        timed = [kept for kept in single if not self._model(kept).why]
+        self.say(f"timing {len(timed)} models")
+        for _ in range(self.case.influence.repeats):
+            for kept in timed:
+                self.cpu.setdefault(kept, []).append(self._swept(kept))
+
+    def _swept(self, kept: frozenset[str]) -> float:
+        """CPU seconds of one sweep."""
+        found = self._model(kept)
+        assert found.case is not None
+        assert found.system is not None
+        return swept(found.case, self.sets.fidelity, found.system).cpu
+
+    def _variant(self, kept: frozenset[str]) -> Variant:
+        found, whole = self._model(kept), self._model(self.all)
+        changes = tuple(change(each, found.value(each.name), whole.value(each.name)) for each in self.asked)
+        return Variant(
+            found.kept, changes, found.coordinates, found.frequencies, min(self.cpu.get(kept, [NAN])), found.why
+        )
+
+    def _row(self, name: str, needed: frozenset[str]) -> Row:
+        whole, without = self._variant(self.all), self._variant(self.all - {name})
+        added = (0, 0) if without.why else (whole.coordinates - without.coordinates, whole.modes - without.modes)
+        alone = self._variant(frozenset({name}))
+        return Row(name, without, alone, *added, whole.cpu - without.cpu, name in needed)

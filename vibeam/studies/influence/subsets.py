@@ -1,0 +1,146 @@
+"""The case with some of its effects alone: each such case is whole, and an ordinary run takes it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.case import NOT_NUMBERS, Case
+from vibeam.case.faults import CaseError
+from vibeam.casefile.canonical import canonical_text
+from vibeam.casefile.read import accepted, parse
+from vibeam.casefile.tables.cases import BeamCase
+from vibeam.studies.influence.effects import companions, effects_of
+from vibeam_models.scene import Scene
+
+Array = NDArray[np.float64]
+
+SAME = 1e-9  # relative: modes of two models that are one
+
+
+@dataclass(frozen=True)
+class Subsets:
+    """One fidelity of a case over the frequencies of its ``[influence]``, with any of its ``effects``.
+
+    ``own_modes``: of the fidelity's modes, those that an effect brings beside what is there without it (torsion does).
+    ``modes``: the fidelity's number of them, None where its reduction says it.
+    """
+
+    text: str
+    path: Path
+    fidelity: str
+    effects: tuple[str, ...]
+    own_modes: dict[str, int]
+    modes: int | None = None
+
+    def case(self, kept: Collection[str]) -> Case:
+        """The case with the effects in ``kept`` alone; CaseError where it makes no sense without the others.
+
+        What has no meaning without an effect goes with it: keys beside it, modes of its own, modes that are no more.
+        """
+        away = [name for name in self.effects if name not in kept]
+        lost = sum(self.own_modes.get(name, 0) for name in away)
+        settings: dict[str, Any] = dict.fromkeys(reversed(away))  # of several tables the last first: indices hold
+        if self.modes is not None and lost:
+            settings[self._modes_key] = max(self.modes - lost, 1)
+        beside = [name for effect in away for name in companions(BeamCase, effect)]
+        first: CaseError | None = None
+        while True:
+            try:
+                return parse(self.text, self.path, settings)
+            except CaseError as refusal:
+                first = first or refusal
+                wrong = {fault.key for fault in refusal.faults}
+                mended = self._mended(settings, wrong, beside)
+                if mended == settings:
+                    return self._missed(settings, wrong, beside, first)
+                settings = mended
+
+    def _mended(self, settings: dict[str, Any], wrong: set[str], beside: list[str]) -> dict[str, Any]:
+        """The settings with one mode less, or with companions away, where these are at fault; else as they are."""
+        now = settings.get(self._modes_key, self.modes)
+        if self._modes_key in wrong and now is not None and now > 1:
+            return settings | {self._modes_key: now - 1}
+        return settings | {name: None for name in beside if name in wrong and name not in settings}
+
+    def _missed(self, settings: dict[str, Any], wrong: set[str], beside: list[str], first: CaseError) -> Case:
+        """The case without the one key that misses the effect beside it; else the refusal."""
+        for name in beside if wrong & set(settings) else ():
+            with suppress(CaseError):
+                return parse(self.text, self.path, {name: None} | settings)
+        raise first from None
+
+    @property
+    def _modes_key(self) -> str:
+        return f"fidelity.{self.fidelity}.modes"
+
+
+def subsets(case: Case) -> Subsets:
+    """The subsets of a case's effects; ValueError where there is nothing to take away."""
+    if not isinstance(case.scene, Scene):
+        raise ValueError("a single degree of freedom by itself has no effects: influence needs a beam")
+    name = case.influence.fidelity or finest(case)
+    declared, changed = accepted(case.text, case.path, {})
+    own: Any = changed.get(name, declared)
+    effects = effects_of(own)
+    if not effects:
+        raise ValueError(f"fidelity {name!r} names no effect: vibeam keys lists those there are, each marked 'effect'")
+    table: Any = declared.fidelity[name]
+    alone = {
+        "fidelity": {name: table.model_copy(update={"set": {}, "without": ()})},
+        "sweep": own.sweep.model_copy(update=_reduced(case)),
+    }
+    text = canonical_text(own.model_copy(update=alone), without=NOT_NUMBERS)
+    found = Subsets(text, case.path, name, effects, {}, table.modes)
+    return replace(found, own_modes=_own_modes(found))
+
+
+def _reduced(case: Case) -> dict[str, Any]:
+    """The sweep with fewer of its frequencies, and the periods that [influence] says."""
+    plan, grid = case.influence, np.sort(case.sweep.frequency)
+    chosen = np.unique(np.linspace(0, len(grid) - 1, min(plan.points, len(grid))).round().astype(int))
+    given = {"settle": plan.settle, "hold": plan.hold}
+    periods = {name: value for name, value in given.items() if value is not None}
+    return {"frequency": tuple(grid[chosen].tolist())} | periods
+
+
+def finest(case: Case) -> str:
+    """The fidelity with most modes, the first of several, of those that change nothing of the case's own physics."""
+    plain = [name for name, each in case.fidelities.items() if not (each.changes or each.without)]
+    return max(plain or case.fidelities, key=lambda name: case.system(name).size)
+
+
+def _own_modes(found: Subsets) -> dict[str, int]:
+    """How many of the fidelity's modes each effect brings along, where all others are there without it as well.
+
+    Such an effect (torsion) must not leave its places to other modes: that would be a change of reduction.
+    """
+    if found.modes is None:
+        return {}
+    whole = _frequencies(found.case(found.effects), found.modes)
+    own = {}
+    for name in found.effects:
+        with suppress(ValueError):  # what cannot be taken away is told later, with its reason
+            left = _frequencies(found.case([other for other in found.effects if other != name]), found.modes)
+            own[name] = len(whole) - _shared(whole, left)
+    return {name: count for name, count in own.items() if count}
+
+
+def _shared(whole: Array, left: Array) -> int:
+    """How many modes stay where an effect only adds to them; all, where it changes them."""
+    below = left[left <= whole[-1] * (1 + SAME)]
+    stays = [bool(np.any(np.abs(whole - each) <= SAME * each)) for each in below]
+    return len(below) if len(below) and all(stays) else len(whole)
+
+
+def _frequencies(case: Case, modes: int) -> Array:
+    from vibeam_models.beam import assemble
+
+    scene: Any = case.scene
+    return assemble(scene).modes().omega[:modes]

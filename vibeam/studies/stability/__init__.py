@@ -1,0 +1,1 @@
+"""Stability maps over drive frequency and gap or drive amplitude."""

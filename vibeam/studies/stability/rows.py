@@ -1,0 +1,101 @@
+"""The map in rows: the boundaries that the case itself runs into, the points of all, the shares of each model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibeam.orbits.bifurcation_functions import Kind
+from vibeam.orbits.boundaries import Boundary, boundaries
+from vibeam.orbits.orbit_map import OrbitMap
+from vibeam.system.impact_system import ImpactSystem
+
+NAMES = {
+    Kind.FOLD: "fold",
+    Kind.GRAZING: "grazing",
+    Kind.TOUCHING: "second touch",
+    Kind.DOUBLING: "period doubling",
+    Kind.NEIMARK_SACKER: "Neimark–Sacker",
+}
+
+BRANCHES = ("harder", "softer")
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """A boundary at the case's own gap and drive: frequency in Hz, impact velocity in m/s, the largest multipliers."""
+
+    fidelity: str
+    periods: int
+    boundary: str
+    motion: str
+    frequency: float
+    velocity: float
+    multipliers: str
+
+
+@dataclass(frozen=True)
+class CurvePoint:
+    """One point of a boundary curve: Hz, m, m/s; ``clear``: its motion keeps clear of the stop between impacts."""
+
+    fidelity: str
+    periods: int
+    boundary: str
+    motion: str
+    curve: int
+    frequency: float
+    gap: float
+    amplitude: float
+    velocity: float
+    clear: bool
+
+
+@dataclass(frozen=True)
+class Share:
+    """How much of a map has a motion, an admissible one, a stable admissible one: 0 … 1."""
+
+    fidelity: str
+    periods: int
+    exists: float
+    admissible: float
+    stable: float
+
+
+def crossings(
+    name: str, system: ImpactSystem, amplitude: float, span: tuple[float, float], periods: int
+) -> Iterator[Crossing]:
+    """Where the fidelity ``name`` runs into a boundary within ``span`` (rad/s), at its own gap and ``amplitude``."""
+    if amplitude == 0:
+        return
+    for each in boundaries(system, amplitude, span, periods, kinds=tuple(NAMES)):
+        if each.clear:
+            place = (each.omega / (2 * np.pi), each.velocity)
+            yield Crossing(name, periods, NAMES[each.kind], BRANCHES[each.branch], *place, _shown(each))
+
+
+def _shown(each: Boundary) -> str:
+    """The multipliers that matter: the largest, and its twin."""
+    if not len(each.multipliers):
+        return ""
+    largest = each.multipliers[0]
+    twin = f"{largest.real:.4g} ± {abs(largest.imag):.4g}i"
+    return twin if abs(largest.imag) > 1e-9 * abs(largest) else f"{largest.real:.4g}"
+
+
+def curve_points(name: str, orbits: OrbitMap) -> Iterator[CurvePoint]:
+    """Every point of every boundary curve of one model's map."""
+    for number, curve in enumerate(orbits.curves):
+        boundary, motion = NAMES[curve.kind], "both" if curve.kind is Kind.FOLD else BRANCHES[curve.branch]
+        for omega, gap, amplitude, velocity, clear in zip(
+            curve.omega, curve.gap, curve.amplitude, curve.velocity, curve.clear, strict=True
+        ):
+            place = (float(omega) / (2 * np.pi), float(gap), float(amplitude), float(velocity), bool(clear))
+            yield CurvePoint(name, orbits.periods, boundary, motion, number, *place)
+
+
+def share(name: str, orbits: OrbitMap) -> Share:
+    """What one model's map holds, in three numbers."""
+    flags = (np.isfinite(orbits.velocity), orbits.admissible, orbits.stable)
+    return Share(name, orbits.periods, *(float(each.any(axis=2).mean()) for each in flags))

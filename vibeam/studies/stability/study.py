@@ -1,0 +1,146 @@
+"""``vibeam stability``: the map of each model of a case, and the boundaries that its own line runs into."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.orbits.orbit_map import OrbitMap, orbit_map
+from vibeam.run.remarks import ill_posed, listed
+from vibeam.solvers.averaging.solver import slow_flow
+from vibeam.studies.stability import axes
+from vibeam.studies.stability.axes import Axis
+from vibeam.studies.stability.rows import Crossing, CurvePoint, Share, crossings, curve_points, share
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.system.impact_system import ImpactSystem
+
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ModelMap:
+    """One model: the ``fidelities`` that share it, its map, and where averaging has motions, in the axis' SI unit.
+
+    ``averaged``: least and greatest value (columns, 2) at each frequency, NaN without; None for more than one mode.
+    """
+
+    fidelities: tuple[str, ...]
+    modes: int
+    orbits: OrbitMap
+    averaged: Array | None
+
+    @property
+    def name(self) -> str:
+        """Its fidelities in one word each."""
+        return " ".join(self.fidelities)
+
+
+@dataclass(frozen=True)
+class Stability:
+    """The maps of a case, and the boundaries that its own line runs into."""
+
+    case: Case
+    axis: Axis
+    maps: tuple[ModelMap, ...]
+    crossings: tuple[Crossing, ...]
+    refused: tuple[str, ...] = ()
+
+    @property
+    def notes(self) -> list[str]:
+        """What maps and boundaries cannot say, in sentences: models left out, no motion, no boundary, R₁ < 0."""
+        from vibeam.case.fidelity import restitutions
+
+        names = [name for one in self.maps for name in one.fidelities]
+        seen = {name: restitutions(self.case.scene_of(name), self.case.fidelities[name])[1] for name in names}
+        empty = [each.fidelity for each in self.shares if not each.exists]
+        told = [f"{listed(empty)}: no motion with impacts of this kind anywhere on the map"] if empty else []
+        told += [] if self.crossings or empty else [f"no boundary at the case's own {self.axis.name}"]
+        return [*self.refused, *told, *ill_posed(seen)]
+
+    @property
+    def points(self) -> list[CurvePoint]:
+        """All points of all boundary curves."""
+        return [point for one in self.maps for point in curve_points(one.name, one.orbits)]
+
+    @property
+    def shares(self) -> list[Share]:
+        """What the maps hold, in three numbers each."""
+        return [share(one.name, one.orbits) for one in self.maps]
+
+
+def stability(
+    case: Case,
+    over: str = "gap",
+    low: str | float | None = None,
+    high: str | float | None = None,
+    points: int = 101,
+    frequencies: int = 161,
+    periods: int = 1,
+    fidelity: str | None = None,
+) -> Stability:
+    """Maps over the case's frequencies and its gap (at the contact) or drive, from ``low`` to ``high``.
+
+    ``over``: "gap" or "drive"; ``low``, ``high``: as a case has them, with unit, None: chosen from the case. Fidelities
+    that make the same model share a map. ValueError for what makes no sense, an unknown fidelity among it.
+    """
+    if fidelity is not None and fidelity not in case.fidelities:
+        raise ValueError(f"no fidelity {fidelity!r}: there are {', '.join(case.fidelities)}")
+    models, refused = _models(case, fidelity)
+    axis = axes.second_axis(case, over, low, high, next(iter(models.values()))[0])
+    grid, values = axes.frequencies(case, frequencies), axis.factor * np.linspace(axis.low, axis.high, points)
+    maps: list[ModelMap] = []
+    met: list[Crossing] = []
+    span = float(grid[0]), float(grid[-1])
+    for name, (system, names) in models.items():
+        amplitude = float(case.amplitude_of(name))
+        given = {"amplitude": amplitude, "gap": system.gap} | {axis.over: values}
+        found = orbit_map(system, grid, given["amplitude"], periods, given["gap"])
+        maps.append(ModelMap(tuple(names), system.size, found, _averaged(amplitude, system, axis.over, grid, periods)))
+        met += crossings(name, system, amplitude, span, periods)
+    return Stability(case, axis, tuple(maps), tuple(met), refused)
+
+
+def _models(
+    case: Case, fidelity: str | None
+) -> tuple[dict[str, tuple[ImpactSystem, list[str]]], tuple[str, ...]]:  # fmt: skip
+    """The systems that differ, by the first fidelity that makes each, with all that do; and why others have no map.
+
+    ValueError where none has one.
+    """
+    found: dict[str, tuple[ImpactSystem, list[str]]] = {}
+    refused: dict[str, list[str]] = {}
+    for name in case.fidelities if fidelity is None else [fidelity]:
+        system = case.system(name)
+        if system.beyond_plain:
+            refused.setdefault(" or ".join(system.beyond_plain), []).append(name)
+            continue
+        twin = next((names for other, names in found.values() if system.moves_as(other)), None)
+        if twin is None:
+            found[name] = system, [name]
+        else:
+            twin.append(name)
+    told = tuple(f"{listed(names)}: no map, for no closed form knows {why}" for why, names in refused.items())
+    if not found:
+        raise ValueError("; ".join(told))
+    return found, told
+
+
+def _averaged(amplitude: float, system: ImpactSystem, over: str, omega: Array, periods: int) -> Array | None:
+    """The open interval of gaps, or of amplitudes, with a stationary averaged motion near Ω = 2n (Δ_MAX of eq. 25)."""
+    try:
+        flow, unit = slow_flow(system, amplitude, resonance=periods)
+    except ValueError:
+        return None
+    ends = np.array([flow.gaps(float(each) / unit) for each in omega])
+    if over == "gap":
+        return ends + (system.gap - flow.oscillator.gap)  # of the stop, not from the static place
+    gap = flow.oscillator.gap
+    with np.errstate(divide="ignore"):
+        least = amplitude * np.where(gap > 0, gap / ends[:, 1], gap / ends[:, 0])  # both ends grow with the drive
+    return np.stack([least, np.full(len(omega), np.nan)], axis=1)

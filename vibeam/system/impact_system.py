@@ -1,0 +1,230 @@
+"""ImpactSystem: what a solver gets, a modal flow with a one-sided stop."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibeam.system.arguments import checked
+from vibeam_models.arguments import counted, number, read_only, refuse, require
+
+if TYPE_CHECKING:
+    from vibeam_models.laws.compliant import CompliantStop
+    from vibeam_models.laws.restitution import Restitution, VelocityRestitution
+    from vibeam_models.structure import Structure
+
+
+Array = NDArray[np.float64]
+
+ROUND_OFF = 1e-12  # share of the largest modal damping below which a mode without stiffness has none
+
+SHOWN = 4  # frequencies that a repr shows
+
+DIAGONAL = 1e-6  # share of the modal damping matrix that may lie off its diagonal; fine meshes round to 10⁻⁷
+
+
+@dataclass(frozen=True)
+class Drive:
+    """Base motion b(t) = amplitude · sin(omega t): rad/s and m. ``amplitude = 0`` is no drive at all.
+
+    ValueError for ``omega`` that is not finite and ≥ 0, or ``amplitude`` that is not finite.
+    """
+
+    omega: float
+    amplitude: float
+
+    def __post_init__(self) -> None:
+        faults: list[str] = []
+        object.__setattr__(self, "omega", number("omega", self.omega, faults, least=0.0))
+        object.__setattr__(self, "amplitude", number("amplitude", self.amplitude, faults))
+        refuse("drive", faults)
+
+
+@dataclass(frozen=True)
+class ImpactSystem:
+    """n modes η_i'' + 2ζ_iω_i η_i' + ω_i² η_i = load_i Ω²B sin Ωt + static_i with a stop at Σ contact_i η_i = gap.
+
+    At the stop η_i'⁺ = η_i'⁻ + contact_i p with p = −(1+R) v⁻ / Σ contact_i². All SI; shapes (n,). ``outputs`` are
+    rows on η; ``"contact"`` is always one of them. What is None is not there and costs nothing:
+
+    - ``law``: R(v) in place of ``restitution``, or a stop that yields and pushes with a force (``vibeam_models``);
+    - ``coupling``: (n, n) modal damping matrix, symmetric, in place of 2ζω where damping couples the modes;
+    - ``second_gap``: a second stop with the same law on the other side, at Σ contact_i η_i = −second_gap.
+
+    Rows may be lists; they are kept as read-only arrays. ValueError names every argument that is wrong: a row that is
+    not n finite numbers, negative ``omega`` or ``zeta``, ``contact`` all zero, ``restitution`` outside [0, 1], a
+    ``coupling`` that is not symmetric or feeds energy in, a ``second_gap`` at or below −gap. ``from_modes`` is the same
+    with one number for a row of equal ones.
+    """
+
+    omega: Array
+    zeta: Array
+    contact: Array
+    load: Array
+    static: Array
+    gap: float
+    restitution: float
+    outputs: Mapping[str, Array] = field(default_factory=dict)
+    law: VelocityRestitution | CompliantStop | None = None
+    coupling: Array | None = None
+    second_gap: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, value in checked(self).items():
+            object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        rates = ", ".join(f"{rate:.6g}" for rate in self.omega[:SHOWN]) + (", …" if self.size > SHOWN else "")
+        law = f"restitution={self.restitution:g}" if self.law is None else f"law={self.law!r}"
+        second = "" if self.second_gap is None else f", second_gap={self.second_gap:g}"
+        coupled = "" if self.coupling is None else ", coupled damping"
+        stop, outputs = f"gap={self.gap:g}{second}, {law}{coupled}", ", ".join(self.outputs) or "none"
+        return f"ImpactSystem({counted(self.size, 'mode')}, omega {rates} rad/s, {stop}, outputs {outputs})"
+
+    @property
+    def beyond_plain(self) -> tuple[str, ...]:
+        """What makes the system more than modes by themselves with one stop and one coefficient of restitution."""
+        named = {
+            f'the contact law "{self.law.name if self.law else ""}"': self.law,
+            "damping that couples the modes": self.coupling,
+            "a second stop": self.second_gap,
+        }
+        return tuple(name for name, part in named.items() if part is not None)
+
+    def require_plain(self, who: str) -> None:
+        """ValueError, naming ``who`` cannot take it, where the system is more than plain."""
+        if self.beyond_plain:
+            raise ValueError(f"{who} cannot take {' or '.join(self.beyond_plain)}: the solver 'flight' can")
+
+    def moves_as(self, other: ImpactSystem) -> bool:
+        """Whether the two are the same to the bit, whatever is read off them."""
+        names = (each.name for each in fields(self) if each.name != "outputs")
+        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
+
+    @property
+    def size(self) -> int:
+        """Number of modes."""
+        return len(self.omega)
+
+    def output(self, name: str) -> Array:
+        """The row (n,) of one output; KeyError names those there are."""
+        require("output", name, str)
+        if name == "contact":
+            return self.contact
+        if name not in self.outputs:
+            raise KeyError(f"no output {name!r}: there are {', '.join(sorted({'contact', *self.outputs}))}")
+        return self.outputs[name]
+
+    @classmethod
+    def from_modes(
+        cls,
+        omega: ArrayLike,
+        zeta: ArrayLike,
+        contact: ArrayLike,
+        load: ArrayLike,
+        *,
+        gap: float = 0.0,
+        restitution: float = 1.0,
+        outputs: Mapping[str, ArrayLike] | None = None,
+        static: ArrayLike | None = None,
+        law: Restitution | VelocityRestitution | CompliantStop | None = None,
+        coupling: ArrayLike | None = None,
+        second_gap: float | None = None,
+    ) -> ImpactSystem:
+        """A system by hand from mass-normalised modes.
+
+        ``omega`` rad/s and ``zeta`` ≥ 0 (zeta may be one number for all); ``contact``, ``load`` and ``static`` as in
+        the class; ``gap`` m (negative: pressed against the stop); ``restitution`` in [0, 1], or any ``law``;
+        ``coupling``, which then says all damping, and ``second_gap`` m as in the class. ValueError names every
+        argument that is wrong.
+        """
+        frequencies, ratios = read_only(omega), read_only(zeta)
+        n = 1 if frequencies is None else frequencies.size
+        rows = {
+            "omega": omega,
+            "zeta": zeta,
+            "contact": contact,
+            "load": load,
+            "static": 0.0 if static is None else static,
+        }
+        given: dict[str, Any] = {name: _row(value, n) for name, value in rows.items()}
+        given |= {"gap": gap, "restitution": restitution, "law": law, "coupling": coupling, "second_gap": second_gap}
+        given["outputs"] = {} if outputs is None else outputs
+        if isinstance(outputs, Mapping):
+            given["outputs"] = {name: _row(row, n) for name, row in outputs.items()}
+        damper = None if coupling is None else read_only(coupling)
+        if damper is not None and damper.shape == (n, n) and ratios is not None and not np.any(ratios < 0):
+            moving = np.where(given["omega"] > 0, given["omega"], 1.0)
+            given |= {"zeta": np.maximum(np.diag(damper), 0.0) / (2 * moving), "coupling": damper}
+        return cls(**given)
+
+    @classmethod
+    def from_structure(
+        cls,
+        structure: Structure,
+        *,
+        gap: float,
+        restitution: float = 1.0,
+        law: Restitution | VelocityRestitution | CompliantStop | None = None,
+        second_gap: float | None = None,
+    ) -> ImpactSystem:
+        """The modal form of any Structure, all its modes; damping that couples them is kept as ``coupling``, and so is
+        that of a mode without stiffness, which has no damping ratio.
+
+        ValueError as in the class, and for matrices that are no structure's. Own matrices M, C and K, here two masses
+        of 1 kg and 0.2 kg in a row on a base that shakes, the second one at the stop, in their lowest mode:
+
+        >>> import vibeam
+        >>> M, K = [[1.0, 0.0], [0.0, 0.2]], [[5000.0, -2000.0], [-2000.0, 2000.0]]
+        >>> C = [[0.5, -0.2], [-0.2, 0.2]]
+        >>> own = vibeam.Structure(
+        ...     M, C, K, load=[-1.0, -0.2], static=[0.0, 0.0], contact=[0.0, 1.0], outputs={"first": [1.0, 0.0]}
+        ... )
+        >>> system = vibeam.ImpactSystem.from_structure(vibeam.modal(own, 1).structure, gap=1e-3, restitution=0.7)
+        >>> system
+        ImpactSystem(1 mode, omega 48.7496 rad/s, gap=0.001, restitution=0.7, outputs first)
+        >>> vibeam.simulate(system, vibeam.Drive(omega=50.0, amplitude=1e-4), t_end=2.0)
+        Trajectory(0 … 2 s, 1 mode, 10 impacts, 0 rests, COMPLETE)
+        """
+        modes = structure.modes()
+        damping = modes.shapes.T @ structure.C @ modes.shapes
+        couples = _off_diagonal(damping) > DIAGONAL or _drags(modes.omega, damping)
+        safe = np.where(modes.omega > 0, modes.omega, 1.0)
+        outputs = {name: row @ modes.shapes for name, row in structure.outputs.items()}
+        return cls.from_modes(
+            modes.omega,
+            np.diag(damping) / (2 * safe),
+            structure.contact @ modes.shapes,
+            -(structure.load @ modes.shapes),
+            gap=gap,
+            restitution=restitution,
+            outputs=outputs,
+            static=structure.static @ modes.shapes,
+            law=law,
+            coupling=(damping + damping.T) / 2 if couples else None,
+            second_gap=second_gap,
+        )
+
+
+def _row(value: Any, n: int) -> Any:
+    """One number as n of them; what is more, or no number, as it is."""
+    row = read_only(value)
+    if row is None:
+        return value
+    return np.full(n, row.ravel()[0]) if row.size == 1 and row.ndim < 2 else row
+
+
+def _drags(omega: Array, damping: Array) -> bool:
+    """Whether a mode without stiffness is damped, beyond round-off: 2ζω cannot say so."""
+    return bool(np.any(np.diag(damping)[omega == 0] > ROUND_OFF * np.max(np.abs(damping), initial=0.0)))
+
+
+def _off_diagonal(matrix: Array) -> float:
+    diagonal = np.diag(matrix)
+    scale = np.sqrt(np.abs(np.outer(diagonal, diagonal)))
+    rest = np.abs(matrix - np.diag(diagonal))
+    return float(np.max(rest / np.where(scale > 0, scale, 1.0), initial=0.0))

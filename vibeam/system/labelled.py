@@ -1,0 +1,88 @@
+"""Responses for other packages: xarray data sets and pandas tables with units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.system.quantities import LAYOUT, unit_of
+from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+    from xarray import Dataset
+
+
+Branch = tuple[dict[str, str], FrequencyResponse]  # its labels, such as fidelity and direction, and itself
+
+
+def optional(name: str, what: str) -> Any:
+    """The package of that name, which only ``what`` needs; ImportError with the cure where it is not installed."""
+    try:
+        return import_module(name)
+    except ImportError as missing:
+        raise ImportError(f"{what} needs the package {name}: pip install {name}", name=name) from missing
+
+
+def dataset(response: FrequencyResponse, unit: str = "m") -> Dataset:
+    """The response over ``frequency`` (Hz), with dimensions ``mode`` and ``impact``; units and names as attributes.
+
+    ``unit``: of the output; "1" of a model without dimensions.
+    """
+    xarray = optional("xarray", "to_xarray")
+    sizes = {"mode": response.mode_energy.shape[1], "impact": VELOCITIES_KEPT}
+    coordinates: dict[str, Any] = {name: np.arange(1, size + 1) for name, size in sizes.items()}
+    variables: dict[str, Any] = {}
+    for name, quantity in LAYOUT.items():
+        attributes: dict[str, Any] = {"long_name": quantity.long_name, "units": unit_of(quantity, unit)}
+        if name == "ended":
+            attributes |= {"flag_values": [kind.code for kind in Ended], "flag_meanings": " ".join(Ended.__members__)}
+        dimensions = ("frequency",) if quantity.dimension is None else ("frequency", quantity.dimension)
+        variables[name] = dimensions, getattr(response, name), attributes
+    coordinates["frequency"] = variables.pop("frequency")
+    made: Dataset = xarray.Dataset(variables, coordinates)
+    return made
+
+
+def joined(parts: Mapping[str, Dataset], dimension: str) -> Dataset:
+    """Data sets side by side along a new ``dimension``; NaN where one has no such frequency or mode.
+
+    ValueError where two points of one branch have the same frequency and another branch has other frequencies.
+    """
+    xarray = optional("xarray", "to_xarray")
+    labels = xarray.DataArray(list(parts), dims=dimension, name=dimension)
+    made: Dataset = xarray.concat(
+        list(parts.values()), labels, data_vars="all", coords="minimal", compat="override", join="outer",
+        combine_attrs="override",
+    )  # fmt: skip
+    return made
+
+
+def frame(branches: list[Branch], unit: str = "m") -> DataFrame:
+    """A row for each point: labels, frequency in Hz and every quantity, ``mode_energy_1`` … in columns of their own.
+
+    ``ended`` is the name of an ``Ended``; ``frame.attrs["units"]`` has the unit of each column.
+    """
+    pandas = optional("pandas", "to_dataframe")
+    made: DataFrame = pandas.concat([pandas.DataFrame(_columns(*branch)) for branch in branches], ignore_index=True)
+    labels = set().union(*(labels for labels, _ in branches))
+    made.attrs["units"] = {name: _unit(name, unit) for name in made.columns if name not in labels}
+    return made
+
+
+def _columns(labels: dict[str, str], response: FrequencyResponse) -> dict[str, Any]:
+    columns: dict[str, Any] = {name: [label] * len(response) for name, label in labels.items()}
+    for name, quantity in LAYOUT.items():
+        values = getattr(response, name)
+        if quantity.dimension is None:
+            columns[name] = values
+        else:
+            columns |= {f"{name}_{number}": column for number, column in enumerate(values.T, 1)}
+    return columns | {"ended": [Ended.of_code(int(code)).name for code in response.ended]}
+
+
+def _unit(column: str, unit: str) -> str:
+    return unit_of(LAYOUT[column if column in LAYOUT else column.rpartition("_")[0]], unit)

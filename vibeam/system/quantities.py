@@ -1,0 +1,45 @@
+"""The quantities of a frequency response: long names, units, dimensions."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+#: q: unit of the outputs; q/s: their velocity; E: energy; anything else is the unit itself
+Unit = Literal["q", "q/s", "E", "Hz", "s", "1"]
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One dataset: the paper's name where it has one, its unit, and its dimension beyond the frequency."""
+
+    long_name: str
+    unit: Unit
+    dimension: Literal["impact", "mode", "branch"] | None = None
+
+
+LAYOUT: Mapping[str, Quantity] = {
+    "frequency": Quantity("drive frequency, Ω/2π", "Hz"),
+    "amplitude": Quantity("amplitude of the output, ½(max − min)", "q"),
+    "reach": Quantity("largest distance of the contact point from the stop, Q = Δ − min q", "q"),
+    "maximum": Quantity("maximum of the output", "q"),
+    "minimum": Quantity("minimum of the output", "q"),
+    "impacts_per_period": Quantity("impacts a drive period", "1"),
+    "impact_velocity": Quantity("mean velocity just before impact, q̇₋", "q/s"),
+    "impact_velocities": Quantity("last velocities just before impact, q̇₋, oldest first", "q/s", "impact"),
+    "period": Quantity("drive periods after which the motion repeats; 0: it does not; −1: no contact", "1"),
+    "rest": Quantity("share of the time at rest on the stop", "1"),
+    "mode_energy": Quantity("time-mean energy of each mode", "E", "mode"),
+    "ended": Quantity("why the computation ended", "1"),
+    "impacts": Quantity("impacts computed, settling included", "1"),
+    "evaluations": Quantity("evaluations of the contact displacement", "1"),
+    "cpu_seconds": Quantity("CPU time of the point", "s"),
+}
+
+
+def unit_of(quantity: Quantity, output: str) -> str:
+    """The unit as text, for outputs in metres (``"m"``) or of no dimension (``"1"``)."""
+    plain = output == "1"
+    named = {"q": output, "q/s": "s-1" if plain else f"{output} s-1", "E": "s-2" if plain else "J"}
+    return named.get(quantity.unit, quantity.unit)

@@ -1,0 +1,214 @@
+"""What a solver gives back: how it ended, one steady point, one frequency-response curve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from enum import Enum
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam_models.arguments import counted
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+    from xarray import Dataset
+
+    from vibeam.system.motion_curves import MotionCurves
+
+
+Array = NDArray[np.float64]
+
+VELOCITIES_KEPT = 16
+
+SINGLE = (  # one number a point, NaN where unknown
+    "amplitude", "reach", "maximum", "minimum", "impacts_per_period", "impact_velocity", "rest", "cpu_seconds",
+)  # fmt: skip
+
+
+class Ended(Enum):
+    """Why a computation ended: the value is the message; the order is the code that kernels and files use."""
+
+    COMPLETE = "ran to the end"
+    EVENT_LIMIT = "stopped at the limit of impacts: raise it, or look for an endless chatter (R = 1 on a pressed stop)"
+    PENETRATED = "the start lies beyond the stop: start from a state with contact displacement ≤ gap"
+    NOT_FINITE = "a number overflowed: the response grew beyond all bounds"
+    NOT_RUN = "not run yet"
+    NO_ORBIT = "no stable motion of the kind this solver looks for at this frequency"
+    UNRESOLVED = "the next event was not found in bounded work: some modes are far too fast beside it; keep fewer modes"
+
+    @property
+    def code(self) -> int:
+        """The member's number in files and kernels."""
+        return _CODES[self]
+
+    @classmethod
+    def of_code(cls, code: int) -> Ended:
+        """The member with that number."""
+        return list(cls)[code]
+
+
+_CODES = {member: code for code, member in enumerate(Ended)}
+
+
+@dataclass(frozen=True)
+class FrequencyResponse:
+    """One branch of a frequency-response curve: one entry a point, in the order in which it was swept.
+
+    SI units. A failed point is NaN with its reason in ``ended``. Shapes: (points,) but for ``impact_velocities``
+    (points, 16) and ``mode_energy`` (points, modes).
+
+    ``mode_energy`` is exact in flight: a closed form, or quadrature that resolves the mode (1e-13 of itself; the DTU
+    rig's eighth mode at 15.3 Hz, which rings between impacts: 1e-15). At rest on the stop it is Gauss's quadrature with
+    at most 1024 samples a segment, with laws and damping beyond the plain ones 128: to round-off as long as the fastest
+    mode turns no more than 40 and 5 times in it, to 1e-3 for four times as many.
+    """
+
+    frequency: Array  #: drive frequency, Hz
+    amplitude: Array  #: ½(max − min) of the chosen output over the hold
+    reach: Array  #: gap − min of the contact displacement: how far the contact point swings away from the stop, m
+    maximum: Array  #: max of the chosen output
+    minimum: Array  #: min of the chosen output
+    impacts_per_period: Array  #: impacts a drive period, over the hold
+    impact_velocity: Array  #: mean contact velocity just before impact, m/s (NaN where there is none)
+    impact_velocities: Array  #: the last 16 impact velocities of the hold, oldest first, NaN where there are fewer
+    period: NDArray[
+        np.int64
+    ]  #: least number of drive periods after which the motion repeats (1…16), 0 none, −1 no contact
+    rest: Array  #: share of the time at rest on the stop, 0…1
+    mode_energy: Array  #: time-mean energy of each mode over the hold, J (see above)
+    ended: NDArray[np.int64]  #: code of ``Ended``
+    impacts: NDArray[np.int64]  #: impacts computed, settling included
+    evaluations: NDArray[np.int64]  #: evaluations of the contact displacement
+    cpu_seconds: Array  #: CPU time of the point
+
+    @property
+    def omega(self) -> Array:
+        """Drive frequency in rad/s."""
+        return 2 * np.pi * self.frequency
+
+    def __len__(self) -> int:
+        return len(self.frequency)
+
+    def __repr__(self) -> str:
+        failed = int(np.count_nonzero(self.ended != Ended.COMPLETE.code))
+        size, modes = counted(len(self), "point"), counted(self.mode_energy.shape[1], "mode")
+        parts = [size, _span(self.frequency, "Hz"), modes]
+        return f"FrequencyResponse({', '.join(parts)}{f', {failed} not complete' if failed else ''})"
+
+    def to_xarray(self) -> Dataset:
+        """A data set over ``frequency`` (Hz), with units as attributes (see ``vibeam.system.labelled``); needs xarray."""
+        from vibeam.system.labelled import dataset
+
+        return dataset(self)
+
+    def to_dataframe(self) -> DataFrame:
+        """A table of one row a point, units in ``attrs["units"]``; needs pandas."""
+        from vibeam.system.labelled import frame
+
+        return frame([({}, self)])
+
+    def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
+        """As ``vibeam.report.plot``: the figure of one quantity over frequency, written to ``paths``."""
+        from vibeam.report.plot import plot
+
+        return plot(self, *paths, quantity=quantity)
+
+    @classmethod
+    def empty(cls, frequency: Array, modes: int) -> FrequencyResponse:
+        """All points not run yet: NaN, 0 and ``Ended.NOT_RUN``."""
+        n = len(frequency)
+        blank: dict[str, Any] = dict(zip(SINGLE, np.full((len(SINGLE), n), np.nan), strict=True))
+        blank |= {name: np.zeros(n, dtype=np.int64) for name in ("period", "impacts", "evaluations")}
+        blank |= {"frequency": np.asarray(frequency, dtype=float), "ended": np.full(n, Ended.NOT_RUN.code)}
+        blank |= {
+            "impact_velocities": np.full((n, VELOCITIES_KEPT), np.nan),
+            "mode_energy": np.full((n, modes), np.nan),
+        }
+        return cls(**blank)
+
+
+def _span(values: Array, unit: str) -> str:
+    return f"{values.min():.6g} … {values.max():.6g} {unit}" if len(values) else "no frequency"
+
+
+@dataclass(frozen=True)
+class Branches:
+    """The branches of a sweep: None where it was not asked for.
+
+    ``curves``: all motions of the kind that the solver looks for, where it knows them beyond the stable ones it sweeps.
+    """
+
+    up: FrequencyResponse | None = None
+    down: FrequencyResponse | None = None
+    curves: MotionCurves | None = None
+
+    def __repr__(self) -> str:
+        parts = [f"{direction}={response!r}" for direction, response in self.items()]
+        parts += [] if self.curves is None else [f"curves={self.curves!r}"]
+        return f"Branches({', '.join(parts)})"
+
+    def to_xarray(self) -> Dataset:
+        """As of a response, along ``direction``; needs xarray."""
+        from vibeam.system.labelled import dataset, joined
+
+        return joined({direction: dataset(response) for direction, response in self.items()}, "direction")
+
+    def to_dataframe(self) -> DataFrame:
+        """As of a response, with a column ``direction``; needs pandas."""
+        from vibeam.system.labelled import frame
+
+        return frame([({"direction": direction}, response) for direction, response in self.items()])
+
+    def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
+        """As of a response, the sweep down lighter."""
+        from vibeam.report.plot import plot
+
+        return plot(self, *paths, quantity=quantity)
+
+    def items(self) -> Iterator[tuple[str, FrequencyResponse]]:
+        """Direction and response of each branch there is, up first."""
+        both = (("up", self.up), ("down", self.down))
+        return ((direction, response) for direction, response in both if response is not None)
+
+
+Flags = NDArray[np.bool_]
+
+
+def modes_of(branches: Branches) -> int:
+    """How many modes a fidelity has."""
+    return max(int(response.mode_energy.shape[1]) for _, response in branches.items())
+
+
+def complete(response: FrequencyResponse) -> Flags:
+    """The points (points,) that ran to the end."""
+    return np.asarray(response.ended == Ended.COMPLETE.code)
+
+
+def periodic(response: FrequencyResponse) -> Flags:
+    """The points (points,) whose motion repeats, with impacts or without."""
+    return np.asarray(complete(response) & (response.period != 0))
+
+
+def period_one_range(response: FrequencyResponse) -> tuple[float, float] | None:
+    """Ends (Hz) of the contiguous period-1 range with impacts around its largest amplitude; None without any."""
+    inside = complete(response) & (response.period == 1) & (response.impacts_per_period > 0)
+    if not inside.any():
+        return None
+    top = int(np.argmax(np.where(inside, response.amplitude, -np.inf)))
+    outside = np.flatnonzero(~inside)
+    first = int(max(outside[outside < top], default=-1)) + 1
+    last = int(min(outside[outside > top], default=len(response))) - 1
+    ends = response.frequency[[first, last]]
+    return float(ends.min()), float(ends.max())
+
+
+def join(parts: list[FrequencyResponse]) -> FrequencyResponse:
+    """Consecutive points as one response."""
+    values = {f.name: np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(FrequencyResponse)}
+    return FrequencyResponse(**values)
