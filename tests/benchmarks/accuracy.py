@@ -25,7 +25,7 @@ from vibeam.case.case import Case
 from vibeam.flight import solver as flight
 from vibeam.flight.solver import FlightSolver
 from vibeam.run.accuracy.candidates import rows
-from vibeam.run.accuracy.study import Curve, Study, study
+from vibeam.run.accuracy.study import AccuracyChoice, Curve, study
 from vibeam.run.accuracy.verification import DRAWS, judged
 from vibeam.system.response import Branches, FrequencyResponse, join
 
@@ -103,7 +103,7 @@ def main() -> None:
     print("case         points    hold  repeat  worst there     choice  in kernels    finest   share, 2 and 3 × faster")
     for name in ("dtu_neutral", "dtu_loose", "dtu_tight"):
         case = vibeam.load(CASES / f"{name}.toml")
-        runs: list[tuple[Study, Times, Branches, Times]] = []
+        runs: list[tuple[AccuracyChoice, Times, Branches, Times]] = []
         for _ in range(asked.repeats + 1):
             found, kernels = in_kernels(lambda case=case: study(case, asked.within, checks=0))
             truth, all_kernels = in_kernels(lambda case=case: everywhere(case))

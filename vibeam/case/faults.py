@@ -50,7 +50,7 @@ def suggestion(wrong: str, known: Iterable[str]) -> str | None:
     return names[close[0]] if close else None
 
 
-def cure(wrong: str, known: Iterable[str]) -> str:
+def suggest(wrong: str, known: Iterable[str]) -> str:
     """``did you mean 'density'?``, or the list of what is known where nothing is near."""
     names = list(known)
     near = suggestion(wrong, names)
@@ -64,7 +64,7 @@ def printable(text: str) -> str:
     return "".join(each if each.isprintable() else each.encode("unicode_escape", "replace").decode() for each in text)
 
 
-def shown(value: object) -> str:
+def as_shown_in_message(value: object) -> str:
     """A value as a message shows it: text in quotes, numbers bare, tables and lists by their kind, all of it short."""
     if isinstance(value, bool):
         return str(value).lower()

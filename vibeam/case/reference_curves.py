@@ -9,7 +9,7 @@ from pathlib import Path
 from re import fullmatch
 from typing import TYPE_CHECKING
 
-from vibeam.case.faults import CaseError, Fault, cure, shown
+from vibeam.case.faults import CaseError, Fault, as_shown_in_message, suggest
 from vibeam.case.reference_files import cells_of, fault_in
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def _column_faults(path: Path, line: int | None, head: list[str], quantity: str)
     if not set(head) & set(COLUMNS):
         return [fault_in(path, line, NO_COLUMNS.format(_heading(quantity)))]
     wrong = [(name, "the column is missing") for name in _heading(quantity).split(",") if name not in head]
-    wrong += [(name, f"unknown column; {cure(name, COLUMNS)}") for name in head if name not in COLUMNS]
+    wrong += [(name, f"unknown column; {suggest(name, COLUMNS)}") for name in head if name not in COLUMNS]
     wrong += [(name, "the column is there twice") for name in COLUMNS if head.count(name) > 1]
     return [fault_in(path, line, message, name) for name, message in wrong]
 
@@ -85,11 +85,11 @@ def _point(number: int, row: tuple[list[str], list[str]], quantity: str) -> Poin
         raise ValueError(f"{len(given)} cells for {len(head)} columns")
     cells = dict(zip(head, given, strict=True))
     if cells["direction"] not in ("up", "down"):
-        raise ValueError(f"direction {shown(cells['direction'])} is neither up nor down")
+        raise ValueError(f"direction {as_shown_in_message(cells['direction'])} is neither up nor down")
     value = _finite(cells[quantity]) if cells[quantity] else None
     period = cells.get("period")
     if period and not fullmatch("[+-]?[0-9]{1,9}", period):
-        raise ValueError(f"the period {shown(period)} is not a whole number")
+        raise ValueError(f"the period {as_shown_in_message(period)} is not a whole number")
     return Point(number, _finite(cells["frequency_hz"]), cells["direction"], value, int(period) if period else None)
 
 
@@ -97,7 +97,7 @@ def _finite(text: str) -> float:
     try:
         number = float(text)
     except ValueError:
-        raise ValueError(f"{shown(text)} is not a number") from None
+        raise ValueError(f"{as_shown_in_message(text)} is not a number") from None
     if not isfinite(number):
-        raise ValueError(f"{shown(text)} is not a finite number")
+        raise ValueError(f"{as_shown_in_message(text)} is not a finite number")
     return number

@@ -28,14 +28,14 @@ def _nested(without: Collection[str]) -> dict[str, Any]:
     return found
 
 
-def written(value: Any) -> str:
+def to_toml(value: Any) -> str:
     """One value as TOML."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, Mapping):
-        return "{ " + ", ".join(f"{name_of(name)} = {written(inner)}" for name, inner in value.items()) + " }"
+        return "{ " + ", ".join(f"{name_of(name)} = {to_toml(inner)}" for name, inner in value.items()) + " }"
     if isinstance(value, list | tuple):
-        return f"[{', '.join(map(written, value))}]"
+        return f"[{', '.join(map(to_toml, value))}]"
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     return repr(value)
@@ -43,7 +43,7 @@ def written(value: Any) -> str:
 
 def name_of(key: str) -> str:
     """A key as TOML: in quotes where it needs them."""
-    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else written(key)
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else to_toml(key)
 
 
 def _tables(name: str, content: Mapping[str, Any]) -> Iterator[str]:
@@ -51,7 +51,7 @@ def _tables(name: str, content: Mapping[str, Any]) -> Iterator[str]:
     inner = {key: value for key, value in content.items() if _is_table(key, value)}
     if name and len(inner) < len(content):
         yield f"\n[{name}]"
-    yield from (f"{name_of(key)} = {written(value)}" for key, value in content.items() if key not in inner)
+    yield from (f"{name_of(key)} = {to_toml(value)}" for key, value in content.items() if key not in inner)
     for key, value in inner.items():
         path = f"{name}.{name_of(key)}" if name else name_of(key)
         yield from _tables(path, value) if isinstance(value, Mapping) else _array(path, value)
@@ -60,7 +60,7 @@ def _tables(name: str, content: Mapping[str, Any]) -> Iterator[str]:
 def _array(path: str, tables: tuple[Mapping[str, Any], ...]) -> Iterator[str]:
     for table in tables:
         yield f"\n[[{path}]]"
-        yield from (f"{name_of(key)} = {written(value)}" for key, value in table.items())
+        yield from (f"{name_of(key)} = {to_toml(value)}" for key, value in table.items())
 
 
 def _is_table(key: str, value: Any) -> bool:

@@ -10,8 +10,8 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from vibeam.case.faults import cure, shown, suggestion
-from vibeam.casefile.canonical import written
+from vibeam.case.faults import as_shown_in_message, suggest, suggestion
+from vibeam.casefile.canonical import to_toml
 from vibeam.casefile.fields import Entry
 from vibeam.casefile.tables.cases import BeamCase, SdofCase
 from vibeam.casefile.validation import entry_of, example_of, fields_of, is_repeated, table_of
@@ -51,7 +51,7 @@ HEAD = """\
 
 
 @dataclass(frozen=True)
-class Row:
+class KeyRow:
     """One key: its table as headed in a case, what it holds (unit and range), default ("" where there is none)."""
 
     table: str
@@ -62,14 +62,14 @@ class Row:
     meaning: str
 
 
-def reference_table() -> list[Row]:
+def reference_table() -> list[KeyRow]:
     """Every key of a case, in the order of the template; those of a case with [sdof] after them, marked so."""
     rows = list(_rows(BeamCase, ""))
     others = [row for row in _rows(SdofCase, "") if row not in rows]
     return rows + [row if row.table == "[sdof]" else replace(row, table=f"{row.table}{WITH_SDOF}") for row in others]
 
 
-def rows_of(name: str) -> list[Row]:
+def rows_of(name: str) -> list[KeyRow]:
     """The keys of one table (``"stop"``), or one key (``"stop.gap"``), as ``reference_table`` has them.
 
     The name or index of one of several tables may be said or left away: ``"fidelity.beam.modes"``. ValueError, with
@@ -79,7 +79,7 @@ def rows_of(name: str) -> list[Row]:
     wanted = _without_name(tuple(name.strip("[] ").split(".")), rows)
     found = [row for row, path in rows.items() if path[: len(wanted)] == wanted]
     if not found:
-        raise ValueError(f"unknown key {shown(name)}; {_meant(wanted, set(rows.values()))}")
+        raise ValueError(f"unknown key {as_shown_in_message(name)}; {_meant(wanted, set(rows.values()))}")
     return found
 
 
@@ -89,7 +89,7 @@ def _place(heading: str) -> tuple[str, ...]:
     return tuple(name.removesuffix(".NAME") for name in names)
 
 
-def _without_name(wanted: tuple[str, ...], rows: Mapping[Row, tuple[str, ...]]) -> tuple[str, ...]:
+def _without_name(wanted: tuple[str, ...], rows: Mapping[KeyRow, tuple[str, ...]]) -> tuple[str, ...]:
     """``wanted`` without what a case calls one of several tables, where it is said."""
     keys = [path[1] for row, path in rows.items() if path[0] == wanted[0] and row.table.startswith(SEVERAL)]
     named = keys and len(wanted) > 1 and wanted[1] not in keys
@@ -102,10 +102,10 @@ def _meant(wanted: tuple[str, ...], paths: Collection[tuple[str, ...]]) -> str:
     while any(path[: depth + 1] == wanted[: depth + 1] for path in paths):
         depth += 1
     known = sorted({path[depth] for path in paths if path[:depth] == wanted[:depth] and len(path) > depth})
-    return cure(wanted[depth], known) if known else f"{'.'.join(wanted[:depth])} holds a value, no keys"
+    return suggest(wanted[depth], known) if known else f"{'.'.join(wanted[:depth])} holds a value, no keys"
 
 
-def _rows(model: type[BaseModel], table: str) -> Iterator[Row]:
+def _rows(model: type[BaseModel], table: str) -> Iterator[KeyRow]:
     inner = []
     for name, field in fields_of(model).items():
         if entry_of(field):
@@ -124,18 +124,18 @@ def _header(above: str, name: str, field: FieldInfo) -> str:
     return f"[{name}.NAME]" if name in NAMED else f"[[{name}]]"
 
 
-def _row(table: str, name: str, field: FieldInfo) -> Row:
+def _row(table: str, name: str, field: FieldInfo) -> KeyRow:
     entry = entry_of(field)
     kind = entry.describe() if entry else ""
     kind = f"table | {kind}" if table_of(field) else kind
-    return Row(table, name, kind, _default(entry, field), field.is_required(), field.description or "")
+    return KeyRow(table, name, kind, _default(entry, field), field.is_required(), field.description or "")
 
 
 def _default(entry: Entry | None, field: FieldInfo) -> str:
     """The default as a case writes it; empty where there is none, or an empty one."""
     if entry is None or field.is_required() or field.default is None or field.default in ("", (), {}):
         return ""
-    return written(entry.canonical(field.default))
+    return to_toml(entry.canonical(field.default))
 
 
 def template() -> str:
@@ -177,7 +177,7 @@ def _named(table: type[BaseModel], values: dict[str, Any], aside: str, explained
     for name, field in fields_of(table).items():
         if name in values:
             meaning = "" if name in explained else _meaning(field)
-            yield _commented(f"{aside}{name} = {written(values[name])}", meaning)
+            yield _commented(f"{aside}{name} = {to_toml(values[name])}", meaning)
         elif first:
             yield _line(name, field, aside or ("# " if values else ""))
         explained.add(name)

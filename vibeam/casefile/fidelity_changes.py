@@ -13,7 +13,7 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from vibeam.case.faults import Complaint, KeyPath, cure, shown
+from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam.casefile.field_lists import flat
 from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.toml import key_parts
@@ -30,7 +30,7 @@ Judge = Callable[[dict[str, Any]], tuple[Any, list[Complaint]]]
 
 
 @dataclass(frozen=True)
-class Variant:
+class FidelityCase:
     """A fidelity's own case: ``declared`` with the changes made, ``changes`` {dotted key: value in SI, as written}."""
 
     declared: Any
@@ -39,12 +39,12 @@ class Variant:
 
 def variants(
     tables: dict[str, Any], model: type[BaseModel], said: list[Complaint], judge: Judge
-) -> tuple[dict[str, Variant], list[Complaint]]:
+) -> tuple[dict[str, FidelityCase], list[Complaint]]:
     """The variant of every fidelity that changes something, and what is wrong with the changes.
 
     ``said``: what is wrong with the case itself, not told again; ``judge``: the verdict on other tables of this kind.
     """
-    found: dict[str, Variant] = {}
+    found: dict[str, FidelityCase] = {}
     wrong: list[Complaint] = []
     fidelities = tables.get("fidelity")
     for name, table in fidelities.items() if isinstance(fidelities, dict) else ():
@@ -52,7 +52,7 @@ def variants(
             change = _Change(model, name, table)
             own = change.judged(tables, dict(said), judge, wrong)
             if own is not None:
-                found[name] = Variant(own, change.canonical())
+                found[name] = FidelityCase(own, change.canonical())
     return found, wrong
 
 
@@ -98,7 +98,7 @@ class _Change:
     def _left_fault(self, key: str) -> str | None:
         field, fault = _walk(self.model, key)
         if fault or field is None:
-            return fault or f"{shown(key)}: name the whole table, not one of its kind"
+            return fault or f"{as_shown_in_message(key)}: name the whole table, not one of its kind"
         if field.is_required():
             return f"{key} cannot be left out: every case needs it; set it instead"
         if any(each == key or each.startswith(f"{key}.") for each in self.settings):
@@ -142,12 +142,12 @@ def _walk(model: type[BaseModel], key: str) -> tuple[FieldInfo | None, str | Non
     try:
         first, *rest = key_parts(key)
     except (ValueError, RecursionError):
-        return None, f"{shown(key)} is not a key such as stop.gap"
+        return None, f"{as_shown_in_message(key)} is not a key such as stop.gap"
     known = [name for name in keys_of(model) if name not in SHARED]
     if first in SHARED:
         return None, f"{first} is shared by all fidelities: a fidelity changes {', '.join(known)} alone"
     if first not in known:
-        return None, f"unknown key {shown(key)}; {cure(first, known)}"
+        return None, f"unknown key {as_shown_in_message(key)}; {suggest(first, known)}"
     return _within(fields_of(model)[first], rest, key)
 
 
@@ -161,9 +161,9 @@ def _within(field: FieldInfo, rest: list[str], key: str) -> tuple[FieldInfo | No
     if not rest:
         return field, None
     if table is None:
-        return None, f"{shown(key)} goes beyond a value"
+        return None, f"{as_shown_in_message(key)} goes beyond a value"
     if rest[0] not in keys_of(table):
-        return None, f"unknown key {shown(key)}; {cure(rest[0], keys_of(table))}"
+        return None, f"unknown key {as_shown_in_message(key)}; {suggest(rest[0], keys_of(table))}"
     return _within(fields_of(table)[rest[0]], rest[1:], key)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
-from vibeam.case.faults import shown
+from vibeam.case.faults import as_shown_in_message
 from vibeam.casefile import quantities as units
 from vibeam.casefile.canonical import name_of
 from vibeam.casefile.fields import Entry, Quantity, Word
@@ -40,7 +40,7 @@ class Several(Entry):
         return Word(self.words).parse(value) if isinstance(value, str) else str(self._refuse(value))
 
     def _refuse(self, value: Any) -> Any:
-        raise ValueError(f"must be {self.describe()}, not {shown(value)}")
+        raise ValueError(f"must be {self.describe()}, not {as_shown_in_message(value)}")
 
     def _numbers(self, values: list[Any]) -> tuple[float, ...]:
         if not 0 < len(values) <= self.limit:
@@ -75,7 +75,9 @@ class Each(Entry):
         if self.alone and isinstance(value, str):
             return (self.of.parse(value),)
         if not isinstance(value, list) or not value:
-            raise ValueError(f"must be a {self.describe()}, not {shown(value) if value != [] else 'an empty list'}")
+            raise ValueError(
+                f"must be a {self.describe()}, not {as_shown_in_message(value) if value != [] else 'an empty list'}"
+            )
         found = tuple(_items(self.of, value, "entry"))
         if len(set(found)) < len(found):
             raise ValueError("names one of its entries twice")
@@ -106,7 +108,7 @@ class Options(Entry):
     def parse(self, value: Any) -> dict[str, str | float]:
         """As ``Entry.parse``."""
         if not isinstance(value, dict):
-            raise ValueError(f"must be {self.describe()}, not {shown(value)}")
+            raise ValueError(f"must be {self.describe()}, not {as_shown_in_message(value)}")
         wrong = [name for name, each in value.items() if not _is_plain(each)]
         if wrong:
             raise ValueError(f"{', '.join(wrong)}: must be a finite number or text in quotes")
@@ -138,7 +140,9 @@ class TableOr(Entry):
     def parse(self, value: Any) -> Any:
         """As ``Entry.parse``, of the list alone: the table is read by its model."""
         if not isinstance(value, list):
-            raise ValueError(f"must be {{ {', '.join(self._names())} }} or a {self.describe()}, not {shown(value)}")
+            raise ValueError(
+                f"must be {{ {', '.join(self._names())} }} or a {self.describe()}, not {as_shown_in_message(value)}"
+            )
         return self.several.parse(value)
 
     def _names(self) -> list[str]:
@@ -176,7 +180,7 @@ class Settings(Entry):
     def parse(self, value: Any) -> dict[str, Any]:
         """As ``Entry.parse``: keys are flat, values as written."""
         if not isinstance(value, dict):
-            raise ValueError(f"must be {self.describe()}, not {shown(value)}")
+            raise ValueError(f"must be {self.describe()}, not {as_shown_in_message(value)}")
         found = dict(flat(value))
         if not found:
             raise ValueError("sets nothing: name a key, or leave it away")
@@ -200,7 +204,7 @@ class Names(Entry):
     def parse(self, value: Any) -> tuple[str, ...]:
         """As ``Entry.parse``."""
         if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
-            raise ValueError(f"must be a {self.describe()}, not {shown(value)}")
+            raise ValueError(f"must be a {self.describe()}, not {as_shown_in_message(value)}")
         if len(set(value)) < len(value):
             raise ValueError("names one twice")
         return tuple(value)

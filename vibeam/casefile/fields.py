@@ -10,8 +10,8 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from vibeam.case.faults import shown, suggestion
-from vibeam.casefile.quantities import Kind, to_si
+from vibeam.case.faults import as_shown_in_message, suggestion
+from vibeam.casefile.quantities import Dimension, to_si
 
 
 class Entry(ABC):
@@ -58,7 +58,9 @@ class Range:
     def check(self, number: float, value: Any) -> None:
         """ValueError, with the value as it was written, if the number is outside."""
         if not (self.low <= number <= self.high) or (number == self.low and not self.closed):
-            raise ValueError(f"{shown(value)} {'is outside' if math.isfinite(self.high) else 'must be'} {self}")
+            raise ValueError(
+                f"{as_shown_in_message(value)} {'is outside' if math.isfinite(self.high) else 'must be'} {self}"
+            )
 
     def describe(self) -> str:
         """The range after a unit: ``"> 0"``, ``"in [0, 1]"``, empty where all numbers will do."""
@@ -91,7 +93,7 @@ NUMBER_WITH_UNIT = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?(\s|[A
 class Quantity(Entry):
     """A number of one kind, in SI."""
 
-    kind: Kind
+    kind: Dimension
     range: Range = ANY
 
     def parse(self, value: Any) -> float:
@@ -124,7 +126,7 @@ class Count(Entry):
     def parse(self, value: Any) -> int:
         """As ``Entry.parse``."""
         if not isinstance(value, int) or isinstance(value, bool):
-            raise ValueError(f"must be a whole number, not {shown(value)}")
+            raise ValueError(f"must be a whole number, not {as_shown_in_message(value)}")
         Range(self.low, self.high).check(value, value)
         return value
 
@@ -144,7 +146,7 @@ class Flag(Entry):
     def parse(self, value: Any) -> bool:
         """As ``Entry.parse``."""
         if not isinstance(value, bool):
-            raise ValueError(f"must be {self.describe()}, not {shown(value)}")
+            raise ValueError(f"must be {self.describe()}, not {as_shown_in_message(value)}")
         return value
 
     def describe(self) -> str:
@@ -165,11 +167,11 @@ class Word(Entry):
     def parse(self, value: Any) -> str:
         """As ``Entry.parse``."""
         if not isinstance(value, str):
-            raise ValueError(f"must be one of {self.describe()}, not {shown(value)}")
+            raise ValueError(f"must be one of {self.describe()}, not {as_shown_in_message(value)}")
         if value not in self.words:
             near = suggestion(value, self.words)
             meant = f"; did you mean {near!r}?" if near else ""
-            raise ValueError(f"{shown(value)} is not one of {self.describe()}{meant}")
+            raise ValueError(f"{as_shown_in_message(value)} is not one of {self.describe()}{meant}")
         return value
 
     def describe(self) -> str:
@@ -188,7 +190,7 @@ class Text(Entry):
     def parse(self, value: Any) -> str:
         """As ``Entry.parse``."""
         if not isinstance(value, str):
-            raise ValueError(f"must be text in quotes, not {shown(value)}")
+            raise ValueError(f"must be text in quotes, not {as_shown_in_message(value)}")
         return value
 
     def describe(self) -> str:

@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Mapping
 from typing import Any
 
-from vibeam.case.faults import KeyPath, shown
+from vibeam.case.faults import KeyPath, as_shown_in_message
 from vibeam.casefile.tables.cases import BeamCase
 from vibeam.casefile.toml import LONG_KEY, TOO_DEEP, key_parts, too_deep
 from vibeam.casefile.validation import lists_of
@@ -44,7 +44,7 @@ def _parts(key: str) -> list[str]:
         key.encode()
         parts = [] if LONG_KEY.search(key) else key_parts(key)
     except (AttributeError, ValueError, RecursionError):
-        raise OverrideError(f"{shown(key)} is not a key such as sweep.frequency.points") from None
+        raise OverrideError(f"{as_shown_in_message(key)} is not a key such as sweep.frequency.points") from None
     if not parts:
         raise OverrideError(TOO_DEEP)
     return parts
@@ -61,9 +61,9 @@ def _where(place: Any, part: str) -> str | int:
     if isinstance(place, dict):
         return part
     if not isinstance(place, list):
-        raise OverrideError(f"there is no {shown(part)} in {shown(place)}")
+        raise OverrideError(f"there is no {as_shown_in_message(part)} in {as_shown_in_message(place)}")
     if not _INDEX.fullmatch(part):
-        raise OverrideError(f"{shown(part)} is no index of a list; {_indices(place)}")
+        raise OverrideError(f"{as_shown_in_message(part)} is no index of a list; {_indices(place)}")
     if int(part) >= len(place):
         raise OverrideError(f"the index {part} is out of range; {_indices(place)}")
     return int(part)

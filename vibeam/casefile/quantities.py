@@ -9,11 +9,11 @@ from decimal import Decimal, DecimalException
 from functools import cache
 from typing import Any
 
-from vibeam.case.faults import cure, shown
+from vibeam.case.faults import as_shown_in_message, suggest
 
 
 @dataclass(frozen=True)
-class Kind:
+class Dimension:
     """A kind of quantity: what a message calls it, its SI unit (empty: a plain number), one example."""
 
     phrase: str
@@ -22,45 +22,45 @@ class Kind:
     bare: bool = True  # whether a number without a unit can only mean one thing
 
 
-LENGTH = Kind("a length", "m", "180 mm")
+LENGTH = Dimension("a length", "m", "180 mm")
 
-MASS = Kind("a mass", "kg", "0.2 kg")
+MASS = Dimension("a mass", "kg", "0.2 kg")
 
-TIME = Kind("a time", "s", "1 s")
+TIME = Dimension("a time", "s", "1 s")
 
-INERTIA = Kind("a moment of inertia", "kg m^2", "2.84e-5 kg m^2")
+INERTIA = Dimension("a moment of inertia", "kg m^2", "2.84e-5 kg m^2")
 
-PRESSURE = Kind("a pressure", "Pa", "210 GPa")
+PRESSURE = Dimension("a pressure", "Pa", "210 GPa")
 
-DENSITY = Kind("a density", "kg/m^3", "7850 kg/m^3")
+DENSITY = Dimension("a density", "kg/m^3", "7850 kg/m^3")
 
-VOLTAGE = Kind("a voltage", "V", "0.6 V")
+VOLTAGE = Dimension("a voltage", "V", "0.6 V")
 
-PER_VOLT = Kind("a number per volt", "1/V", "5.16e-4 1/V")
+PER_VOLT = Dimension("a number per volt", "1/V", "5.16e-4 1/V")
 
-SPEED = Kind("a speed", "m/s", "0.1 m/s")
+SPEED = Dimension("a speed", "m/s", "0.1 m/s")
 
-VISCOUS = Kind("a damping constant", "N s/m", "10 N s/m")
+VISCOUS = Dimension("a damping constant", "N s/m", "10 N s/m")
 
-FREQUENCY = Kind("a frequency", "Hz", "15.5 Hz")
+FREQUENCY = Dimension("a frequency", "Hz", "15.5 Hz")
 
-ANGULAR_FREQUENCY = Kind("a frequency", "rad/s", "1 rad/s", bare=False)
+ANGULAR_FREQUENCY = Dimension("a frequency", "rad/s", "1 rad/s", bare=False)
 
-RATIO = Kind("a plain number", "", "0.5")
+RATIO = Dimension("a plain number", "", "0.5")
 
-ACCELERATION = Kind("an acceleration", "m/s^2", "9.81 m/s^2")
+ACCELERATION = Dimension("an acceleration", "m/s^2", "9.81 m/s^2")
 
-FORCE = Kind("a force", "N", "5 N")
+FORCE = Dimension("a force", "N", "5 N")
 
-STIFFNESS = Kind("a stiffness", "N/m", "2000 N/m")
+STIFFNESS = Dimension("a stiffness", "N/m", "2000 N/m")
 
-TURNING_STIFFNESS = Kind("a rotational stiffness", "N m/rad", "500 N m/rad")
+TURNING_STIFFNESS = Dimension("a rotational stiffness", "N m/rad", "500 N m/rad")
 
-RESISTANCE = Kind("a resistance", "ohm", "4 ohm")
+RESISTANCE = Dimension("a resistance", "ohm", "4 ohm")
 
-INDUCTANCE = Kind("an inductance", "H", "1 mH")
+INDUCTANCE = Dimension("an inductance", "H", "1 mH")
 
-FORCE_FACTOR = Kind("a force per current", "N/A", "20 N/A")
+FORCE_FACTOR = Dimension("a force per current", "N/A", "20 N/A")
 
 
 _NAMED = (
@@ -116,54 +116,54 @@ class UnitError(ValueError):
     """A value that is not the quantity asked for; the text says what it is instead, or how to write it."""
 
 
-def to_si(value: Any, kind: Kind) -> float:
+def to_si(value: Any, kind: Dimension) -> float:
     """The value as a finite number in ``kind``'s SI unit; UnitError if it is none."""
     if isinstance(value, str):
         number = _from_text(value, kind)
     elif isinstance(value, int | float) and not isinstance(value, bool):
         number = _from_number(value, kind)
     else:
-        raise UnitError(f"must be {kind.phrase} such as {_example(kind)}, not {shown(value)}")
+        raise UnitError(f"must be {kind.phrase} such as {_example(kind)}, not {as_shown_in_message(value)}")
     if not math.isfinite(number):
-        raise UnitError(f"{shown(value)} is not a finite number")
+        raise UnitError(f"{as_shown_in_message(value)} is not a finite number")
     return number
 
 
-def _example(kind: Kind) -> str:
+def _example(kind: Dimension) -> str:
     return repr(kind.example) if kind.unit else kind.example
 
 
-def _from_number(value: float, kind: Kind) -> float:
+def _from_number(value: float, kind: Dimension) -> float:
     try:
         number = float(value)
     except OverflowError:
         return math.inf
     if not kind.bare and math.isfinite(number):
-        raise UnitError(f"{shown(value)} may be rad/s or Hz: write '{number:g} rad/s' or '{number:g} Hz'")
+        raise UnitError(f"{as_shown_in_message(value)} may be rad/s or Hz: write '{number:g} rad/s' or '{number:g} Hz'")
     return number
 
 
-def _from_text(text: str, kind: Kind) -> float:
+def _from_text(text: str, kind: Dimension) -> float:
     found = _QUANTITY.fullmatch(text)
     if not found:
         if _NOT_FINITE.fullmatch(text):
             return math.nan
-        raise UnitError(f"{shown(text)} is not a number with a unit: write {_example(kind)}")
+        raise UnitError(f"{as_shown_in_message(text)} is not a number with a unit: write {_example(kind)}")
     number, unit = found[1], found[2].replace("μ", "µ")
     if not unit and kind.unit:
         written = f"'{number} {kind.unit}'" if len(number) < 40 else _example(kind)
-        raise UnitError(f"{shown(text)} has no unit: write {written}")
+        raise UnitError(f"{as_shown_in_message(text)} has no unit: write {written}")
     factor = _factor(unit, kind, text) if unit else Decimal(1)
     try:
         exact = Decimal(number) * factor
     except DecimalException:
         exact = Decimal("nan")
     if exact.is_nan() or (exact and not float(exact)):
-        raise UnitError(f"{shown(text)} is beyond the range of numbers")
+        raise UnitError(f"{as_shown_in_message(text)} is beyond the range of numbers")
     return float(exact)
 
 
-def _factor(unit: str, kind: Kind, text: str) -> Decimal:
+def _factor(unit: str, kind: Dimension, text: str) -> Decimal:
     """What one ``unit`` is in the kind's unit; UnitError says what ``text`` is where that cannot be."""
     found = _parsed(unit)
     if found is None:
@@ -171,14 +171,16 @@ def _factor(unit: str, kind: Kind, text: str) -> Decimal:
     factor, dimension = found
     wanted_factor, wanted = _parsed(kind.unit) or (Decimal(1), {})
     if dimension != wanted:
-        raise UnitError(f"{shown(text)} is {_phrase(dimension)}, not {kind.phrase}{_hint(dimension, kind)}")
+        raise UnitError(
+            f"{as_shown_in_message(text)} is {_phrase(dimension)}, not {kind.phrase}{_hint(dimension, kind)}"
+        )
     return factor / wanted_factor
 
 
 def _unknown(unit: str, text: str) -> str:
     if unit.startswith(","):
-        return f"{shown(text)}: write the decimal sign as a point"
-    return f"{shown(text)} has the unknown unit {shown(unit)}; {cure(unit, _USUAL)}"
+        return f"{as_shown_in_message(text)}: write the decimal sign as a point"
+    return f"{as_shown_in_message(text)} has the unknown unit {as_shown_in_message(unit)}; {suggest(unit, _USUAL)}"
 
 
 def _phrase(dimension: dict[str, float]) -> str:
@@ -189,7 +191,7 @@ def _phrase(dimension: dict[str, float]) -> str:
     return f"a quantity of dimension {' '.join(powers)}"
 
 
-def _hint(dimension: dict[str, float], kind: Kind) -> str:
+def _hint(dimension: dict[str, float], kind: Dimension) -> str:
     if kind.phrase == FREQUENCY.phrase and dimension == {"[time]": -1}:
         return ": write Hz or rad/s"
     return ""

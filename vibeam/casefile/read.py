@@ -27,12 +27,12 @@ from vibeam.casefile.build import (
     scene_of,
 )
 from vibeam.casefile.canonical import name_of
-from vibeam.casefile.fidelity_changes import Variant, variants
+from vibeam.casefile.fidelity_changes import FidelityCase, variants
 from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.tables.cases import BeamCase, SdofCase
 from vibeam.casefile.tables.rules import cross_checks
 from vibeam.casefile.toml import parsed
-from vibeam.casefile.validation import complaints, declaration, known, read
+from vibeam.casefile.validation import complaints, declaration, read, readable_part
 
 
 def load(path: str | PathLike[str], set: Mapping[str, Any] | None = None) -> Case:
@@ -51,7 +51,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
     from vibeam.casefile.canonical import canonical_text
 
     file = Path(path)
-    declared, changed = accepted(text, file, set or {})
+    declared, changed = validate(text, file, set or {})
     sweep = _sweep(declared.sweep)
     return Case(
         path=file,
@@ -80,7 +80,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
 Declared = BeamCase | SdofCase
 
 
-def accepted(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[Declared, dict[str, Declared]]:
+def validate(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[Declared, dict[str, Declared]]:
     """The declared case in SI units, and that of each fidelity that changes it; CaseError with all faults."""
     tables, lines = parsed(text, file)
     faults, paths = _override(tables, overrides)
@@ -93,14 +93,14 @@ def accepted(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[Decla
     return _settled(case, changed), {name: variant.declared for name, variant in changed.items()}
 
 
-def _settled(case: Declared, changed: Mapping[str, Variant]) -> Declared:
+def _settled(case: Declared, changed: Mapping[str, FidelityCase]) -> Declared:
     """The case with what its fidelities set in SI units, so that equal cases have equal texts."""
     tables: Any = case.fidelity
     own = {name: table.model_copy(update=_own(table, changed.get(name))) for name, table in tables.items()}
     return case.model_copy(update={"fidelity": own})
 
 
-def _own(table: Any, variant: Variant | None) -> dict[str, Any]:
+def _own(table: Any, variant: FidelityCase | None) -> dict[str, Any]:
     return {} if variant is None or not table.set else {"set": dict(sorted(variant.changes.items()))}
 
 
@@ -124,7 +124,7 @@ def _judged(tables: dict[str, Any], folder: File) -> tuple[BeamCase | SdofCase |
         case = read(tables)
     except ValidationError as error:
         alone, excused = complaints(error, model)
-    together = list(cross_checks(known(model, tables), folder))
+    together = list(cross_checks(readable_part(model, tables), folder))
     return case, alone + _new(together, {path for path, _ in alone} | excused)
 
 

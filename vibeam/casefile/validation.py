@@ -8,8 +8,8 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from vibeam.case.faults import Complaint, KeyPath, cure, shown, suggestion
-from vibeam.casefile.canonical import name_of, written
+from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest, suggestion
+from vibeam.casefile.canonical import name_of, to_toml
 from vibeam.casefile.field_lists import TableOr
 from vibeam.casefile.fields import Entry
 from vibeam.casefile.tables.beam import AddedMassTable
@@ -50,14 +50,14 @@ def _message(fault: Any, model: type[BaseModel]) -> str:
     if fault["type"] == "missing":
         return _missing(loc, model)
     wanted = "a list of tables" if fault["type"].startswith("tuple") else "a table"
-    return f"must be {wanted}, {_header(loc, model)}, not {shown(fault['input'])}"
+    return f"must be {wanted}, {_header(loc, model)}, not {as_shown_in_message(fault['input'])}"
 
 
 def _unknown(loc: KeyPath, model: type[BaseModel]) -> str:
     name = str(loc[-1])
     if len(loc) == 1 and model is SdofCase and name in BESIDE_SDOF:
         return f"[{name}] and [sdof] do not go together: keep [sdof], or the beam's tables"
-    return f"unknown key; {cure(name, keys_of(model_at(model, loc[:-1])))}"
+    return f"unknown key; {suggest(name, keys_of(model_at(model, loc[:-1])))}"
 
 
 def _missing(loc: KeyPath, model: type[BaseModel]) -> str:
@@ -122,10 +122,10 @@ def model_at(model: type[BaseModel], loc: KeyPath) -> type[BaseModel]:
 
 def example_of(field: FieldInfo) -> str:
     """The field's example as it is written in a case."""
-    return written((field.examples or [None])[0])
+    return to_toml((field.examples or [None])[0])
 
 
-def known(model: type[BaseModel], tables: Any) -> SimpleNamespace:
+def readable_part(model: type[BaseModel], tables: Any) -> SimpleNamespace:
     """What of a case can be read by itself, for checks across keys: a value that cannot, or is missing, is None."""
     found = tables if isinstance(tables, dict) else {}
     fields = model.model_fields.items()
@@ -146,8 +146,8 @@ def _known(field: FieldInfo, value: Any) -> Any:
 
 def _tables(field: FieldInfo, table: type[BaseModel], value: Any) -> Any:
     if not is_repeated(field):
-        return None if value is None and not field.is_required() else known(table, value)
+        return None if value is None and not field.is_required() else readable_part(table, value)
     if get_origin(field.annotation) is dict:
         items = value.items() if isinstance(value, dict) else ()
-        return {name: known(table, inner) for name, inner in items}
-    return [known(table, inner) for inner in value] if isinstance(value, list) else []
+        return {name: readable_part(table, inner) for name, inner in items}
+    return [readable_part(table, inner) for inner in value] if isinstance(value, list) else []

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from vibeam.cli.errors import Made, Mistake, of_case
+from vibeam.cli.errors import Made, UsageError, of_case
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -55,7 +55,7 @@ def load(path: Path, settings: list[str] | None) -> Case:
     parts = [text.partition("=") for text in settings or []]
     wrong = [key for key, equals, _ in parts if not (equals and key.strip())]
     if wrong:
-        raise Mistake("\n".join(f"--set {key}: write --set key=value" for key in wrong))
+        raise UsageError("\n".join(f"--set {key}: write --set key=value" for key in wrong))
     return read(path, {key.strip(): value.strip() for key, _, value in parts})
 
 
@@ -77,13 +77,13 @@ def place(out: str | None, name: str, endings: tuple[str, ...], wanted: str) -> 
     if out is None:
         return Path(name)
     if not out:
-        raise Mistake("--out is empty: name a file or a folder")
+        raise UsageError("--out is empty: name a file or a folder")
     path = Path(out)
     if _is_folder(out):
         return folder(path) / name
     if path.suffix not in endings:
         or_folder = f"write {path}/ for a new folder" if not path.exists() else "it is no folder either"
-        raise Mistake(f"{path}: --out names {wanted} that ends in {' or '.join(endings)}, or a folder: {or_folder}")
+        raise UsageError(f"{path}: --out names {wanted} that ends in {' or '.join(endings)}, or a folder: {or_folder}")
     folder(path.parent)
     return path
 
@@ -98,7 +98,7 @@ def folder(path: Path) -> Path:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):
-        raise Mistake(f"{path}: --out needs a folder here, and this is a file or lies below one") from None
+        raise UsageError(f"{path}: --out needs a folder here, and this is a file or lies below one") from None
     return path
 
 

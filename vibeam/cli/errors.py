@@ -14,7 +14,7 @@ from vibeam.cli.streams import STOPPED, WRONG, reader_gone, say
 Made = TypeVar("Made")
 
 
-class Mistake(Exception):
+class UsageError(Exception):
     """Something wrong with an argument: one line for stderr."""
 
 
@@ -26,7 +26,7 @@ def mistakes() -> Iterator[None]:
 
     try:
         yield
-    except (CaseError, StoreError, Mistake) as mistake:
+    except (CaseError, StoreError, UsageError) as mistake:
         _stop(str(mistake), WRONG)
     except BrokenPipeError:
         reader_gone()
@@ -43,7 +43,7 @@ def of_case(case: Path, make: Callable[[], Made]) -> Made:
     try:
         return make()
     except ValueError as refusal:
-        raise Mistake(f"{case}: {refusal}") from None
+        raise UsageError(f"{case}: {refusal}") from None
 
 
 def _stop(message: str, code: int) -> None:

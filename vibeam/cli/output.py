@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 Tables = Callable[[Any], list["ReportTable"]]
 
 
-def answer(rows: Any, as_json: bool, tables: Tables = lambda tables: [], told: Iterable[object] = ()) -> None:
+def print_result(rows: Any, as_json: bool, tables: Tables = lambda tables: [], told: Iterable[object] = ()) -> None:
     """``rows`` as JSON, or the ``tables`` that ``vibeam.report.tables`` makes of them and a line for each ``told``."""
     from vibeam.report import output
     from vibeam.report import tables as table
@@ -25,14 +25,14 @@ def answer(rows: Any, as_json: bool, tables: Tables = lambda tables: [], told: I
         return
     for shown in tables(table):
         try:
-            table.show(shown)
+            table.print_table(shown)
         except SystemExit:  # rich's answer to a reader that has gone
             reader_gone()
     for line in told:
         put(str(line))
 
 
-def written(rows: Any, out: Path | None) -> None:
+def write_table(rows: Any, out: Path | None) -> None:
     """``rows`` as CSV in ``out``, where a file is asked for."""
     if out is not None:
         from vibeam.report import output

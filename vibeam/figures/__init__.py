@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Kind:
+class FigureKind:
     """One kind: where it is, what it shows, the keys that it needs and those that it may have.
 
     ``reads``: its columns that [expect.NAME] may hold to a number, ``entries``: the column by which one of them is
@@ -38,31 +38,31 @@ RINGING = ("ringing_frequency", "counted_frequency", "ringing_decay", "ringing_d
 RESTITUTIONS = tuple(f"{how}_restitution" for how in ("true", "adjacent", "extremum", "extrapolated", "first_mode"))
 
 KINDS = {
-    "history": Kind("vibeam.figures.kinds.history", "displacement and velocity over time", ("frequency",), MOTION, ("jump",)),
-    "portrait": Kind("vibeam.figures.kinds.portrait", "velocity over displacement", ("frequency",), MOTION),
-    "section": Kind("vibeam.figures.kinds.section", "one point a drive period", ("frequency",), MOTION),
-    "curve": Kind("vibeam.figures.kinds.curve", "another quantity over frequency", ("quantity",)),
-    "boundaries": Kind("vibeam.figures.kinds.boundaries", "averaging's limits beside the exact ones", ("quantity",)),
-    "harmonics": Kind(
+    "history": FigureKind("vibeam.figures.kinds.history", "displacement and velocity over time", ("frequency",), MOTION, ("jump",)),
+    "portrait": FigureKind("vibeam.figures.kinds.portrait", "velocity over displacement", ("frequency",), MOTION),
+    "section": FigureKind("vibeam.figures.kinds.section", "one point a drive period", ("frequency",), MOTION),
+    "curve": FigureKind("vibeam.figures.kinds.curve", "another quantity over frequency", ("quantity",)),
+    "boundaries": FigureKind("vibeam.figures.kinds.boundaries", "averaging's limits beside the exact ones", ("quantity",)),
+    "harmonics": FigureKind(
         "vibeam.figures.kinds.harmonics", "amplitudes at multiples of the drive frequency, bars at a few, lines over many", (),
         (*OVER, "highest", "subdivision"), ("harmonic",), "order", exact=True,
     ),
-    "spectrum": Kind(
+    "spectrum": FigureKind(
         "vibeam.figures.kinds.spectrum", "amplitude spectra of displacement and velocity", ("frequency",), MOTION, exact=True
     ),
-    "participation": Kind(
+    "participation": FigureKind(
         "vibeam.figures.kinds.participation", "shares of the modes in energy, displacement, velocity and impulse",
         ("frequency",), MOTION, SHARES, "mode", exact=True,
     ),
-    "ringing": Kind(
+    "ringing": FigureKind(
         "vibeam.figures.kinds.ringing", "frequency, by fit and by counted peaks, and size of what rings between impacts",
         ("near",), OVER, RINGING, exact=True,
     ),
-    "restitution": Kind(
+    "restitution": FigureKind(
         "vibeam.figures.kinds.restitution", "the contact's restitution beside what is read off in other ways", (), OVER,
         RESTITUTIONS, exact=True,
     ),
-    "modal": Kind(
+    "modal": FigureKind(
         "vibeam.figures.kinds.modal", "frequencies and damping ratios of the modes", (), (), ("mode_frequency", "mode_damping"),
         "mode",
     ),

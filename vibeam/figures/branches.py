@@ -19,7 +19,7 @@ STEEP = 5.0  # a step is a jump if so many times its larger neighbour …
 LARGE = 0.05  # … and at least this share of the range
 
 
-class Kind(Enum):
+class MotionClass(Enum):
     """A kind of motion; the value is what the legend calls it."""
 
     PERIOD_ONE = "period 1"
@@ -33,7 +33,7 @@ class Kind(Enum):
 class Piece:
     """Neighbouring points of one kind: frequency in Hz and amplitude (points,)."""
 
-    kind: Kind
+    kind: MotionClass
     frequency: Array
     amplitude: Array
 
@@ -84,6 +84,11 @@ def jumps(amplitude: Array, period: NDArray[np.int64]) -> NDArray[np.bool_]:
     return np.asarray((step > STEEP * beside) & (step > LARGE * extent))
 
 
-def _kind(period: int) -> Kind:
-    special = {-2: Kind.FAILED, -1: Kind.NO_CONTACT, 0: Kind.NOT_PERIODIC, 1: Kind.PERIOD_ONE}
-    return special.get(period, Kind.PERIOD_MORE)
+def _kind(period: int) -> MotionClass:
+    special = {
+        -2: MotionClass.FAILED,
+        -1: MotionClass.NO_CONTACT,
+        0: MotionClass.NOT_PERIODIC,
+        1: MotionClass.PERIOD_ONE,
+    }
+    return special.get(period, MotionClass.PERIOD_MORE)

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter
 
-from vibeam.case.faults import cure
-from vibeam.figures.branches import Kind, pieces
+from vibeam.case.faults import suggest
+from vibeam.figures.branches import MotionClass, pieces
 from vibeam.figures.style import BEHIND, COLOURS, KEY, LINES, WIDER, shade
 from vibeam.system.quantities import LAYOUT
 from vibeam.system.response import SINGLE, FrequencyResponse
@@ -25,7 +25,7 @@ PREFIXED = {"q": "m", "q/s": "m/s", "s": "s"}  # units that take a prefix
 def response_figure(branches: Mapping[str, FrequencyResponse], quantity: str) -> Figure:
     """The figure: kinds of motion by line, the sweep down lighter; ValueError for no such quantity."""
     if quantity not in SHOWN:
-        raise ValueError(f"quantity: no {quantity!r} with one number a point: {cure(str(quantity), SHOWN)}")
+        raise ValueError(f"quantity: no {quantity!r} with one number a point: {suggest(str(quantity), SHOWN)}")
     figure = Figure(figsize=(5.8, 4.2), layout="constrained")
     axes = figure.subplots()
     kinds = {kind for direction, response in branches.items() for kind in _draw(axes, response, direction, quantity)}
@@ -39,7 +39,7 @@ def response_figure(branches: Mapping[str, FrequencyResponse], quantity: str) ->
     return figure
 
 
-def _draw(axes: Axes, response: FrequencyResponse, direction: str, quantity: str) -> set[Kind]:
+def _draw(axes: Axes, response: FrequencyResponse, direction: str, quantity: str) -> set[MotionClass]:
     """One branch in pieces of one kind of motion; failed points have no value and are left out."""
     drawn = set()
     for piece in pieces(replace(response, amplitude=getattr(response, quantity).astype(float))):
@@ -48,11 +48,11 @@ def _draw(axes: Axes, response: FrequencyResponse, direction: str, quantity: str
     return drawn
 
 
-def _look(kind: Kind, direction: str, points: int) -> dict[str, Any]:
+def _look(kind: MotionClass, direction: str, points: int) -> dict[str, Any]:
     colour = shade(COLOURS[0], direction)
     look: dict[str, Any] = {"color": colour, "markerfacecolor": "white", "markeredgecolor": colour} | LINES[kind]
     look |= {"zorder": BEHIND[direction]}
-    if kind is Kind.PERIOD_ONE:
+    if kind is MotionClass.PERIOD_ONE:
         look |= {"linewidth": look["linewidth"] * WIDER[direction]}
     return look | ({"marker": "o", "markersize": 2.0} if points == 1 and "marker" not in look else {})
 
@@ -61,7 +61,7 @@ def _colour(direction: str) -> dict[str, Any]:
     return {"color": shade(COLOURS[0], direction)}
 
 
-def _keys(branches: Mapping[str, FrequencyResponse], kinds: set[Kind]) -> list[Line2D]:
+def _keys(branches: Mapping[str, FrequencyResponse], kinds: set[MotionClass]) -> list[Line2D]:
     ways = branches if len(branches) > 1 else ()
     swept = [Line2D([], [], label=f"sweep {way}", **_colour(way), linewidth=2.5) for way in ways]
-    return swept + [Line2D([], [], label=kind.value, **(KEY | LINES[kind])) for kind in Kind if kind in kinds]
+    return swept + [Line2D([], [], label=kind.value, **(KEY | LINES[kind])) for kind in MotionClass if kind in kinds]

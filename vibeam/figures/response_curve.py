@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from vibeam.case.reference_curves import reference_points
 from vibeam.figures.axes import from_zero, is_empty, mark_failed, say
-from vibeam.figures.branches import Kind, motion_pieces, pieces
+from vibeam.figures.branches import MotionClass, motion_pieces, pieces
 from vibeam.figures.outputs import amplitude_of, frequency_label
 from vibeam.figures.page import PAGE, blank_page, legend, plain, titled, write_page
 from vibeam.figures.style import (
@@ -125,7 +125,7 @@ class _Panel:
             self._arrows(response, direction)
         self._curves()
         self._references()
-        self.axes.margins(x=0.02, y=0.08 + 0.1 * (Kind.FAILED in self.drawn))
+        self.axes.margins(x=0.02, y=0.08 + 0.1 * (MotionClass.FAILED in self.drawn))
         from_zero(self.axes)
 
     def _branch(self, response: FrequencyResponse, direction: str) -> None:
@@ -133,7 +133,7 @@ class _Panel:
             self.drawn.add(piece.kind)
             keys = line(piece.kind, direction, self.look, len(piece.frequency), len(response))
             name = f"{self.name}-{direction}-{index}-{piece.kind.name.lower()}"
-            if piece.kind is Kind.FAILED:
+            if piece.kind is MotionClass.FAILED:
                 row = 2 * self.row + (direction == "down")
                 mark_failed(self.axes, piece.frequency * self.units.frequency_factor, row, gid=name, **keys)
             else:
@@ -161,7 +161,7 @@ class _Panel:
         self.drawn.add("ghost")
         for _, response in branches.items():
             for piece in pieces(response):
-                if piece.kind in (Kind.PERIOD_ONE, Kind.PERIOD_MORE):
+                if piece.kind in (MotionClass.PERIOD_ONE, MotionClass.PERIOD_MORE):
                     self._plot(piece.frequency, piece.amplitude, color=GHOST, linewidth=3.6, zorder=1)
 
     def _references(self) -> None:
@@ -215,13 +215,17 @@ def _legend(panels: list[_Panel], finest: str, together: bool) -> list[Line2D]:
     keys: dict[object, tuple[str, dict[str, Any]]] = {
         "up": ("sweep up", {"marker": ">", "markersize": 5, "markerfacecolor": "0.25"}),
         "down": ("sweep down", {"color": "0.75", "marker": "<", "markersize": 5, "linewidth": 3.1}),
-        **{kind: (kind.value, LINES[kind]) for kind in Kind if kind not in (Kind.PERIOD_ONE, Kind.FAILED)},
+        **{
+            kind: (kind.value, LINES[kind])
+            for kind in MotionClass
+            if kind not in (MotionClass.PERIOD_ONE, MotionClass.FAILED)
+        },
         "unstable": ("unstable", UNSTABLE),
         "ghost": (f"{finest}, for comparison", {"color": GHOST, "linewidth": 3.6}),
         "reference": ("reference", REFERENCE),
         "gap": ("grazing: mode 1 reaches the stop", GAP),
         "gap above": ("grazing: above the figure", GAP),
-        Kind.FAILED: (f"failed, along the upper edge: {'; '.join(reasons)}", LINES[Kind.FAILED]),
+        MotionClass.FAILED: (f"failed, along the upper edge: {'; '.join(reasons)}", LINES[MotionClass.FAILED]),
     }
     colours = [
         Line2D([], [], label=panel.label, **panel.look.keys(2.0 if len(panels) == 1 else 1.2))

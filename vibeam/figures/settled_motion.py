@@ -110,7 +110,7 @@ def motion_columns(case: Case, name: str, frequency: float, plan: ShowPlan, peri
     """
     chain = case.chain_of(name)
     if chain is not None:
-        return _measured(seen(case, name, frequency, plan, periods, chain))
+        return _measured(measured_window(case, name, frequency, plan, periods, chain))
     begin = settled(case, name, frequency, plan)
     if begin.state is None:
         raise NoMotion(begin.fault)
@@ -130,7 +130,7 @@ def _stepped(begin: Settled, state: State, periods: int, output: str) -> Columns
     return _columns(found.times, values[:, 0], values[:, 1], found.impact_times, found.impact_velocities, None)
 
 
-def _measured(found: Seen) -> Columns:
+def _measured(found: MeasuredWindow) -> Columns:
     record, hits = found.window, found.hits
     shown = hits[:, 0] + found.delay - found.begin
     return _columns(record.time - found.begin, record.displacement, record.velocity, shown, hits[:, 1], None)
@@ -150,7 +150,7 @@ def _columns(time: Array, place: Array, speed: Array, struck: Array, velocities:
 
 
 @dataclass(frozen=True)
-class Seen:
+class MeasuredWindow:
     """A motion from before its window [``begin``, ``end``] s (after which a drive period more) and its ``record``.
 
     The drive's phase is 0 at ``begin``; what a filter needs to settle has passed one drive period before.
@@ -184,7 +184,9 @@ class Seen:
         return self.chain.velocity == "exact"
 
 
-def seen(case: Case, name: str, frequency: float, plan: ShowPlan, periods: int, chain: Chain) -> Seen:
+def measured_window(
+    case: Case, name: str, frequency: float, plan: ShowPlan, periods: int, chain: Chain
+) -> MeasuredWindow:
     """A window of ``periods`` drive periods of the settled motion at ``frequency`` Hz; NoMotion where there is none."""
     begin = settled(case, name, frequency, plan)
     fading = chain.low_pass.settling() if chain.low_pass else 0.0
@@ -192,7 +194,7 @@ def seen(case: Case, name: str, frequency: float, plan: ShowPlan, periods: int, 
     path = exact_motion(begin, lead + periods + 1)
     first, last = lead * begin.period, (lead + periods) * begin.period
     record = measure(path, chain, plan.output).after(first - begin.period)
-    return Seen(path, record, first, last, chain)
+    return MeasuredWindow(path, record, first, last, chain)
 
 
 def chain_or_exact(case: Case, name: str, rate: float) -> Chain:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from matplotlib.colors import to_rgb
 
-from vibeam.figures.branches import Kind
+from vibeam.figures.branches import MotionClass
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -40,12 +40,12 @@ WIDEST, NARROWEST = 1.7, 0.7  # line widths of the first and the last of several
 FEW = 3  # a branch of so few points shows each as a full dot
 
 
-LINES: dict[Kind, Keys] = {
-    Kind.PERIOD_ONE: {"linewidth": 1.2},
-    Kind.PERIOD_MORE: {"linewidth": 0.7, "marker": "D", "markersize": 2.6, "markeredgewidth": 0.7},
-    Kind.NO_CONTACT: {"linewidth": 0.8, "linestyle": (0, (6, 1.5, 1, 1.5))},
-    Kind.NOT_PERIODIC: {"linestyle": "", "marker": "o", "markersize": 2.4, "markeredgewidth": 0.6},
-    Kind.FAILED: {"linestyle": "", "marker": "x", "markersize": 3.0, "markeredgewidth": 0.8},
+LINES: dict[MotionClass, Keys] = {
+    MotionClass.PERIOD_ONE: {"linewidth": 1.2},
+    MotionClass.PERIOD_MORE: {"linewidth": 0.7, "marker": "D", "markersize": 2.6, "markeredgewidth": 0.7},
+    MotionClass.NO_CONTACT: {"linewidth": 0.8, "linestyle": (0, (6, 1.5, 1, 1.5))},
+    MotionClass.NOT_PERIODIC: {"linestyle": "", "marker": "o", "markersize": 2.4, "markeredgewidth": 0.6},
+    MotionClass.FAILED: {"linestyle": "", "marker": "x", "markersize": 3.0, "markeredgewidth": 0.8},
 }
 
 UNSTABLE: Keys = {"linewidth": 0.9, "linestyle": (0, (3, 1.6)), "zorder": 2.5}
@@ -128,7 +128,7 @@ def arrow(direction: str, colour: str) -> Keys:
     return ARROW | {"marker": ARROWS[direction], "markerfacecolor": face, "markeredgecolor": colour}
 
 
-def line(kind: Kind, direction: str, own: Look, points: int, all_points: int) -> Keys:
+def line(kind: MotionClass, direction: str, own: Look, points: int, all_points: int) -> Keys:
     """How a piece of ``points`` points of a branch of ``all_points`` is drawn: dashes by kind, of period 1 its own.
 
     A lone point of what is else a line becomes a dot.
@@ -136,7 +136,7 @@ def line(kind: Kind, direction: str, own: Look, points: int, all_points: int) ->
     shaded = shade(own.colour, direction)
     keys = LINES[kind] | {"color": shaded, "markerfacecolor": "white", "markeredgecolor": shaded}
     keys["zorder"] = BEHIND[direction]
-    if kind is Kind.PERIOD_ONE:
+    if kind is MotionClass.PERIOD_ONE:
         keys |= {"linewidth": keys["linewidth"] * WIDER[direction] * own.wide, "linestyle": own.dash}
     if points == 1 and "marker" not in keys:
         size = 4.0 if all_points <= FEW else 2.0

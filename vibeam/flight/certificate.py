@@ -21,7 +21,7 @@ from vibeam.flight.kernels.cover import CLAIM, CLOSES, COLUMNS, OPEN, UNPROVED, 
 from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, DURATION, END, IMPACT, RELEASE, RESTING, WHAT
 
 if TYPE_CHECKING:
-    from vibeam.flight.linear.packing import Packed
+    from vibeam.flight.linear.packing import PackedSystem
     from vibeam.flight.solver import Segments
     from vibeam.system.impact_system import Drive, ImpactSystem
 
@@ -60,7 +60,7 @@ class Certificate:
         return np.flatnonzero(self.resting)
 
 
-def certificate_of(packed: Packed, drive: Drive, segments: Segments) -> Certificate:
+def certificate_of(packed: PackedSystem, drive: Drive, segments: Segments) -> Certificate:
     """The certificate of a motion that was flown."""
     trace = segments.trace
     orders, rises = _beginnings(packed.system, drive, segments)

@@ -41,7 +41,7 @@ OUTCOMES = {
 CODES = np.array([OUTCOMES.get(outcome, Ended.NOT_RUN).code for outcome in range(max(OUTCOMES) + 1)])
 
 
-class Tally:
+class PointReadout:
     """Filled point by point as the sweep goes, read as a whole: a point costs microseconds, and so may its notes."""
 
     def __init__(self, points: int, modes: int) -> None:

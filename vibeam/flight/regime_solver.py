@@ -28,12 +28,21 @@ from vibeam.flight.kernels.layout import (
     WHAT,
 )
 from vibeam.flight.kernels.regimes.entry import move, poses_at
-from vibeam.flight.kernels.regimes.layout import OUTPUT, SIDE, STATUS_ROWS, TRACE_COLUMNS, UNKNOWN, Plan, Regime, Room
+from vibeam.flight.kernels.regimes.layout import (
+    OUTPUT,
+    SIDE,
+    STATUS_ROWS,
+    TRACE_COLUMNS,
+    UNKNOWN,
+    Regime,
+    RegimeEngine,
+    RegimeWatch,
+)
 from vibeam.flight.linear.packing import slowest_rate
-from vibeam.flight.linear.regimes import Row, plan, signals
+from vibeam.flight.linear.regimes import SignalRow, plan, signals
 from vibeam.flight.pause import unpaused
 from vibeam.flight.per_thread import PerThread
-from vibeam.flight.readout import OUTCOMES, Tally
+from vibeam.flight.readout import OUTCOMES, PointReadout
 from vibeam.flight.solver import Segments, impact_limit
 from vibeam.observe.periodicity import repetition
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -60,11 +69,11 @@ class RegimeSolver:
         self._plans = PerThread(plan(system, slowest_rate(system, slowest, span)))
 
     @property
-    def plan(self) -> Plan:
+    def plan(self) -> RegimeEngine:
         """The calling thread's arrays."""
         return self._plans.own()
 
-    def _plan_for(self, size: float) -> Plan:
+    def _plan_for(self, size: float) -> RegimeEngine:
         """The same, for a motion with modal displacements of about ``size``; inf where that is not known."""
         own = self.plan
         own.drive[MOTION] = size
@@ -159,7 +168,7 @@ class RegimeSolver:
         """Steady points at ``omegas`` in turn, the state carried from each to the next; and the last state."""
         pose, status = self.pose(state)
         n = self.system.size
-        own, tally, begun = self._plan_for(np.inf), Tally(len(omegas), n), time.thread_time()
+        own, tally, begun = self._plan_for(np.inf), PointReadout(len(omegas), n), time.thread_time()
         trace, poses = np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n))
         room, counts = self._room(output, hold, trace, poses), np.zeros(COUNT_ROWS, dtype=np.int64)
         for index, omega in enumerate(omegas):
@@ -175,7 +184,7 @@ class RegimeSolver:
             begun = tally.time(index, begun)
         return tally.response(np.asarray(omegas, dtype=float), hold, self.system.gap), self._state(pose, status)
 
-    def _room(self, output: str | None, hold: int, trace: Array, poses: Array) -> Room:
+    def _room(self, output: str | None, hold: int, trace: Array, poses: Array) -> RegimeWatch:
         n = self.system.size
         row = np.array(self.system.contact if output is None else self.system.output(output), dtype=float)
         own = self.plan
@@ -183,8 +192,8 @@ class RegimeSolver:
             self._show(regime, row)
         nothing, strobes = np.zeros((0, TRACE_COLUMNS)), np.zeros((hold + 1, 2, n))
         scratch, frame = np.zeros((2, n)), np.zeros((2, n))
-        return Room(row, nothing, trace, poses, strobes, frame, scratch, np.zeros(RESULT_ROWS), np.zeros(n))
+        return RegimeWatch(row, nothing, trace, poses, strobes, frame, scratch, np.zeros(RESULT_ROWS), np.zeros(n))
 
     @staticmethod
     def _show(regime: Regime, row: Array) -> None:
-        regime.signals[OUTPUT] = signals([Row(row, np.zeros_like(row))], regime.outof, regime.held)[0]
+        regime.signals[OUTPUT] = signals([SignalRow(row, np.zeros_like(row))], regime.outof, regime.held)[0]

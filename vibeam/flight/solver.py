@@ -33,11 +33,11 @@ from vibeam.flight.kernels.layout import (
     STATUS_ROWS,
     TRACE_COLUMNS,
     WHAT,
-    Room,
+    Watch,
 )
-from vibeam.flight.linear.packing import Packed, pack
+from vibeam.flight.linear.packing import PackedSystem, pack
 from vibeam.flight.pause import unpaused
-from vibeam.flight.readout import OUTCOMES, Tally
+from vibeam.flight.readout import OUTCOMES, PointReadout
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State
@@ -78,7 +78,7 @@ class FlightSolver:
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, limit: int = 100_000) -> None:
         """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
         system.require_plain("the flight kernels")
-        self.packed: Packed = pack(system, slowest, span)
+        self.packed: PackedSystem = pack(system, slowest, span)
         self.system, self.limit = system, impact_limit(limit)
 
     def pose(self, state: State | None) -> tuple[Array, Array]:
@@ -168,7 +168,7 @@ class FlightSolver:
         pose, status = self.pose(state)
         trace, poses = np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, self.system.size))
         room, counts = self._room(output, hold, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
-        tally = Tally(len(omegas), self.system.size)
+        tally = PointReadout(len(omegas), self.system.size)
         desk, begun = self.packed.desk_for(np.inf), time.thread_time()
         for index, omega in enumerate(omegas):
             counts[:], status[ORDER], status[SPEED] = 0, 0.0, 0.0  # a point knows no more of the last than a State says
@@ -192,7 +192,11 @@ class FlightSolver:
         And the states after it, (points, 2, n): where they are those before, the motion has the drive's period.
         """
         n = self.system.size
-        after, status, tally = self.packed.inward(states), np.zeros((len(omegas), STATUS_ROWS)), Tally(len(omegas), n)
+        after, status, tally = (
+            self.packed.inward(states),
+            np.zeros((len(omegas), STATUS_ROWS)),
+            PointReadout(len(omegas), n),
+        )
         trace, poses = np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n))
         room, counts = self._room(output, 1, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
         desk, limit, begun = self.packed.desk_for(np.inf), self.limit, time.thread_time()
@@ -205,7 +209,7 @@ class FlightSolver:
             begun = tally.time(index, begun)
         return self._response(omegas, tally, 1, reading), self.packed.outward(after)
 
-    def _response(self, omegas: Array, tally: Tally, hold: int, reading: int) -> FrequencyResponse:
+    def _response(self, omegas: Array, tally: PointReadout, hold: int, reading: int) -> FrequencyResponse:
         """What was noted, in the user's order of modes; what was not read off is NaN."""
         response = tally.response(omegas, hold, self.system.gap)
         if reading < REACH_TOO:
@@ -213,11 +217,11 @@ class FlightSolver:
         response.mode_energy[:] = self.packed.outward(response.mode_energy) if reading >= EVERYTHING else np.nan
         return response
 
-    def _room(self, output: str | None, hold: int, trace: Array, poses: Array, reading: int = EVERYTHING) -> Room:
+    def _room(self, output: str | None, hold: int, trace: Array, poses: Array, reading: int = EVERYTHING) -> Watch:
         n = self.system.size
         row = self.packed.inward(self.system.contact if output is None else self.system.output(output))
         rest_row = np.ascontiguousarray((row @ self.packed.desk.from_blocks[:n]).reshape(-1, 2).T)
         nothing, strobes = np.zeros((0, TRACE_COLUMNS)), np.zeros((hold + 1, 2, n))
         scratch, frame = np.zeros((2, n)), np.zeros((2, n))
         result, energy, share = np.zeros(RESULT_ROWS), np.zeros(n), np.zeros(n + 1)
-        return Room(row, rest_row, nothing, trace, poses, strobes, scratch, frame, result, energy, share, reading)
+        return Watch(row, rest_row, nothing, trace, poses, strobes, scratch, frame, result, energy, share, reading)

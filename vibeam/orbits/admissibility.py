@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 CLOSE = 1e-9  # share of the motion's size by which the contact may miss the gap when the span is over
 
 
-class Witness:
+class AdmissibilityCheck:
     """A flight solver that watches periodic motions of one system at drives of ``slowest`` rad/s and more."""
 
     def __init__(self, system: ImpactSystem, slowest: float) -> None:

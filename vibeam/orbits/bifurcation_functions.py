@@ -36,7 +36,7 @@ class Kind(Enum):
     NEIMARK_SACKER = "a pair of complex multipliers crosses the unit circle"
 
 
-class Points(NamedTuple):
+class MotionsAt(NamedTuple):
     """The motions at some points of a line, or anywhere."""
 
     total: Sums
@@ -45,13 +45,13 @@ class Points(NamedTuple):
     gap: Array
 
 
-def motions(system: ImpactSystem, periods: int, omega: Array, amplitude: Array, gap: Array) -> Points:
+def motions(system: ImpactSystem, periods: int, omega: Array, amplitude: Array, gap: Array) -> MotionsAt:
     """Both motions at points of frequency (rad/s), amplitude and gap (m), all (points,); the system's gap is unused."""
     total = sums(system, omega, periods)
-    return Points(total, balance(system, total, amplitude, gap), amplitude, gap)
+    return MotionsAt(total, balance(system, total, amplitude, gap), amplitude, gap)
 
 
-def test_function(system: ImpactSystem, kind: Kind, branch: int, points: Points) -> Array:
+def test_function(system: ImpactSystem, kind: Kind, branch: int, points: MotionsAt) -> Array:
     """(points,): changes sign where the branch has a boundary of that kind; NaN where there is no motion."""
     found, total = points.roots, points.total
     if kind is Kind.FOLD:
@@ -78,7 +78,7 @@ def _complex_radius(system: ImpactSystem, span: Array, lean: Array) -> Array:
     return result
 
 
-def clearances(system: ImpactSystem, points: Points, branch: int, ceiling: float = 1.0) -> Array:
+def clearances(system: ImpactSystem, points: MotionsAt, branch: int, ceiling: float = 1.0) -> Array:
     """The least local minimum of the gap between impacts, as a share of the motion's size, certified; NaN without one.
 
     Where all minima lie above ``ceiling``, or there is none, it is the ceiling.
@@ -102,7 +102,7 @@ class Line:
     amplitude: float
     gap: float
 
-    def at(self, values: Array) -> Points:
+    def at(self, values: Array) -> MotionsAt:
         """Both motions at ``values`` (points,) of the parameter."""
         rows = {name: np.full(len(values), getattr(self, name)) for name in NAMES} | {self.name: values}
         return motions(self.system, self.periods, **rows)
@@ -112,6 +112,6 @@ class Line:
         held = {each: float(getattr(self, each)) for each in NAMES} | {name: value}
         return Line(self.system, self.periods, self.name, **held)
 
-    def test(self, kind: Kind, branch: int, points: Points) -> Array:
+    def test(self, kind: Kind, branch: int, points: MotionsAt) -> Array:
         """As ``test_function``."""
         return test_function(self.system, kind, branch, points)

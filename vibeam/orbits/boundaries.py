@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from vibeam.orbits.bifurcation_functions import NAMES, Kind, Line, Points
+from vibeam.orbits.bifurcation_functions import NAMES, Kind, Line, MotionsAt
 from vibeam.orbits.multipliers import multipliers
 from vibeam.orbits.orbit_curve import checked
 from vibeam.system.impact_system import ImpactSystem
@@ -121,14 +121,14 @@ def boundary(line: Line, kind: Kind, branch: int, value: float) -> Boundary | No
     )  # fmt: skip
 
 
-def _clear(line: Line, kind: Kind, branch: int, points: Points) -> bool:
+def _clear(line: Line, kind: Kind, branch: int, points: MotionsAt) -> bool:
     """A grazing motion is the one under the drive alone: it must hang clear of the stop at rest."""
     if kind is Kind.GRAZING:
         return bool(points.gap[0] > points.total.offset)
     return bool(line.test(Kind.TOUCHING, branch, points)[0] > -TOUCH)
 
 
-def _real(line: Line, value: float) -> Points:
+def _real(line: Line, value: float) -> MotionsAt:
     """The motions at a fold, or as near to it as round-off lets both be real."""
     nudges = [side * 2.0**k * np.finfo(float).eps for k in range(1, 30) for side in (1, -1)]
     for nudge in (0.0, *nudges):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
-from vibeam.orbits.bifurcation_functions import Kind, Points, clearances, motions, test_function
+from vibeam.orbits.bifurcation_functions import Kind, MotionsAt, clearances, motions, test_function
 from vibeam.orbits.boundaries import JUMP, TOUCH
 from vibeam.system.impact_system import ImpactSystem
 
@@ -58,13 +58,13 @@ class Plane:
     values: Array
     held: float
 
-    def at(self, omega: Array, values: Array) -> Points:
+    def at(self, omega: Array, values: Array) -> MotionsAt:
         """Both motions at points (points,) of the plane."""
         other = np.full(len(omega), self.held)
         amplitude, gap = (values, other) if self.over == "amplitude" else (other, values)
         return motions(self.system, self.periods, omega, amplitude, gap)
 
-    def grid(self) -> Points:
+    def grid(self) -> MotionsAt:
         """Both motions at all points, row by row."""
         omega, values = np.meshgrid(self.omega, self.values)
         return self.at(omega.ravel(), values.ravel())
@@ -77,7 +77,7 @@ class Plane:
         return low + share * (high - low), first + share * (last - first)
 
 
-def map_function(system: ImpactSystem, kind: Kind, branch: int, points: Points) -> Array:
+def map_function(system: ImpactSystem, kind: Kind, branch: int, points: MotionsAt) -> Array:
     """As ``test_function``, of grazing and touching also where there is no motion, with the sign beyond the boundary.
 
     So a boundary is found that a fold or a grazing cuts off within a cell; that cut itself is a jump, no zero. Of
@@ -191,7 +191,7 @@ def _curves(
             yield BoundaryCurve(kind, branch, *rows)
 
 
-def _real(plane: Plane, chain: list[Edge], share: Array, points: Points) -> Points:
+def _real(plane: Plane, chain: list[Edge], share: Array, points: MotionsAt) -> MotionsAt:
     """The motions beside the points of a fold, on the side where they are real."""
     before, after = (plane.at(*plane.between(chain, share + side * NUDGE)) for side in (-1, 1))
     inside = np.where(np.isfinite(before.roots.impulse[:, 0]), -1, 1)

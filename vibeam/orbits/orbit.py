@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.orbits.admissibility import Witness
+from vibeam.orbits.admissibility import AdmissibilityCheck
 from vibeam.orbits.impulse_balance import Roots, balance
 from vibeam.orbits.modal_sums import Sums, resonant, sums
 from vibeam.orbits.multipliers import multipliers
@@ -60,7 +60,7 @@ class Orbit:
         if not self.admissible:
             raise ValueError("orbit: it passes through the stop, so there is no motion to watch")
         self.system.output(output)
-        witness = Witness(self.system, self.drive.omega)
+        witness = AdmissibilityCheck(self.system, self.drive.omega)
         return witness.watched(self.drive, self.state, self.time, self.periods, output)[0]
 
     def amplitude(self, output: str = "contact") -> float:
@@ -68,7 +68,9 @@ class Orbit:
         return float(self.watched(output).amplitude[0])
 
 
-def orbits(system: ImpactSystem, drive: Drive, periods: int = 1, witness: Witness | None = None) -> tuple[Orbit, ...]:
+def orbits(
+    system: ImpactSystem, drive: Drive, periods: int = 1, witness: AdmissibilityCheck | None = None
+) -> tuple[Orbit, ...]:
     """All motions with one impact per ``periods`` drive periods, harder impact first: none, one or two.
 
     Exact for any number of modes of any damping, with static forces; not admissible ones are among them. ``witness``:
@@ -85,7 +87,7 @@ def orbits(system: ImpactSystem, drive: Drive, periods: int = 1, witness: Witnes
         return ()
     total = sums(system, omega, periods)
     found = balance(system, total, drive.amplitude, system.gap)
-    own = Witness(system, drive.omega) if witness is None else witness
+    own = AdmissibilityCheck(system, drive.omega) if witness is None else witness
     return tuple(
         _orbit(own, drive, int(periods), total, found, k)
         for k in (0, 1)
@@ -93,7 +95,7 @@ def orbits(system: ImpactSystem, drive: Drive, periods: int = 1, witness: Witnes
     )
 
 
-def _orbit(witness: Witness, drive: Drive, periods: int, total: Sums, found: Roots, k: int) -> Orbit:
+def _orbit(witness: AdmissibilityCheck, drive: Drive, periods: int, total: Sums, found: Roots, k: int) -> Orbit:
     phase, impulse, velocity = (float(row[0, k]) for row in (found.phase, found.impulse, found.velocity))
     system, time = witness.system, phase / drive.omega
     state = state_after(system, drive, periods, phase, impulse)

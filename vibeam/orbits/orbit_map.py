@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.orbits.bifurcation_functions import Kind, Points, clearances
+from vibeam.orbits.bifurcation_functions import Kind, MotionsAt, clearances
 from vibeam.orbits.contours import BoundaryCurve, Plane, beyond_touching, boundary_curves, map_function
 from vibeam.orbits.multipliers import real_crossing
 from vibeam.orbits.orbit_curve import checked, proven, stability
@@ -80,7 +80,7 @@ def orbit_map(
     )  # fmt: skip
 
 
-def _values(system: ImpactSystem, kind: Kind, branch: int, points: Points, share: dict[int, Array]) -> Array:
+def _values(system: ImpactSystem, kind: Kind, branch: int, points: MotionsAt, share: dict[int, Array]) -> Array:
     """The test function on the grid; NaN for a loss of stability where there is none to lose."""
     if kind is Kind.TOUCHING:
         return beyond_touching(share[branch])

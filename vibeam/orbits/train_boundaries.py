@@ -18,7 +18,7 @@ from vibeam.orbits.boundaries import JUMP
 from vibeam.orbits.clearance import least_minimum
 from vibeam.orbits.modal_sums import offsets
 from vibeam.orbits.states import phasors
-from vibeam.orbits.train_gap import Parts
+from vibeam.orbits.train_gap import TrainGap
 from vibeam.orbits.train_orbits import TrainOrbit, multipliers_of, poses
 from vibeam.orbits.trains import Train, equations
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -208,7 +208,7 @@ def clearance(system: ImpactSystem, drive: Drive, span: float, train: Train) -> 
     times = train.times[order]
     lengths = np.diff(np.append(times, times[0] + span))
     many = np.full(len(times), drive.omega)
-    parts = Parts(system, many, lengths, (turned @ system.contact)[order], free[order])
+    parts = TrainGap(system, many, lengths, (turned @ system.contact)[order], free[order])
     size = float(np.abs(h @ system.contact)) + abs(system.gap)
     return min(float(least_minimum(parts, np.full(len(times), size)).value.min()) / size, 1.0)
 

@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Parts:
+class TrainGap:
     """Flights from impact to impact (m,): drive, duration, the drive's part of the contact just after the impact.
 
     ``free`` (m, 2, n): what each mode's displacement and velocity have besides their answer to drive and static force.

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.orbits.admissibility import Witness
+from vibeam.orbits.admissibility import AdmissibilityCheck
 from vibeam.orbits.modal_sums import offsets, resonant
 from vibeam.orbits.multipliers import monodromy
 from vibeam.orbits.orbit_curve import checked
@@ -71,7 +71,7 @@ def settled_orbit(
     None where that has no or more than four impacts in ``periods`` periods, or does not repeat. ValueError as in
     ``train_orbit``.
     """
-    witness, period = Witness(system, drive.omega), 2 * np.pi / drive.omega
+    witness, period = AdmissibilityCheck(system, drive.omega), 2 * np.pi / drive.omega
     begin, end = settle * period, (settle + periods) * period
     start = witness.flight.simulate(drive, state, 0.0, begin, 10**7)[2] if settle else state
     times, velocities = witness.strikes(drive, start, begin, end, MOST + 1)
@@ -93,7 +93,7 @@ def _orbit(system: ImpactSystem, drive: Drive, periods: int, train: Train) -> Tr
     displacement, before = poses(system, drive, span, train)
     values = multipliers_of(system, drive, span, train)
     state = State(displacement[0], before[0] + system.contact * train.impulses[0])
-    witness = Witness(system, drive.omega)
+    witness = AdmissibilityCheck(system, drive.omega)
     expected = np.append(train.times[1:], train.times[0] + span)
     slack = witness.slack(drive, float(velocities.min()), span)
     end = train.times[0] + span + slack

@@ -12,7 +12,7 @@ from vibeam.figures.units import METRIC, Units, percent
 from vibeam.report.tables import blank
 
 if TYPE_CHECKING:
-    from vibeam.run.accuracy.study import Chosen, Study
+    from vibeam.run.accuracy.study import AccuracyChoice, Chosen
 
 
 MOST = 5  # points told one by one
@@ -28,7 +28,7 @@ WAYS = {
 }
 
 
-def choices(study: Study) -> ReportTable:
+def choices(study: AccuracyChoice) -> ReportTable:
     """Every rung, the cheapest model first."""
     names = ("fidelity", "modes|", "solver", "points|", "asked|", "estimate|", "CPU|", "why")
     table = blank(f"Within {percent(study.within)} of {study.finest}", *names, heads=3)
@@ -43,7 +43,7 @@ def choices(study: Study) -> ReportTable:
     return table
 
 
-def _why(study: Study, row: Chosen) -> str:
+def _why(study: AccuracyChoice, row: Chosen) -> str:
     if not row.taken:
         return (
             ON_ITS_WAY if row.fidelity == study.finest else "too far off where it was asked, or nothing was left for it"
@@ -51,7 +51,7 @@ def _why(study: Study, row: Chosen) -> str:
     return WAYS[row.solver] if row.fidelity == study.finest else f"near enough there; {WAYS[row.solver]}"
 
 
-def sentences(study: Study, units: Units = METRIC) -> Iterator[str]:
+def sentences(study: AccuracyChoice, units: Units = METRIC) -> Iterator[str]:
     """What is claimed, whether it held, and what it cost."""
     loose = sum(int(np.count_nonzero(curve.statistical)) for curve in study.curves.values())
     if loose:
@@ -69,7 +69,7 @@ def sentences(study: Study, units: Units = METRIC) -> Iterator[str]:
     )
 
 
-def _verified(study: Study, units: Units) -> Iterator[str]:
+def _verified(study: AccuracyChoice, units: Units) -> Iterator[str]:
     told, count = len(study.missed), len(study.verified)
     steady = [each.error for each in study.verified if not each.statistical]
     worst = f", at worst {percent(max(steady))} off where the motion repeats" if steady else ""

@@ -20,12 +20,12 @@ from vibeam.report.work_precision import write_work_precision
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.studies.cost.error_split import Split
-    from vibeam.studies.cost.row import Row
+    from vibeam.studies.cost.row import RunRow
     from vibeam.studies.cost.schedule import LeftOut
-    from vibeam.studies.cost.study import Study
+    from vibeam.studies.cost.study import CostStudy
 
 
-def write_files(study: Study, folder: Path, stem: str, case: Case) -> list[Path]:
+def write_files(study: CostStudy, folder: Path, stem: str, case: Case) -> list[Path]:
     """Write ``STEM_cost.csv`` and the plot beside it, as the case says, into the folder; gives their paths."""
     table = folder / f"{stem}_cost.csv"
     figures = paths_of(table, case.figure)
@@ -34,7 +34,7 @@ def write_files(study: Study, folder: Path, stem: str, case: Case) -> list[Path]
     return [*figures, table]
 
 
-def _lines(study: Study) -> list[dict[str, Any]]:
+def _lines(study: CostStudy) -> list[dict[str, Any]]:
     """Every run as a line; what is nested gets names with a dot, as ``total.amplitude_rms``."""
     return [dict(_flat(plain(row))) for row in study.rows]
 
@@ -51,7 +51,7 @@ def _flat(value: Mapping[str, Any], above: str = "") -> list[tuple[str, Any]]:
 RATIO = 10.0  # times smaller: then a sentence says so
 
 
-def runs(study: Study) -> ReportTable:
+def runs(study: CostStudy) -> ReportTable:
     """Every run: its error against the reference and against its own fidelity's exact motion, and its work."""
     chaos = any(isfinite(row.numerical.statistics) for row in study.rows)
     names = ["fidelity", "modes|", "solver", "points|", "off|", "rms|", "by solver|", "path|", "impacts|"]
@@ -67,7 +67,7 @@ def runs(study: Study) -> ReportTable:
     return table
 
 
-def _legend(study: Study, chaos: bool) -> str:
+def _legend(study: CostStudy, chaos: bool) -> str:
     text = (
         f"off, rms: amplitude, largest and root mean square, against {study.truth}, where both repeat\n"
         "by solver: largest, against the exact motion of its own fidelity; path: Hausdorff distance to it over ten "
@@ -81,7 +81,7 @@ def _legend(study: Study, chaos: bool) -> str:
     return text + told * chaos
 
 
-def _run(row: Row, again: bool, best: bool, chaos: bool) -> list[str | Text]:
+def _run(row: RunRow, again: bool, best: bool, chaos: bool) -> list[str | Text]:
     head: list[str | Text] = ["" if again else row.fidelity, "" if again else str(row.modes), row.label]
     total, own, work = row.total, row.numerical, row.work
     cells = [f"{total.points}/{total.total}" if total.total else "–", share(total.amplitude_max)]
@@ -92,7 +92,7 @@ def _run(row: Row, again: bool, best: bool, chaos: bool) -> list[str | Text]:
     return [*head, *cells, "*" if best else "", Text(row.why, style="red")]
 
 
-def parts(study: Study) -> ReportTable:
+def parts(study: CostStudy) -> ReportTable:
     """Every fidelity's error and its parts."""
     table = blank("Where the error comes from", "fidelity", "modes|", "R₁ seen|", "in all|")
     shown = [
@@ -115,18 +115,18 @@ def _counts(split: Split, index: int) -> bool:
     return split.parts[index].worst != 0
 
 
-def _range(study: Study, split: Split) -> str:
+def _range(study: CostStudy, split: Split) -> str:
     found = _solvers(study, split)
     return f"{share(found[0][0])} … {share(found[-1][0])}" if found else "–"
 
 
-def _solvers(study: Study, split: Split) -> list[tuple[float, str]]:
+def _solvers(study: CostStudy, split: Split) -> list[tuple[float, str]]:
     """Largest numerical error of every run on a fidelity, the smallest first."""
     rows = [row for row in study.rows if row.fidelity == split.fidelity and isfinite(row.numerical.amplitude_max)]
     return sorted((row.numerical.amplitude_max, row.label) for row in rows)
 
 
-def sentences(study: Study) -> Iterator[str]:
+def sentences(study: CostStudy) -> Iterator[str]:
     """What the figures say, a line each."""
     yield f"Reference: {study.finest}, {study.bound.sentence}."
     for split in study.splits:
@@ -138,7 +138,7 @@ def sentences(study: Study) -> Iterator[str]:
     yield from _left_out(study.left_out)
 
 
-def _sentence(study: Study, split: Split) -> str:
+def _sentence(study: CostStudy, split: Split) -> str:
     told = [f"{signed(part.mean)} by the {part.name}" for part in split.parts if part.worst > 0]
     told += [f"no part for the {part.name} ({part.note})" for part in split.parts if part.note]
     text = f"{split.fidelity}: {signed(split.total.mean)} in amplitude, {' and '.join(told)}"

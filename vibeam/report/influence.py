@@ -22,7 +22,7 @@ from vibeam.report.tables import blank
 
 if TYPE_CHECKING:
     from vibeam.studies.influence.quantities import Change, Quantity
-    from vibeam.studies.influence.study import Row, Study, Variant
+    from vibeam.studies.influence.study import EffectRow, InfluenceStudy, Variant
 
 
 SHORT = {
@@ -40,7 +40,7 @@ SHOWN = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3), "Hz": ("Hz", 1.0), "1": ("", 1.
 MOVED = 0.005  # relative: a mode's frequency has changed
 
 
-def taken_away(study: Study) -> ReportTable:
+def taken_away(study: InfluenceStudy) -> ReportTable:
     """Every effect: what it adds, and what changes when it alone is taken away."""
     names = (f"{SHORT[quantity.name]}|" for quantity in study.quantities)
     head = ("coordinates|", "modes|", "CPU|", *names, "influence|", "")
@@ -61,7 +61,7 @@ def taken_away(study: Study) -> ReportTable:
     return table
 
 
-def left_alone(study: Study) -> ReportTable:
+def left_alone(study: InfluenceStudy) -> ReportTable:
     """Every effect: how far the model with it alone is from the complete one; none of them; those that are enough."""
     names = (f"{SHORT[quantity.name]}|" for quantity in study.quantities)
     table = blank("When one effect alone is left", "with", "coordinates|", "modes|", *names, "worst|")
@@ -75,7 +75,7 @@ def left_alone(study: Study) -> ReportTable:
     return table
 
 
-def _values(study: Study) -> list[str]:
+def _values(study: InfluenceStudy) -> list[str]:
     pairs = zip(study.quantities, study.whole.changes, strict=True)
     return [_value(quantity, each) + "*" * bool(each.why) for quantity, each in pairs]
 
@@ -85,7 +85,7 @@ def _value(quantity: Quantity, each: Change) -> str:
     return f"{each.value * factor:.4g} {unit}".strip() if isfinite(each.value) else "–"
 
 
-def _changes(study: Study, variant: Variant) -> list[str]:
+def _changes(study: InfluenceStudy, variant: Variant) -> list[str]:
     if variant.why:
         return ["–*"] * len(study.quantities)
     pairs = zip(study.quantities, variant.changes, strict=True)
@@ -101,7 +101,7 @@ def _amount(quantity: Quantity, each: Change) -> str:
     return "0" if each.amount == 0 else f"{each.amount:+.2g} {SHOWN[quantity.unit][0]}".strip()
 
 
-def _added(row: Row) -> tuple[str, str, str]:
+def _added(row: EffectRow) -> tuple[str, str, str]:
     if row.without.why:
         return "–", "–", "–"
     return f"{row.coordinates:+d}", f"{row.modes:+d}", f"{1e3 * row.cpu:+.3g} ms"
@@ -112,14 +112,14 @@ def share(value: float) -> str:
     return "∞" if isinf(value) else f"{value:.3g}" if value >= 1e-3 or value == 0 else f"{value:.0e}"
 
 
-def sentences(study: Study) -> Iterator[str]:
+def sentences(study: InfluenceStudy) -> Iterator[str]:
     """A plain sentence for each effect, the remarks, and what the scene needs."""
     yield from (_sentence(study, row) for row in study.rows)
     yield from _remarks(study)
     yield verdict(study)
 
 
-def _sentence(study: Study, row: Row) -> str:
+def _sentence(study: InfluenceStudy, row: EffectRow) -> str:
     if row.without.why:
         return f"{row.effect} cannot be taken away from the case as it is ({row.without.why}): needed."
     told = [*_modes(study.whole, row.without), *_told(study, row.without)]
@@ -127,7 +127,7 @@ def _sentence(study: Study, row: Row) -> str:
     return f"Without {row.effect} {'; '.join(told) or none}: {_why(study, row)}."
 
 
-def _why(study: Study, row: Row) -> str:
+def _why(study: InfluenceStudy, row: EffectRow) -> str:
     if row.needed and row.influence <= 1:
         return "needed: within tolerance by itself, but not beside the others that are left out"
     if not row.needed and row.influence > 1:
@@ -147,7 +147,7 @@ def _modes(whole: Variant, variant: Variant) -> Iterator[str]:
         yield f"mode {pairs.index((ours, theirs)) + 1} is at {ours:.4g} Hz instead of {theirs:.4g} Hz"
 
 
-def _told(study: Study, variant: Variant) -> Iterator[str]:
+def _told(study: InfluenceStudy, variant: Variant) -> Iterator[str]:
     """The changes, the peak's and the ringing's frequency behind each of them; those that are none left out."""
     for quantity, each in zip(study.quantities, variant.changes, strict=True):
         if isinf(each.share):
@@ -161,7 +161,7 @@ def _of(quantity: Quantity) -> str:
     return "the peak's" if quantity.name.startswith("peak") else "the ringing's"
 
 
-def _remarks(study: Study) -> Iterator[str]:
+def _remarks(study: InfluenceStudy) -> Iterator[str]:
     """What the stars of the tables mean, each once, with the models that it holds for."""
     labels = {quantity.name: quantity.label.replace("its", _of(quantity)) for quantity in study.quantities}
     models = [("all effects", study.whole), ("none", study.bare)]
@@ -179,7 +179,7 @@ def _remarks(study: Study) -> Iterator[str]:
         yield f"* {text} ({'every model' if len(names) == len(models) else ', '.join(names)})"
 
 
-def verdict(study: Study) -> str:
+def verdict(study: InfluenceStudy) -> str:
     """What the scene needs and what not, and how that is known."""
     needed = [row.effect for row in study.rows if row.needed]
     others = [row.effect for row in study.rows if not row.needed]
@@ -206,7 +206,7 @@ USUAL = FigurePlan()
 LEAST, MOST = 1e-3, 1e3  # changes beyond are drawn at the ends
 
 
-def write_files(study: Study, table: Path, plan: FigurePlan = USUAL) -> list[Path]:
+def write_files(study: InfluenceStudy, table: Path, plan: FigurePlan = USUAL) -> list[Path]:
     """Write the table, and the plot beside it as ``plan`` says; gives the plots' and the table's paths."""
     figures = paths_of(table, plan)
     write_page(lambda: bars(study, plan), figures, dots=160)
@@ -214,7 +214,7 @@ def write_files(study: Study, table: Path, plan: FigurePlan = USUAL) -> list[Pat
     return [*figures, table]
 
 
-def lines(study: Study) -> Iterator[dict[str, Any]]:
+def lines(study: InfluenceStudy) -> Iterator[dict[str, Any]]:
     """A line for every model and quantity; what is not there is empty, with its reason."""
     yield from _lines(study, "", "all", study.whole)
     yield from _lines(study, "", "none", study.bare)
@@ -224,7 +224,7 @@ def lines(study: Study) -> Iterator[dict[str, Any]]:
         yield from _lines(study, row.effect, "alone", row.alone)
 
 
-def _lines(study: Study, effect: str, model: str, variant: Variant) -> Iterator[dict[str, Any]]:
+def _lines(study: InfluenceStudy, effect: str, model: str, variant: Variant) -> Iterator[dict[str, Any]]:
     for quantity, each in zip(study.quantities, variant.changes, strict=True):
         numbers = {"value": each.value, "change": each.amount, "share_of_tolerance": each.share}
         yield {
@@ -237,7 +237,7 @@ def _lines(study: Study, effect: str, model: str, variant: Variant) -> Iterator[
         }  # fmt: skip
 
 
-def bars(study: Study, plan: FigurePlan = USUAL) -> Figure:
+def bars(study: InfluenceStudy, plan: FigurePlan = USUAL) -> Figure:
     """For each effect a bar a quantity: its change over its tolerance when that effect alone is taken away."""
     count, quantities = len(study.rows), study.quantities
     figure = blank_page((6.4, 1.5 + 0.09 * count * (len(quantities) + 1)), plan)
@@ -268,7 +268,7 @@ def _tolerance(how: str, tolerance: float, unit: str) -> str:
     return f"{100 * tolerance:g} %" if how == "relative" else f"{tolerance:g} {unit if unit != '1' else ''}".strip()
 
 
-def _dress(axes: Axes, study: Study) -> None:
+def _dress(axes: Axes, study: InfluenceStudy) -> None:
     axes.set_xscale("log")
     axes.set_xlim(LEAST, MOST)
     axes.axvline(1.0, color="0.2", linewidth=0.8, linestyle=(0, (4, 2)))

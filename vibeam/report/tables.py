@@ -9,12 +9,12 @@ from math import isfinite
 from rich.console import Console
 from rich.text import Text
 
-from vibeam.casefile.documentation import Row as KeyRow
+from vibeam.casefile.documentation import KeyRow as KeyRow
 from vibeam.casefile.quantities import FREQUENCIES, prefixed
 from vibeam.figures.fit import ReportTable, fitted, needed
 from vibeam.figures.units import METRIC, Units, percent
 from vibeam.run.summary import Summary
-from vibeam.studies.derive import Row
+from vibeam.studies.derive import DerivedParameter
 from vibeam.studies.modes import ModeTable
 from vibeam.studies.regression.references import CheckRow
 from vibeam.studies.stability.rows import Crossing
@@ -22,7 +22,7 @@ from vibeam.studies.stability.rows import Crossing
 WIDEST = 160
 
 
-def show(table: ReportTable) -> None:
+def print_table(table: ReportTable) -> None:
     """Print a table on stdout, in pieces where the terminal is too narrow for it; into a file as wide as it is."""
     console = Console(file=sys.stdout, highlight=False, markup=False)
     if not console.is_terminal:
@@ -106,7 +106,7 @@ def crossings(rows: Sequence[Crossing], own: str, units: Units = METRIC) -> Repo
     return table
 
 
-def derivation(rows: Iterable[Row]) -> ReportTable:
+def derivation(rows: Iterable[DerivedParameter]) -> ReportTable:
     """SDOF parameters from geometry, each beside its finite-element value."""
     table = blank("SDOF parameters", "parameter", "symbol", "by formula|", "by FE|", "unit", "error|", "assumption")
     for row in rows:

@@ -22,8 +22,8 @@ from vibeam.figures.style import COLOURS, KEY, looks, name_of, shade
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.studies.cost.errors import Errors
-    from vibeam.studies.cost.row import Row
-    from vibeam.studies.cost.study import Study
+    from vibeam.studies.cost.row import RunRow
+    from vibeam.studies.cost.study import CostStudy
 
 
 MARKS = {
@@ -47,15 +47,15 @@ WIDEST, EDGE = 6.0, 50.0  # errors beyond the one, and what failed, are drawn at
 
 NAMED = {0: "100 %", -2: "1 %"}  # powers of ten that are better said otherwise
 
-Pick = Callable[["Row"], "Errors"]
+Pick = Callable[["RunRow"], "Errors"]
 
 
-def write_work_precision(study: Study, case: Case, *paths: Path) -> None:
+def write_work_precision(study: CostStudy, case: Case, *paths: Path) -> None:
     """Draw the plot; the format follows each path's ending (.png, .svg, .pdf)."""
     write_page(lambda: work_precision(study, case), paths, dots=160)
 
 
-def work_precision(study: Study, case: Case) -> Figure:
+def work_precision(study: CostStudy, case: Case) -> Figure:
     """The figure of a study of ``case``."""
     figure = blank_page((8.4, 5.4), case.figure)
     whole, own = figure.subplots(1, 2, sharey=True)
@@ -75,7 +75,7 @@ def work_precision(study: Study, case: Case) -> Figure:
     return figure
 
 
-def _colours(study: Study, case: Case) -> dict[str, Any]:
+def _colours(study: CostStudy, case: Case) -> dict[str, Any]:
     """The case's fidelities in their colours of all figures, then the models cut off; a second round is lighter."""
     names = dict.fromkeys([*case.fidelities, *(row.fidelity for row in study.rows)])
     shown = {row.fidelity for row in study.rows}
@@ -87,7 +87,7 @@ def _colours(study: Study, case: Case) -> dict[str, Any]:
     }
 
 
-def _panel(axes: Axes, study: Study, colours: dict[str, Any], pick: Pick) -> None:
+def _panel(axes: Axes, study: CostStudy, colours: dict[str, Any], pick: Pick) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     for (fidelity, solver, method), rows in _ladders(study).items():
@@ -100,7 +100,7 @@ def _panel(axes: Axes, study: Study, colours: dict[str, Any], pick: Pick) -> Non
         _marks(axes, points[~(drawn & whole)], solver, colours[fidelity], full=False)
 
 
-def _scale(axes: Axes, study: Study) -> None:
+def _scale(axes: Axes, study: CostStudy) -> None:
     """Both panels alike: from a decade below the least error to what failed, the reference's bound in grey."""
     errors = [row.total.amplitude_rms for row in study.rows] + [row.numerical.amplitude_rms for row in study.rows]
     least = max(min([error for error in errors if error > 0], default=1e-3) / 10, FLOOR)
@@ -116,16 +116,16 @@ def _scale(axes: Axes, study: Study) -> None:
     axes.set_axisbelow(True)
 
 
-def _ladders(study: Study) -> dict[tuple[str, str, str], list[Row]]:
+def _ladders(study: CostStudy) -> dict[tuple[str, str, str], list[RunRow]]:
     """The rows that one line joins: a solver's settings on one fidelity."""
-    found: dict[tuple[str, str, str], list[Row]] = {}
+    found: dict[tuple[str, str, str], list[RunRow]] = {}
     for row in study.rows:
         if row.work is not None:
             found.setdefault((row.fidelity, row.solver, row.method), []).append(row)
     return found
 
 
-def _point(row: Row, pick: Pick) -> tuple[float, float]:
+def _point(row: RunRow, pick: Pick) -> tuple[float, float]:
     """Error and time; what failed, or is beyond the axis, at its right-hand edge."""
     error = pick(row).amplitude_rms
     seconds = row.work.cpu_min if row.work else np.nan
@@ -141,14 +141,14 @@ def _marks(axes: Axes, points: Any, solver: str, colour: Any, full: bool) -> Non
               markeredgewidth=0.7, zorder=3)  # fmt: skip
 
 
-def _front(axes: Axes, study: Study) -> None:
+def _front(axes: Axes, study: CostStudy) -> None:
     """The front as the staircase that it is: nothing lies below and left of it."""
     points = np.array([_point(study.rows[i], lambda row: row.total) for i in study.front]).reshape(-1, 2)
     if len(points):
         axes.step(points[:, 0], points[:, 1], where="post", **FRONT)
 
 
-def _legend(study: Study, case: Case, colours: dict[str, Any]) -> list[Line2D]:
+def _legend(study: CostStudy, case: Case, colours: dict[str, Any]) -> list[Line2D]:
     modes = {row.fidelity: row.modes for row in study.rows}
     handles = [
         Line2D([], [], color=colour, linewidth=2.5, label=_called(case, name, modes[name]))

@@ -12,7 +12,7 @@ import numpy as np
 
 from vibeam.flight.pause import Stopped
 from vibeam.run.recorder import Count, Recorder
-from vibeam.run.store.branch import Branch, Kept
+from vibeam.run.store.branch import Branch, StoredBranch
 from vibeam.run.sweep import march
 from vibeam.solvers import solver
 from vibeam.system.response import Branches, FrequencyResponse
@@ -33,7 +33,7 @@ class Job:
     name: str
     system: ImpactSystem
     fidelity: Fidelity
-    branches: tuple[tuple[Branch, Kept], ...]
+    branches: tuple[tuple[Branch, StoredBranch], ...]
 
     def gathered(self, curves: MotionCurves | None) -> Branches:
         """The responses of all branches."""
@@ -46,8 +46,8 @@ def job_of(case: Case, name: str, system: ImpactSystem, branches: tuple[Branch, 
     return Job(name, system, case.fidelities[name], kept)
 
 
-def _nothing(branch: Branch) -> Kept:
-    return Kept(FrequencyResponse.empty(branch.frequency, branch.modes), 0, None)
+def _nothing(branch: Branch) -> StoredBranch:
+    return StoredBranch(FrequencyResponse.empty(branch.frequency, branch.modes), 0, None)
 
 
 def sweep_branches(case: Case, job: Job, store: Store | None, count: Count, stop: Event) -> None:
@@ -70,7 +70,7 @@ def sweep_branches(case: Case, job: Job, store: Store | None, count: Count, stop
 
 
 def _march(
-    case: Case, job: Job, kept: Kept, state: State | None, struck: int
+    case: Case, job: Job, kept: StoredBranch, state: State | None, struck: int
 ) -> Iterator[tuple[FrequencyResponse, State]]:
     """The points that are missing; ``struck`` impacts were in the branches before this one."""
     from vibeam.case.fidelity import gap_drift, gap_wear

@@ -17,7 +17,7 @@ Item = TypeVar("Item")
 Made = TypeVar("Made")
 
 
-def spread(task: Callable[[Item, Event], Made], items: Sequence[Item], workers: int | None = None) -> list[Made]:
+def run_parallel(task: Callable[[Item, Event], Made], items: Sequence[Item], workers: int | None = None) -> list[Made]:
     """``task(item, stop)`` of every item, as many at once as there are cores; results in the order of the items.
 
     The first failure, or Ctrl-C, sets ``stop``, waits until the running tasks have left (by raising ``Stopped``, as

@@ -8,7 +8,7 @@ from threading import Lock
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from vibeam.run.store.branch import Branch, Kept
+from vibeam.run.store.branch import Branch, StoredBranch
 from vibeam.system.response import FrequencyResponse
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ Progress = Callable[[int, int], None]
 class Recorder:
     """Puts points into a branch's response as they come, and into the file every ``WRITE_EVERY`` seconds."""
 
-    def __init__(self, branch: Branch, kept: Kept, store: Store | None) -> None:
+    def __init__(self, branch: Branch, kept: StoredBranch, store: Store | None) -> None:
         self._branch, self._response, self._store = branch, kept.response, store
         self._done = self._written = kept.done
         self._states: list[State] = []
@@ -59,7 +59,7 @@ def _part(response: FrequencyResponse, points: slice) -> FrequencyResponse:
 class Count:
     """Points done of all fidelities, told as they come."""
 
-    def __init__(self, branches: Iterable[Kept], progress: Progress) -> None:
+    def __init__(self, branches: Iterable[StoredBranch], progress: Progress) -> None:
         kept = list(branches)
         self._lock = Lock()
         self._progress = progress

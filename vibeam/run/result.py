@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vibeam.case.faults import cure
+from vibeam.case.faults import suggest
 from vibeam.system.response import Branches, modes_of
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from vibeam.case.case import Case
     from vibeam.figures.sheet import Sheet
-    from vibeam.run.accuracy.study import Study
+    from vibeam.run.accuracy.study import AccuracyChoice
     from vibeam.system.motion_curves import MotionCurves
 
 
@@ -53,7 +53,7 @@ class Result(Mapping[str, Branches]):
         path: Path | None = None,
         found: int = 0,
         shown: Mapping[str, tuple[Sheet, ...]] | None = None,
-        accuracy: Study | None = None,
+        accuracy: AccuracyChoice | None = None,
     ) -> None:
         self.case = case
         self.path = path
@@ -74,7 +74,7 @@ class Result(Mapping[str, Branches]):
 
     def __getitem__(self, fidelity: str) -> Branches:
         if fidelity not in self._branches:
-            raise KeyError(f"no fidelity {fidelity!r}: {cure(str(fidelity), self._branches)}")
+            raise KeyError(f"no fidelity {fidelity!r}: {suggest(str(fidelity), self._branches)}")
         return self._branches[fidelity]
 
     def __repr__(self) -> str:

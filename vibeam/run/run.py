@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from vibeam.case.faults import CaseError, Fault
 from vibeam.run.fidelity_sweep import Job, job_of, known_curves, sweep_branches
-from vibeam.run.parallel import spread
+from vibeam.run.parallel import run_parallel
 from vibeam.run.recorder import Count, Progress
 from vibeam.run.result import Result, output_unit
 from vibeam.run.store.branch import Branch
@@ -69,7 +69,7 @@ def run(
             for job in jobs:
                 _warm_up(case, job)
             costly_first = sorted(jobs, key=lambda job: -job.system.size)
-            spread(lambda job, stop: sweep_branches(case, job, store, count, stop), costly_first)
+            run_parallel(lambda job, stop: sweep_branches(case, job, store, count, stop), costly_first)
             curves = {job.name: known_curves(case, job, store) for job in jobs if knows_curves(job.fidelity.solver)}
             shown = _shown(case, store) if show else {}
         except KeyboardInterrupt:

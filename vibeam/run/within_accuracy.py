@@ -11,7 +11,7 @@ import numpy as np
 
 from vibeam.case.faults import CaseError, Fault
 from vibeam.case.fidelity import gap_drift, gap_wear
-from vibeam.run.accuracy.study import Study, study
+from vibeam.run.accuracy.study import AccuracyChoice, study
 from vibeam.run.store.accuracy import HOME
 from vibeam.run.store.branch import Branch
 from vibeam.run.store.store import Store
@@ -43,7 +43,7 @@ def branches_of(case: Case, branches: Mapping[str, tuple[Branch, ...]]) -> tuple
 def found_or_made(
     case: Case, plan: AccuracyPlan, systems: Mapping[str, ImpactSystem], branches: tuple[Branch, ...],
     store: Store | None,
-) -> tuple[Study, int]:  # fmt: skip
+) -> tuple[AccuracyChoice, int]:  # fmt: skip
     """The study, and how many of its points were in the file already: all or none."""
     there = store.study(branches) if store else None
     if there is not None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import equilibrium
-from vibeam.orbits.admissibility import Witness
+from vibeam.orbits.admissibility import AdmissibilityCheck
 from vibeam.orbits.modal_sums import offsets, resonant
 from vibeam.orbits.orbit import Orbit, orbits
 from vibeam.orbits.orbit_curve import checked
@@ -32,7 +32,7 @@ class OrbitSolver:
 
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, periods: int = 1) -> None:
         checked(system, slowest, periods)
-        self.system, self.periods, self.witness = system, int(periods), Witness(system, slowest)
+        self.system, self.periods, self.witness = system, int(periods), AdmissibilityCheck(system, slowest)
 
     def steady(
         self,

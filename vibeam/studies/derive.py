@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Row:
+class DerivedParameter:
     """One parameter: ``value`` by the paper's formula, ``reference`` of the finite-element model, both in ``unit``.
 
     ``assumption``: what stands between the two.
@@ -37,16 +37,16 @@ class Row:
 class Table:
     """The rows, to be iterated or looked up by name; ``notes``: which were left out, and why."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[DerivedParameter, ...]
     notes: tuple[str, ...] = ()
 
-    def __iter__(self) -> Iterator[Row]:
+    def __iter__(self) -> Iterator[DerivedParameter]:
         return iter(self.rows)
 
     def __len__(self) -> int:
         return len(self.rows)
 
-    def __getitem__(self, name: str) -> Row:
+    def __getitem__(self, name: str) -> DerivedParameter:
         for row in self.rows:
             if row.name == name:
                 return row
@@ -117,12 +117,14 @@ def _bare(scene: Scene, exact: _FirstMode) -> Table:
     mass = {WITH_BEAM: beam_mass(scene.beam, load_at, unit_at)}
     notes = [f"{OF_A_MASS}: there is no attached mass"]
     if not mass[WITH_BEAM]:
-        return Table((Row("stiffness", "K_S", "N/m", stiffness, exact.stiffness, STATIC_SHAPE),), tuple(notes))
+        return Table(
+            (DerivedParameter("stiffness", "K_S", "N/m", stiffness, exact.stiffness, STATIC_SHAPE),), tuple(notes)
+        )
     gap = scene.stop.gap / scene.beam.length
     if scene.stop.gap_at == "contact":
         gap /= static_shape(load_at, load_at, unit_at)
     rows = [
-        Row("stiffness", "K_S", "N/m", stiffness, exact.stiffness, STATIC_SHAPE),
+        DerivedParameter("stiffness", "K_S", "N/m", stiffness, exact.stiffness, STATIC_SHAPE),
         *(replace(row, assumption=STATIC_SHAPE) for row in _mass_rows(mass, exact)),
         *(replace(row, assumption=STATIC_SHAPE) for row in _frequency_rows(mass, stiffness, exact)),
         _gap_row(scene, gap, exact),
@@ -184,10 +186,10 @@ def _first_mode(scene: Scene) -> _FirstMode:
 STATIC_SHAPE = "the static deflection of a uniform strip as mode shape"
 
 
-def _static_rows(paper: SdofModel, exact: _FirstMode) -> list[Row]:
+def _static_rows(paper: SdofModel, exact: _FirstMode) -> list[DerivedParameter]:
     return [
-        Row("shape at the mass", "φ(L_m)", "1", paper.shape, exact.shape, STATIC_SHAPE),
-        Row("stiffness", "K_S", "N/m", paper.stiffness, exact.stiffness, STATIC_SHAPE),
+        DerivedParameter("shape at the mass", "φ(L_m)", "1", paper.shape, exact.shape, STATIC_SHAPE),
+        DerivedParameter("stiffness", "K_S", "N/m", paper.stiffness, exact.stiffness, STATIC_SHAPE),
     ]
 
 
@@ -198,57 +200,68 @@ _LEFT_OUT = {
 }
 
 
-def _mass_rows(ladder: dict[str, float], exact: _FirstMode) -> list[Row]:
-    return [Row(f"mass, {kept}", "M_S", "kg", mass, exact.mass, _LEFT_OUT[kept]) for kept, mass in ladder.items()]
+def _mass_rows(ladder: dict[str, float], exact: _FirstMode) -> list[DerivedParameter]:
+    return [
+        DerivedParameter(f"mass, {kept}", "M_S", "kg", mass, exact.mass, _LEFT_OUT[kept])
+        for kept, mass in ladder.items()
+    ]
 
 
-def _frequency_rows(ladder: dict[str, float], stiffness: float, exact: _FirstMode) -> list[Row]:
+def _frequency_rows(ladder: dict[str, float], stiffness: float, exact: _FirstMode) -> list[DerivedParameter]:
     rows = []
     for kept, mass in ladder.items():
         omega, left_out = sqrt(stiffness / mass), _LEFT_OUT[kept]
-        rows.append(Row(f"circular frequency, {kept}", "ω_n", "rad/s", omega, exact.omega, left_out))
-        rows.append(Row(f"frequency, {kept}", "f_n", "Hz", omega / (2 * pi), exact.omega / (2 * pi), left_out))
+        rows.append(DerivedParameter(f"circular frequency, {kept}", "ω_n", "rad/s", omega, exact.omega, left_out))
+        rows.append(
+            DerivedParameter(f"frequency, {kept}", "f_n", "Hz", omega / (2 * pi), exact.omega / (2 * pi), left_out)
+        )
     return rows
 
 
-def _cost_rows(ladder: dict[str, float], paper: SdofModel) -> list[Row]:
+def _cost_rows(ladder: dict[str, float], paper: SdofModel) -> list[DerivedParameter]:
     """One assumption at a time: f_n with it against f_n without it, everything else alike."""
     f = {kept: sqrt(paper.stiffness / mass) / (2 * pi) for kept, mass in ladder.items()}
     rows = []
     if MASSLESS in f:
-        rows.append(Row("error of the massless beam", "f_n", "Hz", f[MASSLESS], f[WITH_BEAM], "massless beam"))
+        rows.append(
+            DerivedParameter("error of the massless beam", "f_n", "Hz", f[MASSLESS], f[WITH_BEAM], "massless beam")
+        )
     if WITH_INERTIA in f:
-        rows.append(Row("error of the point mass", "f_n", "Hz", f[WITH_BEAM], f[WITH_INERTIA], "point mass"))
+        rows.append(
+            DerivedParameter("error of the point mass", "f_n", "Hz", f[WITH_BEAM], f[WITH_INERTIA], "point mass")
+        )
     return rows
 
 
-def _scaling_rows(scene: Scene, paper: SdofModel, exact: _FirstMode, massless: bool) -> list[Row]:
+def _scaling_rows(scene: Scene, paper: SdofModel, exact: _FirstMode, massless: bool) -> list[DerivedParameter]:
     """β_S where a massless beam means something, base factor, γ or B, and Δ."""
     damping_time = 2 * exact.damping_ratio / exact.omega
     ratio = damping_time * paper.omega / 2
-    damping = Row("damping ratio", "β_S", "1", ratio, exact.damping_ratio, "the same D, the ω_n of eq. 45")
+    damping = DerivedParameter("damping ratio", "β_S", "1", ratio, exact.damping_ratio, "the same D, the ω_n of eq. 45")
     return [
         *([damping] if massless else []),
-        Row("base factor", "φᵀM1/φᵀMφ", "1", 1 / paper.shape, exact.base_factor, "massless beam, point mass"),
+        DerivedParameter(
+            "base factor", "φᵀM1/φᵀMφ", "1", 1 / paper.shape, exact.base_factor, "massless beam, point mass"
+        ),
         *_drive_rows(scene, paper, exact),
         _gap_row(scene, paper.gap, exact),
     ]
 
 
-def _gap_row(scene: Scene, gap: float, exact: _FirstMode) -> Row:
+def _gap_row(scene: Scene, gap: float, exact: _FirstMode) -> DerivedParameter:
     carried = scene.stop.gap * (exact.static_contact if scene.stop.gap_at == "sensor" else 1.0)
-    return Row("gap", "Δ", "1", gap, carried / (exact.contact * scene.beam.length), STATIC_SHAPE)
+    return DerivedParameter("gap", "Δ", "1", gap, carried / (exact.contact * scene.beam.length), STATIC_SHAPE)
 
 
-def _drive_rows(scene: Scene, paper: SdofModel, exact: _FirstMode) -> list[Row]:
+def _drive_rows(scene: Scene, paper: SdofModel, exact: _FirstMode) -> list[DerivedParameter]:
     from vibeam_models.base_motion import base_amplitude
 
     span, why = scene.beam.length, "massless beam, point mass"
     if scene.platform is not None:
         return []  # the base motion depends on the frequency there
     amplitude, gain = base_amplitude(scene), scene.base.gain
-    rows = [Row("drive", "B", "1", paper.gain(amplitude), amplitude * exact.base_factor / span, why)]
+    rows = [DerivedParameter("drive", "B", "1", paper.gain(amplitude), amplitude * exact.base_factor / span, why)]
     if gain is not None:
         base = paper.base_per_volt(gain)
-        rows.append(Row("gain", "γ", "1/V", gain, base * exact.base_factor / span, why))
+        rows.append(DerivedParameter("gain", "γ", "1/V", gain, base * exact.base_factor / span, why))
     return rows

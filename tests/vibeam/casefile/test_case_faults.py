@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import vibeam
 from vibeam.case.faults import CaseError, Fault, printable
-from vibeam.casefile.canonical import written
+from vibeam.casefile.canonical import to_toml
 from vibeam.casefile.documentation import template
 from vibeam.casefile.read import parse
 from vibeam.solvers import NAMES
@@ -392,7 +392,7 @@ def test_a_reference_that_is_no_table_is_refused_before_anything_runs(tmp_path, 
     os.mkfifo(tmp_path / "pipe.csv")
     with (tmp_path / "vast.csv").open("wb") as file:
         file.truncate(6 * 10**9)
-    text = RIG + REFERENCE.replace('"no.csv"', written(name))
+    text = RIG + REFERENCE.replace('"no.csv"', to_toml(name))
     with pytest.raises(CaseError) as caught:
         parse(text, tmp_path / "mine.toml")
     assert str(caught.value) == f"{tmp_path}/mine.toml:28: reference.exact.file: {message}"

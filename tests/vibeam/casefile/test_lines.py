@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vibeam.casefile.canonical import name_of, written
+from vibeam.casefile.canonical import name_of, to_toml
 from vibeam.casefile.toml import key_lines, key_parts
 
 TRAPS = '''title = "x" # [comment]
@@ -98,7 +98,7 @@ values = st.recursive(
 @settings(deadline=None)
 @given(st.dictionaries(st.text(st.characters(codec="utf-8"), max_size=5), values, max_size=6))
 def test_any_text_has_the_lines_at_which_its_keys_were_written(tables):
-    text = "".join(f"{name_of(name)} = {written(value)}\n" for name, value in tables.items())
+    text = "".join(f"{name_of(name)} = {to_toml(value)}\n" for name, value in tables.items())
     found = key_lines(text)
     assert set(found) == set(paths(tomllib.loads(text)))
     assert [found[name,] for name in tables] == list(range(1, len(tables) + 1))

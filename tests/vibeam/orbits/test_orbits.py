@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 
 import vibeam
 from vibeam.flight.linear.propagator import pair, pairs, propagators
-from vibeam.orbits.admissibility import Witness
+from vibeam.orbits.admissibility import AdmissibilityCheck
 from vibeam.orbits.impulse_balance import balance
 from vibeam.orbits.modal_sums import sums
 from vibeam.orbits.multipliers import largest, monodromy, multipliers
@@ -132,7 +132,7 @@ def test_a_ball_on_a_shaken_table() -> None:
         table = -drive.omega * drive.amplitude * cos(phase)  # η = g t²/2 + … − B sin Ωt
         assert table == pytest.approx((1 - restitution) / 2 * velocity, rel=1e-12)
         after = state_after(ball, drive, 1, phase, impulse)
-        assert Witness(ball, drive.omega).admits(drive, after, phase / drive.omega, 1, velocity)
+        assert AdmissibilityCheck(ball, drive.omega).admits(drive, after, phase / drive.omega, 1, velocity)
     radius = [abs(multipliers(ball, np.array([span]), found.lean[:, k])[0, 0]) for k in (0, 1)]
     assert radius[0] > 1 > radius[1]  # the earlier impact is the unstable one
 

@@ -15,7 +15,7 @@ from stand_in import case, curve, system
 
 from vibeam.case.plans import Reference
 from vibeam.casefile.documentation import reference_table
-from vibeam.figures.branches import Kind, jumps, pieces
+from vibeam.figures.branches import MotionClass, jumps, pieces
 from vibeam.figures.response_curve import frc, grazing, write_frc
 from vibeam.figures.units import METRIC, units_of
 from vibeam.report import tables as table
@@ -90,7 +90,7 @@ def test_kinds_of_motion_are_apart_and_explained(tmp_path: Path) -> None:
 
 def test_failed_points_are_marked() -> None:
     response = curve(GRID, SMOOTH, ended=np.where(GRID > 16.0, 3, 0))
-    assert [piece.kind for piece in pieces(response)] == [Kind.PERIOD_ONE, Kind.FAILED]
+    assert [piece.kind for piece in pieces(response)] == [MotionClass.PERIOD_ONE, MotionClass.FAILED]
     assert list(pieces(curve([], []))) == []
 
 
@@ -138,11 +138,11 @@ def test_a_figure_is_the_same_each_time(tmp_path: Path) -> None:
 
 def test_tables_show_what_they_are_given(capsys: pytest.CaptureFixture[str]) -> None:
     summaries = compare(result("one", "two"))
-    table.show(table.responses(summaries))
-    table.show(table.costs(summaries))
+    table.print_table(table.responses(summaries))
+    table.print_table(table.costs(summaries))
     row = CheckRow("exact", "one", "amplitude", 3, 4, 0.0123, 15.2, 0.01, False, ("one is off",))
-    table.show(table.checks([row]))
-    table.show(table.keys(reference_table()))
+    table.print_table(table.checks([row]))
+    table.print_table(table.keys(reference_table()))
     text = capsys.readouterr().out
     words = ("peak (mm)", "15.2 ↑", "14–17", "finest", "missed", "3 of 4", "1.23 %", "one is off", "youngs_modulus")
     for word in words:

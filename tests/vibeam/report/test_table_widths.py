@@ -14,7 +14,7 @@ from vibeam.figures.fit import ReportTable, fitted
 from vibeam.report import tables as table
 from vibeam.run.result import Result
 from vibeam.run.summary import Distance, Summary, compare
-from vibeam.studies.derive import Row
+from vibeam.studies.derive import DerivedParameter
 from vibeam.studies.regression.references import CheckRow
 from vibeam.system.response import Branches
 
@@ -35,7 +35,9 @@ TABLES = {
     "costs": lambda: table.costs(SUMMARIES),
     "checks": lambda: table.checks([MISSED]),
     "keys": lambda: table.keys(reference_table()),
-    "derivation": lambda: table.derivation([Row("mass, massless beam", "M_S", "kg", 0.41321, 0.40011, "point mass")]),
+    "derivation": lambda: table.derivation(
+        [DerivedParameter("mass, massless beam", "M_S", "kg", 0.41321, 0.40011, "point mass")]
+    ),
 }
 
 
@@ -47,7 +49,7 @@ def printed(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch,
     """What a terminal of that width shows."""
     for key, value in {"FORCE_COLOR": "1", "COLUMNS": str(width), "NO_COLOR": "1", "TERM": "xterm"}.items():
         monkeypatch.setenv(key, value)
-    table.show(TABLES[name]())
+    table.print_table(TABLES[name]())
     return Text.from_ansi(capsys.readouterr().out).plain
 
 
@@ -88,7 +90,7 @@ def test_a_column_that_says_nothing_is_left_out() -> None:
 
 def test_what_goes_into_a_file_is_in_one_piece(capsys: pytest.CaptureFixture[str]) -> None:
     for name in ("responses", "costs", "checks"):
-        table.show(TABLES[name]())
+        table.print_table(TABLES[name]())
         assert "continued" not in capsys.readouterr().out
 
 

@@ -15,10 +15,10 @@ from vibeam.flight.solver import FlightSolver
 from vibeam.orbits.states import carried
 from vibeam.run.accuracy.candidates import EXACT, rows, rungs_of
 from vibeam.run.accuracy.choice import _verdict
-from vibeam.run.accuracy.choices import Sheet
-from vibeam.run.accuracy.closed_forms import FREE, HARDER, Known
-from vibeam.run.accuracy.finest import Finest, fly
-from vibeam.run.accuracy.readings import apart
+from vibeam.run.accuracy.choices import BranchChoice
+from vibeam.run.accuracy.closed_forms import FREE, HARDER, ClosedForms
+from vibeam.run.accuracy.finest import Finest, fly_points
+from vibeam.run.accuracy.readings import distance
 from vibeam.run.accuracy.study import ladder_models, study
 from vibeam.run.accuracy.verification import judged, verify
 from vibeam.run.summary import compare
@@ -45,7 +45,7 @@ def swept(case, fidelity="beam"):
 
 def known_of(case, fidelity="beam"):
     omega = 2 * np.pi * case.sweep.frequency
-    return Known(case.system(fidelity), omega, np.broadcast_to(case.amplitude(omega), omega.shape))
+    return ClosedForms(case.system(fidelity), omega, np.broadcast_to(case.amplitude(omega), omega.shape))
 
 
 def offered(case, *quantities, fidelity="beam"):
@@ -88,7 +88,7 @@ def test_states_are_those_of_the_orbits():
 
 def test_the_motion_that_never_touches_is_one_of_them():
     system = vibeam.ImpactSystem.from_modes([2.0, 9.0], 0.05, [1.0, 0.4], [1.0, 0.3], gap=10.0)
-    known = Known(system, np.array([1.0, 3.0]), np.ones(2))
+    known = ClosedForms(system, np.array([1.0, 3.0]), np.ones(2))
     assert known.there[:, FREE].all()
     assert not known.there[:, HARDER].any()
     assert known.radius(FREE) == pytest.approx(np.exp(-0.1 * 2 * np.pi / known.omega))
@@ -148,8 +148,8 @@ def test_a_flight_is_cut_short_only_where_it_has_come_to_a_known_motion():
         case = case_of(name, points=5)
         rungs, known = offered(case), known_of(case)
         finest = Finest(rungs[0], 0, rungs[1], 1, case.sweep, 0.01)
-        sheet = Sheet.blank("up", np.arange(5), case.sweep.frequency, 8)
-        assert fly(sheet, finest, 0, None).kind == kind
+        sheet = BranchChoice.blank("up", np.arange(5), case.sweep.frequency, 8)
+        assert fly_points(sheet, finest, 0, None).kind == kind
         truth, _ = rungs[1].flight.steady(
             known.omega[:1], known.amplitude[0], None, case.sweep.settle, case.sweep.hold, "sensor"
         )
@@ -170,7 +170,7 @@ def test_a_rung_reads_what_the_orbit_solver_does_and_refuses_what_is_no_motion()
     )  # fmt: skip
     there = np.isfinite(read.off)
     assert there.any()
-    error = apart(
+    error = distance(
         rows(read.response, which[there]), rows(truth, which[there]), ("amplitude", "reach", "impact_velocity")
     )
     assert np.abs(error).max() < EXACT
@@ -274,7 +274,7 @@ def test_verification_sees_a_result_that_is_off():
     case = case_of("dtu_neutral", points=9, **{"sweep.settle": 100})
     rung = offered(case)[-1]
     truth = rows(swept(case).up, np.arange(9))
-    sheet = Sheet.blank("up", np.arange(9), case.sweep.frequency, 8)
+    sheet = BranchChoice.blank("up", np.arange(9), case.sweep.frequency, 8)
     sheet.response.amplitude[:] = truth.amplitude
     sheet.kind[:] = HARDER
     assert all(each.passed for each in verify([sheet], rung, case.sweep, 0.01))
@@ -372,6 +372,6 @@ def test_several_quantities_are_all_within():
     case = case_of("dtu_loose", points=17, **{"sweep.direction": "up"})
     wanted = ("amplitude", "reach", "maximum", "minimum", "impact_velocity")
     found, truth = study(case, 0.05, wanted), swept(case)
-    error = apart(found.curves["up"].response, truth, wanted)
+    error = distance(found.curves["up"].response, truth, wanted)
     assert np.abs(error).max() <= 0.05
     assert not found.missed

@@ -16,7 +16,7 @@ from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
 from vibeam.flight.pause import Stopped
 from vibeam.run import fidelity_sweep, recorder
-from vibeam.run.parallel import spread
+from vibeam.run.parallel import run_parallel
 from vibeam.run.result import Result
 from vibeam.run.run import Interrupted, run
 from vibeam.run.store.errors import StoreError
@@ -190,7 +190,7 @@ def test_the_real_flight_goes_on_to_the_same_bits(monkeypatch: pytest.MonkeyPatc
 
 
 def test_spread_keeps_the_order_and_raises_the_failure() -> None:
-    assert spread(lambda item, stop: item**2, range(20)) == [item**2 for item in range(20)]
+    assert run_parallel(lambda item, stop: item**2, range(20)) == [item**2 for item in range(20)]
 
     def task(item: int, stop: threading.Event) -> int:
         if item == 3:
@@ -200,4 +200,4 @@ def test_spread_keeps_the_order_and_raises_the_failure() -> None:
         raise Stopped
 
     with pytest.raises(ZeroDivisionError, match="three"):
-        spread(task, range(5), workers=4)
+        run_parallel(task, range(5), workers=4)

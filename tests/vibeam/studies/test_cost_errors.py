@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stand_in import curve
 
-from vibeam.studies.cost.errors import Errors, apart, errors, peak
-from vibeam.studies.cost.measure import Cloud, Measured, Plan
-from vibeam.studies.cost.trajectories import Path, distance, hausdorff, matched
+from vibeam.studies.cost.errors import Errors, errors, peak, sample_distance
+from vibeam.studies.cost.measure import AperiodicSample, Measured, Plan
+from vibeam.studies.cost.trajectories import ComparedPath, distance, hausdorff, matched
 from vibeam.studies.cost.work import front
 from vibeam.system.impact_system import Drive
 
@@ -71,11 +71,11 @@ def test_a_peak_at_the_end_stays_there() -> None:
 
 def test_clouds_are_compared_by_statistics_and_not_point_by_point() -> None:
     values = np.linspace(1.0, 3.0, 101)
-    cloud = Cloud(values, values)
-    assert apart(Cloud(values[::-1], np.roll(values, 7)), cloud) < 1e-15
-    assert apart(Cloud(values + 0.2, values), cloud) == pytest.approx(0.1)
-    wide = Cloud(2 + 2 * (values - 2), values)  # the mean is the same, the upper decile goes from 2.8 to 3.6
-    assert apart(wide, cloud) == pytest.approx(0.8 / 2)
+    cloud = AperiodicSample(values, values)
+    assert sample_distance(AperiodicSample(values[::-1], np.roll(values, 7)), cloud) < 1e-15
+    assert sample_distance(AperiodicSample(values + 0.2, values), cloud) == pytest.approx(0.1)
+    wide = AperiodicSample(2 + 2 * (values - 2), values)  # the mean is the same, the upper decile goes from 2.8 to 3.6
+    assert sample_distance(wide, cloud) == pytest.approx(0.8 / 2)
     runs = [replace(found(AMPLITUDE, [1, 1, 1, 1, 0]), clouds={4: each}) for each in (wide, cloud)]
     off = errors(*runs, PLAN)
     assert off.statistics == pytest.approx(0.4)
@@ -129,11 +129,11 @@ def test_hausdorff_of_known_lines() -> None:
     assert hausdorff(flat, flat) == 0.0
 
 
-def bounce(shift: float, offset: float = 0.0) -> Path:
+def bounce(shift: float, offset: float = 0.0) -> ComparedPath:
     """|sin| with its corners at whole numbers + shift."""
     impacts = np.arange(0, 4) + 1 + shift
     times = np.union1d(np.linspace(0, 5, 801), impacts)
-    return Path(lambda t: -np.abs(np.sin(np.pi * (t - shift))) + offset, times, impacts, np.ones(4))
+    return ComparedPath(lambda t: -np.abs(np.sin(np.pi * (t - shift))) + offset, times, impacts, np.ones(4))
 
 
 def test_a_shifted_path_is_off_by_its_shift_and_no_more() -> None:

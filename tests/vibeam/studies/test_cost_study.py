@@ -25,9 +25,9 @@ from vibeam.studies.cost.error_split import shares, split
 from vibeam.studies.cost.measure import measure
 from vibeam.studies.cost.planning import Planning
 from vibeam.studies.cost.reference import bound
-from vibeam.studies.cost.schedule import Track, climb
-from vibeam.studies.cost.settings import LADDERS, Rung, ladders
-from vibeam.studies.cost.study import Study, cost
+from vibeam.studies.cost.schedule import Schedule, run_schedule
+from vibeam.studies.cost.settings import LADDERS, Setting, ladders
+from vibeam.studies.cost.study import CostStudy, cost
 from vibeam.studies.cost.work import timed
 
 TINY = SDOF + '\n[cost]\nsettle = 5\nhold = 2\nfrequency = ["1.9 rad/s", "2 rad/s", "2.1 rad/s"]\nrepeats = 2\n'
@@ -62,19 +62,19 @@ def test_every_solver_has_a_ladder_that_it_can_stand_on() -> None:
 
 
 def test_the_cheapest_next_and_the_rest_is_named() -> None:
-    ladder = tuple(Rung("direct", "RK23", f"rtol {i}", growth=3.0) for i in range(4))
-    single = (Rung("flight"),)
+    ladder = tuple(Setting("direct", "RK23", f"rtol {i}", growth=3.0) for i in range(4))
+    single = (Setting("flight"),)
     taken: list[str] = []
     seconds = {"budget": 20.0}
 
-    def run(fidelity: str, rung: Rung) -> float | None:
+    def run(fidelity: str, rung: Setting) -> float | None:
         taken.append(f"{fidelity} {rung.label}")
         took = 1.0 if rung.solver == "flight" else 2.0 * 3.0 ** int(rung.setting[-1])
         seconds["budget"] -= took
         return took
 
-    tracks = [Track("a", ladder, 2.0), Track("b", single, 1.0), Track("c", single, 50.0)]
-    left = climb(tracks, lambda: seconds["budget"], run)
+    tracks = [Schedule("a", ladder, 2.0), Schedule("b", single, 1.0), Schedule("c", single, 50.0)]
+    left = run_schedule(tracks, lambda: seconds["budget"], run)
     assert taken == ["b flight", "a direct RK23 rtol 0", "a direct RK23 rtol 1"]
     assert [(each.fidelity, each.run) for each in left] == [
         ("a", "direct RK23 rtol 2"), ("a", "direct RK23 rtol 3"), ("c", "flight"),
@@ -82,17 +82,17 @@ def test_the_cheapest_next_and_the_rest_is_named() -> None:
     assert "about 18 s" in left[0].why
     assert "about 54 s" in left[1].why
     assert "11 s of the budget" in left[0].why
-    stopped = climb([Track("a", ladder, 2.0)], lambda: 100.0, lambda fidelity, rung: None)
+    stopped = run_schedule([Schedule("a", ladder, 2.0)], lambda: 100.0, lambda fidelity, rung: None)
     assert len(stopped) == 3
     assert "rtol 0 broke down" in stopped[0].why
 
 
 @pytest.fixture(scope="module")
-def tiny() -> Study:
+def tiny() -> CostStudy:
     return cost(parse(TINY, set={"cost.budget": 20}), clock=Clock(), progress=lambda line: None)
 
 
-def test_a_study_with_a_clock_of_its_own_leaves_out_what_does_not_fit(tiny: Study) -> None:
+def test_a_study_with_a_clock_of_its_own_leaves_out_what_does_not_fit(tiny: CostStudy) -> None:
     """Every look at the clock costs a second of the 20: most runs find no room, and each of them is named."""
     everything = {rung.label for name in NAMES for ladder in ladders(name, 1.0) for rung in ladder}
     assert {row.label for row in tiny.rows} | {each.run for each in tiny.left_out} == everything
@@ -101,7 +101,7 @@ def test_a_study_with_a_clock_of_its_own_leaves_out_what_does_not_fit(tiny: Stud
 
 
 @pytest.fixture(scope="module")
-def whole() -> Study:
+def whole() -> CostStudy:
     names = ["flight", "orbit", "mapping", "averaging", "moreau", "zhuravlev"]
     with pytest.MonkeyPatch.context() as patch:
         coarse, strict = ladders("moreau", 1e-2)[0], ladders("zhuravlev", 1e-2)[1]
@@ -110,7 +110,7 @@ def whole() -> Study:
         return cost(parse(TINY, set={"cost.solvers": names, "cost.settle": 130, "cost.repeats": 1}))
 
 
-def test_a_study_of_one_degree_of_freedom(whole: Study) -> None:
+def test_a_study_of_one_degree_of_freedom(whole: CostStudy) -> None:
     rows = {row.label: row for row in whole.rows}
     assert whole.bound.points == 3
     assert whole.bound.value < 1e-8
@@ -129,7 +129,7 @@ def test_the_work_counts_all_that_is_timed() -> None:
     """Sweep, clouds and path: on the pressed stop of the tight rig, where the motion at 14 Hz does not repeat."""
     case = parse(RIG.read_text(encoding="utf-8").split("[reference")[0], set=BEAM | {"stop.gap": "-0.1 mm"})
     plan = replace(_plan(case), omega=2 * np.pi * np.array([14.0, 15.5]))  # type: ignore[type-var]
-    found, work = timed(lambda: measure(case.system("sdof"), Rung("flight"), plan), Clock(), 3, 1.0)
+    found, work = timed(lambda: measure(case.system("sdof"), Setting("flight"), plan), Clock(), 3, 1.0)
     assert 0 in found.clouds
     assert len(found.clouds[0].amplitude) == 200
     assert found.path is not None
@@ -192,7 +192,7 @@ def test_time_up_within_a_run_is_told() -> None:
     case = parse(TINY)
     studied = measure  # the deadline is looked at between points
     with pytest.raises(measured_module.OutOfTime, match="stopped after 1 of 3 points"):
-        studied(case.system("sdof"), Rung("flight"), _plan(case), Clock(), 0.5)
+        studied(case.system("sdof"), Setting("flight"), _plan(case), Clock(), 0.5)
 
 
 def _plan(case: object) -> object:
@@ -200,11 +200,11 @@ def _plan(case: object) -> object:
 
 
 @pytest.fixture(scope="module")
-def beam() -> Study:
+def beam() -> CostStudy:
     return cost(parse(RIG.read_text(encoding="utf-8").split("[reference")[0], set=BEAM))
 
 
-def test_the_parts_add_up_exactly(beam: Study) -> None:
+def test_the_parts_add_up_exactly(beam: CostStudy) -> None:
     for each in beam.splits:
         assert sum(part.mean for part in each.parts) == pytest.approx(each.total.mean, rel=1e-12, abs=1e-15)
         assert each.points == 2
@@ -219,7 +219,7 @@ def test_the_parts_add_up_exactly(beam: Study) -> None:
     assert names["effects left out"].worst == 0
 
 
-def test_the_contact_laws_part_is_that_of_the_same_restitution_seen(beam: Study) -> None:
+def test_the_contact_laws_part_is_that_of_the_same_restitution_seen(beam: CostStudy) -> None:
     """By hand: the single degree of freedom with the R₁ of the eight-mode beam, flown."""
     case = parse(RIG.read_text(encoding="utf-8").split("[reference")[0], set=BEAM)
     systems = {name: case.system(name) for name in ("sdof", "beam")}
@@ -269,7 +269,7 @@ def test_a_file_is_the_truth_where_the_case_says_so(tmp_path: Path) -> None:
     """The curve is the single degree of freedom's own, five percent too large: that is what is found, at its points."""
     case = parse(TINY, set={"cost.settle": 150})
     plan = _plan(case)
-    exact = measure(case.system("sdof"), Rung("flight"), plan).response  # type: ignore[arg-type]
+    exact = measure(case.system("sdof"), Setting("flight"), plan).response  # type: ignore[arg-type]
     rows = [f"{f!r},up,{1.05 * a!r}" for f, a in zip(exact.frequency.tolist(), exact.amplitude.tolist(), strict=True)]
     (tmp_path / "curve.csv").write_text("\n".join(["frequency_hz,direction,amplitude", *rows]), encoding="utf-8")
     table = '[reference.own]\nfile = "curve.csv"\nfidelity = "sdof"\nquantity = "amplitude"\ntolerance = "1 %"\n'
@@ -307,21 +307,21 @@ def test_the_bound_sees_a_reference_that_is_off() -> None:
     """The check of the reference can fail: an amplitude wrong by 1e-6 shows as that."""
     case = parse(TINY, set={"cost.settle": 150})
     plan = _plan(case)
-    exact = measure(case.system("sdof"), Rung("flight"), plan)  # type: ignore[arg-type]
+    exact = measure(case.system("sdof"), Setting("flight"), plan)  # type: ignore[arg-type]
     fine = bound(case.system("sdof"), exact, plan)  # type: ignore[arg-type]
     assert fine.amplitude < 1e-8
     exact.response.amplitude[1] *= 1 + 1e-6
     assert bound(case.system("sdof"), exact, plan).amplitude == pytest.approx(1e-6, rel=0.02)  # type: ignore[arg-type]
 
 
-def test_what_finds_no_motion_somewhere_is_not_on_the_front(beam: Study) -> None:
+def test_what_finds_no_motion_somewhere_is_not_on_the_front(beam: CostStudy) -> None:
     without = replace(beam, rows=tuple(replace(row, found=1) for row in beam.rows if row.solver == "orbit"))
     assert beam.front
     assert without.rows
     assert without.front == []
 
 
-def test_tables_and_sentences(beam: Study) -> None:
+def test_tables_and_sentences(beam: CostStudy) -> None:
     assert runs(beam).row_count == len(beam.rows)
     assert parts(beam).row_count == len(beam.splits)
     text = "\n".join(sentences(beam))

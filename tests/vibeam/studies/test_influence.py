@@ -22,19 +22,19 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam.case.faults import CaseError
 from vibeam.casefile.fields import Count
-from vibeam.casefile.read import accepted, parse
+from vibeam.casefile.read import parse, validate
 from vibeam.casefile.tables.cases import BeamCase
 from vibeam.casefile.tables.stop import StopTable
 from vibeam.casefile.tables.table import Table, key
 from vibeam.cli.main import app
 from vibeam.report.influence import bars, left_alone, lines, sentences, taken_away, verdict
-from vibeam.report.tables import show
+from vibeam.report.tables import print_table
 from vibeam.studies.influence.curve import Curve, Step, ends, peak, swept
 from vibeam.studies.influence.effects import effects_of
 from vibeam.studies.influence.quantities import Quantity, Value, change, quantities
 from vibeam.studies.influence.search import smallest
-from vibeam.studies.influence.settled_motion import heard
-from vibeam.studies.influence.study import Study, influence
+from vibeam.studies.influence.settled_motion import observed_ringing
+from vibeam.studies.influence.study import InfluenceStudy, influence
 from vibeam.studies.influence.subsets import subsets
 from vibeam.system.impact_system import Drive
 from vibeam.system.state import State
@@ -67,11 +67,11 @@ def case_of(*tables: str, **settings: Any) -> Any:
     return parse(BEAM + FIDELITY + "\n".join(tables), RIG, QUICK | given)
 
 
-def study_of(*tables: str, **settings: Any) -> Study:
+def study_of(*tables: str, **settings: Any) -> InfluenceStudy:
     return influence(case_of(*tables, **settings))
 
 
-def by_name(study: Study) -> dict[str, Any]:
+def by_name(study: InfluenceStudy) -> dict[str, Any]:
     return {row.effect: row for row in study.rows}
 
 
@@ -81,12 +81,12 @@ def by_name(study: Study) -> dict[str, Any]:
 def test_every_effect_that_a_case_names_is_found() -> None:
     every = BEAM.replace('gap = "0 mm"', 'gap = "0 mm"\nposition = "130 mm"') + ADDED + CLAMP + GRAVITY + TORSION
     every = every.replace("elements = 36", "elements = 36\nmassless = true") + PLATFORM + FIDELITY.replace("4", "2")
-    declared, _ = accepted(every, RIG, {})
+    declared, _ = validate(every, RIG, {})
     names = {"beam.massless", "mass.rotary_inertia", "mass.rigid_half_width", "stop.position"}
     assert set(effects_of(declared)) == names | {"added_mass", "clamp", "gravity", "torsion", "platform"}
-    absent, _ = accepted(every, RIG, {"beam.massless": False, "clamp": None, "stop.position": None})
+    absent, _ = validate(every, RIG, {"beam.massless": False, "clamp": None, "stop.position": None})
     assert set(effects_of(absent)) == set(effects_of(declared)) - {"beam.massless", "clamp", "stop.position"}
-    twice, _ = accepted(BEAM + ADDED + ADDED + FIDELITY, RIG, {})
+    twice, _ = validate(BEAM + ADDED + ADDED + FIDELITY, RIG, {})
     assert {"added_mass.0", "added_mass.1"} < set(effects_of(twice))
 
 
@@ -106,7 +106,7 @@ def test_an_effect_that_the_schema_gains_is_found_by_itself() -> None:
         ghost: Ghost | None = None
         plain: Plain | None = None
 
-    declared, _ = accepted(BEAM + FIDELITY, RIG, {})
+    declared, _ = validate(BEAM + FIDELITY, RIG, {})
     tables = declared.model_dump(by_alias=True) | {"ghost": {}, "plain": {}}
     tables["stop"] |= {"law": 3, "other": 4}
     whole = Case.model_construct(
@@ -271,7 +271,7 @@ def test_peak_ringing_and_apparent_restitution_against_other_ways_to_them() -> N
     assert top.frequency.number - near[10] == pytest.approx(-rise[1] / (2 * rise[0]), abs=2e-4)
     assert top.amplitude.number == pytest.approx(rise[2] - rise[1] ** 2 / (4 * rise[0]), rel=1e-6)
 
-    found = heard(curve, top.frequency.number, top.near)  # type: ignore[arg-type]
+    found = observed_ringing(curve, top.frequency.number, top.near)  # type: ignore[arg-type]
     damped = system.omega[1] * np.sqrt(1 - system.zeta[1] ** 2) / (2 * np.pi)
     assert found["ringing_frequency"].number == pytest.approx(damped, rel=1e-9)
     drive = Drive(2 * np.pi * top.frequency.number, case.base_amplitude)
@@ -482,8 +482,8 @@ def test_tables_and_plot_show_what_is_not_there(capsys: pytest.CaptureFixture[st
     lost = replace(row.without.changes[1], value=np.nan, amount=np.nan, share=inf, why="no impacts at 15 Hz")
     without = replace(row.without, changes=(row.without.changes[0], lost))
     shown = replace(study, rows=(replace(row, without=without), *study.rows[1:]))
-    show(taken_away(shown))
-    show(left_alone(shown))
+    print_table(taken_away(shown))
+    print_table(left_alone(shown))
     text = capsys.readouterr().out
     line = next(each for each in text.splitlines() if row.effect in each)
     assert "–*" in line

@@ -7,7 +7,7 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated
 
-from vibeam.case.faults import Complaint, KeyPath, cure, shown
+from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam.case.reference_files import file_fault
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Value
@@ -44,11 +44,13 @@ def expectation_checks(case: SimpleNamespace) -> Iterator[Complaint]:
 def _of_a_figure(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about an [expect.NAME] that is, or should be, read off a figure."""
     if expect.show is None:
-        what = f"[show.NAME] that {shown(expect.quantity)} is read off" if expect.quantity else "[show.NAME]"
+        what = (
+            f"[show.NAME] that {as_shown_in_message(expect.quantity)} is read off" if expect.quantity else "[show.NAME]"
+        )
         yield (*path, "show"), f"missing: name the {what}"
         return
     if expect.show not in case.show:
-        yield (*path, "show"), f"no [show.{expect.show}]; {cure(expect.show, filter(NAME.fullmatch, case.show))}"
+        yield (*path, "show"), f"no [show.{expect.show}]; {suggest(expect.show, filter(NAME.fullmatch, case.show))}"
         return
     show = case.show[expect.show]
     if show.kind is None or expect.quantity is None:
@@ -77,8 +79,8 @@ def _swept(case: SimpleNamespace, path: KeyPath, way: str | None) -> Iterator[Co
 def _file_fault(folder: File, name: str) -> str | None:
     fault = file_fault(folder / name)
     if fault == "no such file" or "\0" in name:
-        return f"no file {shown(name)} in the case file's folder"
-    return fault and f"{shown(name)} {fault}"
+        return f"no file {as_shown_in_message(name)} in the case file's folder"
+    return fault and f"{as_shown_in_message(name)} {fault}"
 
 
 class ReferenceTable(Table):

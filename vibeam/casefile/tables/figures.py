@@ -24,7 +24,7 @@ from vibeam.casefile.tables.table import (
     Table,
     key,
 )
-from vibeam.figures import KEYS, KINDS, LIMITS, Kind
+from vibeam.figures import KEYS, KINDS, LIMITS, FigureKind
 from vibeam.observe.low_pass import FAMILIES, HIGHEST_ORDER
 from vibeam.solvers import EXACT
 
@@ -41,7 +41,7 @@ def figure_checks(case: SimpleNamespace) -> Iterator[Complaint]:
             yield from _output(case, (*path, "output"), show.output)
 
 
-def _keys(path: KeyPath, show: SimpleNamespace, kind: Kind) -> Iterator[Complaint]:
+def _keys(path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Complaint]:
     for key in KEYS:
         given = getattr(show, key) is not None
         if given and key not in kind.needs + kind.takes:
@@ -57,7 +57,7 @@ def _keys(path: KeyPath, show: SimpleNamespace, kind: Kind) -> Iterator[Complain
         yield (*path, "periods"), f"{show.periods} drive periods hold no whole number of the longest ones: {multiple}"
 
 
-def _exact(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace, kind: Kind) -> Iterator[Complaint]:
+def _exact(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Complaint]:
     """Kinds that integrate along a motion, and the measuring chain, want one that is known at any time."""
     measured = case.measurement is not None and show.kind in ("history", "portrait")
     if not (kind.exact or measured):

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator
 from types import SimpleNamespace
 
-from vibeam.case.faults import Complaint, KeyPath, cure, shown
+from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest
 
 NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
@@ -19,7 +19,7 @@ def name_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     for kind, tables in named.items():
         for name in tables:
             if not NAME.fullmatch(name):
-                yield (kind, name), f"the name {shown(name)} must be 1 to 64 letters, digits, - or _"
+                yield (kind, name), f"the name {as_shown_in_message(name)} must be 1 to 64 letters, digits, - or _"
     if "show" in case.fidelity:
         yield ("fidelity", "show"), 'the name "show" is that of a group of the results file: choose another'
 
@@ -32,4 +32,4 @@ def named_fidelity(case: SimpleNamespace, path: KeyPath, name: str | None) -> It
 
 def not_there(name: str, tables: Iterable[str]) -> str:
     """A name that is none of ``tables``, and which of them it may have meant."""
-    return f"{shown(name)}; {cure(name, filter(NAME.fullmatch, tables))}"
+    return f"{as_shown_in_message(name)}; {suggest(name, filter(NAME.fullmatch, tables))}"

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from types import SimpleNamespace
 from typing import Annotated
 
-from vibeam.case.faults import Complaint, shown
+from vibeam.case.faults import Complaint, as_shown_in_message
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import NOT_NEGATIVE, POSITIVE, Quantity, Word
@@ -96,7 +96,7 @@ def _wear(case: SimpleNamespace) -> Iterator[Complaint]:
         if fidelity.solver in STATIONARY and not {"stop.wear", "stop"} & {*(fidelity.without or ())}:
             yield (
                 ("fidelity", name, "solver"),
-                f"{shown(fidelity.solver)} counts no impacts, so stop.wear has nothing to go by: "
+                f"{as_shown_in_message(fidelity.solver)} counts no impacts, so stop.wear has nothing to go by: "
                 'write solver = "flight", or without = ["stop.wear"]',
             )
 

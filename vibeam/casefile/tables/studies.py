@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Annotated
 
-from vibeam.case.faults import Complaint, shown
+from vibeam.case.faults import Complaint, as_shown_in_message
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Each, Several
 from vibeam.casefile.fields import POSITIVE, Count, Quantity, Text, Word
@@ -34,7 +34,10 @@ def _cost(case: SimpleNamespace) -> Iterator[Complaint]:
     if name not in case.reference:
         yield path, f"no reference {not_there(name, case.reference)}"
     elif case.reference[name].quantity not in ("amplitude", None):
-        yield path, f"{shown(name)} gives {case.reference[name].quantity}: accuracy is that of the amplitude"
+        yield (
+            path,
+            f"{as_shown_in_message(name)} gives {case.reference[name].quantity}: accuracy is that of the amplitude",
+        )
 
 
 def _accuracy(case: SimpleNamespace) -> Iterator[Complaint]:

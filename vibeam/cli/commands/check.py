@@ -5,7 +5,7 @@ from __future__ import annotations
 import typer
 
 from vibeam.cli.arguments import AsJson, CaseFile, Fresh, Overrides, ResultsFile, load, results_path, swept
-from vibeam.cli.output import answer
+from vibeam.cli.output import print_result
 from vibeam.cli.streams import say
 
 MISSED = 1
@@ -18,7 +18,7 @@ def check(
     loaded = load(case, set_)
     if not (loaded.references or loaded.expectations):
         say(f"{case}: a sound case, but it names no reference to check against")
-        answer([], as_json)
+        print_result([], as_json)
         return
     from vibeam.figures.units import units_of
     from vibeam.run.remarks import remarks
@@ -29,6 +29,6 @@ def check(
     loaded = loaded.everywhere()  # each fidelity is checked by itself
     result = swept(loaded, None if out is None else results_path(loaded, out), show=False, fresh=fresh)
     rows = checked(loaded, result, partial=bool(set_))
-    answer(rows, as_json, lambda tables: [tables.checks(rows, units_of(loaded))], remarks(result))
+    print_result(rows, as_json, lambda tables: [tables.checks(rows, units_of(loaded))], remarks(result))
     if not all(row.passed for row in rows):
         raise typer.Exit(MISSED)

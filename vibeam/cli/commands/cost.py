@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from vibeam.cli.arguments import AsJson, CaseFile, Overrides, folder, load, studied
-from vibeam.cli.output import answer
+from vibeam.cli.output import print_result
 
 
 def cost(
@@ -29,7 +29,7 @@ def cost(
     place = folder(out or Path())
     study = studied(case, loaded, costs)
     files = write_files(study, place, case.stem, loaded)
-    answer(
+    print_result(
         {"study": study, "files": files}, as_json,
         lambda tables: [cost_table.runs(study), cost_table.parts(study)], [*cost_table.sentences(study), *files],
     )  # fmt: skip

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, studied, table_path
-from vibeam.cli.output import answer
+from vibeam.cli.output import print_result
 
 
 def influence(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: TableFile = None) -> None:
@@ -16,7 +16,7 @@ def influence(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, o
     path = table_path(loaded, out, "influence")
     study = studied(case, loaded, influences)
     files, sentences = write_files(study, path, loaded.figure), list(report.sentences(study))
-    answer(
+    print_result(
         {"study": study, "sentences": sentences, "files": files}, as_json,
         lambda tables: [report.taken_away(study), report.left_alone(study)], [*sentences, *files],
     )  # fmt: skip

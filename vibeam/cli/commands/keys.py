@@ -7,8 +7,8 @@ from typing import Annotated
 import typer
 
 from vibeam.cli.arguments import AsJson, TableFile, place
-from vibeam.cli.errors import Mistake
-from vibeam.cli.output import answer, written
+from vibeam.cli.errors import UsageError
+from vibeam.cli.output import print_result, write_table
 from vibeam.cli.streams import put_json
 
 
@@ -33,6 +33,6 @@ def keys(
     try:
         rows = reference_table() if name is None else rows_of(name)
     except ValueError as unknown:
-        raise Mistake(str(unknown)) from None
-    written(rows, None if out is None else place(out, "keys.csv", (".csv",), "a table"))
-    answer(rows, as_json, lambda tables: [tables.keys(rows)])
+        raise UsageError(str(unknown)) from None
+    write_table(rows, None if out is None else place(out, "keys.csv", (".csv",), "a table"))
+    print_result(rows, as_json, lambda tables: [tables.keys(rows)])

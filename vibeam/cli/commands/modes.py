@@ -8,7 +8,7 @@ import typer
 
 from vibeam.cli.arguments import AsJson, CaseFile, Overrides, load, place
 from vibeam.cli.errors import of_case
-from vibeam.cli.output import answer
+from vibeam.cli.output import print_result
 from vibeam.cli.streams import say
 
 
@@ -30,4 +30,4 @@ def modes(
     if path is not None:
         write_shapes(table, path)
         say(f"wrote {path}")
-    answer(table.rows, as_json, lambda tables: [tables.modal(table)], table.notes)
+    print_result(table.rows, as_json, lambda tables: [tables.modal(table)], table.notes)

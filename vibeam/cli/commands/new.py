@@ -7,8 +7,8 @@ from typing import Annotated
 import typer
 
 from vibeam.cli.arguments import AsJson, place
-from vibeam.cli.errors import Mistake
-from vibeam.cli.output import answer
+from vibeam.cli.errors import UsageError
+from vibeam.cli.output import print_result
 from vibeam.cli.streams import put, say
 
 
@@ -27,6 +27,6 @@ def new(
         with target.open("x", encoding="utf-8") as file:
             file.write(template())
     except FileExistsError:
-        raise Mistake(f"{target}: is there already: name another file") from None
+        raise UsageError(f"{target}: is there already: name another file") from None
     (say if as_json else put)(f"wrote {target}: edit it, then: vibeam run {target}")
-    answer({"written": target}, as_json)
+    print_result({"written": target}, as_json)

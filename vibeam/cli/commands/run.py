@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vibeam.cli.arguments import AsJson, CaseFile, Fresh, Overrides, ResultsFile, load, results_path, swept
-from vibeam.cli.output import answer
+from vibeam.cli.output import print_result
 
 if TYPE_CHECKING:
     from vibeam.run.result import Result
@@ -41,11 +41,13 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
     whole |= {"curves": curves} if (curves := result.curves) else {}
     study = result.accuracy
     if study is None:
-        answer(whole, as_json, lambda tables: [tables.responses(rows, units), tables.costs(rows)], [*told, *files])
+        print_result(
+            whole, as_json, lambda tables: [tables.responses(rows, units), tables.costs(rows)], [*told, *files]
+        )
         return
     from vibeam.report import accuracy as accuracy_table
 
-    answer(
+    print_result(
         whole | {"accuracy": study}, as_json,
         lambda tables: [tables.responses(rows, units), accuracy_table.choices(study)],
         [*accuracy_table.sentences(study, units), *told, *files],

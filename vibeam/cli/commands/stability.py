@@ -8,7 +8,7 @@ import typer
 
 from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, table_path
 from vibeam.cli.errors import of_case
-from vibeam.cli.output import answer
+from vibeam.cli.output import print_result
 
 
 def stability(
@@ -42,7 +42,7 @@ def stability(
     files = [path, *figures]
     units = units_of(loaded, speed=max((each.velocity for each in found.crossings), default=0.0))
     told = found.notes
-    answer(
+    print_result(
         {"crossings": found.crossings, "maps": found.shares, "remarks": told, "files": files}, as_json,
         lambda tables: [tables.crossings(found.crossings, found.axis.own_text, units)], [*told, *files],
     )  # fmt: skip

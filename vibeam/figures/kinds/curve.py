@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.axes import is_empty, mark_failed, say
-from vibeam.figures.branches import Kind, pieces
+from vibeam.figures.branches import MotionClass, pieces
 from vibeam.figures.panels import across_frequency, labelled
 from vibeam.figures.sheet import Sheet
 from vibeam.figures.style import KEY, LINES, line, looks_of, name_of
@@ -59,14 +59,14 @@ def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...
             for piece in pieces(seen):
                 keys = line(piece.kind, direction, look, len(piece.frequency), len(response))
                 across = piece.frequency * units.frequency_factor
-                if piece.kind is Kind.FAILED:
+                if piece.kind is MotionClass.FAILED:
                     failed = True
                     mark_failed(axes, across, 2 * row + (direction == "down"), **keys)
                 else:
                     axes.plot(across, piece.amplitude * factor, **keys)
         axes.plot([], [], label=name_of(case, fidelity) + ("" if known else f": {NOTHING[name]}"), **look.keys())
     if failed:
-        axes.plot([], [], label="failed, along the upper edge", **(KEY | LINES[Kind.FAILED]))
+        axes.plot([], [], label="failed, along the upper edge", **(KEY | LINES[MotionClass.FAILED]))
         axes.margins(y=0.15)
     if name == "period":
         axes.yaxis.set_major_locator(MaxNLocator(integer=True))

@@ -16,7 +16,7 @@ from vibeam.figures import RESTITUTIONS
 from vibeam.figures.axes import is_empty, say
 from vibeam.figures.page import plain
 from vibeam.figures.panels import across_frequency, drawn, labelled
-from vibeam.figures.settled_motion import NoMotion, Seen, chain_or_exact, seen, sheet_each
+from vibeam.figures.settled_motion import MeasuredWindow, NoMotion, chain_or_exact, measured_window, sheet_each
 from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import looks, name_of, nested
 from vibeam.figures.units import units_for
@@ -71,7 +71,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     chain = chain_or_exact(case, name, SAMPLES * frequency)
-    found = seen(case, name, frequency, plan, plan.periods or PERIODS, chain)
+    found = measured_window(case, name, frequency, plan, plan.periods or PERIODS, chain)
     if isinstance(found.path.system.law, CompliantStop):
         raise NoMotion("a stop that yields has no instant of impact to read restitution at")
     if not len(found.hits):
@@ -85,7 +85,7 @@ def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns
     return {"impact_time": Column(found.hits[:, 0] - found.begin, "s", "times of the impacts")} | columns
 
 
-def _readings(found: Seen, period: float) -> dict[str, Restitution]:
+def _readings(found: MeasuredWindow, period: float) -> dict[str, Restitution]:
     """Of all impacts of the path: those beside the window end the stretches of those in it."""
     path, record = found.path, found.record
     hits = impacts_within(path, path.t_start, path.t_end)[:, 0]

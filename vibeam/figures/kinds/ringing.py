@@ -14,7 +14,7 @@ from vibeam.case.plans import ShowPlan
 from vibeam.figures.axes import from_zero, is_empty, say
 from vibeam.figures.outputs import motion_of
 from vibeam.figures.panels import across_frequency, drawn, labelled
-from vibeam.figures.settled_motion import NoMotion, Seen, chain_or_exact, seen, sheet_each
+from vibeam.figures.settled_motion import MeasuredWindow, NoMotion, chain_or_exact, measured_window, sheet_each
 from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import looks_of, name_of
 from vibeam.figures.units import units_for
@@ -44,7 +44,9 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     near = plan.near or 0.0
-    found = seen(case, name, frequency, plan, plan.periods or PERIODS, chain_or_exact(case, name, SAMPLES * near))
+    found = measured_window(
+        case, name, frequency, plan, plan.periods or PERIODS, chain_or_exact(case, name, SAMPLES * near)
+    )
     omega = np.sort(found.path.system.omega) / (2 * np.pi)
     below, above = int(np.sum(omega < near / REACH)), int(np.sum(omega > near * REACH))
     if below + above == len(omega):
@@ -54,7 +56,7 @@ def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns
     return _read(found, slow_part(found.path.system, found.path.drive, below), near, min(above, 1))
 
 
-def _read(found: Seen, slow: SlowPart, near: float, further: int) -> Columns:
+def _read(found: MeasuredWindow, slow: SlowPart, near: float, further: int) -> Columns:
     record, shown = found.record, found.hits[:, 0] + found.delay
     guard = GUARD / near
     fit = fit_ringing(

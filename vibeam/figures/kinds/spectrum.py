@@ -8,7 +8,7 @@ from vibeam.case.plans import ShowPlan
 from vibeam.figures.axes import Array, decades
 from vibeam.figures.outputs import motion_of
 from vibeam.figures.panels import faults_at, labelled, sheets_at, titled
-from vibeam.figures.settled_motion import chain_or_exact, seen, sheet_each
+from vibeam.figures.settled_motion import chain_or_exact, measured_window, sheet_each
 from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import name_of
 from vibeam.figures.units import units_for
@@ -35,7 +35,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     chain = chain_or_exact(case, name, SAMPLES * frequency)
-    record = seen(case, name, frequency, plan, plan.periods or PERIODS, chain).window
+    record = measured_window(case, name, frequency, plan, plan.periods or PERIODS, chain).window
     place, speed = (spectrum_of(record.time, values) for values in (record.displacement, record.velocity))
     return {
         "line": Column(place.frequency, "Hz", "frequency of the line"),

@@ -59,7 +59,7 @@ from vibeam.flight.kernels.layout import (
     Z2,
     ZI,
     ZR,
-    Desk,
+    Engine,
     W,
 )
 from vibeam.flight.kernels.roots.pair import propagator
@@ -70,7 +70,7 @@ MOST_PIECES = 1e6  # of a Taylor series in time, then a block has no value
 
 
 @kernel
-def into_blocks(desk: Desk, pose: Array, clock: float) -> None:
+def into_blocks(desk: Engine, pose: Array, clock: float) -> None:
     """Set blocks[Z1], blocks[Z2]: block coordinates of ``pose`` less their steady response."""
     blocks, n = desk.blocks, pose.shape[1]
     cosine, sine = phase(desk.drive, clock)
@@ -85,13 +85,13 @@ def into_blocks(desk: Desk, pose: Array, clock: float) -> None:
 
 
 @kernel
-def begin_rest(desk: Desk, pose: Array, clock: float) -> tuple[float, float, float]:
+def begin_rest(desk: Engine, pose: Array, clock: float) -> tuple[float, float, float]:
     """The contact force (positive: it presses) as the rest signal: its value and rate now, the size of its parts."""
     blocks, drive = desk.blocks, desk.drive
     into_blocks(desk, pose, clock)
     for k in range(blocks.shape[1]):
         blocks[WEIGHT1, k], blocks[WEIGHT2, k] = blocks[ROW1, k], blocks[ROW2, k]
-    force, rate, size = weigh(desk, drive[REST_FORCE], drive[REST_LOAD] * drive[STRENGTH], clock)
+    force, rate, size = set_rest_signal(desk, drive[REST_FORCE], drive[REST_LOAD] * drive[STRENGTH], clock)
     parts = 0.0  # of the force, mode by mode, before they cancel
     for k in range(pose.shape[1]):
         own, damp = desk.pairs[OMEGA, k], 2.0 * desk.pairs[SIGMA, k]
@@ -101,7 +101,7 @@ def begin_rest(desk: Desk, pose: Array, clock: float) -> tuple[float, float, flo
 
 
 @kernel
-def weigh(desk: Desk, const: float, re: float, clock: float) -> tuple[float, float, float]:
+def set_rest_signal(desk: Engine, const: float, re: float, clock: float) -> tuple[float, float, float]:
     """const + re sin φ + Σ weight·y as the rest signal, y in blocks[Z1], blocks[Z2]: value, rate, size of its parts."""
     blocks, signal, w = desk.blocks, desk.rest_signal, desk.drive[W]
     cosine, sine = phase(desk.drive, clock)
@@ -127,7 +127,7 @@ def weigh(desk: Desk, const: float, re: float, clock: float) -> tuple[float, flo
 
 
 @kernel
-def attach(desk: Desk, k: int, x: float, y: float, sine: float) -> float:
+def attach(desk: Engine, k: int, x: float, y: float, sine: float) -> float:
     """Block k as an attached pair of the rest signal; returns its rate.
 
     For x = r·y, y' = A y + u with A² = −2σA − ω²: x'' + 2σx' + ω²x = 2σ r·u + r·A u + r·u', with
@@ -151,7 +151,7 @@ def attach(desk: Desk, k: int, x: float, y: float, sine: float) -> float:
 
 
 @kernel
-def carry_block(desk: Desk, k: int, clock: float, duration: float) -> None:
+def carry_block(desk: Engine, k: int, clock: float, duration: float) -> None:
     """Carry blocks[Z1], blocks[Z2] of a block without steady response on, by Taylor series of y' = A y + u."""
     blocks, w, strength = desk.blocks, desk.drive[W], desk.drive[STRENGTH]
     rate = max(w, desk.rest_pairs[KAPPA, k] + abs(blocks[A12, k]) + abs(blocks[A21, k]))
@@ -176,7 +176,7 @@ def carry_block(desk: Desk, k: int, clock: float, duration: float) -> None:
 
 
 @kernel
-def stay(desk: Desk, pose: Array, clock: float, duration: float) -> None:
+def advance_at_rest(desk: Engine, pose: Array, clock: float, duration: float) -> None:
     """Carry ``pose`` on by ``duration`` of rest."""
     blocks, pairs, n = desk.blocks, desk.rest_pairs, pose.shape[1]
     into_blocks(desk, pose, clock)

@@ -30,7 +30,7 @@ from vibeam.flight.kernels.layout import (
     WHOLE,
     ZI,
     ZR,
-    Desk,
+    Engine,
 )
 from vibeam.flight.kernels.modal_flow import begin_flight
 from vibeam.flight.kernels.roots import taylor_pairs as att
@@ -52,7 +52,7 @@ OPEN, CLOSES, UNPROVED = 0.0, 1.0, 2.0  # claims
 
 @entry
 def cover(
-    desk: Desk, omega: float, amplitude: float, trace: Array, poses: Array, orders: Array, rises: Array,
+    desk: Engine, omega: float, amplitude: float, trace: Array, poses: Array, orders: Array, rises: Array,
     first: int, pieces: Array,
 ) -> tuple[int, int]:  # fmt: skip
     """Fill ``pieces`` from flight ``first`` on: pieces written, the first flight that found no room."""
@@ -69,7 +69,9 @@ def cover(
 
 
 @kernel
-def along(desk: Desk, trace: Array, poses: Array, flight: int, order: int, rise: float, pieces: Array, row: int) -> int:
+def along(
+    desk: Engine, trace: Array, poses: Array, flight: int, order: int, rise: float, pieces: Array, row: int
+) -> int:
     """Pieces of one flight, written from ``row`` on; −1 where there is no room for them.
 
     A last panel that reaches beyond the flight's end and holds one root there is open up to the end, where the gap is.

@@ -47,7 +47,7 @@ from vibeam.flight.kernels.layout import (
     STATIC,
     STEP,
     STRENGTH,
-    Desk,
+    Engine,
     W,
 )
 from vibeam.flight.kernels.roots.levels import same_drive, tabulate_drive
@@ -68,7 +68,7 @@ PANEL = 2.1  # the longest panel is at most this over the drive's rate: a sixth 
 
 
 @kernel
-def set_drive(desk: Desk, omega: float, amplitude: float) -> None:
+def set_drive(desk: Engine, omega: float, amplitude: float) -> None:
     """Put the desk under b = amplitude · sin(omega t)."""
     drive, modes = desk.drive, desk.modes
     strength = omega * omega * amplitude

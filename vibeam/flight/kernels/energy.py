@@ -14,7 +14,7 @@ from math import ceil, cos, exp, expm1, sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.block_flow import stay
+from vibeam.flight.kernels.block_flow import advance_at_rest
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import phase
 from vibeam.flight.kernels.layout import (
@@ -33,7 +33,7 @@ from vibeam.flight.kernels.layout import (
     SERIES,
     SIGMA,
     TERM,
-    Desk,
+    Engine,
     W,
 )
 from vibeam.flight.kernels.roots import taylor_pairs as att
@@ -67,7 +67,7 @@ NEAR = 0.1  # |z| t below which e^{zt} − 1 is not made of the two factors'
 
 
 @kernel
-def energy_in_flight(desk: Desk, pose: Array, clock: float, duration: float, energy: Array) -> None:
+def energy_in_flight(desk: Engine, pose: Array, clock: float, duration: float, energy: Array) -> None:
     """Add ∫ E_k dt over a flight from ``pose`` to ``energy`` (n,). The desk's signal must be that of this flight."""
     pairs, modes, w = desk.pairs, desk.modes, desk.drive[W]
     cosine, sine = phase(desk.drive, clock)
@@ -79,7 +79,7 @@ def energy_in_flight(desk: Desk, pose: Array, clock: float, duration: float, ene
         x = pose[0, k] - offset - re * sine - im * cosine
         y = pose[1, k] - w * (re * cosine - im * sine)
         steady = (re * sine + im * cosine) - 1j * (re * cosine - im * sine)  # Re(steady e^{iΩt})
-        energy[k] += flown(pairs, k, x, y, steady, w, offset, duration, turned)
+        energy[k] += flight_energy(pairs, k, x, y, steady, w, offset, duration, turned)
     if desk.signal[ATTACHED] > 0.0:
         energy_attached(desk.attached, desk.signal, duration, energy)
 
@@ -93,26 +93,26 @@ def growth(z: complex, t: float) -> complex:
 
 
 @kernel
-def flown(
+def flight_energy(
     pairs: Array, k: int, x: float, y: float, steady: complex, w: float, offset: float, t: float, turned: complex
 ) -> float:
     """∫ E over t of free motion from x, x', Re(steady e^{iΩt}) and an offset; turned = e^{iΩt} − 1."""
     own, sigma, disc = pairs[OMEGA, k], pairs[SIGMA, k], pairs[DISC, k]
     rate = max(pairs[KAPPA, k], w if steady != 0.0 else 0.0)
     if rate * t <= PANEL:
-        return sampled(pairs, k, x, y, steady, w, offset, t, 1, rate * t <= SHORT)
+        return energy_by_quadrature(pairs, k, x, y, steady, w, offset, t, 1, rate * t <= SHORT)
     if abs(disc) < SPLIT * SPLIT * own * own:
         first = min(t, FADED / sigma)
         panels = max(1, ceil(rate * first / PANEL))
-        total = sampled(pairs, k, x, y, steady, w, offset, first, panels, False)
+        total = energy_by_quadrature(pairs, k, x, y, steady, w, offset, first, panels, False)
         if first < t:
             begun = steady * (1.0 + growth(1j * w, first))
             ended = growth(1j * w, t - first)
-            total += summed(0j, 0j, 0j, 0j, begun, 1j * w, ended, offset, own * own, t - first)[0]
+            total += closed_form_energy(0j, 0j, 0j, 0j, begun, 1j * w, ended, offset, own * own, t - first)[0]
         return total
     if disc < 0.0:
         turn = sqrt(-disc)
-        total, parts = summed(
+        total, parts = closed_form_energy(
             x - 1j * (y + sigma * x) / turn, -sigma + 1j * turn, 0j, 0j,
             steady, 1j * w, turned, offset, own * own, t,
         )  # fmt: skip
@@ -120,14 +120,16 @@ def flown(
         fast = sigma + sqrt(disc)
         slow = own * own / fast
         a, b = (y + fast * x) / (fast - slow), -(y + slow * x) / (fast - slow)
-        total, parts = summed(a + 0j, -slow + 0j, b + 0j, -fast + 0j, steady, 1j * w, turned, offset, own * own, t)
+        total, parts = closed_form_energy(
+            a + 0j, -slow + 0j, b + 0j, -fast + 0j, steady, 1j * w, turned, offset, own * own, t
+        )
     if total < CANCELLED * parts and rate * t <= PANEL * MOST:
-        return sampled(pairs, k, x, y, steady, w, offset, t, ceil(rate * t / PANEL), False)
+        return energy_by_quadrature(pairs, k, x, y, steady, w, offset, t, ceil(rate * t / PANEL), False)
     return total
 
 
 @kernel
-def summed(
+def closed_form_energy(
     a: complex, first: complex, b: complex, second: complex, c: complex, third: complex, turned: complex,
     offset: float, square: float, t: float,
 ) -> tuple[float, float]:  # fmt: skip
@@ -184,10 +186,10 @@ def integral(z: complex, grown: complex, turned: complex, t: float) -> complex:
 
 
 @kernel
-def sampled(
+def energy_by_quadrature(
     pairs: Array, k: int, x: float, y: float, steady: complex, w: float, offset: float, t: float, panels: int, few: bool
 ) -> float:
-    """The same as ``flown``, by quadrature."""
+    """The same as ``flight_energy``, by quadrature."""
     h, own, total = t / panels, pairs[OMEGA, k] * pairs[OMEGA, k], 0.0
     for panel in range(panels):
         for i in range(4 if few else 8):
@@ -234,7 +236,7 @@ def energy_attached(attached: Array, signal: Array, duration: float, energy: Arr
 
 
 @kernel
-def energy_at_rest(desk: Desk, pose: Array, clock: float, duration: float, scratch: Array, energy: Array) -> None:
+def energy_at_rest(desk: Engine, pose: Array, clock: float, duration: float, scratch: Array, energy: Array) -> None:
     """Add ∫ E_k dt over a rest from ``pose`` to ``energy`` (n,)."""
     n = pose.shape[1]
     rate = max(desk.drive[W], desk.pairs[KAPPA, n - 1])
@@ -244,7 +246,7 @@ def energy_at_rest(desk: Desk, pose: Array, clock: float, duration: float, scrat
         for node in range(8):
             for k in range(n):
                 scratch[0, k], scratch[1, k] = pose[0, k], pose[1, k]
-            stay(desk, scratch, clock, (panel + NODES[node]) * h)
+            advance_at_rest(desk, scratch, clock, (panel + NODES[node]) * h)
             for k in range(n):
                 density = scratch[1, k] ** 2 + (desk.pairs[OMEGA, k] * scratch[0, k]) ** 2
                 energy[k] += 0.5 * h * WEIGHTS[node] * density

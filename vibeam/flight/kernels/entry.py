@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.block_flow import stay
+from vibeam.flight.kernels.block_flow import advance_at_rest
 from vibeam.flight.kernels.compiler import entry, kernel
 from vibeam.flight.kernels.drive import phase, set_drive
 from vibeam.flight.kernels.events import advance, piece_of, work_of
@@ -27,19 +27,19 @@ from vibeam.flight.kernels.layout import (
     UNSEEN,
     WATCHED,
     WHAT,
-    Desk,
-    Room,
+    Engine,
+    Watch,
 )
-from vibeam.flight.kernels.modal_flow import begin_flight, land
+from vibeam.flight.kernels.modal_flow import begin_flight, end_flight
 from vibeam.flight.kernels.steady_point import (
+    begin_period,
     is_same,
     is_unread,
-    mark,
     note_impacts,
+    note_period,
     note_strobe,
-    repeat,
+    repeat_period,
     repetition,
-    share_out,
     start_watching,
     watch,
 )
@@ -53,8 +53,8 @@ WATCHING = 64  # panels that reading a segment off is as much work as, about
 
 @entry
 def move(
-    desk: Desk, omega: float, amplitude: float, pose: Array, status: Array, span: float, settle: int, hold: int,
-    limit: int, room: Room, counts: NDArray[np.int64], longest: int,
+    desk: Engine, omega: float, amplitude: float, pose: Array, status: Array, span: float, settle: int, hold: int,
+    limit: int, room: Watch, counts: NDArray[np.int64], longest: int,
 ) -> tuple[int, float]:  # fmt: skip
     """Carry ``pose`` on under one drive; one function for both uses, so that the engine is compiled once.
 
@@ -82,7 +82,7 @@ def move(
 
 @kernel
 def settled_at(
-    desk: Desk, pose: Array, status: Array, settle: int, limit: int, room: Room, counts: NDArray[np.int64]
+    desk: Engine, pose: Array, status: Array, settle: int, limit: int, room: Watch, counts: NDArray[np.int64]
 ) -> int:
     """Carry ``pose`` on to the end of the settling, where it is not there yet, and begin to watch."""
     begun, piece = work_of(counts), piece_of(pose)
@@ -102,13 +102,13 @@ def settled_at(
             return PAUSED
     if counts[WATCHED] == 0:
         start_watching(room, pose)
-        mark(room)
+        begin_period(room)
         counts[WATCHED], counts[MOST], status[UNSEEN] = 1, counts[IMPACTS] + limit, desk.drive[PERIOD]
     return COMPLETE
 
 
 @kernel
-def watched(desk: Desk, pose: Array, status: Array, limit: int, room: Room, counts: NDArray[np.int64]) -> int:
+def watched(desk: Engine, pose: Array, status: Array, limit: int, room: Watch, counts: NDArray[np.int64]) -> int:
     """Carry ``pose`` on to the end of the period, or of the trace, and read off what is traced."""
     if status[DONE] == 0.0:
         counts[SEGMENTS] = 0
@@ -129,18 +129,18 @@ def watched(desk: Desk, pose: Array, status: Array, limit: int, room: Room, coun
     status[UNSEEN], counts[MOST], counts[WATCHED] = desk.drive[PERIOD], counts[IMPACTS] + limit, turn + 1
     note_strobe(room.strobes, turn, pose)
     if counts[KNOWN] > 0:
-        repeat(room)
+        repeat_period(room)
     elif is_same(desk, room.strobes, turn):
-        share_out(room)
+        note_period(room)
         counts[KNOWN] = 1
     else:
-        mark(room)
+        begin_period(room)
     return outcome
 
 
 @entry
 def poses_at(
-    desk: Desk, omega: float, amplitude: float, trace: Array, poses: Array, which: NDArray[np.int64], after: Array,
+    desk: Engine, omega: float, amplitude: float, trace: Array, poses: Array, which: NDArray[np.int64], after: Array,
     pose: Array, status: Array, out: Array,
 ) -> None:  # fmt: skip
     """Set out[i] (2, n) to the pose a time after[i] into segment which[i]."""
@@ -153,11 +153,11 @@ def poses_at(
         if after[i] == 0.0:
             pass
         elif trace[segment, WHAT] == RESTING:
-            stay(desk, pose, clock, after[i])
+            advance_at_rest(desk, pose, clock, after[i])
         else:
             status[CLOCK] = clock
             cosine, sine = phase(desk.drive, clock)
             begin_flight(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, cosine, sine)
-            land(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, status, after[i], False)
+            end_flight(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, status, after[i], False)
         for k in range(pose.shape[1]):
             out[i, 0, k], out[i, 1, k] = pose[0, k], pose[1, k]

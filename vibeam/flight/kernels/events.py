@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.block_flow import begin_rest, stay
+from vibeam.flight.kernels.block_flow import advance_at_rest, begin_rest
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import phase, wrap
 from vibeam.flight.kernels.impact import chatter_left, settle_on_stop, strike
-from vibeam.flight.kernels.lanes.plain_flights import AT_STOP, NOT_PLAIN, volley
+from vibeam.flight.kernels.lanes.plain_flights import AT_STOP, NOT_PLAIN, plain_flights_in_lanes
 from vibeam.flight.kernels.lanes.simd import eight, one
 from vibeam.flight.kernels.layout import (
     ATTACHED,
@@ -47,10 +47,10 @@ from vibeam.flight.kernels.layout import (
     SPEED,
     STUCK,
     UNRESOLVED,
-    Desk,
+    Engine,
     W,
 )
-from vibeam.flight.kernels.modal_flow import ROUND_OFF, begin_flight, land, pull
+from vibeam.flight.kernels.modal_flow import ROUND_OFF, begin_flight, contact_pull, end_flight
 from vibeam.flight.kernels.roots.first_root import first_root
 from vibeam.flight.kernels.segments import add, close_segment, open_segment
 
@@ -67,7 +67,7 @@ PIECE = 4_000_000  # impacts and panels, times modes and a few, after which a ca
 
 @kernel
 def advance(
-    desk: Desk,
+    desk: Engine,
     pose: Array,
     status: Array,
     span: float,
@@ -95,18 +95,18 @@ def advance(
         unusual = not plain or status[KIND] == RESTING
         if not unusual:
             upto = min(most, counts[IMPACTS] + piece)
-            what, done, lost, flown = many(desk, pose, status, span, done, lost, upto, trace, poses, counts)
+            what, done, lost, flown = plain_flights(desk, pose, status, span, done, lost, upto, trace, poses, counts)
             if what == AT_STOP:
-                struck(desk, pose, status, flown, trace, counts)
+                record_impact(desk, pose, status, flown, trace, counts)
             unusual = what == NOT_PLAIN
         if unusual:
             struck_before = counts[IMPACTS]
             if rows > 0:
                 open_segment(trace, poses, pose, status, done, counts[SEGMENTS])
             if status[KIND] == RESTING:
-                outcome, step = lie(desk, pose, status, span - done, trace, counts)
+                outcome, step = rest_on_stop(desk, pose, status, span - done, trace, counts)
             else:
-                outcome, step = fly(desk, pose, status, span - done, trace, counts)
+                outcome, step = free_flight(desk, pose, status, span - done, trace, counts)
             if outcome != COMPLETE:
                 return outcome, done
             if step >= span - done:
@@ -137,28 +137,30 @@ def piece_of(pose: Array) -> int:
 
 
 @joined
-def many(
-    desk: Desk, pose: Array, status: Array, span: float, done: float, lost: float, most: int, trace: Array,
+def plain_flights(
+    desk: Engine, pose: Array, status: Array, span: float, done: float, lost: float, most: int, trace: Array,
     poses: Array, counts: NDArray[np.int64],
 ) -> tuple[int, float, float, float]:  # fmt: skip
-    """``volley`` in as many lanes as serve the system."""
+    """``plain_flights_in_lanes`` in as many lanes as serve the system."""
     if pose.shape[1] == 1:
-        return volley(desk, pose, status, span, done, lost, most, trace, poses, counts, one())
-    return volley(desk, pose, status, span, done, lost, most, trace, poses, counts, eight())
+        return plain_flights_in_lanes(desk, pose, status, span, done, lost, most, trace, poses, counts, one())
+    return plain_flights_in_lanes(desk, pose, status, span, done, lost, most, trace, poses, counts, eight())
 
 
 @kernel
-def struck(desk: Desk, pose: Array, status: Array, flight: float, trace: Array, counts: NDArray[np.int64]) -> None:
+def record_impact(
+    desk: Engine, pose: Array, status: Array, flight: float, trace: Array, counts: NDArray[np.int64]
+) -> None:
     """The impact at the end of a flight."""
-    before, end = meet(desk, pose, status, trace, counts[SEGMENTS])
+    before, end = apply_impact(desk, pose, status, trace, counts[SEGMENTS])
     counts[IMPACTS] += 1
     counts[CHATTERS] += 1 if end == CHATTER else 0
     close_segment(trace, flight, end, before, counts)
 
 
 @joined
-def fly(
-    desk: Desk, pose: Array, status: Array, span: float, trace: Array, counts: NDArray[np.int64]
+def free_flight(
+    desk: Engine, pose: Array, status: Array, span: float, trace: Array, counts: NDArray[np.int64]
 ) -> tuple[int, float]:
     """One flight and the impact at its end: outcome, duration."""
     value, slope, size = begin_flight(
@@ -185,20 +187,20 @@ def fly(
         counts[PANELS] += panels
         if flight < 0.0:
             return UNRESOLVED, 0.0
-        land(
+        end_flight(
             desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive,
             pose, status, flight, found,
         )  # fmt: skip
     status[ORDER] = 0.0
     if found:
-        struck(desk, pose, status, flight, trace, counts)
+        record_impact(desk, pose, status, flight, trace, counts)
     else:
         close_segment(trace, flight, SPAN_END, 0.0, counts)
     return COMPLETE, flight
 
 
 @joined
-def meet(desk: Desk, pose: Array, status: Array, trace: Array, row: int) -> tuple[float, int]:
+def apply_impact(desk: Engine, pose: Array, status: Array, trace: Array, row: int) -> tuple[float, int]:
     """The impact: velocities through the impulse, then flight, chatter's end or rest. Velocity before, what it was."""
     before = strike(desk.modes, desk.drive, pose)
     after = desk.drive[RESTITUTION] * before
@@ -218,9 +220,9 @@ def meet(desk: Desk, pose: Array, status: Array, trace: Array, row: int) -> tupl
 
 
 @joined
-def lift_or_rest(desk: Desk, pose: Array, status: Array) -> int:
+def lift_or_rest(desk: Engine, pose: Array, status: Array) -> int:
     """On the stop without velocity: pressed against it (or not drawn away) it rests, drawn away it flies."""
-    toward, jerk = pull(desk.pairs, desk.modes, desk.drive, pose, status)
+    toward, jerk = contact_pull(desk.pairs, desk.modes, desk.drive, pose, status)
     if toward < 0.0:
         status[ORDER], status[RISE] = 2.0, -toward
         return IMPACT
@@ -232,8 +234,8 @@ def lift_or_rest(desk: Desk, pose: Array, status: Array) -> int:
 
 
 @kernel
-def lie(
-    desk: Desk, pose: Array, status: Array, span: float, trace: Array, counts: NDArray[np.int64]
+def rest_on_stop(
+    desk: Engine, pose: Array, status: Array, span: float, trace: Array, counts: NDArray[np.int64]
 ) -> tuple[int, float]:
     """One rest on the stop, until the contact force vanishes: outcome, duration."""
     force, rate, size = begin_rest(desk, pose, status[CLOCK])
@@ -254,7 +256,7 @@ def lie(
     counts[PANELS] += panels
     if duration < 0.0:
         return UNRESOLVED, 0.0
-    stay(desk, pose, status[CLOCK], duration)
+    advance_at_rest(desk, pose, status[CLOCK], duration)
     if not np.isfinite(pose[0, 0]):
         return UNRESOLVED, 0.0
     status[CLOCK] = wrap(desk.drive, status[CLOCK] + duration)
@@ -266,9 +268,9 @@ def lie(
 
 
 @kernel
-def release(desk: Desk, pose: Array, status: Array, at_root: bool) -> bool:
+def release(desk: Engine, pose: Array, status: Array, at_root: bool) -> bool:
     """Leave the stop where the motion is drawn away from it: with acceleration, or with jerk at the force's root."""
-    toward, jerk = pull(desk.pairs, desk.modes, desk.drive, pose, status)
+    toward, jerk = contact_pull(desk.pairs, desk.modes, desk.drive, pose, status)
     if jerk < 0.0 and (at_root or toward >= 0.0):
         status[ORDER], status[RISE] = 3.0, -jerk
     elif toward < 0.0:

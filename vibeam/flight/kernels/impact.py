@@ -21,7 +21,7 @@ from vibeam.flight.kernels.layout import (
     YIELD,
     ZI,
     ZR,
-    Desk,
+    Engine,
     W,
 )
 from vibeam.flight.kernels.modal_flow import begin_flight, contact_derivatives
@@ -35,7 +35,7 @@ ROUND_OFF = 4.0 * 2.220446049250313e-16
 
 
 @joined
-def less(a: float, b: float) -> float:
+def difference_without_round_off(a: float, b: float) -> float:
     """a − b, and 0 where that is no more than their round-off: so that one mode put onto the stop lies still there."""
     difference = a - b
     return difference if abs(difference) > ROUND_OFF * abs(b) else 0.0
@@ -48,7 +48,7 @@ def put_on_stop(modes: Array, drive: Array, pose: Array) -> None:
     for k in range(modes.shape[1]):
         beyond += modes[CONTACT, k] * pose[0, k]
     for k in range(modes.shape[1]):
-        pose[0, k] = less(pose[0, k], modes[YIELD, k] * beyond)
+        pose[0, k] = difference_without_round_off(pose[0, k], modes[YIELD, k] * beyond)
 
 
 @joined
@@ -59,7 +59,7 @@ def settle_on_stop(modes: Array, drive: Array, pose: Array) -> None:
     for k in range(modes.shape[1]):
         slope += modes[CONTACT, k] * pose[1, k]
     for k in range(modes.shape[1]):
-        pose[1, k] = less(pose[1, k], modes[CONTACT, k] * slope / drive[MOBILITY])
+        pose[1, k] = difference_without_round_off(pose[1, k], modes[CONTACT, k] * slope / drive[MOBILITY])
 
 
 NEAR = 1e-11  # share of the length scale that what is left of a chatter may span before its completion is considered
@@ -99,7 +99,7 @@ def is_faint(after: float, top: float, toward: float, loss: float, gap: float) -
 
 
 @joined
-def chatter_left(desk: Desk, pose: Array, status: Array, after: float) -> tuple[float, float]:
+def chatter_left(desk: Engine, pose: Array, status: Array, after: float) -> tuple[float, float]:
     """Time that the rest of an accumulation of impacts takes, and a bound of its error; (−1, 0) where it is too early.
 
     With contact acceleration a toward the stop the flights last 2v/a, 2Rv/a, …: together T = 2v / (a (1 − R)). Its

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-class Desk(NamedTuple):
+class Engine(NamedTuple):
     """See ``layout`` for the rows. The free system and the system at rest have a signal's arrays each."""
 
     pairs: Array
@@ -37,7 +37,7 @@ class Desk(NamedTuple):
     rungs: Array
 
 
-class Room(NamedTuple):
+class Watch(NamedTuple):
     """What a point of a sweep is watched with: an output's rows, the segments traced, what is read off them."""
 
     row: Array  # (n,) the output in flight

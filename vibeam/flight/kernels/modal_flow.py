@@ -92,7 +92,7 @@ def begin_flight(
 
 
 @joined
-def land(
+def end_flight(
     pairs: Array, signal: Array, attached: Array, modes: Array, drive: Array,
     pose: Array, status: Array, flight: float, found: bool,
 ) -> None:  # fmt: skip
@@ -139,7 +139,7 @@ def contact_derivatives(pairs: Array, modes: Array, drive: Array, pose: Array, s
 
 
 @kernel
-def pull(pairs: Array, modes: Array, drive: Array, pose: Array, status: Array) -> tuple[float, float]:
+def contact_pull(pairs: Array, modes: Array, drive: Array, pose: Array, status: Array) -> tuple[float, float]:
     """As ``contact_derivatives``, each 0 where it is but the round-off of what it is the sum of."""
     second, third = contact_derivatives(pairs, modes, drive, pose, status)
     second_size, third_size = 0.0, 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.block_flow import into_blocks, weigh
+from vibeam.flight.kernels.block_flow import into_blocks, set_rest_signal
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.drive import phase
 from vibeam.flight.kernels.energy import energy_at_rest, energy_in_flight
@@ -51,9 +51,9 @@ from vibeam.flight.kernels.layout import (
     Y0,
     ZI,
     ZR,
-    Desk,
-    Room,
+    Engine,
     W,
+    Watch,
 )
 from vibeam.flight.kernels.modal_flow import begin_flight
 
@@ -61,7 +61,7 @@ Array = NDArray[np.float64]
 
 
 @kernel
-def begin_output(desk: Desk, row: Array, pose: Array, clock: float) -> None:
+def begin_output(desk: Engine, row: Array, pose: Array, clock: float) -> None:
     """row·η in flight as the free signal; the attached pairs must be those of this flight (``begin_flight``)."""
     pairs, modes, signal, attached = desk.pairs, desk.modes, desk.signal, desk.attached
     cosine, sine = phase(desk.drive, clock)
@@ -83,7 +83,7 @@ def begin_output(desk: Desk, row: Array, pose: Array, clock: float) -> None:
 
 
 @kernel
-def begin_output_at_rest(desk: Desk, rest_row: Array, row: Array, pose: Array, clock: float) -> None:
+def begin_output_at_rest(desk: Engine, rest_row: Array, row: Array, pose: Array, clock: float) -> None:
     """row·η at rest as the rest signal; ``rest_row`` (2, n − 1) = row · from_blocks by block."""
     into_blocks(desk, pose, clock)
     const = 0.0
@@ -91,7 +91,7 @@ def begin_output_at_rest(desk: Desk, rest_row: Array, row: Array, pose: Array, c
         const += row[k] * desk.held[k]
     for k in range(desk.blocks.shape[1]):
         desk.blocks[WEIGHT1, k], desk.blocks[WEIGHT2, k] = rest_row[0, k], rest_row[1, k]
-    weigh(desk, const, 0.0, clock)
+    set_rest_signal(desk, const, 0.0, clock)
 
 
 SAME = 1e-14  # the same where a period is taken for a copy of the one before
@@ -100,7 +100,7 @@ REPEATS = 1e-5  # share of the motion's size by which states one period apart ma
 
 
 @kernel
-def start_watching(room: Room, pose: Array) -> None:
+def start_watching(room: Watch, pose: Array) -> None:
     """Nothing is seen yet."""
     room.result[:], room.energy[:] = 0.0, 0.0
     room.result[HIGH], room.result[LEAST], room.result[CONTACT_LEAST] = -np.inf, np.inf, np.inf
@@ -116,7 +116,7 @@ def note_strobe(strobes: Array, turn: int, pose: Array) -> None:
 
 
 @kernel
-def mark(room: Room) -> None:
+def begin_period(room: Watch) -> None:
     """Note energies and time at rest before a period, taken off."""
     n = room.energy.shape[0]
     for k in range(n):
@@ -125,8 +125,8 @@ def mark(room: Room) -> None:
 
 
 @kernel
-def share_out(room: Room) -> None:
-    """What the period watched since ``mark`` has added."""
+def note_period(room: Watch) -> None:
+    """What the period watched since ``begin_period`` has added."""
     n = room.energy.shape[0]
     for k in range(n):
         room.share[k] += room.energy[k]
@@ -134,7 +134,7 @@ def share_out(room: Room) -> None:
 
 
 @kernel
-def repeat(room: Room) -> None:
+def repeat_period(room: Watch) -> None:
     """A period like the one watched last: the same energies and time at rest, no new extremes."""
     n = room.energy.shape[0]
     for k in range(n):
@@ -143,7 +143,7 @@ def repeat(room: Room) -> None:
 
 
 @kernel
-def is_same(desk: Desk, strobes: Array, turn: int) -> bool:
+def is_same(desk: Engine, strobes: Array, turn: int) -> bool:
     """Whether a period began as the one before it to round-off, so that it will be the same."""
     if turn < 1:
         return False
@@ -152,7 +152,7 @@ def is_same(desk: Desk, strobes: Array, turn: int) -> bool:
 
 
 @kernel
-def watch(desk: Desk, room: Room, count: int) -> None:
+def watch(desk: Engine, room: Watch, count: int) -> None:
     """Read off the segments just traced."""
     trace, frame, result = room.trace, room.frame, room.result
     coarsest = int(desk.drive[COARSEST])
@@ -186,7 +186,7 @@ def is_unread(result: Array) -> bool:
 
 @kernel
 def watch_flight(
-    desk: Desk, row: Array, pose: Array, clock: float, duration: float, coarsest: int, result: Array, energy: Array,
+    desk: Engine, row: Array, pose: Array, clock: float, duration: float, coarsest: int, result: Array, energy: Array,
     reading: int, share: float,
 ) -> None:  # fmt: skip
     """Extremes of the output and, as far as is asked, of the gap, and the modes' energies, over one flight."""
@@ -208,7 +208,7 @@ def watch_flight(
 
 
 @kernel
-def note_impacts(room: Room, count: int) -> None:
+def note_impacts(room: Watch, count: int) -> None:
     """Count the impacts of the segments just traced, and nothing else."""
     for i in range(count):
         note_impact(room.trace, i, room.result)

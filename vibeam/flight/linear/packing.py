@@ -26,7 +26,7 @@ from vibeam.flight.kernels.layout import (
     STATIC,
     YIELD,
     ZETA,
-    Desk,
+    Engine,
 )
 from vibeam.flight.kernels.roots.levels import rates, regime
 from vibeam.flight.linear.constrained import constrained
@@ -40,7 +40,7 @@ SLOW = 1e-6  # turns within a motion below which a mode is slow, and the motion 
 FASTEST = 1e36  # bounds take eighth powers of the rates
 
 
-class Packed:
+class PackedSystem:
     """An ImpactSystem as the kernels see it: modes sorted by rate, and the way back to the user's order."""
 
     def __init__(self, system: ImpactSystem, slowest: float) -> None:
@@ -53,17 +53,17 @@ class Packed:
         self._desks = PerThread(self._desk(floor(log2(PANEL / slowest))))
 
     @property
-    def desk(self) -> Desk:
+    def desk(self) -> Engine:
         """The calling thread's arrays."""
         return self._desks.own()
 
-    def desk_for(self, size: float) -> Desk:
+    def desk_for(self, size: float) -> Engine:
         """The same, for a motion with modal displacements of about ``size``; inf where that is not known."""
         desk = self.desk
         desk.drive[MOTION] = size
         return desk
 
-    def _desk(self, top: int) -> Desk:
+    def _desk(self, top: int) -> Engine:
         own, order = self.system, self.order
         omega, zeta = own.omega[order], own.zeta[order]
         sigma, contact, load, static = zeta * omega, own.contact[order], own.load[order], own.static[order]
@@ -77,7 +77,7 @@ class Packed:
         rest_pairs, rest_table, rest_levels = regime(rest.omega, rest.sigma, rest.disc, top)
         cells, rungs = lay_out(pairs, table, levels, modes, drive, 1 if own.size == 1 else 8)
         drive[LONGEST] = longest_flight(pairs)
-        return Desk(
+        return Engine(
             pairs, table, levels, np.zeros(SIGNAL_ROWS), np.zeros((ATTACHED_ROWS, own.size)),
             modes, drive, rest_pairs, rest_table, rest_levels, np.zeros(SIGNAL_ROWS),
             np.zeros((ATTACHED_ROWS, own.size)), rest.blocks, rest.to_blocks, rest.from_blocks, rest.held,
@@ -105,9 +105,9 @@ def _yield(omega: Array, contact: Array) -> Array:
     return np.asarray(weight / (contact @ weight))
 
 
-def pack(system: ImpactSystem, omega: float, span: float = 0.0) -> Packed:
+def pack(system: ImpactSystem, omega: float, span: float = 0.0) -> PackedSystem:
     """The system packed for drives of ``omega`` rad/s and more; without, for the slowest mode or a time of ``span``."""
-    return Packed(system, slowest_rate(system, omega, span))
+    return PackedSystem(system, slowest_rate(system, omega, span))
 
 
 def slowest_rate(system: ImpactSystem, omega: float, span: float) -> float:

@@ -43,8 +43,8 @@ from vibeam.flight.kernels.regimes.layout import (
     TABLE,
     VELOCITY,
     VISCOUS,
-    Plan,
     Regime,
+    RegimeEngine,
 )
 from vibeam.flight.kernels.roots.levels import rates, regime
 from vibeam.flight.linear.blocks import pair_constants, planes
@@ -57,7 +57,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Row:
+class SignalRow:
     """A signal: at·η + rate·η' + constant + load Ω²B sin φ."""
 
     at: Array
@@ -71,7 +71,7 @@ def damper_of(system: ImpactSystem) -> Array:
     return np.diag(2 * system.zeta * system.omega) if system.coupling is None else system.coupling
 
 
-def plan(system: ImpactSystem, slowest: float) -> Plan:
+def plan(system: ImpactSystem, slowest: float) -> RegimeEngine:
     """The arrays for drives of ``slowest`` rad/s and more."""
     top, n, sides = floor(log2(PANEL / slowest)), system.size, 1 if system.second_gap is None else 2
     contact = np.stack([system.contact, -system.contact])
@@ -82,7 +82,7 @@ def plan(system: ImpactSystem, slowest: float) -> Plan:
     nodes, weights = _runge_kutta()
     drive = np.zeros(DRIVE_ROWS)
     drive[MOTION] = inf
-    return Plan(
+    return RegimeEngine(
         _regime(system, Linear(system.omega**2, damper_of(system), system.contact), 0.0, contact, gaps, top),
         at_stop[0], at_stop[-1], drive, law, curve, contact, gaps, system.omega**2,
         np.array(damper_of(system)), np.array(np.diag(damper_of(system))),
@@ -127,7 +127,7 @@ def _regime(system: ImpactSystem, linear: Linear, stop: float, contact: Array, g
     held = w * (stop / mobility) if linear.held else np.zeros(n)
     constant = system.static - linear.spring * held if linear.held else system.static + w * stop
     load = system.load
-    rows = [Row(-contact[side], np.zeros(n), gaps[side]) for side in range(2)]
+    rows = [SignalRow(-contact[side], np.zeros(n), gaps[side]) for side in range(2)]
     rows += [_force(system, linear, contact[side], gaps[side]) for side in range(2)]
     if linear.held:
         constant, load = (force - w * (w @ force) / mobility for force in (constant, load))
@@ -150,17 +150,17 @@ def _regime(system: ImpactSystem, linear: Linear, stop: float, contact: Array, g
     )  # fmt: skip
 
 
-def _force(system: ImpactSystem, linear: Linear, w: Array, gap: float) -> Row:
+def _force(system: ImpactSystem, linear: Linear, w: Array, gap: float) -> SignalRow:
     """The contact force of the stop at w·η = gap: of a linear stop, or of one that holds."""
     law = system.law
     if isinstance(law, LinearStop):
-        return Row(law.stiffness * w, law.damping * w, -law.stiffness * (gap if np.isfinite(gap) else 0.0))
+        return SignalRow(law.stiffness * w, law.damping * w, -law.stiffness * (gap if np.isfinite(gap) else 0.0))
     square = float(w @ w)
-    row = Row(-w * linear.spring / square, -w @ linear.damper / square)
-    return Row(row.at, row.rate, float(w @ system.static) / square, float(w @ system.load) / square)
+    row = SignalRow(-w * linear.spring / square, -w @ linear.damper / square)
+    return SignalRow(row.at, row.rate, float(w @ system.static) / square, float(w @ system.load) / square)
 
 
-def signals(rows: Sequence[Row], outof: Array, held: Array) -> Array:
+def signals(rows: Sequence[SignalRow], outof: Array, held: Array) -> Array:
     """The rows as weights on a regime's y, constants and loads: (SIGNALS, 2m + 2)."""
     n, filled = len(held), np.zeros((SIGNALS, outof.shape[1] + 2))
     for place, row in zip((GAP, GAP + 1, FORCE, FORCE + 1, OUTPUT), rows, strict=False):

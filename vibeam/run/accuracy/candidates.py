@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.solver import FlightSolver
-from vibeam.run.accuracy.closed_forms import FREE, HARDER, Index, Known, size
+from vibeam.run.accuracy.closed_forms import FREE, HARDER, ClosedForms, Index, size
 from vibeam.run.accuracy.readings import reading_of
 from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse, join
 from vibeam.system.state import State
@@ -48,12 +48,12 @@ class Read(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Rung:
+class Candidate:
     """``fidelity`` by ``solver``; ``spent``: on all that was asked of it."""
 
     fidelity: str
     solver: str
-    known: Known
+    known: ClosedForms
     quantities: tuple[str, ...]
     output: str
     flight: FlightSolver
@@ -99,7 +99,7 @@ class Rung:
         return join(parts) if len(parts) > 1 else parts[0], states
 
 
-def _nothing(known: Known) -> Read:
+def _nothing(known: ClosedForms) -> Read:
     return Read(
         FrequencyResponse.empty(known.omega / (2 * np.pi), known.system.size), np.full(len(known.omega), np.nan)
     )
@@ -110,7 +110,7 @@ def rows(response: FrequencyResponse, which: Index) -> FrequencyResponse:
     return FrequencyResponse(**{name: getattr(response, name)[which] for name in ("frequency", *READ)})
 
 
-def _by_formula(rung: Rung, known: Known, which: Index, kind: int) -> Read:
+def _by_formula(rung: Candidate, known: ClosedForms, which: Index, kind: int) -> Read:
     """The closed form's state, carried once round by flight: it must come back, so nothing was touched in between.
 
     ``known``: the rung's at all points or at ``which``.
@@ -148,7 +148,7 @@ def _struck(velocity: Array, kind: int) -> dict[str, Any]:
     }
 
 
-def _averaged(rung: Rung, which: Index) -> Read:
+def _averaged(rung: Candidate, which: Index) -> Read:
     """The stable averaged motion; how far it is off its model is not known to itself."""
     from vibeam.solvers.averaging.solver import AveragingSolver
 
@@ -180,14 +180,14 @@ def _put(target: FrequencyResponse, at: Index, source: FrequencyResponse, chosen
             ours[at] = theirs[chosen]
 
 
-def rungs_of(name: str, known: Known, quantities: tuple[str, ...], output: str) -> Sequence[Rung]:
+def rungs_of(name: str, known: ClosedForms, quantities: tuple[str, ...], output: str) -> Sequence[Candidate]:
     """What a model offers, the cheapest first: averaging where it can, the closed form, and flight for the rest."""
     flight = FlightSolver(known.system, float(np.min(known.omega)))
     solvers = ["averaging"] if _averages(known, quantities) else []
-    return [Rung(name, each, known, quantities, output, flight) for each in (*solvers, "orbit", "flight")]
+    return [Candidate(name, each, known, quantities, output, flight) for each in (*solvers, "orbit", "flight")]
 
 
-def _averages(known: Known, quantities: Sequence[str]) -> bool:
+def _averages(known: ClosedForms, quantities: Sequence[str]) -> bool:
     from vibeam.solvers.averaging.solver import AveragingSolver
 
     if known.system.size > 1 or not set(quantities) <= set(AVERAGED):
@@ -199,6 +199,6 @@ def _averages(known: Known, quantities: Sequence[str]) -> bool:
     return True
 
 
-def takes(rung: Rung, kind: int) -> bool:
+def takes(rung: Candidate, kind: int) -> bool:
     """Whether the rung knows motions of that kind."""
     return rung.solver != "averaging" or kind == HARDER

@@ -16,10 +16,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.run.accuracy.candidates import Read, Rung, takes
-from vibeam.run.accuracy.choices import Sheet
+from vibeam.run.accuracy.candidates import Candidate, Read, takes
+from vibeam.run.accuracy.choices import BranchChoice
 from vibeam.run.accuracy.closed_forms import Index
-from vibeam.run.accuracy.readings import apart
+from vibeam.run.accuracy.readings import distance
 
 Array = NDArray[np.float64]
 
@@ -35,15 +35,15 @@ SPARE = 0.9  # share of the accuracy that an estimate may use up
 
 
 @dataclass(frozen=True)
-class Ladder:
+class Choice:
     """``rungs`` from the cheapest to the finest model by formula, each with its ``numbers`` in the study's list."""
 
-    rungs: Sequence[Rung]
+    rungs: Sequence[Candidate]
     numbers: Sequence[int]
     quantities: tuple[str, ...]
     within: float
 
-    def settle(self, sheet: Sheet, places: Index, kind: int) -> int:
+    def settle(self, sheet: BranchChoice, places: Index, kind: int) -> int:
         """Fill the places; fewer than there are where the finest model's motion does not go on: how many."""
         hopeful = self._hopeful(sheet, places, kind)
         if hopeful:
@@ -54,7 +54,7 @@ class Ladder:
                     stretches = self._offered(sheet, places, kind, rung, number, stretches)
         return self._finish(sheet, places, kind) if len(places) else 0
 
-    def _hopeful(self, sheet: Sheet, places: Index, kind: int) -> list[tuple[int, Rung]]:
+    def _hopeful(self, sheet: BranchChoice, places: Index, kind: int) -> list[tuple[int, Candidate]]:
         """The cheaper rungs, with their numbers, that are good enough at two of five places: one may be by accident.
 
         From the finest of them down: where one is off by many times the accuracy, coarser models are not asked.
@@ -63,7 +63,7 @@ class Ladder:
         few = places[sheet.grid[places] % step == step // 2]
         few = few if len(few) else places[len(places) // 2 :][:1]
         there = np.isfinite(self.rungs[-1].read(sheet.grid[few], kind).off)
-        found: list[tuple[int, Rung]] = []
+        found: list[tuple[int, Candidate]] = []
         for number, rung in list(zip(self.numbers, self.rungs, strict=True))[-2::-1]:
             if not takes(rung, kind):
                 continue
@@ -74,7 +74,7 @@ class Ladder:
                 break
         return found
 
-    def _held(self, sheet: Sheet, places: Index, kind: int) -> int:
+    def _held(self, sheet: BranchChoice, places: Index, kind: int) -> int:
         """How many places the finest model's motion holds, by halving between one that does and one that does not."""
         finest = self.rungs[-1]
         probes = _probes(_stretches(len(places)))
@@ -91,7 +91,7 @@ class Ladder:
                 bad = middle
         return bad
 
-    def _offered(self, sheet: Sheet, places: Index, kind: int, rung: Rung, number: int,
+    def _offered(self, sheet: BranchChoice, places: Index, kind: int, rung: Candidate, number: int,
                  stretches: list[tuple[int, int]]) -> list[tuple[int, int]]:  # fmt: skip
         """What is left of the stretches after the rung has taken those for which it is good enough."""
         left, open_ = [], stretches
@@ -112,20 +112,20 @@ class Ladder:
         return left
 
     def _judged(
-        self, sheet: Sheet, places: Index, kind: int, rung: Rung, probes: Index
+        self, sheet: BranchChoice, places: Index, kind: int, rung: Candidate, probes: Index
     ) -> list[tuple[bool | None, float]]:
         """The verdict on every stretch (rows of ``probes``, places within ``places``), and what can be claimed."""
         asked, back = np.unique(probes, return_inverse=True)
         errors = self._errors(sheet, places[asked], kind, rung)[back.reshape(probes.shape)]
         return [_verdict(each, probes[i], self.within) for i, each in enumerate(errors)]
 
-    def _errors(self, sheet: Sheet, places: Index, kind: int, rung: Rung) -> Array:
+    def _errors(self, sheet: BranchChoice, places: Index, kind: int, rung: Candidate) -> Array:
         points = sheet.grid[places]
         truth, found = self.rungs[-1].read(points, kind), rung.read(points, kind)
-        error = apart(found.response, truth.response, self.quantities)
+        error = distance(found.response, truth.response, self.quantities)
         return np.where(np.isfinite(found.off)[:, None], error, np.inf)
 
-    def _take(self, sheet: Sheet, places: Index, kind: int, rung: Rung, number: int, bound: float) -> bool:
+    def _take(self, sheet: BranchChoice, places: Index, kind: int, rung: Candidate, number: int, bound: float) -> bool:
         """Enter the rung's values, unless its motion is not there at one of the places."""
         read = rung.read(sheet.grid[places], kind)
         if not np.isfinite(read.off).all():
@@ -133,7 +133,7 @@ class Ladder:
         sheet.enter(places, Read(read.response, np.full(len(places), bound)), number)
         return True
 
-    def _finish(self, sheet: Sheet, places: Index, kind: int) -> int:
+    def _finish(self, sheet: BranchChoice, places: Index, kind: int) -> int:
         """The finest model wherever nothing cheaper was taken; how many places hold."""
         finest, number = self.rungs[-1], self.numbers[-1]
         left = places[sheet.rung[places] < 0]

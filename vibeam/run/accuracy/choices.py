@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Sheet:
+class BranchChoice:
     """One direction, in the order swept; ``grid`` (points,): which point of the ascending frequencies each one is.
 
     ``rung`` (points,): by its place in the study's list, −1 where nothing is there yet. ``estimate``: relative error.
@@ -36,7 +36,7 @@ class Sheet:
     states: dict[int, State]
 
     @classmethod
-    def blank(cls, way: str, grid: Index, frequency: Array, modes: int) -> Sheet:
+    def blank(cls, way: str, grid: Index, frequency: Array, modes: int) -> BranchChoice:
         """Nothing known yet."""
         n = len(grid)
         return cls(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.linear.propagator import pairs
-from vibeam.orbits.bifurcation_functions import Points, motions
+from vibeam.orbits.bifurcation_functions import MotionsAt, motions
 from vibeam.orbits.modal_sums import fault, green, offsets, phasor
 from vibeam.orbits.multipliers import largest, real_crossing
 from vibeam.orbits.orbit_curve import proven
@@ -35,7 +35,7 @@ KINDS = (HARDER, SOFTER, FREE)
 
 
 @dataclass(frozen=True, eq=False)
-class Known:
+class ClosedForms:
     """``omega`` (points,) rad/s, ``amplitude`` (points,) of the base, m."""
 
     system: ImpactSystem
@@ -45,14 +45,14 @@ class Known:
     radii: dict[int, Array] = field(default_factory=dict, repr=False)
     leaps: dict[int, Array] = field(default_factory=dict, repr=False)
 
-    def at(self, which: Index) -> Known:
+    def at(self, which: Index) -> ClosedForms:
         """The same at the points ``which`` alone, or itself where that is worked out already or they are many."""
         if "_points" in self.__dict__ or len(which) > len(self.omega) // MANY:
             return self
-        return Known(self.system, self.omega[which], self.amplitude[which])
+        return ClosedForms(self.system, self.omega[which], self.amplitude[which])
 
     @cached_property
-    def _points(self) -> Points:
+    def _points(self) -> MotionsAt:
         return motions(self.system, 1, self.omega, self.amplitude, np.full(len(self.omega), self.system.gap))
 
     @cached_property

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibeam.case.plans import SweepPlan
-from vibeam.run.accuracy.candidates import EXACT, Read, Rung
-from vibeam.run.accuracy.choices import Sheet
+from vibeam.run.accuracy.candidates import EXACT, Candidate, Read
+from vibeam.run.accuracy.choices import BranchChoice
 from vibeam.run.accuracy.closed_forms import KINDS, Index, size
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State
@@ -29,13 +29,13 @@ PARTS = 3  # of so many parts of the settling the first one is looked at
 SAME = 1e-4  # share of a state within which a flown motion is a known one
 
 
-RunOf = Callable[[Sheet, Index, int], int]  # settles a run on one known motion: how many of its places held
+RunOf = Callable[[BranchChoice, Index, int], int]  # settles a run on one known motion: how many of its places held
 
-Unsettled = Callable[[Sheet, Index, State | None], State | None]  # a stretch without one: the state after it
+Unsettled = Callable[[BranchChoice, Index, State | None], State | None]  # a stretch without one: the state after it
 
 
 @dataclass(frozen=True)
-class Where:
+class Position:
     """Where a sweep is: on a known motion of ``kind`` at ``point`` (−1: on none), or in a ``state``."""
 
     kind: int = -1
@@ -47,9 +47,9 @@ class Where:
 class Finest:
     """The finest model by ``formula`` and by ``flight``, and their numbers in the study's list; the sweep."""
 
-    formula: Rung
+    formula: Candidate
     formula_number: int
-    flight: Rung
+    flight: Candidate
     number: int
     plan: SweepPlan
     within: float
@@ -59,7 +59,7 @@ class Finest:
         return any(self.formula.known.radius(kind)[point] < 1 for kind in KINDS)
 
 
-def track(sheet: Sheet, finest: Finest, start: Where, run: RunOf, unsettled: Unsettled) -> Where:
+def track(sheet: BranchChoice, finest: Finest, start: Position, run: RunOf, unsettled: Unsettled) -> Position:
     """Fill the sheet; and where the sweep ends."""
     here, place = start, 0
     while place < len(sheet.grid):
@@ -68,20 +68,20 @@ def track(sheet: Sheet, finest: Finest, start: Where, run: RunOf, unsettled: Uns
         if held:
             sheet.kind[place : place + held] = here.kind
             place += held
-            here = Where(here.kind, int(sheet.grid[place - 1]))
+            here = Position(here.kind, int(sheet.grid[place - 1]))
             continue
         state = finest.formula.known.state(here.point, here.kind) if here.kind >= 0 else here.state
         stretch = _without(sheet, finest.formula, place) if place or here.state is not None else 0
         if stretch:
             state = unsettled(sheet, np.arange(place, place + stretch), state)
-            place, here = place + stretch, Where(state=state)
+            place, here = place + stretch, Position(state=state)
         else:
-            here = fly(sheet, finest, place, state)
+            here = fly_points(sheet, finest, place, state)
             place += 1
     return here
 
 
-def fly(sheet: Sheet, finest: Finest, place: int, state: State | None) -> Where:
+def fly_points(sheet: BranchChoice, finest: Finest, place: int, state: State | None) -> Position:
     """One place as the sweep itself does it, cut short where a known motion is reached before; and where that leads."""
     point, plan = sheet.grid[place : place + 1], finest.plan
     part = plan.settle // PARTS if finest.known(int(point[0])) else 0
@@ -92,16 +92,18 @@ def fly(sheet: Sheet, finest: Finest, place: int, state: State | None) -> Where:
         if read is not None and np.isfinite(read.off[0]):
             sheet.enter(np.array([place]), read, finest.formula_number)
             sheet.kind[place] = kind
-            return Where(kind, int(point[0]))
+            return Position(kind, int(point[0]))
         part += 1
     response, states = finest.flight.fly(point, state, plan.settle - part, plan.hold)
     note_flight(sheet, np.array([place]), finest.number, response, states)
     kind = identified(finest.formula, int(point[0]), states[0]) if response.period[0] in (1, -1) else -1
     sheet.kind[place] = kind
-    return Where(kind, int(point[0]), states[0])
+    return Position(kind, int(point[0]), states[0])
 
 
-def note_flight(sheet: Sheet, places: Index, number: int, response: FrequencyResponse, states: Sequence[State]) -> None:
+def note_flight(
+    sheet: BranchChoice, places: Index, number: int, response: FrequencyResponse, states: Sequence[State]
+) -> None:
     """Enter points flown by the finest model: exact where they repeat, else one reading of many."""
     off = np.where(response.ended == Ended.COMPLETE.code, EXACT, np.nan)
     sheet.enter(places, Read(response, off), number)
@@ -109,7 +111,7 @@ def note_flight(sheet: Sheet, places: Index, number: int, response: FrequencyRes
     sheet.states.update(zip(places.tolist(), states, strict=True))
 
 
-def identified(finest: Rung, point: int, after: State) -> int:
+def identified(finest: Candidate, point: int, after: State) -> int:
     """The known stable motion that a state is on, −1 for none."""
     known, one = finest.known, np.array([point])
     state = np.stack([after.displacement, after.velocity])[None]
@@ -121,7 +123,7 @@ def identified(finest: Rung, point: int, after: State) -> int:
     return -1
 
 
-def _goes_on(sheet: Sheet, finest: Finest, here: Where, place: int) -> int:
+def _goes_on(sheet: BranchChoice, finest: Finest, here: Position, place: int) -> int:
     """For how many places from ``place`` on the known motion goes on."""
     if here.kind < 0:
         return 0
@@ -137,7 +139,7 @@ def _goes_on(sheet: Sheet, finest: Finest, here: Where, place: int) -> int:
     return int(ends[0]) if len(ends) else len(first)
 
 
-def _without(sheet: Sheet, finest: Rung, place: int) -> int:
+def _without(sheet: BranchChoice, finest: Candidate, place: int) -> int:
     """How many places from ``place`` on have no known motion that is stable and keeps clear of the stop."""
     known, left = finest.known, sheet.grid[place:]
     stable = np.stack([known.radius(kind)[left] < 1 for kind in KINDS], axis=1)

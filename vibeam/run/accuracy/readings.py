@@ -25,7 +25,7 @@ def values(response: FrequencyResponse, quantities: Sequence[str]) -> Array:
     return np.stack([getattr(response, name) for name in quantities], axis=1)
 
 
-def apart(found: FrequencyResponse, truth: FrequencyResponse, quantities: Sequence[str]) -> Array:
+def distance(found: FrequencyResponse, truth: FrequencyResponse, quantities: Sequence[str]) -> Array:
     """Signed relative errors (points, quantities); those of maximum and minimum over the amplitude.
 
     0 where neither has a value (no impact, no velocity), ∞ where one alone has.

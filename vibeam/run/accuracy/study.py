@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.run.accuracy.candidates import Rung, rungs_of
-from vibeam.run.accuracy.choice import Ladder
-from vibeam.run.accuracy.choices import Sheet
-from vibeam.run.accuracy.closed_forms import Known
-from vibeam.run.accuracy.finest import Finest, Where, track
+from vibeam.run.accuracy.candidates import Candidate, rungs_of
+from vibeam.run.accuracy.choice import Choice
+from vibeam.run.accuracy.choices import BranchChoice
+from vibeam.run.accuracy.closed_forms import ClosedForms
+from vibeam.run.accuracy.finest import Finest, Position, track
 from vibeam.run.accuracy.unsettled import Unsettled
 from vibeam.run.accuracy.verification import POINTS, Verified, verify
 from vibeam.run.models import Model, equal
@@ -60,7 +60,7 @@ class Curve:
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class AccuracyChoice:
     """What ``accuracy`` of a case led to. CPU time of the choice is everything but building the
     models, as that of a sweep is, and the verification.
 
@@ -98,7 +98,7 @@ def study(
     quantities: tuple[str, ...] = ("amplitude",),
     systems: Mapping[str, ImpactSystem] | None = None,
     checks: int = POINTS,
-) -> Study:
+) -> AccuracyChoice:
     """The case's sweep, within the relative error ``within`` of the finest fidelity's by flight.
 
     ``systems`` of the fidelities, where they are built already; ``checks``: how many random points are verified.
@@ -117,7 +117,7 @@ def study(
     everywhere = total * float(np.mean([each.seconds for each in verified])) if verified else 0.0
     chosen = tuple(_share(rung, number, sheets) for number, rung in enumerate(rungs))
     curves = {sheet.way: _curve(sheet, rungs) for sheet in sheets}
-    return Study(within, quantities, models[-1].name, curves, chosen, tuple(verified), spent, everywhere)
+    return AccuracyChoice(within, quantities, models[-1].name, curves, chosen, tuple(verified), spent, everywhere)
 
 
 def _warm_up(
@@ -149,29 +149,29 @@ def ladder_models(case: Case, systems: Mapping[str, ImpactSystem] | None = None)
     return [*sorted(cheaper, key=lambda model: model.system.size), finest]
 
 
-def _offered(case: Case, model: Model, omega: Array, quantities: tuple[str, ...]) -> Sequence[Rung]:
+def _offered(case: Case, model: Model, omega: Array, quantities: tuple[str, ...]) -> Sequence[Candidate]:
     amplitude = np.broadcast_to(np.asarray(case.amplitude_of(model.name, omega), dtype=float), omega.shape)
-    return rungs_of(model.name, Known(model.system, omega, amplitude), quantities, case.sweep.output)
+    return rungs_of(model.name, ClosedForms(model.system, omega, amplitude), quantities, case.sweep.output)
 
 
 def _sheets(
-    case: Case, model: Model, rungs: list[Rung], omega: Array, quantities: tuple[str, ...], within: float
-) -> list[Sheet]:
+    case: Case, model: Model, rungs: list[Candidate], omega: Array, quantities: tuple[str, ...], within: float
+) -> list[BranchChoice]:
     flown = [i for i, rung in enumerate(rungs) if rung.solver == "flight"]
     formulas = [i for i, rung in enumerate(rungs) if rung.solver != "flight"]
-    ladder = Ladder([rungs[i] for i in formulas], formulas, quantities, within)
+    ladder = Choice([rungs[i] for i in formulas], formulas, quantities, within)
     loose = Unsettled([rungs[i] for i in flown], flown, quantities, within, case.sweep)
     finest = Finest(rungs[formulas[-1]], formulas[-1], rungs[flown[-1]], flown[-1], case.sweep, within)
-    up, here, sheets = np.arange(len(omega)), Where(), []
+    up, here, sheets = np.arange(len(omega)), Position(), []
     for way in ENDS[case.sweep.direction]:
-        sheet = Sheet.blank(way, up if way == "up" else up[::-1], omega / (2 * np.pi), model.system.size)
+        sheet = BranchChoice.blank(way, up if way == "up" else up[::-1], omega / (2 * np.pi), model.system.size)
         here = track(sheet, finest, here, ladder.settle, loose.settle)
         loose.remember(sheet)
         sheets.append(sheet)
     return sheets
 
 
-def _share(rung: Rung, number: int, sheets: list[Sheet]) -> Chosen:
+def _share(rung: Candidate, number: int, sheets: list[BranchChoice]) -> Chosen:
     taken = sum(int(np.count_nonzero(sheet.rung == number)) for sheet in sheets)
     claims = np.concatenate([sheet.estimate[sheet.rung == number] for sheet in sheets])
     worst = float(np.max(claims)) if len(claims) else float("nan")
@@ -179,7 +179,7 @@ def _share(rung: Rung, number: int, sheets: list[Sheet]) -> Chosen:
     return Chosen(rung.fidelity, rung.solver, rung.known.system.size, taken, spent.points, spent.seconds, worst)
 
 
-def _curve(sheet: Sheet, rungs: list[Rung]) -> Curve:
+def _curve(sheet: BranchChoice, rungs: list[Candidate]) -> Curve:
     names = [rungs[number].fidelity for number in sheet.rung]
     solvers = [rungs[number].solver for number in sheet.rung]
     return Curve(sheet.response, tuple(names), tuple(solvers), sheet.estimate, sheet.statistical, sheet.scatter)

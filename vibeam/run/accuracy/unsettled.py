@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.plans import SweepPlan
-from vibeam.run.accuracy.candidates import Read, Rung, put, rows
+from vibeam.run.accuracy.candidates import Candidate, Read, put, rows
 from vibeam.run.accuracy.choice import SPARE
-from vibeam.run.accuracy.choices import Sheet
+from vibeam.run.accuracy.choices import BranchChoice
 from vibeam.run.accuracy.closed_forms import Index
 from vibeam.run.accuracy.finest import note_flight
-from vibeam.run.accuracy.readings import apart, values
+from vibeam.run.accuracy.readings import distance, values
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
 
@@ -40,7 +40,7 @@ SURE = 3.0  # standard errors
 class Unsettled:
     """``rungs``: flight of each model, from the cheapest to the finest, with ``numbers`` in the study's list."""
 
-    rungs: Sequence[Rung]
+    rungs: Sequence[Candidate]
     numbers: Sequence[int]
     quantities: tuple[str, ...]
     within: float
@@ -49,7 +49,7 @@ class Unsettled:
         default_factory=dict
     )  # by rung: points, states
 
-    def settle(self, sheet: Sheet, places: Index, state: State | None) -> State | None:
+    def settle(self, sheet: BranchChoice, places: Index, state: State | None) -> State | None:
         """Fill the places of ``sheet``; the finest model's state after the last one."""
         first = places[:FIRST]
         state = self._finest(sheet, first, state)
@@ -64,7 +64,7 @@ class Unsettled:
         self._scatter(sheet, places)
         return state
 
-    def remember(self, sheet: Sheet) -> None:
+    def remember(self, sheet: BranchChoice) -> None:
         """Take over what the finest model was flown at place by place, on no known motion: it serves both ways."""
         kept, after = self._kept(len(self.rungs) - 1)
         alone = [place for place in sheet.states if sheet.kind[place] < 0 and int(sheet.grid[place]) not in after]
@@ -78,7 +78,7 @@ class Unsettled:
             self.flown[rung] = FrequencyResponse.empty(known.omega / (2 * np.pi), known.system.size), {}
         return self.flown[rung]
 
-    def _can_tell(self, sheet: Sheet, first: Index) -> bool:
+    def _can_tell(self, sheet: BranchChoice, first: Index) -> bool:
         """Whether a mean can be told closely enough by those to be asked, as these scatter: else none need be asked."""
         loose = first[sheet.statistical[first]]
         if len(loose) < FIRST // 2:
@@ -86,7 +86,7 @@ class Unsettled:
         scatter = _scatter(values(rows(sheet.response, loose), self.quantities))
         return bool(SURE * scatter / np.sqrt(ASKED) < self.within)
 
-    def _finest(self, sheet: Sheet, places: Index, state: State | None) -> State | None:
+    def _finest(self, sheet: BranchChoice, places: Index, state: State | None) -> State | None:
         """The finest model at the places in turn; its last state."""
         if not len(places):
             return state
@@ -94,12 +94,12 @@ class Unsettled:
         note_flight(sheet, places, self.numbers[-1], response, states)
         return states[-1]
 
-    def _between(self, sheet: Sheet, left: Index) -> None:
+    def _between(self, sheet: BranchChoice, left: Index) -> None:
         """The finest model at places between those where it was flown, each from the one before."""
         for place in left:
             self._finest(sheet, np.array([place]), sheet.states.get(int(place) - 1))
 
-    def _cheaper(self, sheet: Sheet, probes: Index, left: Index) -> bool:
+    def _cheaper(self, sheet: BranchChoice, probes: Index, left: Index) -> bool:
         """Whether a cheaper model was good enough for what is left, and was taken."""
         truth = rows(sheet.response, probes)
         for rung, number in enumerate(self.numbers[:-1]):
@@ -114,10 +114,10 @@ class Unsettled:
                 return True
         return False
 
-    def _hopeless(self, sheet: Sheet, rung: int, probes: Index) -> bool:
+    def _hopeless(self, sheet: BranchChoice, rung: int, probes: Index) -> bool:
         """Whether a few frequencies show already that a model is too far off."""
         found, _ = self._through(rung, sheet.grid[probes])
-        error, loose = apart(found, rows(sheet.response, probes), self.quantities), sheet.statistical[probes]
+        error, loose = distance(found, rows(sheet.response, probes), self.quantities), sheet.statistical[probes]
         mean = np.abs(error[loose].mean(axis=0)) if loose.any() else np.zeros(1)
         sure = SURE * error[loose].std(axis=0, ddof=1) / np.sqrt(np.count_nonzero(loose)) if loose.sum() > 1 else np.inf
         return bool(np.any(np.abs(error[~loose]) > self.within) or np.any(mean - sure > self.within))
@@ -133,7 +133,7 @@ class Unsettled:
             state = after[int(some[-1])]
         return rows(kept, points), [after[int(point)] for point in points]
 
-    def _scatter(self, sheet: Sheet, places: Index) -> None:
+    def _scatter(self, sheet: BranchChoice, places: Index) -> None:
         """How far single readings scatter: about the mean of their neighbours, of all that do not repeat."""
         loose = places[sheet.statistical[places]]
         amplitude = sheet.response.amplitude[loose]
@@ -155,7 +155,7 @@ def _bound(
     found: FrequencyResponse, truth: FrequencyResponse, loose: NDArray[np.bool_], quantities: Sequence[str]
 ) -> float:
     """The largest error where the truth repeats; of the mean, with three standard errors, where it does not."""
-    error = apart(found, truth, quantities)
+    error = distance(found, truth, quantities)
     worst = float(np.max(np.abs(error[~loose]), initial=0.0))
     count = int(np.count_nonzero(loose))
     if not count:

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.plans import SweepPlan
-from vibeam.run.accuracy.candidates import Rung, rows
-from vibeam.run.accuracy.choices import Sheet
-from vibeam.run.accuracy.readings import apart
+from vibeam.run.accuracy.candidates import Candidate, rows
+from vibeam.run.accuracy.choices import BranchChoice
+from vibeam.run.accuracy.readings import distance
 from vibeam.system.response import FrequencyResponse, join
 from vibeam.system.state import State
 
@@ -49,7 +49,7 @@ class Verified:
 
 
 def verify(
-    sheets: Sequence[Sheet], finest: Rung, plan: SweepPlan, within: float, count: int = POINTS
+    sheets: Sequence[BranchChoice], finest: Candidate, plan: SweepPlan, within: float, count: int = POINTS
 ) -> list[Verified]:
     """``count`` points drawn with a fixed seed, or all where there are no more, in the order of the sheets."""
     places = [(sheet, place) for sheet in sheets for place in range(len(sheet.grid))]
@@ -57,7 +57,7 @@ def verify(
     return [_verified(*places[int(i)], finest, plan, within) for i in np.sort(chosen)]
 
 
-def _verified(sheet: Sheet, place: int, finest: Rung, plan: SweepPlan, within: float) -> Verified:
+def _verified(sheet: BranchChoice, place: int, finest: Candidate, plan: SweepPlan, within: float) -> Verified:
     point = int(sheet.grid[place])
     omega, base = finest.known.omega[[point]], float(finest.known.amplitude[point])
     before = _before(sheet, place, finest)
@@ -71,7 +71,7 @@ def _verified(sheet: Sheet, place: int, finest: Rung, plan: SweepPlan, within: f
     return Verified(sheet.way, frequency, error, allowed, len(drawn) > 1, float(first.cpu_seconds[0]))
 
 
-def _before(sheet: Sheet, place: int, finest: Rung) -> State | None:
+def _before(sheet: BranchChoice, place: int, finest: Candidate) -> State | None:
     """What the sweep comes from: the finest model's motion at the frequency before; None where it is not known."""
     if place == 0:
         return None
@@ -84,8 +84,8 @@ def judged(
 ) -> tuple[float, float]:
     """Error of one point and what it may be, against one reading that repeats or several that do not."""
     if len(drawn) == 1:
-        return float(np.max(np.abs(apart(found, drawn, quantities)))), within
-    errors = np.array([apart(found, rows(drawn, np.array([i])), quantities)[0] for i in range(len(drawn))])
+        return float(np.max(np.abs(distance(found, drawn, quantities)))), within
+    errors = np.array([distance(found, rows(drawn, np.array([i])), quantities)[0] for i in range(len(drawn))])
     spread = np.std(errors, axis=0, ddof=1) * np.sqrt(1 + 1 / len(drawn)) * STUDENT[len(drawn) - 2]
     worst = int(np.argmax(np.abs(errors.mean(axis=0)) - spread))
     return float(np.abs(errors.mean(axis=0))[worst]), float(within + spread[worst])

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.run.accuracy.study import Chosen, Curve, Study
+from vibeam.run.accuracy.study import AccuracyChoice, Chosen, Curve
 from vibeam.run.accuracy.verification import Verified
 from vibeam.run.store.layout import fixed
 
@@ -31,7 +31,7 @@ PLAIN = ("within", "quantities", "finest", "cpu_seconds", "finest_seconds")
 ROWS = {"estimate": "relative error, estimated", "scatter": "relative scatter of single readings, standard deviation"}
 
 
-def write_study(group: h5py.Group, study: Study) -> None:
+def write_study(group: h5py.Group, study: AccuracyChoice) -> None:
     """Put everything but the responses into the group ``/accuracy``."""
     head: dict[str, Any] = {name: getattr(study, name) for name in PLAIN}
     head["chosen"] = [_row(each) for each in study.chosen]
@@ -41,11 +41,11 @@ def write_study(group: h5py.Group, study: Study) -> None:
         _write_curve(group[way], curve, [each.fidelity for each in study.chosen], [e.solver for e in study.chosen])
 
 
-def read_study(group: h5py.Group, responses: Mapping[str, FrequencyResponse]) -> Study:
+def read_study(group: h5py.Group, responses: Mapping[str, FrequencyResponse]) -> AccuracyChoice:
     """What ``write_study`` put there, with the responses of each direction."""
     head = json.loads(group.attrs["study"].decode())
     head["quantities"] = tuple(head["quantities"])
-    return Study(
+    return AccuracyChoice(
         **{name: head[name] for name in PLAIN},
         curves={way: _read_curve(group[way], response) for way, response in responses.items()},
         chosen=tuple(Chosen(**row) for row in head["chosen"]),

@@ -45,7 +45,7 @@ class Branch:
 
 
 @dataclass(frozen=True)
-class Kept:
+class StoredBranch:
     """What a file holds of a branch: ``done`` points of ``response`` and the state after the last of them."""
 
     response: FrequencyResponse
@@ -61,7 +61,7 @@ def lay_out(parent: h5py.Group, branch: Branch, unit: str) -> h5py.Group:
     return group
 
 
-def read_branch(group: h5py.Group, branch: Branch) -> Kept:
+def read_branch(group: h5py.Group, branch: Branch) -> StoredBranch:
     """What is there of ``branch``; ValueError where it is not as it was laid out and written."""
     values, done = read_rows(group), points_of(group)
     if values["mode_energy"].shape != (len(branch.frequency), branch.modes):
@@ -69,7 +69,7 @@ def read_branch(group: h5py.Group, branch: Branch) -> Kept:
     if not np.array_equal(values["frequency"], branch.frequency):
         raise ValueError("other frequencies than the case's")
     response = FrequencyResponse(**{name: values[name] for name in LAYOUT})
-    return Kept(response, done, _state(values, done - 1) if done and branch.carried else None)
+    return StoredBranch(response, done, _state(values, done - 1) if done and branch.carried else None)
 
 
 def read_rows(group: h5py.Group) -> Values:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from vibeam.run.store.branch import Branch, Kept, count_points, read_branch, rows_of, write_rows
+from vibeam.run.store.branch import Branch, StoredBranch, count_points, read_branch, rows_of, write_rows
 from vibeam.run.store.checksum import CHECKSUM, sign, verify
 from vibeam.run.store.errors import StoreError, reading
 from vibeam.run.store.figures import HOME, read_sheets, write_sheets
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from vibeam.case.plans import ShowPlan
     from vibeam.figures.sheet import Sheet
-    from vibeam.run.accuracy.study import Study
+    from vibeam.run.accuracy.study import AccuracyChoice
     from vibeam.run.store.disk import Disk
     from vibeam.run.store.image import Image
     from vibeam.system.motion_curves import MotionCurves
@@ -71,7 +71,7 @@ class Store:
             self._failure = failure
             raise
 
-    def restore(self, branch: Branch) -> Kept:
+    def restore(self, branch: Branch) -> StoredBranch:
         """What is there of one branch."""
         with self._reading(f"/{branch.group}") as file:
             return read_branch(file[branch.group], branch)
@@ -121,7 +121,7 @@ class Store:
             group.attrs["key"] = fixed(key)
             sign(group)
 
-    def study(self, branches: Sequence[Branch]) -> Study | None:
+    def study(self, branches: Sequence[Branch]) -> AccuracyChoice | None:
         """The study whose ``branches`` the file holds, None where it is not all there."""
         from vibeam.run.store.accuracy import HOME as group
         from vibeam.run.store.accuracy import read_study
@@ -133,7 +133,7 @@ class Store:
             verify(file[group])
             return read_study(file[group], {way: part.response for way, part in kept.items()})
 
-    def write_study(self, study: Study) -> None:
+    def write_study(self, study: AccuracyChoice) -> None:
         """Keep what a study says beside its branches, after these."""
         from vibeam.run.store.accuracy import HOME as group
         from vibeam.run.store.accuracy import write_study

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.studies.cost.measure import Cloud, Measured, Plan
+from vibeam.studies.cost.measure import AperiodicSample, Measured, Plan
 from vibeam.studies.cost.trajectories import APART, distance, matched
 from vibeam.system.response import FrequencyResponse, complete, period_one_range, periodic
 
@@ -120,12 +120,12 @@ def _statistics(found: Measured, truth: Measured) -> dict[str, Any]:
         return {}
     halves = [(_half(truth.clouds[i], 0), _half(truth.clouds[i], 1)) for i in both]
     return {
-        "statistics": max(apart(found.clouds[i], truth.clouds[i]) for i in both),
-        "scatter": max(apart(first, second) for first, second in halves),
+        "statistics": max(sample_distance(found.clouds[i], truth.clouds[i]) for i in both),
+        "scatter": max(sample_distance(first, second) for first, second in halves),
     }
 
 
-def apart(cloud: Cloud, truth: Cloud) -> float:
+def sample_distance(cloud: AperiodicSample, truth: AperiodicSample) -> float:
     """The worst difference of means and quantiles, each over the truth's mean; NaN where a cloud is empty."""
     pairs = ((cloud.amplitude, truth.amplitude), (cloud.velocity, truth.velocity))
     gaps = [np.abs(_shape(ours) - _shape(theirs)) / abs(np.mean(theirs)) for ours, theirs in pairs if len(theirs)]
@@ -136,8 +136,8 @@ def _shape(values: Array) -> Array:
     return np.array([np.mean(values), *np.quantile(values, QUANTILES)]) if len(values) else np.full(4, np.nan)
 
 
-def _half(cloud: Cloud, which: int) -> Cloud:
-    return Cloud(np.array_split(cloud.amplitude, 2)[which], np.array_split(cloud.velocity, 2)[which])
+def _half(cloud: AperiodicSample, which: int) -> AperiodicSample:
+    return AperiodicSample(np.array_split(cloud.amplitude, 2)[which], np.array_split(cloud.velocity, 2)[which])
 
 
 def _path(found: Measured, truth: Measured, plan: Plan) -> dict[str, Any]:

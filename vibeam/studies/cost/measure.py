@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.solvers import solver
-from vibeam.studies.cost.settings import Rung
-from vibeam.studies.cost.trajectories import Path, path_of, released
+from vibeam.studies.cost.settings import Setting
+from vibeam.studies.cost.trajectories import ComparedPath, path_of, released
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse, join
 from vibeam.system.state import State
@@ -49,7 +49,7 @@ class Plan:
 
 
 @dataclass(frozen=True)
-class Cloud:
+class AperiodicSample:
     """A motion that does not repeat, period by period: amplitudes (periods,) and impact velocities (impacts,)."""
 
     amplitude: Array
@@ -63,8 +63,8 @@ class Measured:
     """What a run showed; ``clouds`` by the index of their frequency, ``path`` None where the solver keeps none."""
 
     response: FrequencyResponse
-    clouds: Mapping[int, Cloud] = field(default_factory=dict)
-    path: Path | None = None
+    clouds: Mapping[int, AperiodicSample] = field(default_factory=dict)
+    path: ComparedPath | None = None
     periods: int = 0
 
     @property
@@ -92,12 +92,12 @@ class Measured:
 
 
 def measure(
-    system: ImpactSystem, rung: Rung, plan: Plan, clock: Clock = lambda: 0.0, deadline: float = np.inf
+    system: ImpactSystem, rung: Setting, plan: Plan, clock: Clock = lambda: 0.0, deadline: float = np.inf
 ) -> Measured:
     """Run the plan; ValueError where the solver cannot take the system, OutOfTime if ``clock`` passes ``deadline``."""
     runner = solver(rung.solver, system, float(np.min(plan.omega)), **rung.options)
     parts: list[FrequencyResponse] = []
-    clouds: dict[int, Cloud] = {}
+    clouds: dict[int, AperiodicSample] = {}
     state: State | None = None
     for index, omega in enumerate(plan.omega):
         if clock() > deadline:
@@ -115,12 +115,12 @@ def measure(
     return Measured(join(parts), clouds, path, periods)
 
 
-def _cloud(watched: FrequencyResponse) -> Cloud:
+def _cloud(watched: FrequencyResponse) -> AperiodicSample:
     velocities, amplitudes = watched.impact_velocities.ravel(), watched.amplitude
     counts = int(np.sum(watched.impacts)), int(np.sum(watched.evaluations))
-    return Cloud(amplitudes[np.isfinite(amplitudes)], velocities[np.isfinite(velocities)], *counts)
+    return AperiodicSample(amplitudes[np.isfinite(amplitudes)], velocities[np.isfinite(velocities)], *counts)
 
 
-def _path(runner: object, system: ImpactSystem, plan: Plan) -> Path | None:
+def _path(runner: object, system: ImpactSystem, plan: Plan) -> ComparedPath | None:
     end = plan.window * 2 * np.pi / plan.drive.omega
     return path_of(runner, plan.drive, released(system, plan.size), end, plan.output)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from vibeam.case.reference_curves import SAME_FREQUENCY, reference_points
 from vibeam.studies.cost.errors import Errors, errors
 from vibeam.studies.cost.measure import Measured, Plan, measure
-from vibeam.studies.cost.settings import Rung
+from vibeam.studies.cost.settings import Setting
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-FLIGHT, ORBIT = Rung("flight"), Rung("orbit")
+FLIGHT, ORBIT = Setting("flight"), Setting("orbit")
 
 STRICT = 1e-12
 
@@ -115,7 +115,7 @@ def _integrated(system: ImpactSystem, plan: Plan) -> tuple[Errors, str]:
     short = replace(plan.at(0), settle=0, hold=1, cloud=0, window=WINDOW)
     options = {"method": "DOP853", "rtol": STRICT, "atol": STRICT * 1e-2 * plan.size}
     try:
-        strict = measure(system, Rung("direct", options=options), short)
+        strict = measure(system, Setting("direct", options=options), short)
     except ValueError as refusal:
         return Errors(), f"no integration: {refusal}"
     return errors(strict, measure(system, FLIGHT, short), short), strict.failure

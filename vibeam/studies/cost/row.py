@@ -10,7 +10,7 @@ from vibeam.run.models import Model
 from vibeam.studies.cost.error_split import Part, part, shares
 from vibeam.studies.cost.errors import Errors, errors
 from vibeam.studies.cost.measure import Measured, Plan
-from vibeam.studies.cost.settings import Rung
+from vibeam.studies.cost.settings import Setting
 from vibeam.studies.cost.work import Work
 from vibeam.system.response import Ended, complete
 
@@ -18,7 +18,7 @@ PARTS = ("solver", "settling", "modelling", "total")
 
 
 @dataclass(frozen=True)
-class Row:
+class RunRow:
     """One run: ``total`` error against the reference, ``numerical`` against the exact motion of its own fidelity.
 
     ``parts`` of its amplitude's error, which add up: solver, settling, modelling. ``why``: the reason where it
@@ -44,7 +44,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Truths:
+class References:
     """What a run is held against: its fidelity's exact motion, settled as long as it is (``short``) and as long as
     need be (``own``), and the reference.
     """
@@ -54,12 +54,12 @@ class Truths:
     reference: Measured
 
 
-def stopped(model: Model, rung: Rung, why: str) -> Row:
+def stopped(model: Model, rung: Setting, why: str) -> RunRow:
     """The row of a run that came to no end."""
     return _row(model, rung, Errors(), Errors(), (), None, 0, why)
 
 
-def compared(model: Model, rung: Rung, plan: Plan, found: Measured, work: Work, truths: Truths) -> Row:
+def compared(model: Model, rung: Setting, plan: Plan, found: Measured, work: Work, truths: References) -> RunRow:
     """The row of a run that came to its end, broken down or not."""
     motions = int(np.count_nonzero(complete(found.response)))
     if found.failure:
@@ -72,10 +72,10 @@ def compared(model: Model, rung: Rung, plan: Plan, found: Measured, work: Work, 
 
 
 def _row(
-    model: Model, rung: Rung, total: Errors, numerical: Errors, parts: tuple[Part, ...], work: Work | None,
+    model: Model, rung: Setting, total: Errors, numerical: Errors, parts: tuple[Part, ...], work: Work | None,
     motions: int, why: str,
-) -> Row:  # fmt: skip
-    return Row(
+) -> RunRow:  # fmt: skip
+    return RunRow(
         model.name, model.system.size, rung.solver, rung.method, rung.setting,
         total, numerical, parts, work, motions, why,
     )  # fmt: skip

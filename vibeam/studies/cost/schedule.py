@@ -6,11 +6,11 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
-from vibeam.studies.cost.settings import Ladder, Rung
+from vibeam.studies.cost.settings import Ladder, Setting
 
 
 @dataclass(frozen=True)
-class Track:
+class Schedule:
     """A ladder to climb on one fidelity; ``estimate``: seconds that its first rung will take."""
 
     fidelity: str
@@ -27,10 +27,10 @@ class LeftOut:
     why: str
 
 
-Run = Callable[[str, Rung], float | None]
+Run = Callable[[str, Setting], float | None]
 
 
-def climb(tracks: Sequence[Track], left: Callable[[], float], run: Run) -> list[LeftOut]:
+def run_schedule(tracks: Sequence[Schedule], left: Callable[[], float], run: Run) -> list[LeftOut]:
     """Run rung by rung, always the one that is estimated to be cheapest, while ``left()`` seconds allow it.
 
     ``run(fidelity, rung)`` gives the seconds it took, None where that ladder had better not be climbed further. A

@@ -19,7 +19,7 @@ LIMITS = {"direct": 200, "zhuravlev": 200, "ivanov": 20_000}  # events, or evalu
 
 
 @dataclass(frozen=True)
-class Rung:
+class Setting:
     """One solver at one setting; ``growth``: about how many times as much it costs as the rung below it."""
 
     solver: str
@@ -34,7 +34,7 @@ class Rung:
         return " ".join(filter(None, (self.solver, self.method, self.setting)))
 
 
-Ladder = tuple[Rung, ...]
+Ladder = tuple[Setting, ...]
 
 
 def ladders(solver: str, size: float) -> list[Ladder]:
@@ -43,25 +43,26 @@ def ladders(solver: str, size: float) -> list[Ladder]:
 
 
 def _single(solver: str, **points: Mapping[str, Any]) -> Callable[[float], list[Ladder]]:
-    rungs: list[Ladder] = [(Rung(solver, method=name, options=options),) for name, options in points.items()]
-    return lambda size: rungs or [(Rung(solver),)]
+    rungs: list[Ladder] = [(Setting(solver, method=name, options=options),) for name, options in points.items()]
+    return lambda size: rungs or [(Setting(solver),)]
 
 
 def _tolerances(solver: str, *methods: str) -> Callable[[float], list[Ladder]]:
     return lambda size: [tuple(_tolerance(solver, method, size, i) for i in range(len(RTOLS))) for method in methods]
 
 
-def _tolerance(solver: str, method: str, size: float, index: int) -> Rung:
+def _tolerance(solver: str, method: str, size: float, index: int) -> Setting:
     rtol = RTOLS[index]
     looser = RTOLS[max(index - 1, 0)]
     options = {"method": method, "rtol": rtol, "atol": ATOL * rtol * size, "limit": LIMITS[solver]}
-    return Rung(solver, method, f"rtol {rtol:.0e}", options, (looser / rtol) ** (1 / ORDERS[method]))
+    return Setting(solver, method, f"rtol {rtol:.0e}", options, (looser / rtol) ** (1 / ORDERS[method]))
 
 
 def _steps(size: float) -> list[Ladder]:
     grown = [1.0, *(fine / coarse for coarse, fine in pairwise(STEPS))]
     rungs = [
-        Rung("moreau", "", f"{count} steps", {"steps": count}, grow) for count, grow in zip(STEPS, grown, strict=True)
+        Setting("moreau", "", f"{count} steps", {"steps": count}, grow)
+        for count, grow in zip(STEPS, grown, strict=True)
     ]
     return [tuple(rungs)]
 

@@ -17,9 +17,9 @@ from vibeam.studies.cost.error_split import Split, split
 from vibeam.studies.cost.measure import Clock, Measured, OutOfTime, Plan, measure
 from vibeam.studies.cost.planning import Planning
 from vibeam.studies.cost.reference import FLIGHT, Bound, bound, given
-from vibeam.studies.cost.row import Row, Truths, compared, stopped
-from vibeam.studies.cost.schedule import LeftOut, Track, climb
-from vibeam.studies.cost.settings import Rung, ladders
+from vibeam.studies.cost.row import References, RunRow, compared, stopped
+from vibeam.studies.cost.schedule import LeftOut, Schedule, run_schedule
+from vibeam.studies.cost.settings import Setting, ladders
 from vibeam.studies.cost.work import Work, front, timed
 from vibeam.system.impact_system import ImpactSystem
 
@@ -39,7 +39,7 @@ Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)
-class Study:
+class CostStudy:
     """All that ``vibeam cost`` found.
 
     ``finest``: the fidelity that is the reference; ``reference``: the file that takes its place, None where none does;
@@ -50,7 +50,7 @@ class Study:
     finest: str
     reference: str | None
     bound: Bound
-    rows: tuple[Row, ...]
+    rows: tuple[RunRow, ...]
     splits: tuple[Split, ...]
     left_out: tuple[LeftOut, ...]
     refused: tuple[LeftOut, ...]
@@ -79,7 +79,7 @@ def _gap_changes(case: Case, name: str) -> bool:
     return gap_wear(scene) is not None or gap_drift(scene, 2 * np.pi * case.sweep.frequency) is not None
 
 
-def cost(case: Case, progress: Progress = lambda line: None, clock: Clock = time.thread_time) -> Study:
+def cost(case: Case, progress: Progress = lambda line: None, clock: Clock = time.thread_time) -> CostStudy:
     """Run what the budget allows and compare it.
 
     ValueError for a fidelity that cannot be built, or whose gap changes during the sweep: no point then stands alone.
@@ -99,7 +99,7 @@ class _Studied:
         self.models, self.same = models(case, self.asked.modes)
         self.finest = finest(self.models)
         self.named = {model.name: model for model in self.models}
-        self.rows: list[Row] = []
+        self.rows: list[RunRow] = []
         self.refused: list[LeftOut] = []
         self.planning = Planning(case, self.finest)
         self.warm()
@@ -114,7 +114,7 @@ class _Studied:
             for ladder in ladders(name, 1.0):
                 self._warm(ladder[0], smallest_first)
 
-    def _warm(self, rung: Rung, models: Sequence[Model]) -> None:
+    def _warm(self, rung: Setting, models: Sequence[Model]) -> None:
         """A short run on the first model that the solver can take."""
         plan = replace(self.planning.first.at(0), settle=0, hold=PROBE)
         for model in models:
@@ -122,7 +122,7 @@ class _Studied:
                 measure(model.system, rung, plan)
                 return
 
-    def study(self) -> Study:
+    def study(self) -> CostStudy:
         """Everything in turn: exact motions, their bound, the parts of modelling, then the ladders."""
         self.say("exact motions of every fidelity, and what bounds them")
         self.exact = {
@@ -138,13 +138,13 @@ class _Studied:
         splits = tuple(self._split(model, top) for model in self.models)
         tracks = self._tracks()
         self.ready = self.clock()
-        left_out = climb(tracks, self._left, self._climbed)
+        left_out = run_schedule(tracks, self._left, self._climbed)
         order = {model.name: index for index, model in enumerate(self.models)}
         rungs = [rung.label for name in NAMES for ladder in ladders(name, 1.0) for rung in ladder]
         rows = sorted(self.rows, key=lambda row: (order[row.fidelity], rungs.index(row.label)))
         grid = tuple(float(each) for each in hertz)
         spent = self.clock() - self.began
-        return Study(
+        return CostStudy(
             self.case.title, self.finest.name, self.asked.reference, bounded, tuple(rows), splits,
             tuple(left_out), tuple(self.refused), self.same, grid, plan.settle, plan.hold, spent,
         )  # fmt: skip
@@ -153,7 +153,7 @@ class _Studied:
         """Seconds of the budget, which begins when all that every study needs is done."""
         return self.asked.budget - (self.clock() - self.ready)
 
-    def _timed(self, system: ImpactSystem, rung: Rung, plan: Plan, deadline: float) -> tuple[Measured, Work]:
+    def _timed(self, system: ImpactSystem, rung: Setting, plan: Plan, deadline: float) -> tuple[Measured, Work]:
         spend = SHARE * self.asked.budget
         run = lambda: measure(system, rung, plan, self.clock, deadline)  # noqa: E731
         return timed(run, self.clock, self.asked.repeats, spend)
@@ -171,7 +171,7 @@ class _Studied:
         exact, work = self.exact[model.name]
         return split(model, self.finest, exact.response, top.response, build, fly, work.cpu_min, self.file)
 
-    def _tracks(self) -> list[Track]:
+    def _tracks(self) -> list[Schedule]:
         """Every ladder on every fidelity that can be climbed; refusals are noted."""
         tracks = []
         for model in self.models:
@@ -180,12 +180,12 @@ class _Studied:
                     continue
                 try:
                     for ladder in ladders(name, self.planning.plan.size):
-                        tracks.append(Track(model.name, ladder, self._estimate(model, ladder[0])))
+                        tracks.append(Schedule(model.name, ladder, self._estimate(model, ladder[0])))
                 except ValueError as refusal:
                     self.refused.append(LeftOut(model.name, name, str(refusal)))
         return tracks
 
-    def _estimate(self, model: Model, rung: Rung) -> float:
+    def _estimate(self, model: Model, rung: Setting) -> float:
         """Seconds of a run: flight's are known, others from two periods of it; this is its warm-up as well."""
         if rung.solver == "flight":
             return self.exact[model.name][1].cpu_min
@@ -199,7 +199,7 @@ class _Studied:
         times = 1 if rung.solver in FORMULAS else (plan.settle + plan.hold) / PROBE
         return (self.clock() - begun) * len(plan.omega) * times
 
-    def _climbed(self, fidelity: str, rung: Rung) -> float | None:
+    def _climbed(self, fidelity: str, rung: Setting) -> float | None:
         """One run and its row; the seconds it took, or None where it is of no use to go on."""
         model = self.named[fidelity]
         self.say(f"{fidelity}: {rung.label}")
@@ -208,6 +208,6 @@ class _Studied:
         except OutOfTime as up:
             self.rows.append(stopped(model, rung, str(up)))
             return None
-        truths = Truths(self.short[fidelity], self.exact[fidelity][0], self.truth)
+        truths = References(self.short[fidelity], self.exact[fidelity][0], self.truth)
         self.rows.append(compared(model, rung, self.planning.plan, found, work, truths))
         return work.cpu_median

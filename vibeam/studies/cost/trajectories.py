@@ -28,7 +28,7 @@ VERTICES = 4000  # of which a longer path's distances are taken, besides its imp
 
 
 @dataclass(frozen=True)
-class Path:
+class ComparedPath:
     """The output's motion: ``at`` gives displacements (m,) at times (m,); ``times`` (k,): where it is sampled, s.
 
     ``impact_velocities``: contact velocities just before the impacts, m/s.
@@ -62,14 +62,14 @@ def released(system: ImpactSystem, size: float) -> State:
     return State(displacement, np.zeros(system.size))
 
 
-def path_of(runner: Any, drive: Drive, state: State, end: float, output: str) -> Path | None:
+def path_of(runner: Any, drive: Drive, state: State, end: float, output: str) -> ComparedPath | None:
     """The path that a solver takes from ``state`` until ``end`` s; None where it keeps none."""
     if hasattr(runner, "motion"):
         return _sampled(runner.motion(drive, state, 0.0, end), output)
     return _exact(runner, drive, state, end, output) if hasattr(runner, "simulate") else None
 
 
-def _exact(runner: Any, drive: Drive, state: State, end: float, output: str) -> Path:
+def _exact(runner: Any, drive: Drive, state: State, end: float, output: str) -> ComparedPath:
     from vibeam.flight.trajectory import Trajectory
 
     ended, last, after, segments, stats = runner.simulate(drive, state, 0.0, end, runner.limit)
@@ -77,10 +77,10 @@ def _exact(runner: Any, drive: Drive, state: State, end: float, output: str) -> 
     grid = np.linspace(0.0, last, max(2, round(GRID * last * drive.omega / (2 * np.pi)) + 1))
     times = np.union1d(grid, found.impact_times[found.impact_times <= last])
     impacts = found.impact_times, found.impact_velocities
-    return Path(lambda t: found.at(np.clip(t, 0.0, last), output), times, *impacts, int(stats["evaluations"]))
+    return ComparedPath(lambda t: found.at(np.clip(t, 0.0, last), output), times, *impacts, int(stats["evaluations"]))
 
 
-def _sampled(motion: Any, output: str) -> Path:
+def _sampled(motion: Any, output: str) -> ComparedPath:
     """Between its samples a motion is the cubic through values and slopes."""
     times, last = np.unique(motion.times, return_index=True)
     values, slopes = motion.displacement(output), motion.velocity(output)
@@ -95,7 +95,7 @@ def _sampled(motion: Any, output: str) -> Path:
         c = h * (slopes[left] + slopes[right]) - 2 * rise
         return np.asarray(values[left] + s * (h * slopes[left] + s * (b + s * c)))
 
-    return Path(at, times, motion.impact_times, motion.impact_velocities, int(motion.stats["evaluations"]))
+    return ComparedPath(at, times, motion.impact_times, motion.impact_velocities, int(motion.stats["evaluations"]))
 
 
 def matched(times: Array, velocities: Array, true_times: Array, true_velocities: Array, apart: float) -> Matched:
@@ -150,7 +150,7 @@ def _to_line(point: Array, line: Array) -> float:
     return float(np.min(np.hypot(*(point - nearest).T), initial=np.inf))
 
 
-def distance(path: Path, truth: Path, period: float, size: float) -> float:
+def distance(path: ComparedPath, truth: ComparedPath, period: float, size: float) -> float:
     """Hausdorff distance of the graphs (t, u), with times in periods and displacements in ``size`` m."""
     end = min(path.times[-1], truth.times[-1])
     sampled = np.union1d(path.times, truth.times)

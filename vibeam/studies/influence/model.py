@@ -11,7 +11,7 @@ import numpy as np
 from vibeam.case.case import Case
 from vibeam.studies.influence.curve import Curve, Peak, ends, nearest, peak, swept
 from vibeam.studies.influence.quantities import NAN, Value
-from vibeam.studies.influence.settled_motion import heard
+from vibeam.studies.influence.settled_motion import observed_ringing
 from vibeam.studies.influence.subsets import Subsets
 from vibeam.system.impact_system import ImpactSystem
 
@@ -67,10 +67,10 @@ def _values(curve: Curve, wanted: Collection[str], frequency: float | None) -> d
 
 def _in_motion(curve: Curve, top: Peak, frequency: float | None) -> dict[str, Value]:
     if frequency is not None:
-        return heard(curve, frequency, nearest(curve, frequency))
+        return observed_ringing(curve, frequency, nearest(curve, frequency))
     if top.near is None:
         return dict.fromkeys(IN_MOTION, top.frequency)
-    return heard(curve, top.frequency.number, top.near)
+    return observed_ringing(curve, top.frequency.number, top.near)
 
 
 def _coordinates(scene: Any) -> int:

@@ -34,7 +34,7 @@ GUARD = 0.02  # of a drive period, left out next to impacts where there are stil
 UNSEEN = 1e-9  # share of the sensor's row below which it does not see a mode
 
 
-def heard(curve: Curve, frequency: float, near: Step) -> dict[str, Value]:
+def observed_ringing(curve: Curve, frequency: float, near: Step) -> dict[str, Value]:
     """``ringing`` (mean peak velocity between impacts, m/s), ``ringing_frequency`` (Hz) and ``apparent_restitution``.
 
     Read at the case's output of the motion at ``frequency`` (Hz), started from ``near``. Ringing is the slowest mode

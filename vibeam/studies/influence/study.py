@@ -51,7 +51,7 @@ class Variant:
 
 
 @dataclass(frozen=True)
-class Row:
+class EffectRow:
     """One effect: the models without it alone and with it alone; what it adds, CPU in s (negative: it saves)."""
 
     effect: str
@@ -69,7 +69,7 @@ class Row:
 
 
 @dataclass(frozen=True)
-class Study:
+class InfluenceStudy:
     """All that ``vibeam influence`` found; ``rows`` sorted by influence, the largest first.
 
     ``whole``, ``bare`` and ``enough``: the models with all effects, with none and with the smallest set; ``exact``:
@@ -83,7 +83,7 @@ class Study:
     whole: Variant
     bare: Variant
     enough: Variant
-    rows: tuple[Row, ...]
+    rows: tuple[EffectRow, ...]
     exact: bool
     models: int
     scatter: float
@@ -93,7 +93,7 @@ class Study:
     seconds: float
 
 
-def influence(case: Case, progress: Progress = lambda line: None) -> Study:
+def influence(case: Case, progress: Progress = lambda line: None) -> InfluenceStudy:
     """Take each effect away alone, leave each alone, and find the smallest set that keeps within the tolerances.
 
     ValueError where the case names no effect, or its complete model cannot be built.
@@ -123,13 +123,13 @@ class _Studied:
         if self._model(self.all).why:
             raise ValueError(self._model(self.all).why)
 
-    def study(self, begun: float) -> Study:
+    def study(self, begun: float) -> InfluenceStudy:
         """Single effects first, then the search, then the rows."""
         self._time()
         needed, exact = smallest(self.sets.effects, lambda kept: self._variant(kept).worst)
         rows = sorted((self._row(name, needed) for name in self.sets.effects), key=lambda row: -row.influence)
         plan = self._case(self.all).sweep
-        return Study(
+        return InfluenceStudy(
             title=self.case.title,
             fidelity=self.sets.fidelity,
             quantities=self.asked,
@@ -184,8 +184,8 @@ class _Studied:
             found.kept, changes, found.coordinates, found.frequencies, min(self.cpu.get(kept, [NAN])), found.why
         )
 
-    def _row(self, name: str, needed: frozenset[str]) -> Row:
+    def _row(self, name: str, needed: frozenset[str]) -> EffectRow:
         whole, without = self._variant(self.all), self._variant(self.all - {name})
         added = (0, 0) if without.why else (whole.coordinates - without.coordinates, whole.modes - without.modes)
         alone = self._variant(frozenset({name}))
-        return Row(name, without, alone, *added, whole.cpu - without.cpu, name in needed)
+        return EffectRow(name, without, alone, *added, whole.cpu - without.cpu, name in needed)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from vibeam.case.case import NOT_NUMBERS, Case
 from vibeam.case.faults import CaseError
 from vibeam.casefile.canonical import canonical_text
-from vibeam.casefile.read import accepted, parse
+from vibeam.casefile.read import parse, validate
 from vibeam.casefile.tables.cases import BeamCase
 from vibeam.studies.influence.effects import companions, effects_of
 from vibeam_models.scene import Scene
@@ -86,7 +86,7 @@ def subsets(case: Case) -> Subsets:
     if not isinstance(case.scene, Scene):
         raise ValueError("a single degree of freedom by itself has no effects: influence needs a beam")
     name = case.influence.fidelity or finest(case)
-    declared, changed = accepted(case.text, case.path, {})
+    declared, changed = validate(case.text, case.path, {})
     own: Any = changed.get(name, declared)
     effects = effects_of(own)
     if not effects:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.casefile.quantities import LENGTH, LENGTHS, RATIO, VOLTAGE, Kind, UnitError, prefixed, to_si
+from vibeam.casefile.quantities import LENGTH, LENGTHS, RATIO, VOLTAGE, Dimension, UnitError, prefixed, to_si
 from vibeam.orbits.bifurcation_functions import motions
 from vibeam_models.scene import SdofScene
 
@@ -71,20 +71,20 @@ def second_axis(case: Case, over: str, low: str | float | None, high: str | floa
     return Axis("gap" if over == "gap" else "amplitude", name, kind.unit or "1", factor, own, first, last)
 
 
-def _value(flag: str, given: str | float, kind: Kind) -> float:
+def _value(flag: str, given: str | float, kind: Dimension) -> float:
     try:
         return to_si(given, kind)
     except UnitError as fault:
         raise ValueError(f"{flag}: {fault}") from None
 
 
-def _gap_unit(case: Case) -> tuple[str, Kind, float]:
+def _gap_unit(case: Case) -> tuple[str, Dimension, float]:
     if isinstance(case.scene, SdofScene):
         return "gap Δ", RATIO, 1.0
     return "gap at the contact", LENGTH, 1.0
 
 
-def _drive_unit(case: Case) -> tuple[str, Kind, float]:
+def _drive_unit(case: Case) -> tuple[str, Dimension, float]:
     """Volts where the case drives by voltage: SI amplitude for one of them."""
     if isinstance(case.scene, SdofScene):
         return "base amplitude B", RATIO, 1.0

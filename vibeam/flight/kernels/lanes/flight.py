@@ -13,7 +13,7 @@ from vibeam.flight.kernels.compiler import joined
 from vibeam.flight.kernels.lanes import mode_blocks as row
 from vibeam.flight.kernels.lanes.landing import at_root, foretold
 from vibeam.flight.kernels.lanes.mode_blocks import cell
-from vibeam.flight.kernels.lanes.panels import OTHER, closer, launch, leap, resolved
+from vibeam.flight.kernels.lanes.panels import OTHER, advance_panel, closer, first_panel, resolved
 from vibeam.flight.kernels.lanes.simd import Lanes, load, total, width
 from vibeam.flight.kernels.layout import LEVELS, STEP, TURN_IM, TURN_RE
 from vibeam.flight.kernels.roots.bounds import CLEAR, ROOT, SPLIT, THIRD, VALUE
@@ -72,7 +72,7 @@ def flight(
         found = SPLIT
         while found == SPLIT:
             panels += 1
-            found = launch(cells, rungs, levels, whole, level, rise, zr, zi, w, fourth * w, like)
+            found = first_panel(cells, rungs, levels, whole, level, rise, zr, zi, w, fourth * w, like)
             if found == OTHER or level == LEVELS - 1:
                 return UNUSUAL, panels, first, 0.0, 1.0, 0.0, 0.0, 0.0
             level += 1 if found == SPLIT else 0
@@ -87,7 +87,7 @@ def flight(
             p0, s0 = resolved(cells, rungs, blocks, whole, level, side, like)
             p0, s0, stale = p0 + (const + im), s0 + w * re, False
         re2, im2 = turn(levels, level, re, im)
-        p1, s1, missed = leap(cells, rungs, blocks, whole, level, side, like)
+        p1, s1, missed = advance_panel(cells, rungs, blocks, whole, level, side, like)
         p1, s1 = p1 + (const + im2), s1 + w * re2
         missed += VALUE * fourth * (h * h) * (h * h) + tolerance + gone0
         if not min(min(p0, p0 + THIRD * h * s0), min(p1 - THIRD * h * s1, p1)) > missed:

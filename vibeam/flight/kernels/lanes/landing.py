@@ -26,7 +26,7 @@ SETTLED = 1e-9  # share of a step below which Newton's next correction is round-
 
 
 @joined
-def turned(drive: Array, time: float) -> tuple[float, float]:
+def phase_at(drive: Array, time: float) -> tuple[float, float]:
     """cos and sin of the drive's phase."""
     like = one()
     sine, cosine = sine_cosine(every(drive[W] * wrap(drive, time), like))
@@ -34,7 +34,7 @@ def turned(drive: Array, time: float) -> tuple[float, float]:
 
 
 @joined
-def drawn(drive: Array, cosine: float, sine: float) -> tuple[float, float]:
+def drive_phasor(drive: Array, cosine: float, sine: float) -> tuple[float, float]:
     """The drive's part in the gap at that phase, as a phasor."""
     return (
         -(drive[CONTACT_RE] * cosine - drive[CONTACT_IM] * sine),
@@ -179,8 +179,8 @@ def at_root(
     w = drive[W]
     w2, t = w * w, start
     for _ in range(ROUNDS):
-        cosine, sine = turned(drive, clock + t)
-        zr, zi = drawn(drive, cosine, sine)
+        cosine, sine = phase_at(drive, clock + t)
+        zr, zi = drive_phasor(drive, cosine, sine)
         f0, f1, f2, f3, f4, f5 = expanded(cells, pairs, blocks, t, side, like)
         f0, f1, f2, f3, f4 = f0 + (const + zi), f1 + w * zr, f2 - w2 * zi, f3 - w2 * (w * zr), f4 + w2 * (w2 * zi)
         f5 += harmonic * w2 * w2 * w
@@ -195,7 +195,7 @@ def at_root(
                 if f5 * (d * d) * (d * d) <= -12.0 * EPSILON * f1 and w * d < NEAR:
                     value, slope = shift(cells, blocks, step, like)
                     cosine, sine = advanced(cosine, sine, w * step)
-                    zr, zi = drawn(drive, cosine, sine)
+                    zr, zi = drive_phasor(drive, cosine, sine)
                     return True, t + step, cosine, sine, value + (const + zi), slope + w * zr
                 t += step
                 continue

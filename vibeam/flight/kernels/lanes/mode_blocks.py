@@ -120,14 +120,14 @@ def at_mode(k: int, row: int, like: Lanes) -> int:
 
 
 @joined
-def take_in(pairs: Array, cells: Array, like: Lanes) -> None:
+def gather(pairs: Array, cells: Array, like: Lanes) -> None:
     """The pairs at the start of a flight, from ``begin_flight``."""
     for k in range(pairs.shape[1]):
         cells[at_mode(k, START_X, like)], cells[at_mode(k, START_Y, like)] = pairs[X0, k], pairs[Y0, k]
 
 
 @joined
-def give_out(
+def scatter(
     cells: Array, like: Lanes, modes: Array, drive: Array, pose: Array, row: int, cosine: float, sine: float
 ) -> None:
     """Set ``pose`` to the pairs in ``row`` and the next, at that phase of the drive."""

@@ -54,7 +54,7 @@ def to_start(cells: Array, blocks: int, like: Lanes) -> tuple[float, float]:
 
 
 @joined
-def launch(
+def first_panel(
     cells: Array, rungs: Array, levels: Array, blocks: int, level: int, rise: float, zr: float, zi: float, w: float,
     fifth: float, like: Lanes,
 ) -> int:  # fmt: skip
@@ -94,7 +94,7 @@ def launch(
 
 
 @joined
-def leap(
+def advance_panel(
     cells: Array, rungs: Array, blocks: int, whole: int, level: int, side: int, like: Lanes
 ) -> tuple[float, float, float]:
     """Trial ends from the node on ``side``, on the other: value and slope of what the panel resolves, what it misses.

@@ -10,8 +10,8 @@ from vibeam.flight.kernels.drive import wrap
 from vibeam.flight.kernels.impact import is_faint, put_on_stop
 from vibeam.flight.kernels.lanes import mode_blocks as row
 from vibeam.flight.kernels.lanes.flight import ALOFT, STRUCK, UNUSUAL, flight
-from vibeam.flight.kernels.lanes.landing import drawn, land_on, turned
-from vibeam.flight.kernels.lanes.mode_blocks import cell, give_out, take_in
+from vibeam.flight.kernels.lanes.landing import drive_phasor, land_on, phase_at
+from vibeam.flight.kernels.lanes.mode_blocks import cell, gather, scatter
 from vibeam.flight.kernels.lanes.panels import to_node, to_start
 from vibeam.flight.kernels.lanes.simd import Lanes, every, load, store, total, width
 from vibeam.flight.kernels.layout import (
@@ -33,7 +33,7 @@ from vibeam.flight.kernels.layout import (
     SPEED,
     ZI,
     ZR,
-    Desk,
+    Engine,
     W,
 )
 from vibeam.flight.kernels.modal_flow import ROUND_OFF, begin_flight
@@ -72,8 +72,8 @@ def note(status: Array, clock: float, cosine: float, sine: float, order: float, 
 
 
 @kernel
-def volley(
-    desk: Desk, pose: Array, status: Array, span: float, done: float, lost: float, most: int, trace: Array,
+def plain_flights_in_lanes(
+    desk: Engine, pose: Array, status: Array, span: float, done: float, lost: float, most: int, trace: Array,
     poses: Array, counts: NDArray[np.int64], like: Lanes,
 ) -> tuple[int, float, float, float]:  # fmt: skip
     """Flights and impacts, carried on from time ``done`` toward ``span``: why it ends, done, lost, last flight.
@@ -87,7 +87,7 @@ def volley(
     )
     if not (np.isfinite(size) and (status[ORDER] == 1.0 or (status[ORDER] == 0.0 and value > ROUND_OFF * size))):
         return NOT_PLAIN, done, lost, 0.0
-    take_in(desk.pairs, cells, like)
+    gather(desk.pairs, cells, like)
     n, rows = pose.shape[1], trace.shape[0]
     blocks = (n + width(like) - 1) // width(like)
     const, w, restitution, coarsest = drive[CLEARANCE], drive[W], drive[RESTITUTION], int(drive[COARSEST])
@@ -100,7 +100,7 @@ def volley(
     while done < span and counts[IMPACTS] < most and (rows == 0 or counts[SEGMENTS] < rows):
         if rows > 0:
             if done > begun:
-                give_out(cells, like, modes, drive, pose, row.START_X, cosine, sine)
+                scatter(cells, like, modes, drive, pose, row.START_X, cosine, sine)
                 put_on_stop(modes, drive, pose)
                 note(status, clock, cosine, sine, order, rise, speed)
             open_segment(trace, poses, pose, status, done, counts[SEGMENTS])
@@ -116,12 +116,12 @@ def volley(
         clock2 = wrap(drive, clock + t)
         if what == ALOFT:
             land_on(cells, desk.pairs, blocks, t, like)
-            cosine, sine = turned(drive, clock2)
-            give_out(cells, like, modes, drive, pose, row.ROOT_X, cosine, sine)
+            cosine, sine = phase_at(drive, clock2)
+            scatter(cells, like, modes, drive, pose, row.ROOT_X, cosine, sine)
             note(status, clock2, cosine, sine, 0.0, 0.0, speed)
             close_segment(trace, t, SPAN_END, 0.0, counts)
             return CARRIED, span, lost, t
-        zr2, zi2 = drawn(drive, cosine2, sine2)
+        zr2, zi2 = drive_phasor(drive, cosine2, sine2)
         before = max(-slope, 0.0)
         after, top = restitution * before, max(speed, before)
         sum_e, second = strike(cells, blocks, value, (1.0 + restitution) * before, like)
@@ -129,14 +129,14 @@ def volley(
         done, lost = add(done, lost, t)
         cosine, sine, clock, zr, zi, speed = cosine2, sine2, clock2, zr2, zi2, top
         if after <= 0.0 or is_faint(after, top, toward, loss, gap):
-            give_out(cells, like, modes, drive, pose, row.ROOT_X, cosine, sine)
+            scatter(cells, like, modes, drive, pose, row.ROOT_X, cosine, sine)
             note(status, clock, cosine, sine, 0.0, 0.0, speed)
             return AT_STOP, done, lost, t
         counts[IMPACTS] += 1
         order, rise = 1.0, after
         close_segment(trace, t, IMPACT, before, counts)
     if done > begun:  # or else nothing has changed, and not a digit shall
-        give_out(cells, like, modes, drive, pose, row.START_X, cosine, sine)
+        scatter(cells, like, modes, drive, pose, row.START_X, cosine, sine)
         put_on_stop(modes, drive, pose)
         note(status, clock, cosine, sine, order, rise, speed)
     return NOT_PLAIN if what == UNUSUAL else CARRIED, done, lost, t

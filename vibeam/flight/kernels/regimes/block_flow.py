@@ -65,7 +65,7 @@ ROUND_OFF = 64.0 * 2.220446049250313e-16
 
 
 @kernel
-def enter(regime: Regime, drive: Array, pose: Array, clock: float) -> None:
+def to_block_coordinates(regime: Regime, drive: Array, pose: Array, clock: float) -> None:
     """Set blocks[Z1], blocks[Z2]: what is left of ``pose`` in every block when its steady response is taken out."""
     blocks, n = regime.blocks, pose.shape[1]
     cosine, sine = phase(drive, clock)
@@ -80,7 +80,7 @@ def enter(regime: Regime, drive: Array, pose: Array, clock: float) -> None:
 
 
 @kernel
-def show(regime: Regime, drive: Array, which: int, sign: float, clock: float) -> tuple[float, float, float]:
+def set_signal(regime: Regime, drive: Array, which: int, sign: float, clock: float) -> tuple[float, float, float]:
     """sign · signals[which] as the regime's signal, from where it was entered: value, rate, size of its parts."""
     blocks, signal, pairs, m = regime.blocks, regime.signal, regime.pairs, regime.blocks.shape[1]
     w, strength = drive[W], drive[STRENGTH]
@@ -134,7 +134,7 @@ def attach(regime: Regime, drive: Array, k: int, x: float, y: float, sine: float
 
 
 @kernel
-def launch(regime: Regime, value: float, rate: float, size: float) -> tuple[int, float]:
+def leading_order(regime: Regime, value: float, rate: float, size: float) -> tuple[int, float]:
     """Order and size of the first derivative by which the signal just shown rises from 0: (0, 0) where it is above it
     already, (−1, 0) where it falls.
     """
@@ -159,7 +159,7 @@ def curve_of(regime: Regime) -> tuple[int, float]:
 
 
 @kernel
-def proceed(regime: Regime, drive: Array, pose: Array, clock: float, duration: float) -> None:
+def advance_blocks(regime: Regime, drive: Array, pose: Array, clock: float, duration: float) -> None:
     """Set ``pose`` to ``duration`` after the regime was entered at ``clock``."""
     blocks, pairs, n = regime.blocks, regime.pairs, pose.shape[1]
     cosine, sine = phase(drive, clock + duration)

@@ -15,7 +15,16 @@ from numpy.typing import NDArray
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.extremes import hull
 from vibeam.flight.kernels.layout import STRENGTH, W
-from vibeam.flight.kernels.regimes.layout import COUPLED, DAMPING, EXPONENT, MOBILITY, PEAKED, STEPPED, STIFFNESS, Plan
+from vibeam.flight.kernels.regimes.layout import (
+    COUPLED,
+    DAMPING,
+    EXPONENT,
+    MOBILITY,
+    PEAKED,
+    STEPPED,
+    STIFFNESS,
+    RegimeEngine,
+)
 
 Array = NDArray[np.float64]
 
@@ -33,7 +42,7 @@ BEGIN, END, STAGE = range(3)  # rows of plan.state
 
 
 @kernel
-def depth(plan: Plan, y: Array, side: int) -> tuple[float, float]:
+def depth(plan: RegimeEngine, y: Array, side: int) -> tuple[float, float]:
     """d and d'."""
     n = plan.contact.shape[1]
     value, rate = -plan.gaps[side], 0.0
@@ -44,7 +53,7 @@ def depth(plan: Plan, y: Array, side: int) -> tuple[float, float]:
 
 
 @kernel
-def force(plan: Plan, value: float, rate: float) -> float:
+def force(plan: RegimeEngine, value: float, rate: float) -> float:
     """The stop's force at d, d'."""
     if value <= 0.0:
         return 0.0
@@ -53,7 +62,7 @@ def force(plan: Plan, value: float, rate: float) -> float:
 
 
 @kernel
-def rate_of(plan: Plan, y: Array, side: int, time: float, out: Array) -> None:
+def rate_of(plan: RegimeEngine, y: Array, side: int, time: float, out: Array) -> None:
     """dy/dt of y = (η, η') into ``out``."""
     n = plan.contact.shape[1]
     value, rate = depth(plan, y, side)
@@ -69,7 +78,7 @@ def rate_of(plan: Plan, y: Array, side: int, time: float, out: Array) -> None:
 
 
 @kernel
-def step(plan: Plan, side: int, time: float, h: float) -> float:
+def step(plan: RegimeEngine, side: int, time: float, h: float) -> float:
     """One step from state[BEGIN] to state[END]; its error over what is allowed."""
     state, stages, nodes, width = plan.state, plan.stages, plan.nodes, plan.state.shape[1]
     for s in range(12):
@@ -89,7 +98,7 @@ def step(plan: Plan, side: int, time: float, h: float) -> float:
 
 
 @kernel
-def error(plan: Plan, side: int, h: float) -> float:
+def error(plan: RegimeEngine, side: int, h: float) -> float:
     """|h| e₅² / √(e₅² + e₃²/100) in the norm of the energy, the stop's included, over the tolerance."""
     n, state = plan.contact.shape[1], plan.state
     third, fifth = 0.0, 0.0
@@ -119,7 +128,7 @@ def error(plan: Plan, side: int, h: float) -> float:
 
 
 @kernel
-def load(plan: Plan, pose: Array) -> None:
+def load(plan: RegimeEngine, pose: Array) -> None:
     """state[BEGIN] from ``pose``."""
     n = pose.shape[1]
     for k in range(n):
@@ -127,7 +136,7 @@ def load(plan: Plan, pose: Array) -> None:
 
 
 @kernel
-def store(plan: Plan, pose: Array) -> None:
+def store(plan: RegimeEngine, pose: Array) -> None:
     """``pose`` from state[BEGIN]."""
     n = pose.shape[1]
     for k in range(n):
@@ -135,14 +144,14 @@ def store(plan: Plan, pose: Array) -> None:
 
 
 @kernel
-def take(plan: Plan) -> None:
+def take(plan: RegimeEngine) -> None:
     """state[BEGIN] becomes state[END]."""
     for i in range(plan.state.shape[1]):
         plan.state[BEGIN, i] = plan.state[END, i]
 
 
 @kernel
-def first_step(plan: Plan, side: int) -> float:
+def first_step(plan: RegimeEngine, side: int) -> float:
     """A hundredth of about how long the contact lasts: m d'' = −k d^p from d' = v, m = 1/S."""
     value, rate = depth(plan, plan.state[BEGIN], side)
     power, own = plan.law[EXPONENT] + 1.0, plan.law[STIFFNESS] * plan.law[MOBILITY]
@@ -153,8 +162,8 @@ def first_step(plan: Plan, side: int) -> float:
 
 
 @kernel
-def squeeze(
-    plan: Plan, pose: Array, status: Array, side: int, clock: float, span: float, traced: bool
+def integrate_contact(
+    plan: RegimeEngine, pose: Array, status: Array, side: int, clock: float, span: float, traced: bool
 ) -> tuple[bool, float, int]:
     """On from ``pose`` until d returns to 0, for ``span`` or for ``BATCH`` steps: (whether it did, time, steps).
 
@@ -196,7 +205,7 @@ def squeeze(
 
 
 @kernel
-def growth(plan: Plan, row: int, stage: int, side: int) -> tuple[float, float]:
+def growth(plan: RegimeEngine, row: int, stage: int, side: int) -> tuple[float, float]:
     """F and dF/dt at state[row], whose rate is stages[stage]."""
     value, rate = depth(plan, plan.state[row], side)
     pressed, second, n = force(plan, value, rate), 0.0, plan.contact.shape[1]
@@ -210,7 +219,7 @@ def growth(plan: Plan, row: int, stage: int, side: int) -> tuple[float, float]:
 
 
 @kernel
-def note_peak(plan: Plan, status: Array, side: int, time: float, h: float) -> None:
+def note_peak(plan: RegimeEngine, status: Array, side: int, time: float, h: float) -> None:
     """status[PEAKED] over the step just made; where the force turns inside, at its top."""
     first, rising = growth(plan, BEGIN, 0, side)
     last, falling = growth(plan, END, 12, side)
@@ -235,7 +244,7 @@ def note_peak(plan: Plan, status: Array, side: int, time: float, h: float) -> No
 
 
 @kernel
-def dips(plan: Plan, side: int, h: float) -> bool:
+def dips(plan: RegimeEngine, side: int, h: float) -> bool:
     """Whether the cubic through d and d' at the step's ends goes below 0 between them."""
     p0, s0 = depth(plan, plan.state[BEGIN], side)
     p1, s1 = depth(plan, plan.state[END], side)
@@ -248,7 +257,7 @@ def dips(plan: Plan, side: int, h: float) -> bool:
 
 
 @kernel
-def last_step(plan: Plan, pose: Array, side: int, time: float, h: float) -> float:
+def last_step(plan: RegimeEngine, pose: Array, side: int, time: float, h: float) -> float:
     """The step at whose end d = 0, at most h; ``pose`` receives the state there."""
     low, high, t = 0.0, h, h
     for _ in range(60):
@@ -272,7 +281,7 @@ def last_step(plan: Plan, pose: Array, side: int, time: float, h: float) -> floa
 
 @kernel
 def watch_step(
-    plan: Plan, row: Array, side: int, time: float, h: float, least: float, most: float
+    plan: RegimeEngine, row: Array, side: int, time: float, h: float, least: float, most: float
 ) -> tuple[float, float]:
     """(least, most) widened to row·η over the step just made, which must be ``plain`` for that row.
 
@@ -303,7 +312,7 @@ def watch_step(
 
 
 @kernel
-def read(plan: Plan, row: Array, place: int, stage: int) -> tuple[float, float, float]:
+def read(plan: RegimeEngine, row: Array, place: int, stage: int) -> tuple[float, float, float]:
     """row·η, its rate and curvature at state[place], whose rate is stages[stage]."""
     n, value, rate, bend = row.shape[0], 0.0, 0.0, 0.0
     for k in range(n):
@@ -314,7 +323,7 @@ def read(plan: Plan, row: Array, place: int, stage: int) -> tuple[float, float, 
 
 
 @kernel
-def plain(plan: Plan, row: Array, h: float, least: float, most: float) -> bool:
+def plain(plan: RegimeEngine, row: Array, h: float, least: float, most: float) -> bool:
     """Whether the rate of row·η changes sign at most once over the step just made, or that matters nothing.
 
     By the signs of the Bernstein coefficients of its cubic Hermite interpolant (Descartes); it matters nothing where
@@ -332,7 +341,7 @@ def plain(plan: Plan, row: Array, h: float, least: float, most: float) -> bool:
 
 
 @kernel
-def add_energy_of_step(plan: Plan, h: float, energy: Array) -> None:
+def add_energy_of_step(plan: RegimeEngine, h: float, energy: Array) -> None:
     """Add ∫ ½(η'² + ω²η²) dt of every mode over the step just made, by its own quadrature of order 8."""
     n = energy.shape[0]
     for k in range(n):
@@ -346,7 +355,7 @@ def add_energy_of_step(plan: Plan, h: float, energy: Array) -> None:
 
 
 @kernel
-def squeezed(plan: Plan, pose: Array, side: int, clock: float, duration: float) -> None:
+def integrated_at(plan: RegimeEngine, pose: Array, side: int, clock: float, duration: float) -> None:
     """Set ``pose`` to ``duration`` later in contact, wherever that ends."""
     load(plan, pose)
     h, done, steps = first_step(plan, side), 0.0, 0

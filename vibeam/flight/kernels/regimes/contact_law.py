@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.drive import phase
 from vibeam.flight.kernels.layout import HARMONIC, KAPPA, SPEED, STRENGTH, ZI, ZR, W
-from vibeam.flight.kernels.regimes.block_flow import ROUND_OFF, show
+from vibeam.flight.kernels.regimes.block_flow import ROUND_OFF, set_signal
 from vibeam.flight.kernels.regimes.layout import (
     COEFFICIENT,
     CONSTANT,
@@ -25,7 +25,7 @@ from vibeam.flight.kernels.regimes.layout import (
     VALUE_AT,
     VELOCITY,
     VISCOUS,
-    Plan,
+    RegimeEngine,
 )
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.signal import magnitude, to_node
@@ -74,7 +74,7 @@ def tabulated(curve: Array, velocity: float) -> float:
 
 
 @kernel
-def approach(plan: Plan, pose: Array, side: int) -> float:
+def approach(plan: RegimeEngine, pose: Array, side: int) -> float:
     """Contact velocity towards the stop of that side."""
     total = 0.0
     for k in range(pose.shape[1]):
@@ -83,7 +83,7 @@ def approach(plan: Plan, pose: Array, side: int) -> float:
 
 
 @kernel
-def drift(plan: Plan, pose: Array, side: int) -> float:
+def drift(plan: RegimeEngine, pose: Array, side: int) -> float:
     """The contact velocity that is no more than round-off of what it is the sum of."""
     size = 0.0
     for k in range(pose.shape[1]):
@@ -92,7 +92,7 @@ def drift(plan: Plan, pose: Array, side: int) -> float:
 
 
 @kernel
-def braked(plan: Plan, rates: Array, row: int, k: int) -> float:
+def braked(plan: RegimeEngine, rates: Array, row: int, k: int) -> float:
     """What the damping does to mode k: Σ damper_kj rates_j."""
     if plan.law[COUPLED] == 0.0:
         return float(plan.damping[k] * rates[row, k])
@@ -103,7 +103,7 @@ def braked(plan: Plan, rates: Array, row: int, k: int) -> float:
 
 
 @kernel
-def braked_at_most(plan: Plan, rates: Array, row: int, k: int) -> float:
+def braked_at_most(plan: RegimeEngine, rates: Array, row: int, k: int) -> float:
     """The sizes of its parts, added up."""
     if plan.law[COUPLED] == 0.0:
         return float(plan.damping[k] * abs(rates[row, k]))
@@ -114,7 +114,7 @@ def braked_at_most(plan: Plan, rates: Array, row: int, k: int) -> float:
 
 
 @kernel
-def pull(plan: Plan, pose: Array, side: int, clock: float) -> tuple[float, float]:
+def pull(plan: RegimeEngine, pose: Array, side: int, clock: float) -> tuple[float, float]:
     """Second and third derivative of the contact towards the stop in free motion, each 0 where it is but the round-off
     of what it is the sum of.
     """
@@ -138,14 +138,14 @@ def pull(plan: Plan, pose: Array, side: int, clock: float) -> tuple[float, float
 
 
 @kernel
-def push(plan: Plan, pose: Array, side: int, impulse: float) -> None:
+def push(plan: RegimeEngine, pose: Array, side: int, impulse: float) -> None:
     """η'⁺ = η'⁻ + c p."""
     for k in range(pose.shape[1]):
         pose[1, k] += plan.contact[side, k] * impulse
 
 
 @kernel
-def settle_on_stop(plan: Plan, pose: Array, side: int) -> None:
+def settle_on_stop(plan: RegimeEngine, pose: Array, side: int) -> None:
     """Take contact velocity, and penetration by round-off, out by the least impulse."""
     value = -plan.gaps[side]
     for k in range(pose.shape[1]):
@@ -157,7 +157,7 @@ def settle_on_stop(plan: Plan, pose: Array, side: int) -> None:
 
 @kernel
 def chatter_left(
-    plan: Plan, status: Array, side: int, toward: float, after: float, clock: float
+    plan: RegimeEngine, status: Array, side: int, toward: float, after: float, clock: float
 ) -> tuple[float, float]:
     """Time that the rest of an accumulation of impacts takes, and a bound of its error; (−1, 0) where it is too early.
 
@@ -175,7 +175,7 @@ def chatter_left(
     if after * left > NEAR * (length + abs(plan.gaps[side])):
         return -1.0, 0.0
     free = plan.free
-    _, _, size = show(free, plan.drive, GAP + side, 1.0, clock)
+    _, _, size = set_signal(free, plan.drive, GAP + side, 1.0, clock)
     free.signal[HARMONIC] = sqrt(free.signal[ZR] ** 2 + free.signal[ZI] ** 2)
     to_node(free.pairs)
     jerk = magnitude(free.pairs, free.signal, 3) + att.jerk_bound(free.attached, free.signal)

@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.drive import carried_rate, coarsest_level, exact_period, rest_response
 from vibeam.flight.kernels.layout import AMPLITUDE, COARSEST, MOTION, PERIOD, PERIOD_REST, STRENGTH, W
-from vibeam.flight.kernels.regimes.layout import Plan, Regime
+from vibeam.flight.kernels.regimes.layout import Regime, RegimeEngine
 from vibeam.flight.kernels.roots.levels import tabulate_drive
 
 Array = NDArray[np.float64]
 
 
 @kernel
-def set_drive(plan: Plan, omega: float, amplitude: float) -> None:
+def set_drive(plan: RegimeEngine, omega: float, amplitude: float) -> None:
     """Put the plan under b = amplitude · sin(omega t)."""
     drive = plan.drive
     drive[W], drive[STRENGTH], drive[AMPLITUDE] = omega, omega * omega * amplitude, amplitude

@@ -27,12 +27,12 @@ from vibeam.flight.kernels.layout import (
     WATCHED,
     WHAT,
 )
-from vibeam.flight.kernels.regimes.block_flow import enter, proceed
+from vibeam.flight.kernels.regimes.block_flow import advance_blocks, to_block_coordinates
 from vibeam.flight.kernels.regimes.compiler import entry
-from vibeam.flight.kernels.regimes.contact_integration import squeezed
+from vibeam.flight.kernels.regimes.contact_integration import integrated_at
 from vibeam.flight.kernels.regimes.drive import set_drive
 from vibeam.flight.kernels.regimes.events import advance, at_side, piece_of
-from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT, CURVED, FAMILY, Plan, Room
+from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT, CURVED, FAMILY, RegimeEngine, RegimeWatch
 from vibeam.flight.kernels.regimes.steady_point import watch
 from vibeam.flight.kernels.steady_point import is_unread, note_strobe
 
@@ -43,8 +43,8 @@ WATCHING = 1000  # panels that reading a segment off is as much work as, about
 
 @entry
 def move(
-    plan: Plan, omega: float, amplitude: float, pose: Array, status: Array, span: float, settle: int, hold: int,
-    limit: int, room: Room, counts: NDArray[np.int64],
+    plan: RegimeEngine, omega: float, amplitude: float, pose: Array, status: Array, span: float, settle: int, hold: int,
+    limit: int, room: RegimeWatch, counts: NDArray[np.int64],
 ) -> tuple[int, float]:  # fmt: skip
     """Carry ``pose`` on under one drive: outcome, time done.
 
@@ -69,7 +69,13 @@ def move(
 
 @kernel
 def settled_at(
-    plan: Plan, pose: Array, status: Array, settle: int, limit: int, room: Room, counts: NDArray[np.int64]
+    plan: RegimeEngine,
+    pose: Array,
+    status: Array,
+    settle: int,
+    limit: int,
+    room: RegimeWatch,
+    counts: NDArray[np.int64],
 ) -> int:
     """Carry ``pose`` on to the end of the settling, where it is not there yet, and begin to watch."""
     if counts[WATCHED] > 0:
@@ -85,7 +91,9 @@ def settled_at(
 
 
 @kernel
-def watched(plan: Plan, pose: Array, status: Array, limit: int, room: Room, counts: NDArray[np.int64]) -> int:
+def watched(
+    plan: RegimeEngine, pose: Array, status: Array, limit: int, room: RegimeWatch, counts: NDArray[np.int64]
+) -> int:
     """Carry ``pose`` on to the end of the period, or of the trace, and read off what is traced."""
     if status[DONE] == 0.0:
         counts[SEGMENTS] = 0
@@ -107,7 +115,7 @@ def watched(plan: Plan, pose: Array, status: Array, limit: int, room: Room, coun
 
 @entry
 def poses_at(
-    plan: Plan, omega: float, amplitude: float, trace: Array, poses: Array, which: NDArray[np.int64], after: Array,
+    plan: RegimeEngine, omega: float, amplitude: float, trace: Array, poses: Array, which: NDArray[np.int64], after: Array,
     pose: Array, out: Array,
 ) -> None:  # fmt: skip
     """Set out[i] (2, n) to the pose a time after[i] into segment which[i]."""
@@ -118,12 +126,12 @@ def poses_at(
             pose[0, k], pose[1, k] = poses[segment, 0, k], poses[segment, 1, k]
         clock, what, side = trace[segment, AT_CLOCK], trace[segment, WHAT], int(trace[segment, AT_SIDE])
         if after[i] > 0.0 and what == CONTACT and plan.law[FAMILY] == CURVED:
-            squeezed(plan, pose, side, clock, after[i])
+            integrated_at(plan, pose, side, clock, after[i])
         elif after[i] > 0.0:
             regime = plan.free
             if what != FREE:
                 regime = at_side(plan, side)
-            enter(regime, plan.drive, pose, clock)
-            proceed(regime, plan.drive, pose, clock, after[i])
+            to_block_coordinates(regime, plan.drive, pose, clock)
+            advance_blocks(regime, plan.drive, pose, clock, after[i])
         for k in range(pose.shape[1]):
             out[i, 0, k], out[i, 1, k] = pose[0, k], pose[1, k]

@@ -47,8 +47,14 @@ from vibeam.flight.kernels.layout import (
     UNRESOLVED,
     WHAT,
 )
-from vibeam.flight.kernels.regimes.block_flow import ROUND_OFF, enter, launch, proceed, show
-from vibeam.flight.kernels.regimes.contact_integration import squeeze
+from vibeam.flight.kernels.regimes.block_flow import (
+    ROUND_OFF,
+    advance_blocks,
+    leading_order,
+    set_signal,
+    to_block_coordinates,
+)
+from vibeam.flight.kernels.regimes.contact_integration import integrate_contact
 from vibeam.flight.kernels.regimes.contact_law import (
     approach,
     chatter_left,
@@ -84,8 +90,8 @@ from vibeam.flight.kernels.regimes.layout import (
     STEPPED,
     TOUCHING,
     UNKNOWN,
-    Plan,
     Regime,
+    RegimeEngine,
 )
 from vibeam.flight.kernels.roots.first_root import first_root
 
@@ -112,7 +118,7 @@ NO_CLOCK = -1.0  # tells ``first_root`` that the signal is no gap of uncoupled m
 
 @kernel
 def advance(
-    plan: Plan, pose: Array, status: Array, span: float, most: int, trace: Array, poses: Array,
+    plan: RegimeEngine, pose: Array, status: Array, span: float, most: int, trace: Array, poses: Array,
     counts: NDArray[np.int64],
 ) -> tuple[int, float]:  # fmt: skip
     """Carry ``pose`` and ``status`` on by ``span`` seconds: outcome, time done; as the flight kernels' ``advance``.
@@ -135,7 +141,9 @@ def advance(
             open_segment(trace, poses, pose, status, done, row)
         met, step, peak = -1, left, 0.0
         if status[KIND] == CONTACT and plan.law[FAMILY] == CURVED:
-            found, step, stages = squeeze(plan, pose, status, int(status[SIDE]), status[CLOCK], left, rows > 0)
+            found, step, stages = integrate_contact(
+                plan, pose, status, int(status[SIDE]), status[CLOCK], left, rows > 0
+            )
             met, peak = 0 if found else -1, status[PEAKED]
             counts[PANELS] += stages
             begun -= (STEP_WORK - 1) * stages
@@ -146,11 +154,11 @@ def advance(
             clock, regime = status[CLOCK], plan.free
             if status[KIND] == RESTING or status[KIND] == CONTACT:
                 regime = at_side(plan, int(status[SIDE]))
-            enter(regime, plan.drive, pose, clock)
+            to_block_coordinates(regime, plan.drive, pose, clock)
             watched = 2 if status[KIND] == INSIDE else (int(plan.law[SIDES]) if status[KIND] == FREE else 1)
             for i in range(watched):
                 which, sign = watch_for(status, i)
-                value, rate, size = show(regime, plan.drive, which, sign, clock)
+                value, rate, size = set_signal(regime, plan.drive, which, sign, clock)
                 if not np.isfinite(size):
                     return NOT_FINITE, done
                 order, rise = start_of(regime, status, i, value, rate, size)
@@ -177,7 +185,7 @@ def advance(
                     int(plan.drive[COARSEST]), 0.0, 0.0,
                 )  # fmt: skip
             if step > 0.0:
-                proceed(regime, plan.drive, pose, clock, step)
+                advance_blocks(regime, plan.drive, pose, clock, step)
             if not (np.isfinite(peak) and np.isfinite(pose[0, 0])):
                 return UNRESOLVED, done
         if not np.isfinite(step):
@@ -205,7 +213,7 @@ def advance(
 
 
 @kernel
-def piece_of(plan: Plan, pose: Array) -> int:
+def piece_of(plan: RegimeEngine, pose: Array) -> int:
     """Panels between two pauses."""
     return int(PIECE // ((pose.shape[1] + 8) * (pose.shape[1] if plan.law[COUPLED] > 0.0 else 1)))
 
@@ -234,30 +242,30 @@ def watch_for(status: Array, i: int) -> tuple[int, float]:
 
 @kernel
 def start_of(regime: Regime, status: Array, i: int, value: float, rate: float, size: float) -> tuple[int, float]:
-    """How the signal just shown starts: see ``launch``. A flight knows which stop it left, and how.
+    """How the signal just shown starts: see ``leading_order``. A flight knows which stop it left, and how.
 
     A contact or a retreat that just began knows that its force cannot be negative yet, whatever round-off makes of it.
     """
     if status[KIND] != FREE:
         fresh = status[ORDER] > 0.0 and (status[KIND] == CONTACT or i == 1)
-        return launch(regime, max(value, 0.0) if fresh else value, rate, size)
+        return leading_order(regime, max(value, 0.0) if fresh else value, rate, size)
     if int(status[SIDE]) == i and status[ORDER] > 0.0:
         return int(status[ORDER]), status[RISE]
     return 0, 0.0
 
 
 @kernel
-def follow(plan: Plan, pose: Array, status: Array, met: int, step: float) -> tuple[float, int]:
+def follow(plan: RegimeEngine, pose: Array, status: Array, met: int, step: float) -> tuple[float, int]:
     """What comes after the root of the ``met``-th signal (−1: none): contact velocity before, what it was."""
     kind, side = status[KIND], int(status[SIDE])
     if met < 0:
         status[ORDER] = UNKNOWN if kind == FREE else 0.0
         return 0.0, SPAN_END
     if kind == FREE:
-        return arrive(plan, pose, status, met)
+        return on_contact(plan, pose, status, met)
     if kind == INSIDE:
         if met == 0:
-            leave(plan, pose, status, side)
+            leave_stop(plan, pose, status, side)
         else:
             status[KIND], status[ORDER] = CONTACT, 1.0
         return 0.0, PASS
@@ -266,12 +274,12 @@ def follow(plan: Plan, pose: Array, status: Array, met: int, step: float) -> tup
     elif plan.law[FAMILY] == LINEAR and plan.law[DAMPING] > 0.0:
         status[KIND], status[ORDER] = INSIDE, 1.0  # the force is gone before the penetration is
     else:
-        leave(plan, pose, status, side)
+        leave_stop(plan, pose, status, side)
     return 0.0, RELEASE
 
 
 @kernel
-def at_side(plan: Plan, side: int) -> Regime:
+def at_side(plan: RegimeEngine, side: int) -> Regime:
     """The regime at one of the stops."""
     if side == 0:
         return plan.upper
@@ -304,15 +312,15 @@ def close_segment(trace: Array, row: int, status: Array, step: float, end: int, 
 
 
 @kernel
-def classify(plan: Plan, pose: Array, status: Array) -> int:
+def classify(plan: RegimeEngine, pose: Array, status: Array) -> int:
     """What the motion is in, from its state alone: COMPLETE, or why it cannot be."""
     kind, status[ORDER] = status[KIND], 0.0
     if kind == RESTING and plan.law[FAMILY] == IMPULSIVE:
         return COMPLETE
     status[KIND], status[STEPPED] = FREE, 0.0
     for side in range(int(plan.law[SIDES])):
-        enter(plan.free, plan.drive, pose, status[CLOCK])
-        value, _, size = show(plan.free, plan.drive, GAP + side, 1.0, status[CLOCK])
+        to_block_coordinates(plan.free, plan.drive, pose, status[CLOCK])
+        value, _, size = set_signal(plan.free, plan.drive, GAP + side, 1.0, status[CLOCK])
         if not np.isfinite(size):
             return NOT_FINITE
         if value > ROUND_OFF * size:
@@ -326,12 +334,12 @@ def classify(plan: Plan, pose: Array, status: Array) -> int:
         elif approach(plan, pose, side) > 0.0:
             status[ORDER] = HIT
         else:
-            arrive(plan, pose, status, side)
+            on_contact(plan, pose, status, side)
     return COMPLETE
 
 
 @kernel
-def arrive(plan: Plan, pose: Array, status: Array, side: int) -> tuple[float, int]:
+def on_contact(plan: RegimeEngine, pose: Array, status: Array, side: int) -> tuple[float, int]:
     """On the stop, at whatever velocity: what follows. Velocity before, what it was."""
     speed = approach(plan, pose, side)
     status[SIDE], status[KIND], status[ORDER] = side, FREE, 0.0
@@ -340,7 +348,7 @@ def arrive(plan: Plan, pose: Array, status: Array, side: int) -> tuple[float, in
         return 0.0, PASS
     status[SPEED] = max(status[SPEED], speed)
     if plan.law[FAMILY] == IMPULSIVE:
-        return meet(plan, pose, status, side, speed)
+        return apply_impact(plan, pose, status, side, speed)
     if speed <= drift(plan, pose, side):
         touch(plan, pose, status, side)
         return speed, IMPACT if status[KIND] == CONTACT else PASS
@@ -349,9 +357,9 @@ def arrive(plan: Plan, pose: Array, status: Array, side: int) -> tuple[float, in
 
 
 @kernel
-def touch(plan: Plan, pose: Array, status: Array, side: int) -> None:
+def touch(plan: RegimeEngine, pose: Array, status: Array, side: int) -> None:
     """On a stop that yields, without velocity: into it, away from it, or neither: then it stands there, touching it."""
-    order, rise = lifting(plan, pose, status, side)
+    order, rise = opening_order(plan, pose, status, side)
     status[KIND], status[ORDER], status[RISE], status[STEPPED] = FREE, order, rise, 0.0
     if order == 0:
         settle_on_stop(plan, pose, side)
@@ -361,7 +369,7 @@ def touch(plan: Plan, pose: Array, status: Array, side: int) -> None:
 
 
 @kernel
-def lifting(plan: Plan, pose: Array, status: Array, side: int) -> tuple[int, float]:
+def opening_order(plan: RegimeEngine, pose: Array, status: Array, side: int) -> tuple[int, float]:
     """Order and size of the derivative by which the gap opens from the stop without velocity; −1 where it closes, 0
     where neither can be told from round-off.
     """
@@ -374,18 +382,18 @@ def lifting(plan: Plan, pose: Array, status: Array, side: int) -> tuple[int, flo
 
 
 @kernel
-def meet(plan: Plan, pose: Array, status: Array, side: int, before: float) -> tuple[float, int]:
+def apply_impact(plan: RegimeEngine, pose: Array, status: Array, side: int, before: float) -> tuple[float, int]:
     """The impact by R(v): then flight, chatter's end or rest. Velocity before, what it was."""
     after = restitution(plan.law, plan.curve, before) * before
     push(plan, pose, side, -(before + after) / plan.law[MOBILITY])
     if after <= 0.0:
         settle_on_stop(plan, pose, side)
-        order, rise = lifting(plan, pose, status, side)
+        order, rise = opening_order(plan, pose, status, side)
         status[KIND] = FREE if order > 0 else RESTING
         status[ORDER], status[RISE] = max(order, 0), rise
         return before, IMPACT if order > 0 else STUCK
     toward, _ = pull(plan, pose, side, status[CLOCK])
-    enter(plan.free, plan.drive, pose, status[CLOCK])
+    to_block_coordinates(plan.free, plan.drive, pose, status[CLOCK])
     left, remainder = chatter_left(plan, status, side, toward, after, status[CLOCK])
     if left < 0.0:
         status[ORDER], status[RISE] = 1.0, after
@@ -397,7 +405,7 @@ def meet(plan: Plan, pose: Array, status: Array, side: int, before: float) -> tu
 
 
 @kernel
-def release(plan: Plan, pose: Array, status: Array, side: int, at_root: bool) -> None:
+def release(plan: RegimeEngine, pose: Array, status: Array, side: int, at_root: bool) -> None:
     """Leave the stop where the motion is drawn away from it: with acceleration, or with jerk at the force's root."""
     toward, jerk = pull(plan, pose, side, status[CLOCK])
     if jerk < 0.0 and (at_root or toward >= 0.0):
@@ -407,7 +415,7 @@ def release(plan: Plan, pose: Array, status: Array, side: int, at_root: bool) ->
 
 
 @kernel
-def leave(plan: Plan, pose: Array, status: Array, side: int) -> None:
+def leave_stop(plan: RegimeEngine, pose: Array, status: Array, side: int) -> None:
     """Out of the stop's range."""
     speed = approach(plan, pose, side)
     status[KIND], status[ORDER], status[RISE], status[STEPPED] = FREE, 1.0, -speed, 0.0

@@ -65,7 +65,7 @@ class Regime(NamedTuple):
     signals: Array  # (SIGNALS, 2m + 2)
 
 
-class Plan(NamedTuple):
+class RegimeEngine(NamedTuple):
     """All arrays that one run of one system works on."""
 
     free: Regime
@@ -87,7 +87,7 @@ class Plan(NamedTuple):
     state: Array  # (3, 2n): at the step's start, its end, a stage
 
 
-class Room(NamedTuple):
+class RegimeWatch(NamedTuple):
     """What a point of a sweep is watched with."""
 
     row: Array  # (n,) the output

@@ -23,7 +23,7 @@ from vibeam.flight.kernels.layout import (
     WHAT,
     W,
 )
-from vibeam.flight.kernels.regimes.block_flow import enter, proceed, show
+from vibeam.flight.kernels.regimes.block_flow import advance_blocks, set_signal, to_block_coordinates
 from vibeam.flight.kernels.regimes.contact_integration import (
     MOST_STEPS,
     add_energy_of_step,
@@ -35,7 +35,17 @@ from vibeam.flight.kernels.regimes.contact_integration import (
     watch_step,
 )
 from vibeam.flight.kernels.regimes.events import at_side
-from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT, CURVED, FAMILY, GAP, OUTPUT, Plan, Regime, Room
+from vibeam.flight.kernels.regimes.layout import (
+    AT_SIDE,
+    CONTACT,
+    CURVED,
+    FAMILY,
+    GAP,
+    OUTPUT,
+    Regime,
+    RegimeEngine,
+    RegimeWatch,
+)
 from vibeam.flight.kernels.steady_point import is_unread, note_impact
 
 Array = NDArray[np.float64]
@@ -46,7 +56,7 @@ FINEST = 1e-6  # share of a segment of integrated contact below which a step is 
 
 
 @kernel
-def watch(plan: Plan, room: Room, count: int) -> None:
+def watch(plan: RegimeEngine, room: RegimeWatch, count: int) -> None:
     """Read off the segments just traced."""
     trace, frame, result = room.trace, room.frame, room.result
     for i in range(count):
@@ -68,17 +78,19 @@ def watch(plan: Plan, room: Room, count: int) -> None:
 
 
 @kernel
-def watch_regime(plan: Plan, regime: Regime, room: Room, pose: Array, clock: float, duration: float) -> None:
+def watch_regime(
+    plan: RegimeEngine, regime: Regime, room: RegimeWatch, pose: Array, clock: float, duration: float
+) -> None:
     """One segment in closed form."""
     result, coarsest, gap = room.result, int(plan.drive[COARSEST]), plan.gaps[0]
-    enter(regime, plan.drive, pose, clock)
-    show(regime, plan.drive, GAP, 1.0, clock)
+    to_block_coordinates(regime, plan.drive, pose, clock)
+    set_signal(regime, plan.drive, GAP, 1.0, clock)
     _, widest = extremes(
         regime.pairs, regime.table, regime.levels, regime.signal, regime.attached,
         duration, coarsest, gap - result[CONTACT_LEAST], gap - result[CONTACT_LEAST],
     )  # fmt: skip
     result[CONTACT_LEAST] = gap - widest
-    show(regime, plan.drive, OUTPUT, 1.0, clock)
+    set_signal(regime, plan.drive, OUTPUT, 1.0, clock)
     result[LEAST], result[HIGH] = extremes(
         regime.pairs, regime.table, regime.levels, regime.signal, regime.attached,
         duration, coarsest, result[LEAST], result[HIGH],
@@ -90,20 +102,22 @@ def watch_regime(plan: Plan, regime: Regime, room: Room, pose: Array, clock: flo
     h = duration / panels
     for panel in range(panels):
         for node in range(8):
-            enter(regime, plan.drive, pose, clock)
-            proceed(regime, plan.drive, room.scratch, clock, (panel + NODES[node]) * h)
+            to_block_coordinates(regime, plan.drive, pose, clock)
+            advance_blocks(regime, plan.drive, room.scratch, clock, (panel + NODES[node]) * h)
             add_energy(plan, room, 0.5 * h * WEIGHTS[node])
 
 
 @kernel
-def add_energy(plan: Plan, room: Room, weight: float) -> None:
+def add_energy(plan: RegimeEngine, room: RegimeWatch, weight: float) -> None:
     """weight · (η'² + ω²η²) of the pose in room.scratch."""
     for k in range(room.scratch.shape[1]):
         room.energy[k] += weight * (room.scratch[1, k] ** 2 + plan.spring[k] * room.scratch[0, k] ** 2)
 
 
 @kernel
-def watch_squeezed(plan: Plan, room: Room, pose: Array, clock: float, duration: float, side: int) -> None:
+def watch_squeezed(
+    plan: RegimeEngine, room: RegimeWatch, pose: Array, clock: float, duration: float, side: int
+) -> None:
     """One segment of integrated contact, integrated anew: extremes to round-off, energies by the steps' quadrature."""
     load(plan, pose)
     result, contact, h, done, steps = room.result, plan.contact[0], first_step(plan, side), 0.0, 0
