@@ -15,7 +15,7 @@ the system, but not the one that started there.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,9 @@ from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, CHATTER, DURATION, EN
 from vibeam.flight.linear.propagator import propagators
 
 if TYPE_CHECKING:
-    from vibeam.flight.trajectory import Trajectory
+    from vibeam.flight.solver import Segments
     from vibeam.system.impact_system import Drive, ImpactSystem
+    from vibeam.system.state import State
 
 
 Array = NDArray[np.float64]
@@ -37,6 +38,21 @@ EPSILON = float(np.finfo(float).eps)
 LOST = 0.1  # error of an impact's velocity, as a share of what is usual, from which on it says nothing
 
 STRUCK = (IMPACT, CHATTER, STUCK)
+
+
+class ExactMotion(Protocol):
+    """What the estimate needs of a trajectory."""
+
+    @property
+    def system(self) -> ImpactSystem: ...
+    @property
+    def drive(self) -> Drive: ...
+    @property
+    def segments(self) -> Segments: ...
+    @property
+    def state(self) -> State: ...
+    @property
+    def impact_velocities(self) -> Array: ...
 
 
 @dataclass(frozen=True)
@@ -49,7 +65,7 @@ class Errors:
     meaningful: int  #: impacts before the first whose velocity is known to no better than a tenth of what is usual
 
 
-def errors_of(path: Trajectory, start: Array | None = None) -> Errors:
+def errors_of(path: ExactMotion, start: Array | None = None) -> Errors:
     """The estimated errors of the impacts of ``path``, from round-off alone or from a disturbed start.
 
     ``start``: covariance (2n, 2n) of the error of the first (η, η'); round-off of its values where None. ValueError for
@@ -69,7 +85,7 @@ def errors_of(path: Trajectory, start: Array | None = None) -> Errors:
 class _Walk:
     """The covariance carried along a trajectory, segment by segment."""
 
-    def __init__(self, path: Trajectory, start: Array | None) -> None:
+    def __init__(self, path: ExactMotion, start: Array | None) -> None:
         self.system, self.drive = path.system, path.drive
         self.trace, self.poses = path.segments.trace, path.segments.poses
         last = np.stack([path.state.displacement, path.state.velocity])

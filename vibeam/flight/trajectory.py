@@ -6,12 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam.flight.equilibrium import equilibrium
+from vibeam.flight.exact import exact_solver
 from vibeam.flight.kernels.layout import (
     BEFORE,
     CHATTER,
@@ -26,8 +27,7 @@ from vibeam.flight.kernels.layout import (
     WHAT,
 )
 from vibeam.flight.kernels.regimes.layout import CONTACT, PEAK
-from vibeam.solvers import solver as solver_named
-from vibeam.solvers.warm_up import warm_up_motion
+from vibeam.flight.warm_up import warm_up_motion
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.state import State
@@ -245,12 +245,12 @@ def simulate(
         raise ValueError(f"solver: {solver!r} keeps no exact path, only 'flight' does; its class has motion() instead")
     if certify:
         system.require_plain("a certificate")
-    runner = solver_named(solver, system, drive.omega, end - start)
+    runner = exact_solver(system, drive.omega, end - start)
     warm_up_motion(system, drive)
     ended, last, after, segments, stats = runner.simulate(drive, state, start, end, limit)
     return Trajectory(
         system, drive, start, last, after, ended, stats, runner, segments,
-        _certificate(runner, drive, segments) if certify else None,
+        _certificate(cast("FlightSolver", runner), drive, segments) if certify else None,
     )  # fmt: skip
 
 

@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from vibeam.flight.warm_up import kind_of
 from vibeam.solvers import solver
-from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.impact_system import ImpactSystem
 
 SETTLE, HOLD = 1, 2  # drive periods: the fewest in which a motion can repeat
 
@@ -33,15 +34,7 @@ def warm_up_once(name: str, system: ImpactSystem, omega: float, amplitude: float
         warm_up(name, system, omega, amplitude, output, **options)
 
 
-def warm_up_motion(system: ImpactSystem, drive: Drive) -> None:
-    """A motion of no duration by flight, once a process for systems of the same kind."""
-    kind = _kind("flight", system, {})
-    if kind not in _READY:
-        solver("flight", system, drive.omega, 1.0).simulate(drive, None, 0.0, 0.0, 1)
-        _READY.add(kind)
-
-
 def _kind(name: str, system: ImpactSystem, options: dict[str, Any]) -> tuple[Hashable, ...]:
     """What decides which code runs: the solver, its methods, and what the system has beyond plain modes."""
     methods = tuple(sorted(item for item in options.items() if isinstance(item[1], str)))
-    return name, methods, type(system.law).__name__, system.coupling is None, system.second_gap is None
+    return name, methods, *kind_of(system)

@@ -18,9 +18,7 @@ SESSIONS, NOTE = 32, 240  # room for that many notes, of that many bytes, on run
 
 def provenance() -> dict[str, str]:
     """What made the numbers: versions of vibeam, numpy, numba and Python, the platform, the time (UTC)."""
-    from vibeam import __version__
-
-    versions = {"vibeam": __version__, "numpy": np.__version__, "numba": _version("numba")}
+    versions = {"vibeam": _version("vibeam"), "numpy": np.__version__, "numba": _version("numba")}
     here = {"python": platform.python_version(), "platform": platform.platform()}
     return versions | here | {"time": strftime("%Y-%m-%dT%H:%M:%SZ", gmtime())}
 
