@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -162,7 +163,7 @@ class Flag(Entry):
 class Word(Entry):
     """One of a few words."""
 
-    words: tuple[str, ...]
+    words: Collection[str]
 
     def parse(self, value: Any) -> str:
         """As ``Entry.parse``."""

@@ -18,6 +18,7 @@ from vibeam.flight.trajectory import Trajectory, simulate
 from vibeam.observe.measuring_chain import Chain, Record, measure
 from vibeam.observe.motion import impacts_within, last_periods
 from vibeam.observe.phase_portrait import phase_portrait
+from vibeam.solvers import SOLVERS
 from vibeam.solvers import solver as solver_named
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
@@ -45,6 +46,7 @@ class Settled:
     solver: Any
     state: State | None
     fault: str = ""
+    samples: bool = False  # of the solver: its motion is a row of samples
 
     @property
     def period(self) -> float:
@@ -75,7 +77,7 @@ def settled(case: Case, name: str, frequency: float, plan: ShowPlan) -> Settled:
     ended = Ended.of_code(int(response.ended[0]))
     if ended is not Ended.COMPLETE:
         return Settled(system, drive, made, None, ended.value)
-    return Settled(system, drive, made, state)
+    return Settled(system, drive, made, state, samples=SOLVERS[fidelity.solver].samples)
 
 
 def exact_motion(begin: Settled, periods: float) -> Trajectory:
@@ -114,7 +116,7 @@ def motion_columns(case: Case, name: str, frequency: float, plan: ShowPlan, peri
     begin = settled(case, name, frequency, plan)
     if begin.state is None:
         raise NoMotion(begin.fault)
-    if hasattr(begin.solver, "motion"):
+    if begin.samples:
         return _stepped(begin, begin.state, periods, plan.output)
     path = exact_motion(begin, periods)
     curve = phase_portrait(path, plan.output, periods=periods, points=SAMPLES)

@@ -44,15 +44,29 @@ class ExactMotion(Protocol):
     """What the estimate needs of a trajectory."""
 
     @property
-    def system(self) -> ImpactSystem: ...
+    def system(self) -> ImpactSystem:
+        """Whose motion it is."""
+        ...
+
     @property
-    def drive(self) -> Drive: ...
+    def drive(self) -> Drive:
+        """Under which."""
+        ...
+
     @property
-    def segments(self) -> Segments: ...
+    def segments(self) -> Segments:
+        """Flights and rests, one after another."""
+        ...
+
     @property
-    def state(self) -> State: ...
+    def state(self) -> State:
+        """At the end."""
+        ...
+
     @property
-    def impact_velocities(self) -> Array: ...
+    def impact_velocities(self) -> Array:
+        """Just before each impact, m/s."""
+        ...
 
 
 @dataclass(frozen=True)

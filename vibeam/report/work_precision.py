@@ -18,6 +18,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 
 from vibeam.figures.page import blank_page, legend, titled, write_page
 from vibeam.figures.style import COLOURS, KEY, looks, name_of, shade
+from vibeam.solvers import SOLVERS
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -25,17 +26,6 @@ if TYPE_CHECKING:
     from vibeam.studies.cost.row import RunRow
     from vibeam.studies.cost.study import CostStudy
 
-
-MARKS = {
-    "flight": ("*", 9.0),
-    "orbit": ("P", 6.0),
-    "averaging": ("v", 5.0),
-    "mapping": ("X", 5.5),
-    "direct": ("o", 4.0),
-    "zhuravlev": ("<", 4.5),
-    "ivanov": (">", 4.5),
-    "moreau": ("s", 3.8),
-}
 
 JOINED: dict[str, Any] = {"RK23": "-", "RK45": "--", "DOP853": "-.", "LSODA": ":", "": "-"}
 
@@ -135,7 +125,7 @@ def _point(row: RunRow, pick: Pick) -> tuple[float, float]:
 def _marks(axes: Axes, points: Any, solver: str, colour: Any, full: bool) -> None:
     if not len(points):
         return
-    shape, size = MARKS.get(solver, ("o", 4.0))
+    shape, size = SOLVERS[solver].marker
     face = colour if full else "white"
     axes.plot(*points.T, linestyle="", marker=shape, markersize=size, markerfacecolor=face, markeredgecolor=colour,
               markeredgewidth=0.7, zorder=3)  # fmt: skip
@@ -155,8 +145,9 @@ def _legend(study: CostStudy, case: Case, colours: dict[str, Any]) -> list[Line2
         for name, colour in colours.items()
     ]
     grey = KEY | {"linewidth": 0.0, "markerfacecolor": "0.25"}
-    for solver, (shape, size) in MARKS.items():
+    for solver, declaration in SOLVERS.items():
         if any(row.solver == solver for row in study.rows):
+            shape, size = declaration.marker
             handles.append(Line2D([], [], label=solver, **(grey | {"marker": shape, "markersize": size})))
     methods = [method for method in JOINED if method and any(row.method == method for row in study.rows)]
     handles += [Line2D([], [], color="0.25", linewidth=0.9, linestyle=JOINED[each], label=each) for each in methods]

@@ -22,7 +22,7 @@ from vibeam.run.store.branch import Branch
 from vibeam.run.store.file import Tell, opened
 from vibeam.run.store.reuse import Wanted
 from vibeam.run.store.store import Store
-from vibeam.solvers import knows_curves, solver
+from vibeam.solvers import SOLVERS, solver
 from vibeam.solvers.warm_up import warm_up
 from vibeam.system.response import Branches
 
@@ -70,7 +70,7 @@ def run(
                 _warm_up(case, job)
             costly_first = sorted(jobs, key=lambda job: -job.system.size)
             run_parallel(lambda job, stop: sweep_branches(case, job, store, count, stop), costly_first)
-            curves = {job.name: known_curves(case, job, store) for job in jobs if knows_curves(job.fidelity.solver)}
+            curves = {job.name: known_curves(case, job, store) for job in jobs if SOLVERS[job.fidelity.solver].curves}
             shown = _shown(case, store) if show else {}
         except KeyboardInterrupt:
             raise Interrupted(_how_to_go_on(count, path)) from None

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.solvers import STATIONARY
+from vibeam.solvers import SOLVERS
 from vibeam.solvers import solver as solver_named
 from vibeam.solvers.warm_up import warm_up_once
 from vibeam.system.impact_system import ImpactSystem
@@ -117,7 +117,7 @@ def _moves(grid: Array, drift: ArrayLike | None, wear: float | None, struck: int
     faults: list[str] = []
     worn = 0.0 if wear is None else number("wear", wear, faults, least=0.0)
     refuse("", faults)
-    if wear is not None and solver in STATIONARY:
+    if wear is not None and solver in SOLVERS and SOLVERS[solver].stationary:
         raise ValueError(f"wear: solver {solver!r} counts no impacts on the way to a steady motion: 'flight' does")
     return _Moves(added, worn, struck)
 

@@ -1,15 +1,16 @@
 """Solvers: state in, state out, nothing remembered.
 
 A solver is made for one system and then asked for steady points or for a motion; it never knows which reduction made
-its system. ``solver`` makes one by name.
+its system. ``solver`` makes one by name; ``SOLVERS`` declares them all.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from importlib import import_module
-from inspect import Parameter, signature
 from typing import TYPE_CHECKING, Any, Protocol
+
+from vibeam.solvers.declaration import CostSettings, SolverDeclaration
+from vibeam_models.registry import Registry
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,30 +21,56 @@ if TYPE_CHECKING:
     from vibeam.system.response import FrequencyResponse
     from vibeam.system.state import State
 
-
-HOMES = {
-    "flight": "vibeam.flight.solver:FlightSolver",
-    "orbit": "vibeam.solvers.orbit:OrbitSolver",
-    "averaging": "vibeam.solvers.averaging.solver:AveragingSolver",
-    "mapping": "vibeam.solvers.mapping.solver:MappingSolver",
-    "direct": "vibeam.solvers.integration.direct:DirectSolver",
-    "zhuravlev": "vibeam.solvers.integration.zhuravlev:ZhuravlevSolver",
-    "ivanov": "vibeam.solvers.integration.ivanov:IvanovSolver",
-    "moreau": "vibeam.solvers.integration.moreau:MoreauSolver",
-}
-
-NAMES = tuple(HOMES)
-
-STATIONARY = ("orbit", "averaging", "mapping")  # steady motions by formula: nothing settles, no impact is flown
-
-EXACT = ("flight", "orbit", "mapping")  # whose motion is exact between impacts; the others have samples: ``motion``
-
-GIVEN = ("system", "slowest", "span")  # to every solver
-
-BEYOND_PLAIN = {  # the same name for systems that are more than plain; a solver that is not here cannot take them
-    "flight": "vibeam.flight.regime_solver:RegimeSolver",
-    "direct": "vibeam.solvers.integration.direct:DirectSolver",
-}
+SOLVERS = Registry(
+    "solver",
+    SolverDeclaration(
+        "flight",
+        "vibeam.flight.solver:FlightSolver",
+        beyond_plain="vibeam.flight.regime_solver:RegimeSolver",
+        motion="exact",
+        marker=("*", 9.0),
+    ),
+    SolverDeclaration("orbit", "vibeam.solvers.orbit:OrbitSolver", stationary=True, curves=True, marker=("P", 6.0)),
+    SolverDeclaration(
+        "averaging",
+        "vibeam.solvers.averaging.solver:AveragingSolver",
+        stationary=True,
+        motion="samples",
+        curves=True,
+        settings=CostSettings(options={"paper": {"damping": "paper"}, "log": {"damping": "log"}}),
+        marker=("v", 5.0),
+    ),
+    SolverDeclaration("mapping", "vibeam.solvers.mapping.solver:MappingSolver", stationary=True, marker=("X", 5.5)),
+    SolverDeclaration(
+        "direct",
+        "vibeam.solvers.integration.direct:DirectSolver",
+        beyond_plain="vibeam.solvers.integration.direct:DirectSolver",
+        motion="samples",
+        settings=CostSettings(methods=("RK23", "RK45", "DOP853", "LSODA"), limit=200),
+        marker=("o", 4.0),
+    ),
+    SolverDeclaration(
+        "zhuravlev",
+        "vibeam.solvers.integration.zhuravlev:ZhuravlevSolver",
+        motion="samples",
+        settings=CostSettings(methods=("RK23", "DOP853"), limit=200),
+        marker=("<", 4.5),
+    ),
+    SolverDeclaration(
+        "ivanov",
+        "vibeam.solvers.integration.ivanov:IvanovSolver",
+        motion="samples",
+        settings=CostSettings(methods=("RK23", "DOP853"), limit=20_000),
+        marker=(">", 4.5),
+    ),
+    SolverDeclaration(
+        "moreau",
+        "vibeam.solvers.integration.moreau:MoreauSolver",
+        motion="samples",
+        settings=CostSettings(steps=True),
+        marker=("s", 3.8),
+    ),
+)
 
 
 class Solver(Protocol):
@@ -72,10 +99,9 @@ class CurveSolver(Solver, Protocol):
         ...
 
 
-def knows_curves(name: str) -> bool:
-    """Whether the solver of that name is a ``CurveSolver``."""
-    module, kind = HOMES[name].split(":")
-    return hasattr(getattr(import_module(module), kind), "curves")
+def register_solver(declaration: SolverDeclaration) -> None:
+    """Let case files name a further solver; ValueError where the name is taken."""
+    SOLVERS.add(declaration)
 
 
 def solver(name: str, system: ImpactSystem, slowest: float, span: float = 0.0, **options: Any) -> Any:
@@ -83,25 +109,6 @@ def solver(name: str, system: ImpactSystem, slowest: float, span: float = 0.0, *
 
     ValueError names the solvers or the options that there are, or says why this one cannot take the system.
     """
-    if name not in HOMES:
-        raise ValueError(f"no solver {name!r}: there are {', '.join(NAMES)}")
-    home = HOMES[name]
-    if system.beyond_plain:
-        if name not in BEYOND_PLAIN:
-            system.require_plain(f"solver {name!r}")
-        home = BEYOND_PLAIN[name]
-    module, kind = home.split(":")
-    made = getattr(import_module(module), kind)
-    known = _options_of(made)
-    unknown = [key for key in options if key not in known]
-    if unknown:
-        raise ValueError(f"solver {name!r} has no option {', '.join(unknown)}: there are {', '.join(known) or 'none'}")
-    return made(system, slowest, span, **options)
-
-
-def _options_of(made: type[Any]) -> list[str]:
-    """The options of a solver, those that it hands on to what it is made from among them."""
-    parameters = signature(made).parameters
-    handed_on = any(each.kind is Parameter.VAR_KEYWORD for each in parameters.values())
-    own = [name for name, each in parameters.items() if each.kind is not Parameter.VAR_KEYWORD and name not in GIVEN]
-    return own + (_options_of(made.__mro__[1]) if handed_on else [])
+    if name not in SOLVERS:
+        raise ValueError(f"no solver {name!r}: there are {', '.join(SOLVERS)}")
+    return SOLVERS[name].make(system, slowest, span, options)

@@ -15,7 +15,7 @@ from vibeam.case.faults import CaseError, Fault, printable
 from vibeam.casefile.canonical import to_toml
 from vibeam.casefile.documentation import template
 from vibeam.casefile.read import parse
-from vibeam.solvers import NAMES
+from vibeam.solvers import SOLVERS as DECLARED
 
 RIG = """title = "rig"
 [beam]
@@ -73,7 +73,7 @@ def test_the_text_that_the_wrong_ones_start_from_is_right():
     assert parse(SDOF)
 
 
-SOLVERS = " | ".join(f'"{name}"' for name in NAMES)
+SOLVERS = " | ".join(f'"{name}"' for name in DECLARED)
 WRONG = [
     # keys
     ("density =", "densty =", "7: beam.densty: unknown key; did you mean 'density'?"),

@@ -11,7 +11,7 @@ from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
 from vibeam.figures import KINDS, READ
 from vibeam.figures.sheet import module_of
-from vibeam.solvers import EXACT, HOMES
+from vibeam.solvers import SOLVERS
 from vibeam.studies.regression import expectations as expect
 
 HARMONICS = '[show.it]\nkind = "harmonics"'
@@ -118,9 +118,12 @@ def test_a_filter_has_settled_when_it_says() -> None:
 def test_what_is_declared_is_there() -> None:
     from importlib import import_module
 
-    for name, home in HOMES.items():
-        module, kind = home.split(":")
-        assert (name in EXACT) != hasattr(getattr(import_module(module), kind), "motion")
+    for declared in SOLVERS.values():
+        module, kind = str(declared.home).split(":")
+        made = getattr(import_module(module), kind)
+        methods = {"exact": "simulate", "samples": "motion"}
+        assert {name for name, method in methods.items() if hasattr(made, method)} == {declared.motion} - {"none"}
+        assert declared.curves == hasattr(made, "curves")
     assert len(set(READ)) == len(READ)
     case = free(HARMONICS)
     assert module_of(case.shows["it"]).__name__ == KINDS["harmonics"].home

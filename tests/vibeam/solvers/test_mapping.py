@@ -276,8 +276,7 @@ def test_where_period_one_is_lost_the_point_is_nan_with_its_reason() -> None:
     assert reasons["printed 35-37"] == [Ended.COMPLETE, Ended.COMPLETE, NOTHING_FOUND, Ended.COMPLETE]
 
 
-def test_swept_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(vibeam.solvers.HOMES, "mapping", "vibeam.solvers.mapping.solver:MappingSolver")
+def test_swept_by_name() -> None:
     both = vibeam.sweep(
         system(LOOSE), omega=np.linspace(1.8, 2.2, 9), amplitude=0.5e-3, direction="both", solver="mapping"
     )

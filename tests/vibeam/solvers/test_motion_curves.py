@@ -22,7 +22,7 @@ from vibeam.figures.branches import motion_pieces
 from vibeam.figures.response_curve import write_frc
 from vibeam.orbits.orbit import orbits
 from vibeam.orbits.states import carried
-from vibeam.solvers import NAMES, knows_curves
+from vibeam.solvers import SOLVERS
 from vibeam.solvers.averaging.solver import AveragingSolver
 from vibeam.solvers.orbit import OrbitSolver
 from vibeam.system.impact_system import ImpactSystem
@@ -92,7 +92,7 @@ def test_what_is_flown_is_the_same_to_the_bit_and_knows_of_no_curves(case: Case)
     assert second is not None
     assert same(first, second, but=("cpu_seconds",))
     assert alone.curves == {}
-    assert {name for name in NAMES if not knows_curves(name)} == NO_METHODS
+    assert {name for name, each in SOLVERS.items() if not each.curves} == NO_METHODS
 
 
 def test_the_stable_branch_is_what_is_flown(case: Case) -> None:

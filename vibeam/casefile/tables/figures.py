@@ -26,7 +26,7 @@ from vibeam.casefile.tables.table import (
 )
 from vibeam.figures import KEYS, KINDS, LIMITS, FigureKind
 from vibeam.observe.low_pass import FAMILIES, HIGHEST_ORDER
-from vibeam.solvers import EXACT
+from vibeam.solvers import SOLVERS
 
 
 def figure_checks(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -65,8 +65,10 @@ def _exact(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace, kind: Fi
     who = f'kind = "{show.kind}"' if kind.exact else "[measurement]"
     for name in show.fidelities or tuple(case.fidelity):
         solver = case.fidelity[name].solver if name in case.fidelity else None
-        if solver is not None and solver not in EXACT:
-            cured = f"name in fidelities those by {', '.join(EXACT)}"
+        if solver is not None and SOLVERS[solver].samples:
+            cured = (
+                f"name in fidelities those by {', '.join(name for name, each in SOLVERS.items() if not each.samples)}"
+            )
             yield (*path, "fidelities"), f'{who} needs an exact motion, "{solver}" of {name} gives samples: {cured}'
 
 

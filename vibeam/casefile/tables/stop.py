@@ -11,7 +11,7 @@ from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import NOT_NEGATIVE, POSITIVE, Quantity, Word
 from vibeam.casefile.tables.table import LAWS, Frequency, Place, Speed, Table, Unity, key
-from vibeam.solvers import STATIONARY
+from vibeam.solvers import SOLVERS
 
 NEEDS = {  # keys that a contact law must have; those that it may have
     "restitution": (("restitution",), ()),
@@ -93,7 +93,11 @@ def _drift(stop: SimpleNamespace) -> Iterator[Complaint]:
 def _wear(case: SimpleNamespace) -> Iterator[Complaint]:
     """A fidelity that leaves the wear out is judged by itself, without it."""
     for name, fidelity in case.fidelity.items() if case.stop.wear is not None else ():
-        if fidelity.solver in STATIONARY and not {"stop.wear", "stop"} & {*(fidelity.without or ())}:
+        if (
+            fidelity.solver is not None
+            and SOLVERS[fidelity.solver].stationary
+            and not {"stop.wear", "stop"} & {*(fidelity.without or ())}
+        ):
             yield (
                 ("fidelity", name, "solver"),
                 f"{as_shown_in_message(fidelity.solver)} counts no impacts, so stop.wear has nothing to go by: "

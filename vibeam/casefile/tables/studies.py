@@ -12,7 +12,7 @@ from vibeam.casefile.field_lists import Each, Several
 from vibeam.casefile.fields import POSITIVE, Count, Quantity, Text, Word
 from vibeam.casefile.tables.names import named_fidelity, not_there
 from vibeam.casefile.tables.table import MOST_ELEMENTS, MOST_POINTS, OF_INFLUENCE, Frequency, Periods, Table, key
-from vibeam.solvers import NAMES as SOLVERS
+from vibeam.solvers import SOLVERS
 
 
 def study_checks(case: SimpleNamespace) -> Iterator[Complaint]:

@@ -23,7 +23,7 @@ from vibeam.casefile.tables.table import (
     Table,
     key,
 )
-from vibeam.solvers import NAMES as SOLVERS
+from vibeam.solvers import SOLVERS
 
 
 def plan_checks(case: SimpleNamespace) -> Iterator[Complaint]:

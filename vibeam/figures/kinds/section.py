@@ -42,7 +42,7 @@ def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns
     begin, periods = settled(case, name, frequency, plan), plan.periods or PERIODS
     if begin.state is None:
         raise NoMotion(begin.fault)
-    if hasattr(begin.solver, "motion"):
+    if begin.samples:
         place, speed = _stepped(begin, begin.state, periods, plan.output)
     else:
         found = stroboscopic_section(exact_motion(begin, periods), plan.output, periods=periods)

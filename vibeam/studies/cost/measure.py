@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.solvers import solver
+from vibeam.solvers import SOLVERS, solver
 from vibeam.studies.cost.settings import Setting
 from vibeam.studies.cost.trajectories import ComparedPath, path_of, released
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -110,7 +110,7 @@ def measure(
             each = np.full(plan.cloud, omega)
             watched, state = runner.steady(each, base, state, 0, 1, plan.output)
             clouds[index] = _cloud(watched)
-    path = _path(runner, system, plan) if plan.window else None
+    path = _path(runner, SOLVERS[rung.solver].motion, system, plan) if plan.window else None
     periods = len(plan.omega) * (plan.settle + plan.hold) + len(clouds) * plan.cloud + plan.window * (path is not None)
     return Measured(join(parts), clouds, path, periods)
 
@@ -121,6 +121,6 @@ def _cloud(watched: FrequencyResponse) -> AperiodicSample:
     return AperiodicSample(amplitudes[np.isfinite(amplitudes)], velocities[np.isfinite(velocities)], *counts)
 
 
-def _path(runner: object, system: ImpactSystem, plan: Plan) -> ComparedPath | None:
+def _path(runner: object, motion: str, system: ImpactSystem, plan: Plan) -> ComparedPath | None:
     end = plan.window * 2 * np.pi / plan.drive.omega
-    return path_of(runner, plan.drive, released(system, plan.size), end, plan.output)
+    return path_of(runner, motion, plan.drive, released(system, plan.size), end, plan.output)

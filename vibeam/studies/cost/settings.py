@@ -1,11 +1,13 @@
-"""Every solver's ladder of settings, from the loosest and cheapest to the strictest: declared here, in one place."""
+"""Every solver's ladder of settings, from the loosest and cheapest to the strictest, as its declaration says."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
+
+from vibeam.solvers import SOLVERS
 
 RTOLS = (1e-3, 1e-4, 1e-6, 1e-8, 1e-10)
 
@@ -14,8 +16,6 @@ STEPS = (100, 300, 1000, 3000, 10_000)
 ORDERS = {"RK23": 3, "RK45": 5, "DOP853": 8, "LSODA": 8}  # of a step's error: tolerance^(−1/order) steps
 
 ATOL = 1e-2  # absolute tolerance over relative tolerance and size of the motion: the paper's 1e-8 for 1e-4 and 1e-2
-
-LIMITS = {"direct": 200, "zhuravlev": 200, "ivanov": 20_000}  # events, or evaluations, a period: they give up there
 
 
 @dataclass(frozen=True)
@@ -39,41 +39,26 @@ Ladder = tuple[Setting, ...]
 
 def ladders(solver: str, size: float) -> list[Ladder]:
     """The ladders of one solver for motions of about ``size`` m at the contact; a single point is a ladder of one."""
-    return LADDERS[solver](size)
+    declared = SOLVERS[solver].settings
+    found: list[Ladder] = [(Setting(solver, method=name, options=values),) for name, values in declared.options.items()]
+    found += [_tolerances(solver, method, size, declared.limit) for method in declared.methods]
+    found += [_steps(solver)] if declared.steps else []
+    return found or [(Setting(solver),)]
 
 
-def _single(solver: str, **points: Mapping[str, Any]) -> Callable[[float], list[Ladder]]:
-    rungs: list[Ladder] = [(Setting(solver, method=name, options=options),) for name, options in points.items()]
-    return lambda size: rungs or [(Setting(solver),)]
+def _tolerances(solver: str, method: str, size: float, limit: int) -> Ladder:
+    return tuple(_tolerance(solver, method, size, limit, index) for index in range(len(RTOLS)))
 
 
-def _tolerances(solver: str, *methods: str) -> Callable[[float], list[Ladder]]:
-    return lambda size: [tuple(_tolerance(solver, method, size, i) for i in range(len(RTOLS))) for method in methods]
-
-
-def _tolerance(solver: str, method: str, size: float, index: int) -> Setting:
-    rtol = RTOLS[index]
-    looser = RTOLS[max(index - 1, 0)]
-    options = {"method": method, "rtol": rtol, "atol": ATOL * rtol * size, "limit": LIMITS[solver]}
+def _tolerance(solver: str, method: str, size: float, limit: int, index: int) -> Setting:
+    rtol, looser = RTOLS[index], RTOLS[max(index - 1, 0)]
+    options = {"method": method, "rtol": rtol, "atol": ATOL * rtol * size, "limit": limit}
     return Setting(solver, method, f"rtol {rtol:.0e}", options, (looser / rtol) ** (1 / ORDERS[method]))
 
 
-def _steps(size: float) -> list[Ladder]:
+def _steps(solver: str) -> Ladder:
     grown = [1.0, *(fine / coarse for coarse, fine in pairwise(STEPS))]
-    rungs = [
-        Setting("moreau", "", f"{count} steps", {"steps": count}, grow)
-        for count, grow in zip(STEPS, grown, strict=True)
-    ]
-    return [tuple(rungs)]
-
-
-LADDERS: dict[str, Callable[[float], list[Ladder]]] = {
-    "flight": _single("flight"),
-    "orbit": _single("orbit"),
-    "averaging": _single("averaging", paper={"damping": "paper"}, log={"damping": "log"}),
-    "mapping": _single("mapping"),
-    "direct": _tolerances("direct", "RK23", "RK45", "DOP853", "LSODA"),
-    "zhuravlev": _tolerances("zhuravlev", "RK23", "DOP853"),
-    "ivanov": _tolerances("ivanov", "RK23", "DOP853"),
-    "moreau": _steps,
-}
+    return tuple(
+        Setting(solver, "", f"{count} steps", {"steps": count}, growth)
+        for count, growth in zip(STEPS, grown, strict=True)
+    )

@@ -12,7 +12,7 @@ import numpy as np
 
 from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.run.models import CUT_SOLVERS, Model, built, finest, models
-from vibeam.solvers import NAMES
+from vibeam.solvers import SOLVERS
 from vibeam.studies.cost.error_split import Split, split
 from vibeam.studies.cost.measure import Clock, Measured, OutOfTime, Plan, measure
 from vibeam.studies.cost.planning import Planning
@@ -32,8 +32,6 @@ PROBE = 2  # drive periods of the warm-up, by which the cost of a ladder's first
 SHARE = 0.01  # of the budget that may go into repeating a run
 
 STIFF = 1e-5  # seconds, at least, that scipy's solvers take for a radian of the fastest mode
-
-FORMULAS = ("orbit", "averaging", "mapping")  # whose cost does not grow with the periods
 
 Progress = Callable[[str], None]
 
@@ -110,7 +108,7 @@ class _Studied:
         for model in self.models:
             self._warm(FLIGHT, [model])
         smallest_first = sorted(self.models, key=lambda model: model.system.size)
-        for name in self.asked.solvers or NAMES:
+        for name in self.asked.solvers or SOLVERS:
             for ladder in ladders(name, 1.0):
                 self._warm(ladder[0], smallest_first)
 
@@ -140,7 +138,7 @@ class _Studied:
         self.ready = self.clock()
         left_out = run_schedule(tracks, self._left, self._climbed)
         order = {model.name: index for index, model in enumerate(self.models)}
-        rungs = [rung.label for name in NAMES for ladder in ladders(name, 1.0) for rung in ladder]
+        rungs = [rung.label for name in SOLVERS for ladder in ladders(name, 1.0) for rung in ladder]
         rows = sorted(self.rows, key=lambda row: (order[row.fidelity], rungs.index(row.label)))
         grid = tuple(float(each) for each in hertz)
         spent = self.clock() - self.began
@@ -175,7 +173,7 @@ class _Studied:
         """Every ladder on every fidelity that can be climbed; refusals are noted."""
         tracks = []
         for model in self.models:
-            for name in self.asked.solvers or NAMES:
+            for name in self.asked.solvers or SOLVERS:
                 if model.cut and name not in CUT_SOLVERS:
                     continue
                 try:
@@ -196,7 +194,7 @@ class _Studied:
         short = replace(plan.at(len(plan.omega) // 2), settle=0, hold=PROBE, cloud=0, window=0)
         begun = self.clock()
         measure(model.system, rung, short)
-        times = 1 if rung.solver in FORMULAS else (plan.settle + plan.hold) / PROBE
+        times = 1 if SOLVERS[rung.solver].stationary else (plan.settle + plan.hold) / PROBE
         return (self.clock() - begun) * len(plan.omega) * times
 
     def _climbed(self, fidelity: str, rung: Setting) -> float | None:

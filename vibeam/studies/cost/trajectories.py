@@ -62,11 +62,11 @@ def released(system: ImpactSystem, size: float) -> State:
     return State(displacement, np.zeros(system.size))
 
 
-def path_of(runner: Any, drive: Drive, state: State, end: float, output: str) -> ComparedPath | None:
-    """The path that a solver takes from ``state`` until ``end`` s; None where it keeps none."""
-    if hasattr(runner, "motion"):
+def path_of(runner: Any, motion: str, drive: Drive, state: State, end: float, output: str) -> ComparedPath | None:
+    """The path from ``state`` until ``end`` s by a solver with a ``motion`` as declared; None where it keeps none."""
+    if motion == "samples":
         return _sampled(runner.motion(drive, state, 0.0, end), output)
-    return _exact(runner, drive, state, end, output) if hasattr(runner, "simulate") else None
+    return _exact(runner, drive, state, end, output) if motion == "exact" else None
 
 
 def _exact(runner: Any, drive: Drive, state: State, end: float, output: str) -> ComparedPath:

@@ -1,0 +1,77 @@
+"""What is declared of a solver: all that the case file, the sweep, the studies and the figures know of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from inspect import Parameter, signature
+from typing import Any, Literal
+
+GIVEN = ("system", "slowest", "span")  # to every solver
+
+
+@dataclass(frozen=True)
+class CostSettings:
+    """The settings that a cost study runs: named options, or methods at falling tolerances, or numbers of steps.
+
+    ``limit``: events, or evaluations, a drive period at which a solver with tolerances gives up.
+    """
+
+    options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    methods: tuple[str, ...] = ()
+    limit: int = 0
+    steps: bool = False
+
+
+@dataclass(frozen=True)
+class SolverDeclaration:
+    """A solver: its name in a case file, its class, and what it can take.
+
+    ``home``: the class ``made as Class(system, slowest, span, **options)``, or ``"module:Class"``, imported when it is
+    asked for. ``beyond_plain``: the same for systems with another contact law, coupled damping or a second stop; None
+    where the solver cannot take them. ``stationary``: steady motions by formula, nothing settles. ``motion``:
+    ``"exact"`` trajectories by ``simulate``, ``"samples"`` by ``motion``, or ``"none"`` beyond steady points.
+    ``curves``: it knows all motions of its kind, stable or not. ``marker``: matplotlib's, and its size in points.
+    """
+
+    name: str
+    home: str | type[Any]
+    beyond_plain: str | type[Any] | None = None
+    stationary: bool = False
+    motion: Literal["exact", "samples", "none"] = "none"
+    curves: bool = False
+    settings: CostSettings = field(default_factory=CostSettings)
+    marker: tuple[str, float] = ("D", 4.5)
+
+    @property
+    def samples(self) -> bool:
+        """Whether its motion is a row of samples and not exact between impacts."""
+        return self.motion == "samples"
+
+    def make(self, system: Any, slowest: float, span: float, options: Mapping[str, Any]) -> Any:
+        """The solver of one system; ValueError for what it cannot take."""
+        if system.beyond_plain and self.beyond_plain is None:
+            system.require_plain(f"solver {self.name!r}")
+        made = _class(self.beyond_plain if system.beyond_plain and self.beyond_plain else self.home)
+        known = _options_of(made)
+        unknown = [key for key in options if key not in known]
+        if unknown:
+            there = ", ".join(known) or "none"
+            raise ValueError(f"solver {self.name!r} has no option {', '.join(unknown)}: there are {there}")
+        return made(system, slowest, span, **options)
+
+
+def _class(home: str | type[Any]) -> type[Any]:
+    if not isinstance(home, str):
+        return home
+    module, name = home.split(":")
+    return getattr(import_module(module), name)  # type: ignore[no-any-return]
+
+
+def _options_of(made: type[Any]) -> list[str]:
+    """The options of a solver, those that it hands on to the class that it derives from among them."""
+    parameters = signature(made).parameters
+    handed_on = any(each.kind is Parameter.VAR_KEYWORD for each in parameters.values())
+    own = [name for name, each in parameters.items() if each.kind is not Parameter.VAR_KEYWORD and name not in GIVEN]
+    return own + (_options_of(made.__base__ or object) if handed_on else [])
