@@ -34,6 +34,9 @@ if TYPE_CHECKING:
     from vibeam.run.store.errors import StoreError as StoreError
     from vibeam.run.sweep import sweep as sweep
     from vibeam.studies.cost.study import cost as cost
+    from vibeam.solvers import register_solver as register_solver
+    from vibeam.solvers.declaration import CostSettings as CostSettings
+    from vibeam.solvers.declaration import SolverDeclaration as SolverDeclaration
     from vibeam.studies.derive import derive as derive
     from vibeam.studies.influence.study import influence as influence
     from vibeam.studies.modes import modes as modes
@@ -47,6 +50,8 @@ if TYPE_CHECKING:
     from vibeam.system.state import State as State
     from vibeam_models.structure import Structure as Structure
     from vibeam_reductions.modal import modal as modal
+    from vibeam_reductions.declaration import ReductionDeclaration as ReductionDeclaration
+    from vibeam_reductions.declaration import register_reduction as register_reduction
 
 __version__ = "0.1.0"
 
@@ -86,6 +91,13 @@ _HOMES = {
     "Trajectory": "vibeam.flight.trajectory",
     "Structure": "vibeam_models.structure",
     "modal": "vibeam_reductions.modal",
+}
+_HOMES |= {
+    "CostSettings": "vibeam.solvers.declaration",
+    "SolverDeclaration": "vibeam.solvers.declaration",
+    "register_solver": "vibeam.solvers",
+    "ReductionDeclaration": "vibeam_reductions.declaration",
+    "register_reduction": "vibeam_reductions.declaration",
 }
 _MODULES = ("observe",)  # handed on whole
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.laws.compliant import _law
 from vibeam_models.scene import Scene, SdofScene
+from vibeam_reductions.declaration import REDUCTIONS
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -20,12 +21,9 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 
-ReductionName = Literal["static_mode", "modal", "full"]
-
-
 @dataclass(frozen=True)
 class Fidelity:
-    """How much model: a ``reduction`` (``modes`` of them for ``"modal"``) and what runs it: ``solver``, ``options``.
+    """How much model: a ``reduction`` (``modes`` of them for one that counts) and what runs it: ``solver``, ``options``.
 
     ``changes``: physics keys that are its own, in its scene already; ``without``: those that it leaves out. ``label``:
     its name in figures, None for ``name``.
@@ -34,7 +32,7 @@ class Fidelity:
     """
 
     name: str
-    reduction: ReductionName
+    reduction: str
     modes: int | None = None
     solver: str = "flight"
     options: Mapping[str, str | float] = field(default_factory=dict)
@@ -43,26 +41,16 @@ class Fidelity:
     label: str | None = None
 
     def __post_init__(self) -> None:
-        known = get_args(ReductionName)
-        if self.reduction not in known:
-            raise ValueError(f"fidelity {self.name!r}: no reduction {self.reduction!r}, there are {', '.join(known)}")
-        if (self.modes is not None) != (self.reduction == "modal") or (self.modes is not None and self.modes < 1):
+        if self.reduction not in REDUCTIONS:
+            known = ", ".join(REDUCTIONS)
+            raise ValueError(f"fidelity {self.name!r}: no reduction {self.reduction!r}, there are {known}")
+        if (self.modes is not None) != REDUCTIONS[self.reduction].counts or (self.modes is not None and self.modes < 1):
             raise ValueError(f"fidelity {self.name!r}: modes = {self.modes} with reduction {self.reduction!r}")
 
 
 def reduced(structure: Structure, fidelity: Fidelity) -> Structure:
     """``structure`` made as small as ``fidelity`` says; ValueError for more modes than it has."""
-    if fidelity.reduction == "static_mode":
-        from vibeam_reductions.static_mode import static_mode
-
-        return static_mode(structure).structure
-    if fidelity.reduction == "modal":
-        from vibeam_reductions.modal import modal
-
-        return modal(structure, fidelity.modes or 0).structure
-    from vibeam_reductions.modal import full
-
-    return full(structure).structure
+    return REDUCTIONS[fidelity.reduction].make(structure, fidelity.modes).structure
 
 
 def system(scene: Scene | SdofScene, fidelity: Fidelity) -> ImpactSystem:

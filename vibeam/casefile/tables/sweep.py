@@ -17,13 +17,13 @@ from vibeam.casefile.tables.table import (
     MOST_ELEMENTS,
     MOST_POINTS,
     OUTPUTS,
-    REDUCTIONS,
     Frequency,
     Periods,
     Table,
     key,
 )
 from vibeam.solvers import SOLVERS
+from vibeam_reductions.declaration import REDUCTIONS
 
 
 def plan_checks(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -50,10 +50,12 @@ def _modes(case: SimpleNamespace) -> Iterator[Complaint]:
     most, gives = _most_modes(case)
     for name, fidelity in case.fidelity.items():
         path = ("fidelity", name, "modes")
-        if fidelity.reduction == "modal" and fidelity.modes is None:
-            yield path, 'missing: reduction = "modal" needs how many; write modes = 8'
-        elif fidelity.reduction not in ("modal", None) and fidelity.modes is not None:
-            yield path, f'goes with reduction = "modal" alone, not "{fidelity.reduction}"'
+        declared = REDUCTIONS[fidelity.reduction] if fidelity.reduction else None
+        if declared and declared.counts and fidelity.modes is None:
+            yield path, f'missing: reduction = "{declared.name}" needs how many; write modes = 8'
+        elif declared and not declared.counts and fidelity.modes is not None:
+            counting = " or ".join(f'"{each.name}"' for each in REDUCTIONS.values() if each.counts)
+            yield path, f'goes with reduction = {counting} alone, not "{declared.name}"'
         elif fidelity.modes is not None and 0 < most < fidelity.modes:
             yield path, f"{fidelity.modes} are more than the model has: {gives} {most} at most"
 

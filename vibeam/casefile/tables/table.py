@@ -35,8 +35,6 @@ ACCURATE = ("amplitude", "reach", "maximum", "minimum", "impact_velocity")  # wh
 
 FORMATS = ("png", "svg", "pdf")  # of figures
 
-REDUCTIONS = ("static_mode", "modal", "full")
-
 LAWS = ("restitution", "velocity restitution", "linear", "hertz", "hunt-crossley")
 
 MOST_ELEMENTS = 2000
