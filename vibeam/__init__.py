@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case as Case
     from vibeam.case.faults import CaseError as CaseError
     from vibeam.casefile.read import load as load
+    from vibeam.figures import register_figure as register_figure
+    from vibeam.figures.declaration import FigureKind as FigureKind
     from vibeam.flight.trajectory import Outcome as Outcome
     from vibeam.flight.trajectory import Trajectory as Trajectory
     from vibeam.flight.trajectory import simulate as simulate
@@ -33,10 +35,10 @@ if TYPE_CHECKING:
     from vibeam.run.run import run as run
     from vibeam.run.store.errors import StoreError as StoreError
     from vibeam.run.sweep import sweep as sweep
-    from vibeam.studies.cost.study import cost as cost
     from vibeam.solvers import register_solver as register_solver
     from vibeam.solvers.declaration import CostSettings as CostSettings
     from vibeam.solvers.declaration import SolverDeclaration as SolverDeclaration
+    from vibeam.studies.cost.study import cost as cost
     from vibeam.studies.derive import derive as derive
     from vibeam.studies.influence.study import influence as influence
     from vibeam.studies.modes import modes as modes
@@ -49,9 +51,9 @@ if TYPE_CHECKING:
     from vibeam.system.response import FrequencyResponse as FrequencyResponse
     from vibeam.system.state import State as State
     from vibeam_models.structure import Structure as Structure
-    from vibeam_reductions.modal import modal as modal
     from vibeam_reductions.declaration import ReductionDeclaration as ReductionDeclaration
     from vibeam_reductions.declaration import register_reduction as register_reduction
+    from vibeam_reductions.modal import modal as modal
 
 __version__ = "0.1.0"
 
@@ -91,9 +93,9 @@ _HOMES = {
     "Trajectory": "vibeam.flight.trajectory",
     "Structure": "vibeam_models.structure",
     "modal": "vibeam_reductions.modal",
-}
-_HOMES |= {
     "CostSettings": "vibeam.solvers.declaration",
+    "FigureKind": "vibeam.figures.declaration",
+    "register_figure": "vibeam.figures",
     "SolverDeclaration": "vibeam.solvers.declaration",
     "register_solver": "vibeam.solvers",
     "ReductionDeclaration": "vibeam_reductions.declaration",
@@ -105,14 +107,18 @@ __all__ = [
     "Branches",
     "Case",
     "CaseError",
+    "CostSettings",
     "Drive",
     "Ended",
+    "FigureKind",
     "FrequencyResponse",
     "ImpactSystem",
     "Kind",
     "Orbit",
     "Outcome",
+    "ReductionDeclaration",
     "Result",
+    "SolverDeclaration",
     "State",
     "StoreError",
     "Structure",
@@ -132,6 +138,9 @@ __all__ = [
     "orbit_map",
     "orbits",
     "plot",
+    "register_figure",
+    "register_reduction",
+    "register_solver",
     "run",
     "settled_orbit",
     "simulate",

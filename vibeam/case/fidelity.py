@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Fidelity:
-    """How much model: a ``reduction`` (``modes`` of them for one that counts) and what runs it: ``solver``, ``options``.
+    """How much model: a ``reduction`` (to ``modes``, where it counts them) and what runs it: ``solver``, ``options``.
 
     ``changes``: physics keys that are its own, in its scene already; ``without``: those that it leaves out. ``label``:
     its name in figures, None for ``name``.

@@ -7,6 +7,8 @@ import tomllib
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from vibeam.case.faults import KeyPath, as_shown_in_message
 from vibeam.casefile.tables.cases import BeamCase
 from vibeam.casefile.toml import LONG_KEY, TOO_DEEP, key_parts, too_deep
@@ -100,7 +102,7 @@ def _shallow(value: Any) -> Any:
 
 def _toml_value(value: Any) -> Any:
     """The value as the parser would give it: numpy's numbers plain, text read as TOML where it is a TOML value."""
-    value = value.tolist() if hasattr(value, "tolist") else value
+    value = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
     if isinstance(value, str):
         return _from_text(value)
     if isinstance(value, tuple | list):

@@ -1,76 +1,87 @@
 """What a case shows beside its frequency-response curves: each kind of [show.NAME] table is one entry and one module.
 
-A kind's module has ``sheets(case, fidelity, plan)``, the numbers of one fidelity (kept in the results file), and
-``draw(figure, result, plan, sheets)``, which makes the figure of them; ``size(plan)`` (inches) where the usual one will
-not do. A case without such tables loads no kind.
+A case without such tables loads no kind.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from vibeam.figures.declaration import FigureKind
+from vibeam_models.registry import Registry
 
-
-@dataclass(frozen=True)
-class FigureKind:
-    """One kind: where it is, what it shows, the keys that it needs and those that it may have.
-
-    ``reads``: its columns that [expect.NAME] may hold to a number, ``entries``: the column by which one of them is
-    chosen (none: their mean is meant). ``exact``: whether it asks for a motion that is exact between events.
-    """
-
-    home: str
-    meaning: str
-    needs: tuple[str, ...] = ()
-    takes: tuple[str, ...] = ()
-    reads: tuple[str, ...] = ()
-    entries: str = ""
-    exact: bool = False
-
-
+HOME = "vibeam.figures.kinds."
 MOTION = ("periods", "settle", "output")
-
 OVER = ("frequency", *MOTION)
-
 SHARES = ("energy_share", "displacement_share", "velocity_share", "impulse_share")
-
 RINGING = ("ringing_frequency", "counted_frequency", "ringing_decay", "ringing_displacement", "ringing_velocity")
-
 RESTITUTIONS = tuple(f"{how}_restitution" for how in ("true", "adjacent", "extremum", "extrapolated", "first_mode"))
 
-KINDS = {
-    "history": FigureKind("vibeam.figures.kinds.history", "displacement and velocity over time", ("frequency",), MOTION, ("jump",)),
-    "portrait": FigureKind("vibeam.figures.kinds.portrait", "velocity over displacement", ("frequency",), MOTION),
-    "section": FigureKind("vibeam.figures.kinds.section", "one point a drive period", ("frequency",), MOTION),
-    "curve": FigureKind("vibeam.figures.kinds.curve", "another quantity over frequency", ("quantity",)),
-    "boundaries": FigureKind("vibeam.figures.kinds.boundaries", "averaging's limits beside the exact ones", ("quantity",)),
-    "harmonics": FigureKind(
-        "vibeam.figures.kinds.harmonics", "amplitudes at multiples of the drive frequency, bars at a few, lines over many", (),
-        (*OVER, "highest", "subdivision"), ("harmonic",), "order", exact=True,
+FIGURES = Registry(
+    "kind of figure",
+    FigureKind("history", f"{HOME}history", "displacement and velocity over time", ("frequency",), MOTION, ("jump",)),
+    FigureKind("portrait", f"{HOME}portrait", "velocity over displacement", ("frequency",), MOTION),
+    FigureKind("section", f"{HOME}section", "one point a drive period", ("frequency",), MOTION),
+    FigureKind("curve", f"{HOME}curve", "another quantity over frequency", ("quantity",)),
+    FigureKind("boundaries", f"{HOME}boundaries", "averaging's limits beside the exact ones", ("quantity",)),
+    FigureKind(
+        "harmonics",
+        f"{HOME}harmonics",
+        "amplitudes at multiples of the drive frequency, bars at a few, lines over many",
+        takes=(*OVER, "highest", "subdivision"),
+        reads=("harmonic",),
+        entries="order",
+        exact=True,
     ),
-    "spectrum": FigureKind(
-        "vibeam.figures.kinds.spectrum", "amplitude spectra of displacement and velocity", ("frequency",), MOTION, exact=True
+    FigureKind(
+        "spectrum",
+        f"{HOME}spectrum",
+        "amplitude spectra of displacement and velocity",
+        ("frequency",),
+        MOTION,
+        exact=True,
     ),
-    "participation": FigureKind(
-        "vibeam.figures.kinds.participation", "shares of the modes in energy, displacement, velocity and impulse",
-        ("frequency",), MOTION, SHARES, "mode", exact=True,
-    ),
-    "ringing": FigureKind(
-        "vibeam.figures.kinds.ringing", "frequency, by fit and by counted peaks, and size of what rings between impacts",
-        ("near",), OVER, RINGING, exact=True,
-    ),
-    "restitution": FigureKind(
-        "vibeam.figures.kinds.restitution", "the contact's restitution beside what is read off in other ways", (), OVER,
-        RESTITUTIONS, exact=True,
-    ),
-    "modal": FigureKind(
-        "vibeam.figures.kinds.modal", "frequencies and damping ratios of the modes", (), (), ("mode_frequency", "mode_damping"),
+    FigureKind(
+        "participation",
+        f"{HOME}participation",
+        "shares of the modes in energy, displacement, velocity and impulse",
+        ("frequency",),
+        MOTION,
+        SHARES,
         "mode",
+        exact=True,
     ),
-}  # fmt: skip
+    FigureKind(
+        "ringing",
+        f"{HOME}ringing",
+        "frequency, by fit and by counted peaks, and size of what rings between impacts",
+        ("near",),
+        OVER,
+        RINGING,
+        exact=True,
+    ),
+    FigureKind(
+        "restitution",
+        f"{HOME}restitution",
+        "the contact's restitution beside what is read off in other ways",
+        takes=OVER,
+        reads=RESTITUTIONS,
+        exact=True,
+    ),
+    FigureKind(
+        "modal",
+        f"{HOME}modal",
+        "frequencies and damping ratios of the modes",
+        reads=("mode_frequency", "mode_damping"),
+        entries="mode",
+    ),
+)
 
-READ = tuple(dict.fromkeys(name for kind in KINDS.values() for name in kind.reads))
-
+READ = tuple(dict.fromkeys(name for kind in FIGURES.values() for name in kind.reads))
 KEYS = ("frequency", "periods", "settle", "quantity", "output", "near", "highest", "subdivision")  # by kind
 
 #: of the kind ``boundaries``: Q* of eq. 24, Δ_MAX of eq. 26, and the reach and the gap at the exact folds
 LIMITS = ("least_stable_reach", "largest_gap")
+
+
+def register_figure(kind: FigureKind) -> None:
+    """Let case files name a further kind of figure; ValueError where the name is taken."""
+    FIGURES.add(kind)

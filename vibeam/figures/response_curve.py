@@ -32,11 +32,10 @@ from vibeam.figures.style import (
     name_of,
 )
 from vibeam.figures.units import Units, percent, units_for
-from vibeam.run.result import finest_of
 from vibeam.system.response import Array, Ended, FrequencyResponse, complete, modes_of, periodic
 
 if TYPE_CHECKING:
-    from vibeam.run.result import Result
+    from vibeam.figures.comparison import Comparison
     from vibeam.system.impact_system import ImpactSystem
     from vibeam.system.response import Branches
 
@@ -50,16 +49,16 @@ REFERENCES_SHOWN = 60
 FAR = 2.0  # a grazing amplitude so many times what is drawn would press the curves flat
 
 
-def write_frc(result: Result, *paths: Path) -> None:
+def write_frc(result: Comparison, *paths: Path) -> None:
     """Draw amplitude against frequency; the format follows each path's ending (.png, .svg, .pdf)."""
     write_page(lambda: frc(result), paths)
 
 
-def frc(result: Result) -> Figure:
+def frc(result: Comparison) -> Figure:
     """The figure: fidelity by colour, direction by shade and arrows, kinds of motion by line."""
     together = len(result) <= TOGETHER
     figure, grid = _grid(1 if together else len(result), result)
-    units, finest = units_for(result), {name: finest_of(result, name) for name in result}
+    units, finest = units_for(result), result.finest
     panels = []
     for index, (name, look) in enumerate(looks_of(result.case, result).items()):
         own = look if together else Look(look.colour)  # by itself: its dashes tell the kind of motion
@@ -77,7 +76,7 @@ def frc(result: Result) -> Figure:
     return figure
 
 
-def _grid(count: int, result: Result) -> tuple[Figure, Any]:
+def _grid(count: int, result: Comparison) -> tuple[Figure, Any]:
     """Axes that share their scales, the last of each column numbered below."""
     columns = 1 if count == 1 else 2 if count <= 4 else 3
     rows = ceil(count / columns)
@@ -94,7 +93,7 @@ def _grid(count: int, result: Result) -> tuple[Figure, Any]:
 class _Panel:
     """One fidelity on its axes; ``drawn``: what the legend must explain, ``row``: that of its failed marks."""
 
-    def __init__(self, axes: Axes, units: Units, look: Look, result: Result, name: str, row: int) -> None:
+    def __init__(self, axes: Axes, units: Units, look: Look, result: Comparison, name: str, row: int) -> None:
         self.axes, self.units, self.look, self.result, self.name, self.row = axes, units, look, result, name, row
         self.drawn: set[object] = set()
         self.reasons: set[str] = set()
@@ -194,7 +193,7 @@ def grazing(system: ImpactSystem, output: str) -> float:
     return float(left * abs(system.output(output)[0] / system.contact[0]))
 
 
-def _label(figure: Figure, grid: Any, result: Result, units: Units) -> None:
+def _label(figure: Figure, grid: Any, result: Comparison, units: Units) -> None:
     columns = grid.shape[1]
     for axes in [axes for axes in grid.flat if axes.axison][-columns:]:
         axes.set_xlabel(frequency_label(units))
@@ -203,7 +202,7 @@ def _label(figure: Figure, grid: Any, result: Result, units: Units) -> None:
     titled(figure, result.case.figure, result.case.title, "frequency response")
 
 
-def _ghost_called(result: Result, finest: Mapping[str, str]) -> str:
+def _ghost_called(result: Comparison, finest: Mapping[str, str]) -> str:
     names = set(finest.values())
     return name_of(result.case, names.pop()) if len(names) == 1 else "the finest of the same physics"
 

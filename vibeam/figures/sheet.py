@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures import KINDS
+from vibeam.figures import FIGURES
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Column:
-    """One row of numbers: its unit as in ``vibeam.run.store.layout`` (q: the output's, q/s: its rate's), and what it is."""
+    """One row of numbers: its unit as in ``system.quantities`` (q: the output's, q/s: its rate's), and what it is."""
 
     values: Array
     unit: str
@@ -54,7 +54,8 @@ class Sheet:
 
 def module_of(plan: ShowPlan) -> Any:
     """The module of the plan's kind."""
-    return import_module(KINDS[plan.kind].home)
+    home = FIGURES[plan.kind].home
+    return import_module(home) if isinstance(home, str) else home
 
 
 def sheets(case: Case, plan: ShowPlan) -> tuple[Sheet, ...]:

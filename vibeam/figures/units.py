@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.casefile.quantities import FREQUENCIES, LENGTHS, SPEEDS, prefixed
+from vibeam.figures.prefixes import FREQUENCIES, LENGTHS, SPEEDS, prefixed
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.figures.comparison import Comparison
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def units_of(case: Case, length: float = float("nan"), speed: float = float("nan
     return Units(*prefixed(LENGTHS, length), *frequency, *prefixed(SPEEDS, speed))
 
 
-def units_for(result: Result) -> Units:
+def units_for(result: Comparison) -> Units:
     """The units of all figures and tables of a result: by its largest amplitude, and by the speed that goes with it."""
     sizes = [
         (response.amplitude, 2 * pi * response.frequency * response.amplitude)

@@ -1,7 +1,7 @@
 """How far round-off has grown along a motion: from which impact on a single trajectory means nothing.
 
 Disturbances of the state are carried along exactly to first order, over a flight by the modes' propagator, through an
-impact by its saltation matrix (``periodic.multipliers``), over a rest by the constrained system, and what is round-off
+impact by its saltation matrix (``orbits.multipliers``), over a rest by the constrained system, and what is round-off
 of the numbers at hand is added at every event. The covariance P of the error of (η, η') so obeys P⁺ = D P Dᵀ + Q with
 D the disturbance's matrix over the segment and Q the round-off of its end. With contact velocity v and acceleration a
 before it, the impact's own errors follow from

@@ -1,4 +1,4 @@
-"""A motion of no duration, run unmeasured: what an engine loads or compiles at its first call is no cost of a motion."""
+"""A motion of no duration, run unmeasured: what an engine loads at its first call is no cost of a motion."""
 
 from __future__ import annotations
 

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 from matplotlib.figure import Figure
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures import KINDS
+from vibeam.figures import FIGURES
 from vibeam.figures.page import blank_page, legend, paths_of, titled, write_page
 from vibeam.figures.panels import name_faults
 from vibeam.figures.sheet import module_of
 
 if TYPE_CHECKING:
-    from vibeam.run.result import Result
+    from vibeam.figures.comparison import Comparison
 
 
-def write_shown(result: Result, path: Path) -> list[Path]:
+def write_shown(result: Comparison, path: Path) -> list[Path]:
     """Draw every [show.NAME] of the case as ``STEM_NAME`` beside ``path``, in the case's formats; the files written."""
     written = []
     for plan in result.case.shows.values():
@@ -28,7 +28,7 @@ def write_shown(result: Result, path: Path) -> list[Path]:
     return written
 
 
-def figure(result: Result, plan: ShowPlan) -> Figure:
+def figure(result: Comparison, plan: ShowPlan) -> Figure:
     """The figure of one table."""
     made = blank_page(_size(plan), result.case.figure)
     shown = result.shown.get(plan.name, ())
@@ -42,7 +42,7 @@ def figure(result: Result, plan: ShowPlan) -> Figure:
 def _caption(plan: ShowPlan) -> str:
     """What the figure shows."""
     own = getattr(module_of(plan), "caption", None)
-    return str(own(plan)) if own is not None else KINDS[plan.kind].meaning
+    return str(own(plan)) if own is not None else FIGURES[plan.kind].meaning
 
 
 def _handles(made: Figure) -> dict[str, Any]:

@@ -15,10 +15,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from vibeam.casefile.quantities import LENGTHS, prefixed
 from vibeam.figures.axes import say
 from vibeam.figures.outputs import frequency_label, with_unit
 from vibeam.figures.page import PAGE, blank_page, legend, plain, titled, write_page
+from vibeam.figures.prefixes import LENGTHS, prefixed
 from vibeam.figures.style import name_of
 from vibeam.figures.units import units_of
 from vibeam.orbits.bifurcation_functions import Kind

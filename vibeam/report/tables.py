@@ -10,8 +10,8 @@ from rich.console import Console
 from rich.text import Text
 
 from vibeam.casefile.documentation import KeyRow as KeyRow
-from vibeam.casefile.quantities import FREQUENCIES, prefixed
 from vibeam.figures.fit import ReportTable, fitted, needed
+from vibeam.figures.prefixes import FREQUENCIES, prefixed
 from vibeam.figures.units import METRIC, Units, percent
 from vibeam.run.summary import Summary
 from vibeam.studies.derive import DerivedParameter

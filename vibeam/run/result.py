@@ -68,6 +68,11 @@ class Result(Mapping[str, Branches]):
         return sum(len(response) for branches in self.values() for _, response in branches.items())
 
     @property
+    def finest(self) -> dict[str, str]:
+        """For each fidelity the one that it is compared with: see ``finest_of``."""
+        return {name: finest_of(self, name) for name in self}
+
+    @property
     def curves(self) -> dict[str, MotionCurves]:
         """All motions, unstable ones too, of each fidelity whose solver knows them."""
         return {name: branches.curves for name, branches in self._branches.items() if branches.curves is not None}
@@ -106,7 +111,7 @@ class Result(Mapping[str, Branches]):
 
     def plot(self, *paths: str | Path) -> Figure:
         """The figure that ``vibeam run`` writes; written to ``paths`` (.png, .svg, .pdf) where there are any."""
-        from vibeam.report.plot import plot
+        from vibeam.system.plotting import plot
 
         return plot(self, *paths)
 

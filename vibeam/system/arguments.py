@@ -4,16 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam_models.arguments import number, read_only, real, refuse, shown
-
-if TYPE_CHECKING:
-    from vibeam.system.impact_system import ImpactSystem
-
 
 Array = NDArray[np.float64]
 
@@ -24,7 +20,7 @@ LEAST, MOST = 1e-300, 1e300  # of Σ contact², which is divided by
 SYMMETRIC = 1e-9  # share of the largest damping by which two entries may differ, or an eigenvalue be negative
 
 
-def checked(system: ImpactSystem) -> dict[str, Any]:
+def checked(system: Any) -> dict[str, Any]:
     """The fields as floats and read-only arrays; ValueError with every fault."""
     faults: list[str] = []
     clean: dict[str, Any] = {name: read_only(getattr(system, name)) for name in ROWS}
@@ -93,7 +89,7 @@ def _check_contact(contact: Array, faults: list[str]) -> None:
         )
 
 
-def _law(system: ImpactSystem, faults: list[str]) -> tuple[Any, Any]:
+def _law(system: Any, faults: list[str]) -> tuple[Any, Any]:
     """The law and the coefficient of restitution, which a ``Restitution`` is another way to write."""
     if system.law is None:
         return None, system.restitution
@@ -103,9 +99,7 @@ def _law(system: ImpactSystem, faults: list[str]) -> tuple[Any, Any]:
     if isinstance(system.law, Restitution):
         return None, system.law.coefficient
     if not isinstance(system.law, VelocityRestitution | CompliantStop):
-        faults.append(
-            f"law: {shown(system.law)} is no contact law of vibeam_models.laws.restitution or vibeam_models.laws.compliant"
-        )
+        faults.append(f"law: {shown(system.law)} is no contact law of vibeam_models.laws")
     return system.law, system.restitution
 
 

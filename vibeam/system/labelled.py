@@ -2,21 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
-from vibeam.system.quantities import LAYOUT, unit_of
-from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
+from vibeam.system.ended import Ended
+from vibeam.system.quantities import LAYOUT, VELOCITIES_KEPT, unit_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
     from xarray import Dataset
 
 
-Branch = tuple[dict[str, str], FrequencyResponse]  # its labels, such as fidelity and direction, and itself
+class Values(Protocol):
+    """A response: an array of each of its quantities, over frequency."""
+
+    @property
+    def mode_energy(self) -> NDArray[np.float64]:
+        """Of each point and mode, (points, n)."""
+        ...
+
+    @property
+    def ended(self) -> NDArray[np.int64]:
+        """Why each point ended, as a code."""
+        ...
+
+    def __len__(self) -> int: ...
+
+
+Branch = tuple[dict[str, str], Values]  # its labels, such as fidelity and direction, and itself
 
 
 def optional(name: str, what: str) -> Any:
@@ -27,7 +44,7 @@ def optional(name: str, what: str) -> Any:
         raise ImportError(f"{what} needs the package {name}: pip install {name}", name=name) from missing
 
 
-def dataset(response: FrequencyResponse, unit: str = "m") -> Dataset:
+def dataset(response: Values, unit: str = "m") -> Dataset:
     """The response over ``frequency`` (Hz), with dimensions ``mode`` and ``impact``; units and names as attributes.
 
     ``unit``: of the output; "1" of a model without dimensions.
@@ -61,7 +78,7 @@ def joined(parts: Mapping[str, Dataset], dimension: str) -> Dataset:
     return made
 
 
-def frame(branches: list[Branch], unit: str = "m") -> DataFrame:
+def frame(branches: Sequence[Branch], unit: str = "m") -> DataFrame:
     """A row for each point: labels, frequency in Hz and every quantity, ``mode_energy_1`` … in columns of their own.
 
     ``ended`` is the name of an ``Ended``; ``frame.attrs["units"]`` has the unit of each column.
@@ -73,7 +90,7 @@ def frame(branches: list[Branch], unit: str = "m") -> DataFrame:
     return made
 
 
-def _columns(labels: dict[str, str], response: FrequencyResponse) -> dict[str, Any]:
+def _columns(labels: dict[str, str], response: Values) -> dict[str, Any]:
     columns: dict[str, Any] = {name: [label] * len(response) for name, label in labels.items()}
     for name, quantity in LAYOUT.items():
         values = getattr(response, name)

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
+VELOCITIES_KEPT = 16  # of a point: the last impact velocities
+
 #: q: unit of the outputs; q/s: their velocity; E: energy; anything else is the unit itself
 Unit = Literal["q", "q/s", "E", "Hz", "s", "1"]
 

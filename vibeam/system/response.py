@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from enum import Enum
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.system.ended import Ended as Ended
+from vibeam.system.quantities import VELOCITIES_KEPT as VELOCITIES_KEPT
 from vibeam_models.arguments import counted
 
 if TYPE_CHECKING:
@@ -24,36 +25,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-VELOCITIES_KEPT = 16
-
 SINGLE = (  # one number a point, NaN where unknown
     "amplitude", "reach", "maximum", "minimum", "impacts_per_period", "impact_velocity", "rest", "cpu_seconds",
 )  # fmt: skip
-
-
-class Ended(Enum):
-    """Why a computation ended: the value is the message; the order is the code that kernels and files use."""
-
-    COMPLETE = "ran to the end"
-    EVENT_LIMIT = "stopped at the limit of impacts: raise it, or look for an endless chatter (R = 1 on a pressed stop)"
-    PENETRATED = "the start lies beyond the stop: start from a state with contact displacement ≤ gap"
-    NOT_FINITE = "a number overflowed: the response grew beyond all bounds"
-    NOT_RUN = "not run yet"
-    NO_ORBIT = "no stable motion of the kind this solver looks for at this frequency"
-    UNRESOLVED = "the next event was not found in bounded work: some modes are far too fast beside it; keep fewer modes"
-
-    @property
-    def code(self) -> int:
-        """The member's number in files and kernels."""
-        return _CODES[self]
-
-    @classmethod
-    def of_code(cls, code: int) -> Ended:
-        """The member with that number."""
-        return list(cls)[code]
-
-
-_CODES = {member: code for code, member in enumerate(Ended)}
 
 
 @dataclass(frozen=True)
@@ -102,7 +76,7 @@ class FrequencyResponse:
         return f"FrequencyResponse({', '.join(parts)}{f', {failed} not complete' if failed else ''})"
 
     def to_xarray(self) -> Dataset:
-        """A data set over ``frequency`` (Hz), with units as attributes (see ``vibeam.system.labelled``); needs xarray."""
+        """A data set over ``frequency`` (Hz), with units as attributes (``system.labelled``); needs xarray."""
         from vibeam.system.labelled import dataset
 
         return dataset(self)
@@ -115,7 +89,7 @@ class FrequencyResponse:
 
     def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
         """As ``vibeam.report.plot``: the figure of one quantity over frequency, written to ``paths``."""
-        from vibeam.report.plot import plot
+        from vibeam.system.plotting import plot
 
         return plot(self, *paths, quantity=quantity)
 
@@ -167,7 +141,7 @@ class Branches:
 
     def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
         """As of a response, the sweep down lighter."""
-        from vibeam.report.plot import plot
+        from vibeam.system.plotting import plot
 
         return plot(self, *paths, quantity=quantity)
 

@@ -13,7 +13,7 @@ import vibeam
 from vibeam.case.case import Case
 from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
-from vibeam.figures import KINDS
+from vibeam.figures import FIGURES
 from vibeam.figures.kinds.boundaries import limits
 from vibeam.report.figures import figure, write_shown
 from vibeam.run.store.file import read
@@ -176,7 +176,7 @@ def test_a_figure_shows_the_numbers_and_the_stop() -> None:
 @pytest.mark.parametrize(
     ("lines", "fault"),
     [
-        ('kind = "movie"', "kind: 'movie' is not one of " + " | ".join(f'"{name}"' for name in KINDS)),
+        ('kind = "movie"', "kind: 'movie' is not one of " + " | ".join(f'"{name}"' for name in FIGURES)),
         ('kind = "portrait"', 'frequency: missing: kind = "portrait" needs it'),
         ('kind = "curve"\nquantity = "reach"\nperiods = 3', 'periods: kind = "curve" has no use for it: leave it away'),
         ('kind = "curve"\nquantity = "largest_gap"', 'quantity: kind = "curve" shows "amplitude" | "reach" | '

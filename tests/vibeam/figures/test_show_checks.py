@@ -9,7 +9,7 @@ from figures import SDOF, beam, forced, free
 import vibeam
 from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
-from vibeam.figures import KINDS, READ
+from vibeam.figures import FIGURES, READ
 from vibeam.figures.sheet import module_of
 from vibeam.solvers import SOLVERS
 from vibeam.studies.regression import expectations as expect
@@ -126,4 +126,4 @@ def test_what_is_declared_is_there() -> None:
         assert declared.curves == hasattr(made, "curves")
     assert len(set(READ)) == len(READ)
     case = free(HARMONICS)
-    assert module_of(case.shows["it"]).__name__ == KINDS["harmonics"].home
+    assert module_of(case.shows["it"]).__name__ == FIGURES["harmonics"].home

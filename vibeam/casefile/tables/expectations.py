@@ -14,7 +14,7 @@ from vibeam.casefile.field_lists import Value
 from vibeam.casefile.fields import POSITIVE, Quantity, Text, Word
 from vibeam.casefile.tables.names import NAME, named_fidelity
 from vibeam.casefile.tables.table import DIRECTIONS, EXTENTS, QUANTITIES, Frequency, Ratio, Table, key
-from vibeam.figures import KINDS, LIMITS, READ
+from vibeam.figures import FIGURES, LIMITS, READ
 
 
 def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
@@ -55,7 +55,7 @@ def _of_a_figure(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace) 
     show = case.show[expect.show]
     if show.kind is None or expect.quantity is None:
         return
-    kind = KINDS[show.kind]
+    kind = FIGURES[show.kind]
     if expect.quantity not in kind.reads:
         words = " | ".join(f'"{word}"' for word in kind.reads) or "nothing that can be expected"
         yield (*path, "quantity"), f'kind = "{show.kind}" has {words}'

@@ -24,7 +24,8 @@ from vibeam.casefile.tables.table import (
     Table,
     key,
 )
-from vibeam.figures import KEYS, KINDS, LIMITS, FigureKind
+from vibeam.figures import FIGURES, KEYS, LIMITS
+from vibeam.figures.declaration import FigureKind
 from vibeam.observe.low_pass import FAMILIES, HIGHEST_ORDER
 from vibeam.solvers import SOLVERS
 
@@ -36,18 +37,18 @@ def figure_checks(case: SimpleNamespace) -> Iterator[Complaint]:
         for index, fidelity in enumerate(show.fidelities or ()):
             yield from named_fidelity(case, (*path, "fidelities", index), fidelity)
         if show.kind is not None:
-            yield from _keys(path, show, KINDS[show.kind])
-            yield from _exact(case, path, show, KINDS[show.kind])
+            yield from _keys(path, show, FIGURES[show.kind])
+            yield from _exact(case, path, show, FIGURES[show.kind])
             yield from _output(case, (*path, "output"), show.output)
 
 
 def _keys(path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Complaint]:
-    for key in KEYS:
-        given = getattr(show, key) is not None
-        if given and key not in kind.needs + kind.takes:
-            yield (*path, key), f'kind = "{show.kind}" has no use for it: leave it away'
-        elif key in kind.needs and not given:
-            yield (*path, key), f'missing: kind = "{show.kind}" needs it'
+    for name in KEYS:
+        given = getattr(show, name) is not None
+        if given and name not in kind.needs + kind.takes:
+            yield (*path, name), f'kind = "{show.kind}" has no use for it: leave it away'
+        elif name in kind.needs and not given:
+            yield (*path, name), f'missing: kind = "{show.kind}" needs it'
     limits = show.kind == "boundaries"
     if "quantity" in kind.needs and show.quantity is not None and (show.quantity in LIMITS) != limits:
         words = " | ".join(f'"{word}"' for word in (LIMITS if limits else QUANTITIES))
@@ -104,8 +105,8 @@ def measurement_checks(chain: SimpleNamespace | None) -> Iterator[Complaint]:
 class ShowTable(Table):
     """A further figure beside the frequency-response curves, one table each."""
 
-    kind: Annotated[str, Word(tuple(KINDS))] = key(
-        "; ".join(f"{name}: {kind.meaning}" for name, kind in KINDS.items()), "portrait"
+    kind: Annotated[str, Word(FIGURES)] = key(
+        "; ".join(f"{name}: {kind.meaning}" for name, kind in FIGURES.items()), "portrait"
     )
     fidelities: Annotated[tuple[str, ...], Names("fidelities")] = key("whose; absent = all", ["sdof"], ())
     frequency: Annotated[tuple[float, ...] | None, Several(Frequency, alone=True, limit=12)] = key(

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.figures.comparison import Comparison
 
 
 Array = NDArray[np.float64]
@@ -62,7 +62,7 @@ def limits(case: Case, fidelity: str, frequency: Array, quantity: str) -> Array:
     return np.asarray(found, dtype=float)
 
 
-def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """The limit over frequency."""
     case, units, axes = result.case, units_for(result), figure.subplots()
     looks = looks_of(case, plan.fidelities)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.figures.comparison import Comparison
 
 
 LENGTHS = ("amplitude", "reach", "maximum", "minimum")
@@ -45,7 +45,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     return []
 
 
-def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """All fidelities on the same axes, drawn as in the frequency-response curve."""
     case, units, name = result.case, units_for(result), plan.quantity or "amplitude"
     unit, factor = (units.length, units.length_factor) if name in LENGTHS else ("", 1.0)

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
+    from vibeam.figures.comparison import Comparison
     from vibeam.figures.units import Units
-    from vibeam.run.result import Result
 
 
 HIGHEST = 8
@@ -65,7 +65,7 @@ def size(plan: ShowPlan) -> tuple[float, float]:
     return (2.9 * panels + 0.8 if panels > 1 else 5.8, 4.2)
 
 
-def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Bars at few frequencies, lines over many; the mean (order 0) is in the numbers alone."""
     units = units_for(result)
     grid = (_bar_panels if _few(plan) else _line_panels)(figure, result, plan, shown, units)
@@ -83,7 +83,7 @@ def _few(plan: ShowPlan) -> bool:
     return len(plan.frequency) <= FEW
 
 
-def _bar_panels(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...], units: Units) -> Any:
+def _bar_panels(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...], units: Units) -> Any:
     """A panel a frequency, bars side by side for the fidelities."""
     grid = figure.subplots(1, len(plan.frequency), sharey=True, squeeze=False)[0]
     width = 0.8 / len(plan.fidelities) / (plan.subdivision or 1)
@@ -98,7 +98,7 @@ def _bar_panels(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[She
     return grid
 
 
-def _line_panels(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...], units: Units) -> Any:
+def _line_panels(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...], units: Units) -> Any:
     """A panel a fidelity, a line an order."""
     grid = figure.subplots(1, len(plan.fidelities), sharey=True, squeeze=False)[0]
     for axes, name in zip(grid, plan.fidelities, strict=True):

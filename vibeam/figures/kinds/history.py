@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.figures.comparison import Comparison
 
 
 PERIODS = 4
@@ -31,7 +31,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     return sheet_each(plan, fidelity, lambda frequency: motion_columns(case, fidelity, frequency, plan, periods))
 
 
-def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Displacement above velocity, a column a frequency; of coinciding motions the first is the widest line."""
     case, units = result.case, units_for(result)
     grid = figure.subplots(2, len(plan.frequency), sharex=True, sharey="row", squeeze=False)

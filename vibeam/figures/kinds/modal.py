@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.figures.comparison import Comparison
 
 
 MOST = 12  # modes that are drawn; the numbers are of all
@@ -43,7 +43,7 @@ def size(plan: ShowPlan) -> tuple[float, float]:
     return (1.5 * len(plan.fidelities) + 1.4, 3.2)
 
 
-def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """A table: a row a mode, in each column frequency and damping ratio of one fidelity."""
     units, axes = units_for(result), figure.subplots()
     count = min(MOST, max(len(sheet["mode"]) for sheet in shown))

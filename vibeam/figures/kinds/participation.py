@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.figures.comparison import Comparison
 
 
 PERIODS = 16
@@ -63,7 +63,7 @@ def size(plan: ShowPlan) -> tuple[float, float]:
     return (2.6 * len(plan.frequency) + 2.6, 6.4)
 
 
-def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Bars side by side for the fidelities, on a logarithmic scale."""
     case, units = result.case, units_for(result)
     grid = figure.subplots(len(SHARES), len(plan.frequency), sharex=True, sharey=True, squeeze=False)

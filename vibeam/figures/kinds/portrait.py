@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
+    from vibeam.figures.comparison import Comparison
     from vibeam.figures.units import Units
-    from vibeam.run.result import Result
 
 
 PERIODS = 16
@@ -43,7 +43,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     return sheet_each(plan, fidelity, lambda frequency: motion_columns(case, fidelity, frequency, plan, periods))
 
 
-def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """A panel a frequency."""
     case, units = result.case, units_for(result)
     grid = figure.subplots(1, len(plan.frequency), sharex=True, sharey=True, squeeze=False)[0]

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.figures.comparison import Comparison
 
 
 Array = NDArray[np.float64]
@@ -117,7 +117,7 @@ def size(plan: ShowPlan) -> tuple[float, float]:
     return (2.7 * len(plan.fidelities) + 0.8 if len(plan.fidelities) > 1 else 5.8, 4.4)
 
 
-def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """All readings over frequency, a panel a fidelity; a band is the spread between impacts."""
     case, units = result.case, units_for(result)
     grid = figure.subplots(1, len(plan.fidelities), sharex=True, sharey=True, squeeze=False)[0]

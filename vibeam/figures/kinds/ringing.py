@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.figures.comparison import Comparison
 
 
 PERIODS = 12
@@ -81,7 +81,7 @@ def size(plan: ShowPlan) -> tuple[float, float]:
     return (5.8, 5.4)
 
 
-def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Frequency above, fitted solid and counted dashed; peak velocity below, on the right as displacement."""
     case, units = result.case, units_for(result)
     upper, lower = figure.subplots(2, 1, sharex=True)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.figures.comparison import Comparison
 
 
 Array = NDArray[np.float64]
@@ -67,7 +67,7 @@ def _stepped(begin: Settled, state: State, periods: int, output: str) -> tuple[A
     return place, speed
 
 
-def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """A panel a frequency."""
     case, units = result.case, units_for(result)
     grid = figure.subplots(1, len(plan.frequency), sharex=True, sharey=True, squeeze=False)[0]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.figures.comparison import Comparison
 
 
 PERIODS = 64
@@ -44,7 +44,7 @@ def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns
     }
 
 
-def draw(figure: Figure, result: Result, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Displacement above velocity, a column a frequency."""
     case, units = result.case, units_for(result)
     rows = (("displacement", units.length_factor), ("velocity", units.speed_factor))

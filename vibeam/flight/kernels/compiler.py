@@ -8,6 +8,7 @@ into them without wrappers of their own.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -40,26 +41,27 @@ def summing(function: F) -> F:
 def entry(function: F) -> F:
     """A function that Python calls, compiled when it first is and then kept on disk."""
     dispatcher = njit(**OPTIONS, cache=True)(function)
-    dispatcher._cache = _Cache(function)  # type: ignore[no-untyped-call]
+    dispatcher._cache = _Cache(function)
     return cast(F, dispatcher)
 
 
-def is_compiled(function: Callable[..., Any]) -> bool:
-    """Whether an ``entry`` lies on disk, compiled from the kernels as they are."""
-    index = cast(Any, function)._cache._cache_file._load_index()
-    return any(key[-1] == SOURCES for key in index)
+class _Cache(FunctionCache):
+    """numba's cache notices a change in an entry's own file only; this one in any kernel that it may call."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)  # type: ignore[no-untyped-call]
+        self._sources = digest(EVERY if f".{REGIMES}." in function.__module__ else FLIGHT)
+
+    def _index_key(self, signature: Any, codegen: Any) -> tuple[Any, ...]:
+        return (*super()._index_key(signature, codegen), self._sources)  # type: ignore[no-untyped-call]
 
 
-def _digest() -> str:
-    files = sorted(Path(__file__).parent.glob("*.py"))
+@cache
+def digest(files: tuple[Path, ...]) -> str:
+    """SHA-256 of the files' contents, in hexadecimal."""
     return sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
 
 
-SOURCES = _digest()
-
-
-class _Cache(FunctionCache):
-    """numba's cache notices a change in an entry's own file only; this one in any kernel's."""
-
-    def _index_key(self, signature: Any, codegen: Any) -> tuple[Any, ...]:
-        return (*super()._index_key(signature, codegen), SOURCES)  # type: ignore[no-untyped-call]
+REGIMES = "regimes"  # the folder of the kernels that a plain system never calls
+EVERY = tuple(sorted(Path(__file__).parent.rglob("*.py")))
+FLIGHT = tuple(file for file in EVERY if REGIMES not in file.relative_to(Path(__file__).parent).parts)

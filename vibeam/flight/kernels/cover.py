@@ -1,6 +1,6 @@
 """The intervals that cover a flight: on each a bound says that the gap stays open, on the last that it closes once.
 
-The same walk as ``isolate.first_root``, but along a flight whose end is known, and written down.
+The same walk as ``roots.first_root``, but along a flight whose end is known, and written down.
 """
 
 from __future__ import annotations

@@ -19,6 +19,7 @@ from vibeam.flight.kernels.layout import (
     COARSEST,
     COMPLETE,
     CONST,
+    CONTACT,
     DONE,
     EVENT_LIMIT,
     EVENTS,
@@ -159,11 +160,25 @@ def record_impact(
 
 
 @joined
+def contact_velocity(modes: Array, pose: Array) -> float:
+    """c·η', positive toward the stop; 0 where it is but the round-off of what it is the sum of.
+
+    Of the signal's slope, in which forced and free parts cancel, round-off would make impacts that are none.
+    """
+    velocity, size = 0.0, 0.0
+    for k in range(modes.shape[1]):
+        part = modes[CONTACT, k] * pose[1, k]
+        velocity += part
+        size += abs(part)
+    return velocity if abs(velocity) > ROUND_OFF * size else 0.0
+
+
+@joined
 def free_flight(
     desk: Engine, pose: Array, status: Array, span: float, trace: Array, counts: NDArray[np.int64]
 ) -> tuple[int, float]:
     """One flight and the impact at its end: outcome, duration."""
-    value, slope, size = begin_flight(
+    value, _, size = begin_flight(
         desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, status[PHASE_COS], status[PHASE_SIN]
     )
     if not np.isfinite(size):
@@ -172,9 +187,10 @@ def free_flight(
     if status[ORDER] == 0.0 and value <= ROUND_OFF * size:
         if value < -1e4 * ROUND_OFF * size:
             return PENETRATED, 0.0
-        if slope > 0.0:
-            status[ORDER], status[RISE] = 1.0, slope
-        elif slope < 0.0:
+        approach = contact_velocity(desk.modes, pose)
+        if approach < 0.0:
+            status[ORDER], status[RISE] = 1.0, -approach
+        elif approach > 0.0:
             found = True
         elif lift_or_rest(desk, pose, status) == STUCK:
             return COMPLETE, 0.0

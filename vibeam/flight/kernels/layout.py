@@ -33,7 +33,7 @@ class Engine(NamedTuple):
     to_blocks: Array  # (2(n−1), 2n): block coordinates from (η − held, η')
     from_blocks: Array  # (2n, 2(n−1))
     held: Array  # (n,) contact · gap / Σ contact²
-    cells: Array  # the free system in blocks of modes, see ``cells``; empty where that cannot be
+    cells: Array  # the free system in blocks of modes, see ``lanes.mode_blocks``; empty where that cannot be
     rungs: Array
 
 
@@ -99,7 +99,7 @@ ATTACHED_ROWS = TERM + SERIES
 
 
 # drive (DRIVE_ROWS,): Ω, Ω²B, 2π/Ω in two parts, contact phasor, gap less the static offsets, coarsest level; the stop;
-# the size of the motion where it is known, or infinite; the longest flight that ``volley`` takes on
+# the size of the motion where it is known, or infinite; the longest flight that ``plain_flights_in_lanes`` takes on
 W, STRENGTH, PERIOD, PERIOD_REST, CONTACT_RE, CONTACT_IM, CLEARANCE, COARSEST = range(8)
 
 GAP, RESTITUTION, MOBILITY, REST_FORCE, REST_LOAD, AMPLITUDE, MOTION, LONGEST = range(8, 16)

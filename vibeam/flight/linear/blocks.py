@@ -3,7 +3,7 @@
 z'' + D z' + Λ z + w f = 0 with f = 0 (free), f = (k + c d/dt) w·z (pushed) or w·z = 0 (held). In energy coordinates
 (s z, z'), s = ω (1 for a coordinate without stiffness), the state matrix is nearly normal. Coordinates that nothing
 couples are blocks by themselves, exactly. The others are decoupled by eigenvectors, each refined to round-off
-(``refine``): a complex pair spans a plane in which A is (a b; −b a) up to lengths, two real eigenvalues span one in
+(``eigenpairs``): a complex pair spans a plane in which A is (a b; −b a) up to lengths, two real eigenvalues span one in
 which it is diagonal, two that nearly coincide have one in common.
 """
 

@@ -138,7 +138,7 @@ class ClosedForms:
         return np.ascontiguousarray(values.transpose(2, 0, 1))
 
     def _struck(self, kind: int) -> Array:
-        """What the impact train adds (2, n, points): the Green's functions of ``periodic.sums``, some time after."""
+        """What the impact train adds (2, n, points); the Green's functions of ``orbits.modal_sums``."""
         roots, span = self._points.roots, self._points.total.span
         impulse, since = roots.impulse[:, kind], (2 * np.pi - roots.phase[:, kind]) / self.omega
         hit = self.system.contact != 0

@@ -11,7 +11,7 @@ import numpy as np
 
 from vibeam.case.plans import Expectation
 from vibeam.case.reference_curves import SAME_FREQUENCY
-from vibeam.figures import KINDS, LIMITS
+from vibeam.figures import FIGURES, LIMITS
 from vibeam.studies.regression.references import CheckRow
 from vibeam.system.response import Ended, FrequencyResponse, period_one_range, periodic
 
@@ -128,7 +128,7 @@ def _read_off(expected: Expectation, show: str, result: Result, name: str) -> _F
         return _Found(NAN, sheet.fault)
     values = sheet.of(expected.quantity)
     if expected.number is not None:
-        values = values[np.isclose(sheet[KINDS[plan.kind].entries], expected.number)]
+        values = values[np.isclose(sheet[FIGURES[plan.kind].entries], expected.number)]
     there = values[np.isfinite(values)]
     return _Found(float(np.mean(there))) if len(there) else _Found(NAN, "there is none")
 

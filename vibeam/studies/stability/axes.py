@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.casefile.quantities import LENGTH, LENGTHS, RATIO, VOLTAGE, Dimension, UnitError, prefixed, to_si
+from vibeam.casefile.quantities import LENGTH, RATIO, VOLTAGE, Dimension, UnitError, to_si
+from vibeam.figures.prefixes import LENGTHS, prefixed
 from vibeam.orbits.bifurcation_functions import motions
 from vibeam_models.scene import SdofScene
 

@@ -1,7 +1,7 @@
-"""From impact to impact as long as nothing else happens: the flight that nearly every impact takes, by blocks of modes.
+"""Plain flight by blocks of modes: from one impact to the next clean one, as nearly every impact is reached.
 
-It is the walk over panels of ``isolate`` and the closed form of ``polish``, without what is seldom asked: a flight that
-grazes, that is over within its first panel, whose impact may belong to a chatter is left to ``motion``, untouched.
+It is the walk over panels of ``first_root`` and the closed form of ``newton`` without what is seldom asked: a flight
+that grazes, ends within its first panel, or may belong to a chatter is left to ``events``, untouched.
 """
 
 from __future__ import annotations

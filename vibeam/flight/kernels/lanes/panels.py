@@ -1,6 +1,7 @@
-"""Panels of a plain flight, all modes of a block side by side: what ``panel`` does, on ``cells``.
+"""Panels of a plain flight, all modes of a block side by side: what ``roots.panels`` does, on ``mode_blocks``.
 
-The first question to a panel is the cheapest one that clears it; only where that fails the others of ``hull`` follow.
+The first test of a panel is the cheapest one that clears it; only where that fails the others of ``roots.bounds``
+follow.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from vibeam.flight.kernels.roots.bounds import CLEAR, SPLIT, THIRD, VALUE, verdi
 
 Array = NDArray[np.float64]
 
-OTHER = -1  # neither clear nor to be halved: a panel for ``isolate``
+OTHER = -1  # neither clear nor to be halved: a panel for ``roots.first_root``
 
 
 @joined
@@ -137,8 +138,8 @@ def closer(
     cells: Array, rungs: Array, blocks: int, whole: int, level: int, side: int, h: float, p0: float, s0: float,
     p1: float, s1: float, fourth: float, gone: tuple[float, float, float], tolerance: float, like: Lanes,
 ) -> tuple[int, float, float, float, float, float, float]:  # fmt: skip
-    """``hull.verdict`` on the panel just tried; value and slope of the whole signal at its ends, and at both the second
-    derivative of the pairs that it resolves.
+    """``bounds.verdict`` on the panel just tried; the whole signal's value and slope at its ends, and at both the
+    second derivative of the pairs that it resolves.
 
     ``gone``: bounds on value, slope and curvature of the blocks left out.
     """

@@ -1,4 +1,4 @@
-"""Impact after impact in plain flights, the pairs never leaving their blocks: see ``bounce``."""
+"""Impact after impact in plain flights, the pairs never leaving their blocks: see ``lanes.flight``."""
 
 from __future__ import annotations
 

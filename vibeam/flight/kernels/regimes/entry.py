@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.compiler import kernel
+from vibeam.flight.kernels.compiler import entry, kernel
 from vibeam.flight.kernels.layout import (
     AT_CLOCK,
     CLOCK,
@@ -28,7 +28,6 @@ from vibeam.flight.kernels.layout import (
     WHAT,
 )
 from vibeam.flight.kernels.regimes.block_flow import advance_blocks, to_block_coordinates
-from vibeam.flight.kernels.regimes.compiler import entry
 from vibeam.flight.kernels.regimes.contact_integration import integrated_at
 from vibeam.flight.kernels.regimes.drive import set_drive
 from vibeam.flight.kernels.regimes.events import advance, at_side, piece_of
@@ -115,8 +114,8 @@ def watched(
 
 @entry
 def poses_at(
-    plan: RegimeEngine, omega: float, amplitude: float, trace: Array, poses: Array, which: NDArray[np.int64], after: Array,
-    pose: Array, out: Array,
+    plan: RegimeEngine, omega: float, amplitude: float, trace: Array, poses: Array, which: NDArray[np.int64],
+    after: Array, pose: Array, out: Array,
 ) -> None:  # fmt: skip
     """Set out[i] (2, n) to the pose a time after[i] into segment which[i]."""
     set_drive(plan, omega, amplitude)

@@ -1,7 +1,7 @@
 """The first root of a signal, with proof: no interval is left behind on which a bound does not exclude a root.
 
 Panels are walked from left to right. Each is rejected with proof, or found to hold exactly one root or one minimum, or
-halved (``hull.verdict``).
+halved (``bounds.verdict``).
 """
 
 from __future__ import annotations

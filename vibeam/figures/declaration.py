@@ -1,0 +1,29 @@
+"""What is declared of a kind of figure: where it is, what it shows, which keys of [show.NAME] it takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class FigureKind:
+    """A kind of figure: ``home``, the module of it (or its name, imported when asked for), and what it shows.
+
+    The module has ``sheets(case, fidelity, plan)``, the numbers of one fidelity (kept in the results file), and
+    ``draw(figure, result, plan, sheets)``, which makes the figure of them; ``size(plan)`` (inches) and
+    ``caption(plan)`` where the usual ones will not do.
+
+    ``needs`` and ``takes``: keys of the table that it must and may have. ``reads``: its columns that [expect.NAME] may
+    hold to a number, ``entries``: the column by which one of them is chosen (none: their mean is meant). ``exact``:
+    whether it asks for a motion that is exact between events.
+    """
+
+    name: str
+    home: str | Any
+    meaning: str
+    needs: tuple[str, ...] = ()
+    takes: tuple[str, ...] = ()
+    reads: tuple[str, ...] = ()
+    entries: str = ""
+    exact: bool = False

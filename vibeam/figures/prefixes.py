@@ -1,0 +1,20 @@
+"""Units with prefixes by size: a switch in µm and kHz, a beam in mm and Hz."""
+
+from __future__ import annotations
+
+import math
+
+Steps = tuple[tuple[float, str, float], ...]  # from which SI size on, the unit, factor from SI
+
+LENGTHS: Steps = ((1.0, "m", 1.0), (1e-4, "mm", 1e3), (1e-7, "µm", 1e6), (0.0, "nm", 1e9))
+
+SPEEDS: Steps = ((10.0, "m/s", 1.0), (1e-4, "mm/s", 1e3), (1e-7, "µm/s", 1e6), (0.0, "nm/s", 1e9))
+
+FREQUENCIES: Steps = ((1e10, "GHz", 1e-9), (1e7, "MHz", 1e-6), (1e4, "kHz", 1e-3), (0.0, "Hz", 1.0))
+
+
+def prefixed(steps: Steps, largest: float, usual: int = 1) -> tuple[str, float]:
+    """Unit and factor that suit the ``largest`` SI value; those of step ``usual`` where it is 0 or unknown."""
+    known = math.isfinite(largest) and largest > 0
+    _, name, factor = next(step for step in steps if largest >= step[0]) if known else steps[usual]
+    return name, factor
