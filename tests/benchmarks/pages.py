@@ -1,0 +1,161 @@
+"""Tables of the benchmark page, generated from the committed results.
+
+    python tests/benchmarks/pages.py          # rewrites the tables in README.md beside this file
+    python tests/benchmarks/pages.py --check  # changes nothing; exit code 1 where the page disagrees with the results
+
+A table stands between ``<!-- begin: NAME -->`` and ``<!-- end: NAME -->``; everything outside these markers is kept.
+``against_peers.py`` writes results/peers.json, ``modes.py`` writes results/modes.json.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import sys
+from collections.abc import Callable, Iterable
+from math import floor, log10
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+HERE = Path(__file__).parent
+PAGE, RESULTS = HERE / "README.md", HERE / "results"
+DAMPINGS = ("constant", "stiffness")
+Row = dict[str, Any]
+
+
+def significant(value: float, digits: int = 2) -> str:
+    """``value`` to so many significant digits, without an exponent, thousands apart."""
+    if value == 0:
+        return "0"
+    rounded = float(f"{value:.{digits - 1}e}")
+    decimals = digits - 1 - floor(log10(abs(rounded)))
+    return f"{rounded:,.{max(decimals, 0)}f}".replace(",", " ")
+
+
+def power_of_ten(value: float) -> str:
+    """``value`` as 2e-15: one significant digit."""
+    mantissa, exponent = f"{value:.0e}".split("e")
+    return f"{mantissa}e{int(exponent)}"
+
+
+def markdown(columns: Iterable[str], rows: Iterable[Iterable[str]]) -> str:
+    """A Markdown table: first column to the left, all others to the right."""
+    titles = list(columns)
+    rule = ["---", *["---:"] * (len(titles) - 1)]
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in [titles, rule, *map(list, rows)])
+
+
+def measured(rows: Iterable[Row]) -> list[Row]:
+    """The rows that came to a result."""
+    return [row for row in rows if "failed" not in row]
+
+
+def machine_of(section: dict[str, Any]) -> str:
+    """Processor, cores, versions and load under which a section was measured."""
+    machine, load = section["machine"], section["load"]
+    versions = ", ".join(f"{name} {version}" for name, version in machine["versions"].items())
+    return fill(
+        f"Measured on {machine['cores']} × {machine['processor']}, Python {machine['python']}, {versions}; load "
+        f"average {load['before'][0]:.1f} before, {load['after'][0]:.1f} after; medians of {section['rounds']} rounds.",
+        width=120,
+    )
+
+
+def peers_table(peers: dict[str, Any], _: list[Row]) -> str:
+    """The nominal SDOF sweep: every solver, cost an impact, ratio, errors, impacts missed and invented."""
+    section = peers["sdof"]
+    rows = (
+        [
+            row["name"], significant(row["cost_us"]), significant(row["ratio"]), power_of_ten(row["error_median"]),
+            power_of_ten(row["error_worst"]), str(row.get("missed", 0)), str(row.get("invented", 0)),
+            str(row.get("failed_points", 0)), f"{row['points']} × {row['periods']}",
+        ]
+        for row in measured(section["rows"])
+    )  # fmt: skip
+    columns = (
+        "solver", "µs an impact", "over flight", "median error", "worst", "missed", "invented", "points given up",
+        "points × periods",
+    )  # fmt: skip
+    return f"{markdown(columns, rows)}\n\n{machine_of(section)}"
+
+
+def peers_modes_table(peers: dict[str, Any], _: list[Row]) -> str:
+    """The DTU rig: flight, the fastest peer and heyoka one frequency at a time, over the number of modes."""
+    return markdown(
+        ("modes", "flight, µs an impact", "fastest peer", "µs an impact", "over flight", "heyoka, not batched"),
+        (_modes_row(section) for name, section in peers.items() if name.startswith("modes-")),
+    )
+
+
+def _modes_row(section: dict[str, Any]) -> list[str]:
+    rows = measured(section["rows"])
+    flight = next(row for row in rows if row["name"] == "vibeam flight")
+    others = [row for row in rows if row["peer"] != "vibeam"]
+    fastest = min(others, key=lambda row: float(row["cost_us"]))
+    single = [significant(row["ratio"]) for row in others if row["name"] == "heyoka double precision"]
+    return [
+        str(section["modes"]), significant(flight["cost_us"]), fastest["name"], significant(fastest["cost_us"]),
+        significant(fastest["ratio"]), single[0] if single else "–",
+    ]  # fmt: skip
+
+
+def modes_table(_: dict[str, Any], modes: list[Row]) -> str:
+    """Cost of an impact and panels a flight over the number of modes, by damping."""
+    rows = measured(modes)
+    by_damping = [{row["modes"]: row for row in rows if row["damping"] == law} for law in DAMPINGS]
+    columns = [f"{law}: {what}" for law in DAMPINGS for what in ("modes lasting", "panels", "µs an impact")]
+    sizes = sorted({row["modes"] for row in rows})
+    return markdown(["modes", *columns], ([str(n), *_damping_cells(by_damping, n)] for n in sizes))
+
+
+def _damping_cells(by_damping: Iterable[dict[int, Row]], modes: int) -> Iterable[str]:
+    for rows in by_damping:
+        row = rows.get(modes)
+        if row is None:
+            yield from ("–", "–", "–")
+        else:
+            yield from (str(row["ringing"]), significant(row["panels"]), significant(row["cost_us"]))
+
+
+TABLES: dict[str, Callable[[dict[str, Any], list[Row]], str]] = {
+    "peers": peers_table,
+    "peers by modes": peers_modes_table,
+    "modes": modes_table,
+}
+
+
+def generated(results: Path = RESULTS) -> dict[str, str]:
+    """The tables by name, from the results files in a folder."""
+    peers, modes = (json.loads((results / f"{name}.json").read_text(encoding="utf-8")) for name in ("peers", "modes"))
+    return {name: table(peers, modes) for name, table in TABLES.items()}
+
+
+def with_tables(page: str, tables: dict[str, str]) -> str:
+    """``page`` with every table in its place; ValueError names a table whose pair of markers is not there once."""
+    for name, table in tables.items():
+        begin, end = f"<!-- begin: {name} -->", f"<!-- end: {name} -->"
+        block = re.compile(f"{re.escape(begin)}\n.*?{re.escape(end)}", re.DOTALL)
+        if len(block.findall(page)) != 1:
+            raise ValueError(f"{name}: the page must have {begin} and {end} once, on lines of their own")
+        page = block.sub(lambda _, text=f"{begin}\n{table}\n{end}": text, page)
+    return page
+
+
+def main() -> None:
+    """Rewrite the page, or say whether it agrees."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--check", action="store_true", help="change nothing; exit code 1 where the page disagrees")
+    check = parser.parse_args().check
+    page = PAGE.read_text(encoding="utf-8")
+    renewed = with_tables(page, generated())
+    if renewed == page:
+        return
+    if check:
+        sys.exit(f"{PAGE.name} disagrees with the results: run python tests/benchmarks/pages.py")
+    PAGE.write_text(renewed, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
