@@ -61,7 +61,7 @@ def loaded(code: str) -> list[str]:
 
 
 HELP = """
-from vibeam.cli import main
+from vibeam.cli.main import main
 sys.argv = ["vibeam", "{words}"]
 try:
     main()

@@ -17,7 +17,7 @@ from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.flight.trajectory import Trajectory, simulate
 from vibeam.observe.measuring_chain import Chain, Record, measure
 from vibeam.observe.motion import impacts_within, last_periods
-from vibeam.observe.phase_portrait import phase_portrait
+from vibeam.observe.portrait import phase_portrait
 from vibeam.solvers import SOLVERS
 from vibeam.solvers import solver as solver_named
 from vibeam.system.impact_system import Drive, ImpactSystem

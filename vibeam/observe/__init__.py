@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from vibeam.observe.participation import modal_participation as modal_participation
     from vibeam.observe.periodicity import Rhythm as Rhythm
     from vibeam.observe.periodicity import rhythm as rhythm
-    from vibeam.observe.phase_portrait import Portrait as Portrait
-    from vibeam.observe.phase_portrait import phase_portrait as phase_portrait
     from vibeam.observe.platform_gain import Platform as Platform
     from vibeam.observe.platform_gain import base_per_volt as base_per_volt
     from vibeam.observe.platform_gain import base_velocity_jump as base_velocity_jump
@@ -40,13 +38,15 @@ if TYPE_CHECKING:
     from vibeam.observe.poincare import impact_section as impact_section
     from vibeam.observe.poincare import sampled_section as sampled_section
     from vibeam.observe.poincare import stroboscopic_section as stroboscopic_section
+    from vibeam.observe.portrait import Portrait as Portrait
+    from vibeam.observe.portrait import phase_portrait as phase_portrait
     from vibeam.observe.ringing import CountedPeaks as CountedPeaks
     from vibeam.observe.ringing import Ringing as Ringing
     from vibeam.observe.ringing import count_peaks as count_peaks
     from vibeam.observe.ringing import fit_ringing as fit_ringing
-    from vibeam.observe.slow_part import SlowPart as SlowPart
-    from vibeam.observe.slow_part import further_modes as further_modes
-    from vibeam.observe.slow_part import slow_part as slow_part
+    from vibeam.observe.slow_motion import SlowPart as SlowPart
+    from vibeam.observe.slow_motion import further_modes as further_modes
+    from vibeam.observe.slow_motion import slow_part as slow_part
     from vibeam.observe.spectrum import Spectrum as Spectrum
     from vibeam.observe.spectrum import spectrum_of as spectrum_of
 
@@ -62,10 +62,10 @@ _HOMES = {
     "motion": ("Path",),
     "periodicity": ("Rhythm", "rhythm"),
     "platform_gain": ("Platform", "base_per_volt", "base_velocity_jump", "gain_ratio"),
-    "phase_portrait": ("Portrait", "phase_portrait"),
+    "portrait": ("Portrait", "phase_portrait"),
     "ringing": ("CountedPeaks", "Ringing", "count_peaks", "fit_ringing"),
     "poincare": ("ImpactSection", "Section", "impact_section", "sampled_section", "stroboscopic_section"),
-    "slow_part": ("SlowPart", "further_modes", "slow_part"),
+    "slow_motion": ("SlowPart", "further_modes", "slow_part"),
     "spectrum": ("Spectrum", "spectrum_of"),
 }  # fmt: skip
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam.observe.motion import Path, impacts_within, modes_around_impacts
-from vibeam.observe.slow_part import SlowPart, solved
+from vibeam.observe.slow_motion import SlowPart, solved
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.laws.compliant import CompliantStop
 

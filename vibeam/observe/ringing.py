@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.observe.slow_part import SlowPart, fitted, solved
+from vibeam.observe.slow_motion import SlowPart, fitted, solved
 
 Array = NDArray[np.float64]
 

@@ -84,7 +84,7 @@ def _warm_up(case: Case, job: Job) -> None:
     omega = job.branches[0][1].response.omega[:1]
     base = float(np.ravel(case.amplitude_of(job.name, omega))[0])
     fidelity = job.fidelity
-    warm_up(fidelity.solver, job.system, float(omega[0]), base, case.sweep.output, **fidelity.options)
+    warm_up(fidelity.solver, job.system, float(omega[0]), base, case.sweep.output, fidelity.options)
 
 
 def _silent(done: int, total: int) -> None:

@@ -64,7 +64,7 @@ def march(
     drives = _amplitudes(amplitude, grid)
     system.output(output)
     rate = float(grid.min()) if slowest is None else slowest
-    warm_up_once(solver, system, float(grid[0]), float(drives.flat[0]), output, **(options or {}))
+    warm_up_once(solver, system, float(grid[0]), float(drives.flat[0]), output, options or {})
     if drift is not None or wear is not None:
         drives, moves = np.broadcast_to(drives, grid.shape), _moves(grid, drift, wear, struck, solver)
         yield from _drifting(system, grid, drives, settle, hold, solver, output, state, rate, options or {}, moves)

@@ -109,6 +109,6 @@ def test_naming_fidelities_loads_neither_scipy_nor_scikit_fem():
     root = Path(__file__).parents[3]
     script = (
         f"import sys; sys.path[:0] = [{str(root)!r}, {str(root / 'models')!r}, {str(root / 'reductions')!r}]\n"
-        "import vibeam.case.fidelity, vibeam.derive; assert not {'scipy', 'skfem'} & set(sys.modules)"
+        "import vibeam.case.fidelity, vibeam.studies.derive; assert not {'scipy', 'skfem'} & set(sys.modules)"
     )
     subprocess.run([sys.executable, "-c", script], check=True)

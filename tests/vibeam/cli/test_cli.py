@@ -348,8 +348,8 @@ STOPPED = """
 import importlib, os, signal, sys
 sys.path[:0] = {path!r}
 from stand_in import Solver
-from vibeam import fidelity_sweep
-from vibeam.cli import main
+from vibeam.run import fidelity_sweep
+from vibeam.cli.main import main
 
 def march(*given, **options):
     for i, block in enumerate(Solver(pause=0.05)(*given, **options)):

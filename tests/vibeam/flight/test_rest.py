@@ -229,7 +229,7 @@ def test_rest_after_chatter_is_the_same_rest(mode: int) -> None:
 NO_FORCE = """
 import numpy as np
 import vibeam
-from vibeam.solvers.constrained import constrained
+from vibeam.flight.linear.constrained import constrained
 
 system = vibeam.ImpactSystem.from_modes({modes}, gap=0.0, restitution={restitution})
 start = vibeam.State(np.array({x}), np.array({v}))

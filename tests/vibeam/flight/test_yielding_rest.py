@@ -15,7 +15,7 @@ LAWS = [Hertz(52.7), HuntCrossley(52.7, 0.1), HuntCrossley(52.7, 0.1, 1.0), Line
 RIG = """
 import numpy as np
 import vibeam
-from vibeam_models.compliant import LinearStop
+from vibeam_models.laws.compliant import LinearStop
 
 def rig(damping=104.26741952508146, zeta=0.017, gap=0.0):
     return vibeam.ImpactSystem.from_modes(

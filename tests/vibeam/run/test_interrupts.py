@@ -18,9 +18,9 @@ FOREVER = """
 import os, signal, threading
 import numpy as np
 import vibeam
-from vibeam.solvers import pause
-from vibeam.spread import spread
-from vibeam_models.compliant import HuntCrossley, LinearStop
+from vibeam.flight import pause
+from vibeam.run.parallel import run_parallel
+from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
 system = vibeam.ImpactSystem.from_modes(
     [47.7, 635.0], 0.017, [2.12, 0.31], [0.46, 0.09], restitution=0.72, law={law}
@@ -46,7 +46,7 @@ def fail_soon(item, stop):
     settle_for_ever()
 
 try:
-    spread(fail_soon, range(3), workers=3) if {in_threads} else settle_for_ever()
+    run_parallel(fail_soon, range(3), workers=3) if {in_threads} else settle_for_ever()
 except (KeyboardInterrupt, ZeroDivisionError) as error:
     print(type(error).__name__)
 """

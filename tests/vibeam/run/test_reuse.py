@@ -218,12 +218,13 @@ sys.path[:0] = {path!r}
 from pathlib import Path
 from stand_in import Solver
 from test_reuse import GRID, as_anew, of
-from vibeam import fidelity_sweep, recorder, run as running
+from vibeam.run import fidelity_sweep, recorder
+from vibeam.run.run import run as running
 
 CALLS = ("pwrite", "fsync", "link", "replace", "unlink")
 path, before = Path({file!r}), Path({file!r} + ".before")
 fidelity_sweep.march, recorder.WRITE_EVERY = Solver(), 0.0
-sys.modules["vibeam.run"].warm_up = lambda *given, **options: None
+sys.modules["vibeam.run.run"].warm_up = lambda *given, **options: None
 wanted = of({{"one": 1, "two": 2}}, GRID[:3], "up") if {changed} else of({{"one": 1}}, GRID[:2])
 if {changed}:
     running(of({{"one": 1, "two": 1}}, GRID[:2], "up"), before)

@@ -104,8 +104,8 @@ KILLED = """
 import sys
 sys.path[:0] = {path!r}
 from stand_in import Solver, case
-from vibeam import fidelity_sweep, recorder
-from vibeam.run import run
+from vibeam.run import fidelity_sweep, recorder
+from vibeam.run.run import run
 fidelity_sweep.march, recorder.WRITE_EVERY = Solver(fail_at=20), {every}
 run(case(), {file!r})
 """

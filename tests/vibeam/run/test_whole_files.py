@@ -20,7 +20,7 @@ sys.path[:0] = {path!r}
 from pathlib import Path
 from matplotlib.figure import Figure
 from vibeam.report.output import write_rows
-from vibeam.report.page import write_page
+from vibeam.figures.page import write_page
 resource.setrlimit(resource.RLIMIT_FSIZE, (256, resource.RLIM_INFINITY))
 folder, failed = Path({folder!r}), 0
 writers = [lambda: write_rows([{{"a": number}} for number in range(9999)], folder / "a.csv")]

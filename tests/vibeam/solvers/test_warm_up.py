@@ -17,6 +17,7 @@ import vibeam
 from vibeam.casefile.read import parse
 from vibeam.flight import compilation
 from vibeam.flight import solver as flight
+from vibeam.flight import warm_up as warm_up_motion
 from vibeam.flight.compilation import KERNELS, announce
 from vibeam.run.accuracy import study as accuracy_study
 from vibeam.solvers import warm_up
@@ -53,6 +54,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> SlowFirst:
     monkeypatch.setattr("time.thread_time", clock)
     monkeypatch.setattr(flight, "move", clock.behind("move", flight.move))
     monkeypatch.setattr(warm_up, "_READY", set())
+    monkeypatch.setattr(warm_up_motion, "_READY", set())
     return clock
 
 
@@ -76,7 +78,6 @@ def test_a_sweep_and_a_motion_from_python_do_not_pay_either(clock: SlowFirst) ->
     swept = vibeam.sweep(system, omega=[1.9, 2.0], amplitude=5e-4, settle=2, hold=2)
     assert np.max(swept.cpu_seconds) < 1
     clock.calls.clear()
-    warm_up._READY.clear()
     assert vibeam.simulate(system, vibeam.Drive(2.0, 5e-4), 10.0).stats["cpu_seconds"] < 1
     undriven = vibeam.simulate(system, vibeam.Drive(0.0, 0.0), 10.0)
     assert undriven.ended is vibeam.Ended.COMPLETE

@@ -29,7 +29,7 @@ from vibeam.observe.apparent_restitution import (
     true_restitution,
 )
 from vibeam.observe.motion import impacts_within
-from vibeam.observe.slow_part import further_modes, slow_part
+from vibeam.observe.slow_motion import further_modes, slow_part
 from vibeam_models.laws.compliant import CompliantStop
 
 if TYPE_CHECKING:

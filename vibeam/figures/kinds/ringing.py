@@ -19,7 +19,7 @@ from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import looks_of, name_of
 from vibeam.figures.units import units_for
 from vibeam.observe.ringing import REACH, count_peaks, fit_ringing
-from vibeam.observe.slow_part import SlowPart, slow_part
+from vibeam.observe.slow_motion import SlowPart, slow_part
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -12,7 +12,7 @@ from vibeam.case.fidelity import gap_drift
 from vibeam.flight.trajectory import Trajectory, simulate
 from vibeam.observe.apparent_restitution import extrapolated_restitution
 from vibeam.observe.ringing import fit_ringing
-from vibeam.observe.slow_part import SlowPart, slow_part
+from vibeam.observe.slow_motion import SlowPart, slow_part
 from vibeam.studies.influence.curve import Curve, Step
 from vibeam.studies.influence.quantities import NAN, Value
 from vibeam.system.impact_system import Drive, ImpactSystem

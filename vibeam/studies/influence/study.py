@@ -108,7 +108,7 @@ def _warm_up(case: Case, name: str) -> None:
     """One short point of the fidelity, unmeasured."""
     fidelity, omega = case.fidelities[name], 2 * np.pi * float(case.sweep.frequency[0])
     base = float(np.ravel(case.amplitude_of(name, np.array([omega])))[0])
-    warm_up_once(fidelity.solver, case.system(name), omega, base, case.sweep.output, **fidelity.options)
+    warm_up_once(fidelity.solver, case.system(name), omega, base, case.sweep.output, fidelity.options)
 
 
 class _Studied:
