@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from math import sqrt
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam_models.effects.platform import MovingPlatform, PlatformFilter
-from vibeam_models.scene import Base, Platform, Scene, SdofScene, Shaker
+from vibeam_models.scene import Base, Scene, SdofScene
+
+if TYPE_CHECKING:
+    from vibeam_models.effects.platform import MovingPlatform, Platform, PlatformFilter, Shaker
 
 Array = NDArray[np.float64]
 
@@ -17,7 +20,9 @@ WITHOUT_BOUND = 1e9  # times the static motion: a resonance that only round-off 
 
 def platform_filter(platform: Platform, shaker: Shaker | None) -> PlatformFilter:
     """The platform without the beam, per newton or, with a shaker, per volt."""
-    mechanical = (platform.mass, _damping(platform), platform.stiffness)
+    from vibeam_models.effects.platform import PlatformFilter
+
+    mechanical = (platform.mass, _damping(platform), platform.spring)
     if shaker is None:
         return PlatformFilter(*mechanical)
     return PlatformFilter(*mechanical, shaker.force_factor, shaker.resistance, shaker.inductance)
@@ -28,12 +33,14 @@ def moving_platform(platform: Platform, shaker: Shaker | None, carried: float) -
 
     ValueError for a shaker with inductance: its current would be a state of its own.
     """
+    from vibeam_models.effects.platform import MovingPlatform
+
     if shaker is None:
-        return MovingPlatform(platform.mass, _damping(platform), platform.stiffness, carried)
+        return MovingPlatform(platform.mass, _damping(platform), platform.spring, carried)
     if shaker.inductance:
         raise ValueError("shaker: with inductance the coupling can be one-way only")
     braking = shaker.force_factor**2 / shaker.resistance
-    return MovingPlatform(platform.mass, _damping(platform) + braking, platform.stiffness, carried)
+    return MovingPlatform(platform.mass, _damping(platform) + braking, platform.spring, carried)
 
 
 def amplitude_on_platform(
@@ -45,7 +52,7 @@ def amplitude_on_platform(
     a force or a shaker's voltage.
     """
     alone = platform_filter(platform, shaker)
-    given = _input(base, shaker) if prescribed is None else prescribed / _gain(alone, platform.calibrated_at or 0.0)
+    given = _input(base, shaker) if prescribed is None else prescribed / _gain(alone, platform.calibration or 0.0)
     if platform.coupling == "one-way":
         return np.asarray(given * _gain(alone, omega))
     force = given if shaker is None else given * shaker.force_factor / shaker.resistance
@@ -70,7 +77,7 @@ def _gain(alone: PlatformFilter, omega: Array | float) -> Array:
 
 
 def _damping(platform: Platform) -> float:
-    return 2 * platform.damping_ratio * sqrt(platform.stiffness * platform.mass)
+    return 2 * platform.damping_ratio * sqrt(platform.spring * platform.mass)
 
 
 def base_amplitude(scene: Scene | SdofScene) -> float:

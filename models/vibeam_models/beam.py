@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
 
 import numpy as np
 
 from vibeam_models.damping import damped
-from vibeam_models.scene import Beam, Gravity, Mass, Scene, Torsion
+from vibeam_models.effects import EFFECTS, LAST
+from vibeam_models.scene import Beam, Scene
 from vibeam_models.space import BeamSpace, nodes
 from vibeam_models.structure import Structure, with_inertia
-
-if TYPE_CHECKING:
-    from vibeam_models.effects import Effect
-
 
 NEAR = 1e-3  # share of the length: a node at the stop must be this far from those of mass and rigid zone
 
@@ -32,15 +28,13 @@ def assemble_with_space(scene: Scene) -> tuple[Structure, BeamSpace]:
     """``assemble`` and the finite-element space that its coordinates belong to: rows at any x, mode shapes."""
     _check_positions(scene)
     structure, space = bare_beam(scene.beam, _concentrated(scene))
-    if scene.clamp is not None:
-        from vibeam_models.effects.sprung_clamp import SprungClamp
-
-        structure, space = SprungClamp(scene.clamp.stiffness, scene.beam).apply(structure, space)
+    for effect in scene.effects:
+        if effect.on_bare_beam:
+            structure, space = effect.apply(structure, space, scene)
     structure = _observed(structure, space, scene)
     if scene.mass is not None:
         structure = with_inertia(structure, space.row(scene.mass.position), scene.mass.mass, translation=1.0)
-    for effect in _effects(scene):
-        structure, space = effect.apply(structure, space)
+    structure, space = _applied(structure, space, scene)
     return damped(structure, scene.beam.damping), space
 
 
@@ -88,59 +82,17 @@ def _concentrated(scene: Scene) -> list[float]:
     return [middle, *([] if near or abs(stop - middle) < half else [stop]), *ends]
 
 
-def _effects(scene: Scene) -> Iterator[Effect]:
-    """The effects that the scene names, each imported only then."""
-    if scene.added_masses:
-        from vibeam_models.effects.added_mass import PointMass
-
-        yield from (PointMass(added.mass, added.position) for added in scene.added_masses)
-    if scene.mass is not None:
-        yield from _of_mass(scene.mass)
-    if scene.torsion is not None:
-        yield _torsion(scene, scene.torsion)
-    if scene.gravity is not None:
-        yield _gravity(scene, scene.gravity)
-    if scene.beam.massless:
-        from vibeam_models.effects.massless_beam import MasslessBeam
-
-        yield MasslessBeam()
-
-
-def _of_mass(mass: Mass) -> Iterator[Effect]:
-    """What the attached mass has beyond being a point."""
-    if mass.rotary_inertia is not None:
-        from vibeam_models.effects.rotary_inertia import RotaryInertia
-
-        yield RotaryInertia(mass.rotary_inertia, mass.position)
-    if mass.rigid_half_width is not None:
-        from vibeam_models.effects.rigid_zone import RigidZone
-
-        yield RigidZone(mass.position, mass.rigid_half_width)
-
-
-def _torsion(scene: Scene, torsion: Torsion) -> Effect:
-    from vibeam_models.effects.torsion import StVenantTorsion
-
-    if scene.mass is None:
-        raise ValueError("torsion: it has the polar inertia of an attached mass, and the scene has none")
-    return StVenantTorsion(
-        torsion.eccentricity,
-        torsion.shear_modulus,
-        torsion.polar_inertia,
-        scene.beam,
-        scene.mass.position,
-        scene.stop.position,
-        scene.mass.rigid_half_width or 0.0,
-    )
-
-
-def _gravity(scene: Scene, gravity: Gravity) -> Effect:
-    from vibeam_models.effects.gravity import AxialGravity, TransverseGravity
-
-    if gravity.direction == "transverse":
-        return TransverseGravity(gravity.acceleration)
-    downward = 1 if gravity.direction == "hanging" else -1
-    return AxialGravity(downward * gravity.acceleration, scene.beam, scene.weights)
+def _applied(structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
+    """With every effect on the beam but those of its support; a key's effect is imported where the key is set."""
+    for name, home in sorted(EFFECTS.items(), key=lambda entry: entry[0] == LAST):
+        table, _, key = name.partition(".")
+        value = getattr(getattr(scene, table), key, None) if key else None
+        if value is not None and value is not False:
+            structure, space = home.load().of(getattr(scene, table)).apply(structure, space)
+        for effect in scene.named(name) if home.on == "beam" else ():
+            if not effect.on_bare_beam:
+                structure, space = effect.apply(structure, space, scene)
+    return structure, space
 
 
 def _check_positions(scene: Scene) -> None:

@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    from vibeam_models.effects import Effect
+    from vibeam_models.effects.platform import Platform, Shaker
+    from vibeam_models.laws import ContactLaw
 
 
 @dataclass(frozen=True)
@@ -57,54 +62,15 @@ class Mass:
 
 
 @dataclass(frozen=True)
-class AddedMass:
-    """A further point mass (an accelerometer, say): kg, m."""
-
-    mass: float
-    position: float
-
-
-@dataclass(frozen=True)
-class Clamp:
-    """A clamp that yields: ``stiffness`` in N m/rad against being turned."""
-
-    stiffness: float
-
-
-@dataclass(frozen=True)
-class Gravity:
-    """Weight, ``acceleration`` in m/s². ``"hanging"``: the clamp is above, the beam's axis vertical; ``"standing"``: it
-    is below; ``"transverse"``: the axis is level and the weight draws toward the stop (away from it if negative).
-    """
-
-    direction: Literal["hanging", "standing", "transverse"]
-    acceleration: float = 9.80665
-
-
-@dataclass(frozen=True)
-class Torsion:
-    """The strip twists: the contact lies ``eccentricity`` m off its axis; ``shear_modulus`` in Pa.
-
-    ``polar_inertia``: the attached mass's about the beam's axis, kg m².
-    """
-
-    eccentricity: float
-    shear_modulus: float
-    polar_inertia: float
-
-
-@dataclass(frozen=True)
 class Stop:
     """A one-sided stop ``gap`` m from the contact point at ``position`` m along the beam.
 
     ``gap_at``: where the gap was measured, at the contact or, as grazing amplitude, at the sensor (it is then carried
     to the contact by the static mode). ``restitution_of``: whose coefficient ``restitution`` is, the contact's or the
     first mode's (each fidelity's contact value is then derived so that mode 1 sees it); None where the law says the
-    loss otherwise. ``law``: None is constant restitution; see ``contact`` and ``compliant`` for the others and what
-    they take: ``stiffness`` (N/m) and ``damping`` (N s/m) of a linear stop, ``hertz_stiffness`` (N/m^exponent),
-    ``exponent``, ``velocity`` (m/s), ``speeds`` (m/s) and ``restitutions``. ``second_gap`` (m): to a second stop on the
-    other side. ``drift`` (m): added to the gap at ``drift_frequency`` (Hz), linear between. ``wear`` (m): added to the
-    gap at the contact by each impact.
+    loss otherwise. ``law``: None is constant restitution. ``second_gap`` (m): to a second stop on the other side.
+    ``drift`` (m): added to the gap at ``drift_frequency`` (Hz), linear between. ``wear`` (m): added to the gap at the
+    contact by each impact.
     """
 
     position: float
@@ -112,14 +78,7 @@ class Stop:
     restitution: float | None = None
     gap_at: Literal["contact", "sensor"] = "contact"
     restitution_of: Literal["contact", "first mode"] = "contact"
-    law: Literal["restitution", "velocity restitution", "linear", "hertz", "hunt-crossley"] | None = None
-    stiffness: float | None = None
-    damping: float | None = None
-    hertz_stiffness: float | None = None
-    exponent: float | None = None
-    velocity: float | None = None
-    speeds: tuple[float, ...] | None = None
-    restitutions: tuple[float, ...] | None = None
+    law: ContactLaw | None = None
     second_gap: float | None = None
     drift_frequency: tuple[float, ...] | None = None
     drift: tuple[float, ...] | None = None
@@ -153,45 +112,33 @@ class Base:
 
 
 @dataclass(frozen=True)
-class Platform:
-    """What the clamp and the stop stand on, sprung and shaken: kg, N/m.
-
-    ``damping_ratio`` and natural frequency are those of the platform without the beam. ``coupling``: ``"one-way"``
-    filters the drive, ``"two-way"`` lets the beam push back. ``calibrated_at`` (rad/s): where the base's amplitude, or
-    voltage and gain, hold; None where the drive is a force or a shaker's voltage.
-    """
-
-    mass: float
-    stiffness: float
-    damping_ratio: float
-    coupling: Literal["one-way", "two-way"]
-    calibrated_at: float | None = None
-
-
-@dataclass(frozen=True)
-class Shaker:
-    """A voltage-driven electrodynamic exciter on the platform: ohm, N/A (its Bl), H."""
-
-    resistance: float
-    force_factor: float
-    inductance: float = 0.0
-
-
-@dataclass(frozen=True)
 class Scene:
-    """A cantilever with an attached mass (None: a bare beam), a stop, a sensor and a shaken base."""
+    """A cantilever with an attached mass (None: a bare beam), a stop, a sensor, a shaken base, and its effects."""
 
     beam: Beam
     mass: Mass | None
     stop: Stop
     sensor: Sensor
     base: Base
-    added_masses: tuple[AddedMass, ...] = ()
-    clamp: Clamp | None = None
-    gravity: Gravity | None = None
-    torsion: Torsion | None = None
-    platform: Platform | None = None
-    shaker: Shaker | None = None
+    effects: tuple[Effect, ...] = ()
+
+    def named(self, name: str) -> tuple[Any, ...]:
+        """The effects of a name, in their order; empty where there is none."""
+        return tuple(effect for effect in self.effects if effect.name == name)
+
+    def without(self, *names: str) -> Scene:
+        """The scene less the effects of these names."""
+        return replace(self, effects=tuple(effect for effect in self.effects if effect.name not in names))
+
+    @property
+    def platform(self) -> Platform | None:
+        """What clamp and stop stand on; None: the base motion is prescribed."""
+        return next(iter(self.named("platform")), None)
+
+    @property
+    def shaker(self) -> Shaker | None:
+        """The exciter on the platform; None: the force is prescribed."""
+        return next(iter(self.named("shaker")), None)
 
     @property
     def moving_mass(self) -> float:
@@ -200,9 +147,9 @@ class Scene:
 
     @property
     def weights(self) -> tuple[tuple[float, float], ...]:
-        """(mass in kg, position in m) of everything attached."""
-        attached = () if self.mass is None else (self.mass,)
-        return tuple((each.mass, each.position) for each in (*attached, *self.added_masses))
+        """(mass in kg, position in m) of everything attached, the mass first."""
+        attached = () if self.mass is None else ((self.mass.mass, self.mass.position),)
+        return (*attached, *(each for effect in self.effects for each in effect.weights))
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,8 @@ from scipy.linalg import eigh
 
 from tests.models.bench import RIG, STEEL, cantilever_omega, deflection
 from vibeam_models.beam import assemble, assemble_with_space, bare_beam
-from vibeam_models.scene import AddedMass, Mass, Sensor, Stop
+from vibeam_models.effects.added_mass import AddedMass
+from vibeam_models.scene import Mass, Sensor, Stop
 
 FOUR = cantilever_omega(STEEL, 4)
 
@@ -120,13 +121,13 @@ def test_the_reference_beam_of_the_rig():
 
 
 def test_the_rig_in_the_hammer_test_carries_its_accelerometer():
-    hammered = replace(RIG, added_masses=(AddedMass(0.0024, 0.09),))
+    hammered = replace(RIG, effects=(AddedMass(0.0024, 0.09),))
     assert round(assemble(hammered).modes(2).frequency[1], 2) == 98.75
 
 
 def test_the_rig_under_a_point_mass():
     """Neither rotary inertia nor rigid zone, with the accelerometer: "bending 2" goes to 151 Hz."""
-    bench = replace(RIG, mass=Mass(0.2, 0.132), added_masses=(AddedMass(0.0024, 0.09),))
+    bench = replace(RIG, mass=Mass(0.2, 0.132), effects=(AddedMass(0.0024, 0.09),))
     assert round(assemble(bench).modes(2).frequency[1]) == 151
 
 

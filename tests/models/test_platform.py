@@ -7,8 +7,8 @@ import pytest
 
 from tests.models.bench import RIG, STEEL
 from vibeam_models.beam import assemble, bare_beam
+from vibeam_models.effects.added_mass import AddedMass
 from vibeam_models.effects.platform import MovingPlatform, PlatformFilter
-from vibeam_models.scene import AddedMass
 from vibeam_models.structure import Structure
 
 DAMPING, STIFFNESS = 7.0, 2085.0
@@ -76,7 +76,7 @@ def test_an_impact_keeps_all_momentum():
 
 def test_the_carried_mass_is_that_of_all_that_moves():
     """In relative coordinates the load of a rigid motion: the beam, its mass and its accelerometer."""
-    scene = replace(RIG, added_masses=(AddedMass(0.0024, 0.09),))
+    scene = replace(RIG, effects=(AddedMass(0.0024, 0.09),))
     assert scene.moving_mass == pytest.approx(0.2 + 0.0024 + 7850 * 0.18 * 0.02 * 1.034e-3, rel=1e-14)
 
 

@@ -6,7 +6,8 @@ import pytest
 from scipy.integrate import quad
 
 from tests.models.bench import RIG, STEEL, deflection
-from vibeam_models.scene import AddedMass, Mass, Stop
+from vibeam_models.effects.added_mass import AddedMass
+from vibeam_models.scene import Mass, Stop
 from vibeam_models.sdof import beam_mass, sdof_model, static_shape, static_slope
 
 EI = STEEL.bending_stiffness
@@ -56,7 +57,7 @@ def test_a_gap_measured_at_the_sensor_is_divided_by_the_length_alone():
 
 def test_what_the_model_leaves_out_does_not_change_it():
     bare = replace(RIG, mass=Mass(0.2, 0.132))
-    assert sdof_model(bare) == sdof_model(replace(RIG, added_masses=(AddedMass(0.1, 0.1),)))
+    assert sdof_model(bare) == sdof_model(replace(RIG, effects=(AddedMass(0.1, 0.1),)))
 
 
 def test_to_si_and_back():

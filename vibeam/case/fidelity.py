@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.system.impact_system import ImpactSystem
-from vibeam_models.laws.compliant import _law
 from vibeam_models.scene import Scene, SdofScene
 from vibeam_reductions.declaration import REDUCTIONS
 
@@ -71,7 +70,7 @@ def restitutions(scene: Scene | SdofScene, fidelity: Fidelity) -> tuple[float, f
         return scene.restitution, scene.restitution
     from vibeam.observe.apparent_restitution import first_mode_restitution
 
-    still = system(replace(scene, platform=None, shaker=None), fidelity)
+    still = system(scene.without("platform", "shaker"), fidelity)
     if still.law is not None:
         return float("nan"), float("nan")
     return still.restitution, first_mode_restitution(still)
@@ -86,7 +85,7 @@ def _direct(scene: SdofScene) -> ImpactSystem:
         gap=scene.gap,
         restitution=scene.restitution,
         outputs={"sensor": [1.0]},
-        law=None if scene.stop is None or scene.stop.law in (None, "restitution") else _law(scene.stop, 1.0),
+        law=None if scene.stop is None or scene.stop.law is None else scene.stop.law.contact(1.0),
         second_gap=None if scene.stop is None else scene.stop.second_gap,
     )
 
@@ -103,8 +102,8 @@ def _of_beam(scene: Scene, fidelity: Fidelity) -> ImpactSystem:
         restitution=scene.stop.usual_restitution,
         second_gap=None if second is None else second * factor,
     )
-    if scene.stop.law not in (None, "restitution"):
-        built = replace(built, law=_law(scene.stop, float(np.sum(built.contact**2))))
+    if scene.stop.law is not None:
+        built = replace(built, law=scene.stop.law.contact(float(np.sum(built.contact**2))))
     elif scene.stop.restitution_of != "contact":
         built = _seen_by_first_mode(built)
     if scene.platform is None or scene.platform.coupling == "one-way":

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from dataclasses import fields
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,76 +12,56 @@ import numpy as np
 
 from vibeam.case.case import NOT_PHYSICS
 from vibeam.case.plans import AccuracyPlan, Direction, Reference, SweepPlan
-from vibeam_models.scene import (
-    AddedMass,
-    Base,
-    Beam,
-    Clamp,
-    Damping,
-    Gravity,
-    Mass,
-    Platform,
-    Scene,
-    SdofScene,
-    Sensor,
-    Shaker,
-    Stop,
-    Torsion,
-)
+from vibeam.casefile.tables.effects import effects_of_scene
+from vibeam.casefile.tables.stop import contact_law
+from vibeam_models.scene import Base, Beam, Damping, Mass, Scene, SdofScene, Sensor, Stop
 
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity
     from vibeam.case.plans import Expectation, ShowPlan
     from vibeam.casefile.tables.beam import BeamTable
     from vibeam.casefile.tables.cases import BeamCase, SdofCase
-    from vibeam.casefile.tables.effects import PlatformTable, TorsionTable
-    from vibeam.casefile.tables.stop import SdofStopTable, StopTable
     from vibeam.casefile.tables.sweep import SweepTable
     from vibeam.observe.measuring_chain import Chain
 
 
 def scene_of(case: BeamCase | SdofCase) -> Scene | SdofScene:
     """The scene that a checked case declares, SI units."""
-    from vibeam.casefile.tables.cases import SdofCase
+    declared: Any = case
+    return _scene(declared) if case.with_beam else _sdof_scene(declared)
 
-    if isinstance(case, SdofCase):
-        return SdofScene(
-            natural_frequency=case.sdof.natural_frequency,
-            damping_ratio=case.sdof.damping_ratio,
-            gap=case.stop.gap,
-            restitution=1.0 if case.stop.restitution is None else case.stop.restitution,
-            amplitude=case.drive.amplitude,
-            stop=_sdof_stop(case.stop),
-        )
+
+def _scene(case: BeamCase) -> Scene:
+    place = 0.0 if case.mass is None else case.mass.position
     return Scene(
         beam=_beam(case.beam),
         mass=None if case.mass is None else Mass(**dict(case.mass)),
-        stop=_stop(case.stop, 0.0 if case.mass is None else case.mass.position),
+        stop=_stop(case.stop, place if case.stop.position is None else case.stop.position),
         sensor=Sensor(case.sensor.position),
         base=Base(**dict(case.drive)),
-        added_masses=tuple(AddedMass(**dict(added)) for added in case.added_mass),
-        **_effects(case),
+        effects=effects_of_scene(case),
     )
 
 
-def _sdof_stop(table: SdofStopTable) -> Stop | None:
-    beyond = {name: value for name, value in dict(table).items() if name not in ("gap", "restitution")}
-    if all(value is None for value in beyond.values()):
-        return None
-    return Stop(position=0.0, gap=table.gap, restitution=table.restitution, **beyond)
+def _sdof_scene(case: SdofCase) -> SdofScene:
+    stop = _stop(case.stop, 0.0)
+    return SdofScene(
+        natural_frequency=case.sdof.natural_frequency,
+        damping_ratio=case.sdof.damping_ratio,
+        gap=stop.gap,
+        restitution=stop.usual_restitution,
+        amplitude=case.drive.amplitude,
+        stop=None if stop == Stop(0.0, stop.gap, stop.restitution) else stop,
+    )
 
 
-def _effects(case: BeamCase) -> dict[str, Any]:
-    """The effects that have a table of their own, those that the case names."""
-    made: dict[str, Callable[[Any], Any]] = {
-        "clamp": lambda table: Clamp(**dict(table)),
-        "gravity": lambda table: Gravity(**dict(table)),
-        "torsion": lambda table: _torsion(table, case.beam),
-        "platform": _platform,
-        "shaker": lambda table: Shaker(**dict(table)),
-    }
-    named = {name: getattr(case, name) for name in made}
-    return {name: made[name](table) for name, table in named.items() if table is not None}
+def _stop(table: Any, position: float) -> Stop:
+    """The stop with its law, whose own keys are the law's."""
+    own = {name: value for name, value in dict(table).items() if name in _STOP}
+    return Stop(**own | {"position": position, "law": contact_law(table)})
+
+
+_STOP = {field.name for field in fields(Stop)}
 
 
 def _beam(table: BeamTable) -> Beam:
@@ -88,26 +69,6 @@ def _beam(table: BeamTable) -> Beam:
     kind, ratios = values.pop("damping"), values.pop("damping_ratio")
     damping = Damping("list", kind) if isinstance(kind, tuple) else Damping(kind, ratios)
     return Beam(damping=damping, **values)
-
-
-def _torsion(table: TorsionTable, beam: BeamTable) -> Torsion:
-    modulus = table.shear_modulus
-    if modulus is None:
-        modulus = beam.youngs_modulus / (2 * (1 + (table.poissons_ratio or 0.0)))
-    return Torsion(table.eccentricity, modulus, table.polar_inertia)
-
-
-def _platform(table: PlatformTable) -> Platform:
-    coupling: Any = table.coupling
-    stiffness, calibrated = table.stiffness, table.calibrated_at
-    if stiffness is None:
-        stiffness = table.mass * (2 * np.pi * (table.frequency or 0.0)) ** 2
-    at = None if calibrated is None else 2 * np.pi * calibrated
-    return Platform(table.mass, stiffness, table.damping_ratio, coupling, at)
-
-
-def _stop(table: StopTable, mass_position: float) -> Stop:
-    return Stop(**dict(table) | {"position": mass_position if table.position is None else table.position})
 
 
 RIPPLE, ATTENUATION = 0.1, 60.0  # dB, of an elliptic filter that does not say

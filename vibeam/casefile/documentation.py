@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 from vibeam.case.faults import as_shown_in_message, suggest, suggestion
 from vibeam.casefile.canonical import to_toml
 from vibeam.casefile.fields import Entry
-from vibeam.casefile.tables.cases import BeamCase, SdofCase
+from vibeam.casefile.tables.cases import beam_case, sdof_case
 from vibeam.casefile.validation import entry_of, example_of, fields_of, is_repeated, table_of
 
 COLUMN = 44  # where the template's comments begin
@@ -64,8 +64,8 @@ class KeyRow:
 
 def reference_table() -> list[KeyRow]:
     """Every key of a case, in the order of the template; those of a case with [sdof] after them, marked so."""
-    rows = list(_rows(BeamCase, ""))
-    others = [row for row in _rows(SdofCase, "") if row not in rows]
+    rows = list(_rows(beam_case(), ""))
+    others = [row for row in _rows(sdof_case(), "") if row not in rows]
     return rows + [row if row.table == "[sdof]" else replace(row, table=f"{row.table}{WITH_SDOF}") for row in others]
 
 
@@ -144,7 +144,7 @@ def template() -> str:
 
 
 def _template() -> Iterator[str]:
-    fields = fields_of(BeamCase)
+    fields = fields_of(beam_case())
     yield from (_line(name, field) for name, field in fields.items() if entry_of(field))
     for name, field in fields.items():
         table = table_of(field)

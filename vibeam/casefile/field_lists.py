@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -49,6 +49,10 @@ class Several(Entry):
         if self.ascending and any(one >= two for one, two in pairwise(numbers)):
             raise ValueError("the list must ascend, each number once; the direction is said elsewhere")
         return numbers
+
+    def nondimensional(self) -> Several:
+        """As ``Entry.nondimensional``."""
+        return replace(self, each=self.each.nondimensional())
 
     def describe(self) -> str:
         """As ``Entry.describe``."""

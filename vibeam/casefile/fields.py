@@ -12,7 +12,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from vibeam.case.faults import as_shown_in_message, suggestion
-from vibeam.casefile.quantities import Dimension, to_si
+from vibeam.casefile.quantities import FREQUENCY, RATIO, Dimension, to_si
 
 
 class Entry(ABC):
@@ -33,6 +33,10 @@ class Entry(ABC):
     def canonical(self, value: Any) -> Any:
         """The parsed value as the canonical text writes it."""
         return value
+
+    def nondimensional(self) -> Entry:
+        """The same without a unit, for a case that has none; frequencies keep theirs."""
+        return self
 
     def _validated(self, value: Any) -> Any:
         try:
@@ -115,6 +119,10 @@ class Quantity(Entry):
     def canonical(self, value: Any) -> Any:
         """As ``Entry.canonical``."""
         return value if self.kind.bare or value is None else f"{value!r} {self.kind.unit}"
+
+    def nondimensional(self) -> Quantity:
+        """As ``Entry.nondimensional``."""
+        return self if self.kind is FREQUENCY else Quantity(RATIO, self.range)
 
 
 @dataclass(frozen=True)

@@ -7,19 +7,19 @@ from typing import Any
 
 from pydantic.json_schema import models_json_schema
 
-from vibeam.casefile.tables.cases import BeamCase, SdofCase
+from vibeam.casefile.tables.cases import beam_case, sdof_case
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 TITLE = "A case of vibeam"
 
-_OF_THE_TEMPLATE = ("written",)  # what the declarations say for the template alone
+_NOTES = ("written", "effect", "of", "plain")  # what the declarations say beyond the schema
 
 
 def case_schema() -> dict[str, Any]:
-    """The schema: one of the two kinds of case, each of whose tables is a definition."""
-    _, declared = models_json_schema([(BeamCase, "validation"), (SdofCase, "validation")])
-    kinds = [{"$ref": f"#/$defs/{kind.__name__}"} for kind in (BeamCase, SdofCase)]
+    """The schema: one of the two kinds of case, each of whose tables is a definition, those of effects within it."""
+    _, declared = models_json_schema([(beam_case(), "validation"), (sdof_case(), "validation")])
+    kinds = [{"$ref": f"#/$defs/{kind.__name__}"} for kind in (beam_case(), sdof_case())]
     return {"$schema": DIALECT, "title": TITLE, "anyOf": kinds, "$defs": _plain(declared["$defs"])}
 
 
@@ -36,7 +36,7 @@ def _left_out(key: str, value: Any) -> bool:
     """Whether a part is the template's own, or a default or example that a case could not write."""
     if key in ("default", "examples"):
         return value in (None, [None]) or isinstance(value, Mapping)
-    return key in _OF_THE_TEMPLATE and isinstance(value, bool)
+    return key in _NOTES and not isinstance(value, Mapping)
 
 
 def _single(schema: dict[str, Any]) -> dict[str, Any]:

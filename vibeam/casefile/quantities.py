@@ -68,6 +68,15 @@ _NAMED = (
     *(ACCELERATION, FORCE, STIFFNESS, VISCOUS, TURNING_STIFFNESS, RESISTANCE, INDUCTANCE, FORCE_FACTOR),
 )
 
+
+def dimension(unit: str) -> Dimension:
+    """The kind of quantity whose SI unit is ``unit``; UnitError for a unit that is not known."""
+    if _parsed(unit) is None and unit:
+        raise UnitError(_unknown(unit, unit))
+    named = (kind for kind in _NAMED if kind.unit == unit)
+    return next(named, Dimension(f"a quantity in {unit}", unit, f"1 {unit}"))
+
+
 _USUAL = ["mm", "m", "cm", "µm", "km", "kg", "g", "s", "ms", "Hz", "kHz", "rad/s", "rpm", "Pa", "kPa", "MPa", "GPa"]
 
 _USUAL += ["V", "mV", "1/V", "kg/m^3", "g/cm^3", "kg m^2", "N/m^2", "m/s", "mm/s", "N s/m", "%"]

@@ -32,7 +32,7 @@ from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.tables.cases import BeamCase, SdofCase
 from vibeam.casefile.tables.rules import cross_checks
 from vibeam.casefile.toml import parsed
-from vibeam.casefile.validation import complaints, declaration, read, readable_part
+from vibeam.casefile.validation import complaints, declaration, read, readable_case
 
 
 def load(path: str | PathLike[str], set: Mapping[str, Any] | None = None) -> Case:
@@ -124,7 +124,7 @@ def _judged(tables: dict[str, Any], folder: File) -> tuple[BeamCase | SdofCase |
         case = read(tables)
     except ValidationError as error:
         alone, excused = complaints(error, model)
-    together = list(cross_checks(readable_part(model, tables), folder))
+    together = list(cross_checks(readable_case(model, tables), folder))
     return case, alone + _new(together, {path for path, _ in alone} | excused)
 
 

@@ -12,15 +12,14 @@ from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest,
 from vibeam.casefile.canonical import name_of, to_toml
 from vibeam.casefile.field_lists import TableOr
 from vibeam.casefile.fields import Entry
-from vibeam.casefile.tables.beam import AddedMassTable
-from vibeam.casefile.tables.cases import BeamCase, SdofCase
-
-BESIDE_SDOF = ("beam", "mass", "sensor", "added_mass", "clamp", "gravity", "torsion", "platform", "shaker")
+from vibeam.casefile.tables.cases import BeamCase, SdofCase, beam_case, sdof_case
+from vibeam.casefile.tables.effects import EffectTable
+from vibeam_models.effects import tables as effect_tables
 
 
 def declaration(tables: dict[str, Any]) -> type[BeamCase] | type[SdofCase]:
     """Which of the two kinds of case this is."""
-    return SdofCase if "sdof" in tables else BeamCase
+    return sdof_case() if "sdof" in tables else beam_case()
 
 
 def read(tables: dict[str, Any]) -> BeamCase | SdofCase:
@@ -55,7 +54,7 @@ def _message(fault: Any, model: type[BaseModel]) -> str:
 
 def _unknown(loc: KeyPath, model: type[BaseModel]) -> str:
     name = str(loc[-1])
-    if len(loc) == 1 and model is SdofCase and name in BESIDE_SDOF:
+    if len(loc) == 1 and "sdof" in keys_of(model) and name in ("beam", "mass", "sensor", *effect_tables()):
         return f"[{name}] and [sdof] do not go together: keep [sdof], or the beam's tables"
     return f"unknown key; {suggest(name, keys_of(model_at(model, loc[:-1])))}"
 
@@ -71,7 +70,8 @@ def _header(loc: KeyPath, model: type[BaseModel]) -> str:
     names = [name_of(str(part)) for part in loc if isinstance(part, str)]
     if names[0] in ("fidelity", "reference", "expect", "show") and len(names) == 1:
         names.append("NAME")
-    return f"[[{names[0]}]]" if model_at(model, loc) is AddedMassTable else f"[{'.'.join(names)}]"
+    listed = is_list(fields_of(model)[str(loc[0])])
+    return f"[[{names[0]}]]" if listed else f"[{'.'.join(names)}]"
 
 
 def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
@@ -94,8 +94,15 @@ def table_of(field: FieldInfo) -> type[BaseModel] | None:
     entry = entry_of(field)
     if entry:
         return entry.table if isinstance(entry, TableOr) else None
+    effect = _effect_of(field)
+    if effect:
+        return effect.table
     inner = (field.annotation, *get_args(field.annotation))
     return next((part for part in inner if isinstance(part, type) and issubclass(part, BaseModel)), None)
+
+
+def _effect_of(field: FieldInfo) -> EffectTable | None:
+    return next((part for part in field.metadata if isinstance(part, EffectTable)), None)
 
 
 def is_repeated(field: FieldInfo) -> bool:
@@ -103,10 +110,14 @@ def is_repeated(field: FieldInfo) -> bool:
     return not entry_of(field) and get_origin(field.annotation) in (dict, tuple)
 
 
+def is_list(field: FieldInfo) -> bool:
+    """Whether the field holds a list of tables."""
+    return is_repeated(field) and get_origin(field.annotation) is tuple
+
+
 def lists_of(model: type[BaseModel]) -> list[str]:
     """The keys of a table that hold lists of tables."""
-    fields = fields_of(model).items()
-    return [name for name, field in fields if is_repeated(field) and get_origin(field.annotation) is tuple]
+    return [name for name, field in fields_of(model).items() if is_list(field)]
 
 
 def model_at(model: type[BaseModel], loc: KeyPath) -> type[BaseModel]:
@@ -125,6 +136,11 @@ def example_of(field: FieldInfo) -> str:
     return to_toml((field.examples or [None])[0])
 
 
+def readable_case(model: type[BeamCase] | type[SdofCase], tables: Any) -> SimpleNamespace:
+    """``readable_part`` of a whole case, which also says whether it is one ``with_beam``."""
+    return SimpleNamespace(with_beam=model.with_beam, **vars(readable_part(model, tables)))
+
+
 def readable_part(model: type[BaseModel], tables: Any) -> SimpleNamespace:
     """What of a case can be read by itself, for checks across keys: a value that cannot, or is missing, is None."""
     found = tables if isinstance(tables, dict) else {}
@@ -133,6 +149,8 @@ def readable_part(model: type[BaseModel], tables: Any) -> SimpleNamespace:
 
 
 def _known(field: FieldInfo, value: Any) -> Any:
+    if value is None and _effect_of(field):
+        return field.default
     entry, table = entry_of(field), table_of(field)
     if table and (isinstance(value, dict) or not entry):
         return _tables(field, table, value)

@@ -135,7 +135,7 @@ def _bare(scene: Scene, exact: _FirstMode) -> Table:
 def _ill_posed(scene: Scene) -> list[str]:
     from vibeam.run.remarks import BARE
 
-    return [BARE] if scene.stop.law in (None, "restitution") else []
+    return [BARE] if scene.stop.law is None else []
 
 
 LEAST_SHARE = 0.1  # of the attached mass in the moving one, below which neglecting the beam means nothing

@@ -102,7 +102,7 @@ def _notes(scene: Scene, rows: list[ModeRow]) -> tuple[str, ...]:
     """Where the table ends in a restitution that makes no sense."""
     from vibeam.run.remarks import ill_posed
 
-    if scene.stop.law not in (None, "restitution"):
+    if scene.stop.law is not None:
         return ()
     below = next((row for row in rows if row.first_mode_restitution < 0), None)
     return tuple(ill_posed({f"from {below.number} modes on": below.first_mode_restitution})) if below else ()

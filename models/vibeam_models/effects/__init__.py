@@ -1,17 +1,68 @@
-"""Optional effects, one a file, each imported only where a scene names it."""
+"""Optional effects, one a file, each declared once and imported only where a scene names it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from vibeam_models.homes import Home
+from vibeam_models.registry import Registry
 
 if TYPE_CHECKING:
+    from vibeam_models.scene import Scene
     from vibeam_models.space import BeamSpace
     from vibeam_models.structure import Structure
 
+#: by the case file's table, or its key in another table, in the order in which they are applied
+EFFECTS: Registry[Home] = Registry(
+    "effect",
+    Home("clamp", "vibeam_models.effects.sprung_clamp:Clamp"),
+    Home("added_mass", "vibeam_models.effects.added_mass:AddedMass", repeated=True),
+    Home("mass.rotary_inertia", "vibeam_models.effects.rotary_inertia:RotaryInertia"),
+    Home("mass.rigid_half_width", "vibeam_models.effects.rigid_zone:RigidZone"),
+    Home("torsion", "vibeam_models.effects.torsion:Torsion"),
+    Home("gravity", "vibeam_models.effects.gravity:Gravity"),
+    Home("beam.massless", "vibeam_models.effects.massless_beam:MasslessBeam"),
+    Home("platform", "vibeam_models.effects.platform:Platform", on="base"),
+    Home("shaker", "vibeam_models.effects.platform:Shaker", on="base"),
+)
 
-class Effect(Protocol):
-    """Declared data and one function: the structure with the effect, and the space that its coordinates belong to."""
+LAST = "beam.massless"  # it condenses what all others have left
 
-    def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
-        """The structure and its space with this effect in them."""
-        ...
+
+def tables() -> dict[str, Home]:
+    """The effects that have a table of their own."""
+    return {name: home for name, home in EFFECTS.items() if "." not in name}
+
+
+@dataclass(frozen=True)
+class Effect:
+    """An optional table of a case: its docstring is the table's, its fields are the keys (``vibeam_models.keys``).
+
+    ``inertias``: how many coordinates with inertia it brings to a massless beam; ``modes_per_element``: how many modes
+    each finite element gains. ``on_bare_beam``: applied before mass, stop and sensor are there, as it changes the
+    beam's support.
+    """
+
+    name: ClassVar[str]
+    inertias: ClassVar[int] = 0
+    modes_per_element: ClassVar[int] = 0
+    on_bare_beam: ClassVar[bool] = False
+
+    @classmethod
+    def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
+        """(key, message) of what does not go together; the key is empty where it is the whole table.
+
+        ``table`` and ``case`` have a case's values as attributes, None what is absent or cannot be read.
+        """
+        yield from ()
+
+    @property
+    def weights(self) -> tuple[tuple[float, float], ...]:
+        """(mass in kg, position in m) of what it attaches to the beam."""
+        return ()
+
+    def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
+        """The structure with this effect, and the space that its coordinates belong to."""
+        return structure, space

@@ -2,15 +2,55 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
+from vibeam_models.effects import Effect
+from vibeam_models.keys import quantity, word
 from vibeam_models.scene import Beam
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Array, Structure
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(3)  # exact to degree 5: N linear, w′² of degree 4
+
+if TYPE_CHECKING:
+    from vibeam_models.scene import Scene
+
+
+@dataclass(frozen=True)
+class Gravity(Effect):
+    """Weight along the beam stiffens or softens it, weight across bends it; absent = no weight.
+
+    The gap is counted from the straight beam.
+    """
+
+    direction: Literal["hanging", "standing", "transverse"] = word(
+        ("hanging", "standing", "transverse"),
+        "the clamp is above, or below; or the axis is level and the weight draws toward the stop",
+        "hanging",
+    )
+    acceleration: float = quantity(
+        "m/s^2", "of free fall; negative, for transverse alone: away from the stop", "9.80665 m/s^2", 9.80665
+    )
+
+    name: ClassVar[str] = "gravity"
+
+    @classmethod
+    def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
+        """As ``Effect.faults``: a negative weight along the beam."""
+        if table.direction in ("hanging", "standing") and table.acceleration is not None and table.acceleration < 0:
+            other = "standing" if table.direction == "hanging" else "hanging"
+            yield "acceleration", f'is negative: for the other way up write direction = "{other}"'
+
+    def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
+        """As ``TransverseGravity.apply`` or ``AxialGravity.apply``."""
+        if self.direction == "transverse":
+            return TransverseGravity(self.acceleration).apply(structure, space)
+        downward = 1 if self.direction == "hanging" else -1
+        return AxialGravity(downward * self.acceleration, scene.beam, scene.weights).apply(structure, space)
 
 
 @dataclass(frozen=True)

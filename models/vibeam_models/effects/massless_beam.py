@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure, in_coordinates
+
+if TYPE_CHECKING:
+    from vibeam_models.scene import Beam
 
 NOTHING = 1e-12  # share of the largest 1/ω² below which a shape carries no inertia; round-off leaves 10⁻¹⁶
 
@@ -15,6 +19,11 @@ NOTHING = 1e-12  # share of the largest 1/ω² below which a shape carries no in
 @dataclass(frozen=True)
 class MasslessBeam:
     """The paper's m ≫ ρAL, for a structure assembled without the mass of its beam: as many coordinates as inertias."""
+
+    @classmethod
+    def of(cls, beam: Beam) -> MasslessBeam:
+        """Of any massless beam: there is nothing more to know of it."""
+        return cls()
 
     def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
         """Static condensation: the shapes K⁻¹f under forces on the masses are all that can move. It comes last.

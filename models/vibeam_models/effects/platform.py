@@ -10,12 +10,82 @@ The stop stands on the platform, so that the contact force λ is an inner force 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from math import pi
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
+from vibeam_models.effects import Effect
+from vibeam_models.keys import quantity, word
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Array, Structure
+
+
+@dataclass(frozen=True, kw_only=True)
+class Platform(Effect):
+    """Clamp and stop stand on a sprung platform, and the drive is a force on it; absent = the base's motion
+    is prescribed.
+    """
+
+    mass: float = quantity("kg", "of the platform without the beam", "5 kg", above=0)
+    frequency: float | None = quantity("Hz", "natural, of the platform without the beam", "3.25 Hz", None, above=0)
+    stiffness: float | None = quantity(
+        "N/m", "of its springs, instead of its frequency", "2000 N/m", None, above=0, written=False
+    )
+    damping_ratio: float = quantity("", "of the platform without the beam", 0.05, least=0)
+    coupling: Literal["one-way", "two-way"] = word(
+        ("one-way", "two-way"),
+        "the platform filters the drive alone, or the beam and its impacts push back too",
+        "one-way",
+    )
+    calibrated_at: float | None = quantity(
+        "Hz", "drive frequency at which the drive's amplitude, or voltage and gain, hold", "15.5 Hz", None, above=0
+    )
+
+    name: ClassVar[str] = "platform"
+
+    @property
+    def spring(self) -> float:
+        """Stiffness of its springs in N/m: as given, or that of its natural frequency."""
+        return self.mass * (2 * pi * (self.frequency or 0.0)) ** 2 if self.stiffness is None else self.stiffness
+
+    @property
+    def calibration(self) -> float | None:
+        """``calibrated_at`` in rad/s."""
+        return None if self.calibrated_at is None else 2 * pi * self.calibrated_at
+
+    @classmethod
+    def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
+        """As ``Effect.faults``: one stiffness, said once."""
+        if table.frequency is not None and table.stiffness is not None:
+            yield "frequency", "platform.stiffness says it already: keep one of the two"
+        elif table.frequency is None and table.stiffness is None:
+            yield "frequency", 'missing (or stiffness): write frequency = "3.25 Hz"'
+
+
+@dataclass(frozen=True)
+class Shaker(Effect):
+    """An electrodynamic exciter drives the platform by its voltage; absent = the force is prescribed."""
+
+    resistance: float = quantity("ohm", "of the coil", "4 ohm", above=0)
+    force_factor: float = quantity("N/A", "Bl, force per current", "20 N/A", above=0)
+    inductance: float = quantity("H", "of the coil; one-way coupling alone knows it", "0 H", 0.0, least=0)
+
+    name: ClassVar[str] = "shaker"
+
+    @classmethod
+    def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
+        """As ``Effect.faults``: a platform to drive, and no state of the coil's own."""
+        if case.platform is None:
+            yield "", "drives a platform: add [platform], or take [shaker] away"
+        elif case.platform.coupling == "two-way" and table.inductance:
+            message = (
+                "with two-way coupling the coil's current would be a state of its own, half a mode, which no solver "
+                'carries: leave inductance out, or write coupling = "one-way"'
+            )
+            yield "inductance", message
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Array, Structure, in_coordinates
+
+if TYPE_CHECKING:
+    from vibeam_models.scene import Mass
 
 LEAST = 1e-3  # share of the length below which the zone changes nothing, but its elements' round-off does
 
@@ -21,6 +25,11 @@ class RigidZone:
 
     position: float
     half_width: float
+
+    @classmethod
+    def of(cls, mass: Mass) -> RigidZone:
+        """That of an attached mass, which has one."""
+        return cls(mass.position, mass.rigid_half_width or 0.0)
 
     def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
         """Deflection and slope of the middle stand for those of every node of the zone (kinematic elimination).

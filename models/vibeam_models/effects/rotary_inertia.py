@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
 
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure, with_inertia
+
+if TYPE_CHECKING:
+    from vibeam_models.scene import Mass
 
 
 @dataclass(frozen=True)
@@ -14,6 +18,13 @@ class RotaryInertia:
 
     inertia: float
     position: float
+
+    inertias: ClassVar[int] = 1
+
+    @classmethod
+    def of(cls, mass: Mass) -> RotaryInertia:
+        """That of an attached mass, which has one."""
+        return cls(mass.rotary_inertia or 0.0, mass.position)
 
     def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
         """M + J θᵀθ with θ the slope there; a translating base does not turn it, so the load stays."""

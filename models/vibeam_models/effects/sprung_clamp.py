@@ -3,12 +3,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from vibeam_models.effects import Effect
+from vibeam_models.keys import quantity
 from vibeam_models.scene import Beam
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure
+
+if TYPE_CHECKING:
+    from vibeam_models.scene import Scene
+
+
+@dataclass(frozen=True)
+class Clamp(Effect):
+    """The clamp yields when it is turned; absent = it does not."""
+
+    stiffness: float = quantity("N m/rad", "moment per rotation of the clamp", "500 N m/rad", above=0)
+
+    name: ClassVar[str] = "clamp"
+    on_bare_beam: ClassVar[bool] = True
+
+    def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
+        """As ``SprungClamp.apply``."""
+        return SprungClamp(self.stiffness, scene.beam).apply(structure, space)
 
 
 @dataclass(frozen=True)

@@ -2,19 +2,83 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from skfem import Basis, BilinearForm, ElementLineP2, MeshLine
 from skfem.helpers import dot, grad
 
+from vibeam_models.effects import Effect
+from vibeam_models.keys import quantity
 from vibeam_models.scene import Beam
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Array, Structure
 
+if TYPE_CHECKING:
+    from vibeam_models.scene import Scene
+
 TERMS = 40  # of the series, where tanh is 1 and the rest of Σ n⁻⁵ is below 10⁻⁹
+
+
+@dataclass(frozen=True)
+class Torsion(Effect):
+    """The stop meets the beam off its axis and twists it; absent = on the axis.
+
+    The modes of torsion count among the beam's, for damping ratios and for fidelities.
+    """
+
+    eccentricity: float = quantity("m", "of the contact, across the beam", "1 mm")
+    polar_inertia: float = quantity("kg m^2", "of the attached mass about the beam's axis", "2.988e-5 kg m^2", above=0)
+    poissons_ratio: float | None = quantity(
+        "", "of the beam, gives its shear modulus; or say that", 0.3, None, least=0, most=1
+    )
+    shear_modulus: float | None = quantity(
+        "Pa", "of the beam, instead of Poisson's ratio", "80 GPa", None, above=0, written=False
+    )
+
+    name: ClassVar[str] = "torsion"
+    inertias: ClassVar[int] = 1
+    modes_per_element: ClassVar[int] = 2
+
+    @classmethod
+    def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
+        """As ``Effect.faults``: one shear modulus, said once, a contact on the beam, a mass that it is the inertia of."""
+        if case.mass is None:
+            yield "", "has the polar inertia of the attached mass: add [mass], or take [torsion] out"
+        given = [name for name in ("poissons_ratio", "shear_modulus") if getattr(table, name) is not None]
+        if len(given) == 2:
+            yield "poissons_ratio", "shear_modulus says it already: keep one of the two"
+        elif not given:
+            yield "poissons_ratio", "missing (or shear_modulus): write poissons_ratio = 0.3"
+        elif table.poissons_ratio is not None and table.poissons_ratio > 0.5:
+            message = f"{table.poissons_ratio:g} is above 0.5, where the volume grows under pressure"
+            yield "poissons_ratio", message
+        width = case.beam.width
+        if table.eccentricity is not None and width is not None and abs(table.eccentricity) > width / 2:
+            yield "eccentricity", f"{table.eccentricity:g} m is beside the beam: beam.width is {width:g} m"
+
+    def modulus(self, beam: Beam) -> float:
+        """The shear modulus in Pa: as given, or E/2(1 + ν)."""
+        if self.shear_modulus is not None:
+            return self.shear_modulus
+        return beam.youngs_modulus / (2 * (1 + (self.poissons_ratio or 0.0)))
+
+    def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
+        """As ``StVenantTorsion.apply``; ValueError in a scene without an attached mass."""
+        if scene.mass is None:
+            raise ValueError("torsion: it has the polar inertia of an attached mass, and the scene has none")
+        twisted = StVenantTorsion(
+            self.eccentricity,
+            self.modulus(scene.beam),
+            self.polar_inertia,
+            scene.beam,
+            scene.mass.position,
+            scene.stop.position,
+            scene.mass.rigid_half_width or 0.0,
+        )
+        return twisted.apply(structure, space)
 
 
 @dataclass(frozen=True)

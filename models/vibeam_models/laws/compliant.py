@@ -8,13 +8,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import acos, acosh, exp, inf, log1p, sinh, sqrt
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from vibeam_models.arguments import number, real, refuse
-
-if TYPE_CHECKING:
-    from vibeam_models.laws.restitution import VelocityRestitution
-    from vibeam_models.scene import Stop
 
 
 @dataclass(frozen=True)
@@ -167,21 +163,3 @@ def _bisected(function: Callable[[float], float], low: float, high: float) -> fl
 
 
 CompliantStop = LinearStop | HuntCrossley
-
-
-def _law(stop: Stop, mobility: float) -> VelocityRestitution | CompliantStop:
-    """The law that the stop names; ``mobility`` S = w M⁻¹ wᵀ of the model: a linear stop's loss is matched for 1/S."""
-    from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution
-
-    loss, power = stop.usual_restitution, {} if stop.exponent is None else {"exponent": stop.exponent}
-    if stop.law == "linear" and stop.damping is not None:
-        return LinearStop(stop.stiffness or 0.0, stop.damping)
-    if stop.law == "linear":
-        return LinearStop.matched(stop.stiffness or 0.0, loss, 1 / mobility)
-    if stop.law == "hertz":
-        return Hertz(stop.hertz_stiffness or 0.0, **power)
-    if stop.law == "hunt-crossley":
-        return HuntCrossley.matched(stop.hertz_stiffness or 0.0, loss, stop.velocity or 0.0, **power)
-    if stop.speeds is not None:
-        return TableRestitution(stop.speeds, stop.restitutions or ())
-    return PlasticRestitution(loss, stop.velocity or 0.0, **power)

@@ -24,8 +24,11 @@ from vibeam.studies.derive import derive
 from vibeam.studies.modes import mode_table, write_shapes
 from vibeam_models.base_motion import drive_amplitude
 from vibeam_models.beam import assemble
-from vibeam_models.effects.platform import PlatformFilter
-from vibeam_models.scene import Base, Clamp, Gravity, Platform, Shaker, Torsion
+from vibeam_models.effects.gravity import Gravity
+from vibeam_models.effects.platform import Platform, PlatformFilter, Shaker
+from vibeam_models.effects.sprung_clamp import Clamp
+from vibeam_models.effects.torsion import Torsion
+from vibeam_models.scene import Base
 from vibeam_reductions.static_mode import static_mode
 
 ROOT = Path(__file__).parents[3]
@@ -50,22 +53,22 @@ def faults_of(text, set=None):
 def test_the_tables_are_the_scene():
     case = parse(TEXT + CLAMP + GRAVITY + TORSION + PLATFORM, set={"beam.massless": True})
     scene = case.scene
-    assert scene.clamp == Clamp(500.0)
-    assert scene.gravity == Gravity("hanging", 9.80665)
-    assert scene.torsion == Torsion(1e-3, 84e9, 2.8e-5)
+    platform = Platform(mass=5.0, frequency=3.25, damping_ratio=0.0, coupling="one-way", calibrated_at=15.5)
+    torsion = Torsion(1e-3, 2.8e-5, 0.25)
+    assert set(scene.effects) == {Clamp(500.0), Gravity("hanging", 9.80665), torsion, platform}
+    assert torsion.modulus(scene.beam) == 84e9
     assert scene.beam.massless
-    natural = 2 * np.pi * 3.25
-    assert scene.platform == Platform(5.0, 5.0 * natural**2, 0.0, "one-way", 2 * np.pi * 15.5)
+    assert (platform.spring, platform.calibration) == (5.0 * (2 * np.pi * 3.25) ** 2, 2 * np.pi * 15.5)
     assert parse(case.text).scene == scene
     assert parse(SHAKEN).scene.shaker == Shaker(4.0, 20.0, 0.0)
-    assert parse(TEXT + TORSION.replace("poissons_ratio = 0.25", 'shear_modulus = "80 GPa"')).scene.torsion == Torsion(
-        1e-3, 80e9, 2.8e-5
-    )
+    other = parse(TEXT + TORSION.replace("poissons_ratio = 0.25", 'shear_modulus = "80 GPa"')).scene
+    assert other.effects == (Torsion(1e-3, 2.8e-5, shear_modulus=80e9),)
+    assert other.effects[0].modulus(other.beam) == 80e9
 
 
 def test_a_case_without_tables_names_no_effect():
     scene = parse(TEXT).scene
-    assert (scene.clamp, scene.gravity, scene.torsion, scene.platform, scene.shaker) == (None,) * 5
+    assert scene.effects == ()
     assert not scene.beam.massless
 
 
@@ -254,7 +257,7 @@ def heavy_platform(mass):
     """Undamped, so that b = B sin Ωt for ever if it begins so; and the beam on that base, prescribed."""
     settings = {"stop.gap": "0.05 mm", "platform.mass": mass, "beam.damping_ratio": 0.0, "platform.coupling": "two-way"}
     scene = parse(TEXT + PLATFORM, set=settings).scene
-    return scene, replace(scene, platform=None, base=Base(amplitude=1e-4))
+    return scene, replace(scene.without("platform"), base=Base(amplitude=1e-4))
 
 
 def test_a_heavy_platform_is_the_prescribed_base_through_impacts():
@@ -346,10 +349,9 @@ def test_a_mode_of_torsion_has_a_shape_file_too(tmp_path):
 
 
 ABSENT = """
-import sys, vibeam
-from vibeam_models.base_motion import drive_amplitude
+import sys, numpy as np, vibeam
 case = vibeam.load(sys.argv[1])
-[case.system(name) for name in case.fidelities], case.amplitude(None)
+[case.system(name) for name in case.fidelities], case.amplitude(np.array([95.0]))
 loaded = [name for name in sys.modules if name.startswith("vibeam_models.effects.")]
 print(*sorted(name.split(".")[-1] for name in loaded))
 """

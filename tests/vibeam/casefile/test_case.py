@@ -12,9 +12,10 @@ import pytest
 import vibeam
 from vibeam.casefile.documentation import reference_table, template
 from vibeam.casefile.read import parse
-from vibeam.casefile.tables.cases import BeamCase, SdofCase
+from vibeam.casefile.tables.cases import beam_case, sdof_case
 from vibeam.casefile.validation import entry_of, fields_of, table_of
-from vibeam_models.scene import AddedMass, Base, Beam, Damping, Mass, Scene, SdofScene, Sensor, Stop
+from vibeam_models.effects.added_mass import AddedMass
+from vibeam_models.scene import Base, Beam, Damping, Mass, Scene, SdofScene, Sensor, Stop
 
 CASES = Path(__file__).parents[3] / "cases"
 RIG = Beam(0.18, 0.02, 0.001034, 210e9, 7850.0, Damping("constant", (0.017,)), 36)
@@ -105,7 +106,7 @@ def test_all_that_may_be_left_out_or_said_otherwise():
     assert case.scene.mass == Mass(0.2, 0.132)
     assert case.scene.base == Base(amplitude=1e-4)
     assert case.scene.stop.position == 0.15
-    assert case.scene.added_masses == (AddedMass(0.0024, 0.09),)
+    assert case.scene.effects == (AddedMass(0.0024, 0.09),)
     assert case.scene.beam.damping == Damping("list", (0.017, 0.01))
     assert case.sweep.frequency.tolist() == [14.0, 15.0]
     assert case.sweep.output == "tip"
@@ -134,7 +135,7 @@ def test_an_override_opens_a_table_and_reaches_into_a_list():
     }
     case = parse(template(), set=changes)
     assert case.fidelities["all"].reduction == "full"
-    assert case.scene.added_masses[0].mass == 1e-3
+    assert case.scene.effects[0].mass == 1e-3
 
 
 def test_the_text_is_the_case():
@@ -194,7 +195,7 @@ def every_key(model):
 
 def test_the_table_of_keys_has_them_all():
     rows = {(row.key, row.meaning) for row in reference_table()}
-    assert rows == {*every_key(BeamCase), *every_key(SdofCase)}
+    assert rows == {*every_key(beam_case()), *every_key(sdof_case())}
     assert all(row.meaning and row.unit for row in reference_table())
     length = next(row for row in reference_table() if row.table == "[beam]")
     assert (length.table, length.key, length.unit, length.default, length.required) == (

@@ -253,7 +253,7 @@ def test_an_index_into_a_list_that_is_not_there():
 
 def test_an_entry_of_a_list_of_tables_is_set_by_its_index():
     text = RIG + "".join(f"[[added_mass]]\nmass = {each}\nposition = 0.1\n" for each in (1, 2))
-    masses = parse(text, set={"added_mass.1.mass": "5 g"}).scene.added_masses
+    masses = parse(text, set={"added_mass.1.mass": "5 g"}).scene.effects
     assert [each.mass for each in masses] == [1.0, 0.005]
 
 

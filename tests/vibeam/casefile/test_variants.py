@@ -13,7 +13,8 @@ import vibeam
 from vibeam.case.case import Case
 from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
-from vibeam_models.scene import AddedMass, Scene, SdofScene
+from vibeam_models.effects.added_mass import AddedMass
+from vibeam_models.scene import Scene, SdofScene
 
 CASES = Path(__file__).parents[3] / "cases"
 SDOF = """[sdof]
@@ -75,11 +76,11 @@ def test_effects_are_left_out_of_one_fidelity_alone() -> None:
     whole, bare = case.scene_of("beam"), case.scene_of("bare")
     assert isinstance(whole, Scene)
     assert isinstance(bare, Scene)
-    assert whole.added_masses == (AddedMass(0.0024, 0.09),)
+    assert whole.effects == (AddedMass(0.0024, 0.09),)
     assert whole.mass.rotary_inertia
     assert whole.mass.rigid_half_width
     mass = replace(whole.mass, rotary_inertia=None, rigid_half_width=None)
-    assert bare == replace(whole, added_masses=(), mass=mass)
+    assert bare == replace(whole, effects=(), mass=mass)
     assert case.fidelities["bare"].without == tuple(left)
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from math import inf, isfinite, isinf, isnan
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 import pytest
@@ -21,16 +21,13 @@ from typer.testing import CliRunner
 
 import vibeam
 from vibeam.case.faults import CaseError
-from vibeam.casefile.fields import Count
 from vibeam.casefile.read import parse, validate
-from vibeam.casefile.tables.cases import BeamCase
-from vibeam.casefile.tables.stop import StopTable
-from vibeam.casefile.tables.table import Table, key
+from vibeam.casefile.tables.table import key, table
 from vibeam.cli.main import app
 from vibeam.report.influence import bars, left_alone, lines, sentences, taken_away, verdict
 from vibeam.report.tables import print_table
 from vibeam.studies.influence.curve import Curve, Step, ends, peak, swept
-from vibeam.studies.influence.effects import effects_of
+from vibeam.studies.influence.effects import effects_of, is_effect
 from vibeam.studies.influence.quantities import Quantity, Value, change, quantities
 from vibeam.studies.influence.search import smallest
 from vibeam.studies.influence.settled_motion import observed_ringing
@@ -90,29 +87,12 @@ def test_every_effect_that_a_case_names_is_found() -> None:
     assert {"added_mass.0", "added_mass.1"} < set(effects_of(twice))
 
 
-def test_an_effect_that_the_schema_gains_is_found_by_itself() -> None:
-    class Ghost(Table):
-        """Effect: haunts the beam."""
-
-    class Plain(Table):
-        """Haunts nothing."""
-
-    class Stop(StopTable):
-        law: Annotated[int | None, Count(0, 9)] = key("effect: what it does; absent = nothing", 1, None)
-        other: Annotated[int | None, Count(0, 9)] = key("of the law", 1, None)
-
-    class Case(BeamCase):
-        stop: Stop
-        ghost: Ghost | None = None
-        plain: Plain | None = None
-
-    declared, _ = validate(BEAM + FIDELITY, RIG, {})
-    tables = declared.model_dump(by_alias=True) | {"ghost": {}, "plain": {}}
-    tables["stop"] |= {"law": 3, "other": 4}
-    whole = Case.model_construct(
-        **dict(declared), ghost=Ghost(), plain=Plain()
-    ).model_copy(update={"stop": Stop.model_construct(**tables["stop"])})  # fmt: skip
-    assert set(effects_of(whole)) - set(effects_of(declared)) == {"ghost", "stop.law"}
+def test_a_key_or_table_is_an_effect_by_its_declaration_not_by_its_words() -> None:
+    told = table("Told", "Effect: in words alone.", {"ghost": (Any, key("effect: in words alone", 1, None))})
+    meant = table("Meant", "Haunts the beam.", {"ghost": (Any, key("haunts the beam", 1, None, effect=True))})
+    assert not is_effect(told.model_fields["ghost"])
+    assert is_effect(meant.model_fields["ghost"])
+    assert meant.model_fields["ghost"].description == "effect: haunts the beam"
 
 
 # --- sets of effects --------------------------------------------------------------------------------------------------
@@ -141,9 +121,9 @@ def test_a_set_is_the_case_with_the_rest_taken_away_by_hand_to_the_bit() -> None
 def test_of_several_added_masses_each_is_an_effect() -> None:
     case = case_of(ADDED, ADDED.replace("2.4", "7"), ADDED.replace("2.4", "9"))
     sets = subsets(case)
-    left = [mass.mass for mass in sets.case({"added_mass.1"}).scene.added_masses]
+    left = [mass.mass for mass in sets.case({"added_mass.1"}).scene.effects]
     assert left == [pytest.approx(7e-3)]
-    assert sets.case(()).scene.added_masses == ()
+    assert sets.case(()).scene.effects == ()
 
 
 def test_modes_that_an_effect_brings_go_with_it() -> None:
@@ -163,9 +143,9 @@ def test_keys_that_mean_nothing_without_an_effect_go_with_it() -> None:
     text = BEAM.replace('restitution_of = "contact"\n', drift + 'law = "linear"\nstiffness = "1e6 N/m"\n') + FIDELITY
     sets = subsets(parse(text, RIG, QUICK))
     assert {"stop.law", "stop.drift_frequency"} < set(sets.effects)
-    assert sets.case({"stop.drift_frequency"}).scene.stop.stiffness is None
+    assert sets.case({"stop.drift_frequency"}).scene.stop.law is None
     kept = sets.case({"stop.law"}).scene.stop
-    assert (kept.drift, kept.stiffness) == (None, 1e6)
+    assert (kept.drift, kept.law.stiffness) == (None, 1e6)
     damped = text.replace("restitution = 0.72", 'damping = "10 N s/m"')
     with pytest.raises(CaseError, match=r"stop\.restitution: missing"):
         subsets(parse(damped, RIG, QUICK)).case({"stop.drift_frequency"})

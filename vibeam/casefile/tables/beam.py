@@ -10,6 +10,7 @@ from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import POSITIVE, Count, Flag, Quantity
+from vibeam.casefile.tables.effects import effects_in
 from vibeam.casefile.tables.table import MOST_ELEMENTS, Length, Place, Ratio, Table, key
 
 
@@ -23,7 +24,6 @@ def beam_checks(case: SimpleNamespace) -> Iterator[Complaint]:
 def _positions(case: SimpleNamespace) -> Iterator[Complaint]:
     named = {"mass": case.mass, "sensor": case.sensor, "stop": case.stop}
     places: dict[KeyPath, SimpleNamespace] = {(name, "position"): table for name, table in named.items()}
-    places |= {("added_mass", index, "position"): added for index, added in enumerate(case.added_mass)}
     length = case.beam.length
     for path, table in places.items():
         if length is not None and table is not None and table.position is not None and table.position > length:
@@ -37,10 +37,8 @@ def _bare(case: SimpleNamespace) -> Iterator[Complaint]:
             ("stop", "position"),
             'missing (without [mass] the stop is nowhere): write position = "132 mm", or add [mass]',
         )
-    if case.beam.massless and not case.added_mass:
+    if case.beam.massless and not any(effect.inertias for _, effect, _ in effects_in(case)):
         yield ("beam", "massless"), "nothing is left that has mass: add [mass], or take massless out"
-    if case.torsion is not None:
-        yield ("torsion",), "has the polar inertia of the attached mass: add [mass], or take [torsion] out"
     if case.drive.gain is not None:
         yield ("drive", "gain"), 'is of a beam with an attached mass: write amplitude = "0.05 mm", or add [mass]'
 
@@ -92,7 +90,7 @@ class BeamTable(Table):
     )
     elements: Annotated[int, Count(1, MOST_ELEMENTS)] = key("finite elements along the beam", 36, 36)
     massless: Annotated[bool, Flag()] = key(
-        "effect: the beam's own mass is neglected, as in the paper's m ≫ ρAL", True, False, written=False
+        "the beam's own mass is neglected, as in the paper's m ≫ ρAL", True, False, written=False, effect=True
     )
 
 
@@ -102,10 +100,10 @@ class MassTable(Table):
     mass: Annotated[float, Quantity(units.MASS, POSITIVE)] = key("attached mass", "0.2 kg")
     position: Annotated[float, Place] = key("distance from the clamp, in (0, length]", "132 mm")
     rotary_inertia: Annotated[float | None, Quantity(units.INERTIA, POSITIVE)] = key(
-        "effect: moment of inertia about the axis of bending; absent = a point mass", "2.988e-5 kg m^2", None
+        "moment of inertia about the axis of bending; absent = a point mass", "2.988e-5 kg m^2", None, effect=True
     )
     rigid_half_width: Annotated[float | None, Length] = key(
-        "effect: the beam is rigid this far on either side of the mass; absent = nowhere", "11.7 mm", None
+        "the beam is rigid this far on either side of the mass; absent = nowhere", "11.7 mm", None, effect=True
     )
 
 
@@ -113,13 +111,6 @@ class SensorTable(Table):
     """Where the displacement is measured."""
 
     position: Annotated[float, Place] = key("distance from the clamp, in (0, length]", "100 mm")
-
-
-class AddedMassTable(Table):
-    """Effect: a further point mass, an accelerometer say; one table for each."""
-
-    mass: Annotated[float, Quantity(units.MASS, POSITIVE)] = key("added mass", "2.4 g")
-    position: Annotated[float, Place] = key("distance from the clamp, in (0, length]", "90 mm")
 
 
 class SdofTable(Table):

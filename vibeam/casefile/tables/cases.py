@@ -2,23 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from functools import lru_cache
+from typing import Annotated, Any, ClassVar
 
 from vibeam.casefile.field_lists import Each
 from vibeam.casefile.fields import Text, Word
-from vibeam.casefile.tables.beam import AddedMassTable, BeamTable, MassTable, SdofTable, SensorTable
+from vibeam.casefile.tables.beam import BeamTable, MassTable, SdofTable, SensorTable
 from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable
-from vibeam.casefile.tables.effects import ClampTable, GravityTable, PlatformTable, ShakerTable, TorsionTable
+from vibeam.casefile.tables.effects import effect_tables
 from vibeam.casefile.tables.expectations import ExpectTable, ReferenceTable
 from vibeam.casefile.tables.figures import FigureTable, MeasurementTable, SdofMeasurementTable, ShowTable
-from vibeam.casefile.tables.stop import SdofStopTable, StopTable
+from vibeam.casefile.tables.stop import sdof_stop_table, stop_table
 from vibeam.casefile.tables.studies import CostTable, InfluenceTable
 from vibeam.casefile.tables.sweep import FidelityTable, SdofFidelityTable, SdofSweepTable, SweepTable
-from vibeam.casefile.tables.table import ACCURATE, Table, Within, key
+from vibeam.casefile.tables.table import ACCURATE, Table, Within, key, table
+from vibeam_models.effects import EFFECTS
+from vibeam_models.homes import Home
+from vibeam_models.laws import LAWS
 
 
 class _Case(Table):
     """What both kinds begin with."""
+
+    with_beam: ClassVar[bool] = True
 
     title: Annotated[str, Text()] = key(
         "what the case is; absent = the name of its file", "DTU impacting beam, neutral gap, 0.6 V", ""
@@ -35,20 +41,17 @@ class _Case(Table):
     )
 
 
-class BeamCase(_Case):
-    """A beam on the bench."""
-
+class _Carrier(Table):
     beam: BeamTable
     mass: MassTable | None = key("attached to the beam; absent = a bare beam", None, None)
-    added_mass: tuple[AddedMassTable, ...] = key("further point masses", None, (), written=False)
-    clamp: ClampTable | None = None
-    gravity: GravityTable | None = None
-    torsion: TorsionTable | None = None
-    stop: StopTable
+
+
+class _Rig(Table):
     sensor: SensorTable
     drive: DriveTable
-    platform: PlatformTable | None = None
-    shaker: ShakerTable | None = None
+
+
+class _Plan(Table):
     measurement: MeasurementTable | None = None
     sweep: SweepTable
     fidelity: dict[str, FidelityTable]
@@ -60,15 +63,23 @@ class BeamCase(_Case):
     influence: InfluenceTable = key("what vibeam influence does", None, InfluenceTable(), written=False)
 
 
-class SdofCase(_Case):
-    """A single degree of freedom by itself."""
+class BeamCase(_Plan, _Rig, _Carrier, _Case):
+    """A beam on the bench: what every such case has. ``beam_case`` adds the stop and the effects."""
 
+    stop: Any
+
+
+class _Single(Table):
     title: Annotated[str, Text()] = key(
         "what the case is; absent = the name of its file", "single degree of freedom", ""
     )
     source: Annotated[str, Text()] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "")
     sdof: SdofTable
-    stop: SdofStopTable
+
+    with_beam: ClassVar[bool] = False
+
+
+class _SinglePlan(Table):
     drive: SdofDriveTable
     measurement: SdofMeasurementTable | None = None
     sweep: SdofSweepTable
@@ -78,3 +89,37 @@ class SdofCase(_Case):
     show: dict[str, ShowTable] = key("further figures", None, {}, written=False)
     figure: FigureTable = key("how figures are written", None, FigureTable(), written=False)
     cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False)
+
+
+class SdofCase(_SinglePlan, _Single, _Case):
+    """A single degree of freedom by itself: what every such case has. ``sdof_case`` adds the stop."""
+
+    stop: Any
+
+
+Registered = tuple[tuple[str, Home], ...]
+
+
+def beam_case() -> type[BeamCase]:
+    """The declaration of a beam's case, with the effects and contact laws that are registered now."""
+    return _beam_case(tuple(EFFECTS.items()), tuple(LAWS.items()))
+
+
+def sdof_case() -> type[SdofCase]:
+    """The declaration of the case of a single degree of freedom, with the contact laws that are registered now."""
+    return _sdof_case(tuple(LAWS.items()))
+
+
+@lru_cache(maxsize=8)
+def _beam_case(effects: Registered, laws: Registered) -> type[BeamCase]:
+    stop = {"stop": (stop_table(), ...)}
+    parts = (_Case, _Carrier, effect_tables("beam"), stop, _Rig, effect_tables("base"), _Plan)
+    made: type[BeamCase] = table("BeamCase", "A beam on the bench.", *parts)
+    return made
+
+
+@lru_cache(maxsize=8)
+def _sdof_case(laws: Registered) -> type[SdofCase]:
+    parts = (_Case, _Single, {"stop": (sdof_stop_table(), ...)}, _SinglePlan)
+    made: type[SdofCase] = table("SdofCase", "A single degree of freedom by itself.", *parts)
+    return made

@@ -23,7 +23,7 @@ from vibeam.casefile.tables.sweep import plan_checks
 
 def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     """Every complaint about keys that do not go together; files are looked for from ``folder``."""
-    if hasattr(case, "beam"):
+    if case.with_beam:
         yield from beam_checks(case)
         yield from drive_checks(case)
         yield from effect_checks(case)

@@ -1,79 +1,69 @@
-"""What the keys of [stop] say together: the contact law and what it needs, a gap that drifts, wear."""
+"""The table [stop]: the gap, the contact law with its keys, a gap that drifts, wear; and what they say together."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
+from functools import lru_cache
 from types import SimpleNamespace
-from typing import Annotated
+from typing import Annotated, Any
 
 from vibeam.case.faults import Complaint, as_shown_in_message
 from vibeam.casefile import quantities as units
+from vibeam.casefile.canonical import to_toml
 from vibeam.casefile.field_lists import Several
-from vibeam.casefile.fields import NOT_NEGATIVE, POSITIVE, Quantity, Word
-from vibeam.casefile.tables.table import LAWS, Frequency, Place, Speed, Table, Unity, key
+from vibeam.casefile.fields import NOT_NEGATIVE, Quantity, Word
+from vibeam.casefile.tables.table import Frequency, Place, Table, Unity, declared_key, key, nondimensional, table
 from vibeam.solvers import SOLVERS
-
-NEEDS = {  # keys that a contact law must have; those that it may have
-    "restitution": (("restitution",), ()),
-    "velocity restitution": (("restitution", "velocity"), ("exponent",)),
-    "table": (("speeds", "restitutions"), ()),
-    "linear": (("stiffness",), ("damping", "restitution")),
-    "hertz": (("hertz_stiffness",), ("exponent",)),
-    "hunt-crossley": (("hertz_stiffness", "restitution", "velocity"), ("exponent",)),
-}
-
-EXAMPLES = {
-    "restitution": ("speed after over speed before an impact", "restitution = 0.72"),
-    "velocity": ("at which the restitution holds", 'velocity = "0.1 m/s"'),
-    "stiffness": ("force over penetration", 'stiffness = "1e6 N/m"'),
-    "hertz_stiffness": ("N/m^exponent", "hertz_stiffness = 1e9"),
-    "speeds": ("of the table", 'speeds = ["0.02 m/s", "0.2 m/s"]'),
-    "restitutions": ("at the speeds", "restitutions = [0.8, 0.6]"),
-}
-
-NONDIMENSIONAL = EXAMPLES | {
-    "velocity": ("at which the restitution holds", "velocity = 0.01"),
-    "stiffness": ("force over mass and penetration", "stiffness = 400"),
-    "hertz_stiffness": ("force over mass and penetration^exponent", "hertz_stiffness = 1e4"),
-    "speeds": ("of the table", "speeds = [0.002, 0.02]"),
-}
+from vibeam_models.homes import Home
+from vibeam_models.keys import Key, defaults_of, keys_of
+from vibeam_models.laws import CONSTANT, LAWS, ContactLaw, declarations
+from vibeam_models.laws.keys import RESTITUTION
 
 
 def stop_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about the stop of a beam, or of a single degree of freedom, in whose units examples are then."""
-    examples, metres = (EXAMPLES, " m") if hasattr(case, "beam") else (NONDIMENSIONAL, "")
-    yield from _law(case.stop, examples, metres)
+    yield from _law(case.stop, case.with_beam)
+    yield from _second(case.stop, " m" if case.with_beam else "")
     yield from _drift(case.stop)
     yield from _wear(case)
 
 
-def _law(stop: SimpleNamespace, examples: Mapping[str, tuple[str, str]], metres: str) -> Iterator[Complaint]:
-    law = stop.law or "restitution"
-    tabled = law == "velocity restitution" and (stop.speeds is not None or stop.restitutions is not None)
-    needed, allowed = NEEDS["table" if tabled else law]
-    for name in needed:
+def law_of(stop: Any) -> type[ContactLaw]:
+    """The declaration of the law that a stop has, in the form in which it is said."""
+    law: type[ContactLaw] = LAWS[stop.law or CONSTANT].load()
+    return law.form_of(stop)
+
+
+def contact_law(stop: Any) -> ContactLaw | None:
+    """The law of a checked stop, as declared; None where it is one coefficient of restitution."""
+    law = law_of(stop)
+    return None if law.name == CONSTANT else law(**{name: getattr(stop, name) for name in keys_of(law)})
+
+
+def _law(stop: SimpleNamespace, with_units: bool) -> Iterator[Complaint]:
+    law = law_of(stop)
+    own, named = keys_of(law), f'law = "{law.name}"'
+    for name in own.keys() - defaults_of(law).keys():
         if getattr(stop, name) is None:
-            meaning, example = examples[name]
-            yield ("stop", name), f"missing ({meaning}): write {example}"
-    every = {name for names in NEEDS.values() for part in names for name in part}
-    for name in sorted(every - {*needed, *allowed}):
+            yield ("stop", name), _missing(name, own[name], with_units)
+    for name in sorted(law_keys().keys() - own.keys()):
         if getattr(stop, name) is not None:
-            yield ("stop", name), f'does not go with law = "{law}"{" and a table" if tabled else ""}: take it out'
-    if law == "linear" and (stop.damping is None) == (stop.restitution is None):
-        said = "is not said" if stop.damping is None else "is said twice"
-        yield ("stop", "damping"), f"the loss of the linear stop {said}: write damping, or restitution"
-    if (law == "hunt-crossley" and stop.restitution == 0) or (law == "linear" and stop.restitution == 0):
-        yield ("stop", "restitution"), f'0 is more than law = "{law}" can lose: write a number above 0'
-    if law == "velocity restitution" and not tabled and stop.restitution == 0:
-        yield ("stop", "restitution"), "0 leaves nothing to fall with the velocity: write a number above 0"
-    if law in ("hertz", "hunt-crossley") and stop.exponent is not None and stop.exponent < 1:
-        yield ("stop", "exponent"), f"{stop.exponent:g} is below 1: the stop would be infinitely stiff at first touch"
-    if tabled and stop.speeds and stop.restitutions and (len(stop.speeds) != len(stop.restitutions)):
-        yield ("stop", "restitutions"), f"{len(stop.restitutions)} numbers for {len(stop.speeds)} speeds"
-    elif tabled and stop.speeds and len(stop.speeds) < 2:
-        yield ("stop", "speeds"), "one speed makes no table: write two or more"
-    if law not in ("restitution",) and getattr(stop, "restitution_of", None) == "first mode":
-        yield ("stop", "restitution_of"), f'"first mode" does not go with law = "{law}": the loss is the contact\'s'
+            yield ("stop", name), f"does not go with {named}{law.form}: take it out"
+    for name, message in law.faults(stop):
+        yield ("stop", name), message
+    if law.name != CONSTANT and with_units and stop.restitution_of == "first mode":
+        yield ("stop", "restitution_of"), f'"first mode" does not go with {named}: the loss is the contact\'s'
+
+
+def _missing(name: str, declared: Key, with_units: bool) -> str:
+    meaning, example = declared.missing or declared.meaning, declared.example
+    if not with_units and declared.plain is not None:
+        meaning, example = declared.plain[2] or declared.plain[0], declared.plain[1]
+    short = f"{example:g}".replace("e+0", "e") if isinstance(example, float) else to_toml(example)
+    return f"missing ({meaning}): write {name} = {short}"
+
+
+def _second(stop: SimpleNamespace, metres: str) -> Iterator[Complaint]:
     if stop.second_gap is not None and stop.gap is not None and stop.second_gap <= -stop.gap:
         least = 0.0 - stop.gap
         yield ("stop", "second_gap"), f"must be above −gap = {least:g}{metres}, or nothing fits between the stops"
@@ -105,123 +95,80 @@ def _wear(case: SimpleNamespace) -> Iterator[Complaint]:
             )
 
 
-class StopTable(Table):
-    """The stop: what it is depends on its law; keys of other laws are refused."""
-
+class _AtRest(Table):
     gap: Annotated[float, Quantity(units.LENGTH)] = key(
-        "gap at rest; negative = the beam is pressed against the stop", "0 mm"
+        "gap at rest; negative = the beam is pressed against the stop",
+        "0 mm",
+        plain=("gap at rest Δ, in the unit of the motion", 0.0),
     )
     gap_at: Annotated[str, Word(("contact", "sensor"))] = key(
         "where the gap was measured: at the contact, or as grazing amplitude at the sensor", "contact", "contact"
     )
-    restitution: Annotated[float | None, Unity] = key("speed after over speed before an impact", 0.72, None)
+    restitution: Annotated[float | None, Unity] = key(
+        RESTITUTION.meaning, RESTITUTION.example, None, plain=RESTITUTION.plain and RESTITUTION.plain[:2]
+    )
     restitution_of: Annotated[str, Word(("contact", "first mode"))] = key(
         "whose it is: the contact's, or mode 1's (each fidelity's own is then derived)", "contact", "contact"
     )
     position: Annotated[float | None, Place] = key(
-        "effect: of the contact, from the clamp; absent = at the mass, if there is one",
+        "of the contact, from the clamp; absent = at the mass, if there is one",
         "132 mm",
         None,
         written=False,
+        effect=True,
     )
-    law: Annotated[str | None, Word(LAWS)] = key(
-        "effect: what the stop does; absent = restitution, the same at every velocity", "linear", None, written=False
-    )
-    stiffness: Annotated[float | None, Quantity(units.STIFFNESS, POSITIVE)] = key(
-        "of law linear: force over penetration", "1e6 N/m", None, written=False
-    )
-    damping: Annotated[float | None, Quantity(units.VISCOUS, NOT_NEGATIVE)] = key(
-        "of law linear: force over velocity; absent = what gives the restitution to a free mass 1/S, S the contact's "
-        "mobility",
-        "10 N s/m",
-        None,
-        written=False,
-    )
-    hertz_stiffness: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "of laws hertz and hunt-crossley: force over penetration^exponent, in N/m^exponent", 1e9, None, written=False
-    )
-    exponent: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "of the penetration, absent = 1.5; in velocity restitution the n of R = R0 (v/v0)^-n, absent = 0.25",
-        1.5,
-        None,
-        written=False,
-    )
-    velocity: Annotated[float | None, Speed] = key(
-        "of impact, v0, at which the restitution holds; for laws hunt-crossley and velocity restitution",
-        "0.1 m/s",
-        None,
-        written=False,
-    )
-    speeds: Annotated[tuple[float, ...] | None, Several(Speed, ascending=True)] = key(
-        "of impact, of a table for law velocity restitution, instead of restitution and velocity",
-        ["0.02 m/s", "0.2 m/s"],
-        None,
-        written=False,
-    )
-    restitutions: Annotated[tuple[float, ...] | None, Several(Unity)] = key(
-        "at these speeds, monotone cubics between them", [0.8, 0.6], None, written=False
-    )
+
+
+class _Further(Table):
     second_gap: Annotated[float | None, Quantity(units.LENGTH)] = key(
-        "effect: gap to a second stop on the other side; absent = none", "1 mm", None, written=False
-    )
+        "gap to a second stop on the other side; absent = none", "1 mm", None, written=False, effect=True,
+        plain=("gap to a second stop on the other side; absent = none", 0.01),
+    )  # fmt: skip
     drift_frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
-        "effect: drive frequencies between which the gap drifts; absent = it stays",
-        ["14 Hz", "17 Hz"],
-        None,
-        written=False,
-    )
+        "drive frequencies between which the gap drifts; absent = it stays", ["14 Hz", "17 Hz"], None,
+        written=False, effect=True,
+        plain=("drive frequencies between which the gap drifts; absent = it stays", ["1.5 rad/s", "2.5 rad/s"]),
+    )  # fmt: skip
     drift: Annotated[tuple[float, ...] | None, Several(Quantity(units.LENGTH))] = key(
-        "what is added to the gap at these frequencies, linear between them", ["0 mm", "0.02 mm"], None, written=False
-    )
+        "what is added to the gap at these frequencies, linear between them", ["0 mm", "0.02 mm"], None,
+        written=False, of="drift_frequency",
+        plain=("what is added to the gap at these frequencies, linear between them", [0.0, 1e-4]),
+    )  # fmt: skip
     wear: Annotated[float | None, Quantity(units.LENGTH, NOT_NEGATIVE)] = key(
-        "effect: what each impact adds to the gap at the contact, from point to point; absent = none",
-        "0.1 nm",
-        None,
-        written=False,
-    )
+        "what each impact adds to the gap at the contact, from point to point; absent = none", "0.1 nm", None,
+        written=False, effect=True,
+        plain=("what each impact adds to the gap, from point to point; absent = none", 1e-8),
+    )  # fmt: skip
 
 
-class SdofStopTable(Table):
-    """The stop of the single degree of freedom."""
+def law_keys() -> dict[str, Key]:
+    """The keys of all contact laws by name; those of stops that yield stand first."""
+    laws = sorted(declarations().values(), key=lambda law: not law.compliant)
+    return {name: each for law in laws for form in law.forms() for name, each in keys_of(form).items()}
 
-    gap: Annotated[float, Quantity(units.RATIO)] = key("gap at rest Δ, in the unit of the motion", 0.0)
-    restitution: Annotated[float | None, Unity] = key("speed after over speed before an impact", 0.9, None)
-    law: Annotated[str | None, Word(LAWS)] = key(
-        "effect: what the stop does; absent = restitution, the same at every velocity", "linear", None, written=False
-    )
-    stiffness: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "of a linear stop: force over mass and penetration", 400, None, written=False
-    )
-    damping: Annotated[float | None, Quantity(units.RATIO, NOT_NEGATIVE)] = key(
-        "of a linear stop, force over mass and velocity; absent = what gives the restitution", 2.5, None, written=False
-    )
-    hertz_stiffness: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "of hertz and hunt-crossley, force over mass and penetration^exponent", 1e4, None, written=False
-    )
-    exponent: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "of the penetration, absent = 1.5; of the velocity in R = R0 (v/v0)^-n, absent = 0.25", 1.5, None, written=False
-    )
-    velocity: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "at which the restitution holds, for hunt-crossley and velocity restitution", 0.01, None, written=False
-    )
-    speeds: Annotated[tuple[float, ...] | None, Several(Quantity(units.RATIO, POSITIVE), ascending=True)] = key(
-        "of a table of restitutions, instead of restitution and velocity", [0.002, 0.02], None, written=False
-    )
-    restitutions: Annotated[tuple[float, ...] | None, Several(Unity)] = key(
-        "at the speeds", [0.8, 0.6], None, written=False
-    )
-    second_gap: Annotated[float | None, Quantity(units.RATIO)] = key(
-        "effect: gap to a second stop on the other side; absent = none", 0.01, None, written=False
-    )
-    drift_frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
-        "effect: drive frequencies between which the gap drifts; absent = it stays",
-        ["1.5 rad/s", "2.5 rad/s"],
-        None,
-        written=False,
-    )
-    drift: Annotated[tuple[float, ...] | None, Several(Quantity(units.RATIO))] = key(
-        "what is added to the gap at these frequencies, linear between them", [0.0, 1e-4], None, written=False
-    )
-    wear: Annotated[float | None, Quantity(units.RATIO, NOT_NEGATIVE)] = key(
-        "effect: what each impact adds to the gap, from point to point; absent = none", 1e-8, None, written=False
-    )
+
+def stop_table() -> type[Table]:
+    """The stop of a beam, with the contact laws that are registered now."""
+    return _stop_table(tuple(LAWS.items()))
+
+
+def sdof_stop_table() -> type[Table]:
+    """The stop of a single degree of freedom, with the contact laws that are registered now."""
+    return _sdof_stop_table(tuple(LAWS.items()))
+
+
+@lru_cache(maxsize=8)
+def _stop_table(laws: tuple[tuple[str, Home], ...]) -> type[Table]:
+    meaning = "what the stop does; absent = restitution, the same at every velocity"
+    law = key(meaning, "linear", None, written=False, effect=True, plain=(meaning, "linear"))
+    keys = {"law": (Annotated[Any, Word(tuple(LAWS))], law)}
+    keys |= {name: declared_key(each, None, "law") for name, each in law_keys().items() if name != "restitution"}
+    doc = "The stop: what it is depends on its law; keys of other laws are refused."
+    made: type[Table] = table("StopTable", doc, _AtRest, keys, _Further)
+    return made
+
+
+@lru_cache(maxsize=8)
+def _sdof_stop_table(laws: tuple[tuple[str, Home], ...]) -> type[Table]:
+    made: type[Table] = nondimensional(stop_table(), "SdofStopTable", "The stop of the single degree of freedom.")
+    return made

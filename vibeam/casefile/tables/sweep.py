@@ -11,7 +11,7 @@ from pydantic import Field
 from vibeam.case.faults import Complaint
 from vibeam.casefile.field_lists import Names, Options, Settings, Several, TableOr
 from vibeam.casefile.fields import Count, Text, Word
-from vibeam.casefile.tables.effects import platform_output
+from vibeam.casefile.tables.effects import effects_in, platform_output
 from vibeam.casefile.tables.table import (
     DIRECTIONS,
     MOST_ELEMENTS,
@@ -29,7 +29,7 @@ from vibeam_reductions.declaration import REDUCTIONS
 def plan_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about the sweep's grid and, where there is a beam, its output and the modes that are asked for."""
     yield from _grid(case.sweep.frequency)
-    if hasattr(case, "beam"):
+    if case.with_beam:
         yield from platform_output(case, ("sweep", "output"), case.sweep.output)
         yield from _modes(case)
 
@@ -47,7 +47,7 @@ def _grid(grid: SimpleNamespace | tuple[float, ...] | None) -> Iterator[Complain
 
 
 def _modes(case: SimpleNamespace) -> Iterator[Complaint]:
-    most, gives = _most_modes(case)
+    most, gives = most_modes(case)
     for name, fidelity in case.fidelity.items():
         path = ("fidelity", name, "modes")
         declared = REDUCTIONS[fidelity.reduction] if fidelity.reduction else None
@@ -60,13 +60,14 @@ def _modes(case: SimpleNamespace) -> Iterator[Complaint]:
             yield path, f"{fidelity.modes} are more than the model has: {gives} {most} at most"
 
 
-def _most_modes(case: SimpleNamespace) -> tuple[int, str]:
-    """How many modes the beam can have at most (0: not known), and what gives them."""
-    twists = case.torsion is not None
+def most_modes(case: Any) -> tuple[int, str]:
+    """How many modes a beam's case can have at most (0: not known), and what gives them."""
+    effects = [effect for _, effect, _ in effects_in(case)]
     if case.beam.massless:
         attached = 0 if case.mass is None else 1 + (case.mass.rotary_inertia is not None)
-        return attached + len(case.added_mass) + twists, "a massless beam's inertias give"
-    return 2 * (case.beam.elements or 0) * (1 + twists), "beam.elements gives"
+        return attached + sum(effect.inertias for effect in effects), "a massless beam's inertias give"
+    each = 2 + sum(effect.modes_per_element for effect in effects)
+    return each * (case.beam.elements or 0), "beam.elements gives"
 
 
 class GridTable(Table):

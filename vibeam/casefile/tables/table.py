@@ -2,23 +2,90 @@
 
 from __future__ import annotations
 
-from typing import Any
+from math import inf
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, create_model
+from pydantic.fields import FieldInfo
 
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import NOT_NEGATIVE, POSITIVE, Count, Quantity, Range
+from vibeam.casefile.field_lists import Several
+from vibeam.casefile.fields import NOT_NEGATIVE, POSITIVE, Count, Entry, Quantity, Range, Word
+from vibeam_models.keys import Key
+
+Plain = tuple[str, Any]  # meaning and example of a key where the case is nondimensional
 
 
-def key(meaning: str, example: Any = None, default: Any = ..., *, written: bool = True) -> Any:
-    """A key: what it means, an example for the template (there as a comment unless ``written``), its default."""
-    return Field(default, description=meaning, examples=[example], json_schema_extra={"written": written})
+def key(
+    meaning: str,
+    example: Any = None,
+    default: Any = ...,
+    *,
+    written: bool = True,
+    effect: bool = False,
+    of: str = "",
+    plain: Plain | None = None,
+) -> Any:
+    """A key: what it means, an example for the template (there as a comment unless ``written``), its default.
+
+    ``effect``: it declares an optional effect; ``of``: the effect in the same table without which it means nothing.
+    """
+    extra: Any = {"written": written, "effect": effect, "of": of, "plain": plain}
+    return Field(default, description=_said(meaning, effect), examples=[example], json_schema_extra=extra)
+
+
+def _said(meaning: str, effect: bool) -> str:
+    return f"effect: {meaning}" if effect else meaning
+
+
+def note(field: FieldInfo, name: str) -> Any:
+    """What ``key`` was told of a field beyond its meaning; None for a field that is no ``key``."""
+    extra = field.json_schema_extra
+    return extra.get(name) if isinstance(extra, dict) else None
 
 
 class Table(BaseModel):
     """What all tables share: no unknown keys, never changed."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+def table(name: str, meaning: str, *parts: type[Table] | dict[str, Any]) -> Any:
+    """A table made of parts, whose keys stand in the order of the parts: tables, or {key: (annotation, ``key``)}."""
+    made = [part if isinstance(part, type) else create_model(f"{name}Part", __base__=Table, **part) for part in parts]
+    joined: Any = create_model(name, __base__=tuple(reversed(made)))
+    joined.__doc__ = meaning
+    return joined
+
+
+def declared_entry(declared: Key) -> Entry:
+    """What reads the key of a declaration."""
+    if declared.words:
+        return Word(declared.words)
+    low = declared.least if declared.above is None else declared.above
+    bounds = (-inf if low is None else low, inf if declared.most is None else declared.most, declared.above is None)
+    one = Quantity(units.dimension(declared.unit), Range(*bounds))
+    return Several(one, ascending=declared.ascending) if declared.several else one
+
+
+def declared_key(declared: Key, default: Any = ..., of: str = "") -> tuple[Any, Any]:
+    """The annotation and the ``key`` of a declaration's key."""
+    plain = None if declared.plain is None else declared.plain[:2]
+    field = key(declared.meaning, declared.example, default, written=declared.written, of=of, plain=plain)
+    return Annotated[Any, declared_entry(declared)], field
+
+
+def nondimensional(model: type[Table], name: str, meaning: str) -> Any:
+    """The keys of a table that mean something without units, without their units."""
+    fields = {each: field for each, field in model.model_fields.items() if note(field, "plain")}
+    return table(name, meaning, {each: _plain(field) for each, field in fields.items()})
+
+
+def _plain(field: FieldInfo) -> tuple[Any, Any]:
+    entry = next(part for part in field.metadata if isinstance(part, Entry))
+    (meaning, example), default = note(field, "plain"), ... if field.is_required() else field.default
+    notes = {each: note(field, each) for each in ("written", "effect", "of")}
+    return Annotated[Any, entry.nondimensional()], key(meaning, example, default, **notes)
 
 
 DIRECTIONS = ("up", "down", "both")
@@ -34,8 +101,6 @@ OUTPUTS = ("sensor", "contact", "tip", "platform")
 ACCURATE = ("amplitude", "reach", "maximum", "minimum", "impact_velocity")  # what an accuracy can be asked of
 
 FORMATS = ("png", "svg", "pdf")  # of figures
-
-LAWS = ("restitution", "velocity restitution", "linear", "hertz", "hunt-crossley")
 
 MOST_ELEMENTS = 2000
 

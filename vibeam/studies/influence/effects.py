@@ -1,4 +1,4 @@
-"""The effects that a case names, found by the schema's own words: a table's "Effect: …", a key's "effect: …"."""
+"""The effects that a case names: tables and keys that are declared as effects."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from vibeam.casefile.fidelity_changes import SHARED
-from vibeam.casefile.validation import fields_of, is_repeated, keys_of, table_of
-
-MARK = "effect:"
+from vibeam.casefile.tables.table import note
+from vibeam.casefile.validation import fields_of, is_repeated, keys_of
 
 
 def effects_of(declared: BaseModel) -> tuple[str, ...]:
@@ -22,20 +21,18 @@ def effects_of(declared: BaseModel) -> tuple[str, ...]:
 
 
 def is_effect(field: FieldInfo) -> bool:
-    """Whether a key or table is declared as an effect: it may be absent, and its meaning begins with the word."""
-    table = table_of(field)
-    meaning = (field.description if table is None else table.__doc__) or ""
-    return meaning.lower().startswith(MARK) and not field.is_required()
+    """Whether a key or table is declared as an effect."""
+    return bool(note(field, "effect"))
 
 
-def companions(model: type[BaseModel], name: str) -> tuple[str, ...]:
-    """Optional keys beside an effect that is a key, no effects themselves: they may have no meaning without it."""
+def companions(declared: BaseModel, name: str) -> tuple[str, ...]:
+    """The keys beside an effect that is a key, set in a declared case, which mean nothing without it."""
     table, _, key = name.partition(".")
-    inner = table_of(fields_of(model)[table])
-    if inner is None or key not in keys_of(inner):
+    inner = getattr(declared, table, None)
+    if not (key and isinstance(inner, BaseModel)):
         return ()
-    beside = {f"{table}.{other}": field for other, field in fields_of(inner).items() if other != key}
-    return tuple(other for other, field in beside.items() if not (field.is_required() or is_effect(field)))
+    beside = [other for other, field in fields_of(type(inner)).items() if note(field, "of") == key]
+    return tuple(f"{table}.{each}" for each in beside if getattr(inner, each) is not None)
 
 
 def _physics(declared: BaseModel) -> list[str]:

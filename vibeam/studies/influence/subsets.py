@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.case import NOT_NUMBERS, Case
-from vibeam.case.faults import CaseError
 from vibeam.casefile.canonical import canonical_text
 from vibeam.casefile.read import parse, validate
-from vibeam.casefile.tables.cases import BeamCase
+from vibeam.casefile.tables.sweep import most_modes
 from vibeam.studies.influence.effects import companions, effects_of
 from vibeam_models.scene import Scene
 
@@ -29,7 +28,8 @@ class Subsets:
     """One fidelity of a case over the frequencies of its ``[influence]``, with any of its ``effects``.
 
     ``own_modes``: of the fidelity's modes, those that an effect brings beside what is there without it (torsion does).
-    ``modes``: the fidelity's number of them, None where its reduction says it.
+    ``companions``: keys beside an effect that mean nothing without it. ``modes``: the fidelity's number of modes, None
+    where its reduction says it.
     """
 
     text: str
@@ -37,6 +37,7 @@ class Subsets:
     fidelity: str
     effects: tuple[str, ...]
     own_modes: dict[str, int]
+    companions: dict[str, tuple[str, ...]]
     modes: int | None = None
 
     def case(self, kept: Collection[str]) -> Case:
@@ -45,36 +46,17 @@ class Subsets:
         What has no meaning without an effect goes with it: keys beside it, modes of its own, modes that are no more.
         """
         away = [name for name in self.effects if name not in kept]
+        beside = [key for name in away for key in self.companions.get(name, ())]
+        settings: dict[str, Any] = dict.fromkeys([*reversed(away), *beside])  # the last of several tables first
         lost = sum(self.own_modes.get(name, 0) for name in away)
-        settings: dict[str, Any] = dict.fromkeys(reversed(away))  # of several tables the last first: indices hold
-        if self.modes is not None and lost:
-            settings[self._modes_key] = max(self.modes - lost, 1)
-        beside = [name for effect in away for name in companions(BeamCase, effect)]
-        first: CaseError | None = None
-        while True:
-            try:
-                return parse(self.text, self.path, settings)
-            except CaseError as refusal:
-                first = first or refusal
-                wrong = {fault.key for fault in refusal.faults}
-                mended = self._mended(settings, wrong, beside)
-                if mended == settings:
-                    return self._missed(settings, wrong, beside, first)
-                settings = mended
+        if self.modes is not None and away:
+            settings[self._modes_key] = self._modes_without(settings, max(self.modes - lost, 1))
+        return parse(self.text, self.path, settings)
 
-    def _mended(self, settings: dict[str, Any], wrong: set[str], beside: list[str]) -> dict[str, Any]:
-        """The settings with one mode less, or with companions away, where these are at fault; else as they are."""
-        now = settings.get(self._modes_key, self.modes)
-        if self._modes_key in wrong and now is not None and now > 1:
-            return settings | {self._modes_key: now - 1}
-        return settings | {name: None for name in beside if name in wrong and name not in settings}
-
-    def _missed(self, settings: dict[str, Any], wrong: set[str], beside: list[str], first: CaseError) -> Case:
-        """The case without the one key that misses the effect beside it; else the refusal."""
-        for name in beside if wrong & set(settings) else ():
-            with suppress(CaseError):
-                return parse(self.text, self.path, {name: None} | settings)
-        raise first from None
+    def _modes_without(self, settings: dict[str, Any], wanted: int) -> int:
+        """As many modes as are wanted, or as the model has where that is fewer."""
+        declared, _ = validate(self.text, self.path, settings | {self._modes_key: 1})
+        return min(wanted, most_modes(declared)[0])
 
     @property
     def _modes_key(self) -> str:
@@ -97,7 +79,8 @@ def subsets(case: Case) -> Subsets:
         "sweep": own.sweep.model_copy(update=_reduced(case)),
     }
     text = canonical_text(own.model_copy(update=alone), without=NOT_NUMBERS)
-    found = Subsets(text, case.path, name, effects, {}, table.modes)
+    beside = {effect: companions(own, effect) for effect in effects}
+    found = Subsets(text, case.path, name, effects, {}, beside, table.modes)
     return replace(found, own_modes=_own_modes(found))
 
 

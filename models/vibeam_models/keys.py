@@ -1,0 +1,54 @@
+"""What one key of a case file holds, declared beside the dataclass field that it fills: plain data."""
+
+from __future__ import annotations
+
+from dataclasses import MISSING, dataclass, field, fields
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Key:
+    """One key: its SI ``unit`` (empty: a plain number, or ``words``), bounds, meaning and an example as written.
+
+    ``several``: a list of numbers; ``ascending``: each above the one before. ``written``: whether the template shows
+    it, else as a comment. ``missing``: what the message of a missing key says of it, its ``meaning`` where empty.
+    ``plain``: (meaning, example, ``missing``) where the case is nondimensional; None: it is there without unit alone.
+    """
+
+    meaning: str
+    example: Any
+    unit: str = ""
+    words: tuple[str, ...] = ()
+    above: float | None = None
+    least: float | None = None
+    most: float | None = None
+    several: bool = False
+    ascending: bool = False
+    written: bool = True
+    missing: str = ""
+    plain: tuple[str, Any, str] | None = None
+
+
+def quantity(unit: str, meaning: str, example: Any, default: Any = MISSING, **more: Any) -> Any:
+    """A dataclass field that holds a number in ``unit``, or a list of them; ``more`` as in ``Key``."""
+    return declared(Key(meaning, example, unit, **more), default)
+
+
+def word(words: tuple[str, ...], meaning: str, example: str, default: Any = MISSING) -> Any:
+    """A dataclass field that holds one of ``words``."""
+    return declared(Key(meaning, example, words=words), default)
+
+
+def declared(key: Key, default: Any = MISSING) -> Any:
+    """A dataclass field with its key; without ``default`` every case must write it."""
+    return field(default=default, metadata={"key": key})
+
+
+def keys_of(kind: type[Any]) -> dict[str, Key]:
+    """The keys of a declaration by name, in their order; KeyError for a field without one."""
+    return {each.name: each.metadata["key"] for each in fields(kind)}
+
+
+def defaults_of(kind: type[Any]) -> dict[str, Any]:
+    """The defaults of those keys that may be absent."""
+    return {each.name: each.default for each in fields(kind) if each.default is not MISSING}
