@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case as Case
     from vibeam.case.faults import CaseError as CaseError
     from vibeam.casefile.read import load as load
+    from vibeam.casefile.registration import register_effect as register_effect
+    from vibeam.casefile.registration import register_law as register_law
     from vibeam.figures import register_figure as register_figure
     from vibeam.figures.declaration import FigureKind as FigureKind
     from vibeam.flight.trajectory import Outcome as Outcome
@@ -59,6 +61,8 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "load": "vibeam.casefile.read",
+    "register_effect": "vibeam.casefile.registration",
+    "register_law": "vibeam.casefile.registration",
     "run": "vibeam.run.run",
     "derive": "vibeam.studies.derive",
     "ImpactSystem": "vibeam.system.impact_system",
@@ -138,7 +142,9 @@ __all__ = [
     "orbit_map",
     "orbits",
     "plot",
+    "register_effect",
     "register_figure",
+    "register_law",
     "register_reduction",
     "register_solver",
     "run",

@@ -12,7 +12,7 @@ class Key:
 
     ``several``: a list of numbers; ``ascending``: each above the one before. ``written``: whether the template shows
     it, else as a comment. ``missing``: what the message of a missing key says of it, its ``meaning`` where empty.
-    ``plain``: (meaning, example, ``missing``) where the case is nondimensional; None: it is there without unit alone.
+    ``plain``: (meaning, example, ``missing``) where the case is nondimensional; None: the same without the unit.
     """
 
     meaning: str

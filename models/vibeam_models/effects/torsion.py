@@ -44,7 +44,7 @@ class Torsion(Effect):
 
     @classmethod
     def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
-        """As ``Effect.faults``: one shear modulus, said once, a contact on the beam, a mass that it is the inertia of."""
+        """As ``Effect.faults``: one shear modulus, said once, a contact on the beam, a mass that twists."""
         if case.mass is None:
             yield "", "has the polar inertia of the attached mass: add [mass], or take [torsion] out"
         given = [name for name in ("poissons_ratio", "shear_modulus") if getattr(table, name) is not None]

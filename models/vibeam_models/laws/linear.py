@@ -17,17 +17,24 @@ class Linear(ContactLaw):
     """F = k d + c d′, the damping as given or from the restitution of a free mass 1/S."""
 
     stiffness: float = quantity(
-        "N/m", "of law linear: force over penetration", "1e6 N/m", above=0, written=False,
+        "N/m",
+        "of law linear: force over penetration",
+        "1e6 N/m",
+        above=0,
+        written=False,
         missing="force over penetration",
         plain=("of a linear stop: force over mass and penetration", 400, "force over mass and penetration"),
-    )  # fmt: skip
+    )
     damping: float | None = quantity(
         "N s/m",
         "of law linear: force over velocity; absent = what gives the restitution to a free mass 1/S, S the contact's "
         "mobility",
-        "10 N s/m", None, least=0, written=False,
+        "10 N s/m",
+        None,
+        least=0,
+        written=False,
         plain=("of a linear stop, force over mass and velocity; absent = what gives the restitution", 2.5, ""),
-    )  # fmt: skip
+    )
     restitution: float | None = declared(RESTITUTION, None)
 
     name: ClassVar[str] = "linear"

@@ -48,14 +48,27 @@ class Tabled(ContactLaw):
     """R(v) through points."""
 
     speeds: tuple[float, ...] = quantity(
-        "m/s", "of impact, of a table for law velocity restitution, instead of restitution and velocity", ["0.02 m/s", "0.2 m/s"],
-        above=0, several=True, ascending=True, written=False, missing="of the table",
+        "m/s",
+        "of impact, of a table for law velocity restitution, instead of restitution and velocity",
+        ["0.02 m/s", "0.2 m/s"],
+        above=0,
+        several=True,
+        ascending=True,
+        written=False,
+        missing="of the table",
         plain=("of a table of restitutions, instead of restitution and velocity", [0.002, 0.02], "of the table"),
-    )  # fmt: skip
+    )
     restitutions: tuple[float, ...] = quantity(
-        "", "at these speeds, monotone cubics between them", [0.8, 0.6], missing="at the speeds", least=0, most=1, several=True, written=False,
+        "",
+        "at these speeds, monotone cubics between them",
+        [0.8, 0.6],
+        missing="at the speeds",
+        least=0,
+        most=1,
+        several=True,
+        written=False,
         plain=("at the speeds", [0.8, 0.6], ""),
-    )  # fmt: skip
+    )
 
     name: ClassVar[str] = VELOCITY_RESTITUTION
     form: ClassVar[str] = " and a table"

@@ -12,7 +12,17 @@ from vibeam.casefile import quantities as units
 from vibeam.casefile.canonical import to_toml
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import NOT_NEGATIVE, Quantity, Word
-from vibeam.casefile.tables.table import Frequency, Place, Table, Unity, declared_key, key, nondimensional, table
+from vibeam.casefile.tables.table import (
+    Frequency,
+    Place,
+    Table,
+    Unity,
+    declared_key,
+    key,
+    nondimensional,
+    plainly,
+    table,
+)
 from vibeam.solvers import SOLVERS
 from vibeam_models.homes import Home
 from vibeam_models.keys import Key, defaults_of, keys_of
@@ -56,11 +66,10 @@ def _law(stop: SimpleNamespace, with_units: bool) -> Iterator[Complaint]:
 
 
 def _missing(name: str, declared: Key, with_units: bool) -> str:
-    meaning, example = declared.missing or declared.meaning, declared.example
-    if not with_units and declared.plain is not None:
-        meaning, example = declared.plain[2] or declared.plain[0], declared.plain[1]
+    own = (declared.meaning, declared.example, declared.missing)
+    meaning, example, missing = own if with_units else plainly(declared)
     short = f"{example:g}".replace("e+0", "e") if isinstance(example, float) else to_toml(example)
-    return f"missing ({meaning}): write {name} = {short}"
+    return f"missing ({missing or meaning}): write {name} = {short}"
 
 
 def _second(stop: SimpleNamespace, metres: str) -> Iterator[Complaint]:
@@ -121,24 +130,37 @@ class _AtRest(Table):
 
 class _Further(Table):
     second_gap: Annotated[float | None, Quantity(units.LENGTH)] = key(
-        "gap to a second stop on the other side; absent = none", "1 mm", None, written=False, effect=True,
+        "gap to a second stop on the other side; absent = none",
+        "1 mm",
+        None,
+        written=False,
+        effect=True,
         plain=("gap to a second stop on the other side; absent = none", 0.01),
-    )  # fmt: skip
+    )
     drift_frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
-        "drive frequencies between which the gap drifts; absent = it stays", ["14 Hz", "17 Hz"], None,
-        written=False, effect=True,
+        "drive frequencies between which the gap drifts; absent = it stays",
+        ["14 Hz", "17 Hz"],
+        None,
+        written=False,
+        effect=True,
         plain=("drive frequencies between which the gap drifts; absent = it stays", ["1.5 rad/s", "2.5 rad/s"]),
-    )  # fmt: skip
+    )
     drift: Annotated[tuple[float, ...] | None, Several(Quantity(units.LENGTH))] = key(
-        "what is added to the gap at these frequencies, linear between them", ["0 mm", "0.02 mm"], None,
-        written=False, of="drift_frequency",
+        "what is added to the gap at these frequencies, linear between them",
+        ["0 mm", "0.02 mm"],
+        None,
+        written=False,
+        of="drift_frequency",
         plain=("what is added to the gap at these frequencies, linear between them", [0.0, 1e-4]),
-    )  # fmt: skip
+    )
     wear: Annotated[float | None, Quantity(units.LENGTH, NOT_NEGATIVE)] = key(
-        "what each impact adds to the gap at the contact, from point to point; absent = none", "0.1 nm", None,
-        written=False, effect=True,
+        "what each impact adds to the gap at the contact, from point to point; absent = none",
+        "0.1 nm",
+        None,
+        written=False,
+        effect=True,
         plain=("what each impact adds to the gap, from point to point; absent = none", 1e-8),
-    )  # fmt: skip
+    )
 
 
 def law_keys() -> dict[str, Key]:

@@ -70,9 +70,16 @@ def declared_entry(declared: Key) -> Entry:
 
 def declared_key(declared: Key, default: Any = ..., of: str = "") -> tuple[Any, Any]:
     """The annotation and the ``key`` of a declaration's key."""
-    plain = None if declared.plain is None else declared.plain[:2]
+    entry, plain = declared_entry(declared), plainly(declared)[:2]
     field = key(declared.meaning, declared.example, default, written=declared.written, of=of, plain=plain)
-    return Annotated[Any, declared_entry(declared)], field
+    return Annotated[Any, entry], field
+
+
+def plainly(declared: Key) -> tuple[str, Any, str]:
+    """A declaration's meaning and example, and its meaning where it is missing, without a unit."""
+    if declared.plain is None:
+        return declared.meaning, declared_entry(declared).parse(declared.example), declared.missing
+    return declared.plain
 
 
 def nondimensional(model: type[Table], name: str, meaning: str) -> Any:

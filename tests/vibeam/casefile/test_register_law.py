@@ -1,0 +1,121 @@
+"""A user's own contact laws: a restitution by a formula, a stop by its contact time; registered, run from a case."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import exp, pi
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+import pytest
+from test_stop_keys import RIG
+from typer.testing import CliRunner
+
+import vibeam
+from vibeam.case.faults import CaseError
+from vibeam.casefile.read import parse
+from vibeam.cli.main import app
+from vibeam.studies.influence.study import influence
+from vibeam_models.keys import declared, quantity
+from vibeam_models.laws import LAWS, ContactLaw
+from vibeam_models.laws.compliant import LinearStop
+from vibeam_models.laws.keys import RESTITUTION
+from vibeam_models.laws.restitution import TableRestitution
+
+
+@dataclass(frozen=True)
+class Exponential(ContactLaw):
+    """R = e^{−v/v₀}, as a table."""
+
+    decay: float = quantity("m/s", "v0 of the exponential law", "0.5 m/s", above=0, written=False)
+    name: ClassVar[str] = "exponential"
+
+    def contact(self, mobility):
+        speeds = np.linspace(0.0, 5 * self.decay, 50)
+        return TableRestitution(tuple(speeds), tuple(exp(-v / self.decay) for v in speeds))
+
+
+@dataclass(frozen=True)
+class Brief(ContactLaw):
+    """A linear stop that a free mass 1/S leaves after a given time."""
+
+    contact_time: float = quantity("s", "half a period of mass and stop", "1 ms", above=0, written=False)
+    restitution: float = declared(RESTITUTION)
+    name: ClassVar[str] = "brief"
+    compliant: ClassVar[bool] = True
+
+    def contact(self, mobility):
+        return LinearStop.matched((pi / self.contact_time) ** 2 / mobility, self.restitution, 1 / mobility)
+
+
+CASE = RIG.replace("STOP", 'law = "exponential"\ndecay = "0.4 m/s"\nrestitution_of = "contact"')
+SDOF = (
+    "[sdof]\ndamping_ratio = 0.015\n[stop]\ngap = 0.1\nSTOP\n[drive]\namplitude = 1e-3\n[sweep]\n"
+    'frequency = ["0.9 rad/s", "1.1 rad/s"]\nsettle = 10\nhold = 5\n[fidelity.one]\n'
+)
+
+
+def test_laws_of_ones_own_run_from_a_case_file(tmp_path: Path) -> None:
+    (tmp_path / "own.toml").write_text(CASE)
+    with vibeam.register_law(Exponential), vibeam.register_law(Brief):
+        case = vibeam.load(tmp_path / "own.toml")
+        assert case.scene.stop.law == Exponential(0.4)
+        law = case.system("two").law
+        assert isinstance(law, TableRestitution)
+        assert law.at(0.1) == pytest.approx(exp(-0.25), rel=1e-3)
+        assert np.all(np.isfinite(vibeam.run(case)["two"].up.amplitude))
+        assert parse(case.text).key == case.key
+        brief = parse(RIG.replace("STOP", 'law = "brief"\ncontact_time = "2 ms"\nrestitution = 0.7')).system("two")
+        assert brief.law.duration(1 / float(brief.contact @ brief.contact)) == pytest.approx(2e-3, rel=0.1)
+        told = CliRunner().invoke(app, ["keys"], env={"COLUMNS": "250"}).output
+        assert "decay" in told
+        assert '"exponential"' in told
+    with pytest.raises(CaseError, match="is not one of"):
+        vibeam.load(tmp_path / "own.toml")
+
+
+def test_influence_takes_a_law_of_ones_own_away_with_its_keys() -> None:
+    quick = {"beam.elements": 6, "influence.repeats": 1, "influence.points": 3, "influence.quantities": ["peak"]}
+    text = (
+        CASE.replace("decay", "restitution = 0.9\ncontact_time")
+        .replace("exponential", "brief")
+        .replace("0.4 m/s", "2 ms")
+    )
+    with vibeam.register_law(Brief):
+        study = influence(parse(text, set=quick))
+    assert [row.effect for row in study.rows] == ["stop.law"]
+    assert not study.bare.why
+
+
+@pytest.mark.parametrize("text", [RIG, SDOF])
+def test_wrong_keys_of_a_law_of_ones_own_are_told(text: str) -> None:
+    example = '"0.5 m/s"' if text is RIG else "0.5"
+    with vibeam.register_law(Exponential):
+        with pytest.raises(CaseError) as caught:
+            parse(text.replace("STOP", 'law = "exponential"\nvelocity = 0.1'))
+        assert f"stop.decay: missing (v0 of the exponential law): write decay = {example}" in str(caught.value)
+        assert 'stop.velocity: does not go with law = "exponential": take it out' in str(caught.value)
+        with pytest.raises(CaseError, match=r'stop\.decay: does not go with law = "restitution"'):
+            parse(text.replace("STOP", "restitution = 0.7\ndecay = 0.1"))
+        with pytest.raises(CaseError, match="did you mean 'exponential'"):
+            parse(text.replace("STOP", 'law = "exponentiel"\nrestitution = 0.7'))
+
+
+def test_what_is_wrong_with_a_law_is_said_and_nothing_stays() -> None:
+    @dataclass(frozen=True)
+    class Wrong(ContactLaw):
+        """Nothing."""
+
+        velocity: float = quantity("m/s", "another velocity", "1 m/s")
+        gap: float = quantity("m", "another gap", "1 mm")
+        name: ClassVar[str] = "linear"
+
+    before = dict(LAWS)
+    with pytest.raises(ValueError, match="contact law Wrong: the name 'linear' is taken") as caught:
+        vibeam.register_law(Wrong)
+    assert "velocity: another law has this key" in str(caught.value)
+    assert "gap: is a key of every stop" in str(caught.value)
+    assert "a method 'contact' is missing" in str(caught.value)
+    vibeam.register_law(Exponential).remove()
+    assert before == LAWS

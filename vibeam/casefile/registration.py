@@ -1,0 +1,88 @@
+"""Effects and contact laws of a user's own: declared like those of vibeam, known to every case file from then on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+from vibeam.casefile.tables.cases import beam_case
+from vibeam.casefile.tables.names import NAME
+from vibeam.casefile.tables.stop import law_keys, stop_table
+from vibeam.casefile.tables.table import declared_entry
+from vibeam.casefile.validation import keys_of
+from vibeam_models.effects import EFFECTS, Effect
+from vibeam_models.homes import Home, Registration
+from vibeam_models.keys import Key
+from vibeam_models.laws import LAWS, ContactLaw
+
+
+def register_effect(effect: type[Effect], repeated: bool = False) -> Registration:
+    """Make an effect on the beam known: its table is ``[NAME]``, or ``[[NAME]]`` where it is ``repeated``.
+
+    It is applied after the effects that are known. ``with register_effect(…):`` or ``remove`` forgets it again.
+    ValueError with all that is wrong with the declaration, or for a name that is taken.
+    """
+    faults = list(_kind_faults(effect, Effect))
+    if not faults:
+        faults += _name_faults(effect.name, keys_of(beam_case()))
+        faults += [] if NAME.fullmatch(effect.name) else [f"the name {effect.name!r} must be letters, digits, - or _"]
+        faults += _key_faults(effect)
+    _refuse("effect", effect, faults)
+    return Registration(EFFECTS, Home(effect.name, effect, repeated))
+
+
+def register_law(law: type[ContactLaw]) -> Registration:
+    """Make a contact law known by ``law = "NAME"`` in ``[stop]``, where its fields are keys; as ``register_effect``.
+
+    A key that other laws have must be declared as theirs is (``vibeam_models.laws.keys``).
+    """
+    faults = list(_kind_faults(law, ContactLaw))
+    if not faults:
+        faults += _name_faults(law.name, LAWS)
+        for form in law.forms():
+            faults += [*_key_faults(form), *_shared_faults(form)]
+            if form.contact is ContactLaw.contact:
+                faults.append("a method 'contact' is missing: it gives what the solvers run")
+    _refuse("contact law", law, faults)
+    return Registration(LAWS, Home(law.name, law))
+
+
+def _refuse(what: str, kind: Any, faults: list[str]) -> None:
+    if faults:
+        raise ValueError(f"{what} {getattr(kind, '__name__', kind)}: {'; '.join(faults)}")
+
+
+def _kind_faults(kind: Any, base: type[Any]) -> Iterator[str]:
+    if not (isinstance(kind, type) and issubclass(kind, base) and is_dataclass(kind) and kind is not base):
+        yield f"must be a frozen dataclass made from {base.__name__}"
+    elif not isinstance(getattr(kind, "name", None), str):
+        yield "a class variable 'name' is missing: the case file knows it by that"
+    elif not kind.__doc__ or kind.__doc__.startswith(f"{kind.__name__}("):
+        yield "a docstring is missing: the template explains it by that"
+
+
+def _name_faults(name: str, known: Any) -> Iterator[str]:
+    if name in known:
+        yield f"the name {name!r} is taken: there are {', '.join(known)}"
+
+
+def _key_faults(kind: type[Any]) -> Iterator[str]:
+    for field in fields(kind):
+        declared = field.metadata.get("key")
+        if not isinstance(declared, Key):
+            yield f"{field.name}: declare it by quantity or word of vibeam_models.keys"
+            continue
+        try:
+            declared_entry(declared).parse(declared.example)
+        except ValueError as error:
+            yield f"{field.name}: {error}"
+
+
+def _shared_faults(form: type[ContactLaw]) -> Iterator[str]:
+    known, others = law_keys(), keys_of(stop_table())
+    for field in fields(form):
+        if field.name in known and field.metadata.get("key") != known[field.name]:
+            yield f"{field.name}: another law has this key with another meaning: take that one, or another name"
+        elif field.name in others and field.name not in known:
+            yield f"{field.name}: is a key of every stop: choose another name"
