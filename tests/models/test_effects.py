@@ -11,7 +11,7 @@ from skfem.helpers import dd
 
 from tests.models.bench import RIG, STEEL
 from vibeam_models.beam import assemble, assemble_with_space, bare_beam
-from vibeam_models.effects.added_mass import AddedMass, PointMass
+from vibeam_models.effects.added_mass import AddedMass
 from vibeam_models.effects.gravity import Gravity
 from vibeam_models.effects.rigid_zone import RigidZone
 from vibeam_models.effects.rotary_inertia import RotaryInertia
@@ -41,19 +41,19 @@ def end_flexibility(length):
 
 def test_point_mass_at_a_place_that_is_no_node():
     fine = replace(LIGHT, elements=100)
-    structure, _ = PointMass(0.1, 0.0907).apply(*bare_beam(fine))
+    structure, _ = AddedMass(0.1, 0.0907).apply(*bare_beam(fine), PLAIN)
     assert structure.modes(1).omega[0] == pytest.approx(np.sqrt(3 * EI / (0.1 * 0.0907**3)), rel=1e-5)
 
 
 def test_point_mass_shares_in_the_base_load():
     bare, space = bare_beam(STEEL, [0.09])
-    structure, _ = PointMass(0.1, 0.09).apply(bare, space)
+    structure, _ = AddedMass(0.1, 0.09).apply(bare, space, PLAIN)
     extra = structure.contact @ np.linalg.solve(structure.K, structure.load - bare.load)
     assert extra == pytest.approx(-0.1 * 0.09**2 * (3 * 0.18 - 0.09) / (6 * EI), rel=1e-9)
 
 
 def test_mass_with_rotary_inertia_at_the_end_of_a_nearly_massless_beam():
-    structure, space = PointMass(0.2, 0.18).apply(*bare_beam(LIGHT))
+    structure, space = AddedMass(0.2, 0.18).apply(*bare_beam(LIGHT), PLAIN)
     structure, _ = RotaryInertia(2.8e-5, 0.18).apply(structure, space)
     squared = eigh(np.linalg.inv(end_flexibility(0.18)), np.diag([0.2, 2.8e-5]), eigvals_only=True)
     np.testing.assert_allclose(structure.modes(2).omega, np.sqrt(squared), rtol=1e-6)
@@ -82,7 +82,7 @@ def test_rigid_zone_is_the_limit_of_a_stiff_one_and_keeps_the_strips_mass():
         return factor * EI * dd(u)[0, 0] * dd(v)[0, 0]
 
     stiff = BilinearForm(bending).assemble(soft[1].basis).toarray()[2:, 2:]
-    mass = PointMass(0.2, 0.132).apply(*soft)[0].M
+    mass = AddedMass(0.2, 0.132).apply(*soft, PLAIN)[0].M
     flexibility = eigh(mass, (stiff + stiff.T) / 2, eigvals_only=True)[::-1]
     np.testing.assert_allclose(rigid.modes(4).omega, flexibility[:4] ** -0.5, rtol=2e-4)
     assert assemble(PLAIN).modes(3).omega[2] < 0.8 * rigid.modes(3).omega[2]

@@ -12,7 +12,7 @@ from tests.models.test_effects import EI, NAMED, PLAIN, end_flexibility
 from vibeam_models.beam import assemble, assemble_with_space, bare_beam
 from vibeam_models.effects.added_mass import AddedMass
 from vibeam_models.effects.gravity import AxialGravity, Gravity, TransverseGravity
-from vibeam_models.effects.sprung_clamp import Clamp, SprungClamp
+from vibeam_models.effects.sprung_clamp import Clamp
 from vibeam_models.effects.torsion import StVenantTorsion, Torsion, torsion_constant
 from vibeam_models.scene import Mass, Stop
 
@@ -53,7 +53,7 @@ def test_frequencies_of_a_sprung_cantilever(stiffness):
         return np.linalg.det(np.array(rows))
 
     exact = roots(determinant, 0.3, 12.0, 4) ** 2 * np.sqrt(EI / STEEL.mass_per_length) / L**2
-    structure, _ = SprungClamp(stiffness, FINE).apply(*bare_beam(FINE))
+    structure, _ = Clamp(stiffness).apply(*bare_beam(FINE), replace(PLAIN, beam=FINE))
     np.testing.assert_allclose(structure.modes(4).omega, exact, rtol=1e-6)
     assert exact[0] < 0.99 * bare_beam(FINE)[0].modes(1).omega[0]
 
@@ -74,7 +74,7 @@ def test_a_stiff_clamp_is_the_rigid_one(scene):
 def test_the_clamp_comes_first():
     structure, space = assemble_with_space(NAMED["rigid_zone"])
     with pytest.raises(ValueError, match="it must come first"):
-        SprungClamp(50.0, STEEL).apply(structure, space)
+        Clamp(50.0).apply(structure, space, PLAIN)
 
 
 # massless beam

@@ -38,17 +38,5 @@ class AddedMass(Effect):
         return ((self.mass, self.position),)
 
     def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
-        """As ``PointMass.apply``."""
-        return PointMass(self.mass, self.position).apply(structure, space)
-
-
-@dataclass(frozen=True)
-class PointMass:
-    """``mass`` kg at ``position`` m."""
-
-    mass: float
-    position: float
-
-    def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
         """M + m wᵀw with w the deflection there, and its share −m wᵀ of the base-excitation load."""
         return with_inertia(structure, space.row(self.position), self.mass, translation=1.0), space

@@ -9,12 +9,11 @@ import numpy as np
 
 from vibeam_models.effects import Effect
 from vibeam_models.keys import quantity
-from vibeam_models.scene import Beam
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure
 
 if TYPE_CHECKING:
-    from vibeam_models.scene import Scene
+    from vibeam_models.scene import Beam, Scene
 
 
 @dataclass(frozen=True)
@@ -27,18 +26,6 @@ class Clamp(Effect):
     on_bare_beam: ClassVar[bool] = True
 
     def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
-        """As ``SprungClamp.apply``."""
-        return SprungClamp(self.stiffness, scene.beam).apply(structure, space)
-
-
-@dataclass(frozen=True)
-class SprungClamp:
-    """``stiffness`` in N m/rad at the foot of ``beam``; stiffness → ∞ is the clamped beam."""
-
-    stiffness: float
-    beam: Beam
-
-    def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
         """The beam alone with the slope at x = 0 freed, K + k θᵀθ. It changes the beam's support and so comes first.
 
         ValueError where the space is not that of a clamped beam.
@@ -47,16 +34,16 @@ class SprungClamp:
         if not (space.is_plain and space.size == count - 2):
             raise ValueError("sprung clamp: the space is constrained already; it must come first")
         sprung = replace(space, constraint=np.eye(count)[:, 1:])
-        return self._held(sprung, structure), sprung
+        return self._held(sprung, structure, scene.beam), sprung
 
-    def _held(self, space: BeamSpace, structure: Structure) -> Structure:
+    def _held(self, space: BeamSpace, structure: Structure, beam: Beam) -> Structure:
         free, slope = space.constraint, space.row(0.0, 1)
-        mass = space.mass(self.beam.mass_per_length)
-        tip = space.row(self.beam.length)
+        mass = space.mass(beam.mass_per_length)
+        tip = space.row(beam.length)
         return structure.with_(
             M=free.T @ mass @ free,
             C=np.zeros((space.size, space.size)),
-            K=free.T @ space.stiffness(self.beam.bending_stiffness) @ free + self.stiffness * np.outer(slope, slope),
+            K=free.T @ space.stiffness(beam.bending_stiffness) @ free + self.stiffness * np.outer(slope, slope),
             load=-free.T @ mass @ space.translation(),
             static=np.zeros(space.size),
             contact=tip,

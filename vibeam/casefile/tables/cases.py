@@ -55,15 +55,21 @@ class _Plan(Table):
     measurement: MeasurementTable | None = None
     sweep: SweepTable
     fidelity: dict[str, FidelityTable]
+
+
+class _Checks(Table):
     reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)
     expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False)
     show: dict[str, ShowTable] = key("further figures", None, {}, written=False)
     figure: FigureTable = key("how figures are written", None, FigureTable(), written=False)
     cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False)
+
+
+class _Influence(Table):
     influence: InfluenceTable = key("what vibeam influence does", None, InfluenceTable(), written=False)
 
 
-class BeamCase(_Plan, _Rig, _Carrier, _Case):
+class BeamCase(_Influence, _Checks, _Plan, _Rig, _Carrier, _Case):
     """A beam on the bench: what every such case has. ``beam_case`` adds the stop and the effects."""
 
     stop: Any
@@ -84,14 +90,9 @@ class _SinglePlan(Table):
     measurement: SdofMeasurementTable | None = None
     sweep: SdofSweepTable
     fidelity: dict[str, SdofFidelityTable]
-    reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)
-    expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False)
-    show: dict[str, ShowTable] = key("further figures", None, {}, written=False)
-    figure: FigureTable = key("how figures are written", None, FigureTable(), written=False)
-    cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False)
 
 
-class SdofCase(_SinglePlan, _Single, _Case):
+class SdofCase(_Checks, _SinglePlan, _Single, _Case):
     """A single degree of freedom by itself: what every such case has. ``sdof_case`` adds the stop."""
 
     stop: Any
@@ -113,13 +114,13 @@ def sdof_case() -> type[SdofCase]:
 @lru_cache(maxsize=8)
 def _beam_case(effects: Registered, laws: Registered) -> type[BeamCase]:
     stop = {"stop": (stop_table(), ...)}
-    parts = (_Case, _Carrier, effect_tables("beam"), stop, _Rig, effect_tables("base"), _Plan)
+    parts = (_Case, _Carrier, effect_tables("beam"), stop, _Rig, effect_tables("base"), _Plan, _Checks, _Influence)
     made: type[BeamCase] = table("BeamCase", "A beam on the bench.", *parts)
     return made
 
 
 @lru_cache(maxsize=8)
 def _sdof_case(laws: Registered) -> type[SdofCase]:
-    parts = (_Case, _Single, {"stop": (sdof_stop_table(), ...)}, _SinglePlan)
+    parts = (_Case, _Single, {"stop": (sdof_stop_table(), ...)}, _SinglePlan, _Checks)
     made: type[SdofCase] = table("SdofCase", "A single degree of freedom by itself.", *parts)
     return made

@@ -74,7 +74,7 @@ def _exact(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace, kind: Fi
 
 
 def _output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:
-    if hasattr(case, "beam"):
+    if case.with_beam:
         yield from platform_output(case, path, output)
     elif output not in ("sensor", "contact", None):
         yield path, f'a single degree of freedom has no "{output}": write "sensor"'
