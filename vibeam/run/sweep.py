@@ -16,6 +16,7 @@ from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Branches, FrequencyResponse, join
 from vibeam.system.state import State
 from vibeam_models.arguments import count, floats, number, refuse, require
+from vibeam_models.laws.compliant import CompliantStop
 
 Array = NDArray[np.float64]
 
@@ -140,7 +141,7 @@ def _drifting(
 
 def _onto_stop(system: ImpactSystem, state: State) -> State:
     """The state where a hard stop allows it; one that rested on the stop before it moved goes with it."""
-    if hasattr(system.law, "stiffness"):
+    if isinstance(system.law, CompliantStop):
         return state
     beyond = float(system.contact @ state.displacement) - system.gap
     if beyond <= 0 and not state.resting:

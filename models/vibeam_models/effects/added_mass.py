@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from vibeam_models.effects import Effect
 from vibeam_models.keys import quantity
-from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure, with_inertia
 
 if TYPE_CHECKING:
     from vibeam_models.scene import Scene
+    from vibeam_models.space import BeamSpace
 
 
 @dataclass(frozen=True)

@@ -11,13 +11,13 @@ import numpy as np
 from vibeam_models.effects import Effect
 from vibeam_models.keys import quantity, word
 from vibeam_models.scene import Beam
-from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Array, Structure
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(3)  # exact to degree 5: N linear, w′² of degree 4
 
 if TYPE_CHECKING:
     from vibeam_models.scene import Scene
+    from vibeam_models.space import BeamSpace
 
 
 @dataclass(frozen=True)

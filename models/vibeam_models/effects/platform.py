@@ -13,14 +13,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import pi
-from typing import Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
 from vibeam_models.effects import Effect
 from vibeam_models.keys import quantity, word
-from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Array, Structure
+
+if TYPE_CHECKING:
+    from vibeam_models.space import BeamSpace
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,11 +9,11 @@ import numpy as np
 
 from vibeam_models.effects import Effect
 from vibeam_models.keys import quantity
-from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure
 
 if TYPE_CHECKING:
     from vibeam_models.scene import Beam, Scene
+    from vibeam_models.space import BeamSpace
 
 
 @dataclass(frozen=True)
