@@ -84,15 +84,22 @@ def _concentrated(scene: Scene) -> list[float]:
 
 def _applied(structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
     """With every effect on the beam but those of its support; a key's effect is imported where the key is set."""
-    for name, home in sorted(EFFECTS.items(), key=lambda entry: entry[0] == LAST):
+    for name in _order(scene):
         table, _, key = name.partition(".")
         value = getattr(getattr(scene, table), key, None) if key else None
         if value is not None and value is not False:
-            structure, space = home.load().of(getattr(scene, table)).apply(structure, space)
-        for effect in scene.named(name) if home.on == "beam" else ():
+            structure, space = EFFECTS[name].load().of(getattr(scene, table)).apply(structure, space)
+        for effect in scene.named(name):
             if not effect.on_bare_beam:
                 structure, space = effect.apply(structure, space, scene)
     return structure, space
+
+
+def _order(scene: Scene) -> list[str]:
+    """The names of the effects on the beam as they are applied: those that are not registered after the others."""
+    registered = [name for name, home in EFFECTS.items() if home.on == "beam" and name != LAST]
+    further = dict.fromkeys(effect.name for effect in scene.effects if effect.name not in EFFECTS)
+    return [*registered, *further, LAST]
 
 
 def _check_positions(scene: Scene) -> None:
