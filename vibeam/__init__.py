@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from vibeam.solvers.declaration import CostSettings as CostSettings
     from vibeam.solvers.declaration import SolverDeclaration as SolverDeclaration
     from vibeam.studies.cost.study import cost as cost
+    from vibeam.studies.declaration import StudyDeclaration as StudyDeclaration
+    from vibeam.studies.declaration import register_study as register_study
     from vibeam.studies.derive import derive as derive
     from vibeam.studies.influence.study import influence as influence
     from vibeam.studies.modes import modes as modes
@@ -102,6 +104,8 @@ _HOMES = {
     "register_figure": "vibeam.figures",
     "SolverDeclaration": "vibeam.solvers.declaration",
     "register_solver": "vibeam.solvers",
+    "StudyDeclaration": "vibeam.studies.declaration",
+    "register_study": "vibeam.studies.declaration",
     "ReductionDeclaration": "vibeam_reductions.declaration",
     "register_reduction": "vibeam_reductions.declaration",
 }
@@ -126,6 +130,7 @@ __all__ = [
     "State",
     "StoreError",
     "Structure",
+    "StudyDeclaration",
     "Trajectory",
     "__version__",
     "boundaries",
@@ -147,6 +152,7 @@ __all__ = [
     "register_law",
     "register_reduction",
     "register_solver",
+    "register_study",
     "run",
     "settled_orbit",
     "simulate",

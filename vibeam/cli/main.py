@@ -19,7 +19,9 @@ from vibeam.cli.commands.modes import modes
 from vibeam.cli.commands.new import new
 from vibeam.cli.commands.run import run
 from vibeam.cli.commands.stability import stability
+from vibeam.cli.commands.study import study
 from vibeam.cli.errors import mistakes
+from vibeam.cli.extensions import import_extension
 from vibeam.cli.streams import put, standard_streams
 
 app = typer.Typer(
@@ -36,8 +38,19 @@ def main() -> None:
         app()
 
 
+Modules = Annotated[
+    list[str] | None,
+    typer.Option("--load", metavar="MODULE", help="A Python module to import first: what it registers is known."),
+]
+
+
 @app.callback(invoke_without_command=True)
-def _version(version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False) -> None:
+def _options(
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False, load: Modules = None
+) -> None:
+    for module in load or []:
+        with mistakes():
+            import_extension(module)
     if version:
         from vibeam import __version__
 
@@ -45,5 +58,5 @@ def _version(version: Annotated[bool, typer.Option("--version", help="Print the 
         raise typer.Exit
 
 
-for command in (run, check, stability, cost, influence, derive, modes, new, keys):
+for command in (run, check, stability, cost, influence, derive, modes, study, new, keys):
     app.command()(mistakes()(command))

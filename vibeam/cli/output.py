@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from vibeam.cli.streams import put, put_json, reader_gone, say
 
 if TYPE_CHECKING:
-    from vibeam.figures.fit import ReportTable
+    from vibeam.report.table_widths import ReportTable
 
 
 Tables = Callable[[Any], list["ReportTable"]]

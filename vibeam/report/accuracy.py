@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.figures.fit import ReportTable
 from vibeam.figures.units import METRIC, Units, percent
+from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
 
 if TYPE_CHECKING:

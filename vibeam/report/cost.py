@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
-from vibeam.figures.fit import ReportTable
 from vibeam.figures.page import paths_of
 from vibeam.figures.units import percent
 from vibeam.report.output import plain, write_rows
+from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, coefficient
 from vibeam.report.work_precision import write_work_precision
 

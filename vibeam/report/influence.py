@@ -13,11 +13,11 @@ from matplotlib.figure import Figure
 from rich.text import Text
 
 from vibeam.case.plans import FigurePlan
-from vibeam.figures.fit import ReportTable
 from vibeam.figures.page import blank_page, legend, paths_of, titled, write_page
 from vibeam.figures.style import COLOURS
 from vibeam.report.cost import signed
 from vibeam.report.output import write_rows
+from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
 
 if TYPE_CHECKING:

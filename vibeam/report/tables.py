@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Sequence
+from dataclasses import fields
 from math import isfinite
+from typing import Any, cast
 
 from rich.console import Console
 from rich.text import Text
 
 from vibeam.casefile.documentation import KeyRow as KeyRow
-from vibeam.figures.fit import ReportTable, fitted, needed
 from vibeam.figures.prefixes import FREQUENCIES, prefixed
 from vibeam.figures.units import METRIC, Units, percent
+from vibeam.report.table_widths import ReportTable, fitted, needed
 from vibeam.run.summary import Summary
 from vibeam.studies.derive import DerivedParameter
 from vibeam.studies.modes import ModeTable
@@ -153,6 +155,17 @@ def blank(title: str, *names: str, heads: int = 1) -> ReportTable:
     """
     table = ReportTable(title, heads)
     table.add(*names)
+    return table
+
+
+def rows_of(title: str, rows: Sequence[object]) -> ReportTable:
+    """Rows of one dataclass as a table, a column a field."""
+    found = [{field.name: getattr(row, field.name) for field in fields(cast(Any, row))} for row in rows]
+    columns = list(found[0]) if found else []
+    numbers = {name for name in columns if all(isinstance(row[name], int | float) for row in found)}
+    table = blank(title, *(f"{name}|" if name in numbers else name for name in columns))
+    for row in found:
+        table.add_row(*(f"{row[name]:.6g}" if name in numbers else str(row[name]) for name in columns))
     return table
 
 

@@ -10,8 +10,8 @@ from rich.text import Text
 from stand_in import case, curve
 
 from vibeam.casefile.documentation import reference_table
-from vibeam.figures.fit import ReportTable, fitted
 from vibeam.report import tables as table
+from vibeam.report.table_widths import ReportTable, fitted
 from vibeam.run.result import Result
 from vibeam.run.summary import Distance, Summary, compare
 from vibeam.studies.derive import DerivedParameter
