@@ -93,6 +93,7 @@ def test_the_template_with_all_its_comments_opened_is_told_what_excludes_what():
         "drive.amplitude",
         "drive.force",
         "fidelity.beam.modes",
+        "fidelity.sdof.modes",
     }
 
 

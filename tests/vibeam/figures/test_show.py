@@ -134,7 +134,7 @@ def test_everything_is_kept_and_not_made_again(tmp_path: Path, monkeypatch: pyte
         raise AssertionError("made again")
 
     for home in ("history", "portrait", "section", "boundaries"):
-        monkeypatch.setattr(f"vibeam.figures.{home}.sheets", never)
+        monkeypatch.setattr(f"vibeam.figures.kinds.{home}.sheets", never)
     again = vibeam.run(case, out)
     for name in ("history", "portrait", "section", "gaps"):
         for one, other in zip(first.shown[name], again.shown[name], strict=True):

@@ -90,7 +90,7 @@ def test_solvers_that_step_hear_it_too(monkeypatch: pytest.MonkeyPatch, solver: 
         if heard == 50:
             raise pause.Stopped
 
-    module = import_module(f"vibeam.solvers.{'events' if solver == 'direct' else 'timestepping'}")
+    module = import_module(f"vibeam.solvers.integration.{'impact_events' if solver == 'direct' else 'moreau'}")
     monkeypatch.setattr(module, "pause", stop)
     system = vibeam.ImpactSystem.from_modes([1.0], 0.1, 1.0, 1.0, restitution=0.7)
     with pytest.raises(pause.Stopped):

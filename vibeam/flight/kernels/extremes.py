@@ -24,7 +24,7 @@ FINE = 1e-2  # share of that which Newton's last step may be off
 
 ROUNDS = 60
 
-MOST_WORK = 400_000_000  # panels, times modes and a few, then a span is given up: a mode rings too fast beside it
+MOST_WORK = 1_000_000_000  # panels, times modes and a few, then a span is given up: a mode rings too fast beside it
 
 GLANCE = 1024  # panels after which it is asked whether what is left can reach beyond what is known at all
 
