@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.cover import CLAIM, CLOSES, COLUMNS, OPEN, UNPROVED, cover
+from vibeam.flight.kernels.cover import CLAIM, CLOSES, COLUMNS, OPEN, UNPROVED, Flights, cover
 from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, DURATION, END, IMPACT, RELEASE, RESTING, WHAT
 
 if TYPE_CHECKING:
@@ -65,10 +65,10 @@ def certificate_of(packed: PackedSystem, drive: Drive, segments: Segments) -> Ce
     trace = segments.trace
     orders, rises = _beginnings(packed.system, drive, segments)
     desk = packed.desk_for(segments.size)
-    inward = packed.inward(segments.poses)
+    flights = Flights(trace, packed.inward(segments.poses), orders, rises)
     found, room, first = [], np.zeros((PIECES_A_FLIGHT * max(len(trace), 8), COLUMNS)), 0
     while first < len(trace):
-        count, reached = cover(desk, drive.omega, drive.amplitude, trace, inward, orders, rises, first, room)
+        count, reached = cover(desk, drive.omega, drive.amplitude, flights, first, room)
         found.append(room[:count].copy())
         if reached == first:
             room = np.zeros((2 * len(room), COLUMNS))

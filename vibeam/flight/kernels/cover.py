@@ -5,6 +5,8 @@ The same walk as ``roots.first_root``, but along a flight whose end is known, an
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,8 +26,6 @@ from vibeam.flight.kernels.layout import (
     RESTING,
     STEP,
     STUCK,
-    TURN_IM,
-    TURN_RE,
     WHAT,
     WHOLE,
     ZI,
@@ -38,8 +38,8 @@ from vibeam.flight.kernels.roots.bounds import CLEAR, MINIMUM, SPLIT
 from vibeam.flight.kernels.roots.first_root import first_level
 from vibeam.flight.kernels.roots.newton import EPSILON, polish_minimum
 from vibeam.flight.kernels.roots.pair import norm
-from vibeam.flight.kernels.roots.panels import accept, launching, ordinary, step_pairs
-from vibeam.flight.kernels.roots.signal import derivatives, to_node
+from vibeam.flight.kernels.roots.panels import Node, accept, launching, next_node, ordinary, step_pairs
+from vibeam.flight.kernels.roots.signal import Start, derivatives, signal_of, to_node
 
 Array = NDArray[np.float64]
 
@@ -50,18 +50,24 @@ COLUMNS = 4
 OPEN, CLOSES, UNPROVED = 0.0, 1.0, 2.0  # claims
 
 
+class Flights(NamedTuple):
+    """The segments of a motion, and the root with which the gap of each starts (``roots.signal.Start``)."""
+
+    trace: Array  # (m, TRACE_COLUMNS)
+    poses: Array  # (m, 2, n)
+    orders: Array  # (m,)
+    rises: Array  # (m,)
+
+
 @entry
-def cover(
-    desk: Engine, omega: float, amplitude: float, trace: Array, poses: Array, orders: Array, rises: Array,
-    first: int, pieces: Array,
-) -> tuple[int, int]:  # fmt: skip
+def cover(desk: Engine, omega: float, amplitude: float, flights: Flights, first: int, pieces: Array) -> tuple[int, int]:
     """Fill ``pieces`` from flight ``first`` on: pieces written, the first flight that found no room."""
     set_drive(desk, omega, amplitude)
-    count = 0
+    count, trace = 0, flights.trace
     for flight in range(first, trace.shape[0]):
         if trace[flight, WHAT] == RESTING or trace[flight, DURATION] == 0.0:
             continue
-        written = along(desk, trace, poses, flight, int(orders[flight]), rises[flight], pieces, count)
+        written = along(desk, flights, flight, pieces, count)
         if written < 0:
             return count, flight
         count += written
@@ -69,16 +75,16 @@ def cover(
 
 
 @kernel
-def along(
-    desk: Engine, trace: Array, poses: Array, flight: int, order: int, rise: float, pieces: Array, row: int
-) -> int:
+def along(desk: Engine, flights: Flights, flight: int, pieces: Array, row: int) -> int:
     """Pieces of one flight, written from ``row`` on; −1 where there is no room for them.
 
-    A last panel that reaches beyond the flight's end and holds one root there is open up to the end, where the gap is.
+    The verdicts are those of ``bounds.verdict``. A last panel that reaches beyond the flight's end and holds one root
+    there is open up to the end, where the gap is.
     """
-    pairs, table, levels, signal, attached = desk.pairs, desk.table, desk.levels, desk.signal, desk.attached
+    g, trace, start = signal_of(desk), flights.trace, Start(int(flights.orders[flight]), flights.rises[flight])
+    pairs, table, levels, signal, attached = g
     cosine, sine = phase(desk.drive, trace[flight, AT_CLOCK])
-    begin_flight(pairs, signal, attached, desk.modes, desk.drive, poses[flight], cosine, sine)
+    begin_flight(desk, flights.poses[flight], cosine, sine)
     total = to_node(pairs)
     if signal[ATTACHED] > 0.0:
         att.restart(attached, signal)
@@ -87,23 +93,20 @@ def along(
     duration, end, coarsest = trace[flight, DURATION], trace[flight, END], int(desk.drive[COARSEST])
     tolerance = 8.0 * EPSILON * (abs(signal[CONST]) + signal[HARMONIC] + total + att.swing(attached, signal, duration))
     closes = end in (IMPACT, CHATTER, STUCK)
-    time, level, since, count = 0.0, coarsest, 0, 0
-    if order > 0:
-        derivatives(pairs, signal, attached, pairs.shape[1], WHOLE, order + 1)
-        level = first_level(levels, order, rise, signal, coarsest)
-    while time < duration:
-        h = levels[STEP, level]
-        start_order = order if time == 0.0 else 0
-        if start_order > 0:
-            found = launching(pairs, table, levels, signal, attached, order, rise, level)
-        else:
-            found = ordinary(pairs, table, levels, signal, attached, time, re, im, level, tolerance)
+    node, level, since, count = Node(0.0, re, im), coarsest, 0, 0
+    if start.order > 0:
+        derivatives(g, pairs.shape[1], WHOLE, start.order + 1)
+        level = first_level(g, start, coarsest)
+    while node.time < duration:
+        h, time = levels[STEP, level], node.time
+        here = Start(start.order if time == 0.0 else 0, start.rise)
+        found = launching(g, start, level) if here.order > 0 else ordinary(g, node, level, tolerance)
         if found == SPLIT and level < LEVELS - 1:
             level += 1
             since = 0
             continue
         if found == MINIMUM:
-            _, value = polish_minimum(pairs, signal, attached, start_order, rise, time, h)
+            _, value = polish_minimum(g, here, time, h)
             found = CLEAR if value > 0.0 else found
         last = time + h >= duration
         claim = OPEN if found == CLEAR or last else UNPROVED
@@ -114,16 +117,12 @@ def along(
         pieces[row + count, FLIGHT], pieces[row + count, FROM] = flight, time
         pieces[row + count, LENGTH], pieces[row + count, CLAIM] = min(h, duration - time), claim
         count += 1
-        if start_order > 0:
+        if here.order > 0:
             step_pairs(pairs, table, level)
         if signal[ATTACHED] > 0.0:
             att.carry(attached, signal, time, h)
-        accept(pairs, signal, attached)
-        re, im = (
-            re * levels[TURN_RE, level] - im * levels[TURN_IM, level],
-            im * levels[TURN_RE, level] + re * levels[TURN_IM, level],
-        )
-        time += h
+        accept(g)
+        node = next_node(levels, level, node)
         since += 1
         if level > coarsest and since > 1:
             level -= 1

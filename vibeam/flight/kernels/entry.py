@@ -157,7 +157,7 @@ def poses_at(
         else:
             status[CLOCK] = clock
             cosine, sine = phase(desk.drive, clock)
-            begin_flight(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, cosine, sine)
-            end_flight(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, status, after[i], False)
+            begin_flight(desk, pose, cosine, sine)
+            end_flight(desk, pose, status, after[i], False)
         for k in range(pose.shape[1]):
             out[i, 0, k], out[i, 1, k] = pose[0, k], pose[1, k]

@@ -52,8 +52,10 @@ from vibeam.flight.kernels.layout import (
     W,
 )
 from vibeam.flight.kernels.modal_flow import ROUND_OFF, begin_flight, contact_pull, end_flight
+from vibeam.flight.kernels.roots.double_gap import InitialState
 from vibeam.flight.kernels.roots.first_root import first_root
-from vibeam.flight.kernels.segments import add, close_segment, open_segment
+from vibeam.flight.kernels.roots.signal import Start, rest_signal_of, signal_of
+from vibeam.flight.kernels.segments import Progress, Record, add, close_segment, open_segment
 
 Array = NDArray[np.float64]
 
@@ -96,7 +98,9 @@ def advance(
         unusual = not plain or status[KIND] == RESTING
         if not unusual:
             upto = min(most, counts[IMPACTS] + piece)
-            what, done, lost, flown = plain_flights(desk, pose, status, span, done, lost, upto, trace, poses, counts)
+            what, done, lost, flown = plain_flights(
+                desk, pose, status, Progress(span, done, lost), upto, Record(trace, poses, counts)
+            )
             if what == AT_STOP:
                 record_impact(desk, pose, status, flown, trace, counts)
             unusual = what == NOT_PLAIN
@@ -139,13 +143,12 @@ def piece_of(pose: Array) -> int:
 
 @joined
 def plain_flights(
-    desk: Engine, pose: Array, status: Array, span: float, done: float, lost: float, most: int, trace: Array,
-    poses: Array, counts: NDArray[np.int64],
-) -> tuple[int, float, float, float]:  # fmt: skip
+    desk: Engine, pose: Array, status: Array, progress: Progress, most: int, record: Record
+) -> tuple[int, float, float, float]:
     """``plain_flights_in_lanes`` in as many lanes as serve the system."""
     if pose.shape[1] == 1:
-        return plain_flights_in_lanes(desk, pose, status, span, done, lost, most, trace, poses, counts, one())
-    return plain_flights_in_lanes(desk, pose, status, span, done, lost, most, trace, poses, counts, eight())
+        return plain_flights_in_lanes(desk, pose, status, progress, most, record, one())
+    return plain_flights_in_lanes(desk, pose, status, progress, most, record, eight())
 
 
 @kernel
@@ -178,9 +181,7 @@ def free_flight(
     desk: Engine, pose: Array, status: Array, span: float, trace: Array, counts: NDArray[np.int64]
 ) -> tuple[int, float]:
     """One flight and the impact at its end: outcome, duration."""
-    value, _, size = begin_flight(
-        desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, status[PHASE_COS], status[PHASE_SIN]
-    )
+    value, _, size = begin_flight(desk, pose, status[PHASE_COS], status[PHASE_SIN])
     if not np.isfinite(size):
         return NOT_FINITE, 0.0
     found, flight = False, 0.0
@@ -196,17 +197,13 @@ def free_flight(
             return COMPLETE, 0.0
     if not found:
         found, flight, panels = first_root(
-            desk.pairs, desk.table, desk.levels, desk.signal, desk.attached,
-            int(status[ORDER]), status[RISE], span, int(desk.drive[COARSEST]),
-            desk.modes, desk.drive, pose, status[CLOCK],
+            signal_of(desk), Start(int(status[ORDER]), status[RISE]), span, int(desk.drive[COARSEST]),
+            InitialState(desk.modes, desk.drive, pose, status[CLOCK]),
         )  # fmt: skip
         counts[PANELS] += panels
         if flight < 0.0:
             return UNRESOLVED, 0.0
-        end_flight(
-            desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive,
-            pose, status, flight, found,
-        )  # fmt: skip
+        end_flight(desk, pose, status, flight, found)
     status[ORDER] = 0.0
     if found:
         record_impact(desk, pose, status, flight, trace, counts)
@@ -266,8 +263,8 @@ def rest_on_stop(
         order = 0  # no force that can be told from none: it holds until one draws the contact away
         desk.rest_signal[CONST] += 2.0 * none
     found, duration, panels = first_root(
-        desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.rest_attached,
-        order, rate, span, int(desk.drive[COARSEST]), desk.modes, desk.drive, pose, -1.0,
+        rest_signal_of(desk), Start(order, rate), span, int(desk.drive[COARSEST]),
+        InitialState(desk.modes, desk.drive, pose, -1.0),
     )  # fmt: skip
     counts[PANELS] += panels
     if duration < 0.0:

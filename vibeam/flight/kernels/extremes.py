@@ -7,12 +7,13 @@ from math import hypot, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.compiler import kernel
-from vibeam.flight.kernels.layout import ATTACHED, CONST, HARMONIC, LEVELS, STEP, TURN_IM, TURN_RE, ZI, ZR, E
+from vibeam.flight.kernels.compiler import joined, kernel
+from vibeam.flight.kernels.layout import ATTACHED, CONST, HARMONIC, LEVELS, STEP, ZI, ZR, E
 from vibeam.flight.kernels.roots import taylor_pairs as att
+from vibeam.flight.kernels.roots.bounds import Ends
 from vibeam.flight.kernels.roots.pair import norm
-from vibeam.flight.kernels.roots.panels import accept, measure
-from vibeam.flight.kernels.roots.signal import to_node, value_at
+from vibeam.flight.kernels.roots.panels import Node, accept, measure, next_node
+from vibeam.flight.kernels.roots.signal import Signal, to_node, value_at
 
 Array = NDArray[np.float64]
 
@@ -32,60 +33,51 @@ EPSILON = 2.220446049250313e-16
 
 
 @kernel
-def extremes(
-    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, span: float, coarsest: int,
-    least: float, most: float,
-) -> tuple[float, float]:  # fmt: skip
+def extremes(g: Signal, span: float, coarsest: int, least: float, most: float) -> tuple[float, float]:
     """(least, most) widened to the signal's values over [0, span]."""
-    return extremes_to(pairs, table, levels, signal, attached, span, coarsest, least, most, ACCURACY)
+    return extremes_to(g, span, coarsest, least, most, ACCURACY)
 
 
 @kernel
-def extremes_to(
-    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, span: float, coarsest: int,
-    least: float, most: float, share: float,
-) -> tuple[float, float]:  # fmt: skip
+def extremes_to(g: Signal, span: float, coarsest: int, least: float, most: float, share: float) -> tuple[float, float]:
     """(least, most) widened to the signal's values over [0, span], to a ``share`` of the size of its parts.
 
-    (−∞, ∞) where that takes more than ``MOST_WORK``.
+    A panel whose hull, widened by M₄h⁴/384 + slack (``roots.bounds``), stays within what is known is passed over; where
+    g is proved convex or concave its turning point is found by Newton's method. (−∞, ∞) where that takes more than
+    ``MOST_WORK``.
     """
+    pairs, _, levels, signal, attached = g
     total = to_node(pairs)
     att.restart(attached, signal)
     re, im = signal[ZR], signal[ZI]
     signal[HARMONIC] = norm(re, im)
     accuracy = share * (abs(signal[CONST]) + signal[HARMONIC] + total + att.swing(attached, signal, span))
-    time, level, panels = 0.0, coarsest, 0
+    node, level, panels = Node(0.0, re, im), coarsest, 0
     while panels < MOST_WORK // (pairs.shape[1] + 8):
         panels += 1
-        h = levels[STEP, level]
-        p0, s0, p1, s1, fourth, slack, _, slack2, begin, begin_slope, end, end_slope = measure(
-            pairs, table, levels, signal, attached, time, re, im, level
-        )
+        h, time = levels[STEP, level], node.time
+        part, bounds, rest = measure(g, node, level)
         if time == 0.0:
-            least, most = min(least, p0 + begin), max(most, p0 + begin)
+            least, most = min(least, part.p0 + rest.p0), max(most, part.p0 + rest.p0)
         if time >= span:
             return least, most
-        error = fourth * h * h * h * h / 384.0 + slack
-        low, high = hull(p0, s0, p1, s1, h)
+        error = bounds.fourth * h * h * h * h / 384.0 + bounds.value
+        low, high = hull(part, h)
         if low - error < least or high + error > most:
             last = min(span - time, h)
             if error > accuracy and level < LEVELS - 1:
-                bend = bent(p0, s0, p1, s1, h, fourth * h * h / 12.0 + slack2)
+                bend = bent(part, h, bounds.fourth * h * h / 12.0 + bounds.curvature)
                 if bend == 0.0:
                     level += 1
                     continue
-                low, high = turning(pairs, signal, attached, time, s0 + begin_slope, last, bend, accuracy)
+                low, high = turning(g, time, part.s0 + rest.s0, last, bend, accuracy)
             else:
-                low, high = cubic_range(p0 + begin, s0 + begin_slope, p1 + end, s1 + end_slope, h, last)
+                low, high = cubic_range(together(part, rest), h, last)
             least, most = min(least, low), max(most, high)
         if signal[ATTACHED] > 0.0:
             att.carry(attached, signal, time, h)
-        accept(pairs, signal, attached)
-        re, im = (
-            re * levels[TURN_RE, level] - im * levels[TURN_IM, level],
-            im * levels[TURN_RE, level] + re * levels[TURN_IM, level],
-        )
-        time += h
+        accept(g)
+        node = next_node(levels, level, node)
         level = max(level - 1, coarsest)
         if panels % GLANCE == 0 and contained(pairs, signal, least - accuracy, most + accuracy):
             return least, most
@@ -94,7 +86,7 @@ def extremes_to(
 
 @kernel
 def contained(pairs: Array, signal: Array, least: float, most: float) -> bool:
-    """Whether the signal stays within [least, most] from the node on, however long."""
+    """Whether const ± (|z| + Σ e_k), and with it the signal from the node on, stays within [least, most]."""
     reach = hypot(signal[ZR], signal[ZI])
     for k in range(pairs.shape[1]):
         reach += pairs[E, k]
@@ -102,16 +94,28 @@ def contained(pairs: Array, signal: Array, least: float, most: float) -> bool:
     return bool(signal[ATTACHED] == 0.0 and low >= least and high <= most)
 
 
+@joined
+def together(part: Ends, rest: Ends) -> Ends:
+    """The whole signal at both ends: what is interpolated and what is not."""
+    return Ends(part.p0 + rest.p0, part.s0 + rest.s0, part.p1 + rest.p1, part.s1 + rest.s1)
+
+
 @kernel
-def hull(p0: float, s0: float, p1: float, s1: float, h: float) -> tuple[float, float]:
-    """Least and greatest Bernstein coefficient of the cubic Hermite interpolant."""
+def hull(ends: Ends, h: float) -> tuple[float, float]:
+    """Least and greatest of the Bernstein coefficients p₀, p₀ + hs₀/3, p₁ − hs₁/3, p₁ of the Hermite interpolant."""
+    p0, s0, p1, s1 = ends
     b1, b2 = p0 + h * s0 / 3.0, p1 - h * s1 / 3.0
     return min(min(p0, b1), min(b2, p1)), max(max(p0, b1), max(b2, p1))
 
 
 @kernel
-def bent(p0: float, s0: float, p1: float, s1: float, h: float, error: float) -> float:
-    """1 where the signal is proved convex on the panel, −1 where concave, 0 where neither is."""
+def bent(ends: Ends, h: float, error: float) -> float:
+    """1 where the signal is proved convex on the panel, −1 where concave, 0 where neither is.
+
+    The interpolant's curvature lies between 2(d − s₀)/h and 2(s₁ − d)/h, d = 3(p₁ − p₀)/h − s₀ − s₁; ``error`` bounds
+    what it misses.
+    """
+    p0, s0, p1, s1 = ends
     middle = 3.0 * (p1 - p0) / h - s0 - s1  # the interpolant's slope in the middle of its hull
     left, right = 2.0 * (middle - s0) / h, 2.0 * (s1 - middle) / h
     if min(left, right) > error:
@@ -120,17 +124,18 @@ def bent(p0: float, s0: float, p1: float, s1: float, h: float, error: float) -> 
 
 
 @kernel
-def turning(
-    pairs: Array, signal: Array, attached: Array, node: float, slope: float, last: float, bend: float, accuracy: float
-) -> tuple[float, float]:
-    """Least and greatest value on (node, node + last], convex (bend 1) or concave (−1) there; ``slope`` at the node."""
-    end, down, _ = value_at(pairs, signal, attached, node, node + last)
+def turning(g: Signal, node: float, slope: float, last: float, bend: float, accuracy: float) -> tuple[float, float]:
+    """Least and greatest value on (node, node + last], convex (bend 1) or concave (−1) there; ``slope`` at the node.
+
+    The root of g' by Newton's method in a bracket.
+    """
+    end, down, _ = value_at(g, node, node + last)
     low, high = end, end
     if bend * slope >= 0.0 or bend * down <= 0.0:
         return low, high
     left, right, t = 0.0, last, last * slope / (slope - down)
     for _ in range(ROUNDS):
-        value, rate, curvature = value_at(pairs, signal, attached, node, node + t)
+        value, rate, curvature = value_at(g, node, node + t)
         low, high = min(low, value), max(high, value)
         if rate * rate <= abs(curvature) * FINE * accuracy or right - left <= EPSILON * (node + t):
             break
@@ -145,8 +150,12 @@ def turning(
 
 
 @kernel
-def cubic_range(p0: float, s0: float, p1: float, s1: float, h: float, end: float) -> tuple[float, float]:
-    """Least and greatest value of the cubic Hermite interpolant on [0, end], end ≤ h."""
+def cubic_range(ends: Ends, h: float, end: float) -> tuple[float, float]:
+    """Least and greatest value on [0, end], end ≤ h, of the cubic Hermite interpolant.
+
+    p₀ + u(c₁ + u(c₂ + uc₃)) with u = t/h, at its ends and at the roots of c₁ + 2c₂u + 3c₃u².
+    """
+    p0, s0, p1, s1 = ends
     c1, c2 = h * s0, 3.0 * (p1 - p0) - h * (2.0 * s0 + s1)
     c3 = 2.0 * (p0 - p1) + h * (s0 + s1)
     last = end / h

@@ -113,9 +113,7 @@ def chatter_left(desk: Engine, pose: Array, status: Array, after: float) -> tupl
         return -1.0, 0.0
     fall = status[SPEED] / toward
     left, length = 2.0 * after / (toward * loss), status[SPEED] * fall
-    _, _, size = begin_flight(
-        desk.pairs, desk.signal, desk.attached, desk.modes, drive, pose, status[PHASE_COS], status[PHASE_SIN]
-    )
+    _, _, size = begin_flight(desk, pose, status[PHASE_COS], status[PHASE_SIN])
     desk.signal[HARMONIC] = norm(desk.signal[ZR], desk.signal[ZI])
     to_node(desk.pairs)
     for j in range(desk.attached.shape[1]):

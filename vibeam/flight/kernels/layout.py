@@ -54,6 +54,13 @@ class Watch(NamedTuple):
     reading: int  # how much is read off: see ``layout``
 
 
+class Phase(NamedTuple):
+    """cos φ and sin φ of the drive's phase φ = Ωt."""
+
+    cosine: float
+    sine: float
+
+
 LEVELS = 48  # dyadic panel lengths
 
 SERIES = 26  # Taylor terms of an attached pair: 1.2²⁶/26! = 3e-25

@@ -47,11 +47,12 @@ from vibeam.flight.kernels.layout import (
     YT,
     ZI,
     ZR,
+    Engine,
     W,
 )
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.pair import norm, propagator
-from vibeam.flight.kernels.roots.signal import value_at
+from vibeam.flight.kernels.roots.signal import signal_of, value_at
 
 Array = NDArray[np.float64]
 
@@ -61,11 +62,12 @@ SILENT = 1e-100  # a contact value so small that dividing by it would lose digit
 
 
 @joined
-def begin_flight(
-    pairs: Array, signal: Array, attached: Array, modes: Array, drive: Array,
-    pose: Array, cosine: float, sine: float,
-) -> tuple[float, float, float]:  # fmt: skip
-    """The gap g(t) = gap − contact·η as a signal from ``pose`` at that drive phase: value, slope, size of its parts."""
+def begin_flight(desk: Engine, pose: Array, cosine: float, sine: float) -> tuple[float, float, float]:
+    """The gap as a signal from ``pose`` at that drive phase: value, slope, size of its parts.
+
+    g(t) = Δ − w·η: const = Δ − Σ w_k s_k/ω_k², z = −Σ w_k H_k e^{iφ}, x_k = −w_k (η_k − Im(H_k e^{iφ}) − s_k/ω_k²).
+    """
+    pairs, signal, attached, modes, drive = desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive
     zr = -(drive[CONTACT_RE] * cosine - drive[CONTACT_IM] * sine)
     zi = -(drive[CONTACT_RE] * sine + drive[CONTACT_IM] * cosine)
     signal[CONST], signal[ZR], signal[ZI], signal[DRIVE] = drive[CLEARANCE], zr, zi, drive[W]
@@ -92,17 +94,15 @@ def begin_flight(
 
 
 @joined
-def end_flight(
-    pairs: Array, signal: Array, attached: Array, modes: Array, drive: Array,
-    pose: Array, status: Array, flight: float, found: bool,
-) -> None:  # fmt: skip
-    """Set ``pose``, and the clock in ``status``, to the end of the flight.
+def end_flight(desk: Engine, pose: Array, status: Array, flight: float, found: bool) -> None:
+    """Set ``pose``, and the clock in ``status``, to the end of the flight: η_k = −x_k/w_k + Im(H_k e^{iφ}) + s_k/ω_k².
 
     At a root XT, YT and the trial hold the pairs already; otherwise they are evaluated here.
     """
+    pairs, signal, attached, modes, drive = desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive
     if not found:
         att.restart(attached, signal)
-        value_at(pairs, signal, attached, 0.0, flight)
+        value_at(signal_of(desk), 0.0, flight)
     status[CLOCK] = wrap(drive, status[CLOCK] + flight)
     cosine, sine = phase(drive, status[CLOCK])
     status[PHASE_COS], status[PHASE_SIN] = cosine, sine
@@ -126,7 +126,7 @@ def end_flight(
 
 @joined
 def contact_derivatives(pairs: Array, modes: Array, drive: Array, pose: Array, status: Array) -> tuple[float, float]:
-    """contact·η'' and contact·η''' of the free system, positive toward the stop."""
+    """w·η'' and w·η''' of the free system, positive toward the stop: η'' = l Ω²B sin φ + s − 2ση' − ω²η."""
     cosine, sine = status[PHASE_COS], status[PHASE_SIN]
     second, third = 0.0, 0.0
     for k in range(pairs.shape[1]):

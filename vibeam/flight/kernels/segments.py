@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,6 +23,22 @@ from vibeam.flight.kernels.layout import (
 )
 
 Array = NDArray[np.float64]
+
+
+class Record(NamedTuple):
+    """What is kept of a motion: a row and the first pose of every segment (none where there are no rows), counts."""
+
+    trace: Array  # (m, TRACE_COLUMNS)
+    poses: Array  # (m, 2, n)
+    counts: NDArray[np.int64]  # (COUNT_ROWS,)
+
+
+class Progress(NamedTuple):
+    """Time to go in all, time done and what rounding it has cost so far (see ``add``)."""
+
+    span: float
+    done: float
+    lost: float
 
 
 @joined
@@ -43,7 +61,7 @@ def close_segment(trace: Array, duration: float, end: int, before: float, counts
 
 @joined
 def add(done: float, lost: float, step: float) -> tuple[float, float]:
-    """done + step with what rounding has cost so far, and will have then: times do not drift."""
+    """done + step with what rounding has cost so far, and will have then (Kahan): times do not drift."""
     step -= lost
     total = done + step
     return total, (total - done) - step

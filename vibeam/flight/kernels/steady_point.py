@@ -56,6 +56,7 @@ from vibeam.flight.kernels.layout import (
     Watch,
 )
 from vibeam.flight.kernels.modal_flow import begin_flight
+from vibeam.flight.kernels.roots.signal import rest_signal_of, signal_of
 
 Array = NDArray[np.float64]
 
@@ -166,13 +167,12 @@ def watch(desk: Engine, room: Watch, count: int) -> None:
             result[CONTACT_LEAST] = min(result[CONTACT_LEAST], desk.drive[GAP])
             begin_output_at_rest(desk, room.rest_row, room.row, frame, clock)
             result[LEAST], result[HIGH] = extremes_to(
-                desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.rest_attached,
-                duration, coarsest, result[LEAST], result[HIGH], share,
-            )  # fmt: skip
+                rest_signal_of(desk), duration, coarsest, result[LEAST], result[HIGH], share
+            )
             if room.reading >= EVERYTHING:
                 energy_at_rest(desk, frame, clock, duration, room.scratch, room.energy)
         elif duration > 0.0:
-            watch_flight(desk, room.row, frame, clock, duration, coarsest, result, room.energy, room.reading, share)
+            watch_flight(desk, room, frame, clock, duration, coarsest, share)
         note_impact(trace, i, result)
         if is_unread(result):
             return
@@ -186,25 +186,21 @@ def is_unread(result: Array) -> bool:
 
 @kernel
 def watch_flight(
-    desk: Engine, row: Array, pose: Array, clock: float, duration: float, coarsest: int, result: Array, energy: Array,
-    reading: int, share: float,
-) -> None:  # fmt: skip
+    desk: Engine, room: Watch, pose: Array, clock: float, duration: float, coarsest: int, share: float
+) -> None:
     """Extremes of the output and, as far as is asked, of the gap, and the modes' energies, over one flight."""
+    result = room.result
     cosine, sine = phase(desk.drive, clock)
-    begin_flight(desk.pairs, desk.signal, desk.attached, desk.modes, desk.drive, pose, cosine, sine)
-    if reading >= EVERYTHING:
-        energy_in_flight(desk, pose, clock, duration, energy)
-    if reading >= REACH_TOO:
+    begin_flight(desk, pose, cosine, sine)
+    if room.reading >= EVERYTHING:
+        energy_in_flight(desk, pose, clock, duration, room.energy)
+    if room.reading >= REACH_TOO:
         _, widest = extremes_to(
-            desk.pairs, desk.table, desk.levels, desk.signal, desk.attached,
-            duration, coarsest, 0.0, desk.drive[GAP] - result[CONTACT_LEAST], share,
-        )  # fmt: skip
+            signal_of(desk), duration, coarsest, 0.0, desk.drive[GAP] - result[CONTACT_LEAST], share
+        )
         result[CONTACT_LEAST] = desk.drive[GAP] - widest
-    begin_output(desk, row, pose, clock)
-    result[LEAST], result[HIGH] = extremes_to(
-        desk.pairs, desk.table, desk.levels, desk.signal, desk.attached,
-        duration, coarsest, result[LEAST], result[HIGH], share,
-    )  # fmt: skip
+    begin_output(desk, room.row, pose, clock)
+    result[LEAST], result[HIGH] = extremes_to(signal_of(desk), duration, coarsest, result[LEAST], result[HIGH], share)
 
 
 @kernel

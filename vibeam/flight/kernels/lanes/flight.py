@@ -6,40 +6,58 @@ that grazes, ends within its first panel, or may belong to a chatter is left to 
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.kernels.compiler import joined
 from vibeam.flight.kernels.lanes import mode_blocks as row
-from vibeam.flight.kernels.lanes.landing import at_root, foretold
-from vibeam.flight.kernels.lanes.mode_blocks import cell
+from vibeam.flight.kernels.lanes.landing import (
+    ALOFT,
+    STRUCK,
+    UNUSUAL,
+    Bracket,
+    Forced,
+    Landing,
+    at_root,
+    foretold,
+    no_landing,
+)
+from vibeam.flight.kernels.lanes.mode_blocks import Place, cell
 from vibeam.flight.kernels.lanes.panels import OTHER, advance_panel, closer, first_panel, resolved
 from vibeam.flight.kernels.lanes.simd import Lanes, load, total, width
-from vibeam.flight.kernels.layout import LEVELS, STEP, TURN_IM, TURN_RE
-from vibeam.flight.kernels.roots.bounds import CLEAR, ROOT, SPLIT, THIRD, VALUE
+from vibeam.flight.kernels.layout import LEVELS, STEP, TURN_IM, TURN_RE, Engine
+from vibeam.flight.kernels.roots.bounds import CLEAR, ROOT, SPLIT, THIRD, VALUE, Bounds, Ends
 from vibeam.flight.kernels.roots.levels import level_of
 from vibeam.flight.kernels.roots.newton import EPSILON
-from vibeam.flight.kernels.roots.pair import norm
 
 Array = NDArray[np.float64]
-
-STRUCK, ALOFT, UNUSUAL = 0, 1, 2
 
 MOST = 10_000  # panels
 
 QUIET = 1e-3  # share of the tolerance below which a block is left out of the panels
 
 
+class Launch(NamedTuple):
+    """Start of a flight: the drive's time; g'(0) just after an impact, or 0 off the stop; g''(0); Σ e."""
+
+    clock: float
+    rise: float
+    acceleration: float
+    size: float
+
+
 @joined
 def turn(levels: Array, level: int, re: float, im: float) -> tuple[float, float]:
-    """A phasor of the drive one panel on."""
+    """A phasor of the drive one panel on: z e^{iΩh}."""
     c, s = levels[TURN_RE, level], levels[TURN_IM, level]
     return re * c - im * s, im * c + re * s
 
 
 @joined
 def left(cells: Array, b: int, side: int, like: Lanes) -> tuple[float, float, float]:
-    """Bounds on value, slope and curvature of a block from the node on."""
+    """Bounds Σ e, Σ κe, Σ κ²e on value, slope and curvature of a block from the node on."""
     step, at = width(like), cell(b, 0, like)
     e = load(cells, at + (row.SIDE_E + 3 * side) * step, like)
     k1, k2 = load(cells, at + row.K1 * step, like), load(cells, at + row.K2 * step, like)
@@ -48,79 +66,75 @@ def left(cells: Array, b: int, side: int, like: Lanes) -> tuple[float, float, fl
 
 @joined
 def flight(
-    cells: Array, rungs: Array, levels: Array, pairs: Array, drive: Array, whole: int, const: float, zr: float,
-    zi: float, w: float, sum_e: float, ahead: float, rise: float, clock: float, span: float, coarsest: int,
-    first: int, like: Lanes,
-) -> tuple[int, int, int, float, float, float, float, float]:  # fmt: skip
-    """One flight from START_X, START_Y: what ended it, panels, its time; as ``landing.at_root`` tells the rest.
+    desk: Engine, blocks: int, forced: Forced, launch: Launch, span: float, coarsest: int, first: int, like: Lanes
+) -> tuple[Landing, int, int]:
+    """One flight from START_X, START_Y: its end, the panels tried, the level that served first after an impact.
 
-    STRUCK, ALOFT (not within ``span``) or UNUSUAL: not to be told here. ``sum_e``: the sum of the E at the start;
-    ``ahead``: the gap's second derivative there; ``rise``: its velocity just after an impact, or 0 off the stop;
-    ``first``: the level to try first after an impact, given back as the one that served.
+    STRUCK, ALOFT (not within ``span``) or UNUSUAL: not to be told here. A panel is clear where the hull of its cubic
+    Hermite interpolant is above M₄h⁴/384 + slack, M₄ = Ω⁴|z| + Σ κ⁴e; ``closer`` gives the other verdicts of
+    ``roots.bounds``. ``first``: the level to try first after an impact.
     """
-    harmonic = norm(zr, zi)
-    tolerance = 8.0 * EPSILON * (abs(const) + harmonic + sum_e)
-    fourth = harmonic * (w * w) * (w * w)
-    quiet = QUIET * tolerance / whole
-    level, side, blocks, panels, time, re, im = coarsest, 0, whole, 0, 0.0, zr, zi
+    cells, levels, w = desk.cells, desk.levels, forced.omega
+    tolerance = 8.0 * EPSILON * (abs(forced.const) + forced.size + launch.size)
+    others = Bounds(forced.size * (w * w) * (w * w), 0.0, 0.0, 0.0)  # of the drive, and of the blocks left out
+    quiet = QUIET * tolerance / blocks
+    place, panels, time, re, im = Place(blocks, blocks, coarsest, 0), 0, 0.0, forced.re, forced.im
     since, patience, lengthened, stale = 0, 1, False, True
-    p0, s0, gone0, gone1, gone2 = 0.0, 0.0, 0.0, 0.0, 0.0
-    if rise > 0.0:
+    p0, s0 = 0.0, 0.0
+    if launch.rise > 0.0:
         level = first
-        if levels[STEP, coarsest] * -ahead > 4.0 * rise:
-            level = max(coarsest, level_of(levels, -4.0 * rise / ahead))
+        if levels[STEP, coarsest] * -launch.acceleration > 4.0 * launch.rise:
+            level = max(coarsest, level_of(levels, -4.0 * launch.rise / launch.acceleration))
         found = SPLIT
         while found == SPLIT:
             panels += 1
-            found = first_panel(cells, rungs, levels, whole, level, rise, zr, zi, w, fourth * w, like)
+            found = first_panel(desk, blocks, level, launch.rise, forced, others.fourth * w, like)
             if found == OTHER or level == LEVELS - 1:
-                return UNUSUAL, panels, first, 0.0, 1.0, 0.0, 0.0, 0.0
+                return no_landing(UNUSUAL, 0.0), panels, first
             level += 1 if found == SPLIT else 0
-        time, side, since, first = levels[STEP, level], 1, 1, level
-        re, im = turn(levels, level, zr, zi)
+        time, since, first = levels[STEP, level], 1, level
+        place = Place(blocks, blocks, level, 1)
+        re, im = turn(levels, level, re, im)
     while time < span:
         panels += 1
         if panels > MOST:
-            return UNUSUAL, panels, first, 0.0, 1.0, 0.0, 0.0, 0.0
-        h = levels[STEP, level]
+            return no_landing(UNUSUAL, 0.0), panels, first
+        h = levels[STEP, place.level]
         if stale:
-            p0, s0 = resolved(cells, rungs, blocks, whole, level, side, like)
-            p0, s0, stale = p0 + (const + im), s0 + w * re, False
-        re2, im2 = turn(levels, level, re, im)
-        p1, s1, missed = advance_panel(cells, rungs, blocks, whole, level, side, like)
-        p1, s1 = p1 + (const + im2), s1 + w * re2
-        missed += VALUE * fourth * (h * h) * (h * h) + tolerance + gone0
+            p0, s0 = resolved(desk, place, like)
+            p0, s0, stale = p0 + (forced.const + im), s0 + w * re, False
+        re2, im2 = turn(levels, place.level, re, im)
+        p1, s1, missed = advance_panel(desk, place, like)
+        p1, s1 = p1 + (forced.const + im2), s1 + w * re2
+        missed += VALUE * others.fourth * (h * h) * (h * h) + tolerance + others.value
         if not min(min(p0, p0 + THIRD * h * s0), min(p1 - THIRD * h * s1, p1)) > missed:
-            found, q0, r0, q1, r1, bend0, bend1 = closer(
-                cells, rungs, blocks, whole, level, side, h, p0, s0, p1, s1, fourth, (gone0, gone1, gone2), tolerance,
-                like,
-            )  # fmt: skip
+            found, ends, bend0, bend1 = closer(desk, place, Ends(p0, s0, p1, s1), others, tolerance, like)
             if found == ROOT:
                 bend0, bend1 = bend0 - w * w * im, bend1 - w * w * im2
-                guess = time + h * foretold(q0, h * r0, h * h * bend0, q1, h * r1, h * h * bend1)
-                done, t, cosine, sine, value, slope = at_root(
-                    cells, pairs, drive, const, whole, side, clock, guess, time, time + h, harmonic, like
-                )
-                if done and t > span:
-                    return ALOFT, panels, first, span, 1.0, 0.0, 0.0, 0.0
-                return STRUCK if done else UNUSUAL, panels, first, t, cosine, sine, value, slope
-            if found == SPLIT and level < LEVELS - 1:
-                level += 1
+                u = foretold(ends.p0, h * ends.s0, h * h * bend0, ends.p1, h * ends.s1, h * h * bend1)
+                landing = at_root(desk, place, forced, launch.clock, Bracket(time, time + h * u, time + h), like)
+                if landing.outcome == STRUCK and landing.time > span:
+                    landing = no_landing(ALOFT, span)
+                return landing, panels, first
+            if found == SPLIT and place.level < LEVELS - 1:
+                place = Place(place.blocks, blocks, place.level + 1, place.side)
                 patience = min(max(1, 2 * patience), 64) if lengthened else patience
                 since, lengthened, stale = 0, False, True
                 continue
             if found != CLEAR:
-                return UNUSUAL, panels, first, 0.0, 1.0, 0.0, 0.0, 0.0
-        p0, s0, re, im, side, time = p1, s1, re2, im2, 1 - side, time + h
+                return no_landing(UNUSUAL, 0.0), panels, first
+        p0, s0, re, im, time = p1, s1, re2, im2, time + h
+        ringing, level, side = place.blocks, place.level, 1 - place.side
         since += 1
         patience = patience // 2 if lengthened else patience
         lengthened = False
         if level > coarsest and since > patience:
             level, since, lengthened, stale = level - 1, 0, True, True
-        while blocks > 1:
-            e, slope, curvature = left(cells, blocks - 1, side, like)
+        while ringing > 1:
+            e, slope, curvature = left(cells, ringing - 1, side, like)
             if e > quiet:
                 break
-            blocks, stale = blocks - 1, True
-            gone0, gone1, gone2 = gone0 + e, gone1 + slope, gone2 + curvature
-    return ALOFT, panels, first, span, 1.0, 0.0, 0.0, 0.0
+            ringing, stale = ringing - 1, True
+            others = Bounds(others.fourth, others.value + e, others.slope + slope, others.curvature + curvature)
+        place = Place(ringing, blocks, level, side)
+    return no_landing(ALOFT, span), panels, first

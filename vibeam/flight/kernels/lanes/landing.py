@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,9 +11,9 @@ from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import wrap
 from vibeam.flight.kernels.lanes import mode_blocks as row
 from vibeam.flight.kernels.lanes.elementary import REDUCED, exponential, sine_cosine
-from vibeam.flight.kernels.lanes.mode_blocks import cell
+from vibeam.flight.kernels.lanes.mode_blocks import Place, cell
 from vibeam.flight.kernels.lanes.simd import Lanes, every, load, one, smaller, store, total, width
-from vibeam.flight.kernels.layout import CONTACT_IM, CONTACT_RE, DISC, OMEGA, SIGMA, W
+from vibeam.flight.kernels.layout import CONTACT_IM, CONTACT_RE, DISC, OMEGA, SIGMA, Engine, Phase, W
 from vibeam.flight.kernels.roots.newton import EPSILON
 from vibeam.flight.kernels.roots.pair import propagator
 from vibeam.flight.kernels.roots.signal import FORGOTTEN
@@ -25,17 +27,66 @@ NEAR = 0.02  # rad of the drive within which a step is taken by series
 SETTLED = 1e-9  # share of a step below which Newton's next correction is round-off
 
 
+STRUCK, ALOFT, UNUSUAL = 0, 1, 2  # outcomes of a flight
+
+
+class Forced(NamedTuple):
+    """Forced part of the gap, const + Im(z e^{iΩt}), z = re + i im: and a bound ``size`` ≥ |z|."""
+
+    const: float
+    re: float
+    im: float
+    omega: float
+    size: float
+
+
+class Derivatives(NamedTuple):
+    """Value and four derivatives of the gap, or of the pairs' sum, at one time; a bound of the fifth since the node."""
+
+    value: float
+    slope: float
+    second: float
+    third: float
+    fourth: float
+    fifth: float
+
+
+class Bracket(NamedTuple):
+    """Times between which the one root lies, and a guess."""
+
+    low: float
+    guess: float
+    high: float
+
+
+class Landing(NamedTuple):
+    """End of a flight: how it ends, its time; the drive's phase, value and slope of the gap where it is STRUCK."""
+
+    outcome: int
+    time: float
+    phase: Phase
+    value: float
+    slope: float
+
+
 @joined
-def phase_at(drive: Array, time: float) -> tuple[float, float]:
-    """cos and sin of the drive's phase."""
+def no_landing(outcome: int, time: float) -> Landing:
+    """End of a flight that does not reach the stop, or not in a way to be told here."""
+    return Landing(outcome, time, Phase(1.0, 0.0), 0.0, 0.0)
+
+
+@joined
+def phase_at(drive: Array, time: float) -> Phase:
+    """cos Ωt and sin Ωt."""
     like = one()
     sine, cosine = sine_cosine(every(drive[W] * wrap(drive, time), like))
-    return total(cosine), total(sine)
+    return Phase(total(cosine), total(sine))
 
 
 @joined
-def drive_phasor(drive: Array, cosine: float, sine: float) -> tuple[float, float]:
-    """The drive's part in the gap at that phase, as a phasor."""
+def drive_phasor(drive: Array, phase: Phase) -> tuple[float, float]:
+    """Re z, Im z of the drive's part in the gap at that phase: z = −Σ w_k H_k e^{iφ}."""
+    cosine, sine = phase
     return (
         -(drive[CONTACT_RE] * cosine - drive[CONTACT_IM] * sine),
         -(drive[CONTACT_RE] * sine + drive[CONTACT_IM] * cosine),
@@ -56,7 +107,7 @@ def one_by_one(cells: Array, pairs: Array, b: int, t: float, like: Lanes) -> Non
 
 @joined
 def pairs_at(cells: Array, pairs: Array, b: int, t: float, like: Lanes) -> tuple[Lanes, Lanes]:
-    """The pairs of a block a time t after the start."""
+    """The pairs of a block a time t after the start: x = P00 x₀ + P01 x₀', x' = P10 x₀ + P11 x₀' (``roots.pair``)."""
     step, at = width(like), cell(b, 0, like)
     if cells[at + row.SLOWEST * step] * t > FORGOTTEN:
         return every(0.0, like), every(0.0, like)
@@ -82,13 +133,12 @@ def land_on(cells: Array, pairs: Array, blocks: int, t: float, like: Lanes) -> N
 
 
 @joined
-def expanded(
-    cells: Array, pairs: Array, blocks: int, t: float, side: int, like: Lanes
-) -> tuple[float, float, float, float, float, float]:
-    """The pairs' sum and four derivatives a time t after the start, and a bound on the fifth since the node.
+def expanded(cells: Array, pairs: Array, place: Place, t: float, like: Lanes) -> Derivatives:
+    """The pairs' sum and four derivatives a time t after the start, and a bound Σ κ⁵ e on the fifth since the node.
 
-    ROOT_X … ROOT_4 receive every pair's.
+    By x'' = −2σx' − ω²x. ROOT_X … ROOT_4 receive every pair's.
     """
+    blocks, side = place.whole, place.side
     step = width(like)
     f0, f1, f2 = every(0.0, like), every(0.0, like), every(0.0, like)
     f3, f4, f5 = every(0.0, like), every(0.0, like), every(0.0, like)
@@ -106,12 +156,12 @@ def expanded(
         store(cells, at + row.ROOT_4 * step, d4)
         f0, f1, f2, f3, f4 = f0 + x, f1 + y, f2 - d2, f3 + d3, f4 + d4
         f5 += load(cells, at + (row.SIDE_E + 3 * side) * step, like) * load(cells, at + row.K5 * step, like)
-    return total(f0), total(f1), total(f2), total(f3), total(f4), total(f5)
+    return Derivatives(total(f0), total(f1), total(f2), total(f3), total(f4), total(f5))
 
 
 @joined
 def shift(cells: Array, blocks: int, d: float, like: Lanes) -> tuple[float, float]:
-    """Carry ROOT_X, ROOT_Y on by a short time d; their sums."""
+    """Carry ROOT_X, ROOT_Y on by a short time d, x ← Σ x^{(j)} d^j/j!, j ≤ 4; their sums."""
     step, half, sixth = width(like), 0.5 * d, d * (1 / 6)
     value, slope = every(0.0, like), every(0.0, like)
     for b in range(blocks):
@@ -130,7 +180,10 @@ def shift(cells: Array, blocks: int, d: float, like: Lanes) -> tuple[float, floa
 
 @joined
 def foretold(p0: float, s0: float, c0: float, p1: float, s1: float, c1: float) -> float:
-    """About the root in (0, 1) of the quintic with values, slopes and second derivatives p0, s0, c0 at 0, … at 1."""
+    """About the root in (0, 1) of the quintic with values, slopes, second derivatives p₀, s₀, c₀ at 0, p₁, s₁, c₁ at 1.
+
+    Quintic Hermite interpolation p₀ + s₀u + ½c₀u² + a₃u³ + a₄u⁴ + a₅u⁵; three steps of Newton's method from the secant.
+    """
     half = 0.5 * c0
     p, s, c = p1 - p0 - s0 - half, s1 - s0 - c0, c1 - c0
     a3, a4, a5 = 10.0 * p - 4.0 * s + 0.5 * c, 7.0 * s - 15.0 * p - c, 6.0 * p - 3.0 * s + 0.5 * c
@@ -146,11 +199,13 @@ def foretold(p0: float, s0: float, c0: float, p1: float, s1: float, c1: float) -
 
 
 @joined
-def nearest(f0: float, f1: float, f2: float, f3: float, f4: float, least: float) -> tuple[float, bool]:
-    """The root near 0 of the quartic with these derivatives at 0, f1 < 0, and whether Newton settles on it.
+def nearest(f: Derivatives, least: float) -> tuple[float, bool]:
+    """The root near 0 of the quartic with these derivatives at 0, f' < 0, and whether Newton settles on it.
 
-    ``least``: what is no more than round-off.
+    First by reversion of the series, d = r − b₂r² + (2b₂² − b₃)r³ with r = −f/f', b_j = f^{(j)}/(j! f'). ``least``:
+    what is no more than round-off.
     """
+    f0, f1, f2, f3, f4, _ = f
     inverse, c2, c3, c4 = 1.0 / f1, f2 * (1 / 2), f3 * (1 / 6), f4 * (1 / 24)
     b2, b3, r = c2 * inverse, c3 * inverse, -f0 * inverse
     d = r - r * r * (b2 - (2.0 * b2 * b2 - b3) * r)
@@ -167,48 +222,48 @@ def nearest(f0: float, f1: float, f2: float, f3: float, f4: float, least: float)
 
 
 @joined
-def at_root(
-    cells: Array, pairs: Array, drive: Array, const: float, blocks: int, side: int, clock: float, start: float,
-    low: float, high: float, harmonic: float, like: Lanes,
-) -> tuple[bool, float, float, float, float, float]:  # fmt: skip
-    """The one root in (low, high]: (found, flight time, cos and sin of the drive's phase, value and slope of the gap).
+def at_root(desk: Engine, place: Place, forced: Forced, clock: float, bracket: Bracket, like: Lanes) -> Landing:
+    """The one root in a bracket: STRUCK there; or UNUSUAL, where Newton's method does not settle on it.
 
-    ROOT_X, ROOT_Y receive the pairs there. ``start``: the guess; ``clock``: the drive's time at the flight's start.
-    The series' rest moves the velocity by less than half a last digit, or the closed form is taken once more.
+    ROOT_X, ROOT_Y receive the pairs there. ``clock``: the drive's time at the flight's start. The rest of the quartic
+    about the last iterate, M₅d⁴/24 in the slope, moves the velocity by less than half a last digit, or the closed form
+    is taken once more.
     """
-    w = drive[W]
-    w2, t = w * w, start
+    cells, pairs, drive, const, w = desk.cells, desk.pairs, desk.drive, forced.const, forced.omega
+    low, t, high = bracket
+    w2 = w * w
     for _ in range(ROUNDS):
-        cosine, sine = phase_at(drive, clock + t)
-        zr, zi = drive_phasor(drive, cosine, sine)
-        f0, f1, f2, f3, f4, f5 = expanded(cells, pairs, blocks, t, side, like)
+        phase = phase_at(drive, clock + t)
+        zr, zi = drive_phasor(drive, phase)
+        f0, f1, f2, f3, f4, f5 = expanded(cells, pairs, place, t, like)
         f0, f1, f2, f3, f4 = f0 + (const + zi), f1 + w * zr, f2 - w2 * zi, f3 - w2 * (w * zr), f4 + w2 * (w2 * zi)
-        f5 += harmonic * w2 * w2 * w
+        f5 += forced.size * w2 * w2 * w
         if f0 > 0.0:
             low = t
         else:
             high = t
         if f1 < 0.0:
-            step, settled = nearest(f0, f1, f2, f3, f4, EPSILON * t)
+            step, settled = nearest(Derivatives(f0, f1, f2, f3, f4, f5), EPSILON * t)
             d = abs(step)
             if low <= t + step <= high and settled:
                 if f5 * (d * d) * (d * d) <= -12.0 * EPSILON * f1 and w * d < NEAR:
-                    value, slope = shift(cells, blocks, step, like)
-                    cosine, sine = advanced(cosine, sine, w * step)
-                    zr, zi = drive_phasor(drive, cosine, sine)
-                    return True, t + step, cosine, sine, value + (const + zi), slope + w * zr
+                    value, slope = shift(cells, place.whole, step, like)
+                    phase = advanced(phase, w * step)
+                    zr, zi = drive_phasor(drive, phase)
+                    return Landing(STRUCK, t + step, phase, value + (const + zi), slope + w * zr)
                 t += step
                 continue
         if high - low <= EPSILON * t:
             break
         t = 0.5 * (low + high)
-    return False, t, 1.0, 0.0, 0.0, 0.0
+    return no_landing(UNUSUAL, t)
 
 
 @joined
-def advanced(cosine: float, sine: float, a: float) -> tuple[float, float]:
-    """cos and sin of a phase ``a`` ≤ ``NEAR`` further on."""
+def advanced(phase: Phase, a: float) -> Phase:
+    """cos and sin of a phase ``a`` ≤ ``NEAR`` further on, by the Taylor series of 1 − cos a and sin a."""
+    cosine, sine = phase
     e = a * a
     less = e * (0.5 - e * (1 / 24 - e * (1 / 720)))  # 1 − cos a
     ahead = a * (1.0 - e * (1 / 6 - e * (1 / 120)))
-    return cosine - (cosine * less + sine * ahead), sine + (cosine * ahead - sine * less)
+    return Phase(cosine - (cosine * less + sine * ahead), sine + (cosine * ahead - sine * less))

@@ -6,6 +6,8 @@ place of every row is known when the kernels are compiled. Lanes that are left o
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,6 +32,8 @@ from vibeam.flight.kernels.layout import (
     X0,
     Y0,
     YIELD,
+    Engine,
+    Phase,
     W,
 )
 from vibeam.flight.kernels.modal_flow import SILENT
@@ -56,6 +60,15 @@ CELL_ROWS = 27
 P00, P01, P10, P11, D0, D1, V0, V1, LOW, MISSED, MISSED_FIRST = range(11)
 
 RUNG_ROWS = 11
+
+
+class Place(NamedTuple):
+    """A panel of the walk: the blocks that still ring, of how many; the level of its length; the side of its node."""
+
+    blocks: int
+    whole: int
+    level: int
+    side: int
 
 
 def lay_out(pairs: Array, table: Array, levels: Array, modes: Array, drive: Array, lanes: int) -> tuple[Array, Array]:
@@ -121,17 +134,19 @@ def at_mode(k: int, row: int, like: Lanes) -> int:
 
 @joined
 def gather(pairs: Array, cells: Array, like: Lanes) -> None:
-    """The pairs at the start of a flight, from ``begin_flight``."""
+    """START_X, START_Y receive the pairs x, x' at the start of a flight, from ``begin_flight``."""
     for k in range(pairs.shape[1]):
         cells[at_mode(k, START_X, like)], cells[at_mode(k, START_Y, like)] = pairs[X0, k], pairs[Y0, k]
 
 
 @joined
-def scatter(
-    cells: Array, like: Lanes, modes: Array, drive: Array, pose: Array, row: int, cosine: float, sine: float
-) -> None:
-    """Set ``pose`` to the pairs in ``row`` and the next, at that phase of the drive."""
-    w = drive[W]
+def scatter(desk: Engine, pose: Array, row: int, phase: Phase, like: Lanes) -> None:
+    """Set ``pose`` to the pairs in ``row`` and the next, at that phase φ.
+
+    η_k = −x_k/w_k + Im(H_k e^{iφ}) + s_k/ω_k², η_k' = −x_k'/w_k + Ω Re(H_k e^{iφ}).
+    """
+    cells, modes, w = desk.cells, desk.modes, desk.drive[W]
+    cosine, sine = phase
     for k in range(pose.shape[1]):
         c = modes[CONTACT, k]
         pose[0, k] = -cells[at_mode(k, row, like)] / c + modes[OFFSET, k] + modes[RE, k] * sine + modes[IM, k] * cosine

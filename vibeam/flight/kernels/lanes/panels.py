@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from vibeam.flight.kernels.compiler import joined
 from vibeam.flight.kernels.lanes import mode_blocks as row
-from vibeam.flight.kernels.lanes.mode_blocks import cell, rung
+from vibeam.flight.kernels.lanes.landing import Forced
+from vibeam.flight.kernels.lanes.mode_blocks import Place, cell, rung
 from vibeam.flight.kernels.lanes.simd import Lanes, every, larger, load, size, smaller, store, total, width
-from vibeam.flight.kernels.layout import FIRST_IM, FIRST_RE, SECOND_IM, SECOND_RE, STEP
-from vibeam.flight.kernels.roots.bounds import CLEAR, SPLIT, THIRD, VALUE, verdict
+from vibeam.flight.kernels.layout import FIRST_IM, FIRST_RE, SECOND_IM, SECOND_RE, STEP, Engine
+from vibeam.flight.kernels.roots.bounds import CLEAR, SPLIT, THIRD, VALUE, Bounds, Ends, verdict
 
 Array = NDArray[np.float64]
 
@@ -23,14 +24,14 @@ OTHER = -1  # neither clear nor to be halved: a panel for ``roots.first_root``
 
 @joined
 def bound(x: Lanes, y: Lanes) -> Lanes:
-    """``pair.norm``."""
+    """max(|x|, |y|) + (√2 − 1) min(|x|, |y|) ≥ √(x² + y²): ``pair.norm``."""
     a, b = size(x), size(y)
     return larger(a, b) + smaller(a, b) * 0.41421356237309515
 
 
 @joined
 def to_node(cells: Array, at: int, x: Lanes, y: Lanes, like: Lanes) -> tuple[Lanes, Lanes]:
-    """The node of a block goes to x, y: the E that bound the pairs from there on, and their accelerations."""
+    """The node of a block goes to x, x': the e ≥ √(x² + (x'/ω)²) that bound |x| from there on, and −2σx' − ω²x."""
     step = width(like)
     e = bound(x, y * load(cells, at + row.NORM * step, like))
     store(cells, at + row.SIDE_X * step, x)
@@ -55,14 +56,14 @@ def to_start(cells: Array, blocks: int, like: Lanes) -> tuple[float, float]:
 
 
 @joined
-def first_panel(
-    cells: Array, rungs: Array, levels: Array, blocks: int, level: int, rise: float, zr: float, zi: float, w: float,
-    fifth: float, like: Lanes,
-) -> int:  # fmt: skip
-    """Verdict on the first panel after an impact, by the quotient g/t; the trial ends go to the other side.
+def first_panel(desk: Engine, blocks: int, level: int, rise: float, forced: Forced, fifth: float, like: Lanes) -> int:
+    """Verdict on the first panel after an impact, by the quotient p = g/t; the trial ends go to the other side.
 
-    ``fifth``: bound on the drive's fifth derivative.
+    p(0) = ``rise``, p'(0) = ½g''(0), p(h) = rise + hγ, p'(h) = δ − γ (``signal.quotient``, m = 1), |p⁗| ≤ M₅/5, M₅ ≤
+    ``fifth`` + Σ κ⁵e, ``fifth`` the bound Ω⁵|z| of the drive's part.
     """
+    cells, rungs, levels = desk.cells, desk.rungs, desk.levels
+    zr, zi, w = forced.re, forced.im, forced.omega
     step, h = width(like), levels[STEP, level]
     hidden, second, whole = every(0.0, like), every(0.0, like), every(0.0, like)
     gamma, delta, missed = every(0.0, like), every(0.0, like), every(0.0, like)
@@ -95,13 +96,13 @@ def first_panel(
 
 
 @joined
-def advance_panel(
-    cells: Array, rungs: Array, blocks: int, whole: int, level: int, side: int, like: Lanes
-) -> tuple[float, float, float]:
-    """Trial ends from the node on ``side``, on the other: value and slope of what the panel resolves, what it misses.
+def advance_panel(desk: Engine, place: Place, like: Lanes) -> tuple[float, float, float]:
+    """Trial ends from the node, on the other side: value and slope of what the panel resolves, what its hull misses.
 
-    ``blocks``: those that still ring, of ``whole``.
+    x ← P00 x + P01 x', x' ← P10 x + P11 x'; missed is Σ κ⁴e h⁴/384 of the pairs resolved and Σ e of the others.
     """
+    cells, rungs = desk.cells, desk.rungs
+    blocks, whole, level, side = place
     step, here, there = width(like), 3 * side * width(like), 3 * (1 - side) * width(like)
     value, slope, missed = every(0.0, like), every(0.0, like), every(0.0, like)
     for b in range(blocks):
@@ -120,10 +121,10 @@ def advance_panel(
 
 
 @joined
-def resolved(
-    cells: Array, rungs: Array, blocks: int, whole: int, level: int, side: int, like: Lanes
-) -> tuple[float, float]:
-    """Value and slope at the node of what a panel of that length resolves."""
+def resolved(desk: Engine, place: Place, like: Lanes) -> tuple[float, float]:
+    """Value Σ x and slope Σ x' at the node, over the pairs that a panel of that length resolves."""
+    cells, rungs = desk.cells, desk.rungs
+    blocks, whole, level, side = place
     step, here = width(like), 3 * side * width(like)
     value, slope = every(0.0, like), every(0.0, like)
     for b in range(blocks):
@@ -135,14 +136,15 @@ def resolved(
 
 @joined
 def closer(
-    cells: Array, rungs: Array, blocks: int, whole: int, level: int, side: int, h: float, p0: float, s0: float,
-    p1: float, s1: float, fourth: float, gone: tuple[float, float, float], tolerance: float, like: Lanes,
-) -> tuple[int, float, float, float, float, float, float]:  # fmt: skip
+    desk: Engine, place: Place, part: Ends, others: Bounds, tolerance: float, like: Lanes
+) -> tuple[int, Ends, float, float]:
     """``bounds.verdict`` on the panel just tried; the whole signal's value and slope at its ends, and at both the
     second derivative of the pairs that it resolves.
 
-    ``gone``: bounds on value, slope and curvature of the blocks left out.
+    ``part``: ends of what is resolved. ``others``: Ω⁴|z| of the drive; value, slope, curvature of the blocks left out.
     """
+    cells, rungs, h = desk.cells, desk.rungs, desk.levels[STEP, place.level]
+    blocks, whole, level, side = place
     step, here, there = width(like), 3 * side * width(like), 3 * (1 - side) * width(like)
     begin, begin_slope, end, end_slope = every(0.0, like), every(0.0, like), every(0.0, like), every(0.0, like)
     slack0, slack1, slack2, high = every(0.0, like), every(0.0, like), every(0.0, like), every(0.0, like)
@@ -164,9 +166,13 @@ def closer(
         slack0 += rest * e
         slack1 += rest * e * load(cells, at + row.K1 * step, like)
         slack2 += rest * e * load(cells, at + row.K2 * step, like)
-    last, last_slope = p1 + total(end), s1 + total(end_slope)
-    found = verdict(
-        p0, s0, p1, s1, h, fourth + total(high), total(slack0) + gone[0], total(slack1) + gone[1],
-        total(slack2) + gone[2], last, last_slope, tolerance,
-    )  # fmt: skip
-    return found, p0 + total(begin), s0 + total(begin_slope), last, last_slope, total(bend0), total(bend1)
+    last, last_slope = part.p1 + total(end), part.s1 + total(end_slope)
+    bounds = Bounds(
+        others.fourth + total(high),
+        total(slack0) + others.value,
+        total(slack1) + others.slope,
+        total(slack2) + others.curvature,
+    )
+    found = verdict(part, h, bounds, last, last_slope, tolerance)
+    ends = Ends(part.p0 + total(begin), part.s0 + total(begin_slope), last, last_slope)
+    return found, ends, total(bend0), total(bend1)

@@ -9,8 +9,8 @@ from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import wrap
 from vibeam.flight.kernels.impact import is_faint, put_on_stop
 from vibeam.flight.kernels.lanes import mode_blocks as row
-from vibeam.flight.kernels.lanes.flight import ALOFT, STRUCK, UNUSUAL, flight
-from vibeam.flight.kernels.lanes.landing import drive_phasor, land_on, phase_at
+from vibeam.flight.kernels.lanes.flight import Launch, flight
+from vibeam.flight.kernels.lanes.landing import ALOFT, STRUCK, UNUSUAL, Forced, drive_phasor, land_on, phase_at
 from vibeam.flight.kernels.lanes.mode_blocks import cell, gather, scatter
 from vibeam.flight.kernels.lanes.panels import to_node, to_start
 from vibeam.flight.kernels.lanes.simd import Lanes, every, load, store, total, width
@@ -34,10 +34,12 @@ from vibeam.flight.kernels.layout import (
     ZI,
     ZR,
     Engine,
+    Phase,
     W,
 )
 from vibeam.flight.kernels.modal_flow import ROUND_OFF, begin_flight
-from vibeam.flight.kernels.segments import add, close_segment, open_segment
+from vibeam.flight.kernels.roots.pair import norm
+from vibeam.flight.kernels.segments import Progress, Record, add, close_segment, open_segment
 
 Array = NDArray[np.float64]
 
@@ -46,9 +48,10 @@ CARRIED, NOT_PLAIN, AT_STOP = 0, 1, 2
 
 @joined
 def strike(cells: Array, blocks: int, beyond: float, impulse: float, like: Lanes) -> tuple[float, float]:
-    """The pairs after the impact, at the start and the node; the sums of their E and accelerations.
+    """The pairs after the impact, at the start and the node; the sums of their e and accelerations.
 
-    The contact is put exactly on the stop; ``impulse`` = (1 + R) times the velocity before.
+    η' ← η' − w (1 + R) v/S, S = w·w, hence x' ← x' + w²/S ``impulse``, ``impulse`` = (1 + R) times the velocity before;
+    and the contact is put exactly on the stop in the direction of least energy, δη ∝ w/ω².
     """
     step = width(like)
     whole, second = every(0.0, like), every(0.0, like)
@@ -65,26 +68,25 @@ def strike(cells: Array, blocks: int, beyond: float, impulse: float, like: Lanes
 
 
 @joined
-def note(status: Array, clock: float, cosine: float, sine: float, order: float, rise: float, speed: float) -> None:
+def note(status: Array, clock: float, phase: Phase, order: float, rise: float, speed: float) -> None:
     """Where the motion stands."""
-    status[CLOCK], status[PHASE_COS], status[PHASE_SIN] = clock, cosine, sine
+    status[CLOCK], status[PHASE_COS], status[PHASE_SIN] = clock, phase.cosine, phase.sine
     status[ORDER], status[RISE], status[SPEED] = order, rise, speed
 
 
 @kernel
 def plain_flights_in_lanes(
-    desk: Engine, pose: Array, status: Array, span: float, done: float, lost: float, most: int, trace: Array,
-    poses: Array, counts: NDArray[np.int64], like: Lanes,
-) -> tuple[int, float, float, float]:  # fmt: skip
-    """Flights and impacts, carried on from time ``done`` toward ``span``: why it ends, done, lost, last flight.
+    desk: Engine, pose: Array, status: Array, progress: Progress, most: int, record: Record, like: Lanes
+) -> tuple[int, float, float, float]:
+    """Flights and impacts, carried on from the time done toward the span: why it ends, done, lost, last flight.
 
-    ``pose`` and ``status`` end where time, rows or impacts are used up, at the start of a flight that is NOT_PLAIN, or
-    AT_STOP, at the end of a flight whose impact may belong to a chatter and is still to be struck.
+    ``pose`` and ``status`` end where time, rows or impacts (``most``) are used up, at the start of a flight that is
+    NOT_PLAIN, or AT_STOP, at the end of a flight whose impact may belong to a chatter and is still to be struck.
     """
+    span, done, lost = progress
+    trace, poses, counts = record
     modes, drive, cells = desk.modes, desk.drive, desk.cells
-    value, _, size = begin_flight(
-        desk.pairs, desk.signal, desk.attached, modes, drive, pose, status[PHASE_COS], status[PHASE_SIN]
-    )
+    value, _, size = begin_flight(desk, pose, status[PHASE_COS], status[PHASE_SIN])
     if not (np.isfinite(size) and (status[ORDER] == 1.0 or (status[ORDER] == 0.0 and value > ROUND_OFF * size))):
         return NOT_PLAIN, done, lost, 0.0
     gather(desk.pairs, cells, like)
@@ -93,22 +95,21 @@ def plain_flights_in_lanes(
     const, w, restitution, coarsest = drive[CLEARANCE], drive[W], drive[RESTITUTION], int(drive[COARSEST])
     loss, gap = 1.0 - restitution, abs(drive[GAP])
     order, rise, speed, clock = status[ORDER], status[RISE] * status[ORDER], status[SPEED], status[CLOCK]
-    cosine, sine = status[PHASE_COS], status[PHASE_SIN]
-    zr, zi = desk.signal[ZR], desk.signal[ZI]
+    phase, zr, zi = Phase(status[PHASE_COS], status[PHASE_SIN]), desk.signal[ZR], desk.signal[ZI]
+    forced = Forced(const, zr, zi, w, norm(zr, zi))
     sum_e, second = to_start(cells, blocks, like)
     what, t, begun, first = STRUCK, 0.0, done, coarsest
     while done < span and counts[IMPACTS] < most and (rows == 0 or counts[SEGMENTS] < rows):
         if rows > 0:
             if done > begun:
-                scatter(cells, like, modes, drive, pose, row.START_X, cosine, sine)
+                scatter(desk, pose, row.START_X, phase, like)
                 put_on_stop(modes, drive, pose)
-                note(status, clock, cosine, sine, order, rise, speed)
+                note(status, clock, phase, order, rise, speed)
             open_segment(trace, poses, pose, status, done, counts[SEGMENTS])
         room = min(span - done, drive[LONGEST])
-        what, panels, first, t, cosine2, sine2, value, slope = flight(
-            cells, desk.rungs, desk.levels, desk.pairs, drive, blocks, const, zr, zi, w, sum_e, second - w * w * zi,
-            rise, clock, room, coarsest, max(coarsest, first - 1), like,
-        )  # fmt: skip
+        launch = Launch(clock, rise, second - w * w * forced.im, sum_e)
+        landing, panels, first = flight(desk, blocks, forced, launch, room, coarsest, max(coarsest, first - 1), like)
+        what, t = landing.outcome, landing.time
         counts[PANELS] += panels
         if what == UNUSUAL or (what == ALOFT and room < span - done):
             what = UNUSUAL
@@ -116,27 +117,27 @@ def plain_flights_in_lanes(
         clock2 = wrap(drive, clock + t)
         if what == ALOFT:
             land_on(cells, desk.pairs, blocks, t, like)
-            cosine, sine = phase_at(drive, clock2)
-            scatter(cells, like, modes, drive, pose, row.ROOT_X, cosine, sine)
-            note(status, clock2, cosine, sine, 0.0, 0.0, speed)
+            phase = phase_at(drive, clock2)
+            scatter(desk, pose, row.ROOT_X, phase, like)
+            note(status, clock2, phase, 0.0, 0.0, speed)
             close_segment(trace, t, SPAN_END, 0.0, counts)
             return CARRIED, span, lost, t
-        zr2, zi2 = drive_phasor(drive, cosine2, sine2)
-        before = max(-slope, 0.0)
+        zr, zi = drive_phasor(drive, landing.phase)
+        before = max(-landing.slope, 0.0)
         after, top = restitution * before, max(speed, before)
-        sum_e, second = strike(cells, blocks, value, (1.0 + restitution) * before, like)
-        toward = w * w * zi2 - second
+        sum_e, second = strike(cells, blocks, landing.value, (1.0 + restitution) * before, like)
+        toward = w * w * zi - second
         done, lost = add(done, lost, t)
-        cosine, sine, clock, zr, zi, speed = cosine2, sine2, clock2, zr2, zi2, top
+        phase, clock, speed, forced = landing.phase, clock2, top, Forced(const, zr, zi, w, norm(zr, zi))
         if after <= 0.0 or is_faint(after, top, toward, loss, gap):
-            scatter(cells, like, modes, drive, pose, row.ROOT_X, cosine, sine)
-            note(status, clock, cosine, sine, 0.0, 0.0, speed)
+            scatter(desk, pose, row.ROOT_X, phase, like)
+            note(status, clock, phase, 0.0, 0.0, speed)
             return AT_STOP, done, lost, t
         counts[IMPACTS] += 1
         order, rise = 1.0, after
         close_segment(trace, t, IMPACT, before, counts)
     if done > begun:  # or else nothing has changed, and not a digit shall
-        scatter(cells, like, modes, drive, pose, row.START_X, cosine, sine)
+        scatter(desk, pose, row.START_X, phase, like)
         put_on_stop(modes, drive, pose)
-        note(status, clock, cosine, sine, order, rise, speed)
+        note(status, clock, phase, order, rise, speed)
     return NOT_PLAIN if what == UNUSUAL else CARRIED, done, lost, t

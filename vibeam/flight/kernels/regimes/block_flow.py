@@ -57,7 +57,7 @@ from vibeam.flight.kernels.layout import (
 )
 from vibeam.flight.kernels.regimes.layout import Regime
 from vibeam.flight.kernels.roots.pair import propagator
-from vibeam.flight.kernels.roots.signal import derivatives
+from vibeam.flight.kernels.roots.signal import derivatives, signal_of
 
 Array = NDArray[np.float64]
 
@@ -150,7 +150,7 @@ def leading_order(regime: Regime, value: float, rate: float, size: float) -> tup
 @kernel
 def curve_of(regime: Regime) -> tuple[int, float]:
     """The same for a signal known to start at 0 without slope: by its second and third derivative."""
-    derivatives(regime.pairs, regime.signal, regime.attached, regime.pairs.shape[1], WHOLE, 3)
+    derivatives(signal_of(regime), regime.pairs.shape[1], WHOLE, 3)
     if regime.signal[WHOLE + 2] > 0.0:
         return 2, float(regime.signal[WHOLE + 2])
     if regime.signal[WHOLE + 2] == 0.0 and regime.signal[WHOLE + 3] > 0.0:

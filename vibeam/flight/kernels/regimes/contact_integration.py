@@ -25,6 +25,7 @@ from vibeam.flight.kernels.regimes.layout import (
     STIFFNESS,
     RegimeEngine,
 )
+from vibeam.flight.kernels.roots.bounds import Ends
 
 Array = NDArray[np.float64]
 
@@ -331,7 +332,7 @@ def plain(plan: RegimeEngine, row: Array, h: float, least: float, most: float) -
     """
     p0, s0, c0 = read(plan, row, BEGIN, 0)
     p1, s1, c1 = read(plan, row, END, 12)
-    low, high = hull(p0, s0, p1, s1, h)
+    low, high = hull(Ends(p0, s0, p1, s1), h)
     room = 0.25 * (high - low)
     if low - room >= least and high + room <= most:
         return True

@@ -93,7 +93,9 @@ from vibeam.flight.kernels.regimes.layout import (
     Regime,
     RegimeEngine,
 )
+from vibeam.flight.kernels.roots.double_gap import InitialState
 from vibeam.flight.kernels.roots.first_root import first_root
+from vibeam.flight.kernels.roots.signal import Start, signal_of
 
 Array = NDArray[np.float64]
 
@@ -171,8 +173,8 @@ def advance(
                     met, step = i, 0.0
                     break
                 found, time, panels = first_root(
-                    regime.pairs, regime.table, regime.levels, regime.signal, regime.attached, order, rise, step,
-                    int(plan.drive[COARSEST]), plan.free.blocks, plan.drive, pose, NO_CLOCK,
+                    signal_of(regime), Start(order, rise), step, int(plan.drive[COARSEST]),
+                    InitialState(plan.free.blocks, plan.drive, pose, NO_CLOCK),
                 )  # fmt: skip
                 counts[PANELS] += panels
                 if time < 0.0:
@@ -180,10 +182,7 @@ def advance(
                 if found:
                     met, step = i, time
             if status[KIND] == CONTACT and rows > 0:
-                _, peak = extremes(
-                    regime.pairs, regime.table, regime.levels, regime.signal, regime.attached, step,
-                    int(plan.drive[COARSEST]), 0.0, 0.0,
-                )  # fmt: skip
+                _, peak = extremes(signal_of(regime), step, int(plan.drive[COARSEST]), 0.0, 0.0)
             if step > 0.0:
                 advance_blocks(regime, plan.drive, pose, clock, step)
             if not (np.isfinite(peak) and np.isfinite(pose[0, 0])):

@@ -46,6 +46,7 @@ from vibeam.flight.kernels.regimes.layout import (
     RegimeEngine,
     RegimeWatch,
 )
+from vibeam.flight.kernels.roots.signal import signal_of
 from vibeam.flight.kernels.steady_point import is_unread, note_impact
 
 Array = NDArray[np.float64]
@@ -86,15 +87,11 @@ def watch_regime(
     to_block_coordinates(regime, plan.drive, pose, clock)
     set_signal(regime, plan.drive, GAP, 1.0, clock)
     _, widest = extremes(
-        regime.pairs, regime.table, regime.levels, regime.signal, regime.attached,
-        duration, coarsest, gap - result[CONTACT_LEAST], gap - result[CONTACT_LEAST],
-    )  # fmt: skip
+        signal_of(regime), duration, coarsest, gap - result[CONTACT_LEAST], gap - result[CONTACT_LEAST]
+    )
     result[CONTACT_LEAST] = gap - widest
     set_signal(regime, plan.drive, OUTPUT, 1.0, clock)
-    result[LEAST], result[HIGH] = extremes(
-        regime.pairs, regime.table, regime.levels, regime.signal, regime.attached,
-        duration, coarsest, result[LEAST], result[HIGH],
-    )  # fmt: skip
+    result[LEAST], result[HIGH] = extremes(signal_of(regime), duration, coarsest, result[LEAST], result[HIGH])
     rate = plan.drive[W]
     for k in range(regime.pairs.shape[1]):
         rate = max(rate, regime.pairs[KAPPA, k])

@@ -8,6 +8,8 @@ and curvature.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from vibeam.flight.kernels.compiler import joined
 
 CLEAR, ROOT, MINIMUM, SPLIT = 0, 1, 2, 3
@@ -17,26 +19,37 @@ THIRD, VALUE = 1.0 / 3.0, 1.0 / 384.0
 SLOPE = 0.0080187537387448  # √3/216
 
 
-@joined
-def verdict(
-    p0: float,
-    s0: float,
-    p1: float,
-    s1: float,
-    h: float,
-    m4: float,
-    slack0: float,
-    slack1: float,
-    slack2: float,
-    end: float,
-    end_slope: float,
-    tolerance: float,
-) -> int:
-    """CLEAR: p > 0 on (0, h]; ROOT: exactly one root there; MINIMUM: p is convex, positive at both ends; SPLIT: open.
+class Ends(NamedTuple):
+    """Values p₀, p₁ and slopes s₀, s₁ at the ends of a panel: of the interpolant H, or of what it leaves out."""
 
-    p is known positive just after the left end; ``end`` and ``end_slope`` are its whole value and slope at the right
-    one (p1, s1: those of the interpolated part).
+    p0: float
+    s0: float
+    p1: float
+    s1: float
+
+
+class Bounds(NamedTuple):
+    """Bounds over a panel: M₄ ≥ |p⁗| of what is interpolated; value, slope, curvature of what is not, the slack."""
+
+    fourth: float
+    value: float
+    slope: float
+    curvature: float
+
+
+@joined
+def verdict(ends: Ends, h: float, bounds: Bounds, end: float, end_slope: float, tolerance: float) -> int:
+    """Verdict on a panel of length h from the hulls of H, H′, H″ and their errors (Birkhoff & Priver 1967).
+
+    CLEAR: p > 0 on (0, h]; ROOT: exactly one root there; MINIMUM: p is convex, positive at both ends; SPLIT: open.
+
+    With b₁ = p₀ + hs₀/3, b₂ = p₁ − hs₁/3: the hull of H, min(p₀, b₁, b₂, p₁), counts against M₄h⁴/384 + slack; that of
+    H′, s₀, d = 3(b₂ − b₁)/h, s₁, against √3/216 M₄h³ + slack; that of H″, 2(d − s₀)/h, 2(s₁ − d)/h, against M₄h²/12 +
+    slack. p is known positive just after the left end; ``end`` and ``end_slope`` are its whole value and slope at the
+    right one (p₁, s₁: those of the interpolated part).
     """
+    p0, s0, p1, s1 = ends
+    m4, slack0, slack1, slack2 = bounds
     square = h * h
     third = h * THIRD
     b1 = p0 + third * s0

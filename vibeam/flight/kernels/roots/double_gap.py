@@ -7,6 +7,8 @@ state at the start of the flight, all in pairs of doubles.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,9 +29,22 @@ from vibeam.flight.kernels.roots.double_double import (
 Array = NDArray[np.float64]
 
 
+class InitialState(NamedTuple):
+    """State at the start of a flight, and the system that flies: see ``layout`` for the rows."""
+
+    modes: Array
+    drive: Array
+    pose: Array  # (2, n) η, η'
+    clock: float  # time in the drive period; negative: the signal is not the gap of a flight
+
+
 @kernel
-def sharp_gap(pairs: Array, modes: Array, drive: Array, pose: Array, clock: float, t: float) -> float:
-    """gap − contact·η at flight time t, from ``pose`` at drive time ``clock``; no mode may be attached."""
+def sharp_gap(pairs: Array, initial: InitialState, t: float) -> float:
+    """g = Δ − w·η at flight time t in double-double arithmetic; no mode may be attached.
+
+    η_k = Im(H_k e^{iφ}) + s_k/ω_k² + P00 x_k + P01 x_k', x_k what the initial state has beyond the steady response.
+    """
+    modes, drive, pose, clock = initial
     start, w = two_product(drive[W], clock), drive[W]
     phase = add(start, two_product(w, t))
     total: Pair = (drive[GAP], 0.0)

@@ -12,15 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.layout import ATTACHED, CONST, HARMONIC, LEVELS, P1, STEP, TURN_IM, TURN_RE, WHOLE, ZI, ZR
+from vibeam.flight.kernels.layout import ATTACHED, CONST, HARMONIC, LEVELS, P1, STEP, WHOLE, ZI, ZR
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.bounds import CLEAR, MINIMUM, ROOT, SPLIT
-from vibeam.flight.kernels.roots.double_gap import sharp_gap
+from vibeam.flight.kernels.roots.double_gap import InitialState, sharp_gap
 from vibeam.flight.kernels.roots.levels import level_of
 from vibeam.flight.kernels.roots.newton import EPSILON, guess, polish, polish_minimum
 from vibeam.flight.kernels.roots.pair import norm, power
-from vibeam.flight.kernels.roots.panels import accept, launching, ordinary, step_pairs
-from vibeam.flight.kernels.roots.signal import derivatives, to_node, value_at
+from vibeam.flight.kernels.roots.panels import Node, accept, launching, next_node, ordinary, step_pairs
+from vibeam.flight.kernels.roots.signal import Signal, Start, derivatives, to_node, value_at
 
 Array = NDArray[np.float64]
 
@@ -30,18 +30,16 @@ SHALLOW = 1e9  # times round-off: how far from zero a minimum is still judged, a
 
 
 @kernel
-def first_root(
-    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array,
-    order: int, rise: float, span: float, coarsest: int, modes: Array, drive: Array, pose: Array, clock: float,
-) -> tuple[bool, float, int]:  # fmt: skip
+def first_root(g: Signal, start: Start, span: float, coarsest: int, initial: InitialState) -> tuple[bool, float, int]:
     """(found, flight time, panels tried) of the first root in (0, span]; there XT, YT and the trial hold the pairs.
 
-    A negative time: it was not isolated within ``MOST_PANELS``.
-
-    ``order`` 0: the signal starts positive; 1 … 3: it starts with a root of that order, g^{(order)}(0) = ``rise`` > 0.
-    ``coarsest``: the level of the longest panel to try. ``clock`` ≥ 0: the signal is the gap of ``modes`` from ``pose``
-    at that drive time, and a minimum that round-off leaves in doubt is judged in twice the precision.
+    A negative time: it was not isolated within ``MOST_PANELS``. The walk is bisection with the proofs of
+    ``bounds.verdict``, then Newton's method. ``start.order`` 0: g starts positive; 1 … 3: it starts with a root of that
+    order. ``coarsest``: the level of the longest panel to try. ``initial.clock`` ≥ 0: g is the gap from that state, and
+    a minimum that round-off leaves in doubt is judged in twice the precision.
     """
+    pairs, table, levels, signal, attached = g
+    order, rise = start
     total = to_node(pairs)
     if signal[ATTACHED] > 0.0:
         att.restart(attached, signal)
@@ -54,20 +52,17 @@ def first_root(
     tolerance = 8.0 * EPSILON * size
     if order == 0 and signal[ATTACHED] == 0.0 and signal[CONST] - harmonic - total > tolerance:
         return False, span, 0
-    time, level, panels, since, patience, lengthened = 0.0, coarsest, 0, 0, 1, False
+    node, level, panels, since, patience, lengthened = Node(0.0, re, im), coarsest, 0, 0, 1, False
     if order > 0:
-        derivatives(pairs, signal, attached, pairs.shape[1], WHOLE, order + 1)
-        level = first_level(levels, order, rise, signal, coarsest)
-    while time < span:
+        derivatives(g, pairs.shape[1], WHOLE, order + 1)
+        level = first_level(g, start, coarsest)
+    while node.time < span:
         panels += 1
         if panels > MOST_PANELS:
             return False, -1.0, panels
-        h = levels[STEP, level]
-        start_order = order if time == 0.0 else 0
-        if start_order > 0:
-            found = launching(pairs, table, levels, signal, attached, order, rise, level)
-        else:
-            found = ordinary(pairs, table, levels, signal, attached, time, re, im, level, tolerance)
+        h, time = levels[STEP, level], node.time
+        here = Start(order if time == 0.0 else 0, rise)
+        found = launching(g, start, level) if here.order > 0 else ordinary(g, node, level, tolerance)
         if found == SPLIT and level == LEVELS - 1:
             found = ROOT if signal[P1] <= 0.0 else CLEAR
         if found == SPLIT:
@@ -77,28 +72,23 @@ def first_root(
             continue
         bracket = h
         if found == MINIMUM:
-            where, value = polish_minimum(pairs, signal, attached, start_order, rise, time, h)
+            where, value = polish_minimum(g, here, time, h)
             found, bracket = (ROOT, where) if value <= 0.0 else (CLEAR, h)
-            shallow = SHALLOW * tolerance if start_order == 0 else SHALLOW * tolerance / power(where, start_order)
-            if clock >= 0.0 and value < shallow and signal[ATTACHED] == 0.0:
-                touch = graze(pairs, signal, attached, modes, drive, pose, clock, time, time + where)
+            shallow = SHALLOW * tolerance if here.order == 0 else SHALLOW * tolerance / power(where, here.order)
+            if initial.clock >= 0.0 and value < shallow and signal[ATTACHED] == 0.0:
+                touch = graze(g, initial, time, time + where)
                 if 0.0 < touch <= span:
                     return True, touch, panels
                 found = CLEAR
         if found == ROOT:
-            start = time + guess(signal, h, bracket)
-            root = polish(pairs, signal, attached, start_order, rise, time, start, bracket)
+            root = polish(g, here, time, time + guess(signal, h, bracket), bracket)
             return root <= span, min(root, span), panels
-        if start_order > 0:
+        if here.order > 0:
             step_pairs(pairs, table, level)
         if signal[ATTACHED] > 0.0:
             att.carry(attached, signal, time, h)
-        accept(pairs, signal, attached)
-        re, im = (
-            re * levels[TURN_RE, level] - im * levels[TURN_IM, level],
-            im * levels[TURN_RE, level] + re * levels[TURN_IM, level],
-        )
-        time += h
+        accept(g)
+        node = next_node(levels, level, node)
         since += 1
         patience = max(1, patience // 2) if lengthened else patience
         lengthened = False
@@ -109,35 +99,33 @@ def first_root(
 
 
 @joined
-def first_level(levels: Array, order: int, rise: float, signal: Array, coarsest: int) -> int:
-    """The level to start with: a little longer than the flight that the first two derivatives foretell."""
-    ahead = signal[WHOLE + 2]
-    if order > 1 or ahead >= 0.0:
+def first_level(g: Signal, start: Start, coarsest: int) -> int:
+    """The level to start with: twice the flight 2g'(0)/|g''(0)| that the first two derivatives foretell."""
+    ahead = g.terms[WHOLE + 2]
+    if start.order > 1 or ahead >= 0.0:
         return coarsest
-    return max(coarsest, level_of(levels, -4.0 * rise / ahead))
+    return max(coarsest, level_of(g.levels, -4.0 * start.rise / ahead))
 
 
 @kernel
-def graze(
-    pairs: Array, signal: Array, attached: Array, modes: Array, drive: Array, pose: Array, clock: float,
-    node: float, where: float,
-) -> float:  # fmt: skip
+def graze(g: Signal, initial: InitialState, node: float, where: float) -> float:
     """The flight time at which a gap with its minimum near ``where`` touches the stop, or −1 where it does not.
 
     The depth d below the stop comes from ``sharp_gap``; with curvature a it is struck √(2d/a) before the minimum.
     """
+    pairs = g.pairs
     t = where
     for _ in range(3):
-        _, slope, curvature = value_at(pairs, signal, attached, node, t)
+        _, slope, curvature = value_at(g, node, t)
         if curvature <= 0.0:
             return -1.0
         t -= slope / curvature
-    depth = -sharp_gap(pairs, modes, drive, pose, clock, t)
+    depth = -sharp_gap(pairs, initial, t)
     if depth < 0.0:
         return -1.0
     touch = t - sqrt(2.0 * depth / curvature)
     for _ in range(4 if depth > 0.0 else 0):
-        _, slope, _ = value_at(pairs, signal, attached, node, touch)
-        touch -= sharp_gap(pairs, modes, drive, pose, clock, touch) / slope
-    value_at(pairs, signal, attached, node, touch)
+        _, slope, _ = value_at(g, node, touch)
+        touch -= sharp_gap(pairs, initial, touch) / slope
+    value_at(g, node, touch)
     return float(touch)

@@ -118,7 +118,7 @@ def same_drive(levels: Array, others: Array) -> None:
 
 @kernel
 def level_of(levels: Array, h: float) -> int:
-    """The level of the longest panel that is no longer than h."""
+    """The level of the longest panel 2^{top − level} that is no longer than h."""
     level = 0
     while level < LEVELS - 1 and levels[STEP, level] > h:
         level += 1

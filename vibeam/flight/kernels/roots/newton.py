@@ -27,7 +27,7 @@ from vibeam.flight.kernels.layout import (
     E,
 )
 from vibeam.flight.kernels.roots.pair import power
-from vibeam.flight.kernels.roots.signal import quotient_at, value_at
+from vibeam.flight.kernels.roots.signal import Signal, Start, quotient_at, value_at
 
 Array = NDArray[np.float64]
 
@@ -41,18 +41,16 @@ RECIPROCAL = np.array([1.0, *(1.0 / j for j in range(1, DEGREE + 2))])
 
 
 @kernel
-def evaluate(
-    pairs: Array, signal: Array, attached: Array, order: int, rise: float, node: float, t: float
-) -> tuple[float, float, float]:
-    """What the panel works on, the signal (order 0) or its quotient: value, slope, curvature at flight time t."""
-    if order > 0:
-        return quotient_at(pairs, signal, attached, order, rise, t)
-    return value_at(pairs, signal, attached, node, t)
+def evaluate(g: Signal, start: Start, node: float, t: float) -> tuple[float, float, float]:
+    """What the panel works on, g (order m = 0) or its quotient g/t^m: value, slope, curvature at flight time t."""
+    if start.order > 0:
+        return quotient_at(g, start, t)
+    return value_at(g, node, t)
 
 
 @joined
 def guess(signal: Array, h: float, bracket: float) -> float:
-    """About the root of the cubic Hermite interpolant of the last panel in (0, bracket)."""
+    """About the root in (0, bracket) of H, the cubic Hermite interpolant of the last panel: two Newton steps."""
     p0, s0, p1, s1 = signal[P0], h * signal[S0], signal[P1], h * signal[S1]
     a, b = 2.0 * (p0 - p1) + s0 + s1, 3.0 * (p1 - p0) - 2.0 * s0 - s1
     last = bracket / h
@@ -67,7 +65,10 @@ def guess(signal: Array, h: float, bracket: float) -> float:
 
 @joined
 def expand(pairs: Array, signal: Array, t: float, value: float, slope: float, curvature: float) -> float:
-    """signal[TAYLOR + j] = j-th derivative at t over j!, j ≤ DEGREE, from XT, YT; returns a bound on the next one."""
+    """terms[TAYLOR + j] = g^{(j)}(t)/j!, j < d = DEGREE + 1, from XT, YT; returns the bound Ω^d |z| + Σ κ_k^d e_k.
+
+    Of |g^{(d)}|; derivatives of a pair by x'' = −2σx' − ω²x.
+    """
     w = signal[DRIVE]
     re = signal[ZR] * cos(w * t) - signal[ZI] * sin(w * t)
     im = curvature
@@ -95,7 +96,7 @@ def expand(pairs: Array, signal: Array, t: float, value: float, slope: float, cu
 
 @joined
 def taylor_root(signal: Array, step: float) -> float:
-    """The root near ``step`` of the Taylor polynomial in signal[TAYLOR …]; infinite where Newton does not settle."""
+    """The root near ``step`` of the polynomial Σ terms[TAYLOR + j] Δ^j; infinite where Newton does not settle."""
     for _ in range(3):
         value, slope = signal[TAYLOR + DEGREE], 0.0
         for j in range(DEGREE - 1, -1, -1):
@@ -110,7 +111,7 @@ def taylor_root(signal: Array, step: float) -> float:
 
 @joined
 def shift(pairs: Array, step: float) -> None:
-    """Carry XT, YT on by a short step, by Taylor series of order DEGREE."""
+    """Carry XT, YT on by a short step Δ: x ← Σ x^{(j)} Δ^j/j!, j ≤ DEGREE, x'' = −2σx' − ω²x."""
     for k in range(pairs.shape[1]):
         damp, spring = 2.0 * pairs[SIGMA, k], pairs[OMEGA, k] * pairs[OMEGA, k]
         x, y = pairs[XT, k], pairs[YT, k]
@@ -123,14 +124,16 @@ def shift(pairs: Array, step: float) -> None:
 
 
 @joined
-def polish(
-    pairs: Array, signal: Array, attached: Array, order: int, rise: float, node: float, start: float, bracket: float
-) -> float:
-    """The one root in (node, node + bracket]; XT, YT and the trial receive the pairs there."""
+def polish(g: Signal, start: Start, node: float, near: float, bracket: float) -> float:
+    """The one root in (node, node + bracket], about ``near``; XT, YT and the trial receive the pairs there.
+
+    Newton's method in a bracket; off the stop on the Taylor polynomial about the last iterate (``expand``).
+    """
+    pairs, signal = g.pairs, g.terms
     low, high = node, node + bracket
-    t = min(max(start, low), high)
+    t = min(max(near, low), high)
     for _ in range(ROUNDS):
-        value, slope, curvature = evaluate(pairs, signal, attached, order, rise, node, t)
+        value, slope, curvature = evaluate(g, start, node, t)
         if value == 0.0:
             break
         if value > 0.0:
@@ -140,14 +143,14 @@ def polish(
         step = -value / slope if slope < 0.0 else np.inf
         if not low < t + step < high:
             step = 0.5 * (low + high) - t
-        elif order == 0 and signal[ATTACHED] == 0.0:
+        elif start.order == 0 and signal[ATTACHED] == 0.0:
             rest = expand(pairs, signal, t, value, slope, curvature)
-            near = taylor_root(signal, step)
-            if low < t + near < high:
-                step = near
-                if converged(signal, rest, abs(near), t):
-                    shift(pairs, near)
-                    return t + near
+            ahead = taylor_root(signal, step)
+            if low < t + ahead < high:
+                step = ahead
+                if converged(signal, rest, abs(ahead), t):
+                    shift(pairs, ahead)
+                    return t + ahead
         if abs(step) <= EPSILON * t or high - low <= EPSILON * t:
             break
         t += step
@@ -164,18 +167,19 @@ def converged(signal: Array, rest: float, step: float, t: float) -> bool:
 
 
 @kernel
-def polish_minimum(
-    pairs: Array, signal: Array, attached: Array, order: int, rise: float, node: float, h: float
-) -> tuple[float, float]:
-    """(where after the node, value) of the one minimum of a convex panel, or of the first point found ≤ 0."""
+def polish_minimum(g: Signal, start: Start, node: float, h: float) -> tuple[float, float]:
+    """(where after the node, value) of the one minimum of a convex panel, or of the first point found ≤ 0.
+
+    The root of the slope between s₀ < 0 and s₁ > 0, by regula falsi with every third step a bisection.
+    """
     low, high = 0.0, h
-    down, up = signal[S0], signal[S1]
+    down, up = g.terms[S0], g.terms[S1]
     if down >= 0.0:
         return h, 1.0
     value, where = 1.0, h
     for i in range(ROUNDS):
         where = low + (high - low) * (0.5 if i % 3 == 2 else min(max(down / (down - up), 1e-3), 0.999))
-        value, slope, _ = evaluate(pairs, signal, attached, order, rise, node, node + where)
+        value, slope, _ = evaluate(g, start, node, node + where)
         if value <= 0.0 or slope == 0.0 or high - low <= 1e-11 * h:
             break
         if slope < 0.0:

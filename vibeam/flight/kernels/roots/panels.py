@@ -6,6 +6,8 @@ p = g / t^m, whose fourth derivative is bounded by 24/(m+4)! times a bound on g^
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -49,18 +51,37 @@ from vibeam.flight.kernels.layout import (
     Y,
 )
 from vibeam.flight.kernels.roots import taylor_pairs as att
-from vibeam.flight.kernels.roots.bounds import CLEAR, verdict
+from vibeam.flight.kernels.roots.bounds import CLEAR, Bounds, Ends, verdict
 from vibeam.flight.kernels.roots.pair import norm, power
-from vibeam.flight.kernels.roots.signal import derivatives, quotient
+from vibeam.flight.kernels.roots.signal import Signal, Start, derivatives, quotient
 
 Array = NDArray[np.float64]
 
 FACTORIAL = np.array([1.0, 1.0, 2.0, 6.0, 24.0, 120.0, 720.0, 5040.0])
 
 
+class Node(NamedTuple):
+    """Left end of a panel: its flight time t and the drive's phasor z e^{iΩt} there."""
+
+    time: float
+    re: float
+    im: float
+
+
+@joined
+def next_node(levels: Array, level: int, node: Node) -> Node:
+    """t + h and z e^{iΩ(t + h)}."""
+    time, re, im = node
+    return Node(
+        time + levels[STEP, level],
+        re * levels[TURN_RE, level] - im * levels[TURN_IM, level],
+        im * levels[TURN_RE, level] + re * levels[TURN_IM, level],
+    )
+
+
 @summing
 def step_pairs(pairs: Array, table: Array, level: int) -> None:
-    """Trial pairs one panel on from the node."""
+    """Trial pairs one panel on from the node: x ← P00 x + P01 x', x' ← P10 x + P11 x'."""
     for k in range(pairs.shape[1]):
         x, y = pairs[X, k], pairs[Y, k]
         pairs[X2, k] = table[0, level, k] * x + table[1, level, k] * y
@@ -68,8 +89,9 @@ def step_pairs(pairs: Array, table: Array, level: int) -> None:
 
 
 @joined
-def accept(pairs: Array, signal: Array, attached: Array) -> None:
-    """The trial end becomes the node."""
+def accept(g: Signal) -> None:
+    """The trial end becomes the node; e_k = ‖(x, x'/ω)‖ there."""
+    pairs, _, _, signal, attached = g
     for k in range(pairs.shape[1]):
         x, y = pairs[X2, k], pairs[Y2, k]
         pairs[X, k], pairs[Y, k], pairs[E, k] = x, y, norm(x, y * pairs[INVERSE, k])
@@ -78,22 +100,14 @@ def accept(pairs: Array, signal: Array, attached: Array) -> None:
 
 
 @summing
-def measure(
-    pairs: Array,
-    table: Array,
-    levels: Array,
-    signal: Array,
-    attached: Array,
-    time: float,
-    re: float,
-    im: float,
-    level: int,
-) -> tuple[float, float, float, float, float, float, float, float, float, float, float, float]:
-    """Trial pairs, and what the panel from the node shows.
+def measure(g: Signal, node: Node, level: int) -> tuple[Ends, Bounds, Ends]:
+    """Trial pairs, and what the panel from the node shows: ends of what is interpolated, bounds, ends of the rest.
 
-    Value and slope at both ends of the interpolated part; the bound of its fourth derivative; bounds on value, slope
-    and curvature of the rest; value and slope of the rest at both ends.
+    Interpolated is g less the pairs with κ_k h > 1.2: p = const + Im(z e^{iΩt}) + Σ x_k, with the bound M₄ = Ω⁴|z| +
+    Σ κ_k⁴ e_k. The rest enters as slack Σ e_k, Σ κ_k e_k, Σ κ_k² e_k on value, slope and curvature.
     """
+    pairs, table, levels, signal, attached = g
+    time, re, im = node
     w, count = signal[DRIVE], int(levels[COUNT, level])
     re2 = re * levels[TURN_RE, level] - im * levels[TURN_IM, level]
     im2 = im * levels[TURN_RE, level] + re * levels[TURN_IM, level]
@@ -133,35 +147,31 @@ def measure(
             s0 += attached[AWEIGHT, j] * attached[NODE_Y, j]
             p1 += attached[AWEIGHT, j] * attached[TRIAL_X, j]
             s1 += attached[AWEIGHT, j] * attached[TRIAL_Y, j]
-    return p0, s0, p1, s1, fourth, slack0, slack1, slack2, begin, begin_slope, end, end_slope
+    return Ends(p0, s0, p1, s1), Bounds(fourth, slack0, slack1, slack2), Ends(begin, begin_slope, end, end_slope)
 
 
 @joined
-def ordinary(
-    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array,
-    time: float, re: float, im: float, level: int, tolerance: float,
-) -> int:  # fmt: skip
-    """Verdict on the panel that starts at the node; signal[P0 … S1] receive the whole signal at its ends."""
-    p0, s0, p1, s1, fourth, slack0, slack1, slack2, begin, begin_slope, end, end_slope = measure(
-        pairs, table, levels, signal, attached, time, re, im, level
-    )
-    h, end, end_slope = levels[STEP, level], p1 + end, s1 + end_slope
-    found = verdict(p0, s0, p1, s1, h, fourth, slack0, slack1, slack2, end, end_slope, tolerance)
+def ordinary(g: Signal, node: Node, level: int, tolerance: float) -> int:
+    """Verdict on the panel that starts at the node; terms[P0 … S1] receive the whole signal at its ends."""
+    part, bounds, rest = measure(g, node, level)
+    signal, end, end_slope = g.terms, part.p1 + rest.p1, part.s1 + rest.s1
+    found = verdict(part, g.levels[STEP, level], bounds, end, end_slope, tolerance)
     if found != CLEAR:
-        signal[P0], signal[S0], signal[P1], signal[S1] = p0 + begin, s0 + begin_slope, end, end_slope
+        signal[P0], signal[S0], signal[P1], signal[S1] = part.p0 + rest.p0, part.s0 + rest.s0, end, end_slope
     return found
 
 
 @joined
-def launching(
-    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, order: int, rise: float, level: int
-) -> int:
-    """Verdict on the first panel of a flight that starts on the stop with g^{(order)}(0) = ``rise`` > 0, exactly.
+def launching(g: Signal, start: Start, level: int) -> int:
+    """Verdict on the first panel of a flight that starts on the stop with g^{(m)}(0) = ``start.rise`` > 0, exactly.
 
-    signal[P0 … S1] receive the whole quotient at its ends.
+    On p = g/t^m: p(0) = g^{(m)}(0)/m!, p'(0) = g^{(m+1)}(0)/(m + 1)!, |p⁗| ≤ 24/(m + 4)! M_{m+4}, and the slack
+    likewise from bounds of order m, m + 1, m + 2. terms[P0 … S1] receive the whole quotient at the panel's ends.
     """
+    pairs, _, levels, signal, attached = g
+    order, rise = start
     h, count = levels[STEP, level], int(levels[COUNT, level])
-    derivatives(pairs, signal, attached, count, LOW, order + 1)
+    derivatives(g, count, LOW, order + 1)
     m4 = signal[HARMONIC] * power(signal[DRIVE], order + 4)
     for k in range(count):
         m4 += pairs[E, k] * power(pairs[KAPPA, k], order + 4)
@@ -175,24 +185,29 @@ def launching(
         hidden += initial_derivative(pairs, k, order)
     if signal[ATTACHED] > 0.0:
         m4 += att.bound(attached, signal, 0.0, order + 4, h)
-    gamma, delta, rest_gamma, rest_delta = growths(pairs, table, levels, signal, attached, count, level)
+    gamma, delta, rest_gamma, rest_delta = growths(g, count, level)
     low = rise - hidden
-    p1, s1 = quotient(order, low, signal[LOW + 2], gamma, delta, h)
-    end, end_slope = quotient(order, rise, signal[WHOLE + 2], gamma + rest_gamma, delta + rest_delta, h)
+    p1, s1 = quotient(Start(order, low), signal[LOW + 2], gamma, delta, h)
+    end, end_slope = quotient(start, signal[WHOLE + 2], gamma + rest_gamma, delta + rest_delta, h)
     signal[P0], signal[S0] = rise / FACTORIAL[order], signal[WHOLE + order + 1] / FACTORIAL[order + 1]
     signal[P1], signal[S1] = end, end_slope
-    return verdict(
-        low / FACTORIAL[order], signal[LOW + order + 1] / FACTORIAL[order + 1], p1, s1, h,
-        m4 * 24.0 / FACTORIAL[order + 4], slack / FACTORIAL[order], slack1 / FACTORIAL[order + 1],
-        2.0 * slack2 / FACTORIAL[order + 2], end, end_slope, 0.0,
-    )  # fmt: skip
+    part = Ends(low / FACTORIAL[order], signal[LOW + order + 1] / FACTORIAL[order + 1], p1, s1)
+    bounds = Bounds(
+        m4 * 24.0 / FACTORIAL[order + 4],
+        slack / FACTORIAL[order],
+        slack1 / FACTORIAL[order + 1],
+        2.0 * slack2 / FACTORIAL[order + 2],
+    )
+    return verdict(part, h, bounds, end, end_slope, 0.0)
 
 
 @summing
-def growths(
-    pairs: Array, table: Array, levels: Array, signal: Array, attached: Array, count: int, level: int
-) -> tuple[float, float, float, float]:
-    """γ and δ over one panel from the start: of the interpolated part, and of the rest."""
+def growths(g: Signal, count: int, level: int) -> tuple[float, float, float, float]:
+    """γ and δ over one panel from the start: of the interpolated part, and of the rest.
+
+    γ = (g(h) − g(0) − hg'(0))/h², δ = (g'(h) − g'(0))/h; of a pair D0 x + D1 x' and V0 x + V1 x' (``pair.increments``).
+    """
+    pairs, table, levels, signal, attached = g
     gamma = signal[ZR] * levels[SECOND_IM, level] + signal[ZI] * levels[SECOND_RE, level]
     delta = signal[DRIVE] * (signal[ZR] * levels[FIRST_RE, level] - signal[ZI] * levels[FIRST_IM, level])
     if signal[ATTACHED] > 0.0:
@@ -213,7 +228,7 @@ def growths(
 
 @kernel
 def initial_derivative(pairs: Array, k: int, order: int) -> float:
-    """x_k^{(order)} at the start."""
+    """x_k^{(j)}(0), j = ``order`` ≥ 1, by x'' = −2σx' − ω²x."""
     before, now = pairs[X0, k], pairs[Y0, k]
     for _ in range(order - 1):
         before, now = now, -2.0 * pairs[SIGMA, k] * now - pairs[OMEGA, k] * pairs[OMEGA, k] * before

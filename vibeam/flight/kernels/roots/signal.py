@@ -7,6 +7,7 @@ x_k are what is left of each pair when its steady response is taken out.
 from __future__ import annotations
 
 from math import cos, sin
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,7 @@ from vibeam.flight.kernels.layout import (
     ZI,
     ZR,
     E,
+    Engine,
     X,
     Y,
 )
@@ -42,9 +44,42 @@ Array = NDArray[np.float64]
 FORGOTTEN = 75.0  # decay exponents beyond this leave less than 1e-32
 
 
+class Signal(NamedTuple):
+    """g(t) = const + Im(z e^{iΩt}) + Σ x_k(t) + Σ weight X_j(t): see ``layout`` for the rows."""
+
+    pairs: Array  # x_k: rates, state at start, node, trial end and root
+    table: Array  # their propagators over every panel length
+    levels: Array  # panel lengths h and e^{iΩh}
+    terms: Array  # const, z, Ω; what the last panel showed; derivatives
+    attached: Array  # X_j
+
+
+class Start(NamedTuple):
+    """Root with which a signal starts: g ~ rise t^m/m! with m = ``order`` and g^{(m)}(0) = ``rise``; m = 0: none."""
+
+    order: int
+    rise: float
+
+
 @joined
-def value_at(pairs: Array, signal: Array, attached: Array, node: float, t: float) -> tuple[float, float, float]:
-    """Value, slope and curvature at flight time t; XT, YT and the trial receive the pairs there."""
+def signal_of(system: Any) -> Signal:
+    """Signal of the free flight of an Engine, or of a Regime."""
+    return Signal(system.pairs, system.table, system.levels, system.signal, system.attached)
+
+
+@joined
+def rest_signal_of(desk: Engine) -> Signal:
+    """Signal of the rest on the stop."""
+    return Signal(desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.rest_attached)
+
+
+@joined
+def value_at(g: Signal, node: float, t: float) -> tuple[float, float, float]:
+    """Value, slope and curvature at flight time t; XT, YT and the trial receive the pairs there.
+
+    g = const + Im(z e^{iΩt}) + Σ x_k, x_k = P00 x_k(0) + P01 x_k'(0), x_k'' = −2σx_k' − ω²x_k.
+    """
+    pairs, _, _, signal, attached = g
     w = signal[DRIVE]
     c, s = cos(w * t), sin(w * t)
     imaginary = signal[ZI] * c + signal[ZR] * s
@@ -69,10 +104,12 @@ def value_at(pairs: Array, signal: Array, attached: Array, node: float, t: float
 
 
 @kernel
-def quotient_at(
-    pairs: Array, signal: Array, attached: Array, order: int, rise: float, t: float
-) -> tuple[float, float, float]:
-    """p = g / t^m, its slope and 0 (no curvature at hand) at flight time t > 0; XT, YT and the trial as in value_at."""
+def quotient_at(g: Signal, start: Start, t: float) -> tuple[float, float, float]:
+    """p = g / t^m, its slope and 0 (no curvature at hand) at flight time t > 0; XT, YT and the trial as in value_at.
+
+    From γ = (g − g(0) − tg'(0))/t² and δ = (g' − g'(0))/t, sums of the pairs' own: no digit cancels near t = 0.
+    """
+    pairs, _, _, signal, attached = g
     e0, e1, r0, r1 = phasor_increments(signal[DRIVE], t)
     gamma = signal[ZR] * e1 + signal[ZI] * e0
     delta = signal[DRIVE] * (signal[ZR] * r0 - signal[ZI] * r1)
@@ -89,13 +126,14 @@ def quotient_at(
         more = growth(attached, signal, t)
         gamma += more[0]
         delta += more[1]
-    p, slope = quotient(order, rise, signal[WHOLE + 2], gamma, delta, t)
+    p, slope = quotient(start, signal[WHOLE + 2], gamma, delta, t)
     return p, slope, 0.0
 
 
 @joined
-def quotient(order: int, rise: float, second: float, gamma: float, delta: float, h: float) -> tuple[float, float]:
+def quotient(start: Start, second: float, gamma: float, delta: float, h: float) -> tuple[float, float]:
     """p and p' at t = h of p = g / t^m from g = g'(0) h + γh², g' = g'(0) + δh; ``second`` = g''(0) as computed."""
+    order, rise = start
     if order == 1:
         return rise + h * gamma, delta - gamma
     if order == 2:
@@ -104,8 +142,12 @@ def quotient(order: int, rise: float, second: float, gamma: float, delta: float,
 
 
 @joined
-def derivatives(pairs: Array, signal: Array, attached: Array, count: int, start: int, depth: int) -> None:
-    """signal[start + j] = j-th derivative at the start, j = 0 … depth ≤ 5, of all but the pairs from ``count`` on."""
+def derivatives(g: Signal, count: int, start: int, depth: int) -> None:
+    """terms[start + j] = g^{(j)}(0), j = 0 … depth ≤ 5, of all but the pairs from ``count`` on.
+
+    Im((iΩ)^j z), and x^{(j)} = −2σx^{(j−1)} − ω²x^{(j−2)} pair by pair.
+    """
+    pairs, _, _, signal, attached = g
     w = signal[DRIVE]
     signal[start] = signal[CONST] + signal[ZI]
     signal[start + 1] = w * signal[ZR]
@@ -137,7 +179,7 @@ def to_node(pairs: Array) -> float:
 
 @kernel
 def magnitude(pairs: Array, signal: Array, order: int) -> float:
-    """Bound of the order-th derivative of the harmonic and every pair, from the node on."""
+    """Ω^j |z| + Σ κ_k^j e_k, j = ``order``: bound of that derivative of g from the node on (attached pairs apart)."""
     total = signal[HARMONIC] * power(signal[DRIVE], order)
     for k in range(pairs.shape[1]):
         total += pairs[E, k] * power(pairs[KAPPA, k], order)

@@ -39,7 +39,10 @@ Array = NDArray[np.float64]
 
 @kernel
 def series(attached: Array, j: int, x: float, y: float, cosine: float, sine: float, drive: float, h: float) -> None:
-    """Set rows TERM + i, i < SERIES, to X^{(i)} h^i / i! of pair j from (x, y) at drive phase (cosine, sine)."""
+    """Set rows TERM + i, i < SERIES, to X_i = X^{(i)} h^i/i! of pair j from (x, y) at drive phase (cosine, sine).
+
+    (i + 1)(i + 2) X_{i+2} = h² u_i − 2σh (i + 1) X_{i+1} − ω²h² X_i, u_i the terms of F sin φ + G cos φ + s.
+    """
     damp, spring, turn = 2.0 * attached[ASIGMA, j] * h, (attached[AOMEGA, j] * h) ** 2, drive * h
     pull, draw = sine, cosine  # Taylor terms of sin φ and cos φ
     attached[TERM, j] = x
@@ -60,7 +63,7 @@ def force_of(attached: Array, j: int) -> float:
 
 @kernel
 def phase_after(signal: Array, time: float) -> tuple[float, float]:
-    """cos and sin of the drive's phase at a flight time."""
+    """cos and sin of the drive's phase φ + Ωt at a flight time t."""
     c, s = cos(signal[DRIVE] * time), sin(signal[DRIVE] * time)
     return signal[COSINE] * c - signal[SINE] * s, signal[SINE] * c + signal[COSINE] * s
 
@@ -108,7 +111,7 @@ def growth(attached: Array, signal: Array, t: float) -> tuple[float, float]:
 
 @kernel
 def add_derivatives(attached: Array, signal: Array, start: int) -> None:
-    """Add derivatives 0 … 5 at the start of the flight to signal[start:start + 6]."""
+    """Add derivatives 0 … 5 at the start of the flight to terms[start:start + 6]: Σ weight X^{(j)}(0)."""
     for j in range(int(signal[ATTACHED])):
         series(attached, j, attached[AX, j], attached[AY, j], signal[COSINE], signal[SINE], signal[DRIVE], 1.0)
         factorial = 1.0
