@@ -10,6 +10,7 @@ for attached modes and at rest, it is Gauss's quadrature on panels that resolve 
 from __future__ import annotations
 
 from math import ceil, cos, exp, expm1, sin, sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,8 +42,6 @@ from vibeam.flight.kernels.roots.pair import propagator
 
 Array = NDArray[np.float64]
 
-Terms = tuple[complex, complex, complex]  # a, λ, e^{λt} − 1
-
 NODES = tuple(float(x + 1) / 2 for x in np.polynomial.legendre.leggauss(8)[0])
 
 WEIGHTS = tuple(float(w) / 2 for w in np.polynomial.legendre.leggauss(8)[1])
@@ -66,6 +65,22 @@ CANCELLED = 1e-3  # share of its parts below which a sum is not taken
 NEAR = 0.1  # |z| t below which e^{zt} − 1 is not made of the two factors'
 
 
+class Forced(NamedTuple):
+    """Forced response of a mode, Re(phasor e^{iΩt}) + offset."""
+
+    phasor: complex
+    omega: float
+    offset: float
+
+
+class Term(NamedTuple):
+    """Re(a e^{λt}), and how much e^{λt} − 1 its exponential has grown at the end."""
+
+    amplitude: complex
+    rate: complex
+    grown: complex
+
+
 @kernel
 def energy_in_flight(desk: Engine, pose: Array, clock: float, duration: float, energy: Array) -> None:
     """Add ∫ E_k dt over a flight from ``pose`` to ``energy`` (n,). The desk's signal must be that of this flight."""
@@ -79,7 +94,7 @@ def energy_in_flight(desk: Engine, pose: Array, clock: float, duration: float, e
         x = pose[0, k] - offset - re * sine - im * cosine
         y = pose[1, k] - w * (re * cosine - im * sine)
         steady = (re * sine + im * cosine) - 1j * (re * cosine - im * sine)  # Re(steady e^{iΩt})
-        energy[k] += flight_energy(pairs, k, x, y, steady, w, offset, duration, turned)
+        energy[k] += flight_energy(pairs, k, x, y, Forced(steady, w, offset), duration, turned)
     if desk.signal[ATTACHED] > 0.0:
         energy_attached(desk.attached, desk.signal, duration, energy)
 
@@ -92,83 +107,90 @@ def growth(z: complex, t: float) -> complex:
     return complex(expm1(x) - 2.0 * size * half * half, size * sin(y))
 
 
+@joined
+def term(amplitude: complex, rate: complex, t: float) -> Term:
+    """a e^{λt} over t."""
+    return Term(amplitude, rate, growth(rate, t))
+
+
 @kernel
-def flight_energy(
-    pairs: Array, k: int, x: float, y: float, steady: complex, w: float, offset: float, t: float, turned: complex
-) -> float:
-    """∫ E over t of free motion from x, x', Re(steady e^{iΩt}) and an offset; turned = e^{iΩt} − 1."""
+def flight_energy(pairs: Array, k: int, x: float, y: float, forced: Forced, t: float, turned: complex) -> float:
+    """∫ ½(η'² + ω²η²) over t of mode k: free motion from x, x' and forced response; turned = e^{iΩt} − 1."""
+    steady, w, offset = forced
     own, sigma, disc = pairs[OMEGA, k], pairs[SIGMA, k], pairs[DISC, k]
+    none = Term(0j, 0j, 0j)
     rate = max(pairs[KAPPA, k], w if steady != 0.0 else 0.0)
     if rate * t <= PANEL:
-        return energy_by_quadrature(pairs, k, x, y, steady, w, offset, t, 1, rate * t <= SHORT)
+        return energy_by_quadrature(pairs, k, x, y, forced, t, 1, rate * t <= SHORT)
     if abs(disc) < SPLIT * SPLIT * own * own:
         first = min(t, FADED / sigma)
         panels = max(1, ceil(rate * first / PANEL))
-        total = energy_by_quadrature(pairs, k, x, y, steady, w, offset, first, panels, False)
+        total = energy_by_quadrature(pairs, k, x, y, forced, first, panels, False)
         if first < t:
             begun = steady * (1.0 + growth(1j * w, first))
-            ended = growth(1j * w, t - first)
-            total += closed_form_energy(0j, 0j, 0j, 0j, begun, 1j * w, ended, offset, own * own, t - first)[0]
+            last = term(begun, 1j * w, t - first)
+            total += closed_form_energy(none, none, last, offset, own * own, t - first)[0]
         return total
     if disc < 0.0:
         turn = sqrt(-disc)
-        total, parts = closed_form_energy(
-            x - 1j * (y + sigma * x) / turn, -sigma + 1j * turn, 0j, 0j,
-            steady, 1j * w, turned, offset, own * own, t,
-        )  # fmt: skip
+        free = term(x - 1j * (y + sigma * x) / turn, -sigma + 1j * turn, t)
+        total, parts = closed_form_energy(free, none, Term(steady, 1j * w, turned), offset, own * own, t)
     else:
         fast = sigma + sqrt(disc)
         slow = own * own / fast
         a, b = (y + fast * x) / (fast - slow), -(y + slow * x) / (fast - slow)
-        total, parts = closed_form_energy(
-            a + 0j, -slow + 0j, b + 0j, -fast + 0j, steady, 1j * w, turned, offset, own * own, t
-        )
+        one, two = term(a + 0j, -slow + 0j, t), term(b + 0j, -fast + 0j, t)
+        total, parts = closed_form_energy(one, two, Term(steady, 1j * w, turned), offset, own * own, t)
     if total < CANCELLED * parts and rate * t <= PANEL * MOST:
-        return energy_by_quadrature(pairs, k, x, y, steady, w, offset, t, ceil(rate * t / PANEL), False)
+        return energy_by_quadrature(pairs, k, x, y, forced, t, ceil(rate * t / PANEL), False)
     return total
 
 
 @kernel
 def closed_form_energy(
-    a: complex, first: complex, b: complex, second: complex, c: complex, third: complex, turned: complex,
-    offset: float, square: float, t: float,
-) -> tuple[float, float]:  # fmt: skip
-    """∫ E of Re(a e^{first t} + b e^{second t} + c e^{third t}) + offset, and the sum of its parts' sizes."""
-    grown, still = growth(first, t), offset + 0j
-    total = 0.5 * product(a, first, grown, a, first, grown, square, t)
+    one: Term, two: Term, driven: Term, offset: float, square: float, t: float
+) -> tuple[float, float]:
+    """∫ ½(η'² + ω²η²) of η = Re(a e^{λ₁t} + b e^{λ₂t} + c e^{iΩt}) + offset, and the sum of its parts' sizes.
+
+    The quadratic form of the sum, product by product; ``square`` = ω².
+    """
+    still = Term(offset + 0j, 0j, 0j)
+    total = 0.5 * product(one, one, square, t)
     parts = abs(total)
-    if b != 0.0:
-        faded = growth(second, t)
-        part = 0.5 * product(b, second, faded, b, second, faded, square, t)
-        part += product(a, first, grown, b, second, faded, square, t)
+    if two.amplitude != 0.0:
+        part = 0.5 * product(two, two, square, t)
+        part += product(one, two, square, t)
         total, parts = total + part, parts + abs(part)
-        if c != 0.0:
-            part = product(b, second, faded, c, third, turned, square, t)
+        if driven.amplitude != 0.0:
+            part = product(two, driven, square, t)
             total, parts = total + part, parts + abs(part)
         if offset != 0.0:
-            part = product(b, second, faded, still, 0j, 0j, square, t)
+            part = product(two, still, square, t)
             total, parts = total + part, parts + abs(part)
-    if c != 0.0:
-        part = 0.5 * product(c, third, turned, c, third, turned, square, t)
+    if driven.amplitude != 0.0:
+        part = 0.5 * product(driven, driven, square, t)
         total, parts = total + part, parts + abs(part)
-        part = product(a, first, grown, c, third, turned, square, t)
+        part = product(one, driven, square, t)
         total, parts = total + part, parts + abs(part)
         if offset != 0.0:
-            part = product(c, third, turned, still, 0j, 0j, square, t)
+            part = product(driven, still, square, t)
             total, parts = total + part, parts + abs(part)
     if offset != 0.0:
         part = 0.5 * square * offset * offset * t
         total, parts = total + part, parts + abs(part)
-        part = product(a, first, grown, still, 0j, 0j, square, t)
+        part = product(one, still, square, t)
         total, parts = total + part, parts + abs(part)
     return total, parts
 
 
 @kernel
-def product(
-    a: complex, first: complex, grown: complex, b: complex, second: complex, turned: complex, square: float, t: float
-) -> float:
-    """∫ u'v' + ω²uv with u = Re(a e^{first t}), v = Re(b e^{second t}); grown and turned are e^{…t} − 1."""
+def product(u: Term, v: Term, square: float, t: float) -> float:
+    """∫ u'v' + ω²uv with u = Re(a e^{λt}), v = Re(b e^{μt}).
+
+    ½ Re[ab(λμ + ω²) ∫e^{(λ+μ)t} + ab*(λμ* + ω²) ∫e^{(λ+μ*)t}].
+    """
+    a, first, grown = u
+    b, second, turned = v
     back, other, unturned = b.conjugate(), second.conjugate(), turned.conjugate()
     one = a * b * (first * second + square) * integral(first + second, grown, turned, t)
     two = a * back * (first * other + square) * integral(first + other, grown, unturned, t)
@@ -177,7 +199,7 @@ def product(
 
 @joined
 def integral(z: complex, grown: complex, turned: complex, t: float) -> complex:
-    """∫ e^{zt} over t, z the sum of two λ whose e^{λt} − 1 are given."""
+    """∫ e^{zt} = (e^{zt} − 1)/z over t, z the sum of two λ whose e^{λt} − 1 are given."""
     if z == 0.0:
         return t + 0j
     if (abs(z.real) + abs(z.imag)) * t < NEAR:
@@ -187,9 +209,10 @@ def integral(z: complex, grown: complex, turned: complex, t: float) -> complex:
 
 @kernel
 def energy_by_quadrature(
-    pairs: Array, k: int, x: float, y: float, steady: complex, w: float, offset: float, t: float, panels: int, few: bool
+    pairs: Array, k: int, x: float, y: float, forced: Forced, t: float, panels: int, few: bool
 ) -> float:
-    """The same as ``flight_energy``, by quadrature."""
+    """The same as ``flight_energy``, by Gauss's quadrature with eight nodes a panel, or ``few``: four."""
+    steady, w, offset = forced
     h, own, total = t / panels, pairs[OMEGA, k] * pairs[OMEGA, k], 0.0
     for panel in range(panels):
         for i in range(4 if few else 8):
