@@ -65,8 +65,8 @@ CANCELLED = 1e-3  # share of its parts below which a sum is not taken
 NEAR = 0.1  # |z| t below which e^{zt} − 1 is not made of the two factors'
 
 
-class Forced(NamedTuple):
-    """Forced response of a mode, Re(phasor e^{iΩt}) + offset."""
+class SteadyResponse(NamedTuple):
+    """Steady-state response of a mode, Re(phasor e^{iΩt}) + offset."""
 
     phasor: complex
     omega: float
@@ -94,7 +94,7 @@ def energy_in_flight(desk: Engine, pose: Array, clock: float, duration: float, e
         x = pose[0, k] - offset - re * sine - im * cosine
         y = pose[1, k] - w * (re * cosine - im * sine)
         steady = (re * sine + im * cosine) - 1j * (re * cosine - im * sine)  # Re(steady e^{iΩt})
-        energy[k] += flight_energy(pairs, k, x, y, Forced(steady, w, offset), duration, turned)
+        energy[k] += flight_energy(pairs, k, x, y, SteadyResponse(steady, w, offset), duration, turned)
     if desk.signal[ATTACHED] > 0.0:
         energy_attached(desk.attached, desk.signal, duration, energy)
 
@@ -114,18 +114,18 @@ def term(amplitude: complex, rate: complex, t: float) -> Term:
 
 
 @kernel
-def flight_energy(pairs: Array, k: int, x: float, y: float, forced: Forced, t: float, turned: complex) -> float:
-    """∫ ½(η'² + ω²η²) over t of mode k: free motion from x, x' and forced response; turned = e^{iΩt} − 1."""
-    steady, w, offset = forced
+def flight_energy(pairs: Array, k: int, x: float, y: float, driven: SteadyResponse, t: float, turned: complex) -> float:
+    """∫ ½(η'² + ω²η²) over t of mode k: free motion from x, x' and the steady response; turned = e^{iΩt} − 1."""
+    steady, w, offset = driven
     own, sigma, disc = pairs[OMEGA, k], pairs[SIGMA, k], pairs[DISC, k]
     none = Term(0j, 0j, 0j)
     rate = max(pairs[KAPPA, k], w if steady != 0.0 else 0.0)
     if rate * t <= PANEL:
-        return energy_by_quadrature(pairs, k, x, y, forced, t, 1, rate * t <= SHORT)
+        return energy_by_quadrature(pairs, k, x, y, driven, t, 1, rate * t <= SHORT)
     if abs(disc) < SPLIT * SPLIT * own * own:
         first = min(t, FADED / sigma)
         panels = max(1, ceil(rate * first / PANEL))
-        total = energy_by_quadrature(pairs, k, x, y, forced, first, panels, False)
+        total = energy_by_quadrature(pairs, k, x, y, driven, first, panels, False)
         if first < t:
             begun = steady * (1.0 + growth(1j * w, first))
             last = term(begun, 1j * w, t - first)
@@ -142,7 +142,7 @@ def flight_energy(pairs: Array, k: int, x: float, y: float, forced: Forced, t: f
         one, two = term(a + 0j, -slow + 0j, t), term(b + 0j, -fast + 0j, t)
         total, parts = closed_form_energy(one, two, Term(steady, 1j * w, turned), offset, own * own, t)
     if total < CANCELLED * parts and rate * t <= PANEL * MOST:
-        return energy_by_quadrature(pairs, k, x, y, forced, t, ceil(rate * t / PANEL), False)
+        return energy_by_quadrature(pairs, k, x, y, driven, t, ceil(rate * t / PANEL), False)
     return total
 
 
@@ -209,10 +209,10 @@ def integral(z: complex, grown: complex, turned: complex, t: float) -> complex:
 
 @kernel
 def energy_by_quadrature(
-    pairs: Array, k: int, x: float, y: float, forced: Forced, t: float, panels: int, few: bool
+    pairs: Array, k: int, x: float, y: float, driven: SteadyResponse, t: float, panels: int, few: bool
 ) -> float:
     """The same as ``flight_energy``, by Gauss's quadrature with eight nodes a panel, or ``few``: four."""
-    steady, w, offset = forced
+    steady, w, offset = driven
     h, own, total = t / panels, pairs[OMEGA, k] * pairs[OMEGA, k], 0.0
     for panel in range(panels):
         for i in range(4 if few else 8):

@@ -24,7 +24,7 @@ from vibeam.flight.kernels.lanes.landing import (
     foretold,
     no_landing,
 )
-from vibeam.flight.kernels.lanes.mode_blocks import Place, cell
+from vibeam.flight.kernels.lanes.mode_blocks import Panel, cell
 from vibeam.flight.kernels.lanes.panels import OTHER, advance_panel, closer, first_panel, resolved
 from vibeam.flight.kernels.lanes.simd import Lanes, load, total, width
 from vibeam.flight.kernels.layout import LEVELS, STEP, TURN_IM, TURN_RE, Engine
@@ -78,7 +78,7 @@ def flight(
     tolerance = 8.0 * EPSILON * (abs(forced.const) + forced.size + launch.size)
     others = Bounds(forced.size * (w * w) * (w * w), 0.0, 0.0, 0.0)  # of the drive, and of the blocks left out
     quiet = QUIET * tolerance / blocks
-    place, panels, time, re, im = Place(blocks, blocks, coarsest, 0), 0, 0.0, forced.re, forced.im
+    panel, panels, time, re, im = Panel(blocks, blocks, coarsest, 0), 0, 0.0, forced.re, forced.im
     since, patience, lengthened, stale = 0, 1, False, True
     p0, s0 = 0.0, 0.0
     if launch.rise > 0.0:
@@ -93,38 +93,38 @@ def flight(
                 return no_landing(UNUSUAL, 0.0), panels, first
             level += 1 if found == SPLIT else 0
         time, since, first = levels[STEP, level], 1, level
-        place = Place(blocks, blocks, level, 1)
+        panel = Panel(blocks, blocks, level, 1)
         re, im = turn(levels, level, re, im)
     while time < span:
         panels += 1
         if panels > MOST:
             return no_landing(UNUSUAL, 0.0), panels, first
-        h = levels[STEP, place.level]
+        h = levels[STEP, panel.level]
         if stale:
-            p0, s0 = resolved(desk, place, like)
+            p0, s0 = resolved(desk, panel, like)
             p0, s0, stale = p0 + (forced.const + im), s0 + w * re, False
-        re2, im2 = turn(levels, place.level, re, im)
-        p1, s1, missed = advance_panel(desk, place, like)
+        re2, im2 = turn(levels, panel.level, re, im)
+        p1, s1, missed = advance_panel(desk, panel, like)
         p1, s1 = p1 + (forced.const + im2), s1 + w * re2
         missed += VALUE * others.fourth * (h * h) * (h * h) + tolerance + others.value
         if not min(min(p0, p0 + THIRD * h * s0), min(p1 - THIRD * h * s1, p1)) > missed:
-            found, ends, bend0, bend1 = closer(desk, place, Ends(p0, s0, p1, s1), others, tolerance, like)
+            found, ends, bend0, bend1 = closer(desk, panel, Ends(p0, s0, p1, s1), others, tolerance, like)
             if found == ROOT:
                 bend0, bend1 = bend0 - w * w * im, bend1 - w * w * im2
                 u = foretold(ends.p0, h * ends.s0, h * h * bend0, ends.p1, h * ends.s1, h * h * bend1)
-                landing = at_root(desk, place, forced, launch.clock, Bracket(time, time + h * u, time + h), like)
+                landing = at_root(desk, panel, forced, launch.clock, Bracket(time, time + h * u, time + h), like)
                 if landing.outcome == STRUCK and landing.time > span:
                     landing = no_landing(ALOFT, span)
                 return landing, panels, first
-            if found == SPLIT and place.level < LEVELS - 1:
-                place = Place(place.blocks, blocks, place.level + 1, place.side)
+            if found == SPLIT and panel.level < LEVELS - 1:
+                panel = Panel(panel.blocks, blocks, panel.level + 1, panel.side)
                 patience = min(max(1, 2 * patience), 64) if lengthened else patience
                 since, lengthened, stale = 0, False, True
                 continue
             if found != CLEAR:
                 return no_landing(UNUSUAL, 0.0), panels, first
         p0, s0, re, im, time = p1, s1, re2, im2, time + h
-        ringing, level, side = place.blocks, place.level, 1 - place.side
+        ringing, level, side = panel.blocks, panel.level, 1 - panel.side
         since += 1
         patience = patience // 2 if lengthened else patience
         lengthened = False
@@ -136,5 +136,5 @@ def flight(
                 break
             ringing, stale = ringing - 1, True
             others = Bounds(others.fourth, others.value + e, others.slope + slope, others.curvature + curvature)
-        place = Place(ringing, blocks, level, side)
+        panel = Panel(ringing, blocks, level, side)
     return no_landing(ALOFT, span), panels, first

@@ -11,7 +11,7 @@ from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import wrap
 from vibeam.flight.kernels.lanes import mode_blocks as row
 from vibeam.flight.kernels.lanes.elementary import REDUCED, exponential, sine_cosine
-from vibeam.flight.kernels.lanes.mode_blocks import Place, cell
+from vibeam.flight.kernels.lanes.mode_blocks import Panel, cell
 from vibeam.flight.kernels.lanes.simd import Lanes, every, load, one, smaller, store, total, width
 from vibeam.flight.kernels.layout import CONTACT_IM, CONTACT_RE, DISC, OMEGA, SIGMA, Engine, Phase, W
 from vibeam.flight.kernels.roots.newton import EPSILON
@@ -133,12 +133,12 @@ def land_on(cells: Array, pairs: Array, blocks: int, t: float, like: Lanes) -> N
 
 
 @joined
-def expanded(cells: Array, pairs: Array, place: Place, t: float, like: Lanes) -> Derivatives:
+def expanded(cells: Array, pairs: Array, panel: Panel, t: float, like: Lanes) -> Derivatives:
     """The pairs' sum and four derivatives a time t after the start, and a bound Σ κ⁵ e on the fifth since the node.
 
     By x'' = −2σx' − ω²x. ROOT_X … ROOT_4 receive every pair's.
     """
-    blocks, side = place.whole, place.side
+    blocks, side = panel.whole, panel.side
     step = width(like)
     f0, f1, f2 = every(0.0, like), every(0.0, like), every(0.0, like)
     f3, f4, f5 = every(0.0, like), every(0.0, like), every(0.0, like)
@@ -222,7 +222,7 @@ def nearest(f: Derivatives, least: float) -> tuple[float, bool]:
 
 
 @joined
-def at_root(desk: Engine, place: Place, forced: Forced, clock: float, bracket: Bracket, like: Lanes) -> Landing:
+def at_root(desk: Engine, panel: Panel, forced: Forced, clock: float, bracket: Bracket, like: Lanes) -> Landing:
     """The one root in a bracket: STRUCK there; or UNUSUAL, where Newton's method does not settle on it.
 
     ROOT_X, ROOT_Y receive the pairs there. ``clock``: the drive's time at the flight's start. The rest of the quartic
@@ -235,7 +235,7 @@ def at_root(desk: Engine, place: Place, forced: Forced, clock: float, bracket: B
     for _ in range(ROUNDS):
         phase = phase_at(drive, clock + t)
         zr, zi = drive_phasor(drive, phase)
-        f0, f1, f2, f3, f4, f5 = expanded(cells, pairs, place, t, like)
+        f0, f1, f2, f3, f4, f5 = expanded(cells, pairs, panel, t, like)
         f0, f1, f2, f3, f4 = f0 + (const + zi), f1 + w * zr, f2 - w2 * zi, f3 - w2 * (w * zr), f4 + w2 * (w2 * zi)
         f5 += forced.size * w2 * w2 * w
         if f0 > 0.0:
@@ -247,7 +247,7 @@ def at_root(desk: Engine, place: Place, forced: Forced, clock: float, bracket: B
             d = abs(step)
             if low <= t + step <= high and settled:
                 if f5 * (d * d) * (d * d) <= -12.0 * EPSILON * f1 and w * d < NEAR:
-                    value, slope = shift(cells, place.whole, step, like)
+                    value, slope = shift(cells, panel.whole, step, like)
                     phase = advanced(phase, w * step)
                     zr, zi = drive_phasor(drive, phase)
                     return Landing(STRUCK, t + step, phase, value + (const + zi), slope + w * zr)

@@ -62,7 +62,7 @@ P00, P01, P10, P11, D0, D1, V0, V1, LOW, MISSED, MISSED_FIRST = range(11)
 RUNG_ROWS = 11
 
 
-class Place(NamedTuple):
+class Panel(NamedTuple):
     """A panel of the walk: the blocks that still ring, of how many; the level of its length; the side of its node."""
 
     blocks: int

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from vibeam.flight.kernels.compiler import joined
 from vibeam.flight.kernels.lanes import mode_blocks as row
 from vibeam.flight.kernels.lanes.landing import Forced
-from vibeam.flight.kernels.lanes.mode_blocks import Place, cell, rung
+from vibeam.flight.kernels.lanes.mode_blocks import Panel, cell, rung
 from vibeam.flight.kernels.lanes.simd import Lanes, every, larger, load, size, smaller, store, total, width
 from vibeam.flight.kernels.layout import FIRST_IM, FIRST_RE, SECOND_IM, SECOND_RE, STEP, Engine
 from vibeam.flight.kernels.roots.bounds import CLEAR, SPLIT, THIRD, VALUE, Bounds, Ends, verdict
@@ -96,13 +96,13 @@ def first_panel(desk: Engine, blocks: int, level: int, rise: float, forced: Forc
 
 
 @joined
-def advance_panel(desk: Engine, place: Place, like: Lanes) -> tuple[float, float, float]:
+def advance_panel(desk: Engine, panel: Panel, like: Lanes) -> tuple[float, float, float]:
     """Trial ends from the node, on the other side: value and slope of what the panel resolves, what its hull misses.
 
     x ← P00 x + P01 x', x' ← P10 x + P11 x'; missed is Σ κ⁴e h⁴/384 of the pairs resolved and Σ e of the others.
     """
     cells, rungs = desk.cells, desk.rungs
-    blocks, whole, level, side = place
+    blocks, whole, level, side = panel
     step, here, there = width(like), 3 * side * width(like), 3 * (1 - side) * width(like)
     value, slope, missed = every(0.0, like), every(0.0, like), every(0.0, like)
     for b in range(blocks):
@@ -121,10 +121,10 @@ def advance_panel(desk: Engine, place: Place, like: Lanes) -> tuple[float, float
 
 
 @joined
-def resolved(desk: Engine, place: Place, like: Lanes) -> tuple[float, float]:
+def resolved(desk: Engine, panel: Panel, like: Lanes) -> tuple[float, float]:
     """Value Σ x and slope Σ x' at the node, over the pairs that a panel of that length resolves."""
     cells, rungs = desk.cells, desk.rungs
-    blocks, whole, level, side = place
+    blocks, whole, level, side = panel
     step, here = width(like), 3 * side * width(like)
     value, slope = every(0.0, like), every(0.0, like)
     for b in range(blocks):
@@ -136,15 +136,15 @@ def resolved(desk: Engine, place: Place, like: Lanes) -> tuple[float, float]:
 
 @joined
 def closer(
-    desk: Engine, place: Place, part: Ends, others: Bounds, tolerance: float, like: Lanes
+    desk: Engine, panel: Panel, part: Ends, others: Bounds, tolerance: float, like: Lanes
 ) -> tuple[int, Ends, float, float]:
     """``bounds.verdict`` on the panel just tried; the whole signal's value and slope at its ends, and at both the
     second derivative of the pairs that it resolves.
 
     ``part``: ends of what is resolved. ``others``: Ω⁴|z| of the drive; value, slope, curvature of the blocks left out.
     """
-    cells, rungs, h = desk.cells, desk.rungs, desk.levels[STEP, place.level]
-    blocks, whole, level, side = place
+    cells, rungs, h = desk.cells, desk.rungs, desk.levels[STEP, panel.level]
+    blocks, whole, level, side = panel
     step, here, there = width(like), 3 * side * width(like), 3 * (1 - side) * width(like)
     begin, begin_slope, end, end_slope = every(0.0, like), every(0.0, like), every(0.0, like), every(0.0, like)
     slack0, slack1, slack2, high = every(0.0, like), every(0.0, like), every(0.0, like), every(0.0, like)
