@@ -1,1 +1,1 @@
-"""What passes between all parts: impact systems, drives, states, responses."""
+"""Data passed between all parts: impact systems, drives, states, responses."""

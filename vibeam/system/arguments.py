@@ -1,4 +1,4 @@
-"""The arguments of an ImpactSystem: every fault at once; without, floats and read-only arrays."""
+"""Validation of the arguments of an ImpactSystem: all faults at once; otherwise floats and read-only arrays."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ Array = NDArray[np.float64]
 
 ROWS = ("omega", "zeta", "contact", "load", "static")
 
-LEAST, MOST = 1e-300, 1e300  # of Σ contact², which is divided by
+LEAST, MOST = 1e-300, 1e300  # smallest Σ contact², a divisor
 
-SYMMETRIC = 1e-9  # share of the largest damping by which two entries may differ, or an eigenvalue be negative
+SYMMETRIC = 1e-9  # share of the largest damping: tolerance for asymmetry and negative eigenvalues
 
 
 def checked(system: Any) -> dict[str, Any]:
-    """The fields as floats and read-only arrays; ValueError with every fault."""
+    """Return the fields as floats and read-only arrays; ValueError with every fault."""
     faults: list[str] = []
     clean: dict[str, Any] = {name: read_only(getattr(system, name)) for name in ROWS}
     clean["outputs"] = outputs = _outputs(system.outputs, faults)
@@ -49,7 +49,7 @@ def _outputs(given: Any, faults: list[str]) -> dict[str, Array | None]:
 
 
 def _sound(rows: Sequence[Any], outputs: Iterable[Any]) -> bool:
-    """Whether all rows are right, at little cost: where it cannot tell, as for squares that overflow, False."""
+    """Quick test whether all rows are valid; False where it cannot tell, for example where squares overflow."""
     omega, _, contact, *_ = rows
     every = [*rows, *outputs]
     if any(row is None or row.ndim != 1 or len(row) != len(omega) for row in every) or not len(omega):
@@ -90,7 +90,7 @@ def _check_contact(contact: Array, faults: list[str]) -> None:
 
 
 def _law(system: Any, faults: list[str]) -> tuple[Any, Any]:
-    """The law and the coefficient of restitution, which a ``Restitution`` is another way to write."""
+    """Check the contact law and the coefficient of restitution; a ``Restitution`` law stands for its coefficient."""
     if system.law is None:
         return None, system.restitution
     from vibeam_models.laws.compliant import CompliantStop

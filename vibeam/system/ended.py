@@ -1,4 +1,4 @@
-"""Why a computation ended."""
+"""Reasons why a computation ended."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import Enum
 
 
 class Ended(Enum):
-    """Why a computation ended: the value is the message; the order is the code that kernels and files use."""
+    """Reason why a computation ended: the value is the message, the order is the code in kernels and files."""
 
     COMPLETE = "ran to the end"
     EVENT_LIMIT = "stopped at the limit of impacts: raise it, or look for an endless chatter (R = 1 on a pressed stop)"
@@ -18,12 +18,12 @@ class Ended(Enum):
 
     @property
     def code(self) -> int:
-        """The member's number in files and kernels."""
+        """Number of the member in files and kernels."""
         return _CODES[self]
 
     @classmethod
     def of_code(cls, code: int) -> Ended:
-        """The member with that number."""
+        """Member with a given number."""
         return list(cls)[code]
 
 

@@ -1,4 +1,4 @@
-"""ImpactSystem: what a solver gets, a modal flow with a one-sided stop."""
+"""ImpactSystem: the input of a solver, modal equations with a one-sided stop."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-ROUND_OFF = 1e-12  # share of the largest modal damping below which a mode without stiffness has none
+ROUND_OFF = 1e-12  # share of the largest modal damping below which a mode without stiffness counts as undamped
 
-SHOWN = 4  # frequencies that a repr shows
+SHOWN = 4  # frequencies shown by a repr
 
-DIAGONAL = 1e-6  # share of the modal damping matrix that may lie off its diagonal; fine meshes round to 10⁻⁷
+DIAGONAL = 1e-6  # admissible share of off-diagonal terms in the modal damping matrix; fine meshes round to 10⁻⁷
 
 
 @dataclass(frozen=True)
 class Drive:
-    """Base motion b(t) = amplitude · sin(omega t): rad/s and m. ``amplitude = 0`` is no drive at all.
+    """Base motion b(t) = amplitude · sin(omega t): rad/s and m. ``amplitude = 0`` means no drive.
 
     ValueError for ``omega`` that is not finite and ≥ 0, or ``amplitude`` that is not finite.
     """
@@ -87,7 +87,7 @@ class ImpactSystem:
 
     @property
     def beyond_plain(self) -> tuple[str, ...]:
-        """What makes the system more than modes by themselves with one stop and one coefficient of restitution."""
+        """Describe the features beyond a plain system (uncoupled modes, one stop, one coefficient of restitution)."""
         named = {
             f'the contact law "{self.law.name if self.law else ""}"': self.law,
             "damping that couples the modes": self.coupling,
@@ -96,12 +96,12 @@ class ImpactSystem:
         return tuple(name for name, part in named.items() if part is not None)
 
     def require_plain(self, who: str) -> None:
-        """ValueError, naming ``who`` cannot take it, where the system is more than plain."""
+        """Raise ValueError, naming ``who`` cannot take it, where the system is more than plain."""
         if self.beyond_plain:
             raise ValueError(f"{who} cannot take {' or '.join(self.beyond_plain)}: the solver 'flight' can")
 
     def moves_as(self, other: ImpactSystem) -> bool:
-        """Whether the two are the same to the bit, whatever is read off them."""
+        """Test whether two systems move identically, to the bit, whatever their outputs."""
         names = (each.name for each in fields(self) if each.name != "outputs")
         return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
 
@@ -111,7 +111,7 @@ class ImpactSystem:
         return len(self.omega)
 
     def output(self, name: str) -> Array:
-        """The row (n,) of one output; KeyError names those there are."""
+        """Row (n,) of one output; KeyError names the known outputs."""
         require("output", name, str)
         if name == "contact":
             return self.contact
@@ -135,7 +135,7 @@ class ImpactSystem:
         coupling: ArrayLike | None = None,
         second_gap: float | None = None,
     ) -> ImpactSystem:
-        """A system by hand from mass-normalised modes.
+        """Build a system from mass-normalised modes.
 
         ``omega`` rad/s and ``zeta`` ≥ 0 (zeta may be one number for all); ``contact``, ``load`` and ``static`` as in
         the class; ``gap`` m (negative: pressed against the stop); ``restitution`` in [0, 1], or any ``law``;
@@ -211,7 +211,7 @@ class ImpactSystem:
 
 
 def _row(value: Any, n: int) -> Any:
-    """One number as n of them; what is more, or no number, as it is."""
+    """Expand one number to n equal entries; anything else is returned unchanged."""
     row = read_only(value)
     if row is None:
         return value
@@ -219,7 +219,7 @@ def _row(value: Any, n: int) -> Any:
 
 
 def _drags(omega: Array, damping: Array) -> bool:
-    """Whether a mode without stiffness is damped, beyond round-off: 2ζω cannot say so."""
+    """Test whether a mode without stiffness is damped beyond round-off, which 2ζω cannot express."""
     return bool(np.any(np.diag(damping)[omega == 0] > ROUND_OFF * np.max(np.abs(damping), initial=0.0)))
 
 

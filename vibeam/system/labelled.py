@@ -18,26 +18,26 @@ if TYPE_CHECKING:
 
 
 class Values(Protocol):
-    """A response: an array of each of its quantities, over frequency."""
+    """Response of one branch: an array of each quantity over frequency."""
 
     @property
     def mode_energy(self) -> NDArray[np.float64]:
-        """Of each point and mode, (points, n)."""
+        """Modal energies (points, n)."""
         ...
 
     @property
     def ended(self) -> NDArray[np.int64]:
-        """Why each point ended, as a code."""
+        """Code of the reason why each point ended, (points,)."""
         ...
 
     def __len__(self) -> int: ...
 
 
-Branch = tuple[dict[str, str], Values]  # its labels, such as fidelity and direction, and itself
+Branch = tuple[dict[str, str], Values]  # labels of a branch, such as fidelity and direction, and its response
 
 
 def optional(name: str, what: str) -> Any:
-    """The package of that name, which only ``what`` needs; ImportError with the cure where it is not installed."""
+    """Import an optional package that only ``what`` needs; ImportError with the cure where it is not installed."""
     try:
         return import_module(name)
     except ImportError as missing:
@@ -45,7 +45,7 @@ def optional(name: str, what: str) -> Any:
 
 
 def dataset(response: Values, unit: str = "m") -> Dataset:
-    """The response over ``frequency`` (Hz), with dimensions ``mode`` and ``impact``; units and names as attributes.
+    """Data set of a response over ``frequency`` (Hz), with dimensions ``mode`` and ``impact``, units as attributes.
 
     ``unit``: of the output; "1" of a model without dimensions.
     """
@@ -65,7 +65,7 @@ def dataset(response: Values, unit: str = "m") -> Dataset:
 
 
 def joined(parts: Mapping[str, Dataset], dimension: str) -> Dataset:
-    """Data sets side by side along a new ``dimension``; NaN where one has no such frequency or mode.
+    """Concatenate data sets along a new ``dimension``; NaN where one has no such frequency or mode.
 
     ValueError where two points of one branch have the same frequency and another branch has other frequencies.
     """
@@ -79,7 +79,7 @@ def joined(parts: Mapping[str, Dataset], dimension: str) -> Dataset:
 
 
 def frame(branches: Sequence[Branch], unit: str = "m") -> DataFrame:
-    """A row for each point: labels, frequency in Hz and every quantity, ``mode_energy_1`` … in columns of their own.
+    """Table with one row a point: labels, frequency in Hz, every quantity, ``mode_energy_1`` … as columns of their own.
 
     ``ended`` is the name of an ``Ended``; ``frame.attrs["units"]`` has the unit of each column.
     """

@@ -1,4 +1,4 @@
-"""All steady motions of one kind over a frequency axis, unstable ones too: what a sweep cannot settle on."""
+"""All steady motions of one kind over frequency, unstable ones included, which a sweep cannot reach."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 Flags = NDArray[np.bool_]
 
-BRANCHES = 2  # the quadratic of a motion with one impact a span has two roots
+BRANCHES = 2  # two roots of the quadratic for motions with one impact a span
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Drawing what is held here: by the report, which stands above and is imported when it is asked."""
+"""Bridge to the figures: imports the room ``report``, which stands above this one, only when a plot is asked for."""
 
 from __future__ import annotations
 
@@ -14,6 +14,6 @@ HOME = "vibeam.report.plot"
 
 
 def plot(shown: object, *paths: str | Path, **options: Any) -> Figure:
-    """The figure of a response or a result, as ``vibeam.plot`` makes it."""
+    """Plot a response or a result with ``vibeam.plot``."""
     made: Figure = import_module(HOME).plot(shown, *paths, **options)
     return made

@@ -1,4 +1,4 @@
-"""The quantities of a frequency response: long names, units, dimensions."""
+"""Quantities of a frequency response: long names, units, dimensions."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-VELOCITIES_KEPT = 16  # of a point: the last impact velocities
+VELOCITIES_KEPT = 16  # last impact velocities stored for each point
 
-#: q: unit of the outputs; q/s: their velocity; E: energy; anything else is the unit itself
+#: q: unit of the outputs; q/s: unit of their velocity; E: unit of energy; anything else is the unit itself
 Unit = Literal["q", "q/s", "E", "Hz", "s", "1"]
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """One dataset: the paper's name where it has one, its unit, and its dimension beyond the frequency."""
+    """Description of one data set: the paper's name if it has one, its unit, its dimension beyond the frequency."""
 
     long_name: str
     unit: Unit
@@ -41,7 +41,7 @@ LAYOUT: Mapping[str, Quantity] = {
 
 
 def unit_of(quantity: Quantity, output: str) -> str:
-    """The unit as text, for outputs in metres (``"m"``) or of no dimension (``"1"``)."""
+    """Unit as text, for outputs in metres (``"m"``) or without dimension (``"1"``)."""
     plain = output == "1"
     named = {"q": output, "q/s": "s-1" if plain else f"{output} s-1", "E": "s-2" if plain else "J"}
     return named.get(quantity.unit, quantity.unit)

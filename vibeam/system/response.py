@@ -1,4 +1,4 @@
-"""What a solver gives back: how it ended, one steady point, one frequency-response curve."""
+"""Results of a solver: reason of the end, one steady point, one frequency-response curve."""
 
 from __future__ import annotations
 
@@ -76,26 +76,26 @@ class FrequencyResponse:
         return f"FrequencyResponse({', '.join(parts)}{f', {failed} not complete' if failed else ''})"
 
     def to_xarray(self) -> Dataset:
-        """A data set over ``frequency`` (Hz), with units as attributes (``system.labelled``); needs xarray."""
+        """Convert to a data set over ``frequency`` (Hz), units as attributes (``system.labelled``); needs xarray."""
         from vibeam.system.labelled import dataset
 
         return dataset(self)
 
     def to_dataframe(self) -> DataFrame:
-        """A table of one row a point, units in ``attrs["units"]``; needs pandas."""
+        """Convert to a table of one row a point, units in ``attrs["units"]``; needs pandas."""
         from vibeam.system.labelled import frame
 
         return frame([({}, self)])
 
     def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
-        """As ``vibeam.report.plot``: the figure of one quantity over frequency, written to ``paths``."""
+        """Plot one quantity over frequency and write the figure to ``paths``; see ``vibeam.report.plot``."""
         from vibeam.system.plotting import plot
 
         return plot(self, *paths, quantity=quantity)
 
     @classmethod
     def empty(cls, frequency: Array, modes: int) -> FrequencyResponse:
-        """All points not run yet: NaN, 0 and ``Ended.NOT_RUN``."""
+        """Response with no point run yet: NaN, 0 and ``Ended.NOT_RUN``."""
         n = len(frequency)
         blank: dict[str, Any] = dict(zip(SINGLE, np.full((len(SINGLE), n), np.nan), strict=True))
         blank |= {name: np.zeros(n, dtype=np.int64) for name in ("period", "impacts", "evaluations")}
@@ -113,9 +113,9 @@ def _span(values: Array, unit: str) -> str:
 
 @dataclass(frozen=True)
 class Branches:
-    """The branches of a sweep: None where it was not asked for.
+    """Branches of a sweep; None where a direction was not asked for.
 
-    ``curves``: all motions of the kind that the solver looks for, where it knows them beyond the stable ones it sweeps.
+    ``curves``: all motions of the solver's kind, beyond the stable ones it sweeps, where the solver knows them.
     """
 
     up: FrequencyResponse | None = None
@@ -128,25 +128,25 @@ class Branches:
         return f"Branches({', '.join(parts)})"
 
     def to_xarray(self) -> Dataset:
-        """As of a response, along ``direction``; needs xarray."""
+        """Convert as a response, with dimension ``direction``; needs xarray."""
         from vibeam.system.labelled import dataset, joined
 
         return joined({direction: dataset(response) for direction, response in self.items()}, "direction")
 
     def to_dataframe(self) -> DataFrame:
-        """As of a response, with a column ``direction``; needs pandas."""
+        """Convert as a response, with a column ``direction``; needs pandas."""
         from vibeam.system.labelled import frame
 
         return frame([({"direction": direction}, response) for direction, response in self.items()])
 
     def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
-        """As of a response, the sweep down lighter."""
+        """Plot as a response, the downward sweep lighter."""
         from vibeam.system.plotting import plot
 
         return plot(self, *paths, quantity=quantity)
 
     def items(self) -> Iterator[tuple[str, FrequencyResponse]]:
-        """Direction and response of each branch there is, up first."""
+        """Direction and response of each branch present, up first."""
         both = (("up", self.up), ("down", self.down))
         return ((direction, response) for direction, response in both if response is not None)
 
@@ -155,22 +155,22 @@ Flags = NDArray[np.bool_]
 
 
 def modes_of(branches: Branches) -> int:
-    """How many modes a fidelity has."""
+    """Number of modes of a fidelity."""
     return max(int(response.mode_energy.shape[1]) for _, response in branches.items())
 
 
 def complete(response: FrequencyResponse) -> Flags:
-    """The points (points,) that ran to the end."""
+    """Mask (points,) of the points that ran to the end."""
     return np.asarray(response.ended == Ended.COMPLETE.code)
 
 
 def periodic(response: FrequencyResponse) -> Flags:
-    """The points (points,) whose motion repeats, with impacts or without."""
+    """Mask (points,) of the points with a periodic motion, with impacts or without."""
     return np.asarray(complete(response) & (response.period != 0))
 
 
 def period_one_range(response: FrequencyResponse) -> tuple[float, float] | None:
-    """Ends (Hz) of the contiguous period-1 range with impacts around its largest amplitude; None without any."""
+    """Ends (Hz) of the contiguous period-1 range with impacts around its largest amplitude; None without one."""
     inside = complete(response) & (response.period == 1) & (response.impacts_per_period > 0)
     if not inside.any():
         return None
@@ -183,6 +183,6 @@ def period_one_range(response: FrequencyResponse) -> tuple[float, float] | None:
 
 
 def join(parts: list[FrequencyResponse]) -> FrequencyResponse:
-    """Consecutive points as one response."""
+    """Concatenate consecutive points to one response."""
     values = {f.name: np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(FrequencyResponse)}
     return FrequencyResponse(**values)

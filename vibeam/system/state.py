@@ -1,4 +1,4 @@
-"""The state that passes from one computation to the next."""
+"""State passed from one computation to the next."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class State:
 
     @classmethod
     def reached(cls, displacement: Array, velocity: Array, resting: bool = False) -> State:
-        """The state in which a computation ended, not looked at: what overflowed is not finite."""
+        """State at the end of a computation, not validated: an overflowed one is not finite."""
         state = object.__new__(cls)
         _set(state, displacement, velocity, resting)
         return state
