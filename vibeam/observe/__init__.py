@@ -1,4 +1,4 @@
-"""What is read off a response, whatever fidelity made it: pure functions of a motion or of samples.
+"""Observers of a response, whatever fidelity made it: pure functions of a motion or of samples.
 
 Functions of a motion take a ``Trajectory`` (or anything like it: ``Path``), functions of samples arrays in s, m and
 m/s; both give frozen records of named arrays. Each name is loaded when first used.

@@ -1,6 +1,6 @@
-"""The coefficient of restitution that a sensor sees, picked in four ways (paper Fig. 25–26, Table 1).
+"""Apparent coefficient of restitution at a sensor, measured in four ways (paper Fig. 25–26, Table 1).
 
-What to measure a picking by is a question of time scale. The contact's own R is ``true_restitution``. Away from the
+The right method depends on time scales. The contact's own R is ``true_restitution``. Away from the
 contact the impulse arrives as a bending wave: the more modes, the less does the sensor's velocity jump at the instant
 of impact (its coefficient tends to −1), and what a record seems to show is the slow part, the first mode's:
 ``mode_restitution``, R₁ where only mode 1 moves before the impact.
@@ -50,7 +50,7 @@ def _instants(path: Path) -> Array:
 
 
 def true_restitution(path: Path, output: str = "contact") -> Restitution:
-    """From the exact velocities of an output just before and after every impact.
+    """Restitution from the exact velocities of an output just before and after every impact.
 
     KeyError for an unknown output; ValueError for a stop that yields, where no instant parts before from after.
     """
@@ -61,14 +61,14 @@ def true_restitution(path: Path, output: str = "contact") -> Restitution:
 
 
 def mode_restitution(path: Path, mode: int = 0) -> Restitution:
-    """The same of one mode alone: −η'⁺/η'⁻, in modal velocities; IndexError for a mode that is not there."""
+    """Restitution of one mode alone: −η'⁺/η'⁻ in modal velocities; IndexError for an unknown mode."""
     hits = _instants(path)
     before, after = modes_around_impacts(path, hits)
     return Restitution(hits[:, 0], before[:, 1, mode], after[:, 1, mode])
 
 
 def first_mode_restitution(system: ImpactSystem) -> float:
-    """R₁ = (1+R) c₁²/S − 1: what the slowest mode alone shows, at any sensor, where only it moves before the impact."""
+    """Apparent restitution R₁ = (1+R) c₁²/S − 1 of the slowest mode at any sensor; only it moves before impact."""
     slow = int(np.argmin(system.omega))
     return float((1 + system.restitution) * system.contact[slow] ** 2 / np.sum(system.contact**2) - 1)
 
@@ -76,9 +76,9 @@ def first_mode_restitution(system: ImpactSystem) -> float:
 def adjacent_restitution(
     time: ArrayLike, velocity: ArrayLike, impact_times: ArrayLike, *, skip: int = 0, delay: float = 0.0
 ) -> Restitution:
-    """The paper's picking: samples (m,) of velocity next to the impact, ``skip`` samples away from it.
+    """Restitution by the paper's method: samples (m,) of velocity next to the impact, ``skip`` samples away from it.
 
-    With skip 0 a central difference reaches over the impact; with 1 it is the nearest that does not. ``delay`` s: of
+    With skip 0 a central difference reaches over the impact; skip 1 is the nearest that does not. ``delay`` s of
     the filter, by which the impact appears later.
     """
     t, v = np.asarray(time, dtype=float), np.asarray(velocity, dtype=float)
@@ -90,7 +90,7 @@ def adjacent_restitution(
 def extremum_restitution(
     time: ArrayLike, velocity: ArrayLike, impact_times: ArrayLike, *, window: float, delay: float = 0.0
 ) -> Restitution:
-    """The greatest velocity within ``window`` s before and the least within ``window`` s after each impact."""
+    """Restitution from the largest velocity within ``window`` s before and the least ``window`` s after each impact."""
     t, v = np.asarray(time, dtype=float), np.asarray(velocity, dtype=float)
     hits = np.asarray(impact_times, dtype=float)
     before = [_extreme(v[(t >= hit + delay - window) & (t <= hit + delay)], np.max) for hit in hits]
@@ -102,9 +102,9 @@ def extrapolated_restitution(
     time: ArrayLike, displacement: ArrayLike, impact_times: ArrayLike, slow: SlowPart, *,
     window: float, guard: float = 0.0, delay: float = 0.0, beside: SlowPart | None = None,
 ) -> Restitution:  # fmt: skip
-    """The slow part fitted to displacements within ``window`` s before and after each impact, its rate at the impact.
+    """Restitution from fits of the slow part to displacements within ``window`` s before and after each impact.
 
-    ``beside``: what is fitted along but not read, the vibrations of further modes: without it they pull the slow part.
+    ``beside``: vibrations of further modes, fitted along but not used; without them they bias the slow part.
     ``guard`` s: left out next to impacts (what a filter smears over). A stretch ends at the neighbouring impacts.
     """
     t, x = np.asarray(time, dtype=float), np.asarray(displacement, dtype=float)

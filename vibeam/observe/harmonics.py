@@ -28,7 +28,7 @@ class Harmonics:
     amplitude: Complex
 
     def of(self, order: float) -> complex:
-        """The amplitude of one order; KeyError where it is not among them."""
+        """Amplitude of one order; KeyError for an order not computed."""
         found = np.flatnonzero(np.abs(self.order - order) < 1e-9)
         if not len(found):
             raise KeyError(f"no order {order}: there are {', '.join(f'{k:g}' for k in self.order)}")
@@ -50,7 +50,7 @@ class Harmonics:
 def harmonic_amplitudes(
     path: Path, output: str = "sensor", *, periods: int = 1, highest: int = 8, subdivision: int = 1
 ) -> Harmonics:
-    """Orders 0, 1/m, 2/m … ``highest`` (m = ``subdivision``) of an output over the last ``periods`` drive periods.
+    """Harmonics of order 0, 1/m, 2/m … ``highest`` (m = ``subdivision``) of an output over the last drive ``periods``.
 
     X_k = 2/T ∫ x e^{−ikΩt} dt, of order 0 half of it, to round-off: see ``quadrature``. ValueError for ``periods`` that
     are no multiple of ``subdivision`` or more than there are, KeyError for an unknown output.
@@ -74,7 +74,7 @@ def harmonic_amplitudes(
 def sampled_harmonics(
     time: ArrayLike, values: ArrayLike, omega: float, *, highest: int = 8, subdivision: int = 1
 ) -> Harmonics:
-    """The same of samples (m,) at any times, by least squares; ``omega``: of the drive, rad/s.
+    """Harmonics of samples (m,) at any times, by least squares; ``omega``: of the drive, rad/s.
 
     Samples need not fill whole periods. ValueError for fewer samples than unknowns or times over less than
     ``subdivision`` drive periods, which cannot tell the orders apart.

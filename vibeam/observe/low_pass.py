@@ -1,4 +1,4 @@
-"""Analog low-pass filters, causal, applied to signals that are known at closely spaced times."""
+"""Analog low-pass filters, causal, for signals known at closely spaced times."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class LowPass:
         return zeros, poles, float((np.prod(-poles) / np.prod(-zeros)).real)
 
     def response(self, frequency: ArrayLike) -> Complex:
-        """The complex gain at frequencies in Hz, any shape."""
+        """Complex gain at frequencies in Hz, any shape."""
         zeros, poles, gain = self.zpk()
         s = 2j * np.pi * np.asarray(frequency, dtype=float)[..., None]
         return np.asarray(gain * np.prod(s - zeros, axis=-1) / np.prod(s - poles, axis=-1))
@@ -76,12 +76,12 @@ class LowPass:
         return float((np.sum(-1 / poles) - np.sum(-1 / zeros)).real)
 
     def settling(self, share: float = 1e-9) -> float:
-        """After how long, s, what was before has faded to ``share``: its slowest pole's time."""
+        """Settling time, s, after which the past has faded to ``share``, from the slowest pole."""
         return float(np.log(share) / np.max(self.zpk()[1].real))
 
 
 def filtered(low_pass: LowPass, values: Array, step: float) -> Array:
-    """The filter's output (m,) at times ``step`` s apart, for an input that is straight between its values (m,).
+    """Filter output (m,) at times ``step`` s apart, for an input (m,) that is linear between its values.
 
     Before the first value the input was constant. Exact for such an input: each pole is a section of its own.
     """
@@ -91,11 +91,11 @@ def filtered(low_pass: LowPass, values: Array, step: float) -> Array:
     result = direct * values
     for pole, residue in zip(poles, residues, strict=True):
         if pole.imag < -1e-9 * abs(pole):
-            continue  # its conjugate's turn counts twice
+            continue  # factor 2 for the conjugate pole
         z = pole * step
         turn, one, two = np.exp(z), _phi(z, 1), _phi(z, 2)
         held = -values[0] / pole
-        start = turn * held + step * (one - two) * values[0]  # what the first sample hands to the second
+        start = turn * held + step * (one - two) * values[0]  # contribution of the first sample to the second
         tail, _ = lfilter([step * two, step * (one - two)], [1.0, -turn], values[1:], zi=[start])
         states = np.concatenate([[held], tail])
         result = result + (residue * states).real * (2 if pole.imag > 1e-9 * abs(pole) else 1)
@@ -103,7 +103,7 @@ def filtered(low_pass: LowPass, values: Array, step: float) -> Array:
 
 
 def _sections(low_pass: LowPass) -> tuple[Complex, Complex, float]:
-    """H(s) = direct + Σ residue/(s − pole): the poles of all three families are distinct."""
+    """Partial fractions of the filter, H(s) = direct + Σ residue/(s − pole); all three families have distinct poles."""
     zeros, poles, gain = low_pass.zpk()
     direct = gain if len(zeros) == len(poles) else 0.0
     apart = poles[:, None] - poles[None, :] + np.eye(len(poles))
@@ -114,7 +114,7 @@ def _sections(low_pass: LowPass) -> tuple[Complex, Complex, float]:
 
 
 def _phi(z: complex, k: int) -> complex:
-    """φ₁ = (e^z − 1)/z, φ₂ = (e^z − 1 − z)/z², by their series where the formula would cancel."""
+    """φ₁ = (e^z − 1)/z and φ₂ = (e^z − 1 − z)/z², by series where the formula would cancel."""
     if abs(z) < 1:
         return complex(sum(z**j / factorial(j + k) for j in range(20)))
     return complex((np.exp(z) - 1) / z if k == 1 else (np.exp(z) - 1 - z) / z**2)

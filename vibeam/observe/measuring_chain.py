@@ -1,6 +1,6 @@
-"""The measuring chain of an experiment as an observer of any motion (paper §5: 500 Hz low-pass, 5 kHz).
+"""Measuring chain of an experiment as an observer of any motion (paper §5: 500 Hz low-pass, 5 kHz).
 
-sensor → low-pass → sampling → noise → quantisation → velocity. What a chain does not name is not there.
+Sensor → low-pass → sampling → noise → quantisation → velocity. Stages that a chain does not name are absent.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Velocity = Literal["exact", "central differences"]
 
 @dataclass(frozen=True)
 class Chain:
-    """How a displacement is measured.
+    """Measuring chain of a displacement.
 
     ``rate``: samples a second. ``low_pass``: the analog filter before sampling. ``noise``: rms of white Gaussian noise
     on the samples, m, from ``seed``, which it needs. ``quantum``: the converter's step, m. ``velocity``: by central
@@ -63,17 +63,17 @@ class Record:
 
     @property
     def rate(self) -> float:
-        """Samples a second."""
+        """Sampling rate, 1/s."""
         return (len(self.time) - 1) / float(self.time[-1] - self.time[0])
 
     def after(self, t: float) -> Record:
-        """The samples from time t on: a filter's start is left out so."""
+        """Record from time t on, for example without the transient of a filter."""
         kept = self.time >= t
         return Record(self.time[kept], self.displacement[kept], self.velocity[kept])
 
 
 def measure(path: Path, chain: Chain, output: str = "sensor") -> Record:
-    """What the chain records of an output, from the motion's begin to its end.
+    """Measured record of an output, from the motion's start to its end.
 
     The filter is causal: its output lags by about ``low_pass.delay()``, and starts as if the first value had always
     been there. ValueError for a motion shorter than three samples, KeyError for an unknown output.
@@ -94,7 +94,7 @@ def measure(path: Path, chain: Chain, output: str = "sensor") -> Record:
 
 
 def central_differences(values: ArrayLike, step: float) -> Array:
-    """(x_{j+1} − x_{j−1})/2h (m,); at both ends the one-sided difference of first order."""
+    """Central differences (x_{j+1} − x_{j−1})/2h (m,); one-sided differences of first order at both ends."""
     return np.asarray(np.gradient(np.asarray(values, dtype=float), step))
 
 
@@ -105,7 +105,7 @@ def _sampled(dense: Array, chain: Chain, fine: int) -> Array:
 
 
 def _converted(samples: Array, chain: Chain) -> Array:
-    """With noise, and in steps, as far as the chain has them."""
+    """Samples with the noise and quantisation of the chain."""
     if chain.noise is not None:
         samples = samples + chain.noise * np.random.default_rng(chain.seed).standard_normal(len(samples))
     if chain.quantum is not None:

@@ -1,4 +1,4 @@
-"""What an observer asks of a motion, and where that motion is not smooth."""
+"""Interface of a motion for the observers, and the intervals on which the motion is smooth."""
 
 from __future__ import annotations
 
@@ -14,49 +14,49 @@ Array = NDArray[np.float64]
 
 
 class Path(Protocol):
-    """A motion known at any time, whatever fidelity made it: a ``Trajectory`` is one. SI units."""
+    """Motion known at any time, whatever fidelity made it; a ``Trajectory`` is one. SI units."""
 
     @property
     def system(self) -> ImpactSystem:
-        """The system that moves."""
+        """Moving system."""
         ...
 
     @property
     def drive(self) -> Drive:
-        """What drives it; its phase is 0 at time 0."""
+        """Drive of the motion; its phase is 0 at time 0."""
         ...
 
     @property
     def t_start(self) -> float:
-        """Where it begins, s."""
+        """Start time, s."""
         ...
 
     @property
     def t_end(self) -> float:
-        """Where it ends, s."""
+        """End time, s."""
         ...
 
     @property
     def impact_times(self) -> Array:
-        """(m,) s."""
+        """Impact times (m,), s."""
         ...
 
     @property
     def impact_velocities(self) -> Array:
-        """(m,) of the contact just before, positive toward the stop, m/s."""
+        """Contact velocities (m,) just before impact, positive toward the stop, m/s."""
         ...
 
     @property
     def rests(self) -> Array:
-        """(m, 2) begin and end of each rest on the stop, s."""
+        """Begin and end of each rest on the stop, (m, 2), s."""
         ...
 
     def at(self, t: ArrayLike, output: str = ...) -> Array:
-        """An output at times t, m."""
+        """Output at times t, m."""
         ...
 
     def velocity_at(self, t: ArrayLike, output: str = ...) -> Array:
-        """Its rate, m/s; at an impact the one after it."""
+        """Rate of an output at times t, m/s; at an impact its value just after."""
         ...
 
     def modes_at(self, t: ArrayLike) -> Array:
@@ -65,14 +65,14 @@ class Path(Protocol):
 
 
 def drive_period(path: Path) -> float:
-    """2π/Ω, s; ValueError where nothing drives the motion."""
+    """Drive period 2π/Ω, s; ValueError without a drive."""
     if not path.drive.omega > 0:
         raise ValueError("drive: omega is 0, so the motion has no drive period")
     return 2 * np.pi / path.drive.omega
 
 
 def last_periods(path: Path, periods: int) -> tuple[float, float]:
-    """Begin and end (s) of the last ``periods`` drive periods of a motion; ValueError where it is not that long."""
+    """Begin and end (s) of the last ``periods`` drive periods; ValueError for a shorter motion."""
     faults: list[str] = []
     count("periods", periods, faults, least=1)
     refuse("", faults)
@@ -84,7 +84,7 @@ def last_periods(path: Path, periods: int) -> tuple[float, float]:
 
 
 def smooth_stretches(path: Path, begin: float, end: float) -> Array:
-    """(m, 2): the intervals of [begin, end] between impacts, begins and ends of rests, in turn, s."""
+    """Intervals (m, 2) of [begin, end] between impacts, begins and ends of rests, in order, s."""
     events = np.concatenate([path.impact_times, path.rests.ravel()])
     inside = np.unique(events[(events > begin) & (events < end)])
     marks = np.concatenate([[begin], inside, [end]])

@@ -1,4 +1,4 @@
-"""How much each mode takes part in a motion."""
+"""Participation of the modes in a motion."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Participation:
-    """Shares of the modes (n,), and what they are shares of.
+    """Shares of the modes (n,), and the absolute values behind them.
 
     ``energy``: time-mean ½(η'² + ω²η²), J, and ``energy_share`` of their sum. ``displacement`` and ``velocity``: rms of
     each mode's part at the sensor (m, m/s; displacement about its mean), and ``…_share``: of the sum of their squares,
@@ -57,11 +57,11 @@ def modal_participation(path: Path, output: str = "sensor", *, periods: int) -> 
 
 
 def _moments(values: Array) -> Array:
-    """η, η², η'² (m, 3, n) of modal values (m, 2, n)."""
+    """Moments η, η², η'² (m, 3, n) of modal values (m, 2, n)."""
     return np.stack([values[:, 0], values[:, 0] ** 2, values[:, 1] ** 2], axis=1)
 
 
 def shares(parts: Array) -> Array:
-    """Parts over their sum; NaN where all are 0."""
+    """Shares of the sum; NaN where all parts are 0."""
     total = float(np.sum(parts))
     return parts / total if total > 0 else np.full(len(parts), np.nan)

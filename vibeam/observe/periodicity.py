@@ -1,4 +1,4 @@
-"""After how many drive periods a motion repeats, and how it touches the stop meanwhile."""
+"""Period of a motion in drive periods, and its contact with the stop."""
 
 from __future__ import annotations
 
@@ -14,9 +14,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Rhythm:
-    """``period``: least number of drive periods after which the motion repeats, 0 where it does not within half of
-    what was looked at, −1 where it never touches the stop (as in a FrequencyResponse). ``seconds``: the same in s, NaN
-    where it does not repeat. ``impacts_per_period``, ``rest_per_period`` (s): a drive period's mean.
+    """Period and contact of a motion.
+
+    ``period``: least number of drive periods after which the motion repeats, 0 where it does not within half of
+    the window, −1 where it never touches the stop (as in a FrequencyResponse). ``seconds``: the same in s, NaN
+    where it does not repeat. ``impacts_per_period``, ``rest_per_period`` (s): means over a drive period.
     """
 
     period: int
@@ -26,9 +28,9 @@ class Rhythm:
 
 
 def rhythm(path: Path, *, periods: int, tolerance: float = 1e-6) -> Rhythm:
-    """What the last ``periods`` drive periods show; ``tolerance``: share of the state by which repeats may differ.
+    """Rhythm of the last ``periods`` drive periods; ``tolerance``: share of the state by which repeats may differ.
 
-    The longest period found is half of what is looked at, 16 at most. ValueError for more periods than there are.
+    The longest period found is half of the window, 16 at most. ValueError for more periods than there are.
     """
 
     begin, end = last_periods(path, periods)
@@ -41,7 +43,7 @@ def rhythm(path: Path, *, periods: int, tolerance: float = 1e-6) -> Rhythm:
 
 
 def _strobe(path: Path, hits: Array, begin: float) -> float:
-    """The time in the first period that lies farthest from all impacts, whose jumps round-off would tear apart."""
+    """Strobe time in the first period, as far as possible from all impacts, where round-off would matter most."""
     span = drive_period(path)
     if not len(hits):
         return begin
@@ -52,7 +54,7 @@ def _strobe(path: Path, hits: Array, begin: float) -> float:
 
 
 def _overlap(spans: Array, begin: float, end: float) -> float:
-    """How much of [begin, end] the spans (m, 2) cover, s."""
+    """Length of [begin, end] covered by the spans (m, 2), s."""
     cut = np.clip(spans, begin, end)
     return float(np.sum(cut[:, 1] - cut[:, 0]))
 
@@ -61,7 +63,7 @@ LONGEST_PERIOD = 16
 
 
 def repetition(strobes: Array, omega: Array, drive: float, tolerance: float, longest: int = LONGEST_PERIOD) -> int:
-    """The least k ≤ longest such that each of the last k strobes (m, 2, n) repeats the one k periods before, else 0.
+    """Least k ≤ longest such that each of the last k strobes (m, 2, n) repeats the one k periods before, else 0.
 
     Distances are in velocity units, ``omega`` (n,) and ``drive`` rad/s; ``tolerance`` is a share of the largest strobe.
     """

@@ -1,4 +1,4 @@
-"""What a platform between shaker and clamp does to the base motion: it filters the drive, and impacts jolt it."""
+"""Dynamics of the platform between shaker and clamp: it filters the drive, and impacts change its velocity."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ class Platform:
 
 
 def base_per_volt(platform: Platform, frequency: ArrayLike, per_volt: float, constant: Constant = "force") -> Complex:
-    """Complex base displacement over voltage at frequencies in Hz, m/V: its size is the gain, its angle the phase.
+    """Complex base displacement over voltage at frequencies in Hz, m/V: its modulus is the gain, its angle the phase.
 
-    ``constant``: what the shaker holds per volt, a force (``per_volt`` in N/V, current drive: the platform filters it)
+    ``constant``: the quantity that the shaker holds per volt, a force (``per_volt`` in N/V, current drive: the platform
     or the base's velocity (m/s/V, voltage drive of a strong shaker). A real one lies between. ValueError for another.
     """
     if constant == "force":
@@ -56,7 +56,7 @@ def gain_ratio(platform: Platform, frequency: float, reference: float, constant:
 
 
 def base_velocity_jump(velocity: ArrayLike, restitution: float, mobility: float, platform_mass: float) -> Array:
-    """By how much an impact changes the base's velocity, m/s, of a free platform; negative where it is pushed back.
+    """Velocity jump of a free platform's base at an impact, m/s; negative where it is pushed back.
 
     ``velocity`` m/s: of the contact relative to the stop just before, positive toward it; ``mobility`` S = Σ c_i² of
     the beam on a fixed base, 1/kg (1/S is the mass that strikes); ``platform_mass`` kg: what moves as one with the

@@ -1,4 +1,4 @@
-"""Sections through a motion: once a drive period (paper Fig. 22–24), and at impacts."""
+"""Poincaré sections of a motion: once a drive period (paper Fig. 22–24), and at impacts."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class ImpactSection:
 
 
 def stroboscopic_section(path: Path, output: str = "sensor", *, periods: int, phase: float = 0.0) -> Section:
-    """An output whenever Ωt = ``phase`` (rad, modulo 2π) in the last ``periods`` drive periods.
+    """Stroboscopic section of an output at Ωt = ``phase`` (rad, modulo 2π) in the last ``periods`` drive periods.
 
     ValueError for more periods than there are, KeyError for an unknown output.
     """
@@ -44,7 +44,7 @@ def stroboscopic_section(path: Path, output: str = "sensor", *, periods: int, ph
 
 
 def sampled_section(time: Array, displacement: Array, velocity: Array, omega: float, *, phase: float = 0.0) -> Section:
-    """The same of samples (m,), by the cubics through values and slopes; ``omega``: of the drive, rad/s."""
+    """Stroboscopic section of samples (m,), by cubics through values and slopes; ``omega``: of the drive, rad/s."""
     from scipy.interpolate import CubicHermiteSpline
 
     first = np.ceil((omega * time[0] - phase) / (2 * np.pi) - 1e-9)
@@ -55,6 +55,6 @@ def sampled_section(time: Array, displacement: Array, velocity: Array, omega: fl
 
 
 def impact_section(path: Path, *, periods: int) -> ImpactSection:
-    """The impacts of the last ``periods`` drive periods; ValueError for more than there are."""
+    """Impact section of the last ``periods`` drive periods; ValueError for more than there are."""
     hits = impacts_within(path, *last_periods(path, periods))
     return ImpactSection(hits[:, 0], np.mod(path.drive.omega * hits[:, 0], 2 * np.pi), hits[:, 1])

@@ -1,4 +1,4 @@
-"""The phase portrait of a motion, its jumps at impacts drawn in full (paper Fig. 22–24)."""
+"""Phase portrait of a motion, with its jumps at impacts (paper Fig. 22–24)."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Portrait:
 
 
 def phase_portrait(path: Path, output: str = "sensor", *, periods: int, points: int = 1000) -> Portrait:
-    """The last ``periods`` drive periods of an output at about ``points`` a period, and just before and after impacts.
+    """Portrait of the last ``periods`` drive periods of an output, about ``points`` a period and both sides of impacts.
 
     ValueError for more periods than there are or ``points`` < 2, KeyError for an unknown output.
     """

@@ -1,4 +1,4 @@
-"""Gauss–Legendre quadrature along a motion: any time integral of anything read off it, to round-off.
+"""Gauss–Legendre quadrature along a motion: time integrals of any function of it, to round-off.
 
 Between events a motion is a sum of a few exponentials. In panels through which the fastest of them turns by ``TURN``
 radians, 20 nodes are exact to round-off even for products of two; an exponential that has decayed below round-off since
@@ -18,15 +18,15 @@ from vibeam.observe.motion import Path, smooth_stretches
 
 Array = NDArray[np.float64]
 
-BLOCK = 512  # panels whose nodes are evaluated at once
+BLOCK = 512  # panels evaluated at once
 
-NODES = 20  # they miss about (TURN/2)^40/40! = 2e-17 of a product of two e^{λt}
+NODES = 20  # nodes a panel: the error is about (TURN/2)^40/40! = 2e-17 of a product of two e^{λt}
 
 TURN = 12.0  # |λ|h of the fastest live exponential in a panel
 
 DEAD = 36.0  # e^{-36} = 2e-16
 
-DEAD_AT_REST = 144.0  # held on the stop, modes of other damping move: a wide margin
+DEAD_AT_REST = 144.0  # wide margin: held on the stop, modes have other damping
 
 
 def integral(
@@ -59,7 +59,7 @@ def _all_panels(path: Path, begin: float, end: float, highest: float) -> tuple[A
 
 
 def _poles(path: Path) -> NDArray[np.complex128]:
-    """The 2n exponents of the free modes, rad/s."""
+    """Exponents of the 2n free modal solutions, rad/s."""
     omega = path.system.omega.astype(complex)
     sigma = path.system.zeta * omega
     root = np.sqrt(sigma**2 - omega**2)
@@ -67,7 +67,7 @@ def _poles(path: Path) -> NDArray[np.complex128]:
 
 
 def _since_events(path: Path, begin: float, end: float) -> list[tuple[float, float, float]]:
-    """Each smooth stretch of [begin, end], and when its motion began: the stretch may be cut off by the window."""
+    """Smooth stretches of [begin, end], and the time when each began, which may lie before the window."""
     starts = smooth_stretches(path, path.t_start, path.t_end)[:, 0]
     return [
         (a, b, float(starts[np.searchsorted(starts, a, side="right") - 1]))
@@ -80,7 +80,7 @@ def _resting(path: Path, t: float) -> bool:
 
 
 def _panels(a: float, b: float, born: float, poles: NDArray[np.complex128], floor: float, dead: float) -> Array:
-    """Panel edges from a to b: between two deaths of exponentials, equal panels."""
+    """Panel edges from a to b: equal panels between two deaths of exponentials."""
     decay, rate = -poles.real, np.abs(poles)
     death = born + np.divide(dead, decay, out=np.full(len(decay), np.inf), where=decay > 0)
     marks = np.unique(np.clip(np.concatenate([[a, b], death]), a, b))

@@ -1,4 +1,4 @@
-"""Ringing between impacts: a damped sinusoid fitted to what the slow part leaves, and the paper's way, counting peaks.
+"""Ringing between impacts: a damped sinusoid fitted beside the slow part, and the paper's counting of peaks.
 
 x(t) = slow part + Re Σ a e^{(−σ + iω)t} in each interval between impacts. Everything but σ and ω is linear, so for each
 (σ, ω) the rest is a linear least-squares problem (variable projection), and only σ and ω are searched for.
@@ -15,7 +15,7 @@ from vibeam.observe.slow_motion import SlowPart, fitted, solved
 
 Array = NDArray[np.float64]
 
-REACH = 1.5  # how far the search goes from where it begins
+REACH = 1.5  # factor by which the search may leave its start
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Ringing:
 
     @property
     def found(self) -> NDArray[np.bool_]:
-        """Which intervals could be fitted."""
+        """Mask of the intervals with a fit."""
         return np.isfinite(self.frequency)
 
     @property
@@ -53,9 +53,9 @@ def fit_ringing(
     time: ArrayLike, displacement: ArrayLike, impact_times: ArrayLike, slow: SlowPart, *,
     near: float | None = None, further: int = 0, guard: float = 0.0,
 ) -> Ringing:  # fmt: skip
-    """The damped sinusoid in each interval between impacts of samples (m,) in s and m.
+    """Fit a damped sinusoid in each interval between impacts of samples (m,) in s and m.
 
-    ``near`` Hz: where the search begins, the strongest line of what the slow part leaves where None. ``further``: more
+    ``near`` Hz: start of the search; None: the strongest line beside the slow part. ``further``: more
     sinusoids fitted beside it, so that higher modes do not pull it. ``guard`` s: left out after and before impacts
     (a filter's settling; add its delay to the impact times). An interval is not fitted where it has fewer than three
     samples an unknown, and where the best frequency lies beyond a factor of 1.5 from the begin.
@@ -68,7 +68,7 @@ def fit_ringing(
 
 
 def between(time: Array, impact_times: Array, guard: float) -> list[slice]:
-    """The samples of each interval between two impacts within the record, ``guard`` s away from both."""
+    """Samples of each interval between two impacts within the record, ``guard`` s away from both."""
     hits = np.sort(impact_times)
     hits = hits[(hits >= time[0]) & (hits <= time[-1])]
     first = np.searchsorted(time, hits[:-1] + guard, side="right")
@@ -98,7 +98,7 @@ def _one(t: Array, x: Array, slow: SlowPart, near: float | None, further: int) -
 def _searched(
     clock: Array, x: Array, slow: SlowPart, near: float | None, further: int
 ) -> NDArray[np.complex128] | None:
-    """σ + iω of each sinusoid, the first one first, refined together; None where the first runs out of its bounds."""
+    """Refined σ + iω of each sinusoid, the first one first; None where the first leaves its bounds."""
     from scipy.optimize import least_squares
 
     starts = np.zeros(0)
@@ -108,7 +108,7 @@ def _searched(
         omega = 2 * np.pi * near if near is not None and turn == 0 else _strongest(clock, left)
         starts, rates = np.append(starts, omega), np.append(rates, complex(0.02 * omega, omega))
         low, high = np.outer(starts, [-0.5, 1 / REACH]).ravel(), np.outer(starts, [2.0, REACH]).ravel()
-        size = float(np.linalg.norm(left)) or 1.0  # in m all misfits are small: least_squares would stop at once
+        size = float(np.linalg.norm(left)) or 1.0  # misfits in m are too small for the stopping rule of least_squares
         found = least_squares(
             lambda y, size=size: _projected(y[0::2] + 1j * y[1::2], clock, x, slow)[1] / size,
             np.clip(np.stack([rates.real, rates.imag], axis=1).ravel(), low, high), bounds=(low, high),
@@ -122,7 +122,7 @@ def _searched(
 
 
 def _projected(rates: NDArray[np.complex128], clock: Array, x: Array, slow: SlowPart) -> tuple[Array, Array]:
-    """Coefficients, those of the sinusoids first, and what is left."""
+    """Linear coefficients for given rates, those of the sinusoids first, and the misfit."""
     turns = np.exp((-rates.real + 1j * rates.imag) * clock[:, None])
     pairs = np.stack([turns.real, turns.imag], axis=2).reshape(len(clock), -1)
     columns = np.concatenate([pairs, slow.columns(clock)[0]], axis=1)
@@ -131,7 +131,7 @@ def _projected(rates: NDArray[np.complex128], clock: Array, x: Array, slow: Slow
 
 
 def _strongest(clock: Array, left: Array) -> float:
-    """rad/s of the highest line of a signal's spectrum, fourfold padded."""
+    """Frequency of the highest line of a signal's spectrum, zero-padded fourfold, rad/s."""
     lines = np.abs(np.fft.rfft(left * np.hanning(len(left)), 4 * len(left)))
     lines[:4] = 0.0
     step = clock[-1] / (len(clock) - 1)
@@ -155,7 +155,7 @@ def count_peaks(
     time: ArrayLike, values: ArrayLike, impact_times: ArrayLike, slow: SlowPart | None = None, *,
     guard: float = 0.0, prominence: float = 0.0,
 ) -> CountedPeaks:  # fmt: skip
-    """The paper's reading: maxima of samples (m,) between impacts, after taking the slow part off where it is given.
+    """Count maxima of samples (m,) between impacts, as in the paper, after subtracting the slow part where given.
 
     ``prominence``: share of an interval's range by which a maximum must stand out to be counted; at 0 every wiggle of a
     higher mode is one. A frequency read so is off by what samples, damping, higher modes and the rest of the slow part

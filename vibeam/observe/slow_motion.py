@@ -1,4 +1,4 @@
-"""The slow part of a motion between two impacts, linear in its unknowns: what is left when fast modes are taken off."""
+"""Slow part of a motion between two impacts, linear in its unknowns; the rest are the fast modes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class SlowPart:
-    """Σ of a polynomial, the response to the drive and free vibrations of the slow modes.
+    """Sum of a polynomial, the response to the drive and free vibrations of the slow modes.
 
     ``degree``: of the polynomial (0: a constant, −1: none); ``drive``: rad/s, None where it is left out; ``omega`` and
     ``zeta``: of the free vibrations, none by default. A polynomial alone asks for no knowledge of the rig.
@@ -33,11 +33,11 @@ class SlowPart:
 
     @property
     def size(self) -> int:
-        """How many functions."""
+        """Number of functions."""
         return self.degree + 1 + 2 * (self.drive is not None) + 2 * len(self.omega)
 
     def columns(self, t: Array) -> tuple[Array, Array]:
-        """The functions and their rates (m, k) at times (m,), s, best counted from the stretch's begin."""
+        """Functions and their rates (m, k) at times (m,), s, best counted from the stretch's begin."""
         power = np.arange(self.degree + 1)
         values, rates = [t[:, None] ** power], [power * t[:, None] ** np.maximum(power - 1, 0)]
         exponents = [] if self.drive is None else [1j * self.drive]
@@ -51,7 +51,7 @@ class SlowPart:
 
 
 def slow_part(system: ImpactSystem, drive: Drive, modes: int = 1) -> SlowPart:
-    """Constant, drive and the first ``modes`` modes of a system: what it does but for its faster modes."""
+    """Slow part of a system: constant, drive and its first ``modes`` modes."""
     slow = np.argsort(system.omega)[:modes]
     return SlowPart(0, drive.omega, tuple(system.omega[slow].tolist()), tuple(system.zeta[slow].tolist()))
 
@@ -67,7 +67,7 @@ def further_modes(system: ImpactSystem, first: int = 2, last: int = 3) -> SlowPa
 
 
 def fitted(slow: SlowPart, time: ArrayLike, values: ArrayLike, origin: float) -> tuple[Array, Array]:
-    """The least-squares coefficients (k,) and what is left of the values (m,); ValueError for too few samples."""
+    """Least-squares coefficients (k,) and residual of the values (m,); ValueError for too few samples."""
     t, x = np.asarray(time, dtype=float) - origin, np.asarray(values, dtype=float)
     columns = slow.columns(t)[0]
     if len(t) <= slow.size:
@@ -77,7 +77,7 @@ def fitted(slow: SlowPart, time: ArrayLike, values: ArrayLike, origin: float) ->
 
 
 def solved(columns: Array, values: Array) -> Array:
-    """Least squares with columns of unit size, so that what is small in m is not taken for nothing."""
+    """Least squares with columns scaled to unit size, so that none is dropped because its unit is small."""
     size = np.linalg.norm(columns, axis=0)
     size = np.where(size > 0, size, 1.0)
     return np.asarray(np.linalg.lstsq(columns / size, values, rcond=None)[0] / size)

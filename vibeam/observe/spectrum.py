@@ -49,7 +49,7 @@ def spectrum_of(
 
 
 def sampling_rate(time: Array) -> float:
-    """Samples a second of even times (m,); ValueError where they are not even."""
+    """Samples a second of evenly spaced times (m,); ValueError where they are not even."""
     steps = np.diff(time)
     if time.ndim != 1 or not len(steps) or not np.all(np.isfinite(steps)):
         raise ValueError("time: must be two or more finite times")
