@@ -1,4 +1,4 @@
-"""Admissibility with proof: the flight solver, which isolates every root, must find the next impact one span later."""
+"""Certified admissibility: the flight solver, which isolates every root, must find the next impact one span later."""
 
 from __future__ import annotations
 
@@ -14,17 +14,17 @@ from vibeam.system.state import State
 
 Array = NDArray[np.float64]
 
-CLOSE = 1e-9  # share of the motion's size by which the contact may miss the gap when the span is over
+CLOSE = 1e-9  # share of the motion's size by which the contact may miss the gap at the end of the span
 
 
 class AdmissibilityCheck:
-    """A flight solver that watches periodic motions of one system at drives of ``slowest`` rad/s and more."""
+    """Flight solver for admissibility checks of one system's motions, at drives of ``slowest`` rad/s and more."""
 
     def __init__(self, system: ImpactSystem, slowest: float) -> None:
         self.system, self.flight = system, FlightSolver(system, slowest)
 
     def admits(self, drive: Drive, start: State, time: float, periods: int, velocity: float) -> bool:
-        """Whether the flight from ``start``, just after an impact at ``time``, strikes next one span later."""
+        """Test whether the flight from ``start``, just after an impact at ``time``, strikes next one span later."""
         span = 2 * np.pi * periods / drive.omega
         slack = self.slack(drive, velocity, span)
         times, _ = self.strikes(drive, start, time, time + span + slack, 3, CLOSE * velocity)
@@ -33,7 +33,7 @@ class AdmissibilityCheck:
     def strikes(
         self, drive: Drive, start: State | None, begin: float, end: float, limit: int, least: float = 0.0
     ) -> tuple[Array, Array]:
-        """Times (m,), s, and velocities of the impacts harder than ``least``; empty where it comes to rest."""
+        """Times (m,), s, and velocities of the impacts harder than ``least``; empty where the motion comes to rest."""
         trace = self.flight.simulate(drive, start, begin, end, limit)[3].trace
         if np.any((trace[:, WHAT] == RESTING) & (trace[:, DURATION] > 0)):
             return np.zeros(0), np.zeros(0)
@@ -41,14 +41,14 @@ class AdmissibilityCheck:
         return hit[:, START] + hit[:, DURATION], hit[:, BEFORE]
 
     def slack(self, drive: Drive, velocity: float, span: float) -> float:
-        """By how many seconds round-off may move an impact at ``velocity``, with a wide margin."""
+        """Bound on the shift of an impact at ``velocity`` by round-off, s, with a wide margin."""
         size = float(np.abs(self.system.contact) @ np.abs(phasors(self.system, drive))) + abs(self.system.gap)
         return min(CLOSE * (size / velocity + span), span / 4)
 
     def watched(
         self, drive: Drive, start: State, time: float, periods: int, output: str
     ) -> tuple[FrequencyResponse, State]:
-        """What the flight solver sees over ``periods`` periods from the drive's next phase 0 on; the state there."""
+        """Measured window over ``periods`` periods from the drive's next phase 0 on, by flight; the state there."""
         period = 2 * np.pi / drive.omega
         next_ = period * np.ceil(time / period) if time > 0 else 0.0
         displacement, velocity = carried(self.system, drive, start, time, np.array([next_]))

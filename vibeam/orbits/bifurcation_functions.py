@@ -1,4 +1,4 @@
-"""A line through the parameters and what changes sign on it at a branch's boundaries."""
+"""Test functions that change sign at a bifurcation or end of a branch, along a line in the parameters."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ REAL = 1e-9  # imaginary share below which a multiplier counts as real
 
 
 class Kind(Enum):
-    """What happens to a branch of periodic motions at a boundary."""
+    """Type of a branch's boundary: bifurcation or loss of admissibility."""
 
     FOLD = "two motions meet and vanish: the discriminant is zero, a multiplier is 1"
     GRAZING = "the impact velocity is zero"
@@ -37,7 +37,7 @@ class Kind(Enum):
 
 
 class MotionsAt(NamedTuple):
-    """The motions at some points of a line, or anywhere."""
+    """Periodic motions at points of a line or of any set of parameters."""
 
     total: Sums
     roots: Roots
@@ -52,7 +52,7 @@ def motions(system: ImpactSystem, periods: int, omega: Array, amplitude: Array, 
 
 
 def test_function(system: ImpactSystem, kind: Kind, branch: int, points: MotionsAt) -> Array:
-    """(points,): changes sign where the branch has a boundary of that kind; NaN where there is no motion."""
+    """Test function (points,): changes sign at a boundary of that kind; NaN where there is no motion."""
     found, total = points.roots, points.total
     if kind is Kind.FOLD:
         return found.discriminant / (np.abs(total.unit * points.amplitude) ** 2 * total.g0**2 + 1e-300)
@@ -69,7 +69,7 @@ def test_function(system: ImpactSystem, kind: Kind, branch: int, points: Motions
 
 
 def _complex_radius(system: ImpactSystem, span: Array, lean: Array) -> Array:
-    """Largest modulus among the multipliers that are not real, less 1; −1 where all are real."""
+    """Largest modulus among the complex multipliers, less 1; −1 where all are real."""
     result = np.full(len(span), np.nan)
     known = np.isfinite(lean)
     values = multipliers(system, span[known], lean[known])
@@ -79,9 +79,9 @@ def _complex_radius(system: ImpactSystem, span: Array, lean: Array) -> Array:
 
 
 def clearances(system: ImpactSystem, points: MotionsAt, branch: int, ceiling: float = 1.0) -> Array:
-    """The least local minimum of the gap between impacts, as a share of the motion's size, certified; NaN without one.
+    """Least local minimum of the gap between impacts, as a share of the motion's size, certified; NaN without one.
 
-    Where all minima lie above ``ceiling``, or there is none, it is the ceiling.
+    The value is capped at ``ceiling``, also where there is no minimum.
     """
     there = np.flatnonzero((points.roots.impulse[:, branch] < 0) & np.isfinite(points.roots.phase[:, branch]))
     size = np.abs(points.total.unit * points.amplitude) + np.abs(points.gap)
@@ -93,7 +93,7 @@ def clearances(system: ImpactSystem, points: MotionsAt, branch: int, ceiling: fl
 
 @dataclass(frozen=True)
 class Line:
-    """All parameters but ``name`` are held; ``name`` is one of omega (rad/s), amplitude (m), gap (m)."""
+    """Line in the parameters: all but ``name`` are held; ``name`` is one of omega (rad/s), amplitude (m), gap (m)."""
 
     system: ImpactSystem
     periods: int
@@ -108,10 +108,10 @@ class Line:
         return motions(self.system, self.periods, **rows)
 
     def moved(self, name: str, value: float) -> Line:
-        """The line with one of its held parameters changed."""
+        """Line with one of its held parameters changed."""
         held = {each: float(getattr(self, each)) for each in NAMES} | {name: value}
         return Line(self.system, self.periods, self.name, **held)
 
     def test(self, kind: Kind, branch: int, points: MotionsAt) -> Array:
-        """As ``test_function``."""
+        """Test function on the line; see ``test_function``."""
         return test_function(self.system, kind, branch, points)

@@ -1,4 +1,4 @@
-"""Where branches of periodic motions end or lose stability, along frequency, amplitude or gap."""
+"""Bifurcations and ends of branches of periodic motions, along frequency, amplitude or gap."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ TOUCH = 1e-9  # share of the motion's size by which the contact may pass the gap
 
 JUMP = 1e-4  # a sign change whose value stays above this share of its neighbours' is a jump or a pole, no root
 
-TOWARD_END = 10.0 ** -np.arange(0.5, 10.5, 0.5)  # where a branch ends within a step it is looked at ever closer
+TOWARD_END = 10.0 ** -np.arange(0.5, 10.5, 0.5)  # grid refinements where a branch ends within a step
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def boundaries(
     points: int = 501,
     kinds: tuple[Kind, ...] = tuple(Kind),
 ) -> tuple[Boundary, ...]:
-    """All boundaries of both branches in a range of one parameter, in ascending order.
+    """Find all boundaries of both branches in a range of one parameter, in ascending order.
 
     Exactly one of ``omega`` (rad/s), ``amplitude`` (m) and ``gap`` (m; None: the system's) is a pair (from, to). The
     range is looked at in ``points`` places, closer where a branch ends; each sign change is then bracketed down to
@@ -92,7 +92,7 @@ def crossings(line: Line, kind: Kind, branch: int, grid: Array) -> list[Found]:
 
 
 def bracketed(line: Line, kind: Kind, branch: int, low: float, high: float) -> float | None:
-    """The root between two parameter values, to round-off; None where the sign changes by a jump or a pole."""
+    """Root between two parameter values, to round-off; None where the sign changes by a jump or a pole."""
 
     def test(value: float) -> float:
         return float(line.test(kind, branch, line.at(np.array([value])))[0])
@@ -105,7 +105,7 @@ def bracketed(line: Line, kind: Kind, branch: int, low: float, high: float) -> f
 
 
 def boundary(line: Line, kind: Kind, branch: int, value: float) -> Boundary | None:
-    """The boundary at a parameter value; None for a fold of motions that would pull at the stop."""
+    """Boundary at a parameter value; None for a fold of motions that would pull at the stop."""
     points = _real(line, value) if kind is Kind.FOLD else line.at(np.array([value]))
     total, found = points.total, points.roots
     impulse, phase, velocity = (float(row[0, branch]) for row in (found.impulse, found.phase, found.velocity))
@@ -122,14 +122,14 @@ def boundary(line: Line, kind: Kind, branch: int, value: float) -> Boundary | No
 
 
 def _clear(line: Line, kind: Kind, branch: int, points: MotionsAt) -> bool:
-    """A grazing motion is the one under the drive alone: it must hang clear of the stop at rest."""
+    """Test whether the motion clears the stop; a grazing motion must hang clear under static forces alone."""
     if kind is Kind.GRAZING:
         return bool(points.gap[0] > points.total.offset)
     return bool(line.test(Kind.TOUCHING, branch, points)[0] > -TOUCH)
 
 
 def _real(line: Line, value: float) -> MotionsAt:
-    """The motions at a fold, or as near to it as round-off lets both be real."""
+    """Motions at a fold, or as near to it as round-off leaves both real."""
     nudges = [side * 2.0**k * np.finfo(float).eps for k in range(1, 30) for side in (1, -1)]
     for nudge in (0.0, *nudges):
         points = line.at(np.array([value * (1 + nudge)]))
@@ -139,7 +139,7 @@ def _real(line: Line, value: float) -> MotionsAt:
 
 
 def _closer(grid: Array, width: float, ends: list[float]) -> Array:
-    """The grid with points that approach every end from both sides."""
+    """Grid refined towards every end from both sides."""
     near = [end + sign * width / 100 * TOWARD_END for end in ends for sign in (1, -1)]
     whole = np.unique(np.concatenate([grid, *near]))
     return np.asarray(whole[(whole >= grid[0]) & (whole <= grid[-1])])

@@ -1,6 +1,6 @@
-"""How close periodic motions come to the stop between their impacts, with proof.
+"""Clearance of periodic motions from the stop between their impacts, with certified bounds.
 
-The gap d(τ) of ``shape`` has its local minima where d' rises through zero. On an interval of width h, with d'''' ≤ K,
+The gap d(τ) of ``gap`` has its local minima where d' rises through zero. On an interval of width h, with d'''' ≤ K,
 d lies within K h⁴/384 of its cubic Hermite interpolant, d' within √3 K h³/216 of that one's derivative (Birkhoff &
 Priver 1967) and d'' within K h²/8 of the straight line between its ends. An interval is left where these bounds show
 that d is too large there, that d' keeps its sign or that d is concave; where d is convex and d' changes sign it holds
@@ -20,17 +20,17 @@ Array = NDArray[np.float64]
 
 Flags = NDArray[np.bool_]
 
-FIRST = 8  # intervals a drive period to begin with
+FIRST = 8  # initial intervals a drive period
 
-HALVINGS = 45  # after which a minimum is too flat to be told from a point of inflection
+HALVINGS = 45  # halvings after which a flat minimum counts as a point of inflection
 
-SMALLEST = 1e-15  # share of the motion's size that is round-off
+SMALLEST = 1e-15  # share of the motion's size taken as round-off
 
 STEPS = 60
 
 
 class Flown(Protocol):
-    """Flights from impact to impact: ``Flights``, or the parts of a motion with several."""
+    """Flights from impact to impact: ``Flights``, or the parts of a motion with several impacts."""
 
     @property
     def omega(self) -> Array:
@@ -39,30 +39,30 @@ class Flown(Protocol):
 
     @property
     def span(self) -> Array:
-        """From impact to impact, s."""
+        """Time from impact to impact, s."""
         ...
 
     @property
     def part(self) -> NDArray[np.complex128]:
-        """The drive's part y + ix of the contact at the first impact, m."""
+        """Drive's part y + ix of the contact at the first impact, m."""
         ...
 
     def __len__(self) -> int: ...
 
     def gap(self, which: Index, times: Array) -> Gap:
-        """d of the flights ``which`` (m,) at ``times`` (m,) after their first impact."""
+        """Gap d of the flights ``which`` (m,) at ``times`` (m,) after their first impact."""
         ...
 
 
 class Minimum(NamedTuple):
-    """The least local minimum of the gap strictly between two impacts, (motions,): ∞ and NaN where there is none."""
+    """Least local minimum of the gap strictly between two impacts, (motions,): ∞ and NaN where there is none."""
 
     value: Array
     time: Array
 
 
 class _Pieces(NamedTuple):
-    """Intervals in which a minimum may lie: the motion each belongs to, where it begins and how wide it is."""
+    """Intervals that may hold a minimum: motion, begin and width of each."""
 
     motion: Index
     left: Array
@@ -73,7 +73,7 @@ class _Pieces(NamedTuple):
 
 
 def least_minimum(flights: Flown, ceiling: Array) -> Minimum:
-    """The least local minimum of every motion's gap; ∞ where all are above its ``ceiling`` (motions,), m."""
+    """Least local minimum of every motion's gap; ∞ where all are above its ``ceiling`` (motions,), m."""
     best = Minimum(np.full(len(flights), np.inf), np.full(len(flights), np.nan))
     floor = SMALLEST * np.abs(flights.part)
     pieces = _first(flights)
@@ -90,7 +90,7 @@ def least_minimum(flights: Flown, ceiling: Array) -> Minimum:
 
 
 def _first(flights: Flown) -> _Pieces:
-    """A few intervals a drive period of every motion."""
+    """Initial intervals: a few a drive period for every motion."""
     counts = np.ceil(flights.omega * flights.span / (2 * np.pi) * FIRST - 1e-9).astype(int)
     motion = np.repeat(np.arange(len(flights)), counts)
     place = np.concatenate([np.arange(count) for count in counts]) if len(counts) else np.zeros(0)
@@ -105,7 +105,7 @@ def _halved(pieces: _Pieces) -> _Pieces:
 
 
 def _judged(flights: Flown, pieces: _Pieces, ceiling: Array, floor: Array) -> tuple[Flags, Flags]:
-    """Which intervals stay open, and which hold exactly one minimum."""
+    """Classify intervals: those that stay open, and those with exactly one minimum."""
     motion, h = pieces.motion, pieces.width
     a = flights.gap(motion, pieces.left)
     right = np.minimum(pieces.left + h, flights.span[motion])
@@ -119,7 +119,7 @@ def _judged(flights: Flown, pieces: _Pieces, ceiling: Array, floor: Array) -> tu
     convex = bends.min(axis=0) > spread
     above = low > ceiling[motion] + floor[motion]
     steady = (slopes.min(axis=0) > miss) | (slopes.max(axis=0) < -miss) | (bends.max(axis=0) < -spread)
-    tiny = floor[motion] * flights.omega[motion]  # one at an end must be seen from either side, those of the span not
+    tiny = floor[motion] * flights.omega[motion]  # tolerance inside the span
     falls = a.slope < np.where(pieces.left == 0, -tiny, tiny)
     rises = b.slope > np.where(right == flights.span[motion], tiny, -tiny)
     single = convex & falls & rises & ~above
@@ -127,7 +127,7 @@ def _judged(flights: Flown, pieces: _Pieces, ceiling: Array, floor: Array) -> tu
 
 
 def _minima(flights: Flown, pieces: _Pieces) -> tuple[Array, Array]:
-    """Values and times of the one minimum in each interval: Newton's method on d', kept inside by halving."""
+    """Values and times of the one minimum in each interval: Newton's method on d', safeguarded by bisection."""
     low, high = pieces.left.copy(), pieces.left + pieces.width
     time = (low + high) / 2
     at = flights.gap(pieces.motion, time)
@@ -143,8 +143,8 @@ def _minima(flights: Flown, pieces: _Pieces) -> tuple[Array, Array]:
 
 
 def _enter(best: Minimum, ceiling: Array, motion: Index, value: Array, time: Array) -> None:
-    """Keep the least of each motion that is not above its ceiling, in place."""
-    order = np.argsort(-value, kind="stable")  # the least is written last
+    """Update, in place, the least minimum of each motion that is not above its ceiling."""
+    order = np.argsort(-value, kind="stable")  # written in descending order: the least stays
     motion, value, time = motion[order], value[order], time[order]
     lower = (value < best.value[motion]) & (value <= ceiling[motion])
     best.value[motion[lower]], best.time[motion[lower]] = value[lower], time[lower]

@@ -1,4 +1,4 @@
-"""A boundary followed as a second parameter changes."""
+"""Continuation of a boundary in a second parameter."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from vibeam.system.impact_system import ImpactSystem
 
 Array = NDArray[np.float64]
 
-WIDTHS = 10.0 ** np.arange(-7.0, -1.9, 0.5)  # shares of the scale by which a root is looked for around its guess
+WIDTHS = 10.0 ** np.arange(-7.0, -1.9, 0.5)  # search windows around the guess, as shares of the scale
 
 HALVINGS = 6
 
 
 def follow(system: ImpactSystem, start: Boundary, parameter: str, values: ArrayLike) -> tuple[Boundary, ...]:
-    """``start`` at every one of ``values`` of a second ``parameter`` (omega, amplitude or gap), in their order.
+    """Follow the boundary ``start`` through ``values`` of a second ``parameter`` (omega, amplitude or gap), in order.
 
     Each is located to round-off in ``start.parameter``, guessed from the two before it; steps too long for that are
     halved. Where it goes through a fold the two motions change their order, and ``branch`` with it. The curve ends
@@ -43,7 +43,7 @@ def follow(system: ImpactSystem, start: Boundary, parameter: str, values: ArrayL
 def _reached(
     line: Line, parameter: str, last: Boundary, known: list[tuple[float, float]], value: float, halvings: int
 ) -> Boundary | None:
-    """The boundary at ``value``, by way of the middle where the step is too long; what is found joins ``known``."""
+    """Boundary at ``value``, by way of the middle where the step is too long; ``known`` takes intermediate ones."""
     found = _next(line.moved(parameter, value), last, known, value)
     if found is not None:
         known.append((value, float(getattr(found, line.name))))
@@ -54,7 +54,7 @@ def _reached(
 
 
 def _next(line: Line, last: Boundary, known: list[tuple[float, float]], value: float) -> Boundary | None:
-    """The nearest to the guess; on the branch of the ``last`` one, or on the other one where there is none."""
+    """Root nearest to the guess, on the branch of the ``last`` one, else on the other."""
     guess = _guess(known, value)
     branches = sorted(BRANCHES[last.kind], key=lambda branch: branch != last.branch)
     for width in _scale(line, guess, known) * WIDTHS:
@@ -66,7 +66,7 @@ def _next(line: Line, last: Boundary, known: list[tuple[float, float]], value: f
 
 
 def _scale(line: Line, guess: float, known: list[tuple[float, float]]) -> float:
-    """A gap may be none: what it is measured by is the motion under the drive alone."""
+    """Scale of a parameter; that of the gap, which may be 0, is the motion under the drive alone."""
     if line.name == "gap":
         total = line.at(np.array([guess])).total
         return abs(guess) + float(np.abs(total.unit[0] * line.amplitude))
@@ -74,12 +74,12 @@ def _scale(line: Line, guess: float, known: list[tuple[float, float]]) -> float:
 
 
 def _window(line: Line, guess: float, width: float) -> tuple[float, float]:
-    """Frequencies stay positive."""
+    """Search window around the guess; frequencies stay positive."""
     low = max(guess - width, guess / 2) if line.name == "omega" else guess - width
     return low, guess + width
 
 
 def _guess(known: list[tuple[float, float]], value: float) -> float:
-    """The straight line through the last two points."""
+    """Linear extrapolation from the last two points."""
     (x1, y1), (x0, y0) = known[-1], known[-2] if len(known) > 1 else known[-1]
     return y1 if x1 == x0 else y1 + (y1 - y0) * (value - x1) / (x1 - x0)

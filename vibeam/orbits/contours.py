@@ -1,8 +1,8 @@
-"""Boundaries of periodic motions as curves over a grid of two parameters.
+"""Boundaries of periodic motions as contour curves over a grid of two parameters.
 
-A boundary is where a test function of ``line`` is zero. Between neighbours of the grid on which it differs in sign the
-zero is bracketed down to round-off on the exact expressions; cell by cell these points are joined to curves, which may
-turn back in either parameter, close or end.
+A boundary is a zero of a test function of ``bifurcation_functions``. Where it differs in sign between neighbours of
+the grid, the zero is bracketed to round-off on the exact expressions. Cell by cell these points are joined to curves,
+which may turn back in either parameter, close or end.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ Array = NDArray[np.float64]
 
 Flags = NDArray[np.bool_]
 
-Edge = tuple[int, int, int]  # row and column of its first end, and 0: along the row, 1: along the column
+Edge = tuple[int, int, int]  # row and column of the first end, and the direction 0: along the row, 1: along the column
 
-NUDGE = 1e-9  # share of a step by which a fold is left to find both of its motions real
+NUDGE = 1e-9  # share of a step from a fold at which both of its motions are real
 
 
 @dataclass(frozen=True)
 class BoundaryCurve:
-    """One boundary of one branch, all (points,) in the order along it. SI units.
+    """Boundary curve of one branch, all (points,) in order along it. SI units.
 
     ``branch``: 0 is the root with the harder impact, 1 the other; ``velocity``: of the impact; ``clear``: the motion
     keeps clear of the stop between its impacts, proved, so that it is the boundary of a motion.
@@ -49,7 +49,7 @@ class BoundaryCurve:
 
 @dataclass(frozen=True)
 class Plane:
-    """Frequency (columns,) against amplitude or gap (rows,); the third, ``held``, stays."""
+    """Plane of frequency (columns,) and amplitude or gap (rows,); the third, ``held``, is constant."""
 
     system: ImpactSystem
     periods: int
@@ -65,12 +65,12 @@ class Plane:
         return motions(self.system, self.periods, omega, amplitude, gap)
 
     def grid(self) -> MotionsAt:
-        """Both motions at all points, row by row."""
+        """Both motions at all grid points, row by row."""
         omega, values = np.meshgrid(self.omega, self.values)
         return self.at(omega.ravel(), values.ravel())
 
     def between(self, edges: list[Edge], share: Array) -> tuple[Array, Array]:
-        """Frequencies and values (edges,) at a ``share`` of the way along each edge."""
+        """Frequencies and values (edges,) at a ``share`` along each edge."""
         row, column, along = np.array(edges, dtype=int).reshape(-1, 3).T
         low, high = self.omega[column], self.omega[column + (along == 0)]
         first, last = self.values[row], self.values[row + (along == 1)]
@@ -78,10 +78,10 @@ class Plane:
 
 
 def map_function(system: ImpactSystem, kind: Kind, branch: int, points: MotionsAt) -> Array:
-    """As ``test_function``, of grazing and touching also where there is no motion, with the sign beyond the boundary.
+    """Test function on the map; for grazing and touching extended beyond the boundary, where there is no motion.
 
-    So a boundary is found that a fold or a grazing cuts off within a cell; that cut itself is a jump, no zero. Of
-    grazing: the harder impact vanishes into no impact, the softer one begins.
+    Boundaries that a fold or a grazing cuts off within a cell are found so; that cut itself is a jump, no zero. At
+    grazing the harder impact vanishes and the softer one begins.
     """
     value = test_function(system, kind, branch, points)
     if kind is Kind.TOUCHING:
@@ -107,7 +107,7 @@ def boundary_curves(plane: Plane, kind: Kind, branch: int, values: Array) -> lis
 
 
 def _crossed(values: Array) -> list[Edge]:
-    """The edges at whose ends the test function differs in sign."""
+    """Grid edges across which the test function changes sign."""
     positive, known = values > 0, np.isfinite(values)
     found: list[Edge] = []
     for along in (0, 1):
@@ -120,7 +120,7 @@ def _crossed(values: Array) -> list[Edge]:
 
 
 def _roots(plane: Plane, kind: Kind, branch: int, edges: list[Edge]) -> Array:
-    """How far along each edge the zero lies, 0 … 1, to round-off; NaN where it is a jump or a pole."""
+    """Position of the zero along each edge, 0 … 1, to round-off; NaN for a jump or a pole."""
     if not edges:
         return np.zeros(0)
     places = np.array(edges)
@@ -138,7 +138,7 @@ def _roots(plane: Plane, kind: Kind, branch: int, edges: list[Edge]) -> Array:
 
 
 def _chains(known: dict[Edge, float], shape: tuple[int, ...]) -> Iterator[list[Edge]]:
-    """The crossed edges in the order of the curves through them."""
+    """Crossed edges ordered along the curves through them."""
     beside: dict[Edge, list[Edge]] = {edge: [] for edge in known}
     for first, second in _links(known, shape):
         beside[first].append(second)
@@ -156,7 +156,7 @@ def _chains(known: dict[Edge, float], shape: tuple[int, ...]) -> Iterator[list[E
 
 
 def _links(known: dict[Edge, float], shape: tuple[int, ...]) -> Iterator[tuple[Edge, Edge]]:
-    """The pairs of crossed edges that one cell joins; of four, each with its nearer neighbour."""
+    """Pairs of crossed edges joined by one cell; of four, each with its nearer neighbour."""
     cells = {
         cell for row, column, along in known for cell in ((row, column), (row - (along == 0), column - (along == 1)))
     }
@@ -176,7 +176,7 @@ def _links(known: dict[Edge, float], shape: tuple[int, ...]) -> Iterator[tuple[E
 def _curves(
     plane: Plane, kind: Kind, branch: int, chain: list[Edge], known: dict[Edge, float]
 ) -> Iterator[BoundaryCurve]:
-    """What is there at the points of a chain; of folds only those of motions that push at the stop."""
+    """Boundary curves along a chain; of folds only those of motions that push at the stop."""
     share = np.array([known[edge] for edge in chain])
     omega, values = plane.between(chain, share)
     points = plane.at(omega, values)
@@ -192,7 +192,7 @@ def _curves(
 
 
 def _real(plane: Plane, chain: list[Edge], share: Array, points: MotionsAt) -> MotionsAt:
-    """The motions beside the points of a fold, on the side where they are real."""
+    """Motions beside the points of a fold, on the side where they are real."""
     before, after = (plane.at(*plane.between(chain, share + side * NUDGE)) for side in (-1, 1))
     inside = np.where(np.isfinite(before.roots.impulse[:, 0]), -1, 1)
     return plane.at(*plane.between(chain, share + inside * NUDGE)) if len(points.gap) else after

@@ -1,6 +1,6 @@
-"""The gap between two impacts as a function of time, with a bound on its fourth derivative.
+"""Gap between two impacts as a function of time, with a bound on its fourth derivative.
 
-τ after an impact, with H e^{iφ} = y + ix at the impact (φ its drive phase) and the Green's function G of ``sums``,
+At τ after an impact, with H e^{iφ} = y + ix (φ the drive phase at the impact) and G of ``modal_sums``,
 
     d(τ) = Δ − u(τ) = x (1 − cos Ωτ) − y sin Ωτ − p (G(τ) − G(0)),
 
@@ -26,11 +26,11 @@ Array = NDArray[np.float64]
 
 Index = NDArray[np.int64]
 
-APART = 1.2  # damping ratio from which the two decays of a mode are bounded apart
+APART = 1.2  # damping ratio from which the two decays of a mode are bounded separately
 
 
 class Gap(NamedTuple):
-    """d and its first two derivatives at some times, and a bound on |d''''| from there to the end of the span."""
+    """Gap d and its first two derivatives at some times, and a bound on |d''''| from there to the end of the span."""
 
     value: Array
     slope: Array
@@ -40,7 +40,7 @@ class Gap(NamedTuple):
 
 @dataclass(frozen=True)
 class Flights:
-    """Some motions of one system, each (motions,): drive, span, the drive's part y + ix at the impact, impulse."""
+    """Flights of several motions of one system, each (motions,): drive, span, the drive's part y + ix, impulse."""
 
     system: ImpactSystem
     omega: Array
@@ -51,7 +51,7 @@ class Flights:
 
     @classmethod
     def of(cls, system: ImpactSystem, total: Sums, roots: Roots, amplitude: Array, branch: int) -> Flights:
-        """The motions of one branch."""
+        """Flights of one branch."""
         pairs = zip(system.omega, system.zeta, strict=True)
         start = np.array([green(own, zeta * own, pair(own, zeta, total.span)) for own, zeta in pairs])
         part = total.unit * amplitude * np.exp(1j * roots.phase[:, branch])
@@ -61,12 +61,12 @@ class Flights:
         return len(self.omega)
 
     def chosen(self, which: Index) -> Flights:
-        """Those at the places ``which``."""
+        """Flights at the indices ``which``."""
         omega, span, part, impulse = self.omega[which], self.span[which], self.part[which], self.impulse[which]
         return Flights(self.system, omega, span, part, impulse, self.start[:, :, which])
 
     def gap(self, which: Index, times: Array) -> Gap:
-        """d of the motions ``which`` (m,) at ``times`` (m,) after the impact, 0 ≤ τ ≤ span."""
+        """Gap of the motions ``which`` (m,) at ``times`` (m,) after the impact, 0 ≤ τ ≤ span."""
         omega, part, impulse = self.omega[which], self.part[which], self.impulse[which]
         turned = part * np.exp(1j * omega * times)
         versine = 2 * np.sin(omega * times / 2) ** 2
@@ -80,7 +80,7 @@ class Flights:
         )
 
     def _green(self, which: Index, times: Array) -> Gap:
-        """G − G(0), G', G'' and the bound on G''''."""
+        """Green's function G − G(0), G', G'' and the bound on G''''."""
         total = np.zeros((4, len(times)))
         for i in np.flatnonzero(self.system.contact):
             own, zeta = float(self.system.omega[i]), float(self.system.zeta[i])
@@ -90,7 +90,7 @@ class Flights:
 
 
 def _mode(own: float, zeta: float, start: Array, times: Array, span: Array) -> Gap:
-    """g − g(0), g', g'' and the bound on g''''; without stiffness g = t(nT − t)/(2nT) + const."""
+    """One mode's g − g(0), g', g'' and the bound on g''''; without stiffness g = t(nT − t)/(2nT) + const."""
     if own == 0:
         return Gap(times / 2 - times**2 / (2 * span), 0.5 - times / span, -1 / span, np.zeros_like(times))
     sigma, p = zeta * own, pair(own, zeta, times)
@@ -105,7 +105,7 @@ def _mode(own: float, zeta: float, start: Array, times: Array, span: Array) -> G
 
 
 def _two_decays(own: float, sigma: float, zeta: float, times: Array, span: Array) -> Array:
-    """g = (e^{−st}/(1 − e^{−snT}) − e^{−ft}/(1 − e^{−fnT}))/(f − s): the sum of what each part's g'''' is."""
+    """Overdamped mode: g = (e^{−st}/(1 − e^{−snT}) − e^{−ft}/(1 − e^{−fnT}))/(f − s), each decay bounded separately."""
     fast = sigma + own * np.sqrt((zeta - 1) * (zeta + 1))
     slow = own * own / fast
     parts = [rate**4 * np.exp(-rate * times) / -np.expm1(-rate * span) for rate in (slow, fast)]

@@ -20,11 +20,11 @@ from vibeam.system.impact_system import ImpactSystem
 
 Array = NDArray[np.float64]
 
-DOUBLE = 16 * 2.220446049250313e-16  # share within which round-off makes a discriminant: the root is double
+DOUBLE = 16 * 2.220446049250313e-16  # relative round-off of a discriminant: the root counts as double
 
 
 class Roots(NamedTuple):
-    """The two roots, (points, 2), the lower impulse first; NaN where they are complex.
+    """Both roots, (points, 2), the lower impulse first; NaN where they are complex.
 
     A motion strikes the stop where ``impulse`` < 0. ``discriminant`` (points,) is that of the quadratic, < 0 where
     there is no root; ``lean`` is the contact acceleration over the velocity just before the impact, 1/s.
@@ -38,7 +38,7 @@ class Roots(NamedTuple):
 
 
 def balance(system: ImpactSystem, sums: Sums, amplitude: ArrayLike, gap: ArrayLike) -> Roots:
-    """Both roots at every frequency of ``sums``; ``amplitude`` and ``gap``, m, one number or one a point."""
+    """Solve for both roots at every frequency of ``sums``; ``amplitude`` and ``gap``, m, one number or one a point."""
     response = np.asarray(sums.unit * np.asarray(amplitude, dtype=float))
     restitution, mobility = system.restitution, float(system.contact @ system.contact)
     turn = (restitution * mobility / (1 + restitution) - sums.g1) / sums.omega
@@ -65,13 +65,13 @@ def _quadratic(g0: Array, turn: Array, clear: Array, size: Array) -> tuple[Array
     root = np.sqrt(discriminant)
     large = middle + np.copysign(root, middle)
     near, far = np.where(large == 0, 0.0, last / np.where(large == 0, 1.0, large)), large / lead
-    below = np.signbit(middle)  # as copysign sees it: −0 too, at no gap
+    below = np.signbit(middle)  # sign by copysign: −0 counts as negative, at no gap
     first, second = np.where(below, far, near), np.where(below, near, far)
     return np.stack([first, second], axis=1), discriminant
 
 
 def _without_stiffness(impulse: Array, turn: Array, size: Array) -> tuple[Array, Array, Array]:
-    """The impulse is given: what the drive contributes to the contact is ±√(size² − (turn p)²)."""
+    """Roots with modes without stiffness, where the impulse is given: drive part ±√(size² − (turn p)²)."""
     discriminant = (size - np.abs(turn * impulse)) * (size + np.abs(turn * impulse))
     root = np.sqrt(discriminant)
     both = np.where(np.isnan(root), np.nan, impulse)

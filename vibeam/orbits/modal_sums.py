@@ -1,4 +1,4 @@
-"""The modes of a system reduced to a few sums a frequency: all that its periodic motions depend on.
+"""Reduction of a system's modes to a few sums a frequency, on which its periodic motions depend.
 
 A mode struck once per span nT answers the impulse p with η_i = p c_i g_i(t), g_i periodic with a unit velocity jump:
 
@@ -27,11 +27,11 @@ Complex = NDArray[np.complex128]
 
 T = TypeVar("T", np.float64, np.complex128)
 
-PARALLEL = 1e-12  # share by which the static force on modes without stiffness may miss the contact's direction
+PARALLEL = 1e-12  # tolerance for the static force on modes without stiffness to point along the contact
 
 
 class Transfer(NamedTuple):
-    """Σ c_i² of P(λ − P)⁻¹ at one λ: rows 12 and 22, and the damped combinations that the saltation matrix asks for."""
+    """Sums Σ c_i² of P(λ − P)⁻¹ at one λ: rows 12 and 22, and the damped combinations in the saltation matrix."""
 
     t12: Array
     t22: Array
@@ -40,7 +40,7 @@ class Transfer(NamedTuple):
 
 
 class Sums(NamedTuple):
-    """One entry a frequency."""
+    """Sums over the modes, one entry a frequency."""
 
     omega: Array
     span: Array
@@ -51,11 +51,11 @@ class Sums(NamedTuple):
     plus: Transfer  # at λ = 1; NaN where a mode has no stiffness
     minus: Transfer  # at λ = −1
     offset: float  # static contact displacement of the modes with stiffness
-    fixed: Array | None  # the impulse that modes without stiffness ask for
+    fixed: Array | None  # impulse required by the modes without stiffness
 
 
 def fault(system: ImpactSystem) -> str:
-    """Why the system has no periodic motion with impacts at any drive; empty where it may."""
+    """Reason why the system has no periodic motion with impacts at any drive; empty where it may."""
     if system.beyond_plain:
         return f"closed-form orbits cannot take {' or '.join(system.beyond_plain)}: simulate or sweep instead"
     free = (system.omega == 0) & ((system.contact != 0) | (system.static != 0))
@@ -69,7 +69,7 @@ def fault(system: ImpactSystem) -> str:
 
 
 def resonant(system: ImpactSystem, omega: float, periods: int) -> str:
-    """Why there is no steady response at this drive; empty where there is one."""
+    """Reason why there is no steady response at this drive; empty where there is one."""
     undamped = (system.omega > 0) & (system.zeta == 0)
     if np.any(undamped & (system.omega == omega) & (system.load != 0)):
         return f"drive: an undamped mode is driven at its own frequency {omega} rad/s and grows without bound"
@@ -80,7 +80,7 @@ def resonant(system: ImpactSystem, omega: float, periods: int) -> str:
 
 
 def sums(system: ImpactSystem, omega: Array, periods: int) -> Sums:
-    """The sums at drives ``omega`` (points,) rad/s, in one pass over the modes: the cost is linear in their number."""
+    """Compute the sums at drives ``omega`` (points,) rad/s; the cost is linear in the number of modes."""
     span = 2 * np.pi * periods / omega
     moving = system.contact != 0
     own, zeta, contact, load = (row[moving, None] for row in (system.omega, system.zeta, system.contact, system.load))
@@ -96,7 +96,7 @@ def sums(system: ImpactSystem, omega: Array, periods: int) -> Sums:
 
 
 def _total(rows: NDArray[T]) -> NDArray[T]:
-    """Rows added one after the other: numpy's own sum rounds otherwise where there is one column alone."""
+    """Sum of rows, added in order: numpy's own sum rounds differently for a single column."""
     return reduce(np.add, rows)
 
 
@@ -113,7 +113,7 @@ def offsets(system: ImpactSystem) -> Array:
 
 
 def green(own: float | Array, sigma: float | Array, p: Pair) -> tuple[Array, Array]:
-    """g(0) and g'(0⁺) of one mode, or of several as rows; 0 and ½ where it has no stiffness."""
+    """Periodic Green's function g(0), g'(0⁺) of one mode, or of several as rows; 0 and ½ without stiffness."""
     with np.errstate(divide="ignore", invalid="ignore"):
         g0, g1 = p.p01 / p.closing, p.rise / p.closing
     if np.all(own):

@@ -1,4 +1,4 @@
-"""Stability: Floquet multipliers through the saltation matrix of the impact.
+"""Stability of periodic motions: Floquet multipliers through the saltation matrix of the impact.
 
 A disturbance (δη, δη') is carried over the span by the modes' propagator P and through the impact by
 
@@ -29,15 +29,15 @@ Array = NDArray[np.float64]
 
 Complex = NDArray[np.complex128]
 
-CHUNK = 2048  # matrices built at a time
+CHUNK = 2048  # matrices built at once
 
 FEW = 200  # elements of all matrices, in fours, up to which eigenvalues cost less than powers
 
-FADED = 1e-9  # share that is left of a mode after a span, below which it passes nothing on
+FADED = 1e-9  # share left of a mode after a span, below which the mode is dropped
 
-SQUARED = 12  # times that a matrix is squared, to its 4096th power
+SQUARED = 12  # squarings of a matrix, to its 4096th power
 
-TOGETHER = 3  # of these before it is brought back to size 1
+TOGETHER = 3  # squarings between two normalisations
 
 
 def real_crossing(system: ImpactSystem, transfer: Transfer, lean: Array) -> Array:
@@ -49,9 +49,9 @@ def real_crossing(system: ImpactSystem, transfer: Transfer, lean: Array) -> Arra
 
 
 def monodromy(system: ImpactSystem, span: Array, lean: Array, modes: NDArray[np.int64] | None = None) -> Array:
-    """M (points, 2n, 2n) on (η, η') just after the impact, for flights of ``span`` s (points,) that end with a/v.
+    """Monodromy matrix (points, 2n, 2n) on (η, η') just after impact, for flights of ``span`` s that end with a/v.
 
-    ``modes``: of these n alone, by their numbers; the others are taken to have died out by the impact.
+    ``modes``: indices of the modes kept; the others are taken to have decayed by the impact.
     """
     kept = np.arange(system.size) if modes is None else modes
     own, zeta, c = system.omega[kept], system.zeta[kept], system.contact[kept]
@@ -71,7 +71,7 @@ def monodromy(system: ImpactSystem, span: Array, lean: Array, modes: NDArray[np.
 
 
 def multipliers(system: ImpactSystem, span: Array, lean: Array) -> Complex:
-    """The 2n Floquet multipliers (points, 2n), largest first; the modes' rows are scaled to one unit before."""
+    """The 2n Floquet multipliers (points, 2n), largest first; modes are scaled to one unit first."""
     scale = np.where(system.omega > 0, system.omega, 1.0)
     units = np.concatenate([scale, np.ones(system.size)])
     found = np.empty((len(span), 2 * system.size), dtype=complex)
@@ -83,7 +83,7 @@ def multipliers(system: ImpactSystem, span: Array, lean: Array) -> Complex:
 
 
 def largest(system: ImpactSystem, span: Array, lean: Array) -> Array:
-    """A bound (points,) from above on the largest multiplier: ‖Mᴺ‖^(1/N), what a disturbance shrinks by in the mean.
+    """Upper bound (points,) on the largest multiplier: ‖Mᴺ‖^(1/N), the mean decay of a disturbance.
 
     By squaring M twelve times, at a tenth of the cost of all multipliers. Too large by κ^(1/N) at most, where κ is how
     far M is from a normal matrix: 1e3 makes 0.2 %. Modes that die out within a span are left out. Where matrices are

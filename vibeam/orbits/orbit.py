@@ -1,4 +1,4 @@
-"""Periodic motions with one impact per n drive periods at one drive, certified."""
+"""Certified periodic motions with one impact per n drive periods at one drive."""
 
 from __future__ import annotations
 
@@ -34,17 +34,17 @@ class Orbit:
     drive: Drive
     periods: int
     phase: float  #: drive phase Ωt at the impact, 0 … 2π
-    impulse: float  #: on the contact, N s per unit modal mass, negative: away from the stop
-    velocity: float  #: of the contact just before, toward the stop, m/s
+    impulse: float  #: impulse on the contact, N s per unit modal mass, negative: away from the stop
+    velocity: float  #: contact velocity just before, toward the stop, m/s
     reach: float  #: gap − min of the contact displacement, m
-    state: State  #: just after the impact
-    multipliers: Complex  #: the 2n Floquet multipliers, largest first; none is trivial, for time is not a state
+    state: State  #: state just after the impact
+    multipliers: Complex  #: the 2n Floquet multipliers, largest first; none is trivial, because time is not a state
     stable: bool  #: all multipliers within the unit circle
     admissible: bool
 
     @property
     def time(self) -> float:
-        """When it strikes, s, with the drive's phase 0 at time 0."""
+        """Impact time, s, with the drive's phase 0 at time 0."""
         return self.phase / self.drive.omega
 
     @property
@@ -53,7 +53,7 @@ class Orbit:
         return 2 * np.pi * self.periods / self.drive.omega
 
     def watched(self, output: str = "contact") -> FrequencyResponse:
-        """One point with extremes and modal energies over the motion; ValueError where it is not admissible.
+        """Steady point with extremes and modal energies over the motion; ValueError where it is not admissible.
 
         KeyError for an unknown output.
         """
@@ -71,7 +71,7 @@ class Orbit:
 def orbits(
     system: ImpactSystem, drive: Drive, periods: int = 1, witness: AdmissibilityCheck | None = None
 ) -> tuple[Orbit, ...]:
-    """All motions with one impact per ``periods`` drive periods, harder impact first: none, one or two.
+    """Find all motions with one impact per ``periods`` drive periods, harder impact first: none, one or two.
 
     Exact for any number of modes of any damping, with static forces; not admissible ones are among them. ``witness``:
     the flight solver that certifies, where many drives are asked for. Empty where the impact equations have no real

@@ -1,4 +1,4 @@
-"""Whole frequency curves of periodic motions, by formula."""
+"""Frequency curves of periodic motions in closed form."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from vibeam_models.arguments import count, floats, refuse, require
 
 Array = NDArray[np.float64]
 
-CERTAIN = 1e8  # size of D(±1) up to which its sign counts
+CERTAIN = 1e8  # size of D(±1) up to which its sign is trusted
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class OrbitCurve:
 
 
 def checked(system: ImpactSystem, omega: ArrayLike, periods: int) -> Array:
-    """The frequencies as an array; ValueError where the question makes no sense."""
+    """Return the frequencies as an array; ValueError where no curve is defined."""
     require("system", system, ImpactSystem)
     grid = np.atleast_1d(floats("omega", omega))
     if grid.ndim != 1 or not np.all(np.isfinite(grid) & (grid > 0)):
@@ -52,7 +52,7 @@ def checked(system: ImpactSystem, omega: ArrayLike, periods: int) -> Array:
 
 
 def orbit_curve(system: ImpactSystem, omega: ArrayLike, amplitude: float, periods: int = 1) -> OrbitCurve:
-    """Both motions at every frequency ``omega`` (points,) rad/s under base motion of ``amplitude`` m.
+    """Compute both motions at frequencies ``omega`` (points,) rad/s under base motion of ``amplitude`` m.
 
     The cost of motion and of D(±1) is linear in the number of modes; eigenvalues (n³) are asked for only where D(±1)
     leave stability open, never at both roots of a point. Exact resonances of undamped modes are NaN. ValueError as in
@@ -74,7 +74,7 @@ def orbit_curve(system: ImpactSystem, omega: ArrayLike, amplitude: float, period
 
 
 def stability(system: ImpactSystem, total: Sums, found: Roots, asked: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which of the motions that ``asked`` (points, 2) marks are stable; False for the others."""
+    """Stability of the motions marked by ``asked`` (points, 2); False for the others."""
     open_ = asked.copy()
     for side in (total.plus, total.minus):
         for k in (0, 1):
@@ -83,12 +83,12 @@ def stability(system: ImpactSystem, total: Sums, found: Roots, asked: NDArray[np
 
 
 def proven(beyond: Array) -> NDArray[np.bool_]:
-    """Where D < 0 beyond doubt: near the double pole of an undamped mode its sign is round-off."""
+    """Test for D < 0 beyond doubt: near the double pole of an undamped mode its sign is round-off."""
     return (beyond < 0) & (beyond > -CERTAIN)
 
 
 def _stable(system: ImpactSystem, total: Sums, found: Roots, open_: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Stability of the motions that ``open_`` marks, by their multipliers; False for the others."""
+    """Stability of the motions marked by ``open_``, by their multipliers; False for the others."""
     stable = np.zeros(open_.shape, dtype=bool)
     rows, _ = np.nonzero(open_)
     values = multipliers(system, total.span[rows], found.lean[open_])

@@ -1,4 +1,4 @@
-"""Where motions with one impact per n drive periods exist, keep clear of the stop and are stable: a map."""
+"""Map of existence, clearance and stability of motions with one impact per n drive periods."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 
 Flags = NDArray[np.bool_]
 
-ENOUGH = 1e-9  # a gap is not looked at closer once it is known to be larger than this share of the motion
+ENOUGH = 1e-9  # clearance, as a share of the motion, above which the gap is not refined further
 
 LOSSES = (Kind.DOUBLING, Kind.NEIMARK_SACKER)
 
@@ -28,7 +28,7 @@ CURVES = ((Kind.FOLD, 0), *((kind, branch) for kind in BOTH for branch in (0, 1)
 
 @dataclass(frozen=True)
 class OrbitMap:
-    """The motions over ``omega`` (columns,) rad/s and ``values`` (rows,) m of gap or amplitude, ``over``.
+    """Motions over ``omega`` (columns,) rad/s and ``values`` (rows,) m of gap or amplitude, ``over``.
 
     Arrays (rows, columns, 2), the harder impact first. ``curves``: the boundaries, located to round-off wherever they
     pass between neighbours of the grid; period doubling and Neimark–Sacker only of motions without a multiplier > 1.
@@ -39,15 +39,15 @@ class OrbitMap:
     omega: Array
     values: Array
     velocity: Array  #: m/s; NaN where there is no motion
-    admissible: Flags  #: it keeps clear of the stop between its impacts, proved
-    stable: Flags  #: and all Floquet multipliers lie within the unit circle
+    admissible: Flags  #: clear of the stop between its impacts, proved
+    stable: Flags  #: clear, and all Floquet multipliers lie within the unit circle
     curves: tuple[BoundaryCurve, ...]
 
 
 def orbit_map(
     system: ImpactSystem, omega: ArrayLike, amplitude: ArrayLike, periods: int = 1, gap: ArrayLike | None = None
 ) -> OrbitMap:
-    """The map over ascending ``omega`` (rad/s) and either ``amplitude`` or ``gap`` (m; None: the system's own).
+    """Compute the map over ascending ``omega`` (rad/s) and either ``amplitude`` or ``gap`` (m; None: the system's own).
 
     Exactly one of the two is an ascending array. A curve of lost stability may end up to a step of the grid short of a
     fold or a grazing that it runs into. ValueError where none or both are arrays, or a grid does not ascend, and as in
@@ -81,7 +81,7 @@ def orbit_map(
 
 
 def _values(system: ImpactSystem, kind: Kind, branch: int, points: MotionsAt, share: dict[int, Array]) -> Array:
-    """The test function on the grid; NaN for a loss of stability where there is none to lose."""
+    """Test function on the grid; NaN for a loss of stability where the motion is unstable already."""
     if kind is Kind.TOUCHING:
         return beyond_touching(share[branch])
     if kind in LOSSES:

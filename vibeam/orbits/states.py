@@ -1,4 +1,4 @@
-"""The modal state of a periodic motion at any time, in closed form."""
+"""Modal state of a periodic motion at any time, in closed form."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Complex = NDArray[np.complex128]
 
 
 def phasors(system: ImpactSystem, drive: Drive) -> Complex:
-    """h (n,): the steady response to the drive alone is Im(h e^{iΩt}) plus the static displacements."""
+    """Phasors h (n,): the steady response to the drive alone is Im(h e^{iΩt}) plus the static displacements."""
     unit = [
         load * phasor(own, zeta * own, np.array([drive.omega]))[0] if load else 0j
         for own, zeta, load in zip(system.omega, system.zeta, system.load, strict=True)
@@ -25,7 +25,7 @@ def phasors(system: ImpactSystem, drive: Drive) -> Complex:
 
 
 def state_after(system: ImpactSystem, drive: Drive, periods: int, phase: float, impulse: float) -> State:
-    """Just after the impact: the drive's response and the impulse train's; the contact lies at the gap."""
+    """State just after impact: the drive's response and the impulse train's; the contact lies at the gap."""
     span = np.array([2 * np.pi * periods / drive.omega])
     shapes = [
         green(own, zeta * own, pair(own, zeta, span)) if contact else (np.zeros(1), np.zeros(1))
@@ -39,7 +39,7 @@ def state_after(system: ImpactSystem, drive: Drive, periods: int, phase: float, 
 
 
 def _mean(system: ImpactSystem, displacement: Array) -> Array:
-    """What modes without stiffness add so that the contact lies at the gap."""
+    """Displacement of the modes without stiffness that puts the contact at the gap."""
     loose = np.where(system.omega == 0, system.contact, 0.0)
     if not loose.any():
         return np.zeros(system.size)

@@ -1,4 +1,4 @@
-"""Where a motion with m impacts in n drive periods ends or loses stability, along frequency, amplitude or gap.
+"""Bifurcations and ends of motions with m impacts in n drive periods, along frequency, amplitude or gap.
 
 The branch is followed by its arc length (Keller's pseudo-arclength continuation) in phases Ωt_j, impulses and the
 parameter, so that it goes round its folds; each change of sign of a test function is then bracketed down to round-off.
@@ -31,11 +31,11 @@ KINDS = (Kind.FOLD, Kind.DOUBLING, Kind.NEIMARK_SACKER, Kind.GRAZING, Kind.TOUCH
 
 ENDS = (Kind.GRAZING, Kind.TOUCHING)
 
-STEP = 1e-6  # share of the parameter's scale by which it is moved to see how the equations change
+STEP = 1e-6  # parameter step of the finite differences, as a share of its scale
 
 NEWTON, SMALL, HALVINGS = 12, 1e-12, 20
 
-STRAY = 0.05  # share of a step by which it may miss the branch: else it could land on another
+STRAY = 0.05  # tolerance of the corrector, as a share of a step: a larger one could land on another branch
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class TrainBoundary:
 
 @dataclass(frozen=True)
 class _Branch:
-    """The equations in z = (phases, impulses / size, parameter / scale)."""
+    """Equations of the branch in z = (phases, impulses / size, parameter / scale)."""
 
     start: TrainOrbit
     parameter: str
@@ -71,7 +71,7 @@ class _Branch:
         return system, drive, 2 * np.pi * self.start.periods / drive.omega, train
 
     def residual(self, z: Array) -> tuple[Array, Array]:
-        """(2m,), heights as speeds, and derivatives (2m, 2m) by phases and scaled impulses."""
+        """Residual (2m,), displacements as velocities, and derivatives (2m, 2m) by phases and scaled impulses."""
         system, drive, span, train = self.at(z)
         values, slopes = equations(system, drive, span, train)
         m = len(train.times)
@@ -80,7 +80,7 @@ class _Branch:
         return rows * values, rows[:, None] * slopes * columns
 
     def slopes(self, z: Array) -> tuple[Array, Array]:
-        """The residual and its derivatives (2m, 2m + 1) by all of z."""
+        """Residual and its derivatives (2m, 2m + 1) by all of z."""
         values, inner = self.residual(z)
         ahead = np.zeros_like(z)
         ahead[-1] = STEP
@@ -88,12 +88,12 @@ class _Branch:
         return values, np.column_stack([inner, outer])
 
     def direction(self, z: Array, along: Array) -> Array:
-        """The unit tangent that goes on the way of ``along``."""
+        """Unit tangent in the direction of ``along``."""
         tangent = np.linalg.svd(self.slopes(z)[1])[2][-1]
         return np.asarray(tangent * (1 if tangent @ along > 0 else -1))
 
     def corrected(self, guess: Array, tangent: Array) -> Array | None:
-        """The point of the branch in the plane through ``guess`` across ``tangent``; None where none is near."""
+        """Point of the branch in the plane through ``guess`` normal to ``tangent``; None where none is near."""
         z, last = guess.copy(), np.inf
         for _ in range(NEWTON):
             values, slopes = self.slopes(z)
@@ -108,7 +108,7 @@ class _Branch:
         return None
 
     def test(self, kind: Kind, z: Array, along: Array) -> float:
-        """Changes sign at a boundary of that kind."""
+        """Test function that changes sign at a boundary of that kind."""
         system, drive, span, train = self.at(z)
         if kind is Kind.FOLD:
             return float(self.direction(z, along)[-1])
@@ -126,7 +126,7 @@ class _Branch:
 def train_boundaries(
     orbit: TrainOrbit, parameter: str, to: float, steps: int = 50, longest: int = 500
 ) -> tuple[TrainBoundary, ...]:
-    """The boundaries of ``orbit``'s branch from where it is towards ``parameter`` = ``to``, in their order along it.
+    """Follow ``orbit``'s branch towards ``parameter`` = ``to`` and return its boundaries in order.
 
     ``parameter``: omega (rad/s), amplitude or gap (m). The branch ends at the first grazing or second touch (proved),
     beyond which it is no motion; at ``to``; where it comes back behind its start; or after ``longest`` steps of at
@@ -177,13 +177,13 @@ def _walk(branch: _Branch, begin: Array, way: float, step: float, longest: int) 
 
 
 def _root(branch: _Branch, kind: Kind, z: Array, along: Array, length: float) -> float | None:
-    """How far along the step the boundary lies; None where the sign changes by a jump."""
+    """Position of the boundary along the step; None where the sign changes by a jump."""
 
     seen: dict[float, float] = {}
 
     def test(way: float) -> float:
         there = branch.corrected(z + way * along, along)
-        if there is None:  # beside a point where two branches cross, the equations are all but singular
+        if there is None:  # near a crossing of two branches the equations are almost singular
             raise ArithmeticError
         seen[way] = branch.test(kind, there, along)
         return seen[way]
@@ -199,7 +199,7 @@ def _root(branch: _Branch, kind: Kind, z: Array, along: Array, length: float) ->
 
 
 def clearance(system: ImpactSystem, drive: Drive, span: float, train: Train) -> float:
-    """The least local minimum of the gap between impacts as a share of the motion's size, at most 1: certified."""
+    """Least local minimum of the gap between impacts, certified, as a share of the motion's size, at most 1."""
     after = poses(system, drive, span, train)
     after = after[0], after[1] + train.impulses[:, None] * system.contact
     h, order = phasors(system, drive), np.argsort(train.times)

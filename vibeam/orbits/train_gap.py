@@ -1,4 +1,4 @@
-"""The gap between the impacts of a motion with several, from the modal states after each; bounds as in ``shape``."""
+"""Gap between the impacts of a motion with several, from the modal states after each; bounds as in ``gap``."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class TrainGap:
         return len(self.omega)
 
     def gap(self, which: Index, times: Array) -> Gap:
-        """d of the flights ``which`` (k,) at ``times`` (k,) after their first impact."""
+        """Gap d of the flights ``which`` (k,) at ``times`` (k,) after their first impact."""
         omega, part = self.omega[which], self.part[which]
         turned = part * np.exp(1j * omega * times)
         drive = part.imag * 2 * np.sin(omega * times / 2) ** 2 - part.real * np.sin(omega * times)
@@ -46,7 +46,7 @@ class TrainGap:
 
 
 def _mode(own: float, zeta: float, x: Array, y: Array, times: Array) -> Gap:
-    """η − η(0), η', η'' of a free mode with stiffness, and the bound on η''''."""
+    """Free mode with stiffness: η − η(0), η', η'' and the bound on η''''."""
     sigma, p = zeta * own, pair(own, zeta, times)
     value, slope = p.p01 * y - p.rise * x, p.p10 * x + p.p11 * y
     bend = -2 * sigma * slope - own**2 * (x + value)

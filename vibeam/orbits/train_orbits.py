@@ -1,4 +1,4 @@
-"""Periodic motions with m impacts in n drive periods, refined to round-off from where the flight solver settles."""
+"""Periodic motions with m impacts in n drive periods, refined to round-off from settled flights."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ Array = NDArray[np.float64]
 
 Complex = NDArray[np.complex128]
 
-SETTLED = 1e-3  # share of the impact velocities by which what was flown may differ from the motion it settles on
+SETTLED = 1e-3  # tolerance, as a share of the impact velocities, between the flight and the motion it settles on
 
-MOST = 4  # impacts a span
+MOST = 4  # largest number of impacts a span
 
 
 @dataclass(frozen=True)
@@ -33,18 +33,18 @@ class TrainOrbit:
     drive: Drive
     periods: int
     times: Array  #: of the impacts (m,), s, ascending
-    impulses: Array  #: (m,) negative: away from the stop
-    velocities: Array  #: (m,) just before, toward the stop, m/s
-    state: State  #: just after the first impact
+    impulses: Array  #: (m,) impulses, negative: away from the stop
+    velocities: Array  #: (m,) contact velocities just before, toward the stop, m/s
+    state: State  #: state just after the first impact
     multipliers: Complex  #: the 2n Floquet multipliers, largest first
     stable: bool
-    admissible: bool  #: the flight solver finds exactly these impacts, one after the other
+    admissible: bool  #: the flight solver finds exactly these impacts, in order
 
 
 def train_orbit(
     system: ImpactSystem, drive: Drive, periods: int, times: ArrayLike, velocities: ArrayLike
 ) -> TrainOrbit | None:
-    """The motion whose impacts lie near ``times`` (m,) s with ``velocities`` before, m/s; None where none is found.
+    """Refine the motion whose impacts lie near ``times`` (m,) s with ``velocities`` before, m/s; None without one.
 
     ValueError for more than four impacts, for modes without stiffness, and as in ``orbits``.
     """
@@ -66,7 +66,7 @@ def train_orbit(
 def settled_orbit(
     system: ImpactSystem, drive: Drive, periods: int = 1, *, state: State | None = None, settle: int = 300
 ) -> TrainOrbit | None:
-    """The motion with period ``periods`` T that the flight solver comes to in ``settle`` periods from ``state``.
+    """Find the motion with period ``periods`` T that the flight solver reaches in ``settle`` periods from ``state``.
 
     None where that has no or more than four impacts in ``periods`` periods, or does not repeat. ValueError as in
     ``train_orbit``.
@@ -82,7 +82,7 @@ def settled_orbit(
 
 
 def _near(found: Array, seen: Array) -> bool:
-    """Whether the impacts found are those seen, whichever came first."""
+    """Test whether two sets of impacts agree up to a cyclic shift."""
     turns = [np.abs(np.roll(found, k) - seen).max() for k in range(len(seen))]
     return len(found) == len(seen) and bool(min(turns) < SETTLED * seen.max())
 
@@ -114,7 +114,7 @@ def poses(system: ImpactSystem, drive: Drive, span: float, train: Train) -> tupl
 
 
 def multipliers_of(system: ImpactSystem, drive: Drive, span: float, train: Train) -> Complex:
-    """Largest first: flight to impact and through it, impact by impact, over one span from just after the first."""
+    """Multipliers, largest first, from the flights and impacts of one span, from just after the first impact."""
     order = np.argsort(train.times)
     train = Train(train.times[order], train.impulses[order])
     velocities = -train.impulses * float(system.contact @ system.contact) / (1 + system.restitution)

@@ -1,6 +1,6 @@
-"""m impacts in n drive periods: given their times, the motion is linear in the impulses.
+"""Impact trains: m impacts in n drive periods; given their times, the motion is linear in the impulses.
 
-With the periodic Green's function G(τ) = Σ c_i² g_i(τ) of ``sums``, contact and restitution at every impact j are
+With the periodic Green's function G(τ) = Σ c_i² g_i(τ) of ``modal_sums``, contact and restitution at impact j are
 
     Im(H e^{iΩt_j}) + Σ_k p_k G(t_j − t_k) = Δ
     Ω Re(H e^{iΩt_j}) + Σ_k p_k G'(t_j − t_k − 0) + p_j S/(1 + R) = 0
@@ -24,27 +24,27 @@ Array = NDArray[np.float64]
 
 STEPS = 40
 
-LONGEST = 0.2  # share of the span and of the impulses that one Newton step may be
+LONGEST = 0.2  # largest Newton step, as a share of the span and of the impulses
 
-SMALL, STALLED = 1e-13, 1e-9  # the same below which the iteration ends, and ends where round-off keeps it from going on
+SMALL, STALLED = 1e-13, 1e-9  # the same at which the iteration ends, also where round-off stops its progress
 
 
 class Train(NamedTuple):
-    """Times, s, and impulses (m,) of the impacts, in the order of time."""
+    """Impact train: times, s, and impulses (m,) in the order of time."""
 
     times: Array
     impulses: Array
 
 
 class Lags(NamedTuple):
-    """g_i and g_i' (m, m, n) at the lags t_j − t_k within a span; a zero lag is just before the impact."""
+    """Green's functions g_i, g_i' (m, m, n) at lags t_j − t_k within a span; a zero lag is just before the impact."""
 
     value: Array
     slope: Array
 
 
 def lags(system: ImpactSystem, span: float, times: Array, after: bool = False) -> Lags:
-    """The Green's functions between all impacts; ``after``: at a zero lag just after the impact instead."""
+    """Compute the Green's functions between all impacts; ``after``: a zero lag is just after the impact instead."""
     whole = propagators(system, np.array([span]))
     start = np.zeros((2, system.size))
     for i, (own, zeta) in enumerate(zip(system.omega, system.zeta, strict=True)):
@@ -61,7 +61,7 @@ def lags(system: ImpactSystem, span: float, times: Array, after: bool = False) -
 
 
 def newton(system: ImpactSystem, drive: Drive, periods: int, start: Train) -> Train | None:
-    """The train near ``start`` that satisfies all equations to round-off; None where Newton's method finds none."""
+    """Solve all equations to round-off from ``start`` by Newton's method; None where it does not converge."""
     span, m = 2 * np.pi * periods / drive.omega, len(start.times)
     unknown = np.concatenate([start.times, start.impulses])
     scale = np.concatenate([np.full(m, span), np.full(m, np.abs(start.impulses).max())])
@@ -98,7 +98,7 @@ def equations(system: ImpactSystem, drive: Drive, span: float, train: Train) -> 
 
 
 def _ordered(train: Train, span: float) -> Train | None:
-    """The first impact within the first span; None where an impact would pull or two have become one."""
+    """Train with its first impact within the first span; None where an impact would pull or two have merged."""
     times = train.times - span * np.floor(train.times.min() / span)
     order = np.argsort(times)
     times, impulses = times[order], train.impulses[order]
