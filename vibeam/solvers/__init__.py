@@ -1,7 +1,7 @@
-"""Solvers: state in, state out, nothing remembered.
+"""Solvers of an impact system: pure functions from state to state.
 
-A solver is made for one system and then asked for steady points or for a motion; it never knows which reduction made
-its system. ``solver`` makes one by name; ``SOLVERS`` declares them all.
+A solver is built for one system and returns steady points or a motion; it never knows which reduction made
+its system. ``solver`` builds one by name; ``SOLVERS`` declares them all.
 """
 
 from __future__ import annotations
@@ -74,8 +74,8 @@ SOLVERS = Registry(
 
 
 class Solver(Protocol):
-    """What every solver does. It is made as ``Class(system, slowest, span, **options)`` and raises ValueError there
-    for a system or an option that it cannot take.
+    """Interface of all solvers: built as ``Class(system, slowest, span, **options)``; ValueError for a system or an
+    option that it cannot take.
     """
 
     def steady(
@@ -87,12 +87,12 @@ class Solver(Protocol):
         hold: int,
         output: str,
     ) -> tuple[FrequencyResponse, State]:
-        """Steady points at ``omegas`` (rad/s) in turn under base motion of ``amplitude`` m, the state carried."""
+        """Steady points at ``omegas`` (rad/s), in order, under base motion of ``amplitude`` m; the state is carried."""
         ...
 
 
 class CurveSolver(Solver, Protocol):
-    """A solver that knows all motions of its kind, stable or not."""
+    """Solver of all motions of its kind, stable and unstable."""
 
     def curves(self, omegas: NDArray[np.float64], amplitude: float, output: str) -> MotionCurves:
         """Both branches at ``omegas`` (rad/s) under base motion of ``amplitude`` m."""
@@ -100,14 +100,14 @@ class CurveSolver(Solver, Protocol):
 
 
 def register_solver(declaration: SolverDeclaration) -> None:
-    """Let case files name a further solver; ValueError where the name is taken."""
+    """Register a further solver for case files; ValueError where the name is taken."""
     SOLVERS.add(declaration)
 
 
 def solver(name: str, system: ImpactSystem, slowest: float, span: float = 0.0, **options: Any) -> Any:
-    """The solver of that name for one system and drives of ``slowest`` rad/s and more.
+    """Build a solver by name for one system and drives of ``slowest`` rad/s and more.
 
-    ValueError names the solvers or the options that there are, or says why this one cannot take the system.
+    ValueError names the known solvers or options, or says why this one cannot take the system.
     """
     if name not in SOLVERS:
         raise ValueError(f"no solver {name!r}: there are {', '.join(SOLVERS)}")

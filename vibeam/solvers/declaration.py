@@ -1,4 +1,4 @@
-"""What is declared of a solver: all that the case file, the sweep, the studies and the figures know of it."""
+"""Declaration of a solver: everything that the case file, the sweep, the studies and the figures know of it."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from importlib import import_module
 from inspect import Parameter, signature
 from typing import Any, Literal
 
-GIVEN = ("system", "slowest", "span")  # to every solver
+GIVEN = ("system", "slowest", "span")  # arguments of every solver
 
 
 @dataclass(frozen=True)
 class CostSettings:
-    """The settings that a cost study runs: named options, or methods at falling tolerances, or numbers of steps.
+    """Settings for a cost study: named options, or methods at falling tolerances, or numbers of steps.
 
-    ``limit``: events, or evaluations, a drive period at which a solver with tolerances gives up.
+    ``limit``: events, or evaluations, a drive period after which a solver with tolerances stops.
     """
 
     options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
@@ -26,7 +26,7 @@ class CostSettings:
 
 @dataclass(frozen=True)
 class SolverDeclaration:
-    """A solver: its name in a case file, its class, and what it can take.
+    """Declaration of a solver: its name in a case file, its class, its capabilities.
 
     ``home``: the class ``made as Class(system, slowest, span, **options)``, or ``"module:Class"``, imported when it is
     asked for. ``beyond_plain``: the same for systems with another contact law, coupled damping or a second stop; None
@@ -46,11 +46,11 @@ class SolverDeclaration:
 
     @property
     def samples(self) -> bool:
-        """Whether its motion is a row of samples and not exact between impacts."""
+        """True where its motion consists of samples and is not exact between impacts."""
         return self.motion == "samples"
 
     def make(self, system: Any, slowest: float, span: float, options: Mapping[str, Any]) -> Any:
-        """The solver of one system; ValueError for what it cannot take."""
+        """Build the solver of one system; ValueError for what it cannot take."""
         if system.beyond_plain and self.beyond_plain is None:
             system.require_plain(f"solver {self.name!r}")
         made = _class(self.beyond_plain if system.beyond_plain and self.beyond_plain else self.home)
@@ -70,7 +70,7 @@ def _class(home: str | type[Any]) -> type[Any]:
 
 
 def _options_of(made: type[Any]) -> list[str]:
-    """The options of a solver, those that it hands on to the class that it derives from among them."""
+    """Options of a solver class, those passed on to its base class included."""
     parameters = signature(made).parameters
     handed_on = any(each.kind is Parameter.VAR_KEYWORD for each in parameters.values())
     own = [name for name, each in parameters.items() if each.kind is not Parameter.VAR_KEYWORD and name not in GIVEN]

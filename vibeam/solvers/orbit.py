@@ -1,4 +1,4 @@
-"""The orbit solver: steady motions with one impact per n drive periods by formula, one frequency at a time."""
+"""Orbit solver: steady motions with one impact per n drive periods in closed form, frequency by frequency."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class OrbitSolver:
         hold: int,
         output: str,
     ) -> tuple[FrequencyResponse, State]:
-        """Steady points at ``omegas``; and the state of the last one at the drive's phase 0."""
+        """Steady points at ``omegas``; the state of the last one at the drive's phase 0."""
         grid = np.asarray(omegas, dtype=float)
         self.system.output(output)
         response = FrequencyResponse.empty(grid / (2 * np.pi), self.system.size)
@@ -56,7 +56,7 @@ class OrbitSolver:
         return response, last
 
     def curves(self, omegas: Sequence[float] | Array, amplitude: float | Array, output: str) -> MotionCurves:
-        """Both motions at every one of ``omegas``, rad/s: the roots of the quadratic, certified one by one.
+        """Both motions at ``omegas``, rad/s: the roots of the quadratic, certified one by one.
 
         ``amplitude``: of the base, m, one for all or one each.
         """
@@ -86,7 +86,7 @@ class OrbitSolver:
         return replace(blank, ended=np.array([Ended.NO_ORBIT.code])), equilibrium(self.system)
 
     def _orbit(self, drive: Drive) -> Orbit | None:
-        """The stable admissible motion, with the harder impact where there are two."""
+        """Stable admissible motion, with the harder impact where there are two."""
         return next((orbit for orbit in self._orbits(drive) if orbit.stable and orbit.admissible), None)
 
     def _orbits(self, drive: Drive) -> tuple[Orbit, ...]:
@@ -96,7 +96,7 @@ class OrbitSolver:
         return orbits(self.system, drive, self.periods, self.witness)
 
     def _linear(self, drive: Drive) -> State | None:
-        """The motion under the drive alone at its phase 0, where it exists and never reaches the stop."""
+        """Motion under the drive alone at its phase 0, where it exists and never reaches the stop."""
         h, rest = phasors(self.system, drive), offsets(self.system)
         loose = np.any((self.system.omega == 0) & (self.system.static != 0))
         high = float(abs(self.system.contact @ h) + self.system.contact @ rest)
@@ -106,7 +106,7 @@ class OrbitSolver:
 
 
 def _struck(seen: FrequencyResponse, orbit: Orbit, hold: int) -> FrequencyResponse:
-    """What was seen over one span, with the impact counted exactly once wherever in the drive's period it falls."""
+    """Window over one span with the impact counted exactly once, wherever in the drive's period it falls."""
     count = min(VELOCITIES_KEPT, max(1, hold // orbit.periods))
     velocities = np.full((1, VELOCITIES_KEPT), np.nan)
     velocities[0, VELOCITIES_KEPT - count :] = orbit.velocity

@@ -1,4 +1,4 @@
-"""The averaged motion in time: what the slow flow says of every instant of a period."""
+"""Averaged motion as a function of time, reconstructed from the slow flow."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from vibeam.system.state import State
 
 Array = NDArray[np.float64]
 
-SAMPLES = 1000  # a drive period
+SAMPLES = 1000  # samples a drive period
 
 
 def averaged_path(mode: OneMode, drive: Drive, motion: Motion, place: Array, start: float, end: float) -> Sampled:
-    """The stationary ``motion`` that is at ``place`` (q, q̇) at the drive's phase 0, from ``start`` to ``end`` s.
+    """Path of the stationary ``motion`` through ``place`` (q, q̇) at the drive's phase 0, from ``start`` to ``end`` s.
 
     With impacts q = Δ − Q|sin θ|, q̇ = −Q cos θ sgn sin θ, θ = Ωt/2k + θ₀; without, the harmonic one, or rest.
     """
@@ -47,7 +47,7 @@ def averaged_path(mode: OneMode, drive: Drive, motion: Motion, place: Array, sta
 
 
 def _struck(model: Oscillator, motion: Motion, angle: Array, times: Array, struck: Array) -> Array:
-    """(q, q̇) at angles θ; just before and after an impact, where sgn sin θ is round-off, by which side it is."""
+    """(q, q̇) at angles θ; at an impact, where sgn sin θ is round-off, the side is given explicitly."""
     reach = motion.high - motion.low
     whole = np.round(angle / np.pi)
     behind, ahead = np.isin(times, struck), np.isin(times, np.nextafter(struck, -np.inf))

@@ -1,4 +1,4 @@
-"""The slow flow of the averaged oscillator: the paper's eq. 16–27, re-derived, for any resonance Ω ≈ 2k.
+"""Slow flow of the averaged oscillator (paper eq. 16–27, re-derived) for any resonance Ω ≈ 2k.
 
 Zhuravlev's q = Δ − |z| unfolds the motion: between impacts, with s = sgn z,
 
@@ -53,7 +53,7 @@ REAL = 1e-7  # imaginary share below which a root of the quartic counts as real:
 
 @dataclass(frozen=True)
 class Stationary:
-    """A stationary solution: ``reach`` Q, ``phase`` ψ (rad, of the drive against the motion), whether it is stable."""
+    """Stationary solution: ``reach`` Q, ``phase`` ψ (rad, of the drive against the motion), and stability."""
 
     reach: float
     phase: float
@@ -62,7 +62,7 @@ class Stationary:
 
 @dataclass(frozen=True)
 class SlowFlow:
-    """The averaged oscillator near Ω = 2k, k = ``resonance``; ``damping``: which β_eff. All nondimensional.
+    """Averaged oscillator near Ω = 2k, k = ``resonance``; ``damping``: form of β_eff. All nondimensional.
 
     ValueError for a resonance below 1, an unknown damping, or R = 0 with ``"log"`` (an infinite rate of decay).
     """
@@ -120,13 +120,13 @@ class SlowFlow:
 
     def _solution(self, reach: float, omega: float) -> Stationary:
         side = copysign(1.0, self.oscillator.drive)
-        across = 0.0 - (pi * self.detuning(omega) * reach + 2 * self.oscillator.gap)  # 0, not −0: ψ is π, not −π
+        across = 0.0 - (pi * self.detuning(omega) * reach + 2 * self.oscillator.gap)  # +0 instead of −0: ψ is π, not −π
         phase = atan2(side * across, -side * pi * self.decay * reach)
         stable = self.decay > 0 and float(np.linalg.det(self.jacobian(reach, omega))) > 0
         return Stationary(reach, phase, stable)
 
     def frequencies(self, reach: float) -> tuple[float, ...]:
-        """The Ω > 0 at which Q = ``reach`` is stationary, ascending: the roots of a quartic in Ω.
+        """Frequencies Ω > 0 at which Q = ``reach`` is stationary, ascending: the roots of a quartic in Ω.
 
         Those far from 2k belong to the formula, not to the resonance.
         """
@@ -138,23 +138,23 @@ class SlowFlow:
         return tuple(float(2 * k * ratio) for ratio in np.sort(real))
 
     def backbone(self, reach: float) -> float:
-        """The Ω at which Q peaks for its phase: σ_k = −2Δ/πQ."""
+        """Frequency Ω of the peak of Q at constant phase: σ_k = −2Δ/πQ."""
         return 2 * self.resonance * (1 - 2 * self.oscillator.gap / (pi * reach))
 
     def least_stable(self, omega: float) -> float:
-        """Q* (eq. 24 corrected): stationary solutions are stable above it; 0 or less: all of them are."""
+        """Stability limit Q* (eq. 24 corrected): stationary solutions above it are stable, all where it is ≤ 0."""
         square = self.detuning(omega) ** 2 + self.decay**2
         return -2 * self.detuning(omega) * self.oscillator.gap / (pi * square) if square else nan
 
     def largest_gap(self, omega: float) -> float:
-        """Δ_MAX = |Ω²B_k| √(1 + σ_k²/β_k²): beyond it, on the side where the branch leans, nothing is stationary."""
+        """Largest gap with a stationary solution, on the branch's leaning side: Δ_MAX = |Ω²B_k| √(1 + σ_k²/β_k²)."""
         force, sigma = abs(self.force(omega)), self.detuning(omega)
         if self.decay == 0:
             return inf if sigma else force
         return force * hypot(1.0, sigma / self.decay)
 
     def gaps(self, omega: float) -> tuple[float, float]:
-        """The open interval of gaps with a stationary solution at Ω: (least, greatest).
+        """Open interval of gaps with a stationary solution at Ω: (least, greatest).
 
         A loose gap bends the branch to lower frequencies, so that for σ_k < 0 it reaches to Δ_MAX, past it to Ω²B_k; a
         tight one is its mirror image.
@@ -163,13 +163,13 @@ class SlowFlow:
         return (-force, fold) if self.detuning(omega) < 0 else (-fold, force)
 
     def narrowest(self) -> float:
-        """The Ω near 2k at which Δ_MAX is least: 3σ² + σ + 2β_k² = 0, Ω ≈ 2k(1 − 2β_k²); NaN where it is nowhere."""
+        """Frequency Ω near 2k of the least Δ_MAX: 3σ² + σ + 2β_k² = 0, Ω ≈ 2k(1 − 2β_k²); NaN where there is none."""
         under = 1 - 24 * self.decay**2
         return 2 * self.resonance * (5 + sqrt(under)) / 6 if under >= 0 else nan
 
 
 def law_faults(resonance: int, damping: str, restitution: float) -> list[str]:
-    """What is wrong with the choice of resonance and damping: empty where nothing is."""
+    """Faults in the choice of resonance and damping; empty if valid."""
     faults = [] if (whole(resonance) or 0) >= 1 else [f"resonance: {resonance!r} is not 1, 2, 3 …"]
     faults += [] if damping in LAWS else [f"damping: {damping!r} is none of 'paper', 'log'"]
     if damping == "log" and restitution == 0:

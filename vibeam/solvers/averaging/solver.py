@@ -1,4 +1,4 @@
-"""Averaging after the Zhuravlev transformation (paper eq. 16–27): frequency-response curves at the cost of a formula.
+"""Averaging after the Zhuravlev transformation (paper eq. 16–27): frequency-response curves in closed form.
 
 First order in β, 1−R, σ_k, B/Q and Δ/Q. The slow flow and its derivation are in ``slow_flow``.
 """
@@ -21,7 +21,7 @@ from vibeam.system.state import State
 
 Array = NDArray[np.float64]
 
-HIGHEST = 16  # the longest period that a response can name
+HIGHEST = 16  # longest period in a response
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class AveragedCurve:
 
     omega: Array
     reach: Array  #: Q of the stable solution
-    phase: Array  #: its ψ, rad in (−π, π]
-    unstable_reach: Array  #: Q of the unstable one
-    unstable_phase: Array  #: its ψ
+    phase: Array  #: ψ of the stable solution, rad in (−π, π]
+    unstable_reach: Array  #: Q of the unstable solution
+    unstable_phase: Array  #: ψ of the unstable solution
     least_stable: Array  #: Q*: the stability boundary (eq. 24 corrected); 0 or less: every solution is stable
     largest_gap: Array  #: Δ_MAX
 
@@ -47,7 +47,7 @@ def slow_flow(
     resonance: int = 1,
     damping: Damping = "paper",
 ) -> tuple[SlowFlow, float]:
-    """The slow flow of a system of one mode under base motion of ``amplitude`` m, and its unit of frequency, rad/s.
+    """Slow flow of a system of one mode under base motion of ``amplitude`` m, and its unit of frequency, rad/s.
 
     An ``Oscillator`` carries its own drive: no ``amplitude``, and the unit is 1. ValueError for what does not fit.
     """
@@ -69,7 +69,10 @@ def averaging(
     resonance: int = 1,
     damping: Damping = "paper",
 ) -> AveragedCurve:
-    """All stationary solutions over ``omega`` (rad/s for a system, Ω for an ``Oscillator``); else as ``slow_flow``."""
+    """Compute all stationary solutions over ``omega`` (rad/s for a system, Ω for an ``Oscillator``).
+
+    Arguments and errors otherwise as in ``slow_flow``.
+    """
     flow, unit = slow_flow(subject, amplitude, resonance=resonance, damping=damping)
     grid = np.atleast_1d(np.asarray(omega, dtype=float))
     rows = [_point(flow, float(one) / unit) for one in grid]
@@ -87,7 +90,7 @@ def _first(solutions: list[Stationary]) -> tuple[float, float]:
 
 
 class AveragingSolver(StationarySolver):
-    """The averaged motion of one mode near the resonance Ω = 2k: one impact every k drive periods.
+    """Averaged motion of one mode near the resonance Ω = 2k: one impact every k drive periods.
 
     At each frequency the stable solution, or the motion without impacts, whichever is nearer to the carried state. The
     motion is q = Δ − Q |sin((Ωt − ψ)/2k)|, its impact velocity Q, its amplitude Q/2.
@@ -105,7 +108,7 @@ class AveragingSolver(StationarySolver):
     ) -> None:
         """``resonance``: k, 1 … 16; ``damping``: β_eff = β + (1−R)/π ("paper") or β − ln(R)/π ("log").
 
-        ``slowest`` and ``span`` have no meaning for a formula. ValueError for more than one mode, no stiffness, a mode
+        ``slowest`` and ``span`` are ignored. ValueError for more than one mode, no stiffness, a mode
         that is not underdamped, R = 0 with "log".
         """
         super().__init__(system, strikes_only)
@@ -116,7 +119,7 @@ class AveragingSolver(StationarySolver):
         self.resonance, self.damping = resonance, damping
 
     def curves(self, omegas: ArrayLike, amplitude: ArrayLike, output: str) -> MotionCurves:
-        """Both stationary solutions at every one of ``omegas``, rad/s; q ≤ Δ always, so all are admissible."""
+        """Both stationary solutions at ``omegas``, rad/s; q ≤ Δ always, so all are admissible."""
         grid, mode = np.atleast_1d(np.asarray(omegas, dtype=float)), self.mode
         share = abs(float(self.system.output(output)[0]) / mode.contact)
         base = np.broadcast_to(np.asarray(amplitude, dtype=float), grid.shape)
@@ -131,12 +134,12 @@ class AveragingSolver(StationarySolver):
         return found
 
     def striking(self, model: Oscillator, omega: float) -> list[Motion]:
-        """The motion of the stable stationary solution, if there is one."""
+        """Motion of the stable stationary solution, if there is one."""
         flow = SlowFlow(model, self.resonance, self.damping)
         return [averaged_motion(flow, found) for found in flow.stationary(omega) if found.stable]
 
     def motion(self, drive: Drive, state: State | None, t_start: float, t_end: float) -> Sampled:
-        """The stationary motion nearest to ``state``, ``t_start`` to ``t_end`` in s; ValueError where there is none."""
+        """Stationary motion nearest to ``state``, ``t_start`` to ``t_end`` in s; ValueError where there is none."""
         found = nearest(
             self.motions(self.mode.oscillator(drive.amplitude), drive.omega / self.mode.omega), self.mode.inward(state)
         )
@@ -146,7 +149,7 @@ class AveragingSolver(StationarySolver):
 
 
 def averaged_motion(flow: SlowFlow, found: Stationary) -> Motion:
-    """The motion q = Δ − Q |sin θ|, q̇ = −Q cos θ sgn sin θ, θ = (Ωt − ψ)/2k, of a stationary solution."""
+    """Motion q = Δ − Q |sin θ|, q̇ = −Q cos θ sgn sin θ, θ = (Ωt − ψ)/2k, of a stationary solution."""
     k, gap, reach = flow.resonance, flow.oscillator.gap, found.reach
     angle = (-found.phase / 2 + np.pi * np.arange(k)) / k
     side = np.where(np.sin(angle) < 0, -1.0, 1.0)

@@ -1,4 +1,4 @@
-"""The coordinates in which solvers with events integrate a flight, and what the solvers over them share."""
+"""Coordinates in which solvers with events integrate a flight, and their common parts."""
 
 from __future__ import annotations
 
@@ -35,11 +35,11 @@ class Settings:
 
 
 class Frame(Protocol):
-    """The coordinates of one flight. States are (2n,), or (2n, m) for m of them, as scipy has them."""
+    """Coordinates of one flight. States are (2n,), or (2n, m) for m of them, as in scipy."""
 
     @property
     def scale(self) -> Array:
-        """(2n,): size of each coordinate where the contact moves by 1 m."""
+        """Size of each coordinate, (2n,), for a contact motion of 1 m."""
         ...
 
     def outward(self, states: Array) -> Array:
@@ -47,11 +47,11 @@ class Frame(Protocol):
         ...
 
     def rate(self, t: float, y: Array) -> Any:
-        """dy/dt in flight."""
+        """Rate dy/dt in flight."""
         ...
 
     def rate_at_rest(self, t: float, y: Array) -> Any:
-        """dy/dt where the contact is held on the stop."""
+        """Rate dy/dt with the contact held on the stop."""
         ...
 
     def excess(self, y: Array) -> Any:
@@ -67,11 +67,11 @@ class Frame(Protocol):
         ...
 
     def touch(self, y: Array) -> Array:
-        """The state exactly on the stop."""
+        """State projected exactly onto the stop."""
         ...
 
     def hold(self, y: Array) -> Array:
-        """The state on the stop, its contact velocity taken out by the least impulse."""
+        """State on the stop, its contact velocity removed by the least impulse."""
         ...
 
     def strike(self, y: Array) -> tuple[Frame, Array]:
@@ -80,14 +80,14 @@ class Frame(Protocol):
 
 
 def chosen(method: str, known: Sequence[str]) -> str:
-    """The method, if it is one of those known; ValueError if not."""
+    """Validate the method against the known ones; ValueError for another."""
     if method not in known:
         raise ValueError(f"method: {method!r} is none of {', '.join(known)}")
     return method
 
 
 def only_one_mode(name: str, system: ImpactSystem) -> None:
-    """ValueError for a system of several modes."""
+    """Raise ValueError for a system of several modes."""
     if system.size != 1:
         raise ValueError(
             f"{name}: its coordinates are made for one mode, this system has {system.size}: reduce it to 1"

@@ -1,4 +1,4 @@
-"""Direct integration: the modal equations by scipy's solvers, an event at every impact."""
+"""Direct integration: the modal equations by scipy's solvers, with an event at every impact."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class ModalFrame:
 
     @classmethod
     def of(cls, system: ImpactSystem, drive: Drive) -> ModalFrame:
-        """The frame of a system under a drive."""
+        """Frame of a system under a drive."""
         mobility = float(system.contact @ system.contact)
         rates = np.where(system.omega > 0, system.omega, 1.0)
         return cls(
@@ -56,49 +56,49 @@ class ModalFrame:
         )
 
     def outward(self, states: Array) -> Array:
-        """As ``Frame.outward``."""
+        """See ``Frame.outward``."""
         return np.ascontiguousarray(states.T.reshape(-1, 2, len(self.contact)))
 
     def acceleration(self, t: float, y: Array) -> Array:
-        """f (n,), as if there were no stop."""
+        """Acceleration f (n,) without the stop."""
         n = len(self.contact)
         force = self.force * np.sin(self.drive * t) + self.static
         damped = self.damping * y[n:] if self.damping.ndim == 1 else self.damping @ y[n:]
         return np.asarray(force - damped - self.stiffness * y[:n])
 
     def rate(self, t: float, y: Array) -> Array:
-        """As ``Frame.rate``."""
+        """See ``Frame.rate``."""
         return np.concatenate((y[len(self.contact) :], self.acceleration(t, y)))
 
     def rate_at_rest(self, t: float, y: Array) -> Array:
-        """As ``Frame.rate_at_rest``."""
+        """See ``Frame.rate_at_rest``."""
         force = self.acceleration(t, y)
         held = force - self.contact * (float(self.contact @ force) / self.mobility)
         return np.concatenate((y[len(self.contact) :], held))
 
     def excess(self, y: Array) -> Array:
-        """As ``Frame.excess``."""
+        """See ``Frame.excess``."""
         return np.asarray(self.contact @ y[: len(self.contact)] - self.gap)
 
     def approach(self, y: Array) -> Array:
-        """As ``Frame.approach``."""
+        """See ``Frame.approach``."""
         return np.asarray(self.contact @ y[len(self.contact) :])
 
     def press(self, t: float, y: Array) -> float:
-        """As ``Frame.press``."""
+        """See ``Frame.press``."""
         return float(self.contact @ self.acceleration(t, y))
 
     def touch(self, y: Array) -> Array:
-        """As ``Frame.touch``."""
+        """See ``Frame.touch``."""
         n = len(self.contact)
         return np.concatenate((y[:n] - self.contact * (self.excess(y) / self.mobility), y[n:]))
 
     def hold(self, y: Array) -> Array:
-        """As ``Frame.hold``."""
+        """See ``Frame.hold``."""
         return self._kick(self.touch(y), 0.0)
 
     def strike(self, y: Array) -> tuple[Frame, Array]:
-        """As ``Frame.strike``: η'⁺ = η'⁻ + c p with p = −(1+R) v⁻/S."""
+        """See ``Frame.strike``: η'⁺ = η'⁻ + c p with p = −(1+R) v⁻/S."""
         return self, self._kick(y, self.restitution if self.law is None else self.law.at(float(self.approach(y))))
 
     def _kick(self, y: Array, restitution: float) -> Array:
@@ -116,10 +116,10 @@ class DirectSolver(EventSolver):
     METHODS = (*EXPLICIT, "LSODA")
 
     def takes(self, system: ImpactSystem) -> None:
-        """As ``EventSolver.takes``: R(v) and damping that couples the modes it can; a stop that yields, or two, not."""
+        """See ``EventSolver.takes``: accepts R(v) and coupled damping, rejects a yielding stop and a second stop."""
         if system.second_gap is not None or isinstance(system.law, LinearStop | HuntCrossley):
             system.require_plain("solver 'direct'")
 
     def enter(self, drive: Drive, state: State) -> tuple[Frame, Array]:
-        """As ``EventSolver.enter``."""
+        """See ``EventSolver.enter``."""
         return ModalFrame.of(self.system, drive), np.concatenate([state.displacement, state.velocity])

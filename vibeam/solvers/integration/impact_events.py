@@ -1,6 +1,6 @@
-"""Integration from impact to impact: scipy's solvers, stopped by an event at the stop and started again behind it.
+"""Integration with event detection: scipy's solvers stop at each impact and restart after it.
 
-What goes wrong in such a loop, and what is done here:
+Difficulties of event detection at impacts, and their treatment:
 
 - A flight starts on the stop, where the distance is zero already. The event function is therefore the contact's
   excess over the stop *divided by the time since the impact*: it starts at minus the speed of leaving, so that even a
@@ -40,17 +40,17 @@ LONGEST = 1 / 8  # longest step, as a share of the drive period
 
 TINY = 1e-300
 
-DEEP = 1e-2  # share of atol by which a step may pass the stop before it counts as an impact
+DEEP = 1e-2  # tolerance, as a share of atol, before a passage of the stop counts as an impact
 
 ROUNDING = 1e-15
 
-STUCK = 1e-12  # share of a period below which a flight has not begun
+STUCK = 1e-12  # share of a period below which a flight counts as not begun
 
-ONE_AT_A_TIME = Lock()  # LSODA keeps its state in one place for all threads, in scipy before 1.17
+ONE_AT_A_TIME = Lock()  # before scipy 1.17, LSODA keeps its state in one place for all threads
 
 
 class EventSolver(Stepper):
-    """What solvers with events share: they differ in the ``Frame`` of their flights."""
+    """Base class of the solvers with events; they differ in the ``Frame`` of their flights."""
 
     METHODS: tuple[str, ...]
 
@@ -66,7 +66,7 @@ class EventSolver(Stepper):
         limit: int = 1000,
         repeats: float | None = None,
     ) -> None:
-        """``slowest`` and ``span`` mean nothing here.
+        """``slowest`` and ``span`` are ignored.
 
         ``method``: scipy's name, one of ``METHODS``; "RK23" is the paper's (Matlab's ode23). ``rtol``: a step's; no
         step is longer than an eighth of the drive period.
@@ -81,7 +81,7 @@ class EventSolver(Stepper):
         self.repeats = max(1e-5, 10 * rtol) if repeats is None else repeats
 
     def takes(self, system: ImpactSystem) -> None:
-        """ValueError for a system that this solver cannot take."""
+        """Raise ValueError for a system that this solver cannot take."""
         system.require_plain("this solver")
 
     @abstractmethod
@@ -91,7 +91,7 @@ class EventSolver(Stepper):
     def run(
         self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS
     ) -> Outcome:
-        """As ``Stepper.run``."""
+        """See ``Stepper.run``."""
         frame, y = self.enter(drive, state)
         course = Course(frame, y, self.settings, cycle(self.system, drive), start, end, watch, marks)
         with np.errstate(all="ignore"):
@@ -103,7 +103,7 @@ class EventSolver(Stepper):
 
 
 class Course:
-    """One run: where it is, and what it has counted."""
+    """Progress of one run: its present state and its counters."""
 
     def __init__(
         self, frame: Frame, y: Array, settings: Settings, period: float, start: float, end: float,
@@ -118,7 +118,7 @@ class Course:
         self.deep = max(DEEP * settings.atol, ROUNDING * float(np.max(np.abs(y / frame.scale))))
 
     def travel(self, allowed: float, resting: bool) -> Ended:
-        """Flight, impact, rest, release … to the end; the start may lie ``allowed`` m beyond the stop."""
+        """Advance through flights, impacts and rests to the end; the start may lie ``allowed`` m beyond the stop."""
         excess = self.frame.excess(self.y)
         if excess > allowed:
             return Ended.PENETRATED
@@ -144,9 +144,9 @@ class Course:
         return self.events <= self.settings.limit
 
     def land(self, stuck: bool = False) -> None:
-        """On the stop: an impact where it is approached, then a flight, or rest where that would rise below atol.
+        """Treat contact at the stop: impact if approached, then a flight, or rest where that would rise below atol.
 
-        ``stuck``: the last flight ended where it began, as one does that starts without speed under a growing force.
+        ``stuck``: the last flight ended where it began: a start without speed under a growing force.
         """
         self.y = self.frame.touch(self.y)
         if self.frame.approach(self.y) > 0:
@@ -159,7 +159,7 @@ class Course:
             self.y = self.frame.hold(self.y)
 
     def fly(self) -> bool:
-        """One flight; whether it ends at the stop."""
+        """Integrate one flight; return whether it ends at the stop."""
         event = self._event()
         found = self._solve(self.frame.rate, event, self.watch is not None)
         if found is None:
@@ -176,7 +176,7 @@ class Course:
         return struck
 
     def rest(self) -> bool:
-        """Held on the stop until the contact force changes sign; then (or at the end) nothing strikes."""
+        """Integrate the rest on the stop until the contact force changes sign; then, or at the end, nothing strikes."""
         event = self.frame.press
         found = self._solve(self.frame.rate_at_rest, _terminal(lambda t, y: event(t, y), -1.0), self.watch is not None)
         if found is not None:
@@ -186,7 +186,7 @@ class Course:
         return False
 
     def _event(self) -> Any:
-        """Excess over the stop; from a start on the stop, over the time since then."""
+        """Event function: excess over the stop; for a start on the stop, divided by the time since then."""
         frame, start, leaving = self.frame, self.t, min(self.frame.approach(self.y), -TINY)
         if not self.touching:
             return _terminal(lambda t, y: frame.excess(y), 1.0)
@@ -212,7 +212,7 @@ class Course:
         return found
 
     def _passed(self, times: Array, states: Array) -> tuple[float, float] | None:
-        """Start of the first step inside which the contact turns beyond the stop, and when it does."""
+        """Begin of the first step inside which the contact turns beyond the stop, and time of that turn."""
         shares, heights = turning_points(times, self.frame.excess(states), self.frame.approach(states))
         beyond = np.where(shares * (1 - shares) > 0, heights, -np.inf)
         steps = np.flatnonzero(np.max(beyond, axis=0) > self.deep)
@@ -224,7 +224,7 @@ class Course:
 
     @staticmethod
     def _first_root(event: Any, dense: Any, before: float, turn: float) -> float | None:
-        """The impact before the turn; None where the dense output does not get there."""
+        """Impact before the turn; None where the dense output does not reach the stop."""
         from scipy.optimize import brentq
 
         if event(turn, dense(turn)) <= 0:
@@ -232,7 +232,7 @@ class Course:
         return float(brentq(lambda t: event(t, dense(t)), before, turn, xtol=1e-14 * abs(turn) + TINY, rtol=1e-15))
 
     def _leave(self, found: Any, times: Array, states: Array, struck: bool, rest: float = 0.0) -> None:
-        """Go to the last state, and show the stretch to whoever watches."""
+        """Move to the last state and pass the stretch to the observer."""
         self.t, self.y, self.touching = float(times[-1]), states[:, -1], False
         if self.watch is None:
             return
@@ -244,7 +244,7 @@ class Course:
 
 
 def samples(times: Array, marks: Array) -> Array:
-    """``PER_STEP`` times a step, and the marks inside."""
+    """Sample times: ``PER_STEP`` a step, and the marks inside."""
     shares = np.arange(PER_STEP) / PER_STEP
     between = (times[:-1, None] + np.diff(times)[:, None] * shares).ravel()
     inside = marks[(marks > times[0]) & (marks < times[-1])]

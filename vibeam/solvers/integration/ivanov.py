@@ -43,12 +43,12 @@ Array = NDArray[np.float64]
 
 
 class _Endless(Exception):
-    """More evaluations in one drive period than allowed."""
+    """More evaluations in one drive period than ``limit``."""
 
 
 @dataclass
 class Smooth:
-    """y = (z, v); counts its evaluations, and no more than ``limit`` in one ``period``."""
+    """Coordinates y = (z, v); counts evaluations, up to ``limit`` in one ``period``."""
 
     of: Distance
     loss: float
@@ -84,7 +84,7 @@ class Smooth:
         return push < 0 and slope * slope <= 2 * push * (abs(z) - self.atol)
 
     def resting(self, times: Array, states: Array) -> float:
-        """Time that samples (m,), (2, m) spend frozen."""
+        """Time that samples (m,), (2, m) spend at rest."""
         parts = [(z, self._factor(z, v) * v, self._push(t, z)) for t, z, v in zip(times, *states, strict=True)]
         frozen = np.array([self._frozen(*part) for part in parts])
         return float(np.sum(np.diff(times)[frozen[1:] & frozen[:-1]]))
@@ -120,9 +120,9 @@ class IvanovSolver(Stepper):
     ) -> None:
         """Options as for ``EventSolver``, but ``limit``: evaluations of the right-hand side in a drive period.
 
-        ``repeats`` None: 30 rtol (the jumps make settled runs repeat to some 10 rtol). No "LSODA": a method that lives
-        on its past steps goes wrong, or never ends, at the jumps. ValueError for more than one mode or R = 0. Impacts
-        are read off at changes of sign between samples, four a step; a run that is stopped ends at its start and shows
+        ``repeats`` None: 30 rtol (the jumps make settled runs repeat to some 10 rtol). No "LSODA": a multistep method
+        fails, or never ends, at the jumps. ValueError for more than one mode or R = 0. Impacts
+        are located at changes of sign between samples, four a step; a run that is stopped ends at its start and has
         no path.
         """
         only_one_mode("ivanov", system)
@@ -134,7 +134,7 @@ class IvanovSolver(Stepper):
     def run(
         self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS
     ) -> Outcome:
-        """As ``Stepper.run``."""
+        """See ``Stepper.run``."""
         from scipy.integrate import solve_ivp
 
         restitution, distance = self.system.restitution, Distance.of(self.system, drive)
@@ -166,12 +166,12 @@ class IvanovSolver(Stepper):
 
 
 def side_of(y: Array) -> float:
-    """sgn z; on the stop the side that v leads to."""
+    """Side sgn z; on the stop the side towards which v points."""
     return float(np.sign(y[0]) or np.sign(y[1]) or 1.0)
 
 
 def _show(smooth: Smooth, found: Any, watch: Watch, marks: Array) -> None:
-    """The motion as flights, cut where z changes sign."""
+    """Pass the motion on as flights, cut where z changes sign."""
     times = samples(found.t, marks)
     z = found.sol(times)[0]
     cuts = np.flatnonzero(z[1:] * z[:-1] < 0)

@@ -1,4 +1,4 @@
-"""Moreau–Jean time stepping: fixed steps over everything, impacts as impulses within a step; coarse and robust.
+"""Moreau–Jean time stepping: fixed steps, impacts as impulses within a step; coarse and robust.
 
 With velocities v, w the contact row, u = w·v, and θ-averages (·)_θ = θ(·)_{k+1} + (1−θ)(·)_k, a step is
 
@@ -40,7 +40,7 @@ Array = NDArray[np.float64]
 F = TypeVar("F", bound=Callable[..., Any])
 
 
-# rows (ROWS, n): ω², 2ζω, contact, load Ω²B, static, 1/(1 + 2ζω θh + ω²θ²h²), room for the free velocities
+# rows (ROWS, n): ω², 2ζω, contact, load Ω²B, static, 1/(1 + 2ζω θh + ω²θ²h²), workspace for the free velocities
 STIFFNESS, DAMPING, CONTACT, LOAD, STATIC, INVERSE, FREE = range(7)
 
 ROWS = 7
@@ -61,9 +61,9 @@ def march(
     rows: Array, scheme: Array, sines: Array, pose: Array, samples: Array, pushed: Array, strikes: Array,
     totals: NDArray[np.int64],
 ) -> None:  # fmt: skip
-    """Take ``pose`` (2, n) on by len(sines) − 1 steps; ``sines``: sin Ωt at their ends.
+    """Advance ``pose`` (2, n) by len(sines) − 1 steps; ``sines``: sin Ωt at their ends.
 
-    ``samples`` (steps + 1, 2, n) and ``pushed`` (steps,) take the states and the impulses, unless empty.
+    ``samples`` (steps + 1, 2, n) and ``pushed`` (steps,) receive the states and the impulses, unless empty.
     """
     n, h, theta = rows.shape[1], scheme[STEP], scheme[THETA]
     mobility = 0.0
@@ -99,7 +99,7 @@ def march(
             pushed[i] = impulse
 
 
-EDGE = 1e-9  # share of a step by which a span may be longer than a whole number of steps
+EDGE = 1e-9  # tolerance, as a share of a step, for a span to be a whole number of steps
 
 
 class MoreauSolver(Stepper):
@@ -115,7 +115,7 @@ class MoreauSolver(Stepper):
         theta: float = 0.5,
         repeats: float | None = None,
     ) -> None:
-        """``slowest`` and ``span`` mean nothing here.
+        """``slowest`` and ``span`` are ignored.
 
         ``steps`` a drive period (a motion takes the nearest number above it that fits its span); ``theta`` from ½
         (undamped) to 1 (fully implicit). ``repeats``: how far states a period apart may differ, as a share of the
@@ -131,7 +131,7 @@ class MoreauSolver(Stepper):
     def run(
         self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS
     ) -> Outcome:
-        """As ``Stepper.run``; ``marks`` must be whole periods from ``start``. State is handed on off the stop."""
+        """See ``Stepper.run``; ``marks`` must be whole periods from ``start``. The returned state is off the stop."""
         system, longest = self.system, cycle(self.system, drive) / self.steps
         if float(system.contact @ state.displacement) - system.gap > slack(system, state.displacement):
             return Outcome(Ended.PENETRATED, start, state, 0, 0)
@@ -146,7 +146,7 @@ class MoreauSolver(Stepper):
 
 
 class _March:
-    """The arrays of one run, and its impacts."""
+    """Arrays of one run, and its impacts."""
 
     def __init__(self, solver: MoreauSolver, drive: Drive, pose: Array, h: float, watch: Watch | None) -> None:
         system, n, most = solver.system, solver.system.size, solver.steps
@@ -158,7 +158,7 @@ class _March:
         self.strikes, self.totals = np.empty((most, 2)), np.zeros(2, dtype=np.int64)
 
     def chunk(self, start: float, first: int, count: int) -> None:
-        """Steps ``first`` to ``first + count``."""
+        """Advance by steps ``first`` to ``first + count``."""
         times: Array = start + self.h * np.arange(first, first + count + 1, dtype=float)
         if self.watch is not None:
             self.samples[0] = self.pose
@@ -178,7 +178,7 @@ class _March:
 
 
 def moreau_rows(system: ImpactSystem, drive: Drive, h: float, theta: float) -> Array:
-    """The kernel's rows (ROWS, n) of a system for steps of ``h`` s."""
+    """Rows (ROWS, n) of a system for the kernel, for steps of ``h`` s."""
     rows = np.zeros((ROWS, system.size))
     stiffness, damping = system.omega**2, 2 * system.zeta * system.omega
     inverse = 1 / (1 + theta * h * damping + (theta * h) ** 2 * stiffness)

@@ -1,4 +1,4 @@
-"""What is read off a motion known at samples: extremes, energies, impacts, after how many periods it repeats.
+"""Observers of a sampled motion: extremes, energies, impacts, period.
 
 Between two samples a motion is taken as the cubic through both values and slopes (an error of the fourth order in
 their distance), or as the chord where it is not smooth.
@@ -19,12 +19,12 @@ from vibeam.system.state import State
 
 Array = NDArray[np.float64]
 
-SLACK = 1e-9  # share of a period by which a sample's time may miss the period's end
+SLACK = 1e-9  # tolerance, as a share of a period, between a sample's time and the period's end
 
 
 @dataclass(frozen=True)
 class Piece:
-    """A stretch of motion: samples (m, 2, n) at ascending times (m,), the last one just before the impact that ends it.
+    """Stretch of motion: samples (m, 2, n) at ascending times (m,), the last one just before the impact that ends it.
 
     ``impact_times`` and ``impact_velocities`` (k,): the impacts in it; ``rest``: time at rest on the stop, s;
     ``smooth`` (m − 1,): False between samples with an impact between them, None where there are no such.
@@ -40,7 +40,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run ended, when (s), in which state; impacts and evaluations of the right-hand side (or steps) it took."""
+    """Outcome of a run: reason, time (s) and state at the end; impacts and evaluations of the right-hand side."""
 
     ended: Ended
     time: float
@@ -51,7 +51,7 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Motion:
-    """A motion at samples, SI units: ``times`` (m,), modal ``values`` (m, 2, n); at an impact one before, one after.
+    """Sampled motion, SI units: ``times`` (m,), modal ``values`` (m, 2, n); at an impact one before, one after.
 
     ``impact_velocities`` (k,): contact velocities just before, positive toward the stop; ``rest``: time at rest on the
     stop, s. ``stats``: impacts, evaluations, cpu_seconds.
@@ -70,16 +70,16 @@ class Motion:
     stats: Mapping[str, float]
 
     def displacement(self, output: str = "contact") -> Array:
-        """The output (m,) at ``times``, m; KeyError for an unknown name."""
+        """Output (m,) at ``times``, m; KeyError for an unknown name."""
         return np.asarray(self.values[:, 0] @ self.system.output(output))
 
     def velocity(self, output: str = "contact") -> Array:
-        """The output's rate (m,) at ``times``, m/s."""
+        """Rate of an output (m,) at ``times``, m/s."""
         return np.asarray(self.values[:, 1] @ self.system.output(output))
 
 
 class Reading:
-    """Takes the pieces of ``hold`` periods in turn (from time 0) and reads off them what a steady point shows."""
+    """Accumulates the pieces of ``hold`` periods, in order (from time 0), to the quantities of a steady point."""
 
     def __init__(self, system: ImpactSystem, drive: Drive, output: str, hold: int, start: State) -> None:
         self.system, self.drive, self.row, self.hold = system, drive, system.output(output), hold
@@ -90,7 +90,7 @@ class Reading:
         self.velocities: list[float] = []
 
     def add(self, piece: Piece) -> None:
-        """Read one piece."""
+        """Add one piece."""
         low, high = self._extremes(piece, self.row)
         self.low, self.high = min(self.low, low), max(self.high, high)
         self.least = min(self.least, self._extremes(piece, self.system.contact)[0])
@@ -109,7 +109,7 @@ class Reading:
         self.strobes += list(piece.values[np.searchsorted(piece.times, inside - slack)])
 
     def write(self, response: FrequencyResponse, i: int, repeats: float) -> None:
-        """Put what was read into point ``i``; ``repeats``: tolerance of ``repetition``."""
+        """Write the quantities to point ``i``; ``repeats``: tolerance of ``repetition``."""
         span, struck = self.hold * self.marks[0], len(self.velocities)
         response.maximum[i], response.minimum[i] = self.high, self.low
         response.amplitude[i] = (self.high - self.low) / 2
@@ -125,7 +125,7 @@ class Reading:
 
 
 def turning_points(times: Array, values: Array, slopes: Array) -> tuple[Array, Array]:
-    """Where (as shares 0…1 of each interval) and how high the cubics between samples turn: (2, m − 1) each.
+    """Positions (shares 0…1 of each interval) and values of the turning points of the cubics: (2, m − 1) each.
 
     p(s) = x₀ + a s + b s² + c s³ with p'(s) = a + 2bs + 3cs²; where a cubic does not turn inside, its ends stand in.
     """
@@ -151,7 +151,7 @@ def extremes(
 
 
 def energy(piece: Piece, omega: Array) -> Array:
-    """∫ ½(η'² + ω²η²) dt of each mode (n,) over a piece: Simpson's rule, the midpoints from the cubics."""
+    """Energy integral ∫ ½(η'² + ω²η²) dt of each mode (n,) over a piece: Simpson's rule, midpoints from the cubics."""
     x, v, h = piece.values[:, 0], piece.values[:, 1], np.diff(piece.times)[:, None]
     ends = (v**2 + omega**2 * x**2) / 2
     rise = np.divide(np.diff(x, axis=0), h, out=np.zeros_like(x[1:]), where=h > 0)

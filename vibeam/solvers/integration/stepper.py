@@ -1,4 +1,4 @@
-"""Steady points and motions for solvers that step through time: what they share around their ``run``."""
+"""Base class of time-stepping solvers: steady points and motions from their ``run``."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ Array = NDArray[np.float64]
 
 Watch = Callable[[Piece], None]
 
-BEYOND = 1e-9  # share of the contact displacement's size by which a start may lie beyond the stop
+BEYOND = 1e-9  # tolerance for a start beyond the stop, as a share of the contact displacement's size
 
 NO_MARKS = np.empty(0)
 
 
 class Stepper(ABC):
-    """A solver that steps through time: it brings ``run``, and has ``steady`` and ``motion`` from it."""
+    """Time-stepping solver: subclasses define ``run``; ``steady`` and ``motion`` are built on it."""
 
     system: ImpactSystem
-    repeats: float  #: how far states a period apart may differ, as a share of the motion's size
+    repeats: float  #: tolerance between states a period apart, as a share of the motion's size
 
     @abstractmethod
     def run(
         self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS
     ) -> Outcome:
-        """The motion from ``start`` to ``end`` (s); ``watch`` is given it in pieces, with a sample at all ``marks``.
+        """Run from ``start`` to ``end`` (s); ``watch`` receives the motion in pieces, with a sample at all ``marks``.
 
         Without ``watch`` nothing is sampled.
         """
@@ -48,9 +48,9 @@ class Stepper(ABC):
         hold: int,
         output: str,
     ) -> tuple[FrequencyResponse, State]:
-        """Steady points at ``omegas`` (rad/s) in turn under base motion of ``amplitude`` m; and the last state.
+        """Steady points at ``omegas`` (rad/s), in order, under base motion of ``amplitude`` m; and the last state.
 
-        The state is carried from each to the next. What scipy gives up ends with Ended.NOT_FINITE.
+        The state is carried from each to the next. Where scipy gives up, the point ends with Ended.NOT_FINITE.
         """
         response = FrequencyResponse.empty(np.asarray(omegas, dtype=float) / (2 * np.pi), self.system.size)
         state = first_state(self.system, state)
@@ -61,7 +61,7 @@ class Stepper(ABC):
         return response, state
 
     def motion(self, drive: Drive, state: State | None, t_start: float, t_end: float) -> Motion:
-        """The motion from ``t_start`` to ``t_end`` (s) at the solver's own samples; ``state`` None: static equilibrium.
+        """Motion from ``t_start`` to ``t_end`` (s) at the solver's own samples; ``state`` None: static equilibrium.
 
         ValueError for times that do not ascend or a state of the wrong shape.
         """
@@ -78,7 +78,7 @@ def steady_point(
     response: FrequencyResponse,
     i: int,
 ) -> State:
-    """Fill point ``i`` from ``state``; the state after it, equilibrium where it failed."""
+    """Compute point ``i`` from ``state``; return the state after it, equilibrium where it failed."""
     period = 2 * np.pi / drive.omega
     settled = solver.run(drive, state, 0.0, settle * period)
     reading = Reading(solver.system, drive, output, hold, settled.state)
@@ -96,7 +96,7 @@ def steady_point(
 
 
 def sampled_motion(solver: Stepper, drive: Drive, state: State | None, start: float, end: float) -> Motion:
-    """As ``Stepper.motion``."""
+    """See ``Stepper.motion``."""
     if not (np.isfinite(start) and np.isfinite(end) and end > start >= 0):
         raise ValueError(f"times: t_end {end} must be finite and after t_start {start} ≥ 0")
     begun = time.thread_time()
@@ -125,7 +125,7 @@ def sampled_motion(solver: Stepper, drive: Drive, state: State | None, start: fl
 
 
 def first_state(system: ImpactSystem, state: State | None) -> State:
-    """The state to start from, static equilibrium for None; ValueError where its shape is wrong."""
+    """Initial state, static equilibrium for None; ValueError where its shape is wrong."""
     if state is None:
         return equilibrium(system)
     both = [np.asarray(row, dtype=float) for row in (state.displacement, state.velocity)]
@@ -135,17 +135,17 @@ def first_state(system: ImpactSystem, state: State | None) -> State:
 
 
 def slack(system: ImpactSystem, displacement: Array) -> float:
-    """By how much the contact displacement may lie beyond the gap and still count as on the stop, m."""
+    """Tolerance of the contact displacement beyond the gap that still counts as on the stop, m."""
     return BEYOND * (abs(system.gap) + float(np.abs(system.contact) @ np.abs(displacement)))
 
 
 def onto_stop(system: ImpactSystem, displacement: Array) -> Array:
-    """The displacement (n,), taken back to the stop by the shortest way where it lies beyond."""
+    """Displacement (n,), projected onto the stop by the shortest way where it lies beyond."""
     beyond = float(system.contact @ displacement) - system.gap
     return displacement - system.contact * (max(beyond, 0.0) / float(system.contact @ system.contact))
 
 
 def cycle(system: ImpactSystem, drive: Drive) -> float:
-    """The drive's period in s, the slowest mode's where nothing is driven."""
+    """Drive period in s, the slowest mode's without a drive."""
     rates = [drive.omega] if drive.omega > 0 else [*system.omega[system.omega > 0], np.inf]
     return float(2 * np.pi / min(rates)) if np.isfinite(min(rates)) else 1.0

@@ -1,4 +1,4 @@
-"""Zhuravlev's unfolding (paper eq. 4–8): one mode, the stop made a point that the motion passes.
+"""Zhuravlev's unfolding (paper eq. 4–8): one mode, the impact turned into a passage through zero.
 
 With u = cη the contact displacement, c the mode's contact value, let x = Δ − u ≥ 0 be the distance to the stop Δ.
 From η'' + 2ζωη' + ω²η = load Ω²B sin Ωt + static follows
@@ -38,7 +38,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Distance:
-    """x'' + 2ζω x' + ω² x = N(t), N = constant + forced sin Ωt: one mode's distance from the stop."""
+    """Distance of one mode from the stop: x'' + 2ζω x' + ω² x = N(t), N = constant + forced sin Ωt."""
 
     stiffness: float
     damping: float
@@ -51,7 +51,7 @@ class Distance:
 
     @classmethod
     def of(cls, system: ImpactSystem, drive: Drive) -> Distance:
-        """Of a system of one mode under a drive."""
+        """Distance equation of a system of one mode under a drive."""
         omega, contact = float(system.omega[0]), float(system.contact[0])
         constant = omega**2 * system.gap - contact * float(system.static[0])
         forced = -contact * float(system.load[0]) * drive.omega**2 * drive.amplitude
@@ -61,67 +61,67 @@ class Distance:
         )  # fmt: skip
 
     def load(self, t: float) -> float:
-        """N(t)."""
+        """Forcing N(t)."""
         return self.constant + self.forced * sin(self.drive * t)
 
     def modal(self, x: Array, rate: Array) -> Array:
-        """η and η' (m, 2, 1) of distances and their rates (m,)."""
+        """Modal η and η' (m, 2, 1) of distances and their rates (m,)."""
         return np.stack([(self.gap - x) / self.contact, -rate / self.contact], axis=1)[:, :, None]
 
     def distance(self, state: State) -> tuple[float, float]:
-        """x ≥ 0 and x' of a state."""
+        """Distance x ≥ 0 and rate x' of a state."""
         x = self.gap - self.contact * float(state.displacement[0])
         return x, -self.contact * float(state.velocity[0])
 
     @property
     def scale(self) -> Array:
-        """Size of x and x' where the contact moves by 1 m."""
+        """Sizes of x and x' for a contact motion of 1 m."""
         return np.array([1.0, np.sqrt(self.stiffness) if self.stiffness > 0 else 1.0])
 
 
 @dataclass(frozen=True)
 class Unfolded:
-    """y = (z, z') of one flight on the side s = ±1."""
+    """Coordinates y = (z, z') of one flight on the side s = ±1."""
 
     of: Distance
     side: float
     scale: Array
 
     def outward(self, states: Array) -> Array:
-        """As ``Frame.outward``: x = s z, x' = s z'."""
+        """See ``Frame.outward``: x = s z, x' = s z'."""
         return self.of.modal(self.side * states[0], self.side * states[1])
 
     def rate(self, t: float, y: Array) -> tuple[float, float]:
-        """As ``Frame.rate``: z'' = s N(t) − 2ζωz' − ω²z."""
+        """See ``Frame.rate``: z'' = s N(t) − 2ζωz' − ω²z."""
         z, slope = y
         return slope, self.side * self.of.load(t) - self.of.damping * slope - self.of.stiffness * z
 
     def rate_at_rest(self, t: float, y: Array) -> tuple[float, float]:
-        """As ``Frame.rate_at_rest``: one mode held on the stop does not move."""
+        """See ``Frame.rate_at_rest``: one mode held on the stop does not move."""
         return 0.0, 0.0
 
     def excess(self, y: Array) -> Array:
-        """As ``Frame.excess``: −s z."""
+        """See ``Frame.excess``: −s z."""
         return np.asarray(-self.side * y[0])
 
     def approach(self, y: Array) -> Array:
-        """As ``Frame.approach``: −s z'."""
+        """See ``Frame.approach``: −s z'."""
         return np.asarray(-self.side * y[1])
 
     def press(self, t: float, y: Array) -> float:
-        """As ``Frame.press``: −x''."""
+        """See ``Frame.press``: −x''."""
         return float(-self.side * self.rate(t, y)[1])
 
     def touch(self, y: Array) -> Array:
-        """As ``Frame.touch``."""
+        """See ``Frame.touch``."""
         return np.array([0.0, y[1]])
 
     def hold(self, y: Array) -> Array:
-        """As ``Frame.hold``."""
+        """See ``Frame.hold``."""
         return np.zeros(2)
 
     def strike(self, y: Array) -> tuple[Frame, Array]:
-        """As ``Frame.strike``: to the other side, z'⁺ = R z'⁻."""
+        """See ``Frame.strike``: to the other side, z'⁺ = R z'⁻."""
         return replace(self, side=-self.side), np.array([y[0], self.of.restitution * y[1]])
 
 
@@ -135,11 +135,11 @@ class ZhuravlevSolver(EventSolver):
     METHODS = EXPLICIT
 
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, **options: Any) -> None:
-        """As ``EventSolver``."""
+        """See ``EventSolver``."""
         only_one_mode("zhuravlev", system)
         super().__init__(system, slowest, span, **options)
 
     def enter(self, drive: Drive, state: State) -> tuple[Frame, Array]:
-        """As ``EventSolver.enter``."""
+        """See ``EventSolver.enter``."""
         distance = Distance.of(self.system, drive)
         return Unfolded(distance, 1.0, distance.scale), np.array(distance.distance(state))

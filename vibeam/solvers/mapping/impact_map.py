@@ -1,4 +1,4 @@
-"""The pointwise map from impact to impact, and its fixed points in closed form (paper eq. 28, 31–34).
+"""Pointwise impact map and its fixed points in closed form (paper eq. 28, 31–34).
 
 An impact is its time t and the velocity q̇₋ > 0 just before it. Between impacts q = Im(H e^{iΩt}) + y, where y is a free
 vibration, y(s) = E(s) y(0⁺) with the 2×2 flow E; the flight itself and its first root are the flight solver's.
@@ -29,16 +29,16 @@ from vibeam.system.state import State
 
 Array = NDArray[np.float64]
 
-HORIZON = 1000  # drive periods after which a flight without impact is given up
+HORIZON = 1000  # drive periods after which a flight counts as without impact
 
-SAMPLES = 64  # a period of the fastest of drive and oscillator, to isolate the turning points
+SAMPLES = 64  # intervals a period, of the faster of drive and oscillator, that isolate the turning points
 
-EARLY = 1e-6  # share of n periods by which a first impact may miss them and still be the orbit's own
+EARLY = 1e-6  # tolerance, as a share of n periods, for the first impact to be the orbit's own
 
 
 @dataclass(frozen=True)
 class Impact:
-    """``time`` t and ``velocity`` q̇₋ just before impact; ``flight`` τ: how long the flight to it took."""
+    """Impact: ``time`` t and ``velocity`` q̇₋ just before it; ``flight`` τ: duration of the flight to it."""
 
     time: float
     velocity: float
@@ -47,7 +47,7 @@ class Impact:
 
 @dataclass(frozen=True)
 class ImpactMap:
-    """(t, q̇₋) → the next impact, at one Ω. ``solver`` flies the oscillator."""
+    """Impact map (t, q̇₋) → next impact, at one Ω; ``solver`` computes the flights."""
 
     oscillator: Oscillator
     omega: float
@@ -55,11 +55,11 @@ class ImpactMap:
 
     @property
     def period(self) -> float:
-        """T = 2π/Ω."""
+        """Drive period T = 2π/Ω."""
         return 2 * pi / self.omega
 
     def next(self, impact: Impact) -> Impact:
-        """The next impact, its time counted on from this one; NaN where none comes within 1000 drive periods."""
+        """Next impact, its time counted from this one; NaN where none comes within 1000 drive periods."""
         start, model = impact.time % self.period, self.oscillator
         place = State(np.array([model.gap]), np.array([-model.restitution * impact.velocity]))
         drive = Drive(self.omega, model.drive)
@@ -71,7 +71,7 @@ class ImpactMap:
         return Impact(impact.time + flight, float(trace[struck[0], BEFORE]), flight)
 
     def iterate(self, impact: Impact, count: int) -> list[Impact]:
-        """The next ``count`` impacts."""
+        """Next ``count`` impacts."""
         found = []
         for _ in range(count):
             impact = self.next(impact)
@@ -80,18 +80,18 @@ class ImpactMap:
 
 
 def impact_map(model: Oscillator, omega: float) -> ImpactMap:
-    """The map at Ω > 0 with a flight solver of its own."""
+    """Impact map at Ω > 0, with its own flight solver."""
     return ImpactMap(model, omega, flight_solver(model, omega))
 
 
 def flight_solver(model: Oscillator, slowest: float) -> FlightSolver:
-    """The flight solver of an oscillator, for drives of ``slowest`` and more."""
+    """Flight solver of an oscillator, for drives of ``slowest`` and more."""
     system = ImpactSystem.from_modes(1.0, model.damping, 1.0, 1.0, gap=model.gap, restitution=model.restitution)
     return FlightSolver(system, slowest)
 
 
 def free_flow(model: Oscillator, time: ArrayLike) -> Array:
-    """E (…, 2, 2): free vibration (y, ẏ) after ``time`` of any shape."""
+    """Flow E (…, 2, 2) of the free vibration (y, ẏ) after ``time`` of any shape."""
     t, rate, beta = np.asarray(time, dtype=float), model.damped, model.damping
     fade = np.exp(-beta * t)
     c, s = fade * np.cos(rate * t), fade * np.sin(rate * t) / rate
@@ -100,7 +100,7 @@ def free_flow(model: Oscillator, time: ArrayLike) -> Array:
 
 @dataclass(frozen=True)
 class Orbit:
-    """A motion with one impact every ``periods`` drive periods: at time ``time`` with ``velocity`` q̇₋.
+    """Periodic motion with one impact every ``periods`` drive periods: at time ``time`` with ``velocity`` q̇₋.
 
     ``free``: its free vibration (y, ẏ) just after the impact.
     """
@@ -114,12 +114,12 @@ class Orbit:
 
     @property
     def duration(self) -> float:
-        """nT."""
+        """Duration nT."""
         return self.periods * 2 * pi / self.omega
 
     @property
     def impact(self) -> Impact:
-        """Its impact."""
+        """Impact of the orbit."""
         return Impact(self.time, self.velocity, self.duration)
 
     def place(self, since: ArrayLike) -> Array:
@@ -130,7 +130,7 @@ class Orbit:
         return np.asarray(forced + free_flow(self.oscillator, since) @ self.free)
 
     def lowest(self) -> float:
-        """Min q: the least of its turning points, each refined to round-off."""
+        """Least q: the lowest of its turning points, each refined to round-off."""
         grid = self._grid()
         speed = self.place(grid)[:, 1]
         turns = np.flatnonzero((speed[:-1] < 0) & (speed[1:] >= 0))
@@ -147,7 +147,7 @@ class Orbit:
         return float(weights @ places[:, 0]), float(weights @ np.sum(places**2, axis=1))
 
     def admissible(self, flights: ImpactMap) -> bool:
-        """Whether its first impact after nT is its own: it passes the stop nowhere before."""
+        """Test whether the first impact after nT is the orbit's own, so that none lies between."""
         return abs(flights.next(self.impact).flight - self.duration) <= EARLY * self.duration
 
     def _grid(self) -> Array:
@@ -156,7 +156,7 @@ class Orbit:
 
 
 def fixed_points(model: Oscillator, omega: float, periods: int = 1) -> tuple[Orbit, ...]:
-    """The motions at Ω with one impact every ``periods`` = n drive periods, the hardest impact first: up to two.
+    """Motions at Ω with one impact every ``periods`` = n drive periods, the hardest impact first: up to two.
 
     Not yet tested for admissibility or stability. None where the oscillator is undamped and nT a multiple of 2π.
     """

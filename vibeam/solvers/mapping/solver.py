@@ -1,8 +1,8 @@
-"""The mapping solver: the stable fixed points of the impact map, as the paper's pointwise mapping has them (eq. 28–37).
+"""Mapping solver: stable fixed points of the impact map, as in the paper's pointwise mapping (eq. 28–37).
 
-It solves for the orbits in closed form and judges their stability by trace and determinant; it does not iterate the
-map, for iterating it is flying, which the flight solver does. So it finds every motion with one impact every n periods
-and none with more, no chatter and no chaos: there a point is NaN.
+Orbits follow in closed form, their stability from trace and determinant; the map is not iterated, for that is the
+work of the flight solver. So all motions with one impact every n periods are found, and none with more impacts,
+chatter or chaos: such a point is NaN.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from vibeam_models.arguments import count, refuse
 
 Array = NDArray[np.float64]
 
-HIGHEST = 16  # the longest period that a response can name
+HIGHEST = 16  # longest period in a response
 
 
 class MappingSolver(StationarySolver):
-    """The stable motions of one mode with one impact every n = 1 … ``periods`` drive periods, exact.
+    """Stable motions of one mode with one impact every n = 1 … ``periods`` drive periods, exact.
 
-    At each frequency that nearest to the carried state, motions without impacts included. ``form``: by which trace and
-    determinant stability is judged, so that the printed formulas' mistakes can be swept beside the corrected ones.
+    At each frequency the nearest to the carried state, motions without impacts included. ``form``: of the trace and
+    determinant that decide stability, so that the printed formulas' mistakes can be swept beside the corrected ones.
     """
 
     def __init__(
@@ -39,9 +39,9 @@ class MappingSolver(StationarySolver):
         form: Form = "derived",
         strikes_only: bool = False,
     ) -> None:
-        """``periods``: 1 … 16; ``slowest``: the lowest drive frequency to come, rad/s (0: the mode's own serves).
+        """``periods``: 1 … 16; ``slowest``: the lowest drive frequency, rad/s (0: the mode's own frequency).
 
-        ValueError for more than one mode, no stiffness, a mode that is not underdamped, a form that there is not.
+        ValueError for more than one mode, no stiffness, a mode that is not underdamped, an unknown form.
         """
         super().__init__(system, strikes_only)
         check_form(form)
@@ -52,13 +52,13 @@ class MappingSolver(StationarySolver):
         self._flights = flight_solver(self.mode.oscillator(0.0), self.slowest)
 
     def striking(self, model: Oscillator, omega: float) -> list[Motion]:
-        """The motions of the admissible orbits that are stable by this solver's form."""
+        """Motions of the admissible orbits that are stable by this solver's form."""
         orbits = admissible_orbits(ImpactMap(model, omega, self._flights), self.periods)
         return [orbit_motion(orbit) for orbit in orbits if orbit_invariants(orbit, self.form).stable]
 
 
 def orbit_motion(orbit: Orbit) -> Motion:
-    """The stationary motion of an orbit."""
+    """Stationary motion of an orbit."""
     n, period = orbit.periods, 2 * np.pi / orbit.omega
     since = (np.arange(n) + 1) * period - orbit.time
     mean, square = orbit.means()

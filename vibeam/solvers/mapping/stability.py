@@ -1,4 +1,4 @@
-"""Stability of the impact map: trace and determinant of its Jacobian, corrected and printed (paper eq. 29–30, 35–37).
+"""Stability of the impact map: trace and determinant of its Jacobian, corrected and as printed (eq. 29–30, 35–37).
 
 A flight of duration τ from (t₀, q̇₊ = −R q̇₋⁰) to (t₁, q̇₋), with E(τ) the free flow and accelerations
 q̈₊ = F(t₀) − 2βq̇₊ − Δ, q̈₋ = F(t₁) − 2βq̇₋ − Δ: a start that is late by δt₀ and faster by δq̇₊ arrives at the undisturbed
@@ -38,7 +38,7 @@ from vibeam.solvers.one_mode.oscillator import Oscillator
 
 Form = Literal["derived", "printed 29-30", "printed 35-37"]
 
-FORMS: tuple[Form, ...] = ("derived", "printed 35-37")  # those that can be computed
+FORMS: tuple[Form, ...] = ("derived", "printed 35-37")  # forms that can be computed
 
 UNRECORDED = "form 'printed 29-30': eq. 30 as printed is not on record, only that it is wrong; see 'derived'"
 
@@ -52,28 +52,28 @@ class Invariants:
 
     @property
     def multipliers(self) -> tuple[complex, complex]:
-        """Its eigenvalues, that with the larger imaginary, then real part first."""
+        """Eigenvalues, that with the larger imaginary, then real part first."""
         half = np.sqrt(complex(self.trace**2 / 4 - self.determinant))
         return complex(self.trace / 2 + half), complex(self.trace / 2 - half)
 
     @property
     def margins(self) -> tuple[float, float, float]:
-        """Jury's conditions, each > 0 where it holds: 1 − tr + det (fold), 1 + tr + det (flip), 1 − det (torus)."""
+        """Margins of Jury's conditions, each > 0: 1 − tr + det (fold), 1 + tr + det (flip), 1 − det (torus)."""
         return 1 - self.trace + self.determinant, 1 + self.trace + self.determinant, 1 - self.determinant
 
     @property
     def stable(self) -> bool:
-        """Whether both multipliers lie inside the unit circle."""
+        """True where both multipliers lie inside the unit circle."""
         return max(abs(one) for one in self.multipliers) < 1
 
     @property
     def stable_by_jury(self) -> bool:
-        """Whether all of Jury's conditions hold: the same verdict without a square root."""
+        """True where all of Jury's conditions hold: equivalent to ``stable``, without a square root."""
         return min(self.margins) > 0
 
 
 def flight_invariants(model: Oscillator, omega: float, start: Impact, end: Impact) -> Invariants:
-    """Of the map along one flight from impact to impact (eq. 29, and eq. 30 corrected)."""
+    """Invariants of the map along one flight from impact to impact (eq. 29, and eq. 30 corrected)."""
     beta, loss, rate, tau = model.damping, model.restitution, model.damped, end.flight
     after, before = -loss * start.velocity, end.velocity
     leaving = model.force(omega, start.time) - beta * after - model.gap
@@ -84,7 +84,7 @@ def flight_invariants(model: Oscillator, omega: float, start: Impact, end: Impac
 
 
 def orbit_invariants(orbit: Orbit, form: Form = "derived") -> Invariants:
-    """Of the map at a fixed point, in the form asked for (eq. 35–37); ValueError for a form that there is not."""
+    """Invariants of the map at a fixed point, in a given form (eq. 35–37); ValueError for an unknown form."""
     check_form(form)
     model, duration = orbit.oscillator, orbit.duration
     loss, rate, fade = model.restitution, model.damped, exp(-model.damping * duration)
@@ -94,7 +94,7 @@ def orbit_invariants(orbit: Orbit, form: Form = "derived") -> Invariants:
 
 
 def check_form(form: str) -> None:
-    """ValueError where ``form`` cannot be computed."""
+    """Raise ValueError where ``form`` cannot be computed."""
     if form == "printed 29-30":
         raise ValueError(UNRECORDED)
     if form not in FORMS:
@@ -103,7 +103,7 @@ def check_form(form: str) -> None:
 
 @dataclass(frozen=True)
 class Verdict:
-    """What each form says of one admissible orbit."""
+    """Stability verdict of each form on one admissible orbit."""
 
     orbit: Orbit
     derived: Invariants
@@ -111,12 +111,12 @@ class Verdict:
 
     @property
     def misjudged(self) -> bool:
-        """Whether the printed form's verdict is wrong."""
+        """True where the printed form's verdict is wrong."""
         return self.derived.stable is not self.printed.stable
 
 
 def verdicts(model: Oscillator, omegas: Iterable[float], periods: int = 1) -> tuple[Verdict, ...]:
-    """The verdicts on every admissible orbit of 1 … ``periods`` drive periods over Ω, in the order of ``omegas``."""
+    """Verdicts on all admissible orbits of 1 … ``periods`` drive periods over Ω, in the order of ``omegas``."""
     grid = [float(omega) for omega in omegas]
     solver = flight_solver(model, min(grid, default=1.0))
     found = []
@@ -128,6 +128,6 @@ def verdicts(model: Oscillator, omegas: Iterable[float], periods: int = 1) -> tu
 
 
 def admissible_orbits(flights: ImpactMap, periods: int = 1) -> list[Orbit]:
-    """The fixed points of 1 … ``periods`` drive periods that pass the stop nowhere, at the map's Ω."""
+    """Admissible fixed points of 1 … ``periods`` drive periods at the map's Ω."""
     orbits = [o for n in range(1, periods + 1) for o in fixed_points(flights.oscillator, flights.omega, n)]
     return [orbit for orbit in orbits if orbit.admissible(flights)]

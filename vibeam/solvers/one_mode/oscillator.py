@@ -1,4 +1,4 @@
-"""The model of the analytical methods, q̈ + 2βq̇ + q = Ω²B sin Ωt under a stop at Δ, and its way to and from SI.
+"""Nondimensional oscillator of the analytical methods, q̈ + 2βq̇ + q = Ω²B sin Ωt under a stop at Δ; conversion to SI.
 
 One mode η'' + 2ζω η' + ω² η = load Ω̃²b sin Ω̃t̃ + static with the stop at cη = gap becomes, for the contact's distance
 q = cη − u_s from its static place u_s = c·static/ω² and the time t = ωt̃,
@@ -49,18 +49,18 @@ class Oscillator:
         return float(np.sqrt(1 - self.damping**2))
 
     def force(self, omega: float, time: float) -> float:
-        """F(t) = Ω²B sin Ωt."""
+        """Forcing F(t) = Ω²B sin Ωt."""
         return float(omega**2 * self.drive * np.sin(omega * time))
 
     def harmonic(self, omega: float) -> complex:
-        """H of the motion Im(H e^{iΩt}) without the stop; infinite at the resonance of no damping."""
+        """Phasor H of the motion Im(H e^{iΩt}) without the stop; infinite at an undamped resonance."""
         below = complex(1 - omega**2, 2 * self.damping * omega)
         return omega**2 * self.drive / below if below else complex(np.inf)
 
 
 @dataclass(frozen=True)
 class OneMode:
-    """A system of one underdamped mode, as the analytical methods take it, and the way of its numbers."""
+    """System of one underdamped mode and its conversion to the analytical methods' variables."""
 
     system: ImpactSystem
 
@@ -71,21 +71,21 @@ class OneMode:
 
     @property
     def omega(self) -> float:
-        """Its frequency ω, rad/s: the unit of frequency."""
+        """Frequency ω, rad/s: the unit of frequency."""
         return float(self.system.omega[0])
 
     @property
     def contact(self) -> float:
-        """Its contact value c."""
+        """Contact value c of the mode."""
         return float(self.system.contact[0])
 
     @property
     def static(self) -> float:
-        """u_s: where the contact point stands under the static load, were there no stop, m."""
+        """Static contact displacement u_s without the stop, m."""
         return self.contact * float(self.system.static[0]) / self.omega**2
 
     def oscillator(self, amplitude: float) -> Oscillator:
-        """The model under base motion of ``amplitude`` m."""
+        """Oscillator under base motion of ``amplitude`` m."""
         own = self.system
         drive = self.contact * float(own.load[0]) * amplitude
         return Oscillator(float(own.zeta[0]), drive, own.gap - self.static, own.restitution)
@@ -100,7 +100,7 @@ class OneMode:
         return np.array([place - self.static, speed / self.omega])
 
     def outward(self, place: Array, resting: bool = False) -> State:
-        """The state of (q, q̇)."""
+        """State of (q, q̇)."""
         q, speed = float(place[0]), float(place[1])
         return State(
             np.array([(q + self.static) / self.contact]), np.array([speed * self.omega / self.contact]), resting
@@ -108,7 +108,7 @@ class OneMode:
 
 
 def one_mode_faults(system: ImpactSystem) -> list[str]:
-    """Why the analytical methods cannot take ``system``: empty where they can."""
+    """Reasons why the analytical methods cannot take ``system``; empty where they can."""
     if system.size != 1:
         return [f"the analytical methods take one mode, this system has {system.size}: reduce it, or fly it"]
     omega, zeta = float(system.omega[0]), float(system.zeta[0])
@@ -117,5 +117,5 @@ def one_mode_faults(system: ImpactSystem) -> list[str]:
 
 
 def oscillator(system: ImpactSystem, amplitude: float) -> Oscillator:
-    """The model of a system of one mode under base motion of ``amplitude`` m; ValueError where it is not one."""
+    """Oscillator of a system of one mode under base motion of ``amplitude`` m; ValueError where it is not one."""
     return OneMode(system).oscillator(amplitude)

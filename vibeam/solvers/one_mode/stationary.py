@@ -1,4 +1,4 @@
-"""What the analytical solvers share: stationary motions at each frequency, the one nearest to the state goes on."""
+"""Base of the analytical solvers: stationary motions at each frequency; the one nearest to the state is followed."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from vibeam.system.state import State
 
 Array = NDArray[np.float64]
 
-NOTHING_FOUND = Ended.NO_ORBIT  # no stable motion of the kind looked for
+NOTHING_FOUND = Ended.NO_ORBIT  # no stable motion of the solver's kind
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A stationary motion of an ``Oscillator``, nondimensional.
+    """Stationary motion of an ``Oscillator``, nondimensional.
 
-    ``places`` (m, 2): (q, q̇) at drive phase 0, one for each way to shift the motion by drive periods.
+    ``places`` (m, 2): (q, q̇) at drive phase 0, one for each shift of the motion by whole drive periods.
     ``velocity``: before impact, NaN without; ``mean`` of q and ``square`` of q² + q̇² in time.
     """
 
@@ -40,7 +40,7 @@ class Motion:
 
 
 def without_impacts(model: Oscillator, omega: float) -> list[Motion]:
-    """The motion that never strikes, where there is one: free of the stop (|H| ≤ Δ), or at rest on it (Ω²|B| ≤ −Δ)."""
+    """Motion without impacts, where there is one: free of the stop (|H| ≤ Δ), or at rest on it (Ω²|B| ≤ −Δ)."""
     swing, gap = model.harmonic(omega), model.gap
     if abs(swing) <= gap:
         place = np.array([[swing.imag, omega * swing.real]])
@@ -51,7 +51,7 @@ def without_impacts(model: Oscillator, omega: float) -> list[Motion]:
 
 
 def nearest(motions: Sequence[Motion], place: Array) -> tuple[Motion, Array] | None:
-    """The motion that passes nearest to ``place`` (q, q̇) at drive phase 0, and where; None where there is none."""
+    """Motion that passes nearest to ``place`` (q, q̇) at drive phase 0, and its own place; None without motions."""
     passed = [(float(np.hypot(*(at - place))), index, at) for index, m in enumerate(motions) for at in m.places]
     if not passed:
         return None
@@ -60,23 +60,23 @@ def nearest(motions: Sequence[Motion], place: Array) -> tuple[Motion, Array] | N
 
 
 class StationarySolver(ABC):
-    """A solver that knows the stationary motions at each frequency and takes the one nearest to the carried state.
+    """Solver by stationary motions: at each frequency the one nearest to the carried state.
 
-    Hysteresis follows: a branch is kept for as long as it is there and stable. ``settle`` has no meaning (there is no
-    transient), ``hold`` says only how many impact velocities are kept. Where no motion is found the point is NaN with
+    Hysteresis follows: a branch is kept as long as it exists and is stable. ``settle`` is ignored (there is no
+    transient), ``hold`` sets only the number of impact velocities. Where no motion is found the point is NaN with
     its reason, and the next one starts from equilibrium. ``strikes_only``: never take a motion without impacts.
     """
 
     def __init__(self, system: ImpactSystem, strikes_only: bool = False) -> None:
-        """ValueError where the system is not one underdamped mode with stiffness."""
+        """Raise ValueError where the system is not one underdamped mode with stiffness."""
         self.mode, self.system, self.strikes_only = OneMode(system), system, strikes_only
 
     @abstractmethod
     def striking(self, model: Oscillator, omega: float) -> list[Motion]:
-        """The stable motions with impacts at Ω."""
+        """Stable motions with impacts at Ω."""
 
     def motions(self, model: Oscillator, omega: float) -> list[Motion]:
-        """All stable motions at Ω that this solver knows of."""
+        """All stable motions at Ω known to this solver."""
         return self.striking(model, omega) + ([] if self.strikes_only else without_impacts(model, omega))
 
     def steady(
@@ -88,7 +88,7 @@ class StationarySolver(ABC):
         hold: int,
         output: str,
     ) -> tuple[FrequencyResponse, State]:
-        """Stationary points at ``omegas`` (rad/s) in turn, the state carried from each to the next; the last state."""
+        """Stationary points at ``omegas`` (rad/s) in order, the state carried from each to the next; the last state."""
         response = FrequencyResponse.empty(np.asarray(omegas, dtype=float) / (2 * np.pi), 1)
         response.impacts[:] = response.evaluations[:] = 0
         model, place, resting = self.mode.oscillator(amplitude), self.mode.inward(state), False
