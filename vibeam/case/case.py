@@ -1,4 +1,4 @@
-"""The case: what a case file says, checked and in SI units."""
+"""Record of a case: the content of a case file, validated and in SI units."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ NOT_NUMBERS = frozenset(
     {"title", "source", "reference", "expect", "show", "figure", "cost", "influence", "measurement", "fidelity.*.label"}
 )
 
-#: tables and keys that are no physics either
+#: further tables and keys that are not physics
 NOT_PHYSICS = NOT_NUMBERS | {"fidelity", "sweep", "accuracy", "accuracy_of"}
 
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A scene, the fidelities that model it, their sweep and what they are checked against.
+    """Scene, fidelities, sweep and references of a case.
 
     ``text`` is the case in canonical form, SI units and overrides included: it loads as the same case. ``numbers`` is
     the part of it that decides what the sweeps compute (no title, source, checks, figures): two cases compute the same
@@ -73,7 +73,7 @@ class Case:
         return sha256(self.numbers.encode()).hexdigest()
 
     def everywhere(self) -> Case:
-        """The same case without its ``accuracy``: every fidelity at every frequency."""
+        """Same case without its ``accuracy``: every fidelity at every frequency."""
         text, numbers = _without_accuracy(self.text), _without_accuracy(self.numbers)
         return replace(self, accuracy=None, text=text, numbers=numbers)
 
@@ -88,30 +88,30 @@ class Case:
         return base_amplitude(self.scene)
 
     def amplitude(self, omega: NDArray[np.float64]) -> float | NDArray[np.float64]:
-        """Amplitude of the drive for a sweep over ``omega`` (rad/s): one for all, or on a platform one each."""
+        """Drive amplitude for a sweep over ``omega`` (rad/s): one for all, or on a platform one each."""
         from vibeam_models.base_motion import drive_amplitude
 
         return drive_amplitude(self.scene, omega)
 
     def scene_of(self, name: str) -> Scene | SdofScene:
-        """The scene of one fidelity, with what it changes; KeyError names those there are."""
+        """Scene of one fidelity, with its changes; KeyError names the known fidelities."""
         if name not in self.fidelities:
             raise KeyError(f"no fidelity {name!r}: there are {', '.join(self.fidelities)}")
         return self.scenes.get(name, self.scene)
 
     def chain_of(self, name: str) -> Chain | None:
-        """The measuring chain through which one fidelity's motion is seen; None: none, it is exact."""
+        """Measuring chain of one fidelity's motion; None: none, the motion is exact."""
         return self.chains.get(name, self.chain)
 
     def amplitude_of(self, name: str, omega: NDArray[np.float64] | None = None) -> float | NDArray[np.float64]:
-        """As ``amplitude``, of one fidelity (``omega`` None: as ``base_amplitude``); KeyError as in ``scene_of``."""
+        """Drive amplitude of one fidelity; without ``omega`` its ``base_amplitude``. Errors as in ``scene_of``."""
         from vibeam_models.base_motion import base_amplitude, drive_amplitude
 
         scene = self.scene_of(name)
         return base_amplitude(scene) if omega is None else drive_amplitude(scene, omega)
 
     def system(self, name: str) -> ImpactSystem:
-        """What a solver gets of one fidelity; KeyError names those there are."""
+        """Impact system of one fidelity; KeyError names the known fidelities."""
         from vibeam.case.fidelity import system
 
         return system(self.scene_of(name), self.fidelities[name])

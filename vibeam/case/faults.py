@@ -1,4 +1,4 @@
-"""What is wrong with a case: every fault at its line, all of them at once."""
+"""Faults in a case: every fault with its line, all reported together."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
 
-OVERRIDE = "--set"  # stands where the file's name would, for a fault in an override
+OVERRIDE = "--set"  # in place of a file name, for a fault in an override
 
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault: the file (or ``"--set"``), the line (None: no one line), the key (empty: the whole file), the cure."""
+    """Fault: file (or ``"--set"``), line (None: no single one), key (empty: the whole file), message with the cure."""
 
     file: str
     line: int | None
@@ -28,12 +28,12 @@ class Fault:
 
     @property
     def order(self) -> tuple[bool, int, str]:
-        """Sorts faults by line, those in overrides last."""
+        """Sort key: by line, overrides last."""
         return self.file == OVERRIDE, self.line or 0, self.key
 
 
 class CaseError(ValueError):
-    """A case that cannot be used. ``faults`` holds every fault in line order; the text has one a line."""
+    """Invalid case. ``faults`` holds every fault in line order; the text has one a line."""
 
     def __init__(self, faults: Iterable[Fault]) -> None:
         self.faults = tuple(sorted(dict.fromkeys(faults), key=lambda fault: fault.order))
@@ -44,28 +44,28 @@ class CaseError(ValueError):
 
 
 def suggestion(wrong: str, known: Iterable[str]) -> str | None:
-    """The known name that ``wrong`` most likely meant, or None."""
+    """Known name closest to ``wrong``, or None."""
     names = {name.lower(): name for name in reversed(list(known))}
     close = get_close_matches(wrong.lower(), names, n=1, cutoff=0.6)
     return names[close[0]] if close else None
 
 
 def suggest(wrong: str, known: Iterable[str]) -> str:
-    """``did you mean 'density'?``, or the list of what is known where nothing is near."""
+    """``did you mean 'density'?``, or the list of known names where none is near."""
     names = list(known)
     near = suggestion(wrong, names)
     return f"did you mean '{near}'?" if near else f"known here: {', '.join(names)}"
 
 
 def printable(text: str) -> str:
-    """The text with every control, format and surrogate character as its escape: ``\\x1b``, ``\\u202e``."""
+    """Text with every control, format and surrogate character escaped: ``\\x1b``, ``\\u202e``."""
     if text.isprintable():
         return text
     return "".join(each if each.isprintable() else each.encode("unicode_escape", "replace").decode() for each in text)
 
 
 def as_shown_in_message(value: object) -> str:
-    """A value as a message shows it: text in quotes, numbers bare, tables and lists by their kind, all of it short."""
+    """Value as shown in a message: text in quotes, numbers bare, tables and lists by their kind, all of it short."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, dict | list | tuple):
@@ -79,4 +79,4 @@ def as_shown_in_message(value: object) -> str:
 KeyPath = tuple[str | int, ...]
 
 
-Complaint = tuple[KeyPath, str]  # where in the case, and what is wrong there
+Complaint = tuple[KeyPath, str]  # place in the case, and message

@@ -1,4 +1,4 @@
-"""Fidelity: which reduction of which scene, and the system that a solver gets of it."""
+"""Fidelity: reduction of a scene, and the impact system built from it."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Fidelity:
-    """How much model: a ``reduction`` (to ``modes``, where it counts them) and what runs it: ``solver``, ``options``.
+    """Model fidelity: a ``reduction`` (to ``modes``, where it counts them) and its ``solver`` with ``options``.
 
-    ``changes``: physics keys that are its own, in its scene already; ``without``: those that it leaves out. ``label``:
+    ``changes``: physics keys of its own, applied to its scene already; ``without``: keys left out. ``label``:
     its name in figures, None for ``name``.
 
     ValueError for an unknown reduction, or ``modes`` missing, below 1 or given to another reduction.
@@ -48,12 +48,12 @@ class Fidelity:
 
 
 def reduced(structure: Structure, fidelity: Fidelity) -> Structure:
-    """``structure`` made as small as ``fidelity`` says; ValueError for more modes than it has."""
+    """Reduce ``structure`` as ``fidelity`` says; ValueError for more modes than it has."""
     return REDUCTIONS[fidelity.reduction].make(structure, fidelity.modes).structure
 
 
 def system(scene: Scene | SdofScene, fidelity: Fidelity) -> ImpactSystem:
-    """What a solver gets of ``scene`` at ``fidelity``: SI units, output ``"sensor"`` (and ``"tip"`` of a beam).
+    """Impact system of ``scene`` at ``fidelity``: SI units, output ``"sensor"`` (and ``"tip"`` of a beam).
 
     A SdofScene is one mode whatever the reduction, in its own units. ValueError for what cannot be built: a position
     off the beam, too many modes, a first-mode restitution that no contact restitution in [0, 1] gives.
@@ -62,9 +62,9 @@ def system(scene: Scene | SdofScene, fidelity: Fidelity) -> ImpactSystem:
 
 
 def restitutions(scene: Scene | SdofScene, fidelity: Fidelity) -> tuple[float, float]:
-    """R of the contact and R₁, what mode 1 of the beam on a base held still sees of it, in this model.
+    """Restitution of the contact, R, and of mode 1 of the beam on a fixed base, R₁, in this model.
 
-    NaN where the stop has another law: no one number says it.
+    NaN where the stop has another law, which no one number describes.
     """
     if isinstance(scene, SdofScene):
         return scene.restitution, scene.restitution
@@ -118,7 +118,7 @@ def _of_beam(scene: Scene, fidelity: Fidelity) -> ImpactSystem:
 
 
 def _gap_factor(scene: Scene, structure: Structure) -> float:
-    """The gap at the contact over the gap as given: one measured at the sensor is carried there by the static mode."""
+    """Gap at the contact over the gap as given: one measured at the sensor is converted by the static mode."""
     if scene.stop.gap_at == "contact":
         return 1.0
     from vibeam_reductions.static_mode import static_mode
@@ -127,7 +127,7 @@ def _gap_factor(scene: Scene, structure: Structure) -> float:
 
 
 def gap_drift(scene: Scene | SdofScene, omega: ArrayLike) -> NDArray[np.float64] | None:
-    """What is added to the contact's gap at drive frequencies ``omega`` (rad/s), m; None where the gap stays.
+    """Added gap at the contact at drive frequencies ``omega`` (rad/s), m; None where the gap is constant.
 
     Held constant beyond the first and the last frequency of the table.
     """
@@ -143,12 +143,12 @@ def gap_drift(scene: Scene | SdofScene, omega: ArrayLike) -> NDArray[np.float64]
 
 
 def gap_wear(scene: Scene | SdofScene) -> float | None:
-    """What each impact adds to the contact's gap, m; None where it adds nothing."""
+    """Growth of the contact's gap by each impact, m; None without wear."""
     return None if scene.stop is None else scene.stop.wear
 
 
 def _seen_by_first_mode(built: ImpactSystem) -> ImpactSystem:
-    """The system whose contact restitution makes mode 1 see what was given for the contact."""
+    """System with the contact restitution that gives mode 1 the restitution of the case."""
     from vibeam_models.laws.restitution import contact_restitution
 
     mobility = float(np.sum(built.contact**2))

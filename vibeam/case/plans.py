@@ -1,4 +1,4 @@
-"""What a case asks for: its sweep, its references, its studies."""
+"""Plans of a case: sweep, references, studies."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ Direction = Literal["up", "down", "both"]
 class SweepPlan:
     """The sweep: ``frequency`` in Hz, ascending, shape (points,); ``settle`` and ``hold`` in drive periods.
 
-    ``output`` is the displacement that is read: ``"sensor"``, ``"contact"``, ``"tip"`` or ``"platform"``.
+    ``output`` is the observed displacement: ``"sensor"``, ``"contact"``, ``"tip"`` or ``"platform"``.
     """
 
     frequency: NDArray[np.float64]
@@ -50,9 +50,9 @@ class SweepPlan:
 
 @dataclass(frozen=True)
 class Reference:
-    """A curve to check against: ``quantity`` of ``fidelity``, within a relative ``tolerance``; ``file`` is absolute.
+    """Reference curve: ``quantity`` of ``fidelity``, within a relative ``tolerance``; ``file`` is absolute.
 
-    ``quote``: messages may show what the file holds; not where it lies outside the case's folder.
+    ``quote``: messages may quote the file's content; False where it lies outside the case's folder.
     """
 
     name: str
@@ -66,7 +66,7 @@ class Reference:
 
 @dataclass(frozen=True)
 class CostPlan:
-    """What ``vibeam cost`` does: frequencies in Hz, ``budget`` in CPU seconds; None: as its defaults say."""
+    """Plan of ``vibeam cost``: frequencies in Hz, ``budget`` in CPU seconds; None: the defaults."""
 
     frequency: tuple[float, ...] | None = None
     settle: int | None = None
@@ -80,7 +80,7 @@ class CostPlan:
 
 @dataclass(frozen=True)
 class InfluencePlan:
-    """What ``vibeam influence`` does: frequencies in Hz; None: as its defaults say."""
+    """Plan of ``vibeam influence``: frequencies in Hz; None: the defaults."""
 
     fidelity: str | None = None
     quantities: tuple[str, ...] = ()
@@ -96,7 +96,7 @@ class InfluencePlan:
 
 @dataclass(frozen=True)
 class AccuracyPlan:
-    """``accuracy``: the relative error ``within`` which the ``quantities`` are to be, of the finest fidelity's."""
+    """Plan of ``accuracy``: relative error ``within`` of the finest fidelity's ``quantities``."""
 
     within: float
     quantities: tuple[str, ...] = ("amplitude",)
@@ -104,7 +104,7 @@ class AccuracyPlan:
 
 @dataclass(frozen=True)
 class FigurePlan:
-    """How figures are written: file endings, ``width`` in m (None: by the number of panels), whether with a title."""
+    """Plan of the figure files: endings, ``width`` in m (None: by the number of panels), whether with a title."""
 
     format: tuple[str, ...] = ("png", "svg")
     width: float | None = None
@@ -113,7 +113,7 @@ class FigurePlan:
 
 @dataclass(frozen=True)
 class ShowPlan:
-    """One [show.NAME] table: frequencies in Hz (none: the sweep's), ``periods`` shown after ``settle`` drive periods.
+    """Plan of one [show.NAME] table: frequencies in Hz (none: the sweep's), ``periods`` after ``settle`` drive periods.
 
     ``fidelities``: their names, in order; ``quantity``: of the kinds ``curve`` and ``boundaries``; ``output``: whose
     displacement; ``near`` (Hz): of ``ringing``; ``highest``, ``subdivision``: of ``harmonics``. ``key``: of all that

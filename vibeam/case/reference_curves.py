@@ -1,4 +1,4 @@
-"""Regression: a result against the reference curves that its case names."""
+"""Regression of a result against the reference curves of its case."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ COLUMNS = ("frequency_hz", "direction", *QUANTITIES)
 
 NO_COLUMNS = "does not begin with the names of its columns: write {}"
 
-SAME_FREQUENCY = 1e-9  # relative
+SAME_FREQUENCY = 1e-9  # relative tolerance
 
 
 @dataclass(frozen=True)
 class Point:
-    """One line of a reference file; None: not given, then not compared."""
+    """Line of a reference file; None: not given, then not compared."""
 
     line: int
     frequency: float
@@ -37,7 +37,7 @@ class Point:
 
 
 def reference_points(reference: Reference) -> list[Point]:
-    """The points of a case's reference, on the branches it is about; CaseError where its file cannot be read."""
+    """Points of a case's reference on its branches; CaseError where its file cannot be read."""
     wanted = ("up", "down") if reference.direction == "both" else (reference.direction,)
     return read_reference(reference.file, reference.quantity, wanted, quote=reference.quote)
 
@@ -45,9 +45,9 @@ def reference_points(reference: Reference) -> list[Point]:
 def read_reference(
     path: Path, quantity: str, directions: Collection[str] = ("up", "down"), *, quote: bool = True
 ) -> list[Point]:
-    """The points of a reference file that give ``quantity`` on the branches asked for; CaseError names its faults.
+    """Read the points of a reference file for ``quantity`` on given branches; CaseError names its faults.
 
-    ``quote``: whether messages may show what the file holds, not only the line at which it is wrong.
+    ``quote``: whether messages may quote the file's content, not only the line number.
     """
     lines = cells_of(path)
     first, head = next(lines, (None, []))

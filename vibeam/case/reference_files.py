@@ -1,4 +1,4 @@
-"""Reference files: whether they can be read, and their lines as cells."""
+"""Reference files: readability checks, and lines as cells."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from stat import S_ISDIR, S_ISREG
 
 from vibeam.case.faults import CaseError, Fault
 
-LARGEST = 100_000_000  # bytes: a line for each direction of the longest sweep
+LARGEST = 100_000_000  # bytes: one line for each direction of the longest sweep
 
 
 def file_fault(path: Path) -> str | None:
-    """Why the path is no file that can be read as a reference, or None; it is not opened."""
+    """Reason why a path cannot be read as a reference file, or None; it is not opened."""
     try:
         found = path.stat()
     except FileNotFoundError:
@@ -29,7 +29,7 @@ def file_fault(path: Path) -> str | None:
 
 
 def cells_of(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """The number and the cells of every line that is neither empty nor a comment; CaseError where that cannot be."""
+    """Line number and cells of every line but empty ones and comments; CaseError where the file is unreadable."""
     if fault := file_fault(path):
         raise CaseError([fault_in(path, None, fault)])
     number = 0
@@ -45,20 +45,20 @@ def cells_of(path: Path) -> Iterator[tuple[int, list[str]]]:
 
 
 def fault_in(path: Path, line: int | None, message: str, column: str = "") -> Fault:
-    """A fault in a reference file, which is named by the shorter of its paths."""
+    """Fault in a reference file, named by the shorter of its paths."""
     return Fault(shortest(path), line, column, message)
 
 
 def shortest(path: Path) -> str:
-    """The path from the working directory where that is shorter, else as it is."""
+    """Path from the working directory where that is shorter, else unchanged."""
     try:
         return min(str(path), relpath(path), key=len)
-    except (OSError, ValueError):  # there is no working directory
+    except (OSError, ValueError):  # the working directory does not exist
         return str(path)
 
 
 def reason(error: OSError | ValueError) -> str:
-    """What an error comes to, in words for a message."""
+    """Reason of an error, in words for a message."""
     if isinstance(error, UnicodeDecodeError):
         return "it is not UTF-8 text"
     return str(getattr(error, "strerror", None) or error).lower()
