@@ -1,1 +1,1 @@
-"""The sweep, the run of a case, and its results."""
+"""Sweeps, runs of a case, and results files."""

@@ -1,4 +1,4 @@
-"""One fidelity of a run: its branches, swept from where the file ends."""
+"""Sweep of one fidelity of a run: its branches, resumed from the results file."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Job:
-    """One fidelity: its branches in the order in which they are swept, each with what is there of it."""
+    """Branches of one fidelity in the order swept, each with its stored points."""
 
     name: str
     system: ImpactSystem
@@ -36,12 +36,12 @@ class Job:
     branches: tuple[tuple[Branch, StoredBranch], ...]
 
     def gathered(self, curves: MotionCurves | None) -> Branches:
-        """The responses of all branches."""
+        """Responses of all branches."""
         return Branches(**{branch.direction: kept.response for branch, kept in self.branches}, curves=curves)
 
 
 def job_of(case: Case, name: str, system: ImpactSystem, branches: tuple[Branch, ...], store: Store | None) -> Job:
-    """The fidelity ``name``, with what the file holds of its branches."""
+    """Job of the fidelity ``name``, with the stored points of its branches."""
     kept = tuple((branch, store.restore(branch) if store else _nothing(branch)) for branch in branches)
     return Job(name, system, case.fidelities[name], kept)
 
@@ -51,7 +51,7 @@ def _nothing(branch: Branch) -> StoredBranch:
 
 
 def sweep_branches(case: Case, job: Job, store: Store | None, count: Count, stop: Event) -> None:
-    """All branches of one fidelity, the state carried from each to the next."""
+    """Sweep all branches of one fidelity, the state carried from each to the next."""
     carried: State | None = None
     struck = 0
     for branch, kept in job.branches:
@@ -72,7 +72,7 @@ def sweep_branches(case: Case, job: Job, store: Store | None, count: Count, stop
 def _march(
     case: Case, job: Job, kept: StoredBranch, state: State | None, struck: int
 ) -> Iterator[tuple[FrequencyResponse, State]]:
-    """The points that are missing; ``struck`` impacts were in the branches before this one."""
+    """Sweep the missing points; ``struck``: number of impacts in the branches before this one."""
     from vibeam.case.fidelity import gap_drift, gap_wear
 
     scene = case.scene_of(job.name)
@@ -101,7 +101,7 @@ def _curves_key(case: Case, name: str) -> str:
 
 
 def known_curves(case: Case, job: Job, store: Store | None) -> MotionCurves:
-    """All motions that the fidelity's solver knows at the sweep's frequencies: from the file where it has them."""
+    """All motions known to the fidelity's solver at the sweep's frequencies, from the file where stored."""
     key = _curves_key(case, job.name)
     there = store.curves(job.name, key) if store else None
     if there is not None:

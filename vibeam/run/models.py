@@ -1,4 +1,4 @@
-"""The models that are compared: the case's fidelities, and its finest one cut off after fewer modes."""
+"""Compared models: the case's fidelities, and its finest one truncated to fewer modes."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ if TYPE_CHECKING:
 
 COUNTS = (1, 2, 4, 8, 16, 32, 64)
 
-CUT_SOLVERS = ("flight", "orbit")  # of a model that is there for its number of modes
+CUT_SOLVERS = ("flight", "orbit")  # prefix of a truncated model
 
 
 @dataclass(frozen=True)
 class Model:
-    """A fidelity with its system; ``cut``: not in the case, there to show what modes cost.
+    """Fidelity with its system; ``cut``: not in the case, truncated to show the effect of the number of modes.
 
-    ``like``: the fidelity of the case whose scene it has.
+    ``like``: the fidelity of the case whose scene it uses.
     """
 
     name: str
@@ -36,7 +36,7 @@ class Model:
 
 
 def models(case: Case, counts: tuple[int, ...] | None = None) -> tuple[list[Model], dict[str, str]]:
-    """The models in the case's order, then the cut ones by ``counts`` of modes; and which names stand for which model.
+    """Models in the case's order, then truncated ones by ``counts`` of modes; and the model of each name.
 
     ``counts`` None: 1, 2, 4, 8 … below the finest fidelity's. Fidelities that differ in their solver alone are one
     model. ValueError for a fidelity that cannot be built.
@@ -55,12 +55,12 @@ def models(case: Case, counts: tuple[int, ...] | None = None) -> tuple[list[Mode
 
 
 def built(case: Case, fidelity: Fidelity, like: str) -> ImpactSystem:
-    """The system of a fidelity that the case does not name, in the scene of the one that it is ``like``."""
+    """System of a fidelity not named by the case, in the scene of the fidelity ``like``."""
     return system(case.scene_of(like), fidelity)
 
 
 def finest(found: list[Model]) -> Model:
-    """The model with most modes, the first of several."""
+    """Model with most modes, the first of several."""
     return max(found, key=lambda model: model.system.size)
 
 
@@ -73,21 +73,21 @@ def _add(found: list[Model], same: dict[str, str], new: Model) -> None:
 
 
 def equal(one: ImpactSystem, other: ImpactSystem) -> bool:
-    """Whether two systems are the same to the bit, outputs included."""
+    """Test whether two systems are the same to the bit, outputs included."""
     if one.outputs.keys() != other.outputs.keys() or not one.moves_as(other):
         return False
     return all(np.array_equal(row, other.outputs[name]) for name, row in one.outputs.items())
 
 
 def seen(model: ImpactSystem) -> float:
-    """R₁: the restitution that the first mode sees; NaN where the law has no one coefficient."""
+    """First-mode restitution R₁; NaN where the law has no single coefficient."""
     if model.law is not None:
         return float("nan")
     return first_mode_restitution(model.restitution, float(model.contact[0]), float(np.sum(model.contact**2)))
 
 
 def with_seen(model: ImpactSystem, restitution: float) -> ImpactSystem:
-    """The system whose first mode sees ``restitution``; ValueError where no contact restitution gives that."""
+    """System with first-mode ``restitution``; ValueError where no contact restitution gives it."""
     if model.law is not None or np.isnan(restitution):
         raise ValueError("the contact law has no one coefficient of restitution that could be carried over")
     mobility = float(np.sum(model.contact**2))

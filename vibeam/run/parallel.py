@@ -1,4 +1,4 @@
-"""Many computations at once: threads here, since the kernels run without the interpreter's lock."""
+"""Parallel computation in threads; the kernels run without the interpreter's lock."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ Made = TypeVar("Made")
 
 
 def run_parallel(task: Callable[[Item, Event], Made], items: Sequence[Item], workers: int | None = None) -> list[Made]:
-    """``task(item, stop)`` of every item, as many at once as there are cores; results in the order of the items.
+    """Compute ``task(item, stop)`` for every item, one thread a core; results in the order of the items.
 
     The first failure, or Ctrl-C, sets ``stop``, waits until the running tasks have left (by raising ``Stopped``, as
     solvers do within a fraction of a second), and is raised.
@@ -45,6 +45,6 @@ def run_parallel(task: Callable[[Item, Event], Made], items: Sequence[Item], wor
 
 
 def cores() -> int:
-    """Processor cores that this process may use."""
+    """Number of processor cores available to this process."""
     affinity = getattr(os, "sched_getaffinity", None)
     return len(affinity(0)) if affinity else os.cpu_count() or 1

@@ -1,4 +1,4 @@
-"""Points as they come: into a branch's response, into the file, and counted for whoever waits."""
+"""Recorder of computed points: into a branch's response, into the file, and to a progress callback."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Progress = Callable[[int, int], None]
 
 
 class Recorder:
-    """Puts points into a branch's response as they come, and into the file every ``WRITE_EVERY`` seconds."""
+    """Adds points to a branch's response, and writes them to the file every ``WRITE_EVERY`` seconds."""
 
     def __init__(self, branch: Branch, kept: StoredBranch, store: Store | None) -> None:
         self._branch, self._response, self._store = branch, kept.response, store
@@ -31,20 +31,20 @@ class Recorder:
         self._due = monotonic() + WRITE_EVERY
 
     def add(self, block: FrequencyResponse, state: State) -> None:
-        """Take the points of ``block``, and the state after the last of them."""
+        """Add the points of ``block``, and the state after the last of them."""
         points = slice(self._done, self._done + len(block))
         for field in fields(FrequencyResponse):
-            if field.name != "frequency":  # the grid's own value stays, to the last bit
+            if field.name != "frequency":  # keep the grid's own value, to the last bit
                 getattr(self._response, field.name)[points] = getattr(block, field.name)
         self._done = points.stop
         if len(block) > 1:
-            self._states.clear()  # those between are not known
+            self._states.clear()  # states in between are unknown
         self._states.append(state)
         if monotonic() >= self._due:
             self.write()
 
     def write(self) -> None:
-        """Write what is not written yet."""
+        """Write all points not written yet."""
         if self._store and self._done > self._written:
             block = _part(self._response, slice(self._written, self._done))
             self._store.write(self._branch, self._written, block, self._states)
@@ -57,7 +57,7 @@ def _part(response: FrequencyResponse, points: slice) -> FrequencyResponse:
 
 
 class Count:
-    """Points done of all fidelities, told as they come."""
+    """Counter of the points done of all fidelities, with a progress callback."""
 
     def __init__(self, branches: Iterable[StoredBranch], progress: Progress) -> None:
         kept = list(branches)
@@ -68,7 +68,7 @@ class Count:
         self._progress(self.done, self.total)
 
     def add(self, points: int) -> None:
-        """So many more."""
+        """Count further points."""
         with self._lock:
             self.done += points
             self._progress(self.done, self.total)

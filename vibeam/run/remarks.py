@@ -29,23 +29,23 @@ NEGATIVE = (
 
 
 def remarks(result: Result) -> list[str]:
-    """A sentence on the fidelities of a run that never touch the stop, and one on those whose mode 1 sees R₁ < 0."""
+    """Remarks on fidelities that never touch the stop, and on those whose mode 1 sees R₁ < 0."""
     clear = [name for name, branches in result.items() if _stays_clear(branches)]
     told = [f"{listed(clear)}: no impact at any frequency: narrow the gap, or drive harder"] if clear else []
     return [*told, *ill_posed({row.fidelity: row.first_mode_restitution for row in compare(result)})]
 
 
 def ill_posed(seen: Mapping[str, float]) -> list[str]:
-    """The sentence on those with R₁ < 0; ``seen``: R₁ by name, NaN where the law has no coefficient."""
+    """Remark on fidelities with R₁ < 0; ``seen``: R₁ by name, NaN where the law has no coefficient."""
     below = [f"{name} ({value:.2g})" for name, value in seen.items() if value < 0]
     return [f"{listed(below)}: {NEGATIVE}"] if below else []
 
 
 def listed(names: Sequence[str]) -> str:
-    """Names in a sentence."""
+    """Names listed in a sentence."""
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def _stays_clear(branches: Branches) -> bool:
-    """Whether every point is complete and none touches the stop."""
+    """Test whether every point is complete and none touches the stop."""
     return all(np.all(complete(each) & (each.period == -1)) for _, each in branches.items())

@@ -1,4 +1,4 @@
-"""What a run gives: the branches of every fidelity, and what the case asks for beside them."""
+"""Result of a run: the branches of every fidelity, and the case's further figures and choices."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 
 def finest_of(result: Result, beside: str | None = None) -> str:
-    """The fidelity with most modes, the first of several; of those that set the same physics as the one ``beside``.
+    """Fidelity with most modes, the first of several, among those with the same physics as ``beside``.
 
-    A member of a family of curves (other gaps, other R) is no measure for another one's accuracy.
+    A member of a family of curves (other gaps, other R) is no reference for another one's accuracy.
     """
     if result.accuracy is not None:
         return next(iter(result))
@@ -33,17 +33,17 @@ def finest_of(result: Result, beside: str | None = None) -> str:
 
 
 def output_unit(case: Case) -> str:
-    """The unit of the outputs of a case: metres, or "1" for a model without dimensions."""
+    """Unit of the outputs of a case: metres, or "1" for a model without dimensions."""
     from vibeam_models.scene import SdofScene
 
     return "1" if isinstance(case.scene, SdofScene) else "m"
 
 
 class Result(Mapping[str, Branches]):
-    """What a run gives: ``result[fidelity].up.amplitude``; ``found`` points of ``total`` were in the file already.
+    """Result of a run: ``result[fidelity].up.amplitude``; ``found`` points of ``total`` were in the file already.
 
-    ``shown``: the numbers of the case's [show.NAME] tables, by name. ``accuracy``: where the case asks for one, what
-    was chosen and whether it holds; the one entry is then ``result["accuracy"]``.
+    ``shown``: the numbers of the case's [show.NAME] tables, by name. ``accuracy``: the choice of models for the case's
+    accuracy and its verification; the one entry is then ``result["accuracy"]``.
     """
 
     def __init__(
@@ -64,17 +64,17 @@ class Result(Mapping[str, Branches]):
 
     @property
     def total(self) -> int:
-        """Points of all branches."""
+        """Number of points of all branches."""
         return sum(len(response) for branches in self.values() for _, response in branches.items())
 
     @property
     def finest(self) -> dict[str, str]:
-        """For each fidelity the one that it is compared with: see ``finest_of``."""
+        """Reference fidelity of each fidelity: see ``finest_of``."""
         return {name: finest_of(self, name) for name in self}
 
     @property
     def curves(self) -> dict[str, MotionCurves]:
-        """All motions, unstable ones too, of each fidelity whose solver knows them."""
+        """All motions, unstable ones included, of each fidelity whose solver knows them."""
         return {name: branches.curves for name, branches in self._branches.items() if branches.curves is not None}
 
     def __getitem__(self, fidelity: str) -> Branches:
@@ -88,7 +88,7 @@ class Result(Mapping[str, Branches]):
         return "\n".join(lines)
 
     def to_xarray(self) -> Dataset:
-        """A data set along ``fidelity``, ``direction`` and ``frequency`` (Hz); needs xarray.
+        """Data set along ``fidelity``, ``direction`` and ``frequency`` (Hz); needs xarray.
 
         NaN where a fidelity has fewer modes or was not swept that way; units are attributes.
         """
@@ -99,7 +99,7 @@ class Result(Mapping[str, Branches]):
         return joined({name: joined(parts, "direction") for name, parts in ways.items()}, "fidelity")
 
     def to_dataframe(self) -> DataFrame:
-        """A table of one row a point, with columns ``fidelity`` and ``direction``; needs pandas."""
+        """Table of one row a point, with columns ``fidelity`` and ``direction``; needs pandas."""
         from vibeam.system.labelled import frame
 
         rows = [
@@ -110,7 +110,7 @@ class Result(Mapping[str, Branches]):
         return frame(rows, output_unit(self.case))
 
     def plot(self, *paths: str | Path) -> Figure:
-        """The figure that ``vibeam run`` writes; written to ``paths`` (.png, .svg, .pdf) where there are any."""
+        """Figure of ``vibeam run``; written to ``paths`` (.png, .svg, .pdf) where given."""
         from vibeam.system.plotting import plot
 
         return plot(self, *paths)

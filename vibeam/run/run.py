@@ -1,4 +1,4 @@
-"""Run a case: every fidelity through the same frequencies, kept on disk as it goes."""
+"""Run of a case: every fidelity through the same frequencies, stored on disk during the run."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 class Interrupted(KeyboardInterrupt):
-    """Ctrl-C: the message says what is kept and how to go on."""
+    """Run stopped by Ctrl-C: the message says what is kept and how to continue."""
 
 
 def run(
@@ -46,7 +46,7 @@ def run(
     fresh: bool = False,
     tell: Tell | None = None,
 ) -> Result:
-    """Sweep every fidelity of ``case``; what the results file ``out`` already holds is not computed again.
+    """Sweep every fidelity of ``case``; points already in the results file ``out`` are not computed again.
 
     Branches whose numbers the case does not change are kept, the others are swept anew, unless that would leave fewer
     points: ``tell`` gets one line that names them, a warning does without it. ``fresh``: keep nothing of the file.
@@ -78,7 +78,7 @@ def run(
 
 
 def _warm_up(case: Case, job: Job) -> None:
-    """Run the solver of a fidelity that has points to come, unmeasured: here, where Ctrl-C can stop a compilation."""
+    """Run the solver of a fidelity with missing points once, unmeasured: here Ctrl-C can stop a compilation."""
     if all(kept.done == len(kept.response) for _, kept in job.branches):
         return
     omega = job.branches[0][1].response.omega[:1]
@@ -88,7 +88,7 @@ def _warm_up(case: Case, job: Job) -> None:
 
 
 def _silent(done: int, total: int) -> None:
-    """No progress."""
+    """Progress callback that does nothing."""
 
 
 def _accurate(
@@ -116,7 +116,7 @@ def _accurate(
 
 
 def _shown(case: Case, store: Store | None) -> dict[str, tuple[Sheet, ...]]:
-    """What the case shows beside its curves, from the file where it is there."""
+    """Data of the case's further figures, from the file where stored."""
     found: dict[str, tuple[Sheet, ...]] = {}
     for name, plan in case.shows.items():
         from vibeam.figures.sheet import sheets
@@ -129,7 +129,7 @@ def _shown(case: Case, store: Store | None) -> dict[str, tuple[Sheet, ...]]:
 
 
 def _systems(case: Case) -> dict[str, ImpactSystem]:
-    """The system of every fidelity; CaseError names all that cannot be built or that their solver cannot take."""
+    """System of every fidelity; CaseError names all that cannot be built or that their solver cannot take."""
     systems, faults = {}, []
     slowest = 2 * np.pi * float(np.min(case.sweep.frequency))
     for name, fidelity in case.fidelities.items():
@@ -157,14 +157,14 @@ def _branches(case: Case, name: str, modes: int) -> tuple[Branch, ...]:
 
 
 def _key(own: str, direction: str, up: NDArray[np.float64], after_up: bool) -> str:
-    """Of what decides the numbers at each frequency beside those before it: they know the sweep's lowest frequency."""
+    """Key of all numbers of a branch beside the frequencies, the sweep's lowest frequency included."""
     start = up.tobytes() if direction == "down" and after_up else b"equilibrium"
     return sha256(b"\n".join((own.encode(), direction.encode(), up[:1].tobytes(), start))).hexdigest()
 
 
 @dataclass(frozen=True)
 class _Place:
-    """Where a run is kept: the results file (None: nowhere), and how it is opened."""
+    """Storage of a run: the results file (None: nowhere), and how it is opened."""
 
     path: Path | None
     fresh: bool

@@ -1,4 +1,4 @@
-"""What each fidelity gets right and what it costs: peaks, period-1 ranges, distance to the finest, CPU time."""
+"""Summary of each fidelity: peak, period-1 range, distance to the finest, CPU time."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Distance:
 
 @dataclass(frozen=True)
 class Summary:
-    """One fidelity: frequencies in Hz, amplitudes in the unit of the output, times in s.
+    """Summary of one fidelity: frequencies in Hz, amplitudes in the unit of the output, times in s.
 
     ``period_one``: for each direction the lowest and highest frequency of the contiguous period-1 range with impacts
     around its largest amplitude, None where there is none. ``distance``: to the finest fidelity with the same values
@@ -51,12 +51,12 @@ class Summary:
 
     @property
     def nanoseconds_per_impact(self) -> float:
-        """CPU time an impact in ns, NaN where nothing hit."""
+        """CPU time an impact in ns, NaN without impacts."""
         return 1e9 * self.cpu_seconds / self.impacts if self.impacts else float("nan")
 
 
 def compare(result: Result) -> list[Summary]:
-    """A summary of every fidelity, in the case's order; the finest is the one with most modes."""
+    """Summarise every fidelity, in the case's order; the reference is the one with most modes."""
     if not result:
         return []
     cheapest = min(_total(branches, "cpu_seconds") for branches in result.values())
@@ -90,7 +90,7 @@ def _summary(result: Result, name: str, finest: Branches | None, cheapest: float
 
 
 def distance(branches: Branches, finest: Branches) -> Distance:
-    """How far the amplitudes are from the finest fidelity's, direction by direction."""
+    """Distance of the amplitudes from the finest fidelity's, over all directions."""
     ours = dict(branches.items())
     parts = [_relative(ours[way], response) for way, response in finest.items() if way in ours]
     relative = np.concatenate([*parts, np.empty(0)])

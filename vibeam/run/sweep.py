@@ -1,4 +1,4 @@
-"""THE sweep: any system, any solver, any grid; the same call for every fidelity."""
+"""Frequency sweep of any system by any solver over any grid."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ Array = NDArray[np.float64]
 
 Direction = Literal["up", "down", "both"]
 
-LONGEST = 10**9  # drive periods that a point may take to settle: at 0.2 µs each, minutes
+LONGEST = 10**9  # largest number of drive periods to settle a point: at 0.2 µs each, minutes
 
-HELD = 10**8  # states of modes, one a drive period, that a point may hold: 1.6 GB
+HELD = 10**8  # largest number of modal states, one a drive period, held for a point: 1.6 GB
 
 
 def march(
@@ -79,7 +79,7 @@ def march(
 
 
 def _counts(system: ImpactSystem, *given: Any) -> tuple[int, int, int, int]:
-    """settle, hold, block and struck as ints; ValueError with every fault."""
+    """Return settle, hold, block and struck as ints; ValueError with every fault."""
     faults: list[str] = []
     settle, hold, block, struck = given
     found = (
@@ -93,7 +93,7 @@ def _counts(system: ImpactSystem, *given: Any) -> tuple[int, int, int, int]:
 
 
 def _amplitudes(amplitude: ArrayLike, grid: Array) -> Array:
-    """One number, or one for each frequency; ValueError for anything else."""
+    """Return one number, or one for each frequency; ValueError for anything else."""
     drives = floats("amplitude", amplitude)
     if drives.shape not in ((), grid.shape):
         raise ValueError(f"amplitude: must be one number or one for each of the {len(grid)} frequencies")
@@ -104,7 +104,7 @@ def _amplitudes(amplitude: ArrayLike, grid: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Moves:
-    """How the gap changes on the way: what drifts at each point, what each impact wears off, impacts so far."""
+    """Changes of the gap along the sweep: drift at each point, wear an impact, impacts so far."""
 
     drift: Array
     wear: float
@@ -127,7 +127,7 @@ def _drifting(
     system: ImpactSystem, grid: Array, drives: Array, settle: int, hold: int, solver: str, output: str,
     state: State | None, rate: float, options: Mapping[str, Any], moves: _Moves,
 ) -> Iterator[tuple[FrequencyResponse, State]]:  # fmt: skip
-    """Point by point, each with its own gap; a state that the stop has moved into goes back onto it."""
+    """Sweep point by point, each with its own gap; a state beyond the moved stop is put back onto it."""
     struck = moves.struck
     for omega, drive, more in zip(grid, drives, moves.drift, strict=True):
         moved = replace(system, gap=system.gap + float(more) + moves.wear * struck)
@@ -140,7 +140,7 @@ def _drifting(
 
 
 def _onto_stop(system: ImpactSystem, state: State) -> State:
-    """The state where a hard stop allows it; one that rested on the stop before it moved goes with it."""
+    """State admissible to a hard stop; one that rested on the stop before it moved moves along."""
     if isinstance(system.law, CompliantStop):
         return state
     beyond = float(system.contact @ state.displacement) - system.gap
@@ -165,7 +165,7 @@ def sweep(
     drift: Callable[[Array], Array] | None = None,
     wear: float | None = None,
 ) -> FrequencyResponse | Branches:
-    """The frequency-response curve over ``omega`` (rad/s), in the order swept, or Branches(up, down) for "both".
+    """Sweep over ``omega`` (rad/s): the frequency-response curve in the order swept, or Branches(up, down) for "both".
 
     Arguments and errors as in ``march``; amplitudes that are one for each frequency are in the order of ``omega``.
     ``drift`` gives what is added to the gap (m) at frequencies in rad/s; what ``wear`` adds stays on the way down.

@@ -1,4 +1,4 @@
-"""Run a case that asks for an accuracy: one curve instead of one for each fidelity."""
+"""Run of a case with an accuracy: one curve instead of one for each fidelity."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def refuse_beyond(case: Case, systems: Mapping[str, ImpactSystem]) -> None:
-    """CaseError where the finest model's motion cannot be followed by closed forms."""
+    """Raise CaseError where the finest model has no closed-form motions."""
     reasons = {name: " or ".join(system.beyond_plain) for name, system in systems.items() if system.beyond_plain}
     omega = 2 * np.pi * case.sweep.frequency
     reasons |= {name: "a gap that drifts" for name in systems if gap_drift(case.scene_of(name), omega) is not None}
@@ -34,7 +34,7 @@ def refuse_beyond(case: Case, systems: Mapping[str, ImpactSystem]) -> None:
 
 
 def branches_of(case: Case, branches: Mapping[str, tuple[Branch, ...]]) -> tuple[Branch, ...]:
-    """The branches of the result: as the finest fidelity's, under the name ``accuracy``."""
+    """Branches of the result: as the finest fidelity's, under the name ``accuracy``."""
     widest = max(branches.values(), key=lambda several: several[0].modes)
     key = sha256(f"{HOME} {case.key}".encode()).hexdigest()
     return tuple(replace(branch, fidelity=HOME, key=key, carried=False) for branch in widest)
@@ -44,7 +44,7 @@ def found_or_made(
     case: Case, plan: AccuracyPlan, systems: Mapping[str, ImpactSystem], branches: tuple[Branch, ...],
     store: Store | None,
 ) -> tuple[AccuracyChoice, int]:  # fmt: skip
-    """The study, and how many of its points were in the file already: all or none."""
+    """Study from the file or computed, and the number of its points from the file: all or none."""
     there = store.study(branches) if store else None
     if there is not None:
         return there, there.points

@@ -1,8 +1,8 @@
-"""``accuracy = "1 %"``: the cheapest model and solver, frequency by frequency, that stay within it.
+"""Adaptive choice of fidelity (``accuracy = "1 %"``): the cheapest model and solver within it, for each frequency.
 
-``known`` has the closed-form motions of one model over the whole sweep; ``rungs`` reads off one model's motions where
-it is asked; ``track`` follows the finest model as a sweep would, by formula where a stable motion goes on and by flight
-where none does; ``ladder`` settles for a cheaper model between frequencies where it was seen to be good enough;
-``unsettled`` does so by statistics where nothing repeats; ``verify`` flies the finest model at random points;
-``study`` puts them together.
+``closed_forms`` has the closed-form motions of one model over the whole sweep. ``candidates`` evaluates one model by
+one solver. ``finest`` follows the finest model as a sweep would: in closed form where a stable motion continues, by
+flight elsewhere. ``choice`` selects a cheaper model between frequencies at which it is accurate enough;
+``unsettled`` does so by statistics where the motion is aperiodic. ``verification`` computes the finest model at random
+points. ``study`` combines them.
 """

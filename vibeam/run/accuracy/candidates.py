@@ -1,4 +1,4 @@
-"""The rungs: one model and one way to have its motion of a known kind at single frequencies."""
+"""Candidates of the choice: one model with one solver, evaluated at single frequencies."""
 
 from __future__ import annotations
 
@@ -18,30 +18,30 @@ from vibeam.system.state import State
 
 Array = NDArray[np.float64]
 
-EXACT = 1e-5  # claimed of the finest model's own readings: the flight's light reading is good to about 1e-6
+EXACT = 1e-5  # claimed error of the finest model itself: a flight is read off to about 1e-6
 
-CLOSES = 1e-6  # share of a state by which it may differ after a period and still be a periodic motion's
+CLOSES = 1e-6  # tolerance, as a share of the state, for a state to be periodic
 
 READ = tuple(each.name for each in fields(FrequencyResponse) if each.name != "frequency")
 
-AVERAGED = ("amplitude", "reach", "impact_velocity")  # what averaging gives
+AVERAGED = ("amplitude", "reach", "impact_velocity")  # quantities that averaging gives
 
 
 @dataclass
 class Spent:
-    """CPU seconds and points of one rung, as they come."""
+    """CPU seconds and number of points of one candidate, accumulated."""
 
     seconds: float = 0.0
     points: int = 0
 
     def add(self, begun: float, points: int) -> None:
-        """Since ``begun`` of ``time.thread_time``."""
+        """Add the time since ``begun`` (``time.thread_time``) and ``points``."""
         self.seconds += time.thread_time() - begun
         self.points += points
 
 
 class Read(NamedTuple):
-    """What was read at some points, and by how much, relative, each may be off its model; NaN where failed."""
+    """Values at some points, and a bound on the relative error of each against its model; NaN where failed."""
 
     response: FrequencyResponse
     off: Array
@@ -49,7 +49,7 @@ class Read(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """``fidelity`` by ``solver``; ``spent``: on all that was asked of it."""
+    """Model ``fidelity`` with ``solver``; ``spent``: total cost of its evaluations."""
 
     fidelity: str
     solver: str
@@ -58,17 +58,17 @@ class Candidate:
     output: str
     flight: FlightSolver
     spent: Spent = field(default_factory=Spent)
-    seen: dict[int, tuple[Read, NDArray[np.bool_]]] = field(default_factory=dict)  # by kind: what was read, where
+    seen: dict[int, tuple[Read, NDArray[np.bool_]]] = field(default_factory=dict)  # values by kind, and where known
 
     @property
     def label(self) -> str:
-        """As tables name it."""
+        """Name in tables."""
         return f"{self.fidelity} by {self.solver}"
 
     def read(self, which: Index, kind: int) -> Read:
-        """The motion of ``kind`` at the points ``which``; not there, not stable or through the stop: NaN.
+        """Evaluate the motion of ``kind`` at the points ``which``; absent, unstable or inadmissible motions are NaN.
 
-        A motion does not hang on the direction of a sweep: what was read once is kept.
+        Such a motion does not depend on the sweep's direction: values once computed are kept.
         """
         first = not self.seen
         if kind not in self.seen:
@@ -85,7 +85,7 @@ class Candidate:
         return Read(rows(kept.response, which), kept.off[which])
 
     def fly(self, points: Index, state: State | None, settle: int, hold: int) -> tuple[FrequencyResponse, list[State]]:
-        """Points in turn by flight, the state carried from each to the next; and the states after each."""
+        """Points in order by flight, the state carried from each to the next; and the states after each."""
         begun = time.thread_time()
         states: list[State] = []
         reading, amplitude = reading_of(self.quantities), self.known.amplitude[points]
@@ -106,14 +106,14 @@ def _nothing(known: ClosedForms) -> Read:
 
 
 def rows(response: FrequencyResponse, which: Index) -> FrequencyResponse:
-    """Some of the points."""
+    """Select some of the points."""
     return FrequencyResponse(**{name: getattr(response, name)[which] for name in ("frequency", *READ)})
 
 
 def _by_formula(rung: Candidate, known: ClosedForms, which: Index, kind: int) -> Read:
-    """The closed form's state, carried once round by flight: it must come back, so nothing was touched in between.
+    """Closed-form motion, verified by one period of flight: it must return, so that nothing was struck in between.
 
-    ``known``: the rung's at all points or at ``which``.
+    ``known``: the candidate's closed forms at all points or at ``which``.
     """
     which = which if known is rung.known else np.arange(len(which))
     response = FrequencyResponse.empty(known.omega[which] / (2 * np.pi), known.system.size)
@@ -135,7 +135,7 @@ def _by_formula(rung: Candidate, known: ClosedForms, which: Index, kind: int) ->
 
 
 def _struck(velocity: Array, kind: int) -> dict[str, Any]:
-    """The impact counted exactly once, wherever in the period it falls."""
+    """Count the impact exactly once, wherever in the period it falls."""
     count, hits = len(velocity), kind != FREE
     kept = np.full((count, VELOCITIES_KEPT), np.nan)
     kept[:, -1] = velocity
@@ -149,7 +149,7 @@ def _struck(velocity: Array, kind: int) -> dict[str, Any]:
 
 
 def _averaged(rung: Candidate, which: Index) -> Read:
-    """The stable averaged motion; how far it is off its model is not known to itself."""
+    """Stable averaged motion; its error against its model is unknown."""
     from vibeam.solvers.averaging.solver import AveragingSolver
 
     curves = AveragingSolver(rung.known.system).curves(
@@ -169,7 +169,7 @@ def _averaged(rung: Candidate, which: Index) -> Read:
 
 
 def put(target: FrequencyResponse, at: Index, source: FrequencyResponse) -> None:
-    """Copy points; energies of models with other numbers of modes are left out, the grid stays."""
+    """Copy points; modal energies are left out where the numbers of modes differ; the grid stays."""
     _put(target, at, source, np.ones(len(source), dtype=bool))
 
 
@@ -181,7 +181,7 @@ def _put(target: FrequencyResponse, at: Index, source: FrequencyResponse, chosen
 
 
 def rungs_of(name: str, known: ClosedForms, quantities: tuple[str, ...], output: str) -> Sequence[Candidate]:
-    """What a model offers, the cheapest first: averaging where it can, the closed form, and flight for the rest."""
+    """Candidates of a model, the cheapest first: averaging where possible, closed form, and flight for the rest."""
     flight = FlightSolver(known.system, float(np.min(known.omega)))
     solvers = ["averaging"] if _averages(known, quantities) else []
     return [Candidate(name, each, known, quantities, output, flight) for each in (*solvers, "orbit", "flight")]
@@ -200,5 +200,5 @@ def _averages(known: ClosedForms, quantities: Sequence[str]) -> bool:
 
 
 def takes(rung: Candidate, kind: int) -> bool:
-    """Whether the rung knows motions of that kind."""
+    """Test whether the candidate can compute motions of that kind."""
     return rung.solver != "averaging" or kind == HARDER

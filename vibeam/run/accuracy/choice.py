@@ -1,10 +1,10 @@
-"""A run of frequencies on one known motion: the cheapest rung that is good enough, stretch by stretch.
+"""Choice along a range of frequencies with one known motion: the cheapest accurate candidate, stretch by stretch.
 
-The finest model is read at five places, the cheaper rungs at the same: one that is good enough at fewer than two is
-asked no further, and where none is left the finest has it all. Between two places a rung's error is taken to go
-straight, and a third in the middle tells how far it does not: what is claimed for the stretch is the largest error seen
-plus that difference. Before it is taken the same is asked of its two halves, for a narrow resonance of a higher mode
-can hide between three places. A stretch of which neither can be said, good enough or not, is halved.
+The finest model and the cheaper candidates are evaluated at five places. A candidate that is accurate at fewer than
+two is dropped; where none is left the finest model is used throughout. Between two places a candidate's error is
+interpolated linearly, and a third place in the middle measures the deviation: the claim for the stretch is the
+largest error found plus that deviation. Its two halves are tested in the same way before it is accepted, because a
+narrow resonance of a higher mode can hide between three places. A stretch that is undecided is halved.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ from vibeam.run.accuracy.readings import distance
 
 Array = NDArray[np.float64]
 
-FEW = 5  # points of the whole sweep that tell whether a rung is worth asking at more
+FEW = 5  # points of the whole sweep that decide whether a candidate is evaluated at more
 
-FAR = 5  # times the accuracy by which a rung is off where coarser ones are not worth asking
+FAR = 5  # error of a candidate, as a multiple of the accuracy, beyond which coarser ones are not evaluated
 
-STRETCHES = 8  # to begin with
+STRETCHES = 8  # initial number of stretches
 
-SHORTEST = 6  # steps of the sweep: below that a stretch is the finest model's
+SHORTEST = 6  # steps of the sweep: a shorter stretch is left to the finest model
 
-SPARE = 0.9  # share of the accuracy that an estimate may use up
+SPARE = 0.9  # share of the accuracy available to an estimate
 
 
 @dataclass(frozen=True)
 class Choice:
-    """``rungs`` from the cheapest to the finest model by formula, each with its ``numbers`` in the study's list."""
+    """Candidates from the cheapest to the finest model in closed form, with their ``numbers`` in the study's list."""
 
     rungs: Sequence[Candidate]
     numbers: Sequence[int]
@@ -44,7 +44,7 @@ class Choice:
     within: float
 
     def settle(self, sheet: BranchChoice, places: Index, kind: int) -> int:
-        """Fill the places; fewer than there are where the finest model's motion does not go on: how many."""
+        """Fill the places and return how many: fewer than all where the finest model's motion ends."""
         hopeful = self._hopeful(sheet, places, kind)
         if hopeful:
             places = places[: self._held(sheet, places, kind)]
@@ -55,11 +55,11 @@ class Choice:
         return self._finish(sheet, places, kind) if len(places) else 0
 
     def _hopeful(self, sheet: BranchChoice, places: Index, kind: int) -> list[tuple[int, Candidate]]:
-        """The cheaper rungs, with their numbers, that are good enough at two of five places: one may be by accident.
+        """Cheaper candidates, with their numbers, that are accurate at two of five places; one could be an accident.
 
-        From the finest of them down: where one is off by many times the accuracy, coarser models are not asked.
+        From the finest of them down: where one is off by many times the accuracy, coarser models are not evaluated.
         """
-        step = max(len(sheet.grid) // FEW, 1)  # the same points both ways
+        step = max(len(sheet.grid) // FEW, 1)  # the same points in both directions
         few = places[sheet.grid[places] % step == step // 2]
         few = few if len(few) else places[len(places) // 2 :][:1]
         there = np.isfinite(self.rungs[-1].read(sheet.grid[few], kind).off)
@@ -75,7 +75,7 @@ class Choice:
         return found
 
     def _held(self, sheet: BranchChoice, places: Index, kind: int) -> int:
-        """How many places the finest model's motion holds, by halving between one that does and one that does not."""
+        """Number of places on which the finest model's motion persists, by bisection."""
         finest = self.rungs[-1]
         probes = _probes(_stretches(len(places)))
         fine = np.isfinite(finest.read(sheet.grid[places[probes]], kind).off)
@@ -93,7 +93,7 @@ class Choice:
 
     def _offered(self, sheet: BranchChoice, places: Index, kind: int, rung: Candidate, number: int,
                  stretches: list[tuple[int, int]]) -> list[tuple[int, int]]:  # fmt: skip
-        """What is left of the stretches after the rung has taken those for which it is good enough."""
+        """Stretches left after the candidate has taken those for which it is accurate enough."""
         left, open_ = [], stretches
         while open_:
             fits = self._judged(sheet, places, kind, rung, _fifths(open_)[:, ::2])
@@ -114,7 +114,7 @@ class Choice:
     def _judged(
         self, sheet: BranchChoice, places: Index, kind: int, rung: Candidate, probes: Index
     ) -> list[tuple[bool | None, float]]:
-        """The verdict on every stretch (rows of ``probes``, places within ``places``), and what can be claimed."""
+        """Verdict on every stretch (rows of ``probes``, places within ``places``), and the claimed error."""
         asked, back = np.unique(probes, return_inverse=True)
         errors = self._errors(sheet, places[asked], kind, rung)[back.reshape(probes.shape)]
         return [_verdict(each, probes[i], self.within) for i, each in enumerate(errors)]
@@ -126,7 +126,7 @@ class Choice:
         return np.where(np.isfinite(found.off)[:, None], error, np.inf)
 
     def _take(self, sheet: BranchChoice, places: Index, kind: int, rung: Candidate, number: int, bound: float) -> bool:
-        """Enter the rung's values, unless its motion is not there at one of the places."""
+        """Enter the candidate's values, unless its motion is absent at one of the places."""
         read = rung.read(sheet.grid[places], kind)
         if not np.isfinite(read.off).all():
             return False
@@ -134,7 +134,7 @@ class Choice:
         return True
 
     def _finish(self, sheet: BranchChoice, places: Index, kind: int) -> int:
-        """The finest model wherever nothing cheaper was taken; how many places hold."""
+        """Use the finest model wherever nothing cheaper was taken; return the number of places that hold."""
         finest, number = self.rungs[-1], self.numbers[-1]
         left = places[sheet.rung[places] < 0]
         read = finest.read(sheet.grid[left], kind)
@@ -147,7 +147,7 @@ class Choice:
 
 
 def _verdict(errors: Array, places: Index, within: float) -> tuple[bool | None, float]:
-    """Whether a stretch with these errors (3 or 5 places, quantities) is within, None: cannot be said; and a bound.
+    """Verdict on a stretch from its errors (3 or 5 places, quantities): accurate or not, None: undecided; and a bound.
 
     Every second place is compared with the straight line between its neighbours.
     """
@@ -160,7 +160,7 @@ def _verdict(errors: Array, places: Index, within: float) -> tuple[bool | None, 
     bound = float(np.max(np.abs(errors).max(axis=0) + bent))
     if bound <= SPARE * within:
         return True, bound
-    one_side = np.abs(np.sign(errors).sum(axis=0)) == len(errors)  # else one is near nothing in between
+    one_side = np.abs(np.sign(errors).sum(axis=0)) == len(errors)  # else it is near no place between
     beyond = one_side & (np.abs(errors).min(axis=0) - bent > within)
     return (False if beyond.any() else None), bound
 

@@ -1,4 +1,4 @@
-"""What has been found of one branch: values, which rung gave them, and by how much they may be off."""
+"""Choices along one branch: values, candidate and error bound of each point."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class BranchChoice:
-    """One direction, in the order swept; ``grid`` (points,): which point of the ascending frequencies each one is.
+    """One direction, in the order swept; ``grid`` (points,): index of each point in the ascending frequencies.
 
-    ``rung`` (points,): by its place in the study's list, −1 where nothing is there yet. ``estimate``: relative error.
-    ``statistical``: the motion does not repeat, so the estimate is that of its mean, and ``scatter`` that of one
+    ``rung`` (points,): index of the candidate in the study's list, −1 where none yet. ``estimate``: relative error.
+    ``statistical``: the motion is aperiodic, so the estimate is that of its mean, and ``scatter`` that of one
     reading. ``kind``: the closed-form motion that the finest model is on, −1 where on none; ``states``: of the finest
     model after a point that it was flown at.
     """
@@ -37,7 +37,7 @@ class BranchChoice:
 
     @classmethod
     def blank(cls, way: str, grid: Index, frequency: Array, modes: int) -> BranchChoice:
-        """Nothing known yet."""
+        """Branch without any values yet."""
         n = len(grid)
         return cls(
             way, grid, FrequencyResponse.empty(frequency[grid], modes), np.full(n, -1), np.full(n, np.nan),
@@ -45,6 +45,6 @@ class BranchChoice:
         )  # fmt: skip
 
     def enter(self, at: Index, read: Read, rung: int) -> None:
-        """Take over what was read at the places ``at``."""
+        """Enter the values at the places ``at``."""
         put(self.response, at, read.response)
         self.rung[at], self.estimate[at] = rung, read.off

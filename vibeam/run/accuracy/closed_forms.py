@@ -1,4 +1,4 @@
-"""The motions of a model that are known in closed form, at every frequency of a sweep.
+"""Closed-form motions of a model at every frequency of a sweep.
 
 Three kinds: the two with one impact a drive period, harder impact first, and the one that never reaches the stop.
 """
@@ -29,24 +29,24 @@ Index = NDArray[np.int64]
 
 HARDER, SOFTER, FREE = range(3)
 
-MANY = 8  # of so many points one
+MANY = 8  # spacing of the points of a coarse scan
 
 KINDS = (HARDER, SOFTER, FREE)
 
 
 @dataclass(frozen=True, eq=False)
 class ClosedForms:
-    """``omega`` (points,) rad/s, ``amplitude`` (points,) of the base, m."""
+    """Closed-form motions over ``omega`` (points,) rad/s under base motion of ``amplitude`` (points,) m."""
 
     system: ImpactSystem
     omega: Array
     amplitude: Array
-    kept: dict[int, Array] = field(default_factory=dict, repr=False)  # states by kind, as they are asked for
+    kept: dict[int, Array] = field(default_factory=dict, repr=False)  # states by kind, computed on demand
     radii: dict[int, Array] = field(default_factory=dict, repr=False)
     leaps: dict[int, Array] = field(default_factory=dict, repr=False)
 
     def at(self, which: Index) -> ClosedForms:
-        """The same at the points ``which`` alone, or itself where that is worked out already or they are many."""
+        """The same at the points ``which`` alone; the object itself where that is computed already or they are many."""
         if "_points" in self.__dict__ or len(which) > len(self.omega) // MANY:
             return self
         return ClosedForms(self.system, self.omega[which], self.amplitude[which])
@@ -57,18 +57,18 @@ class ClosedForms:
 
     @cached_property
     def _phasors(self) -> Complex:
-        """h (n, points): each mode's steady response to the drive alone is Im(h e^{iΩt}) and its static one."""
+        """Phasors h (n, points): each mode's steady response is Im(h e^{iΩt}) plus its static displacement."""
         own, sigma = self.system.omega[:, None], (self.system.zeta * self.system.omega)[:, None]
         return self.system.load[:, None] * self.amplitude * phasor(own, sigma, self.omega)
 
     @cached_property
     def possible(self) -> bool:
-        """Whether the model has closed forms at all: every mode has stiffness, and none grows without bound."""
+        """Test whether the model has closed forms: every mode has stiffness, and none grows without bound."""
         return bool(np.all(self.system.omega > 0)) and not fault(self.system)
 
     @cached_property
     def there(self) -> Flags:
-        """Where there is such a motion; those with impacts may pass through the stop in between."""
+        """Mask of the points with such a motion; those with impacts may be inadmissible."""
         found = np.zeros((len(self.omega), len(KINDS)), dtype=bool)
         if not self.possible:
             return found
@@ -79,7 +79,7 @@ class ClosedForms:
         return found
 
     def radius(self, kind: int) -> Array:
-        """The largest Floquet multiplier (points,), by which disturbances shrink a period, from above.
+        """Upper bound (points,) on the largest Floquet multiplier, the decay of disturbances a period.
 
         ∞ where it is not below 1, or there is no such motion.
         """
@@ -100,9 +100,9 @@ class ClosedForms:
         return found
 
     def leap(self, kind: int) -> Array:
-        """(points − 1,): how far a motion moves to the next frequency, over how far another one is from it.
+        """Change of a motion to the next frequency over its distance from another motion, (points − 1,).
 
-        Where that is small a sweep that carries its state cannot change over to the other one; 0 where there is none.
+        Where that is small a sweep that carries its state cannot jump to the other one; 0 where there is none.
         """
         if kind not in self.leaps:
             self.leaps[kind] = self._leap(kind)
@@ -120,7 +120,7 @@ class ClosedForms:
         return found
 
     def velocity(self, which: Index, kind: int) -> Array:
-        """Impact velocities at the points ``which``, m/s; NaN where nothing strikes."""
+        """Impact velocities at the points ``which``, m/s; NaN without impacts."""
         return np.full(len(which), np.nan) if kind == FREE else self._points.roots.velocity[which, kind]
 
     def states(self, which: Index, kind: int) -> Array:
@@ -130,7 +130,7 @@ class ClosedForms:
         return self.kept[kind][which]
 
     def _states(self, kind: int) -> Array:
-        """At all points (points, 2, n); of no meaning where the motion is not there."""
+        """States at all points (points, 2, n); meaningless where the motion does not exist."""
         h = self._phasors
         values = np.stack([h.imag + offsets(self.system)[:, None], self.omega * h.real])
         if kind != FREE and self.there[:, kind].any():
@@ -138,7 +138,7 @@ class ClosedForms:
         return np.ascontiguousarray(values.transpose(2, 0, 1))
 
     def _struck(self, kind: int) -> Array:
-        """What the impact train adds (2, n, points); the Green's functions of ``orbits.modal_sums``."""
+        """Contribution of the impact train (2, n, points); the Green's functions of ``orbits.modal_sums``."""
         roots, span = self._points.roots, self._points.total.span
         impulse, since = roots.impulse[:, kind], (2 * np.pi - roots.phase[:, kind]) / self.omega
         hit = self.system.contact != 0
@@ -150,12 +150,12 @@ class ClosedForms:
         return added
 
     def state(self, point: int, kind: int) -> State:
-        """One of them."""
+        """State (2, n) at one point."""
         both = self.states(np.array([point]), kind)[0]
         return State(both[0], both[1])
 
 
 def size(system: ImpactSystem, omega: Array, states: Array) -> Array:
-    """The size (points,) of modal states (points, 2, n), or of differences, as a velocity: as the flight's strobes."""
+    """Norm (points,) of modal states (points, 2, n), or of differences, as a velocity: that of the flight's strobes."""
     rates = system.omega**2 + omega[:, None] ** 2
     return np.asarray(np.sqrt(np.sum(states[:, 1] ** 2 + rates * states[:, 0] ** 2, axis=1)))

@@ -1,9 +1,9 @@
-"""The finest model through the frequencies, as a sweep that carries its state would go, flown only where it must be.
+"""Finest model along the sweep, with the state carried; flown only where no closed form is known.
 
-A motion known in closed form goes on from one frequency to the next while it is stable, disturbances die out within
-the settling, and no other motion is near. Where it ends the model is flown, with the sweep's own settling and hold,
-until it is seen on a known motion again: after the first part of the settling or at its end. Stretches without any
-stable known motion are handed on as a whole.
+A closed-form motion continues from one frequency to the next while it is stable, disturbances decay within the
+settling, and no other motion is near. Where it ends the model is flown, with the sweep's own settling and hold,
+until it reaches a known motion: after the first part of the settling or at its end. Stretches without any
+stable known motion are passed on as a whole.
 """
 
 from __future__ import annotations
@@ -20,23 +20,23 @@ from vibeam.run.accuracy.closed_forms import KINDS, Index, size
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State
 
-DIES_OUT = 1e-2  # share of the accuracy that may be left of a disturbance after settling
+DIES_OUT = 1e-2  # remainder of a disturbance after settling, as a share of the accuracy
 
-NEAR = 0.25  # of the way to another motion that the step from one frequency to the next may take
+NEAR = 0.25  # largest change from one frequency to the next, as a share of the distance to another motion
 
-PARTS = 3  # of so many parts of the settling the first one is looked at
+PARTS = 3  # number of parts of the settling, the first of which is checked for a known motion
 
-SAME = 1e-4  # share of a state within which a flown motion is a known one
+SAME = 1e-4  # tolerance, as a share of the state, for a flown motion to be a known one
 
 
-RunOf = Callable[[BranchChoice, Index, int], int]  # settles a run on one known motion: how many of its places held
+RunOf = Callable[[BranchChoice, Index, int], int]  # along a run on one known motion; gives how many of its places held
 
 Unsettled = Callable[[BranchChoice, Index, State | None], State | None]  # a stretch without one: the state after it
 
 
 @dataclass(frozen=True)
 class Position:
-    """Where a sweep is: on a known motion of ``kind`` at ``point`` (−1: on none), or in a ``state``."""
+    """Position along a sweep: on a known motion of ``kind`` at ``point`` (−1: on none), or in a ``state``."""
 
     kind: int = -1
     point: int = -1
@@ -45,7 +45,7 @@ class Position:
 
 @dataclass(frozen=True)
 class Finest:
-    """The finest model by ``formula`` and by ``flight``, and their numbers in the study's list; the sweep."""
+    """Finest model by ``formula`` and by ``flight``, and their numbers in the study's list; the sweep."""
 
     formula: Candidate
     formula_number: int
@@ -55,12 +55,12 @@ class Finest:
     within: float
 
     def known(self, point: int) -> bool:
-        """Whether a stable motion is known there."""
+        """Test whether a stable motion is known there."""
         return any(self.formula.known.radius(kind)[point] < 1 for kind in KINDS)
 
 
 def track(sheet: BranchChoice, finest: Finest, start: Position, run: RunOf, unsettled: Unsettled) -> Position:
-    """Fill the sheet; and where the sweep ends."""
+    """Fill the branch along the sweep; return the position at its end."""
     here, place = start, 0
     while place < len(sheet.grid):
         count = _goes_on(sheet, finest, here, place)
@@ -82,7 +82,7 @@ def track(sheet: BranchChoice, finest: Finest, start: Position, run: RunOf, unse
 
 
 def fly_points(sheet: BranchChoice, finest: Finest, place: int, state: State | None) -> Position:
-    """One place as the sweep itself does it, cut short where a known motion is reached before; and where that leads."""
+    """Compute one place as the sweep does, cut short where a known motion is reached; return the position after it."""
     point, plan = sheet.grid[place : place + 1], finest.plan
     part = plan.settle // PARTS if finest.known(int(point[0])) else 0
     if part:
@@ -104,7 +104,7 @@ def fly_points(sheet: BranchChoice, finest: Finest, place: int, state: State | N
 def note_flight(
     sheet: BranchChoice, places: Index, number: int, response: FrequencyResponse, states: Sequence[State]
 ) -> None:
-    """Enter points flown by the finest model: exact where they repeat, else one reading of many."""
+    """Enter points flown by the finest model: exact where periodic, else one reading of many."""
     off = np.where(response.ended == Ended.COMPLETE.code, EXACT, np.nan)
     sheet.enter(places, Read(response, off), number)
     sheet.statistical[places] = (response.period == 0) & np.isfinite(off)
@@ -112,7 +112,7 @@ def note_flight(
 
 
 def identified(finest: Candidate, point: int, after: State) -> int:
-    """The known stable motion that a state is on, −1 for none."""
+    """Known stable motion that a state is on, −1 for none."""
     known, one = finest.known, np.array([point])
     state = np.stack([after.displacement, after.velocity])[None]
     for kind in KINDS:
@@ -124,7 +124,7 @@ def identified(finest: Candidate, point: int, after: State) -> int:
 
 
 def _goes_on(sheet: BranchChoice, finest: Finest, here: Position, place: int) -> int:
-    """For how many places from ``place`` on the known motion goes on."""
+    """Number of places from ``place`` on along which the known motion continues."""
     if here.kind < 0:
         return 0
     points = np.concatenate([[here.point], sheet.grid[place:]])
@@ -140,7 +140,7 @@ def _goes_on(sheet: BranchChoice, finest: Finest, here: Position, place: int) ->
 
 
 def _without(sheet: BranchChoice, finest: Candidate, place: int) -> int:
-    """How many places from ``place`` on have no known motion that is stable and keeps clear of the stop."""
+    """Number of places from ``place`` on without a known stable, admissible motion."""
     known, left = finest.known, sheet.grid[place:]
     stable = np.stack([known.radius(kind)[left] < 1 for kind in KINDS], axis=1)
     for count in np.flatnonzero(stable.any(axis=1)):

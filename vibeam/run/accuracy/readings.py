@@ -1,4 +1,4 @@
-"""The quantities that an accuracy is asked for, and how far one reading is from another."""
+"""Quantities to which an accuracy applies, and the distance between two readings."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from vibeam.system.response import FrequencyResponse
 
 Array = NDArray[np.float64]
 
-OVER_AMPLITUDE = ("maximum", "minimum")  # may be nothing themselves: errors are shares of the amplitude
+OVER_AMPLITUDE = ("maximum", "minimum")  # quantities that may be zero: their errors are shares of the amplitude
 
 
 def reading_of(quantities: Sequence[str]) -> int:
-    """How much the flight solver must read off for them."""
+    """Level of detail that the flight solver must read off for the quantities."""
     return REACH_TOO if "reach" in quantities else OUTPUT_ALONE
 
 
 def values(response: FrequencyResponse, quantities: Sequence[str]) -> Array:
-    """(points, quantities)."""
+    """Values (points, quantities)."""
     return np.stack([getattr(response, name) for name in quantities], axis=1)
 
 
 def distance(found: FrequencyResponse, truth: FrequencyResponse, quantities: Sequence[str]) -> Array:
     """Signed relative errors (points, quantities); those of maximum and minimum over the amplitude.
 
-    0 where neither has a value (no impact, no velocity), ∞ where one alone has.
+    Zero where neither has a value (no impact, no velocity), ∞ where one alone has.
     """
     ours, theirs = values(found, quantities), values(truth, quantities)
     scales = [truth.amplitude if name in OVER_AMPLITUDE else getattr(truth, name) for name in quantities]

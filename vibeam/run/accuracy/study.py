@@ -1,4 +1,4 @@
-"""``accuracy`` in a case: which model and solver is enough where, what came out, and whether it holds."""
+"""Study of a case's ``accuracy``: model and solver for each point, the resulting curve, its verification."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ ENDS = {"up": ("up",), "down": ("down",), "both": ("up", "down")}
 
 @dataclass(frozen=True)
 class Chosen:
-    """A rung: ``taken`` points of the result, ``asked`` in all, CPU seconds; ``estimate``: the largest claim."""
+    """Use of one candidate: ``taken`` points of the result, ``asked`` in all, CPU seconds; largest ``estimate``."""
 
     fidelity: str
     solver: str
@@ -45,10 +45,10 @@ class Chosen:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """One direction: ``response`` in the order swept, and for each point which fidelity and solver gave it.
+    """One direction: ``response`` in the order swept, and the fidelity and solver of each point.
 
-    ``estimate``: relative error; ``statistical``: of the mean, for the motion does not repeat, and ``scatter`` that of
-    a single reading about it, NaN elsewhere. What no quantity asked for needs is NaN in the response.
+    ``estimate``: relative error; ``statistical``: of the mean, because the motion is aperiodic, and ``scatter`` that of
+    a single reading about it, NaN elsewhere. Quantities that were not asked for are NaN in the response.
     """
 
     response: FrequencyResponse
@@ -61,10 +61,10 @@ class Curve:
 
 @dataclass(frozen=True, eq=False)
 class AccuracyChoice:
-    """What ``accuracy`` of a case led to. CPU time of the choice is everything but building the
+    """Result of a case's ``accuracy``. CPU time of the choice is everything but building the
     models, as that of a sweep is, and the verification.
 
-    ``finest_seconds``: what the finest fidelity takes everywhere by flight, extrapolated from the verified points.
+    ``finest_seconds``: cost of the finest fidelity at every point by flight, extrapolated from the verified points.
     """
 
     within: float
@@ -78,17 +78,17 @@ class AccuracyChoice:
 
     @property
     def points(self) -> int:
-        """Points of all directions."""
+        """Number of points of all directions."""
         return sum(len(curve.response) for curve in self.curves.values())
 
     @property
     def share(self) -> float:
-        """Cost against that of the finest fidelity everywhere."""
+        """Cost relative to that of the finest fidelity at every point."""
         return self.cpu_seconds / self.finest_seconds if self.finest_seconds else float("nan")
 
     @property
     def missed(self) -> tuple[Verified, ...]:
-        """The verified points that are not within."""
+        """Verified points outside the accuracy."""
         return tuple(each for each in self.verified if not each.passed)
 
 
@@ -99,9 +99,9 @@ def study(
     systems: Mapping[str, ImpactSystem] | None = None,
     checks: int = POINTS,
 ) -> AccuracyChoice:
-    """The case's sweep, within the relative error ``within`` of the finest fidelity's by flight.
+    """Compute the case's sweep within the relative error ``within`` of the finest fidelity by flight.
 
-    ``systems`` of the fidelities, where they are built already; ``checks``: how many random points are verified.
+    ``systems`` of the fidelities, where built already; ``checks``: number of random points to verify.
     ValueError for a fidelity that cannot be built, or that knows more than modes, one stop and one restitution.
     """
     omega = 2 * np.pi * np.sort(case.sweep.frequency)
@@ -123,7 +123,7 @@ def study(
 def _warm_up(
     case: Case, models: Sequence[Model], omega: Array, quantities: tuple[str, ...], within: float
 ) -> None:  # fmt: skip
-    """The whole choice at the first frequency alone, unmeasured, by rungs that are then thrown away."""
+    """Run the whole choice at the first frequency, unmeasured, with candidates that are then discarded."""
     short = replace(case, sweep=replace(case.sweep, frequency=omega[:1] / (2 * np.pi), settle=1, hold=2))
     rungs = [rung for model in models for rung in _offered(short, model, omega[:1], quantities)]
     for rung in rungs:
@@ -133,9 +133,9 @@ def _warm_up(
 
 
 def ladder_models(case: Case, systems: Mapping[str, ImpactSystem] | None = None) -> list[Model]:
-    """The case's models by their number of modes, the finest one last; of equal systems the first.
+    """Models of a case by number of modes, the finest one last; of equal systems the first.
 
-    The finest has most modes, of those that set no physics of their own where there are any, and is the first of
+    The finest has most modes, preferably among those without changes to the physics, and is the first of
     several. Others with as many modes cost as much, and are left out. ValueError for one that cannot be built.
     """
     found: list[Model] = []

@@ -1,10 +1,10 @@
-"""A stretch of frequencies without any stable known motion: flight, and claims by statistics where nothing repeats.
+"""Choice along a range of frequencies without a stable known motion: flight, and statistics where it is aperiodic.
 
-The amplitude of a motion that does not repeat, read over so many periods, is one draw of many: what can be claimed of
-it is its mean, and how far single readings scatter about that. The stretch is flown once, for both ways, with the
-sweep's own settling: with less, more of the motions are missed that do repeat, in narrow windows and after a long
-transient. A cheaper model is taken where the mean of its readings over some of the frequencies is as near to the finest
-one's as asked, beyond doubt (three standard errors), and each of its readings is where the finest model repeats.
+One reading of an aperiodic motion's amplitude is one sample: claims are made for its mean, with the scatter of single
+readings about it. The stretch is flown once, for both directions, with the sweep's own settling: with less, more
+periodic motions in narrow windows and after long transients are missed. A cheaper model is taken where the mean of its
+readings at some of the frequencies agrees with the finest model's within the accuracy at three standard errors, and
+each single reading does where the finest model is periodic.
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ from vibeam.system.state import State
 
 Array = NDArray[np.float64]
 
-FIRST = 12  # frequencies that tell the scatter
+FIRST = 12  # frequencies that determine the scatter
 
 ASKED = 12  # frequencies at which cheaper models are compared with the finest
 
-FEWEST = 48  # frequencies from which on that can be worth it
+FEWEST = 48  # smallest number of frequencies for which that can pay
 
-SURE = 3.0  # standard errors
+SURE = 3.0  # standard errors of a claim
 
 
 @dataclass(frozen=True)
 class Unsettled:
-    """``rungs``: flight of each model, from the cheapest to the finest, with ``numbers`` in the study's list."""
+    """Flight candidates, from the cheapest to the finest model, with ``numbers`` in the study's list."""
 
     rungs: Sequence[Candidate]
     numbers: Sequence[int]
@@ -47,10 +47,10 @@ class Unsettled:
     plan: SweepPlan
     flown: dict[int, tuple[FrequencyResponse, dict[int, State]]] = field(
         default_factory=dict
-    )  # by rung: points, states
+    )  # by candidate: points, states
 
     def settle(self, sheet: BranchChoice, places: Index, state: State | None) -> State | None:
-        """Fill the places of ``sheet``; the finest model's state after the last one."""
+        """Fill the places of the branch; return the finest model's state after the last one."""
         first = places[:FIRST]
         state = self._finest(sheet, first, state)
         if len(places) < FEWEST or len(self.rungs) < 2 or not self._can_tell(sheet, first):
@@ -65,21 +65,21 @@ class Unsettled:
         return state
 
     def remember(self, sheet: BranchChoice) -> None:
-        """Take over what the finest model was flown at place by place, on no known motion: it serves both ways."""
+        """Keep the finest model's aperiodic points for the other direction."""
         kept, after = self._kept(len(self.rungs) - 1)
         alone = [place for place in sheet.states if sheet.kind[place] < 0 and int(sheet.grid[place]) not in after]
         put(kept, sheet.grid[alone], rows(sheet.response, np.array(alone, dtype=int)))
         after.update((int(sheet.grid[place]), sheet.states[place]) for place in alone)
 
     def _kept(self, rung: int) -> tuple[FrequencyResponse, dict[int, State]]:
-        """What a rung was flown at so far: readings at all points, states after those there are."""
+        """Points of a candidate flown so far: readings at all points, states after those known."""
         if rung not in self.flown:
             known = self.rungs[rung].known
             self.flown[rung] = FrequencyResponse.empty(known.omega / (2 * np.pi), known.system.size), {}
         return self.flown[rung]
 
     def _can_tell(self, sheet: BranchChoice, first: Index) -> bool:
-        """Whether a mean can be told closely enough by those to be asked, as these scatter: else none need be asked."""
+        """Test whether so few readings can determine a mean to the accuracy; otherwise none is made."""
         loose = first[sheet.statistical[first]]
         if len(loose) < FIRST // 2:
             return True
@@ -87,7 +87,7 @@ class Unsettled:
         return bool(SURE * scatter / np.sqrt(ASKED) < self.within)
 
     def _finest(self, sheet: BranchChoice, places: Index, state: State | None) -> State | None:
-        """The finest model at the places in turn; its last state."""
+        """Finest model at the places in order; its last state."""
         if not len(places):
             return state
         response, states = self._through(len(self.rungs) - 1, sheet.grid[places], state)
@@ -95,12 +95,12 @@ class Unsettled:
         return states[-1]
 
     def _between(self, sheet: BranchChoice, left: Index) -> None:
-        """The finest model at places between those where it was flown, each from the one before."""
+        """Finest model at places between those flown, each from the one before."""
         for place in left:
             self._finest(sheet, np.array([place]), sheet.states.get(int(place) - 1))
 
     def _cheaper(self, sheet: BranchChoice, probes: Index, left: Index) -> bool:
-        """Whether a cheaper model was good enough for what is left, and was taken."""
+        """Test whether a cheaper model is accurate enough for the rest, and use it."""
         truth = rows(sheet.response, probes)
         for rung, number in enumerate(self.numbers[:-1]):
             if self._hopeless(sheet, rung, probes[: len(probes) // 3]):
@@ -115,7 +115,7 @@ class Unsettled:
         return False
 
     def _hopeless(self, sheet: BranchChoice, rung: int, probes: Index) -> bool:
-        """Whether a few frequencies show already that a model is too far off."""
+        """Test whether a few frequencies already rule a model out."""
         found, _ = self._through(rung, sheet.grid[probes])
         error, loose = distance(found, rows(sheet.response, probes), self.quantities), sheet.statistical[probes]
         mean = np.abs(error[loose].mean(axis=0)) if loose.any() else np.zeros(1)
@@ -123,7 +123,7 @@ class Unsettled:
         return bool(np.any(np.abs(error[~loose]) > self.within) or np.any(mean - sure > self.within))
 
     def _through(self, rung: int, points: Index, state: State | None = None) -> tuple[FrequencyResponse, list[State]]:
-        """Points in turn by flight, or what was found there before; and the states after each."""
+        """Points in order by flight, or as found there before; and the states after each."""
         kept, after = self._kept(rung)
         for some in np.split(points, np.flatnonzero(np.diff([int(point) in after for point in points])) + 1):
             if int(some[0]) not in after:
@@ -134,7 +134,7 @@ class Unsettled:
         return rows(kept, points), [after[int(point)] for point in points]
 
     def _scatter(self, sheet: BranchChoice, places: Index) -> None:
-        """How far single readings scatter: about the mean of their neighbours, of all that do not repeat."""
+        """Scatter of single aperiodic readings about the mean of their neighbours."""
         loose = places[sheet.statistical[places]]
         amplitude = sheet.response.amplitude[loose]
         if len(loose) >= 3:
@@ -143,7 +143,7 @@ class Unsettled:
 
 
 def _scatter(readings: Array) -> float:
-    """Relative scatter of readings (frequencies, quantities) about a straight trend, of the worst quantity."""
+    """Relative scatter of readings (frequencies, quantities) about a linear trend, of the worst quantity."""
     place = np.arange(len(readings))
     trend = np.stack([np.polyval(np.polyfit(place, column, 1), place) for column in readings.T], axis=1)
     return float(
@@ -154,7 +154,7 @@ def _scatter(readings: Array) -> float:
 def _bound(
     found: FrequencyResponse, truth: FrequencyResponse, loose: NDArray[np.bool_], quantities: Sequence[str]
 ) -> float:
-    """The largest error where the truth repeats; of the mean, with three standard errors, where it does not."""
+    """Largest error where the finest model is periodic; of the mean, with three standard errors, where it is not."""
     error = distance(found, truth, quantities)
     worst = float(np.max(np.abs(error[~loose]), initial=0.0))
     count = int(np.count_nonzero(loose))

@@ -1,4 +1,4 @@
-"""Random points after the fact: the finest model flown there as the sweep does it, against what was claimed."""
+"""Verification at random points: the finest model, as the sweep computes it, against the claims."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ POINTS = 24
 
 SEED = 20181005
 
-DRAWS = 8  # readings of a motion that does not repeat
+DRAWS = 8  # readings of an aperiodic motion
 
-# Student's t for one more draw, 99 % on both sides, over 2 … 8 draws
+# Student's t for one more sample, 99 % two-sided, over 2 … 8 samples
 STUDENT = (63.657, 9.925, 5.841, 4.604, 4.032, 3.707, 3.499)
 
 
 @dataclass(frozen=True)
 class Verified:
-    """One point: the worst relative error of the quantities, and what it may be.
+    """One verified point: the worst relative error of the quantities, and the allowed one.
 
-    ``statistical``: the finest model's motion does not repeat there; the error is then that to the mean of its own
+    ``statistical``: the finest model's motion is aperiodic there; the error is then that to the mean of its own
     readings, and ``allowed`` has their scatter on top of the accuracy. ``seconds``: CPU time of the sweep's own point.
     """
 
@@ -44,14 +44,14 @@ class Verified:
 
     @property
     def passed(self) -> bool:
-        """Whether it is within."""
+        """True where the error is within the allowed one."""
         return self.error <= self.allowed
 
 
 def verify(
     sheets: Sequence[BranchChoice], finest: Candidate, plan: SweepPlan, within: float, count: int = POINTS
 ) -> list[Verified]:
-    """``count`` points drawn with a fixed seed, or all where there are no more, in the order of the sheets."""
+    """Verify ``count`` points drawn with a fixed seed, or all where there are fewer, in order."""
     places = [(sheet, place) for sheet in sheets for place in range(len(sheet.grid))]
     chosen = np.random.default_rng(SEED).permutation(len(places))[:count]
     return [_verified(*places[int(i)], finest, plan, within) for i in np.sort(chosen)]
@@ -72,7 +72,7 @@ def _verified(sheet: BranchChoice, place: int, finest: Candidate, plan: SweepPla
 
 
 def _before(sheet: BranchChoice, place: int, finest: Candidate) -> State | None:
-    """What the sweep comes from: the finest model's motion at the frequency before; None where it is not known."""
+    """State before a place: the finest model's motion at the frequency before; None where unknown."""
     if place == 0:
         return None
     kind = int(sheet.kind[place - 1])
@@ -82,7 +82,7 @@ def _before(sheet: BranchChoice, place: int, finest: Candidate) -> State | None:
 def judged(
     found: FrequencyResponse, drawn: FrequencyResponse, quantities: Sequence[str], within: float
 ) -> tuple[float, float]:
-    """Error of one point and what it may be, against one reading that repeats or several that do not."""
+    """Error of one point and the allowed one, against one periodic reading or several aperiodic ones."""
     if len(drawn) == 1:
         return float(np.max(np.abs(distance(found, drawn, quantities)))), within
     errors = np.array([distance(found, rows(drawn, np.array([i])), quantities)[0] for i in range(len(drawn))])

@@ -1,1 +1,1 @@
-"""Results on disk: one HDF5 file a run, written as it goes, so that a run that was stopped goes on where it was."""
+"""Results on disk: one HDF5 file a run, written during the run, so that a stopped run can be resumed."""

@@ -1,4 +1,4 @@
-"""A study in the results file: beside the values of ``/accuracy/up`` and ``/accuracy/down`` what gave them.
+"""Accuracy study in the results file: candidate and error estimate of each point of ``/accuracy``.
 
 Each direction has ``fidelity`` and ``solver`` (codes, their meanings as attributes), ``estimate``, ``statistical`` and
 ``scatter``; the group's attribute ``study`` has the choice and its verification as JSON.
@@ -32,7 +32,7 @@ ROWS = {"estimate": "relative error, estimated", "scatter": "relative scatter of
 
 
 def write_study(group: h5py.Group, study: AccuracyChoice) -> None:
-    """Put everything but the responses into the group ``/accuracy``."""
+    """Write everything but the responses into the group ``/accuracy``."""
     head: dict[str, Any] = {name: getattr(study, name) for name in PLAIN}
     head["chosen"] = [_row(each) for each in study.chosen]
     head["verified"] = [_row(each) for each in study.verified]
@@ -42,7 +42,7 @@ def write_study(group: h5py.Group, study: AccuracyChoice) -> None:
 
 
 def read_study(group: h5py.Group, responses: Mapping[str, FrequencyResponse]) -> AccuracyChoice:
-    """What ``write_study`` put there, with the responses of each direction."""
+    """Read the study, given the responses of each direction."""
     head = json.loads(group.attrs["study"].decode())
     head["quantities"] = tuple(head["quantities"])
     return AccuracyChoice(

@@ -1,4 +1,4 @@
-"""One branch in the file: its points, how many are there, and the state after the last of them."""
+"""One branch in the file: its points, their number, and the state after the last of them."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ ROWS = (*LAYOUT, *STATES)
 
 @dataclass(frozen=True)
 class Branch:
-    """What one group of the file is for: a fidelity swept one way over ``frequency`` (Hz, in the order swept).
+    """Identity of a group in the file: a fidelity swept in one direction over ``frequency`` (Hz, in the order swept).
 
     ``key``: of all else that decides its numbers. ``carried``: whether a state is carried from point to point.
     """
@@ -46,7 +46,7 @@ class Branch:
 
 @dataclass(frozen=True)
 class StoredBranch:
-    """What a file holds of a branch: ``done`` points of ``response`` and the state after the last of them."""
+    """Stored part of a branch: ``done`` points of ``response`` and the state after the last of them."""
 
     response: FrequencyResponse
     done: int
@@ -54,7 +54,7 @@ class StoredBranch:
 
 
 def lay_out(parent: h5py.Group, branch: Branch, unit: str) -> h5py.Group:
-    """A group for ``branch``, no point of it there yet; ``unit``: of the outputs."""
+    """Create the group of ``branch``, without points; ``unit``: of the outputs."""
     group = parent.create_group(branch.group)
     write_branch(group, branch.frequency, branch.modes, unit)
     group.attrs["key"] = fixed(branch.key or " ")
@@ -62,7 +62,7 @@ def lay_out(parent: h5py.Group, branch: Branch, unit: str) -> h5py.Group:
 
 
 def read_branch(group: h5py.Group, branch: Branch) -> StoredBranch:
-    """What is there of ``branch``; ValueError where it is not as it was laid out and written."""
+    """Read the stored part of ``branch``; ValueError where it is not as it was laid out and written."""
     values, done = read_rows(group), points_of(group)
     if values["mode_energy"].shape != (len(branch.frequency), branch.modes):
         raise ValueError(f"{values['mode_energy'].shape} points and modes, not those of the case")
@@ -73,7 +73,7 @@ def read_branch(group: h5py.Group, branch: Branch) -> StoredBranch:
 
 
 def read_rows(group: h5py.Group) -> Values:
-    """All values by name, those of points not run too; ValueError where one that was run is not as it was written."""
+    """Read all columns by name, points not run included; ValueError where a point that was run fails its checksum."""
     values, done = {name: group[name][()] for name in ROWS}, points_of(group)
     wrong = np.flatnonzero(_checksums(group, values, slice(done)) != group[CHECKSUM][:done])
     if len(wrong):
@@ -82,7 +82,7 @@ def read_rows(group: h5py.Group) -> Values:
 
 
 def points_of(group: h5py.Group) -> int:
-    """How many points are there; ValueError where there cannot be so many."""
+    """Number of points in the group; ValueError for an impossible number."""
     done, points = int(group.attrs["done"]), len(group["frequency"])
     if not 0 <= done <= points:
         raise ValueError(f"{done} of {points} points done")
@@ -90,21 +90,21 @@ def points_of(group: h5py.Group) -> int:
 
 
 def last_with_state(group: h5py.Group, points: int) -> int:
-    """Of the first ``points`` so many as end with a point after which the state is there to go on from."""
+    """Largest number of the first ``points`` after which a state is stored to resume from."""
     known = np.all([np.isfinite(group[name][:points]).all(axis=1) for name in list(STATES)[:2]], axis=0)
     return int(np.flatnonzero(known)[-1]) + 1 if known.any() else 0
 
 
 def key_of(group: h5py.Group) -> str:
-    """The key of the branch whose group it is."""
+    """Key of the branch stored in a group."""
     return str(group.attrs["key"].decode())
 
 
 def write_rows(group: h5py.Group, start: int, values: Values) -> None:
-    """Put the ``values`` of all columns at the points from ``start`` on, and their checksums."""
+    """Write the ``values`` of all columns at the points from ``start`` on, and their checksums."""
     points = slice(start, start + len(values["frequency"]))
     datasets = {name: group[name] for name in ROWS}
-    grid = datasets.pop("frequency")[points]  # the grid's own, to the last bit
+    grid = datasets.pop("frequency")[points]  # the grid's own value, to the last bit
     stored = {"frequency": grid} | {name: np.asarray(values[name], each.dtype) for name, each in datasets.items()}
     for name, dataset in datasets.items():
         dataset[points] = stored[name]
@@ -112,12 +112,12 @@ def write_rows(group: h5py.Group, start: int, values: Values) -> None:
 
 
 def count_points(group: h5py.Group, done: int) -> None:
-    """Say how many points are there: in place, an attribute made anew would be another."""
+    """Store the number of points, in place: a new attribute would move."""
     group.attrs.modify("done", np.int64(done))
 
 
 def rows_of(block: FrequencyResponse, states: Sequence[State]) -> Values:
-    """The columns of ``block`` with the ``states`` after its last points, as many as are known."""
+    """Columns of ``block`` with the ``states`` after its last points, as many as are known."""
     displacement, velocity = np.full((2, *block.mode_energy.shape), np.nan)
     resting = np.zeros(len(block), dtype=np.int64)
     for at, state in enumerate(states, len(block) - len(states)):

@@ -1,4 +1,4 @@
-"""Checksums (CRC-32): of every point of a branch, and of whatever else is taken from a file again."""
+"""Checksums (CRC-32) of every point of a branch, and of all other data read back from a file."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ NO_VALUES = (CHECKSUM, "DIMENSION_LIST", "REFERENCE_LIST")  # references between
 
 
 def of_rows(columns: Iterable[NDArray[Any]], name: str) -> NDArray[np.uint32]:
-    """The checksum of each row of ``columns``, all of (rows, …), together with ``name``."""
+    """Checksum of each row of ``columns``, all of (rows, …), together with ``name``."""
     rows = np.hstack([_as_bytes(values) for values in columns])
     start = zlib.crc32(name.encode())
     return np.array([zlib.crc32(row, start) for row in rows], dtype=np.uint32)
 
 
 def of_group(group: h5py.Group) -> int:
-    """The checksum of the names, values and attributes in a group and below it."""
+    """Checksum of the names, values and attributes in a group and below it."""
     import h5py
 
     found = _of_attributes(group)
@@ -38,12 +38,12 @@ def of_group(group: h5py.Group) -> int:
 
 
 def sign(group: h5py.Group) -> None:
-    """Keep the checksum of a group whose values are all there."""
+    """Store the checksum of a completed group."""
     group.attrs[CHECKSUM] = np.uint32(of_group(group))
 
 
 def verify(group: h5py.Group) -> None:
-    """ValueError where the group is not as it was signed."""
+    """Raise ValueError where the group does not match its checksum."""
     if int(group.attrs[CHECKSUM]) != of_group(group):
         raise ValueError("its checksum does not fit")
 

@@ -1,4 +1,4 @@
-"""The content of a results file: what a new one holds, whose an old one is, and how it is adapted to a changed case."""
+"""Content of a results file: a new one, the owner of an old one, and its adaptation to a changed case."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 FORMAT = "vibeam results 2"
 
-OLDER = "vibeam results 1"  # a key for the whole case alone, no checksums
+OLDER = "vibeam results 1"  # format with a key for the whole case alone, no checksums
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -31,7 +31,7 @@ ELSEWHERE = "choose another --out, or start over with --fresh"
 
 
 def blank(wanted: Wanted) -> Image:
-    """A new file: the case, what made it, every branch with room for all its points."""
+    """New file: the case, the provenance, every branch with room for all its points."""
     import h5py
 
     image = Image()
@@ -45,17 +45,17 @@ def blank(wanted: Wanted) -> Image:
 
 
 def is_ours(content: bytes) -> bool:
-    """Whether bytes are those of a results file, be it damaged."""
+    """Test whether bytes are those of a results file, even a damaged one."""
     return content.startswith(SIGNATURE) and OURS.search(content) is not None
 
 
 def format_of(file: h5py.File) -> str | None:
-    """What the file says it is."""
+    """Format number stored in the file."""
     return str(file.attrs["format"].decode()) if "format" in file.attrs else None
 
 
 def adapted(file: h5py.File, path: Path, wanted: Wanted) -> str | None:
-    """Make the file that of ``wanted``: what was changed in one line, None where nothing was.
+    """Adapt the file to ``wanted``: the changes in one line, None without any.
 
     StoreError where it is another case's, so that nothing in it would stay, where it has more points, or is damaged.
     """
@@ -89,17 +89,17 @@ def _adapt(file: h5py.File, path: Path, wanted: Wanted, reuses: list[Reuse]) -> 
 def _reuse(file: h5py.File, path: Path, branch: Branch) -> Reuse:
     with reading(path, f"/{branch.group}"):
         if branch.group in file:
-            read_rows(file[branch.group])  # damage is told as such, not as another case
+            read_rows(file[branch.group])  # damage is reported as such, not as another case
         return reuse_of(file, branch)
 
 
 def another(path: Path, there: str, here: str) -> StoreError:
-    """The file is of a case that shares nothing with this one: both texts say by what."""
+    """Error for a file of a case that shares nothing with this one: names the difference."""
     return StoreError(f"{path}: holds another case ({_first_difference(there, here)}): {ELSEWHERE}")
 
 
 def _refuse_another(file: h5py.File, path: Path, wanted: Wanted) -> None:
-    """An older file has one key for all of it."""
+    """Refuse an older file of another case; it has one key for all of it."""
     with reading(path, "/case"):
         key = file["case"].attrs["key"].decode()
     if key != wanted.key:
@@ -107,7 +107,7 @@ def _refuse_another(file: h5py.File, path: Path, wanted: Wanted) -> None:
 
 
 def _bring_up_to_date(file: h5py.File, wanted: Wanted) -> None:
-    """Lay out every branch of an older file anew; curves, figures and studies have no checksum: they are made again."""
+    """Convert every branch of an older file; curves, figures and studies have no checksum and are computed again."""
     for branch in wanted.branches:
         lay_out_anew(file, branch, wanted.unit)
     del file["case"]

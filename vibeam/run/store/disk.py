@@ -1,4 +1,4 @@
-"""A results file on disk: made exclusively, overwritten in place, or replaced as a whole."""
+"""Results file on disk: created exclusively, overwritten in place, or replaced as a whole."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NO_LINKS = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK)
 
 
 class Disk:
-    """The file ``target``, called ``path`` by the user, for its one writer.
+    """File ``target``, called ``path`` by the user, for its one writer.
 
     What is staged lies beside it, with all the room it needs, until something is written into it: then it takes the
     file's place. Every method: StoreError where the disk does not do it, and what was there before stays.
@@ -33,9 +33,9 @@ class Disk:
         self._staged = False
 
     def read(self) -> bytes:
-        """All of the file; it is then overwritten in place."""
+        """Read the whole file; it is then overwritten in place."""
         try:
-            self._part.unlink(missing_ok=True)  # of a process that was killed: the lock is this one's
+            self._part.unlink(missing_ok=True)  # left by a process that was killed: this one holds the lock
             self._handle = os.open(self._target, os.O_RDWR | os.O_NONBLOCK)
             with open(os.dup(self._handle), "rb") as file:
                 content = file.read()
@@ -46,7 +46,7 @@ class Disk:
         return content
 
     def create(self, content: bytes) -> None:
-        """Make the file; it must not be there."""
+        """Create the file; it must not exist."""
         self.stage(content)
         try:
             self._publish()
@@ -57,7 +57,7 @@ class Disk:
         self._staged = False
 
     def stage(self, content: bytes, cure: str = ELSEWHERE) -> None:
-        """Lay ``content`` beside the file."""
+        """Write ``content`` to a file beside."""
         try:
             self._part.unlink(missing_ok=True)
             handle = new_part(self._part, self._target, content)
@@ -68,7 +68,7 @@ class Disk:
         self._handle, self._staged = handle, True
 
     def overwrite(self, pieces: Iterable[tuple[int, bytes]]) -> None:
-        """Put bytes where they belong; what was staged is the file from now on."""
+        """Write bytes at their positions; a staged file takes effect from now on."""
         assert self._handle is not None
         try:
             for start, content in pieces:
@@ -78,12 +78,12 @@ class Disk:
         self.settle()
 
     def replace(self, content: bytes) -> None:
-        """Put ``content`` in the place of the whole file, at once."""
+        """Replace the whole file by ``content``, atomically."""
         self.stage(content, ROOM)
         self.settle()
 
     def settle(self) -> None:
-        """Let what is staged take the file's place."""
+        """Move the staged file into place."""
         if self._staged:
             try:
                 os.replace(self._part, self._target)
@@ -92,11 +92,11 @@ class Disk:
             self._staged = False
 
     def remove(self) -> None:
-        """Take the file away."""
+        """Delete the file."""
         self._target.unlink(missing_ok=True)
 
     def close(self) -> None:
-        """Leave the file as it is; what is still staged goes."""
+        """Close the file; discard what is still staged."""
         if self._staged:
             self._part.unlink(missing_ok=True)
         self._leave()

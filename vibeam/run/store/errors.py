@@ -1,4 +1,4 @@
-"""A results file that cannot be used: what is wrong with it, and the cure."""
+"""Errors of results files: the fault and its cure."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-# what h5py raises where the bytes are not as they were written
+# raised by h5py for damaged bytes
 FAULTS = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError)
 
 CURE = "start over with --fresh, or delete it and run again"
 
 
 class StoreError(ValueError):
-    """A results file that cannot be used: the message names the file, what is wrong, and the cure."""
+    """Unusable results file: the message names the file, the fault, and the cure."""
 
 
 @contextmanager
 def reading(path: Path, where: str) -> Iterator[None]:
-    """StoreError for whatever ``where`` in the file cannot be read by."""
+    """Context that turns errors of reading ``where`` in the file into StoreError."""
     try:
         yield
     except StoreError:
@@ -30,17 +30,17 @@ def reading(path: Path, where: str) -> Iterator[None]:
 
 
 def damaged(path: Path, where: str, fault: BaseException) -> StoreError:
-    """The file does not hold what was written."""
+    """Error for a damaged file."""
     return StoreError(f"{path}: {where} cannot be read ({reason(fault)}): the file is damaged: {CURE}")
 
 
 def unwritable(path: Path, fault: OSError, cure: str) -> StoreError:
-    """Nothing can be written where the file is, or is to be."""
+    """Error for a file that cannot be written."""
     return StoreError(f"{path}: cannot be written ({reason(fault)}): {cure}")
 
 
 def reason(fault: BaseException) -> str:
-    """Why, in a few words; without the name that the file has in memory."""
+    """Short reason of an OS error, without the name that the file has in memory."""
     if isinstance(fault, OSError) and fault.errno:
         return os.strerror(fault.errno).lower()
     first = (str(fault).splitlines() or [""])[0]

@@ -1,4 +1,4 @@
-"""What is shown, in the results file: ``/show/NAME/FIDELITY/0`` … one group a frequency, with units and long names."""
+"""Figure data in the results file: ``/show/NAME/FIDELITY/0`` … one group a frequency, with units and long names."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ HOME = "show"
 
 
 def read_sheets(file: h5py.File, plan: ShowPlan) -> tuple[Sheet, ...] | None:
-    """What the file holds for ``plan``; None without, or where it was made for another one; ValueError if damaged."""
+    """Read the data of ``plan``; None without any, or for another plan; ValueError if damaged."""
     group = file.get(f"{HOME}/{plan.name}")
     if group is None or CHECKSUM not in group.attrs or group.attrs.get("key", b"") != plan.key.encode():
         return None
@@ -44,7 +44,7 @@ def _sheet(group: h5py.Group) -> Sheet:
 
 
 def write_sheets(file: h5py.File, plan: ShowPlan, sheets: tuple[Sheet, ...], unit: str) -> None:
-    """Put ``sheets`` in the place of what is there; ``unit``: of the outputs."""
+    """Replace the stored data by ``sheets``; ``unit``: of the outputs."""
     place = f"{HOME}/{plan.name}"
     if place in file:
         del file[place]

@@ -1,4 +1,4 @@
-"""The results file of a case: made, opened, adapted, and refused where it is another's or none."""
+"""Results file of a case: created, opened, adapted, or refused."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ Tell = Callable[[str], None]
 
 @contextmanager
 def opened(path: Path, wanted: Wanted, *, fresh: bool = False, tell: Tell = lambda line: None) -> Iterator[Store]:
-    """The results file of one case, made where there is none; held against other processes meanwhile.
+    """Open the results file of one case, created where there is none; locked against other processes.
 
     A file of a changed case keeps the branches whose numbers are the same; ``tell`` gets one line on that. ``fresh``:
-    a new file takes the place of what is there with its first point. StoreError where ``path`` is something else,
-    belongs to another case, is damaged, held or cannot be written. A file that is made here and gets no point is taken
-    away again.
+    a new file replaces the old one with its first point. StoreError where ``path`` is something else,
+    belongs to another case, is damaged, locked or cannot be written. A file created here that gets no point is deleted
+    again.
     """
     target = _regular(path)
     with locked(path, target):
@@ -49,7 +49,7 @@ def opened(path: Path, wanted: Wanted, *, fresh: bool = False, tell: Tell = lamb
 
 @dataclass(frozen=True)
 class _Begun:
-    """An open file: ``new`` or not, ``made`` where there was none, ``changed`` so that it stays without points too."""
+    """Open file: ``new`` or not, ``made`` where there was none, ``changed`` so that it stays without points too."""
 
     image: Image
     file: h5py.File
@@ -99,7 +99,7 @@ def _continued(disk: Disk, wanted: Wanted, tell: Tell) -> Iterator[_Begun]:
 
 
 def read(path: Path) -> dict[tuple[str, str], FrequencyResponse]:
-    """Every branch a results file holds, by fidelity and direction; points that were not run are NaN."""
+    """Read every branch of a results file, by fidelity and direction; points that were not run are NaN."""
     try:
         content = _regular(path).read_bytes()
     except OSError as fault:
@@ -133,7 +133,7 @@ def _open(image: Image, path: Path) -> Iterator[h5py.File]:
 
 
 def no_result(path: Path) -> StoreError:
-    """The file is something else."""
+    """Error for a file that is no results file."""
     return StoreError(f"{path}: is no vibeam result: choose another --out, or delete it")
 
 

@@ -1,4 +1,4 @@
-"""A results file in memory: HDF5 works there alone, so that no failure of a disk ever reaches it."""
+"""Results file in memory: HDF5 works there alone, so that it never meets a disk error."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 
 class Image(BytesIO):
-    """The bytes of an HDF5 file, as ``h5py.File`` takes them, and which of them have changed.
+    """Bytes of an HDF5 file, as a file object for ``h5py.File`` that tracks changes.
 
     HDF5 cannot close a file whose bytes could not be written, and ends the process; here its writes never fail.
     """
@@ -17,14 +17,14 @@ class Image(BytesIO):
         self._changed: list[tuple[int, int]] = []
 
     def write(self, data: Any) -> int:
-        """As of any file."""
+        """Write as any file object."""
         start = self.tell()
         count = super().write(data)
         self._changed.append((start, start + count))
         return count
 
     def truncate(self, size: int | None = None) -> int:
-        """As of any file; one that is longer is filled with zeros."""
+        """Truncate as any file object; a longer file is filled with zeros."""
         wanted = self.tell() if size is None else size
         missing = wanted - self.seek(0, SEEK_END)
         if missing > 0:
@@ -32,7 +32,7 @@ class Image(BytesIO):
         return super().truncate(wanted)
 
     def changes(self) -> list[tuple[int, bytes]]:
-        """What has changed since this was last asked: the first byte of each piece, and its bytes, in file order."""
+        """Changes since the last call: the first byte of each piece, and its bytes, in file order."""
         pieces, self._changed = _joined(self._changed), []
         with self.getbuffer() as content:
             return [(start, bytes(content[start:stop])) for start, stop in pieces]

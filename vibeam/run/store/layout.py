@@ -1,4 +1,4 @@
-"""How a results file is laid out: one declaration makes the groups, their scales and their attributes."""
+"""Layout of a results file: one declaration creates the groups, their scales and their attributes."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ MODAL_UNITS = {"m": ("kg(1/2) m", "kg(1/2) m s-1"), "1": ("1", "s-1")}
 
 
 def fixed(text: str) -> NDArray[np.bytes_]:
-    """Text of fixed length: text of any length lies in a heap, in which h5py can search forever if it is damaged."""
+    """Text of fixed length; variable-length text lies in a heap, in which h5py may search forever if it is damaged."""
     import h5py
 
     encoded = text.encode()
@@ -47,7 +47,7 @@ def fixed(text: str) -> NDArray[np.bytes_]:
 
 
 def write_branch(group: h5py.Group, frequency: Array, modes: int, unit: str) -> None:
-    """Lay out one branch, all its points not run yet; every dataset is allocated, so that no later write moves one."""
+    """Lay out one branch, all its points not run yet; datasets are allocated, so that no later write moves one."""
     blank = FrequencyResponse.empty(frequency, modes)
     scales: dict[str, Values] = {"impact": np.arange(1, VELOCITIES_KEPT + 1), "mode": np.arange(1, modes + 1)}
     for name, values in scales.items():
@@ -65,7 +65,7 @@ def write_branch(group: h5py.Group, frequency: Array, modes: int, unit: str) -> 
 
 
 def write_curves(group: h5py.Group, curves: MotionCurves, unit: str) -> None:
-    """Lay out all motions that a solver knows; flags as 0 and 1."""
+    """Write all motions known to a solver; flags as 0 and 1."""
     group.attrs["periods"] = np.int64(curves.periods)
     _scale(group.create_dataset("branch", data=np.arange(1, BRANCHES + 1)), "branch number, the larger first", "1")
     for name, quantity in CURVES.items():
@@ -75,7 +75,7 @@ def write_curves(group: h5py.Group, curves: MotionCurves, unit: str) -> None:
 
 
 def read_curves(group: h5py.Group) -> MotionCurves:
-    """What ``write_curves`` put there."""
+    """Read all motions known to a solver."""
     values = {name: group[name][()] for name in CURVES}
     flags = {name: values[name].astype(bool) for name in ("stable", "admissible")}
     return MotionCurves(**(values | flags), periods=int(group.attrs["periods"]))
@@ -103,7 +103,7 @@ def _describe(dataset: h5py.Dataset, long_name: str, unit: str) -> None:
 
 
 def _meanings() -> dict[str, object]:
-    """What the codes of ``ended`` mean: as the CF conventions have it, and in words."""
+    """Meanings of the codes of ``ended``: as flag attributes of the CF conventions, and in words."""
     return {
         "flag_values": np.array([end.code for end in Ended], dtype=np.int64),
         "flag_meanings": " ".join(end.name for end in Ended),

@@ -1,4 +1,4 @@
-"""One writer of a results file at a time, and who it is."""
+"""Lock of a results file: one writer at a time, and its name."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from pathlib import Path
 
 from vibeam.run.store.errors import StoreError, unwritable
 
-UNKNOWN = (errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK)  # file systems without locks: HDF5 goes on there too
+UNKNOWN = (errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK)  # errors of file systems without locks, which HDF5 accepts too
 
 TRIES = 100
 
 
 @contextmanager
 def locked(path: Path, target: Path) -> Iterator[None]:
-    """Hold the lock of the results file ``target``, called ``path`` by the user; StoreError says who holds it else.
+    """Hold the lock of the results file ``target``, called ``path`` by the user; StoreError names another holder.
 
-    The lock is the system's, on a file beside: it ends with the process, however that ends.
+    The lock is the operating system's, on a file beside: it ends with the process, however that ends.
     """
     place = target.with_name(f".{target.name}.lock")
     try:
@@ -45,12 +45,12 @@ def _acquired(path: Path, place: Path) -> int:
             )
         if _is_there(handle, place):
             return _signed(handle, place)
-        os.close(handle)  # its last holder took it away meanwhile
+        os.close(handle)  # deleted by its last holder meanwhile
     raise StoreError(f"{path}: other processes are writing it: wait for them, or choose another --out")
 
 
 def lock(handle: int) -> bool:
-    """Whether the file is now this process's alone; it also is where the file system knows no locks."""
+    """Try to lock the file for this process; also True where the file system knows no locks."""
     import fcntl
 
     try:

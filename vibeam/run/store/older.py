@@ -1,4 +1,4 @@
-"""Results files of the format before this one: no keys and no checksums of branches."""
+"""Results files of the previous format: branches without keys and checksums."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def lay_out_anew(file: h5py.File, branch: Branch, unit: str) -> None:
-    """Put an older branch of the same case into the present layout, with its points."""
+    """Convert an older branch of the same case to the present layout, with its points."""
     group = file[branch.group]
     done = points_of(group)
     values = {name: group[name][:done] for name in ROWS}

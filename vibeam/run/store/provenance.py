@@ -1,4 +1,4 @@
-"""What made the numbers in a results file, and what continued it."""
+"""Provenance of a results file: what computed its numbers, and what continued it."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ if TYPE_CHECKING:
     import h5py
 
 
-SESSIONS, NOTE = 32, 240  # room for that many notes, of that many bytes, on runs that continued the file
+SESSIONS, NOTE = 32, 240  # room for this number of notes, of this number of bytes, on runs that continued the file
 
 
 def provenance() -> dict[str, str]:
-    """What made the numbers: versions of vibeam, numpy, numba and Python, the platform, the time (UTC)."""
+    """Versions of vibeam, numpy, numba and Python, platform, time (UTC)."""
     versions = {"vibeam": _version("vibeam"), "numpy": np.__version__, "numba": _version("numba")}
     here = {"python": platform.python_version(), "platform": platform.platform()}
     return versions | here | {"time": strftime("%Y-%m-%dT%H:%M:%SZ", gmtime())}
 
 
 def write_provenance(group: h5py.Group) -> None:
-    """Put it into a new file, with room for what may continue it."""
+    """Write the provenance into a new file, with room for later continuations."""
     group.attrs.update(provenance())
     group.create_dataset("continued", data=np.zeros(SESSIONS, dtype=f"S{NOTE}")).make_scale()
 
 
 def note_continued(notes: h5py.Dataset) -> None:
-    """Say in the next free slot (or the last) what continues the file: written in place, so that nothing moves."""
+    """Note a continuation in the next free slot (or the last), in place, so that nothing moves."""
     slot = min(int(np.count_nonzero(notes[()] != b"")), len(notes) - 1)
     notes[slot] = ", ".join(f"{name} {value}" for name, value in provenance().items()).encode()[:NOTE]
 

@@ -1,4 +1,4 @@
-"""What of a results file a case can keep: the branches whose numbers are the same, point by point from the first."""
+"""Reuse of a results file: the branches with the same numbers, point by point from the first."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Wanted:
-    """What a case wants of its results file.
+    """Requirements of a case on its results file.
 
-    ``text``: the case, ``key``: of all of it; ``shared``: the part of it that no fidelity has for itself; ``unit``: of
+    ``text``: the case, ``key``: of all of it; ``shared``: the part of it common to all fidelities; ``unit``: of
     the outputs.
     """
 
@@ -42,7 +42,7 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Reuse:
-    """One branch: of the ``there`` points of the file ``kept`` stay; ``fits``: its group is as the branch needs it."""
+    """Reuse of one branch: ``kept`` of its ``there`` stored points stay; ``fits``: its group has the layout needed."""
 
     branch: Branch
     there: int
@@ -51,7 +51,7 @@ class Reuse:
 
     @property
     def shrinks(self) -> bool:
-        """Whether more points would be lost than the case asks for."""
+        """True where more points would be lost than the case asks for."""
         return self.kept < self.there and len(self.branch.frequency) < self.there
 
     def __str__(self) -> str:
@@ -59,10 +59,10 @@ class Reuse:
 
 
 def reuse_of(file: h5py.File, branch: Branch) -> Reuse:
-    """What the file keeps of ``branch``: all points up to the first other frequency, where its key is the same.
+    """Reusable part of ``branch``: all points up to the first different frequency, where its key is the same.
 
-    A state is carried from point to point: beyond that frequency every point would be another, and where the sweep goes
-    on the state must be there.
+    With a carried state every point beyond that frequency changes, and the state to continue from
+    must be stored.
     """
     group = file.get(branch.group)
     if group is None:
@@ -86,7 +86,7 @@ def adapt(file: h5py.File, reuses: Iterable[Reuse], unit: str) -> None:
         if name in file:
             values = {key: column[: reuse.kept] for key, column in read_rows(file[name]).items()}
             del file[name]
-            file[reuse.branch.fidelity].attrs.pop(CHECKSUM, None)  # what is beside the branch no longer fits it
+            file[reuse.branch.fidelity].attrs.pop(CHECKSUM, None)  # data beside the branch no longer fit it
         group = lay_out(file, reuse.branch, unit)
         if values is not None and reuse.kept:
             write_rows(group, 0, values)
@@ -94,13 +94,13 @@ def adapt(file: h5py.File, reuses: Iterable[Reuse], unit: str) -> None:
 
 
 def lost_with(file: h5py.File, reuses: Sequence[Reuse]) -> bool:
-    """Whether a branch of the file with points has no place in another physics, or keeps none there."""
+    """Test whether a stored branch with points would lose them to a change of physics."""
     same = {reuse.branch.group for reuse in reuses if reuse.kept or not reuse.there}
     return any(name not in same for name in groups_with_points(file))
 
 
 def groups_with_points(file: h5py.File) -> list[str]:
-    """The branches of the file that have points."""
+    """Branches of the file that have points."""
     return [f"{fidelity}/{way}" for fidelity, way in branch_names(file) if points_of(file[fidelity][way])]
 
 
@@ -111,7 +111,7 @@ def branch_names(file: h5py.File) -> list[tuple[str, str]]:
 
 
 def said(reuses: Sequence[Reuse], others: Iterable[str]) -> str:
-    """One line on what stays, what is added and what is swept anew; ``others``: branches the case does not name."""
+    """One line on kept, added and recomputed branches; ``others``: branches the case does not name."""
     parts = {
         "kept": [reuse.branch.group for reuse in reuses if reuse.fits],
         "extended": [str(reuse) for reuse in reuses if not reuse.fits and reuse.kept == reuse.there > 0],
@@ -127,7 +127,7 @@ def _anew(reuse: Reuse) -> str:
 
 
 def _common(one: Array, other: Array) -> int:
-    """How many first frequencies are the same to the last bit."""
+    """Number of first frequencies equal to the last bit."""
     length = min(len(one), len(other))
     differing = np.flatnonzero(one[:length] != other[:length])
     return int(differing[0]) if len(differing) else length

@@ -1,4 +1,4 @@
-"""What an open results file gives and takes, from several threads: branches, curves, a study, what is shown."""
+"""Access to an open results file from several threads: branches, curves, a study, figure data."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from vibeam.system.motion_curves import MotionCurves
 
 
-CURVES = "curves"  # the group of all motions a solver knows, beside those of the directions
+CURVES = "curves"  # group of all motions known to a solver, beside those of the directions
 
 
 class Store:
-    """An open results file, safe to write from several threads; made by ``vibeam.run.store.file.opened``.
+    """Open results file, safe to write from several threads; made by ``vibeam.run.store.file.opened``.
 
     ``file`` is open on its ``image`` in memory, from where all changes go to ``disk``; ``unit``: of the outputs.
     Every method: StoreError where the file does not hold what was written or takes no more.
@@ -53,7 +53,7 @@ class Store:
 
     @contextmanager
     def _replacing(self) -> Iterator[h5py.File]:
-        """For what makes, moves or removes groups: the file on disk is the old one or the new one, whole."""
+        """Context for creating, moving or deleting groups: the file on disk is the old one or the new one, whole."""
         with self._lock, self._once():
             self._note()
             yield self._file
@@ -62,7 +62,7 @@ class Store:
 
     @contextmanager
     def _once(self) -> Iterator[None]:
-        """After a write that failed no other is tried: it would build on what is not on the disk."""
+        """Context that refuses writes after a failed one, which would build on data not on the disk."""
         if self._failure is not None:
             raise self._failure
         try:
@@ -72,7 +72,7 @@ class Store:
             raise
 
     def restore(self, branch: Branch) -> StoredBranch:
-        """What is there of one branch."""
+        """Stored part of one branch."""
         with self._reading(f"/{branch.group}") as file:
             return read_branch(file[branch.group], branch)
 
@@ -96,13 +96,13 @@ class Store:
         self._disk.overwrite(self._image.changes())
 
     def _note(self) -> None:
-        """Say once what continues the file."""
+        """Note once what continues the file."""
         if not self._noted:
             note_continued(self._file["provenance/continued"])
             self._noted = True
 
     def curves(self, fidelity: str, key: str) -> MotionCurves | None:
-        """All motions of one fidelity that the file holds for ``key``, of all that decides them; None without."""
+        """Motions of one fidelity stored for ``key``, of all that decides them; None without any."""
         place = f"{fidelity}/{CURVES}"
         with self._reading(f"/{place}") as file:
             if place not in file or file[place].attrs.get("key", b"") != key.encode():
@@ -111,7 +111,7 @@ class Store:
             return read_curves(file[place])
 
     def write_curves(self, fidelity: str, key: str, curves: MotionCurves) -> None:
-        """Keep them in the place of what is there."""
+        """Replace the stored motions of one fidelity."""
         place = f"{fidelity}/{CURVES}"
         with self._replacing() as file:
             if place in file:
@@ -122,7 +122,7 @@ class Store:
             sign(group)
 
     def study(self, branches: Sequence[Branch]) -> AccuracyChoice | None:
-        """The study whose ``branches`` the file holds, None where it is not all there."""
+        """Study whose ``branches`` the file holds, None where it is incomplete."""
         from vibeam.run.store.accuracy import HOME as group
         from vibeam.run.store.accuracy import read_study
 
@@ -134,7 +134,7 @@ class Store:
             return read_study(file[group], {way: part.response for way, part in kept.items()})
 
     def write_study(self, study: AccuracyChoice) -> None:
-        """Keep what a study says beside its branches, after these."""
+        """Write a study beside its branches, after these."""
         from vibeam.run.store.accuracy import HOME as group
         from vibeam.run.store.accuracy import write_study
 
@@ -143,11 +143,11 @@ class Store:
             sign(file[group])
 
     def shown(self, plan: ShowPlan) -> tuple[Sheet, ...] | None:
-        """What the file holds for ``plan``, None where it must be made."""
+        """Stored data of ``plan``, None where they must be computed."""
         with self._reading(f"/{HOME}/{plan.name}") as file:
             return read_sheets(file, plan)
 
     def show(self, plan: ShowPlan, sheets: tuple[Sheet, ...]) -> None:
-        """Keep ``sheets``."""
+        """Store ``sheets``."""
         with self._replacing() as file:
             write_sheets(file, plan, sheets, self._unit)

@@ -1,4 +1,4 @@
-"""What a results file may consist of: groups and plain datasets of its own, nothing that lies elsewhere."""
+"""Admissible structure of a results file: groups and plain datasets of its own, no links elsewhere."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ if TYPE_CHECKING:
 
 
 def refuse_foreign(file: h5py.File) -> None:
-    """ValueError for a link that is soft or external, data outside the file or not stored as they are.
+    """Raise ValueError for a soft or external link, data outside the file or not stored contiguously.
 
-    What is left is no larger than the file, and reading it touches nothing else.
+    An accepted file is no larger on reading than on disk, and reading it touches nothing else.
     """
     import h5py
 
@@ -41,7 +41,7 @@ def _refuse_twice(item: Any, place: str, seen: set[int]) -> None:
 
 
 def _plain(dataset: h5py.Dataset) -> bool:
-    """Whether the values lie in the file one after the other, all of them."""
+    """Test whether the values lie in the file contiguously."""
     import h5py
 
     how = dataset.id.get_create_plist()
