@@ -1,4 +1,4 @@
-"""SDOF parameters from geometry, each beside its finite-element value: what every assumption of the paper costs."""
+"""SDOF parameters from geometry, each beside its finite-element value: the error of each assumption of the paper."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DerivedParameter:
-    """One parameter: ``value`` by the paper's formula, ``reference`` of the finite-element model, both in ``unit``.
+    """Derived parameter: ``value`` by the paper's formula, ``reference`` of the finite-element model, both in ``unit``.
 
-    ``assumption``: what stands between the two.
+    ``assumption``: the cause of their difference.
     """
 
     name: str
@@ -35,7 +35,7 @@ class DerivedParameter:
 
 @dataclass(frozen=True)
 class Table:
-    """The rows, to be iterated or looked up by name; ``notes``: which were left out, and why."""
+    """Rows of the table, by order or by name; ``notes``: the rows left out, and why."""
 
     rows: tuple[DerivedParameter, ...]
     notes: tuple[str, ...] = ()
@@ -53,13 +53,13 @@ class Table:
         raise KeyError(f"no row {name!r}: there are {', '.join(row.name for row in self.rows)}")
 
     def to_json(self) -> dict[str, Any]:
-        """Plain numbers and strings, ready for ``json.dumps``."""
+        """Plain numbers and strings for ``json.dumps``."""
         return {"rows": [{**asdict(row), "error": row.error} for row in self.rows]}
 
 
 @dataclass(frozen=True)
 class _FirstMode:
-    """The first finite-element mode scaled to 1 at the sensor: contact value, N/m, kg, damping ratio, φᵀM1/φᵀMφ."""
+    """First finite-element mode scaled to 1 at the sensor: contact value, N/m, kg, damping ratio, φᵀM1/φᵀMφ."""
 
     shape: float
     contact: float
@@ -75,7 +75,7 @@ class _FirstMode:
 
 
 def derive(case_or_scene: Any) -> Table:
-    """The paper's eq. 44–47 for a Scene (or anything with one as ``.scene``), each with its finite-element value.
+    """Derive the paper's eq. 44–47 for a Scene (or an object with one as ``.scene``), with finite-element values.
 
     The reference is the first mode of bending of the finite-element model with all effects of the scene, on a base held
     still and scaled to 1 at the sensor. Mass and frequency come as a ladder: massless beam, with the beam's mass, and
@@ -94,7 +94,7 @@ def derive(case_or_scene: Any) -> Table:
 
 
 def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> Table:
-    """The table of a beam with an attached mass."""
+    """Table of a beam with an attached mass."""
     from vibeam_models.sdof import sdof_model
 
     paper = sdof_model(scene)
@@ -109,7 +109,7 @@ def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> Table:
 
 
 def _bare(scene: Scene, exact: _FirstMode) -> Table:
-    """The table of a beam without an attached mass."""
+    """Table of a beam without an attached mass."""
     from vibeam_models.sdof import beam_mass, static_shape, static_stiffness
 
     load_at, unit_at = scene.stop.position, scene.sensor.position
@@ -138,7 +138,7 @@ def _ill_posed(scene: Scene) -> list[str]:
     return [BARE] if scene.stop.law is None else []
 
 
-LEAST_SHARE = 0.1  # of the attached mass in the moving one, below which neglecting the beam means nothing
+LEAST_SHARE = 0.1  # smallest share of the attached mass in the moving one for which the beam may be neglected
 
 NEGLECTED = "left out: rows with a massless beam and the damping ratio that goes with them"
 
@@ -148,7 +148,7 @@ MASSLESS, WITH_BEAM, WITH_INERTIA = "massless beam", "with the beam's mass", "wi
 
 
 def _ladder(scene: Scene, mass: Mass, paper: SdofModel) -> dict[str, float]:
-    """M_S in kg by how much of the mass is kept."""
+    """Equivalent mass M_S in kg, by the number of mass terms kept."""
     from vibeam_models.sdof import beam_mass, static_slope
 
     load_at, unit_at = mass.position, scene.sensor.position
@@ -219,7 +219,7 @@ def _frequency_rows(ladder: dict[str, float], stiffness: float, exact: _FirstMod
 
 
 def _cost_rows(ladder: dict[str, float], paper: SdofModel) -> list[DerivedParameter]:
-    """One assumption at a time: f_n with it against f_n without it, everything else alike."""
+    """Error of one assumption at a time: f_n with it against f_n without it, all else equal."""
     f = {kept: sqrt(paper.stiffness / mass) / (2 * pi) for kept, mass in ladder.items()}
     rows = []
     if MASSLESS in f:
@@ -234,7 +234,7 @@ def _cost_rows(ladder: dict[str, float], paper: SdofModel) -> list[DerivedParame
 
 
 def _scaling_rows(scene: Scene, paper: SdofModel, exact: _FirstMode, massless: bool) -> list[DerivedParameter]:
-    """β_S where a massless beam means something, base factor, γ or B, and Δ."""
+    """Rows of the scaling: β_S where a massless beam is meaningful, base factor, γ or B, and Δ."""
     damping_time = 2 * exact.damping_ratio / exact.omega
     ratio = damping_time * paper.omega / 2
     damping = DerivedParameter("damping ratio", "β_S", "1", ratio, exact.damping_ratio, "the same D, the ω_n of eq. 45")

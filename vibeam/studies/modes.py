@@ -1,4 +1,4 @@
-"""The modes of the whole finite-element beam, and what leaving modes out does to the restitution."""
+"""Modes of the whole finite-element beam, and the effect of truncation on the restitution."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 class ModeRow:
     """One mass-normalised mode: Hz; ``contact``, ``sensor`` in kg^-½; ``load`` in kg^½.
 
-    ``share``: part of w M⁻¹ wᵀ that the modes up to this one carry. With the model cut off after this mode, mode 1 sees
+    ``share``: part of w M⁻¹ wᵀ carried by the modes up to this one. Truncated after this mode, mode 1 has
     ``first_mode_restitution`` and the contact has ``contact_restitution``: the case gives one of them, the other
     follows (above 1: no contact can do that).
     """
@@ -48,9 +48,9 @@ class ModeRow:
 
 @dataclass(frozen=True)
 class ModeTable:
-    """The first modes of a beam, and their shapes: deflections (points, modes) at ``positions`` (points,) in m.
+    """First modes of a beam, and their shapes: deflections (points, modes) at ``positions`` (points,) in m.
 
-    ``notes``: what the numbers cannot say, in sentences.
+    ``notes``: limits of the numbers, in sentences.
     """
 
     rows: tuple[ModeRow, ...]
@@ -60,14 +60,14 @@ class ModeTable:
 
 
 def modes(case: Case, count: int = 10) -> ModeTable:
-    """The first ``count`` modes of a case's finite-element beam: as ``mode_table``."""
+    """Compute the first ``count`` modes of a case's finite-element beam: see ``mode_table``."""
     return mode_table(case.scene, count)
 
 
 def mode_table(scene: Scene | SdofScene, count: int = 10) -> ModeTable:
-    """The first ``count`` modes (all, if there are fewer) of the finite-element model with the scene's effects.
+    """Compute the first ``count`` modes (all, if there are fewer) of the finite-element model with all effects.
 
-    The base is held still: a platform's own mode is not among them, for restitution is said of the beam's.
+    The base is fixed: a platform's own mode is not among them, because restitution refers to the beam's.
 
     ValueError for a SdofScene, which has no beam, or ``count`` < 1.
     """
@@ -99,7 +99,7 @@ def mode_table(scene: Scene | SdofScene, count: int = 10) -> ModeTable:
 
 
 def _notes(scene: Scene, rows: list[ModeRow]) -> tuple[str, ...]:
-    """Where the table ends in a restitution that makes no sense."""
+    """Notes on an impossible restitution at the end of the table."""
     from vibeam.run.remarks import ill_posed
 
     if scene.stop.law is not None:
@@ -117,7 +117,7 @@ def _restitutions(scene: Scene, contact: Array, mobility: float) -> tuple[float,
 
 
 def _drawn(space: BeamSpace, modes: Modes) -> tuple[Array, Array]:
-    """Four points an element, so that a shape looks as smooth as its cubics are."""
+    """Positions along the beam: four an element, so that a shape looks as smooth as its cubics are."""
     nodes = space.nodes
     parts = [np.linspace(a, b, 4, endpoint=False) for a, b in pairwise(nodes)]
     positions = np.concatenate([*parts, nodes[-1:]])
@@ -125,7 +125,7 @@ def _drawn(space: BeamSpace, modes: Modes) -> tuple[Array, Array]:
 
 
 def write_shapes(table: ModeTable, path: Path) -> None:
-    """The beam's centre line as line cells in a VTU file, a vector field a mode: deflection along z, largest 1."""
+    """Write the beam's centre line as line cells to a VTU file, one vector field (deflection along z) a mode."""
     import meshio
 
     count = len(table.positions)

@@ -1,11 +1,11 @@
-"""Where the error comes from: a chain of models from one fidelity to the finest, one thing changed at each link.
+"""Split of the error: a chain of models from one fidelity to the finest, one change at each link.
 
 The difference of the ends is the sum of the links' differences, point by point and so in the mean:
 
     a − a_finest = Σ (a_i − a_{i+1}).
 
-The links are: the contact law (R does not carry over between models: the fidelity with the R by which its first mode
-sees what the finest's first mode sees), the reduction (the finest's, with that same R₁), the effects left out.
+The links are: the contact law (R does not carry over between models: the fidelity takes the R that gives its first
+mode the R₁ of the finest), the reduction (the finest's, with that same R₁), the effects left out.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from vibeam.system.response import FrequencyResponse, periodic
 
 Array = NDArray[np.float64]
 
-LINKS = ("contact law", "reduction", "effects left out", "finest fidelity itself")  # the last against a file alone
+LINKS = ("contact law", "reduction", "effects left out", "finest fidelity itself")  # last link, to a reference file
 
 
 @dataclass(frozen=True)
 class Part:
-    """One link's share of the amplitude's error, over the finest's amplitude: signed mean, root mean square, largest.
+    """Contribution of one link to the amplitude's error, over the finest's amplitude: signed mean, rms, largest.
 
-    ``note``: why there is none, where the numbers are NaN; the link after it then holds both.
+    ``note``: reason for missing numbers (NaN); the next link then holds both contributions.
     """
 
     name: str
@@ -42,9 +42,9 @@ class Part:
 
 @dataclass(frozen=True)
 class Split:
-    """The exact error of a fidelity against the finest and its parts, over ``points`` where all of the chain repeats.
+    """Exact error of a fidelity against the finest and its parts, over ``points`` at which the whole chain is periodic.
 
-    ``restitution``: what its first mode sees. ``cpu``: seconds of its exact run.
+    ``restitution``: of its first mode. ``cpu``: seconds of its exact run.
     """
 
     fidelity: str
@@ -66,7 +66,7 @@ def shares(chain: Sequence[FrequencyResponse]) -> tuple[list[Array], Array]:
 
 
 def part(name: str, values: Array) -> Part:
-    """A link's numbers."""
+    """Part from the values of one link."""
     if not len(values):
         return Part(name, np.nan, np.nan, np.nan, "no point where all of the chain repeats")
     return Part(name, float(np.mean(values)), float(np.sqrt(np.mean(values**2))), float(np.max(np.abs(values))))
@@ -87,7 +87,7 @@ def split(
     cpu: float,
     file: FrequencyResponse | None = None,
 ) -> Split:
-    """The parts of ``model``'s error. ``build(model, finest)``: its system with the finest's reduction, its own
+    """Split the error of ``model``. ``build(model, finest)``: its system with the finest's reduction, its own
     effects; ``fly``: the exact response of a system; ``exact`` and ``top``: those of the two ends;
     ``file``: what the finest itself is compared with.
     """

@@ -1,4 +1,4 @@
-"""How far what one run showed is from what another did: curves, peaks, statistics, impacts and paths."""
+"""Error measures between two runs: curves, peaks, statistics, impacts and paths."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ NONE = float("nan")
 
 @dataclass(frozen=True)
 class Errors:
-    """Distances to a truth, relative to it unless said; NaN where there is nothing to compare.
+    """Errors against a reference run, relative unless stated; NaN where there is nothing to compare.
 
     ``amplitude_*``, ``velocity`` (mean impact velocity) and ``energy``: over the ``points`` of ``total`` frequencies
-    where both motions repeat. ``statistics``: where both do not, the worst of mean and quantiles of amplitude and of
-    impact velocity; ``scatter``: that of the truth's own first half against its second. ``kind``: frequencies where one
+    where both motions are periodic. ``statistics``: where neither is, the worst of mean and quantiles of amplitude and
+    impact velocity; ``scatter``: that of the reference's first half against its second. ``kind``: frequencies where one
     repeats and the other does not. Peaks are those of the parabola through the three highest points; ``period_one_end``
     in Hz. Impact times and ``path`` (Hausdorff, time in drive periods and displacement in its size) on a path from
     the same start, ``missed`` and ``invented`` impacts on it.
@@ -52,7 +52,7 @@ class Errors:
 
 
 def errors(found: Measured, truth: Measured, plan: Plan) -> Errors:
-    """The distances of ``found`` to ``truth``, both of one plan."""
+    """Compute the errors of ``found`` against ``truth``, both of one plan."""
     one, other = found.response, truth.response
     off = relative(one.amplitude, other.amplitude, common(one, other))
     kind = np.count_nonzero(complete(one) & complete(other) & (periodic(one) != periodic(other)))
@@ -72,12 +72,12 @@ def errors(found: Measured, truth: Measured, plan: Plan) -> Errors:
 
 
 def common(one: FrequencyResponse, other: FrequencyResponse) -> NDArray[np.bool_]:
-    """The points (points,) where both motions repeat and the second moves."""
+    """Mask (points,) where both motions are periodic and the second moves."""
     return np.asarray(periodic(one) & periodic(other) & (other.amplitude > 0))
 
 
 def relative(values: Array, truth: Array, where: NDArray[np.bool_]) -> Array:
-    """Signed relative differences at the points chosen."""
+    """Signed relative differences at the selected points."""
     return np.asarray(values[where] / truth[where] - 1)
 
 
@@ -87,7 +87,7 @@ def _worst(values: Array, truth: Array, where: NDArray[np.bool_]) -> float:
 
 
 def _peaks(one: FrequencyResponse, other: FrequencyResponse) -> dict[str, Any]:
-    """A peak is compared only where the run has all the points that the truth has."""
+    """Peaks of two runs; compared only where the run has all the points of the reference."""
     ends = [period_one_range(each) for each in (one, other)]
     end = ends[0][1] - ends[1][1] if ends[0] and ends[1] else NONE
     if np.any(periodic(other) & ~complete(one)):
@@ -126,7 +126,7 @@ def _statistics(found: Measured, truth: Measured) -> dict[str, Any]:
 
 
 def sample_distance(cloud: AperiodicSample, truth: AperiodicSample) -> float:
-    """The worst difference of means and quantiles, each over the truth's mean; NaN where a cloud is empty."""
+    """Worst difference of means and quantiles of two samples, each over the truth's mean; NaN for an empty sample."""
     pairs = ((cloud.amplitude, truth.amplitude), (cloud.velocity, truth.velocity))
     gaps = [np.abs(_shape(ours) - _shape(theirs)) / abs(np.mean(theirs)) for ours, theirs in pairs if len(theirs)]
     return float(np.max(gaps)) if gaps else NONE

@@ -1,4 +1,4 @@
-"""What one run shows: the same sweep and the same path for every fidelity and every solver."""
+"""Measurement of one run: the same sweep and the same path for every fidelity and every solver."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ Clock = Callable[[], float]
 
 
 class OutOfTime(Exception):
-    """A run was stopped: the message says where."""
+    """Run stopped by the deadline: the message says where."""
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What every run does: a sweep up over ``omega`` (rad/s), the state carried, then a path of ``window`` periods.
+    """Plan of every run: a sweep up over ``omega`` (rad/s), the state carried, then a path of ``window`` periods.
 
     ``amplitude``: of the base at each, m.
-    Where the motion does not repeat, ``cloud`` periods more are read one by one. ``size``: of the contact's motion, m;
+    Where the motion is aperiodic, ``cloud`` further periods are sampled one by one. ``size``: of the contact, m;
     ``drive`` moves the path.
     """
 
@@ -44,13 +44,13 @@ class Plan:
     drive: Drive
 
     def at(self, index: int) -> Plan:
-        """The plan for one of its frequencies alone."""
+        """Plan for one of its frequencies alone."""
         return replace(self, omega=self.omega[index : index + 1], amplitude=self.amplitude[index : index + 1])
 
 
 @dataclass(frozen=True)
 class AperiodicSample:
-    """A motion that does not repeat, period by period: amplitudes (periods,) and impact velocities (impacts,)."""
+    """Sample of an aperiodic motion, period by period: amplitudes (periods,) and impact velocities (impacts,)."""
 
     amplitude: Array
     velocity: Array
@@ -60,7 +60,7 @@ class AperiodicSample:
 
 @dataclass(frozen=True)
 class Measured:
-    """What a run showed; ``clouds`` by the index of their frequency, ``path`` None where the solver keeps none."""
+    """Measurements of a run; ``clouds`` by the index of their frequency, ``path`` None where the solver keeps none."""
 
     response: FrequencyResponse
     clouds: Mapping[int, AperiodicSample] = field(default_factory=dict)
@@ -69,25 +69,25 @@ class Measured:
 
     @property
     def impacts(self) -> int:
-        """All impacts computed: of the sweep, the clouds and the path."""
+        """Number of impacts computed: of the sweep, the samples and the path."""
         pathed = 0 if self.path is None else len(self.path.impact_times)
         return int(np.sum(self.response.impacts)) + sum(each.impacts for each in self.clouds.values()) + pathed
 
     @property
     def evaluations(self) -> int:
-        """All evaluations, of the same."""
+        """Number of evaluations of the same."""
         pathed = 0 if self.path is None else self.path.evaluations
         clouded = sum(each.evaluations for each in self.clouds.values())
         return int(np.sum(self.response.evaluations)) + clouded + pathed
 
     @property
     def failure(self) -> str:
-        """Why a point of it broke down; empty where none did. To find no motion of one's kind is no failure."""
+        """Reason why a point failed; empty where none did. A motion of another kind is no failure."""
         fine = (Ended.COMPLETE.code, Ended.NO_ORBIT.code)
         broken = [int(code) for code in self.response.ended if code not in fine]
         if not broken:
             return ""
-        reason = Ended.of_code(broken[0]).value.partition(":")[0]  # the cure behind the colon is not the user's here
+        reason = Ended.of_code(broken[0]).value.partition(":")[0]  # the cure after the colon does not apply here
         return f"{len(broken)} of {len(self.response)} points: {reason}"
 
 

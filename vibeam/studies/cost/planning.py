@@ -1,4 +1,4 @@
-"""What every run of a study does: at which frequencies, how long it settles, how the path is driven and begun."""
+"""Planning of the runs of a study: frequencies, settling, drive and start of the path."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ POINTS, SETTLE, HOLD, CLOUD, WINDOW = 9, 100, 10, 200, 10
 
 
 class Planning:
-    """The plans of a case, each made when first asked for; ``finest``: the model whose motion they go by."""
+    """Plans of a case, each made on first use; ``finest``: the model whose motion defines them."""
 
     def __init__(self, case: Case, finest: Model) -> None:
         self._case, self._finest = case, finest
 
     @cached_property
     def first(self) -> Plan:
-        """The sweep alone, as the case asks for it."""
+        """Sweep alone, as the case asks for it."""
         sweep, asked = self._case.sweep, self._case.cost
         omega = 2 * np.pi * frequencies(self._case)
         settle = min(sweep.settle, SETTLE) if asked.settle is None else asked.settle
@@ -45,7 +45,7 @@ class Planning:
 
     @cached_property
     def plan(self) -> Plan:
-        """What all run: the path is driven at the reference's peak, and starts as far from the stop as it swings."""
+        """Common plan of all runs: the path is driven at the reference's peak and starts one swing from the stop."""
         seen = measure(self._finest.system, FLIGHT, self.first).response
         size, top = float(np.nanmedian(seen.reach)), peak(seen)[0]
         drive = self._drive(2 * np.pi * top) if np.isfinite(top) else self.first.drive
@@ -54,15 +54,15 @@ class Planning:
 
     @cached_property
     def long(self) -> Plan:
-        """The plan with at least the case's own settling: what counts as exact."""
+        """Plan with at least the case's own settling, for the exact runs."""
         return replace(self.plan, settle=max(self._case.sweep.settle, self.plan.settle))
 
     def of(self, model: Model) -> Plan:
-        """The plan as the model's own scene drives it."""
+        """Plan with the drive of the model's own scene."""
         return self._driven(model, self.plan)
 
     def long_of(self, model: Model) -> Plan:
-        """The long plan likewise."""
+        """Long plan with the drive of the model's own scene."""
         return self._driven(model, self.long)
 
     def _driven(self, model: Model, plan: Plan) -> Plan:
@@ -75,7 +75,7 @@ class Planning:
 
 
 def frequencies(case: Case) -> Array:
-    """The frequencies (Hz) that are run: those asked for, or nine of the sweep's, evenly spread."""
+    """Frequencies (Hz) of the runs: those asked for, or nine of the sweep's, evenly spread."""
     asked = case.cost
     if asked.frequency is not None:
         return np.array(asked.frequency)

@@ -1,4 +1,4 @@
-"""The reference: the finest fidelity by the exact flight solver, and how far a second solver is from it."""
+"""Reference of a cost study: the finest fidelity by the exact flight solver, bounded by a second solver."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ FLIGHT, ORBIT = Setting("flight"), Setting("orbit")
 
 STRICT = 1e-12
 
-MOST = 12  # modes, beyond which strict integration takes too long
+MOST = 12  # largest number of modes for strict integration
 
 WINDOW = 3  # drive periods of strict integration
 
 
 @dataclass(frozen=True)
 class Bound:
-    """How far two independent solvers are from flight on the finest fidelity, relative.
+    """Bound on the reference's error: relative difference of two independent solvers from flight.
 
     ``amplitude``, ``velocity``: the closed-form orbits, at the ``points`` of ``total`` frequencies with one impact a
     period. ``path``, ``impacts``: integration by DOP853 at 1e-12 over three periods, of displacement (Hausdorff) and
-    impact velocity. NaN where they have nothing to say, ``note`` says why.
+    impact velocity. NaN where a comparison is impossible; ``note`` gives the reason.
     """
 
     amplitude: float
@@ -49,12 +49,12 @@ class Bound:
 
     @property
     def value(self) -> float:
-        """The stated figure: of amplitudes where there is one, else of paths."""
+        """Stated bound: of amplitudes where available, else of paths."""
         return self.amplitude if np.isfinite(self.amplitude) else self.path
 
     @property
     def sentence(self) -> str:
-        """In words."""
+        """Bound as a sentence."""
         said = []
         if self.points:
             agreed = f"flight and closed-form orbits agree to {self.amplitude:.1e} in amplitude"
@@ -65,7 +65,7 @@ class Bound:
 
 
 def bound(system: ImpactSystem, exact: Measured, plan: Plan) -> Bound:
-    """Both second opinions on ``exact``."""
+    """Compute both comparisons with ``exact``."""
     by_orbit, refusal = _closed_form(system, exact, plan)
     by_steps, failure = _integrated(system, plan)
     return Bound(
@@ -75,7 +75,7 @@ def bound(system: ImpactSystem, exact: Measured, plan: Plan) -> Bound:
 
 
 def _closed_form(system: ImpactSystem, exact: Measured, plan: Plan) -> tuple[Errors, str]:
-    """The distance to the closed-form orbits, or why there are none."""
+    """Distance to the closed-form orbits, or the reason why there are none."""
     if system.beyond_plain:
         return Errors(), f"no closed-form orbits with {' or '.join(system.beyond_plain)}"
     alone = _single_impacts(exact.response)
@@ -83,7 +83,7 @@ def _closed_form(system: ImpactSystem, exact: Measured, plan: Plan) -> tuple[Err
 
 
 def given(case: Case, frequency: Array) -> FrequencyResponse:
-    """The curve in the case's reference file, at ``frequency`` (Hz); ValueError where it has no such point."""
+    """Curve of the case's reference file at ``frequency`` (Hz); ValueError for a missing point."""
     points = curve(case)
     response = FrequencyResponse.empty(frequency, 1)
     for index, each in enumerate(frequency):
@@ -96,7 +96,7 @@ def given(case: Case, frequency: Array) -> FrequencyResponse:
 
 
 def curve(case: Case) -> dict[float, tuple[float, int]]:
-    """Amplitude and period (1 where none is said) over frequency (Hz) of the case's reference file, first branch."""
+    """Amplitude and period (1 where not given) over frequency (Hz) of the case's reference file, first branch."""
     points = reference_points(case.references[case.cost.reference or ""])
     way = points[0].direction if points else "up"
     told = [point for point in points if point.direction == way and point.value is not None]
@@ -104,7 +104,7 @@ def curve(case: Case) -> dict[float, tuple[float, int]]:
 
 
 def _single_impacts(response: FrequencyResponse) -> FrequencyResponse:
-    """The response with all but its simplest motions marked as not repeating: an orbit's solver knows no others."""
+    """Response with all but its simplest motions marked as aperiodic: an orbit solver knows no others."""
     simple = (response.period == -1) | ((response.period == 1) & (response.impacts_per_period <= 1))
     return replace(response, period=np.where(simple, response.period, 0))
 

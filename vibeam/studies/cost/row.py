@@ -1,4 +1,4 @@
-"""One run in one row: how far it is from the reference and from its own fidelity, in parts, and what it took."""
+"""Row of one run: errors against the reference and its own fidelity, their parts, and the work."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ PARTS = ("solver", "settling", "modelling", "total")
 class RunRow:
     """One run: ``total`` error against the reference, ``numerical`` against the exact motion of its own fidelity.
 
-    ``parts`` of its amplitude's error, which add up: solver, settling, modelling. ``why``: the reason where it
+    ``parts`` of its amplitude's error, which add up: solver, settling, modelling. ``why``: the reason of a
     failed, its errors are then NaN.
     """
 
@@ -39,7 +39,7 @@ class RunRow:
 
     @property
     def label(self) -> str:
-        """The solver and its setting."""
+        """Solver and its setting."""
         return " ".join(filter(None, (self.solver, self.method, self.setting)))
 
 
@@ -55,12 +55,12 @@ class References:
 
 
 def stopped(model: Model, rung: Setting, why: str) -> RunRow:
-    """The row of a run that came to no end."""
+    """Row of a run that did not end."""
     return _row(model, rung, Errors(), Errors(), (), None, 0, why)
 
 
 def compared(model: Model, rung: Setting, plan: Plan, found: Measured, work: Work, truths: References) -> RunRow:
-    """The row of a run that came to its end, broken down or not."""
+    """Row of a run that ended, with or without failed points."""
     motions = int(np.count_nonzero(complete(found.response)))
     if found.failure:
         return _row(model, rung, Errors(), Errors(), (), work, motions, found.failure)

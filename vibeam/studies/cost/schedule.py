@@ -1,4 +1,4 @@
-"""Which runs fit into the time: the cheapest next, whatever fidelity or solver it is; the rest is named."""
+"""Schedule within a budget: the cheapest run next, of any fidelity and solver; the others are listed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from vibeam.studies.cost.settings import Ladder, Setting
 
 @dataclass(frozen=True)
 class Schedule:
-    """A ladder to climb on one fidelity; ``estimate``: seconds that its first rung will take."""
+    """Series of settings of one solver on one fidelity; ``estimate``: seconds of its first setting."""
 
     fidelity: str
     ladder: Ladder
@@ -20,7 +20,7 @@ class Schedule:
 
 @dataclass(frozen=True)
 class LeftOut:
-    """A run that did not take place, and why."""
+    """Run that did not take place, and why."""
 
     fidelity: str
     run: str
@@ -31,7 +31,7 @@ Run = Callable[[str, Setting], float | None]
 
 
 def run_schedule(tracks: Sequence[Schedule], left: Callable[[], float], run: Run) -> list[LeftOut]:
-    """Run rung by rung, always the one that is estimated to be cheapest, while ``left()`` seconds allow it.
+    """Run setting by setting, always the one estimated to be cheapest, while ``left()`` seconds allow it.
 
     ``run(fidelity, rung)`` gives the seconds it took, None where that ladder had better not be climbed further. A
     rung's estimate is what the one below it took, times its ``growth``. Gives what was left out.

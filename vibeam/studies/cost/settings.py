@@ -1,4 +1,4 @@
-"""Every solver's ladder of settings, from the loosest and cheapest to the strictest, as its declaration says."""
+"""Settings of every solver, from the loosest and cheapest to the strictest, as declared."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ RTOLS = (1e-3, 1e-4, 1e-6, 1e-8, 1e-10)
 
 STEPS = (100, 300, 1000, 3000, 10_000)
 
-ORDERS = {"RK23": 3, "RK45": 5, "DOP853": 8, "LSODA": 8}  # of a step's error: tolerance^(−1/order) steps
+ORDERS = {"RK23": 3, "RK45": 5, "DOP853": 8, "LSODA": 8}  # order of a step's error: tolerance^(−1/order) steps
 
 ATOL = 1e-2  # absolute tolerance over relative tolerance and size of the motion: the paper's 1e-8 for 1e-4 and 1e-2
 
 
 @dataclass(frozen=True)
 class Setting:
-    """One solver at one setting; ``growth``: about how many times as much it costs as the rung below it."""
+    """One solver at one setting; ``growth``: about the ratio of its cost to that of the setting before it."""
 
     solver: str
     method: str = ""
@@ -30,7 +30,7 @@ class Setting:
 
     @property
     def label(self) -> str:
-        """As tables and messages name it."""
+        """Name in tables and messages."""
         return " ".join(filter(None, (self.solver, self.method, self.setting)))
 
 
@@ -38,7 +38,7 @@ Ladder = tuple[Setting, ...]
 
 
 def ladders(solver: str, size: float) -> list[Ladder]:
-    """The ladders of one solver for motions of about ``size`` m at the contact; a single point is a ladder of one."""
+    """Series of settings of one solver for contact motions of about ``size`` m; a single point is a series of one."""
     declared = SOLVERS[solver].settings
     found: list[Ladder] = [(Setting(solver, method=name, options=values),) for name, values in declared.options.items()]
     found += [_tolerances(solver, method, size, declared.limit) for method in declared.methods]

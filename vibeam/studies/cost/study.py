@@ -1,4 +1,4 @@
-"""``vibeam cost``: accuracy against time of a case, over fidelities and solvers."""
+"""Cost study (``vibeam cost``): accuracy against time of a case, over fidelities and solvers."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 
-PROBE = 2  # drive periods of the warm-up, by which the cost of a ladder's first rung is estimated
+PROBE = 2  # drive periods of the warm-up, from which the cost of a first setting is estimated
 
-SHARE = 0.01  # of the budget that may go into repeating a run
+SHARE = 0.01  # share of the budget for repeats of a run
 
 STIFF = 1e-5  # seconds, at least, that scipy's solvers take for a radian of the fastest mode
 
@@ -38,9 +38,9 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True)
 class CostStudy:
-    """All that ``vibeam cost`` found.
+    """Result of ``vibeam cost``.
 
-    ``finest``: the fidelity that is the reference; ``reference``: the file that takes its place, None where none does;
+    ``finest``: the reference fidelity; ``reference``: the file that replaces it, None without one;
     ``same``: fidelities that are another's model; ``frequency`` in Hz, ``cpu``: seconds in all.
     """
 
@@ -60,12 +60,12 @@ class CostStudy:
 
     @property
     def truth(self) -> str:
-        """What errors are taken against, in words."""
+        """Reference of the errors, in words."""
         return f"reference {self.reference}" if self.reference else f"{self.finest}, exact"
 
     @property
     def front(self) -> list[int]:
-        """Rows that no other beats in both error and time, among those that found a motion at every frequency."""
+        """Pareto front: rows not beaten in both error and time, among those with a motion at every frequency."""
         whole = len(self.frequency)
         errors = [row.total.amplitude_rms if row.found == whole else np.nan for row in self.rows]
         seconds = [row.work.cpu_min if row.work else np.nan for row in self.rows]
@@ -78,7 +78,7 @@ def _gap_changes(case: Case, name: str) -> bool:
 
 
 def cost(case: Case, progress: Progress = lambda line: None, clock: Clock = time.thread_time) -> CostStudy:
-    """Run what the budget allows and compare it.
+    """Run all settings within the budget and compare them.
 
     ValueError for a fidelity that cannot be built, or whose gap changes during the sweep: no point then stands alone.
     """
@@ -90,7 +90,7 @@ def cost(case: Case, progress: Progress = lambda line: None, clock: Clock = time
 
 
 class _Studied:
-    """One study as it grows."""
+    """State of a study in progress."""
 
     def __init__(self, case: Case, progress: Progress, clock: Clock) -> None:
         self.case, self.asked, self.clock, self.say = case, case.cost, clock, progress
@@ -104,7 +104,7 @@ class _Studied:
         self.began = self.ready = clock()
 
     def warm(self) -> None:
-        """Load and compile what is loaded and compiled but once: of flight, which all need, and of all solvers."""
+        """Warm up flight, which all runs need, and all solvers."""
         for model in self.models:
             self._warm(FLIGHT, [model])
         smallest_first = sorted(self.models, key=lambda model: model.system.size)
@@ -113,7 +113,7 @@ class _Studied:
                 self._warm(ladder[0], smallest_first)
 
     def _warm(self, rung: Setting, models: Sequence[Model]) -> None:
-        """A short run on the first model that the solver can take."""
+        """Short run on the first model that the solver can take."""
         plan = replace(self.planning.first.at(0), settle=0, hold=PROBE)
         for model in models:
             with suppress(ValueError):
@@ -121,7 +121,7 @@ class _Studied:
                 return
 
     def study(self) -> CostStudy:
-        """Everything in turn: exact motions, their bound, the parts of modelling, then the ladders."""
+        """Run in order: exact motions, their bound, the parts of modelling, then the settings."""
         self.say("exact motions of every fidelity, and what bounds them")
         self.exact = {
             model.name: self._timed(model.system, FLIGHT, self.planning.long_of(model), np.inf) for model in self.models
@@ -148,7 +148,7 @@ class _Studied:
         )  # fmt: skip
 
     def _left(self) -> float:
-        """Seconds of the budget, which begins when all that every study needs is done."""
+        """Seconds left of the budget, which begins after the exact motions that every study needs."""
         return self.asked.budget - (self.clock() - self.ready)
 
     def _timed(self, system: ImpactSystem, rung: Setting, plan: Plan, deadline: float) -> tuple[Measured, Work]:
@@ -170,7 +170,7 @@ class _Studied:
         return split(model, self.finest, exact.response, top.response, build, fly, work.cpu_min, self.file)
 
     def _tracks(self) -> list[Schedule]:
-        """Every ladder on every fidelity that can be climbed; refusals are noted."""
+        """Series of settings of every fidelity and solver; refusals are noted."""
         tracks = []
         for model in self.models:
             for name in self.asked.solvers or SOLVERS:
@@ -184,13 +184,13 @@ class _Studied:
         return tracks
 
     def _estimate(self, model: Model, rung: Setting) -> float:
-        """Seconds of a run: flight's are known, others from two periods of it; this is its warm-up as well."""
+        """Estimated seconds of a run: known for flight, extrapolated from two periods, its warm-up, for others."""
         if rung.solver == "flight":
             return self.exact[model.name][1].cpu_min
         plan = self.planning.of(model)
         least = STIFF * float(np.max(model.system.omega)) * float(np.sum(2 * np.pi / plan.omega))
         if rung.solver == "direct" and least * (plan.settle + plan.hold) > self.asked.budget:
-            return least * (plan.settle + plan.hold)  # not even two periods are to be had for nothing
+            return least * (plan.settle + plan.hold)  # two periods are too short to be measured
         short = replace(plan.at(len(plan.omega) // 2), settle=0, hold=PROBE, cloud=0, window=0)
         begun = self.clock()
         measure(model.system, rung, short)
@@ -198,7 +198,7 @@ class _Studied:
         return (self.clock() - begun) * len(plan.omega) * times
 
     def _climbed(self, fidelity: str, rung: Setting) -> float | None:
-        """One run and its row; the seconds it took, or None where it is of no use to go on."""
+        """Run one setting and add its row; return its seconds, or None where stricter settings are of no use."""
         model = self.named[fidelity]
         self.say(f"{fidelity}: {rung.label}")
         try:

@@ -1,5 +1,5 @@
 """Two motions from the same start, compared as motions with impacts must be: an impact that comes a little later is a
-little error, though the velocities between the two moments differ by all of the jump.
+small error, though the velocities between the two instants differ by all of the jump.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-APART = 0.1  # share of a drive period by which an impact may be shifted and still count as the same
+APART = 0.1  # share of a drive period by which an impact may be shifted and still match
 
 GRID = 200  # vertices a drive period of an exact path
 
-VERTICES = 4000  # of which a longer path's distances are taken, besides its impacts
+VERTICES = 4000  # vertices of a longer path that are compared, besides its impacts
 
 
 @dataclass(frozen=True)
 class ComparedPath:
-    """The output's motion: ``at`` gives displacements (m,) at times (m,); ``times`` (k,): where it is sampled, s.
+    """Motion of the output: ``at`` gives displacements (m,) at times (m,); ``times`` (k,): samples, s.
 
     ``impact_velocities``: contact velocities just before the impacts, m/s.
     """
@@ -43,7 +43,7 @@ class ComparedPath:
 
 @dataclass(frozen=True)
 class Matched:
-    """Impacts beside those of the truth: largest differences in time (s) and velocity (m/s) of those matched."""
+    """Impacts matched with those of the truth: largest differences in time (s) and velocity (m/s)."""
 
     time: float
     velocity: float
@@ -52,9 +52,9 @@ class Matched:
 
 
 def released(system: ImpactSystem, size: float) -> State:
-    """The start of every path: at rest, the first mode pulled off the stop until the contact has moved by ``size`` m.
+    """Initial state of every path: at rest, the first mode deflected until the contact is ``size`` m off the stop.
 
-    It is the same start, whatever the number of modes.
+    It is the same for any number of modes.
     """
     start = equilibrium(system)
     displacement = start.displacement.copy()
@@ -63,7 +63,7 @@ def released(system: ImpactSystem, size: float) -> State:
 
 
 def path_of(runner: Any, motion: str, drive: Drive, state: State, end: float, output: str) -> ComparedPath | None:
-    """The path from ``state`` until ``end`` s by a solver with a ``motion`` as declared; None where it keeps none."""
+    """Path from ``state`` until ``end`` s by a solver with a ``motion`` as declared; None where it keeps none."""
     if motion == "samples":
         return _sampled(runner.motion(drive, state, 0.0, end), output)
     return _exact(runner, drive, state, end, output) if motion == "exact" else None
@@ -81,7 +81,7 @@ def _exact(runner: Any, drive: Drive, state: State, end: float, output: str) -> 
 
 
 def _sampled(motion: Any, output: str) -> ComparedPath:
-    """Between its samples a motion is the cubic through values and slopes."""
+    """Path between samples, by the cubic through values and slopes."""
     times, last = np.unique(motion.times, return_index=True)
     values, slopes = motion.displacement(output), motion.velocity(output)
     after = np.append(last[1:], len(values)) - 1  # of two samples at an impact the later begins the next interval
@@ -99,7 +99,7 @@ def _sampled(motion: Any, output: str) -> ComparedPath:
 
 
 def matched(times: Array, velocities: Array, true_times: Array, true_velocities: Array, apart: float) -> Matched:
-    """Impacts beside the true ones: each pair that is nearest to one another and at most ``apart`` s apart."""
+    """Match impacts with the true ones: mutually nearest pairs at most ``apart`` s apart."""
     if not len(times) or not len(true_times):
         return Matched(np.nan, np.nan, len(true_times), len(times))
     there, back = _nearest(times, true_times), _nearest(true_times, times)
@@ -119,12 +119,12 @@ def _nearest(of: Array, among: Array) -> NDArray[np.int64]:
 
 
 def hausdorff(one: Array, other: Array) -> float:
-    """The Hausdorff distance of two polylines (m, 2) over ascending first coordinates, taken at their vertices."""
+    """Hausdorff distance of two polylines (m, 2) over ascending first coordinates, taken at their vertices."""
     return max(_directed(one, other), _directed(other, one))
 
 
 def _directed(vertices: Array, line: Array) -> float:
-    """How far the vertex farthest from ``line`` is from it.
+    """Distance of the vertex farthest from ``line``.
 
     The distance straight up or down bounds that of each vertex, and the stretch of the line in which to look for a
     nearer point; vertices with bounds below the largest distance found need no look.

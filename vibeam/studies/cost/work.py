@@ -1,4 +1,4 @@
-"""What a run costs: CPU time over repeats, impacts, evaluations."""
+"""Work of a run: CPU time over repeats, impacts, evaluations."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ class Work:
 
     @property
     def per_impact(self) -> float:
-        """CPU seconds an impact computed; NaN where there was none (a formula computes none)."""
+        """CPU seconds an impact; NaN without impacts (a closed form computes none)."""
         return self.cpu_min / self.impacts if self.impacts else float("nan")
 
 
 def timed(run: Callable[[], Measured], clock: Clock, repeats: int, spend: float) -> tuple[Measured, Work]:
-    """What ``run`` showed, the first time, and its work over as many of the ``repeats`` as ``spend`` seconds allow."""
+    """Result of the first ``run``, and its work over as many of the ``repeats`` as ``spend`` seconds allow."""
     found, seconds = None, list[float]()
     while len(seconds) < repeats and (not seconds or sum(seconds) + seconds[-1] <= spend):
         begun = clock()
@@ -46,7 +46,7 @@ def timed(run: Callable[[], Measured], clock: Clock, repeats: int, spend: float)
 
 
 def front(points: list[tuple[float, float]]) -> list[int]:
-    """The Pareto front of (error, cost): the indices of points than which none is better in one and not worse in both.
+    """Pareto front of (error, cost): indices of the points not dominated by any other.
 
     Points with NaN are never on it. In the order of rising error.
     """

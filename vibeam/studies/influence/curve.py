@@ -1,4 +1,4 @@
-"""The sweep of one model, point by point with its states, so that a peak or an end can be narrowed down afterwards."""
+"""Sweep of one model, point by point with its states, so that peaks and range ends can be refined later."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 FINER, ROUNDS, HALVINGS = 8, 2, 8
 
-SMOOTH = 0.05  # share of the parabola's height by which the motion at its top may differ from it
+SMOOTH = 0.05  # tolerance, as a share of the parabola's height, between the motion at its top and that height
 
 EDGE = "at the end of the sweep: it may lie beyond"
 
@@ -34,24 +34,24 @@ class Step:
 
     @property
     def frequency(self) -> float:
-        """Hz."""
+        """Frequency, Hz."""
         return float(self.response.frequency[0])
 
     @property
     def amplitude(self) -> float:
-        """m; −∞ where the motion does not repeat or broke down, which is then no peak."""
+        """Amplitude, m; −∞ for an aperiodic or failed point, which is never a peak."""
         return float(self.response.amplitude[0]) if periodic(self.response)[0] else -np.inf
 
     @property
     def is_period_one(self) -> bool:
-        """Whether it repeats every drive period, with impacts."""
+        """True for a motion of period 1 with impacts."""
         one = self.response
         return bool(complete(one)[0] and one.period[0] == 1 and one.impacts_per_period[0] > 0)
 
 
 @dataclass(frozen=True)
 class Curve:
-    """The branches of one model in the order swept; ``cpu``: seconds of these points alone."""
+    """Branches of one model in the order swept; ``cpu``: seconds of these points alone."""
 
     case: Case
     fidelity: str
@@ -60,11 +60,11 @@ class Curve:
 
     @property
     def cpu(self) -> float:
-        """CPU seconds of the sweep, without what narrows peaks and ends down."""
+        """CPU seconds of the sweep, without the refinement of peaks and ends."""
         return float(sum(step.response.cpu_seconds[0] for steps in self.branches.values() for step in steps))
 
     def on(self, frequencies: Array, state: State | None) -> list[Step]:
-        """Further points (Hz) from a state."""
+        """Compute further points (Hz) from a state."""
         omega = 2 * np.pi * frequencies
         plan, own = self.case.sweep, self.case.fidelities[self.fidelity]
         points = march(
@@ -76,7 +76,7 @@ class Curve:
 
 
 def swept(case: Case, fidelity: str, system: ImpactSystem) -> Curve:
-    """The fidelity's branches, to the bit those of an ordinary run."""
+    """Branches of the fidelity, to the bit those of an ordinary run."""
     curve = Curve(case, fidelity, system, {})
     up = np.sort(case.sweep.frequency)
     grids = {"up": up, "down": up[::-1].copy()}
@@ -89,7 +89,7 @@ def swept(case: Case, fidelity: str, system: ImpactSystem) -> Curve:
 
 @dataclass(frozen=True)
 class Peak:
-    """Largest amplitude of all motions that repeat, its frequency, and a point near it to start from."""
+    """Largest amplitude of all periodic motions, its frequency, and a point near it to start from."""
 
     amplitude: Value
     frequency: Value
@@ -97,7 +97,7 @@ class Peak:
 
 
 def peak(curve: Curve) -> Peak:
-    """The peak, by finer and finer steps between its neighbours and a parabola through the last three."""
+    """Peak, by successive refinement between its neighbours and a parabola through the last three."""
     tops = [(steps[i].amplitude, way, i) for way, steps in curve.branches.items() for i in range(len(steps))]
     height, way, index = max(tops, key=lambda top: top[0])
     if height == -np.inf:
@@ -111,7 +111,7 @@ def peak(curve: Curve) -> Peak:
 
 
 def _narrowed(curve: Curve, three: list[Step]) -> list[Step]:
-    """Three neighbours around the top, ever closer; each finer point starts from the one before it, as in the sweep."""
+    """Refine three neighbours around the top; each finer point starts from the one before it, as in the sweep."""
     for _ in range(ROUNDS):
         grid = np.linspace(three[0].frequency, three[2].frequency, FINER + 1)[1:-1]
         steps = [three[0], *curve.on(grid, three[0].state), three[2]]
@@ -121,9 +121,9 @@ def _narrowed(curve: Curve, three: list[Step]) -> list[Step]:
 
 
 def _top(curve: Curve, three: list[Step]) -> Step:
-    """The point at the top of the parabola through three; the middle one where they are not one smooth curve.
+    """Point at the top of the parabola through three; the middle one where they are not on one smooth curve.
 
-    At a jump a parabola has a top as well, but the motion there is not what it says.
+    At a jump a parabola has a top as well, but the motion there differs from it.
     """
     y = np.array([step.amplitude for step in three])
     bend = y[0] - 2 * y[1] + y[2]
@@ -139,7 +139,7 @@ def _top(curve: Curve, three: list[Step]) -> Step:
 def ends(curve: Curve) -> tuple[Value, Value]:
     """Lower and upper end (Hz) of the period-1 range around its largest amplitude.
 
-    The lower one is read where it is reached: on the way down, if that is swept, the upper one on the way up.
+    Each end is taken where the sweep reaches it: the lower one on the way down, if swept, the upper one on the way up.
     """
     down = curve.branches.get("down", curve.branches.get("up", []))
     up = curve.branches.get("up", down)
@@ -166,7 +166,7 @@ def _end(curve: Curve, steps: list[Step], pick: Callable[..., Step]) -> Value:
 
 
 def _crossing(curve: Curve, before: Step, after: Step) -> float:
-    """Hz between two neighbours in the order swept, of which one is of period 1, halved; always from the first."""
+    """Boundary (Hz) between a point of period 1 and its neighbour, by bisection from the first."""
     for _ in range(HALVINGS):
         middle = curve.on(np.array([(before.frequency + after.frequency) / 2]), before.state)[0]
         before, after = (middle, after) if middle.is_period_one == before.is_period_one else (before, middle)
@@ -174,6 +174,6 @@ def _crossing(curve: Curve, before: Step, after: Step) -> float:
 
 
 def nearest(curve: Curve, frequency: float) -> Step:
-    """The point of the first branch nearest to a frequency in Hz."""
+    """Point of the first branch nearest to a frequency in Hz."""
     steps: Iterator[Step] = iter(next(iter(curve.branches.values())))
     return min(steps, key=lambda step: abs(step.frequency - frequency))

@@ -1,4 +1,4 @@
-"""One model with some of the case's effects: its quantities of interest, its size, its CPU time."""
+"""Model with a subset of the case's effects: its quantities of interest, its size, its CPU time."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ IN_MOTION = ("ringing", "ringing_frequency", "apparent_restitution")
 
 @dataclass(frozen=True)
 class Model:
-    """``coordinates`` of the finite-element model, ``frequencies`` (Hz) of the modes that are swept; ``why``: the
-    reason where there is no such model, all ``values`` are then missing for it.
+    """Number of ``coordinates`` of the finite-element model, ``frequencies`` (Hz) of the swept modes; ``why``: the
+    reason where the model cannot be built, with all ``values`` missing.
     """
 
     kept: tuple[str, ...]
@@ -34,16 +34,16 @@ class Model:
 
     @property
     def modes(self) -> int:
-        """How many are swept."""
+        """Number of swept modes."""
         return len(self.frequencies)
 
     def value(self, quantity: str) -> Value:
-        """What it has of a quantity."""
+        """Value of a quantity."""
         return self.values.get(quantity, Value(NAN, self.why))
 
 
 def model(subsets: Subsets, kept: Collection[str], wanted: Collection[str], frequency: float | None) -> Model:
-    """Build it and read the quantities in ``wanted``, those of the motion at ``frequency`` (Hz; None: at its peak)."""
+    """Build the model and read the quantities in ``wanted``, at ``frequency`` (Hz; None: at its peak)."""
     names = tuple(name for name in subsets.effects if name in kept)
     try:
         case = subsets.case(names)
@@ -74,7 +74,7 @@ def _in_motion(curve: Curve, top: Peak, frequency: float | None) -> dict[str, Va
 
 
 def _coordinates(scene: Any) -> int:
-    """Of the finite elements, and of a platform that is pushed back."""
+    """Coordinates of the finite elements, and of a platform that is pushed back."""
     from vibeam_models.beam import assemble
 
     moves = scene.platform is not None and scene.platform.coupling == "two-way"
@@ -82,7 +82,7 @@ def _coordinates(scene: Any) -> int:
 
 
 def _reason(refusal: ValueError) -> str:
-    """The reason, without the file that each fault names first."""
+    """Reason of a refusal, without the file name before each fault."""
     from vibeam.case.faults import CaseError
 
     if isinstance(refusal, CaseError):

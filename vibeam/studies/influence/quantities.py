@@ -1,4 +1,4 @@
-"""The quantities of interest: what each is measured in, what change of it is too much, and how a change is told."""
+"""Quantities of interest: unit, admissible change and presentation of each."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ How = Literal["relative", "absolute"]
 
 @dataclass(frozen=True)
 class Quantity:
-    """``label``: in words; ``unit`` in SI; ``how`` its change is taken, ``tolerance`` the largest that is let pass."""
+    """Quantity: ``label`` in words; ``unit`` in SI; ``how`` its change is computed; ``tolerance`` of the change."""
 
     name: str
     label: str
@@ -28,7 +28,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Value:
-    """A quantity as one model has it; NaN with the reason ``why``, or a number with a remark."""
+    """Value of a quantity in one model; NaN with the reason ``why``, or a number with a remark."""
 
     number: float
     why: str = ""
@@ -36,8 +36,8 @@ class Value:
 
 @dataclass(frozen=True)
 class Change:
-    """``value``, and how far it is from the complete model's: ``amount`` as its quantity says, ``share``: of the
-    tolerance, in absolute value; ∞ where one of the two has the quantity and the other has not. ``why``: the remarks.
+    """Change from the complete model: ``value``, ``amount`` as the quantity defines it, ``share``: of the
+    tolerance, in absolute value; ∞ where only one of the two models has the quantity. ``why``: the remarks.
     """
 
     quantity: str
@@ -48,7 +48,7 @@ class Change:
 
 
 def quantities(plan: InfluencePlan) -> tuple[Quantity, ...]:
-    """The quantities that the case asks for, with its tolerances."""
+    """Quantities that the case asks for, with its tolerances."""
     ratio, hertz = plan.tolerance, plan.frequency_tolerance
     known = (
         Quantity("peak", "the peak", "m", "relative", ratio),
@@ -63,7 +63,7 @@ def quantities(plan: InfluencePlan) -> tuple[Quantity, ...]:
 
 
 def change(quantity: Quantity, ours: Value, whole: Value) -> Change:
-    """From the complete model's value to ours; nothing has changed where neither has one."""
+    """Change from the complete model's value to another one's; none where neither has one."""
     said = "; ".join(dict.fromkeys(filter(None, (ours.why, f"all effects: {whole.why}" if whole.why else ""))))
     there = isfinite(ours.number), isfinite(whole.number)
     if there == (False, False):

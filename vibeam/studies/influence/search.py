@@ -1,4 +1,4 @@
-"""The smallest set of effects that is good enough: all sets where they are few, else one dropped after another."""
+"""Search for the smallest sufficient set of effects: all sets where they are few, else by elimination."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from collections.abc import Callable, Sequence
 from itertools import combinations
 from math import inf
 
-EXACT = 6  # effects up to which all sets are tried
+EXACT = 6  # largest number of effects for which all sets are tried
 
 Worst = Callable[[frozenset[str]], float]
 
 
 def smallest(effects: Sequence[str], worst: Worst) -> tuple[frozenset[str], bool]:
-    """The set, and whether it is known to be the smallest.
+    """Find the set, and whether it is proved to be the smallest.
 
-    ``worst``: the largest change of a set in units of its tolerance, good enough where it is at most 1; ∞ for a set
+    ``worst``: the largest change of a set in units of its tolerance, sufficient where it is at most 1; ∞ for a
     that makes no sense. Of several as small the one with the least of it.
     """
     if len(effects) <= EXACT:
@@ -32,7 +32,7 @@ def _of_all(effects: Sequence[str], worst: Worst) -> frozenset[str]:
 
 
 def _one_by_one(effects: Sequence[str], worst: Worst) -> frozenset[str]:
-    """Drop the effect that matters least among those left, as long as that is good enough."""
+    """Eliminate the effect with the least influence among those left, as long as the rest is sufficient."""
     kept = frozenset(effects)
     while kept:
         away = [(worst(kept - {name}), index, name) for index, name in enumerate(effects) if name in kept]

@@ -1,4 +1,4 @@
-"""What a sensor sees between the impacts of one settled motion: ringing, and the restitution that it shows."""
+"""Ringing and apparent restitution of one settled motion at the sensor."""
 
 from __future__ import annotations
 
@@ -19,26 +19,26 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 
 Array = NDArray[np.float64]
 
-WILD = 8  # drive periods looked at where the motion does not repeat
+WILD = 8  # drive periods evaluated of an aperiodic motion
 
-BESIDE = 1.5  # else: so many beyond those after which it does, so that no interval between impacts is cut off
+BESIDE = 1.5  # drive periods beyond the period of a periodic one, so that no interval between impacts is cut off
 
-SAMPLES = 50  # a period of the ringing …
+SAMPLES = 50  # samples a period of the ringing …
 
 LEAST = 300  # … and a drive period, at least
 
-FITTED = 10  # faster modes that are fitted along: what is faster has decayed
+FITTED = 10  # largest number of faster modes in the fit: still faster ones have decayed
 
-GUARD = 0.02  # of a drive period, left out next to impacts where there are still faster ones
+GUARD = 0.02  # share of a drive period left out next to impacts where there are still faster modes
 
-UNSEEN = 1e-9  # share of the sensor's row below which it does not see a mode
+UNSEEN = 1e-9  # share of the sensor's row below which a mode is not observable
 
 
 def observed_ringing(curve: Curve, frequency: float, near: Step) -> dict[str, Value]:
-    """``ringing`` (mean peak velocity between impacts, m/s), ``ringing_frequency`` (Hz) and ``apparent_restitution``.
+    """Measure ``ringing`` (mean peak velocity, m/s), ``ringing_frequency`` (Hz) and ``apparent_restitution``.
 
     Read at the case's output of the motion at ``frequency`` (Hz), started from ``near``. Ringing is the slowest mode
-    above twice the drive's frequency that the output sees; what is apparent is what the slower ones show.
+    above twice the drive's frequency that the output sees; apparent restitution is that of the slower ones.
     """
     settled = curve.on(np.array([frequency]), near.state)[0]
     omega = 2 * np.pi * frequency
@@ -78,7 +78,7 @@ def _read(path: Trajectory, output: str, frequency: float) -> dict[str, Value]:
 
 
 def _touches(path: Trajectory) -> Array:
-    """Begin and end (m, 2) of each impact, s: one instant, or the time on a stop that yields."""
+    """Begin and end (m, 2) of each impact, s: one instant, or the contact time of a stop that yields."""
     contacts = path.contacts
     pushed = np.stack([contacts[:, 0], contacts[:, 0] + contacts[:, 1]], axis=1)
     hits = np.repeat(path.impact_times[:, None], 2, axis=1)
@@ -87,7 +87,7 @@ def _touches(path: Trajectory) -> Array:
 
 
 def _restitution(times: Array, place: Array, touches: Array, slow: SlowPart, **keys: Any) -> float:
-    """Mean over the impacts of −after/before, the slow part's rate at end and begin of each; NaN without any."""
+    """Mean over the impacts of −after/before, from the slow part's rate at end and begin; NaN without any."""
     marks = np.unique(touches)
     read = extrapolated_restitution(times, place, marks, slow, **keys)
     first, last = (np.searchsorted(marks, touches[:, side]) for side in (0, 1))
@@ -113,7 +113,7 @@ def _ringing(
 
 
 def _free(system: ImpactSystem, modes: NDArray[np.int64]) -> SlowPart | None:
-    """The free vibrations of some modes, overdamped ones left out; None without any."""
+    """Free vibrations of some modes, overdamped ones left out; None without any."""
     kept = [mode for mode in modes if system.zeta[mode] < 1]
     if not kept:
         return None

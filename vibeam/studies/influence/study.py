@@ -1,4 +1,4 @@
-"""``vibeam influence``: what each effect of a case changes and costs, and which of them the scene needs."""
+"""Influence study (``vibeam influence``): changes and cost of each effect of a case, and the effects that it needs."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ NAN = float("nan")
 
 @dataclass(frozen=True)
 class Variant:
-    """A model and how far it is from the complete one; ``cpu``: s of its sweep, least of the repeats (NaN: not timed).
+    """Model and its distance from the complete one; ``cpu``: s of its sweep, least of the repeats (NaN: not timed).
 
-    ``why``: the reason where there is no such model.
+    ``why``: the reason where the model cannot be built.
     """
 
     kept: tuple[str, ...]
@@ -41,18 +41,18 @@ class Variant:
 
     @property
     def modes(self) -> int:
-        """How many are swept."""
+        """Number of swept modes."""
         return len(self.frequencies)
 
     @property
     def worst(self) -> float:
-        """The largest change in units of its tolerance; ∞ where there is no such model."""
+        """Largest change in units of its tolerance; ∞ where the model cannot be built."""
         return float("inf") if self.why else max((each.share for each in self.changes), default=0.0)
 
 
 @dataclass(frozen=True)
 class EffectRow:
-    """One effect: the models without it alone and with it alone; what it adds, CPU in s (negative: it saves)."""
+    """One effect: the models without it alone and with it alone; its CPU cost in s (negative: it saves)."""
 
     effect: str
     without: Variant
@@ -64,13 +64,13 @@ class EffectRow:
 
     @property
     def influence(self) -> float:
-        """The largest change that taking it away makes, in units of its tolerance."""
+        """Largest change on removing the effect, in units of its tolerance."""
         return self.without.worst
 
 
 @dataclass(frozen=True)
 class InfluenceStudy:
-    """All that ``vibeam influence`` found; ``rows`` sorted by influence, the largest first.
+    """Result of ``vibeam influence``; ``rows`` sorted by influence, the largest first.
 
     ``whole``, ``bare`` and ``enough``: the models with all effects, with none and with the smallest set; ``exact``:
     whether all sets were tried; ``models``: how many were swept; ``scatter``: s by which repeats of a sweep's CPU time
@@ -94,7 +94,7 @@ class InfluenceStudy:
 
 
 def influence(case: Case, progress: Progress = lambda line: None) -> InfluenceStudy:
-    """Take each effect away alone, leave each alone, and find the smallest set that keeps within the tolerances.
+    """Remove each effect alone, keep each alone, and find the smallest set within the tolerances.
 
     ValueError where the case names no effect, or its complete model cannot be built.
     """
@@ -105,14 +105,14 @@ def influence(case: Case, progress: Progress = lambda line: None) -> InfluenceSt
 
 
 def _warm_up(case: Case, name: str) -> None:
-    """One short point of the fidelity, unmeasured."""
+    """Run one short point of the fidelity, unmeasured."""
     fidelity, omega = case.fidelities[name], 2 * np.pi * float(case.sweep.frequency[0])
     base = float(np.ravel(case.amplitude_of(name, np.array([omega])))[0])
     warm_up_once(fidelity.solver, case.system(name), omega, base, case.sweep.output, fidelity.options)
 
 
 class _Studied:
-    """One study as it grows: every set of effects is swept once."""
+    """State of a study in progress: every set of effects is swept once."""
 
     def __init__(self, case: Case, sets: Subsets, progress: Progress) -> None:
         self.case, self.sets, self.say = case, sets, progress
@@ -124,7 +124,7 @@ class _Studied:
             raise ValueError(self._model(self.all).why)
 
     def study(self, begun: float) -> InfluenceStudy:
-        """Single effects first, then the search, then the rows."""
+        """Run single effects first, then the search, then make the rows."""
         self._time()
         needed, exact = smallest(self.sets.effects, lambda kept: self._variant(kept).worst)
         rows = sorted((self._row(name, needed) for name in self.sets.effects), key=lambda row: -row.influence)
@@ -159,7 +159,7 @@ class _Studied:
         return found
 
     def _time(self) -> None:
-        """Sweep what is compared once more, in turns, so that a slow moment of the machine meets all of them.
+        """Sweep the compared models once more, in turns, so that a slow moment of the machine affects all of them.
 
         The first sweep of each, which read the quantities, was the warm-up and does not count.
         """

@@ -1,4 +1,4 @@
-"""The case with some of its effects alone: each such case is whole, and an ordinary run takes it."""
+"""Cases with subsets of the effects: each is complete and can be run as usual."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from vibeam_models.scene import Scene
 
 Array = NDArray[np.float64]
 
-SAME = 1e-9  # relative: modes of two models that are one
+SAME = 1e-9  # relative tolerance for two models' modes to be the same
 
 
 @dataclass(frozen=True)
 class Subsets:
-    """One fidelity of a case over the frequencies of its ``[influence]``, with any of its ``effects``.
+    """Subsets of the effects of one fidelity, over the frequencies of the case's ``[influence]``.
 
-    ``own_modes``: of the fidelity's modes, those that an effect brings beside what is there without it (torsion does).
-    ``companions``: keys beside an effect that mean nothing without it. ``modes``: the fidelity's number of modes, None
-    where its reduction says it.
+    ``own_modes``: number of the fidelity's modes that an effect adds to the others (torsion does).
+    ``companions``: keys beside an effect that are meaningless without it. ``modes``: the fidelity's number of modes,
+    None where its reduction sets it.
     """
 
     text: str
@@ -41,9 +41,9 @@ class Subsets:
     modes: int | None = None
 
     def case(self, kept: Collection[str]) -> Case:
-        """The case with the effects in ``kept`` alone; CaseError where it makes no sense without the others.
+        """Case with the effects in ``kept`` alone; CaseError where it is invalid without the others.
 
-        What has no meaning without an effect goes with it: keys beside it, modes of its own, modes that are no more.
+        Settings that need an effect go with it: keys beside it, its own modes, modes that no longer exist.
         """
         away = [name for name in self.effects if name not in kept]
         beside = [key for name in away for key in self.companions.get(name, ())]
@@ -54,7 +54,7 @@ class Subsets:
         return parse(self.text, self.path, settings)
 
     def _modes_without(self, settings: dict[str, Any], wanted: int) -> int:
-        """As many modes as are wanted, or as the model has where that is fewer."""
+        """Number of modes wanted, or that of the model where it has fewer."""
         declared, _ = validate(self.text, self.path, settings | {self._modes_key: 1})
         return min(wanted, most_modes(declared)[0])
 
@@ -64,7 +64,7 @@ class Subsets:
 
 
 def subsets(case: Case) -> Subsets:
-    """The subsets of a case's effects; ValueError where there is nothing to take away."""
+    """Subsets of a case's effects; ValueError where there is none."""
     if not isinstance(case.scene, Scene):
         raise ValueError("a single degree of freedom by itself has no effects: influence needs a beam")
     name = case.influence.fidelity or finest(case)
@@ -85,7 +85,7 @@ def subsets(case: Case) -> Subsets:
 
 
 def _reduced(case: Case) -> dict[str, Any]:
-    """The sweep with fewer of its frequencies, and the periods that [influence] says."""
+    """Sweep reduced to fewer of its frequencies, with the periods of [influence]."""
     plan, grid = case.influence, np.sort(case.sweep.frequency)
     chosen = np.unique(np.linspace(0, len(grid) - 1, min(plan.points, len(grid))).round().astype(int))
     given = {"settle": plan.settle, "hold": plan.hold}
@@ -94,29 +94,29 @@ def _reduced(case: Case) -> dict[str, Any]:
 
 
 def finest(case: Case) -> str:
-    """The fidelity with most modes, the first of several, of those that change nothing of the case's own physics."""
+    """Fidelity with most modes, the first of several, among those that change nothing of the case's own physics."""
     plain = [name for name, each in case.fidelities.items() if not (each.changes or each.without)]
     return max(plain or case.fidelities, key=lambda name: case.system(name).size)
 
 
 def _own_modes(found: Subsets) -> dict[str, int]:
-    """How many of the fidelity's modes each effect brings along, where all others are there without it as well.
+    """Number of the fidelity's modes that each effect adds, where all others exist without it as well.
 
-    Such an effect (torsion) must not leave its places to other modes: that would be a change of reduction.
+    Such an effect (torsion) must not leave its places to other modes: that would change the reduction.
     """
     if found.modes is None:
         return {}
     whole = _frequencies(found.case(found.effects), found.modes)
     own = {}
     for name in found.effects:
-        with suppress(ValueError):  # what cannot be taken away is told later, with its reason
+        with suppress(ValueError):  # an effect that cannot be removed is reported later, with its reason
             left = _frequencies(found.case([other for other in found.effects if other != name]), found.modes)
             own[name] = len(whole) - _shared(whole, left)
     return {name: count for name, count in own.items() if count}
 
 
 def _shared(whole: Array, left: Array) -> int:
-    """How many modes stay where an effect only adds to them; all, where it changes them."""
+    """Number of modes kept where an effect only adds modes; all, where it changes them."""
     below = left[left <= whole[-1] * (1 + SAME)]
     stays = [bool(np.any(np.abs(whole - each) <= SAME * each)) for each in below]
     return len(below) if len(below) and all(stays) else len(whole)

@@ -1,4 +1,4 @@
-"""Regression of a case: its result against the reference curves and the numbers that it names."""
+"""Regression check of a case: its result against its reference curves and expected numbers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Regression on single numbers: what a case expects of a fidelity, by itself or against another one."""
+"""Regression of single numbers: expectations of a fidelity, by itself or against another one."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ NAN = float("nan")
 
 @dataclass(frozen=True)
 class _Found:
-    """The number on one branch, NaN where there is none and ``fault`` says why."""
+    """Number on one branch, NaN with the reason ``fault``."""
 
     number: float
     fault: str = ""
@@ -64,7 +64,7 @@ def _check(expected: Expectation, result: Result, partial: bool) -> CheckRow:
 
 def _ways(expected: Expectation) -> tuple[str, ...]:
     if expected.quantity in LIMITS or expected.show:
-        return ("up",)  # of the motions as such, whichever way they are swept
+        return ("up",)  # of the motions as such, whichever direction they are swept in
     return ("up", "down") if expected.direction == "both" else (expected.direction,)
 
 
@@ -119,7 +119,7 @@ def _limit(expected: Expectation, result: Result, name: str) -> _Found:
 
 
 def _read_off(expected: Expectation, show: str, result: Result, name: str) -> _Found:
-    """Of a figure's numbers, which are made for this alone where the run made none."""
+    """Read the number off a figure's data, computed for this alone where the run has none."""
     from vibeam.figures.sheet import sheet_at
 
     plan = result.case.shows[show]

@@ -1,4 +1,4 @@
-"""Regression: a result against the reference curves that its case names."""
+"""Regression of a result against the reference curves of its case."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
     from vibeam.run.result import Result
     from vibeam.system.response import Branches
 
-SMALL = 1e-6  # a reference value is taken as no less than this share of the column's largest
+SMALL = 1e-6  # smallest reference value for relative differences, as a share of the column's largest
 
 
 @dataclass(frozen=True)
 class CheckRow:
-    """How one reference fared: ``points`` of ``total`` were compared; ``worst`` is relative, at ``frequency`` (Hz)."""
+    """Outcome of one reference: ``points`` of ``total`` were compared; ``worst`` is relative, at ``frequency`` (Hz)."""
 
     reference: str
     fidelity: str
@@ -40,9 +40,9 @@ class CheckRow:
 
 @dataclass(frozen=True)
 class _Match:
-    """A reference point beside ours: the relative difference and what else is wrong.
+    """Reference point beside the computed one: the relative difference and other faults.
 
-    The difference is ∞ where ours has no number, 0 where the reference gives only the period.
+    The difference is ∞ where the computed value is missing, 0 where the reference gives only the period.
     """
 
     point: Point
@@ -61,7 +61,7 @@ def check(case: Case, result: Result, *, partial: bool = False) -> list[CheckRow
 
 
 def require_readable(case: Case) -> None:
-    """CaseError with what is wrong in the reference files of a case: before anything is computed."""
+    """Raise CaseError for faulty reference files of a case, before anything is computed."""
     faults: list[Fault] = []
     for reference in case.references.values():
         try:

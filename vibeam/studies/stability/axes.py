@@ -1,4 +1,4 @@
-"""The axes of the map: the case's frequencies, and its gap or drive in the case's own units."""
+"""Axes of the map: the case's frequencies, and its gap or drive in the case's own units."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-WIDE = 2.0  # the gaps shown by default, in amplitudes without the stop
+WIDE = 2.0  # default gaps, in amplitudes without the stop
 
 
 @dataclass(frozen=True)
 class Axis:
-    """The second parameter: ``over`` as in ``OrbitMap``, what it is called, its unit, SI for one of it, the case's own.
+    """Second parameter: ``over`` as in ``OrbitMap``, its name, its unit, SI for one of it, the case's own value.
 
     ``low``, ``high`` and ``own`` are in ``unit`` ("1": no dimension).
     """
@@ -40,14 +40,14 @@ class Axis:
 
     @property
     def own_text(self) -> str:
-        """The case's own value in words."""
+        """Case's own value in words."""
         size = abs(self.own) or max(abs(self.low), abs(self.high))
         unit, factor = prefixed(LENGTHS, size) if self.unit == "m" else (self.unit.removeprefix("1"), 1.0)
         return f"{self.name} of {self.own * factor:.4g} {unit}".strip()
 
 
 def frequencies(case: Case, count: int) -> Array:
-    """So many over the case's own range, in rad/s; ValueError where that is one frequency."""
+    """Frequencies over the case's own range, in rad/s; ValueError where that is one frequency."""
     grid = case.sweep.frequency
     if not grid.min() < grid.max():
         raise ValueError("sweep.frequency: a map needs a range of frequencies, there is one")
@@ -55,7 +55,7 @@ def frequencies(case: Case, count: int) -> Array:
 
 
 def second_axis(case: Case, over: str, low: str | float | None, high: str | float | None, system: ImpactSystem) -> Axis:
-    """Gap or drive, as ``stability`` has it; ``system``: whose gap and swing choose what is not given."""
+    """Axis of gap or drive, as in ``stability``; ``system``: its gap and swing are the defaults."""
     if over not in ("gap", "drive"):
         raise ValueError(f"--over: {over!r} is none of gap, drive")
     name, kind, factor = _gap_unit(case) if over == "gap" else _drive_unit(case)
@@ -86,7 +86,7 @@ def _gap_unit(case: Case) -> tuple[str, Dimension, float]:
 
 
 def _drive_unit(case: Case) -> tuple[str, Dimension, float]:
-    """Volts where the case drives by voltage: SI amplitude for one of them."""
+    """Unit of the drive: volts where the case drives by voltage; SI amplitude for one of them."""
     if isinstance(case.scene, SdofScene):
         return "base amplitude B", RATIO, 1.0
     if case.scene.base.voltage is None:
@@ -98,7 +98,7 @@ def _drive_unit(case: Case) -> tuple[str, Dimension, float]:
 
 
 def _usual_gaps(case: Case, system: ImpactSystem) -> tuple[float, float]:
-    """Around no gap, some amplitudes of the motion that there is without the stop, and the case's own gap inside."""
+    """Default gaps: around 0, some amplitudes of the motion without the stop, the case's own gap included."""
     grid = frequencies(case, 101)
     free = motions(system, 1, grid, np.full(101, case.base_amplitude), np.zeros(101))
     half = max(WIDE * case.base_amplitude * float(np.median(np.abs(free.total.unit))), 2 * abs(system.gap))

@@ -1,4 +1,4 @@
-"""The map in rows: the boundaries that the case itself runs into, the points of all, the shares of each model."""
+"""Rows of the map: the boundaries along the case's own line, the points of all, the shares of each model."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ BRANCHES = ("harder", "softer")
 
 @dataclass(frozen=True)
 class Crossing:
-    """A boundary at the case's own gap and drive: frequency in Hz, impact velocity in m/s, the largest multipliers."""
+    """Boundary at the case's own gap and drive: frequency in Hz, impact velocity in m/s, the largest multipliers."""
 
     fidelity: str
     periods: int
@@ -54,7 +54,7 @@ class CurvePoint:
 
 @dataclass(frozen=True)
 class Share:
-    """How much of a map has a motion, an admissible one, a stable admissible one: 0 … 1."""
+    """Share of a map with a motion, an admissible one, a stable admissible one: 0 … 1."""
 
     fidelity: str
     periods: int
@@ -66,7 +66,7 @@ class Share:
 def crossings(
     name: str, system: ImpactSystem, amplitude: float, span: tuple[float, float], periods: int
 ) -> Iterator[Crossing]:
-    """Where the fidelity ``name`` runs into a boundary within ``span`` (rad/s), at its own gap and ``amplitude``."""
+    """Boundaries of the fidelity ``name`` within ``span`` (rad/s), at its own gap and ``amplitude``."""
     if amplitude == 0:
         return
     for each in boundaries(system, amplitude, span, periods, kinds=tuple(NAMES)):
@@ -76,7 +76,7 @@ def crossings(
 
 
 def _shown(each: Boundary) -> str:
-    """The multipliers that matter: the largest, and its twin."""
+    """Dominant multipliers: the largest, and its conjugate or the next."""
     if not len(each.multipliers):
         return ""
     largest = each.multipliers[0]
@@ -85,7 +85,7 @@ def _shown(each: Boundary) -> str:
 
 
 def curve_points(name: str, orbits: OrbitMap) -> Iterator[CurvePoint]:
-    """Every point of every boundary curve of one model's map."""
+    """Points of all boundary curves of one model's map."""
     for number, curve in enumerate(orbits.curves):
         boundary, motion = NAMES[curve.kind], "both" if curve.kind is Kind.FOLD else BRANCHES[curve.branch]
         for omega, gap, amplitude, velocity, clear in zip(
@@ -96,6 +96,6 @@ def curve_points(name: str, orbits: OrbitMap) -> Iterator[CurvePoint]:
 
 
 def share(name: str, orbits: OrbitMap) -> Share:
-    """What one model's map holds, in three numbers."""
+    """Shares of one model's map."""
     flags = (np.isfinite(orbits.velocity), orbits.admissible, orbits.stable)
     return Share(name, orbits.periods, *(float(each.any(axis=2).mean()) for each in flags))

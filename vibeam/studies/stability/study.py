@@ -1,4 +1,4 @@
-"""``vibeam stability``: the map of each model of a case, and the boundaries that its own line runs into."""
+"""Stability study (``vibeam stability``): the map of each model of a case, and the boundaries along its own line."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ModelMap:
-    """One model: the ``fidelities`` that share it, its map, and where averaging has motions, in the axis' SI unit.
+    """One model: its ``fidelities``, its map, and the range of averaged motions, in the axis' SI unit.
 
     ``averaged``: least and greatest value (columns, 2) at each frequency, NaN without; None for more than one mode.
     """
@@ -37,13 +37,13 @@ class ModelMap:
 
     @property
     def name(self) -> str:
-        """Its fidelities in one word each."""
+        """Names of its fidelities."""
         return " ".join(self.fidelities)
 
 
 @dataclass(frozen=True)
 class Stability:
-    """The maps of a case, and the boundaries that its own line runs into."""
+    """Maps of a case, and the boundaries along its own line."""
 
     case: Case
     axis: Axis
@@ -53,7 +53,7 @@ class Stability:
 
     @property
     def notes(self) -> list[str]:
-        """What maps and boundaries cannot say, in sentences: models left out, no motion, no boundary, R₁ < 0."""
+        """Limits of maps and boundaries, in sentences: models left out, no motion, no boundary, R₁ < 0."""
         from vibeam.case.fidelity import restitutions
 
         names = [name for one in self.maps for name in one.fidelities]
@@ -70,7 +70,7 @@ class Stability:
 
     @property
     def shares(self) -> list[Share]:
-        """What the maps hold, in three numbers each."""
+        """Shares of all maps."""
         return [share(one.name, one.orbits) for one in self.maps]
 
 
@@ -84,7 +84,7 @@ def stability(
     periods: int = 1,
     fidelity: str | None = None,
 ) -> Stability:
-    """Maps over the case's frequencies and its gap (at the contact) or drive, from ``low`` to ``high``.
+    """Compute maps over the case's frequencies and its gap (at the contact) or drive, from ``low`` to ``high``.
 
     ``over``: "gap" or "drive"; ``low``, ``high``: as a case has them, with unit, None: chosen from the case. Fidelities
     that make the same model share a map. ValueError for what makes no sense, an unknown fidelity among it.
@@ -109,7 +109,7 @@ def stability(
 def _models(
     case: Case, fidelity: str | None
 ) -> tuple[dict[str, tuple[ImpactSystem, list[str]]], tuple[str, ...]]:  # fmt: skip
-    """The systems that differ, by the first fidelity that makes each, with all that do; and why others have no map.
+    """Distinct systems, by the first fidelity of each, with all their fidelities; and the reasons of those left out.
 
     ValueError where none has one.
     """
@@ -132,14 +132,14 @@ def _models(
 
 
 def _averaged(amplitude: float, system: ImpactSystem, over: str, omega: Array, periods: int) -> Array | None:
-    """The open interval of gaps, or of amplitudes, with a stationary averaged motion near Ω = 2n (Δ_MAX of eq. 25)."""
+    """Open interval of gaps, or of amplitudes, with a stationary averaged motion near Ω = 2n (Δ_MAX of eq. 25)."""
     try:
         flow, unit = slow_flow(system, amplitude, resonance=periods)
     except ValueError:
         return None
     ends = np.array([flow.gaps(float(each) / unit) for each in omega])
     if over == "gap":
-        return ends + (system.gap - flow.oscillator.gap)  # of the stop, not from the static place
+        return ends + (system.gap - flow.oscillator.gap)  # the gap of the stop, not from the static place
     gap = flow.oscillator.gap
     with np.errstate(divide="ignore"):
         least = amplitude * np.where(gap > 0, gap / ends[:, 1], gap / ends[:, 0])  # both ends grow with the drive
