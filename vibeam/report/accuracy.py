@@ -1,4 +1,4 @@
-"""What an accuracy led to, for the terminal: who gave which share of the points and why, and whether it holds."""
+"""Tables of an ``accuracy`` study: candidates with their shares of the points, claims, verification."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from vibeam.run.accuracy.study import AccuracyChoice, Chosen
 
 
-MOST = 5  # points told one by one
+MOST = 5  # points listed one by one
 
 NOT_TAKEN = "too far off where it was asked, or nothing was left for it"
 
@@ -29,7 +29,7 @@ WAYS = {
 
 
 def choices(study: AccuracyChoice) -> ReportTable:
-    """Every rung, the cheapest model first."""
+    """Table of all candidates, the cheapest model first."""
     names = ("fidelity", "modes|", "solver", "points|", "asked|", "estimate|", "CPU|", "why")
     table = blank(f"Within {percent(study.within)} of {study.finest}", *names, heads=3)
     for row in study.chosen:
@@ -52,7 +52,7 @@ def _why(study: AccuracyChoice, row: Chosen) -> str:
 
 
 def sentences(study: AccuracyChoice, units: Units = METRIC) -> Iterator[str]:
-    """What is claimed, whether it held, and what it cost."""
+    """Sentences on the claimed accuracy, its verification and the cost."""
     loose = sum(int(np.count_nonzero(curve.statistical)) for curve in study.curves.values())
     if loose:
         scatter = np.concatenate([curve.scatter[curve.statistical] for curve in study.curves.values()])

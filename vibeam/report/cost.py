@@ -1,4 +1,4 @@
-"""Accuracy against time as tables for the terminal, and in words."""
+"""Accuracy against time as terminal tables and sentences."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 def write_files(study: CostStudy, folder: Path, stem: str, case: Case) -> list[Path]:
-    """Write ``STEM_cost.csv`` and the plot beside it, as the case says, into the folder; gives their paths."""
+    """Write ``STEM_cost.csv`` and the plot beside it, as the case says, into the folder; return their paths."""
     table = folder / f"{stem}_cost.csv"
     figures = paths_of(table, case.figure)
     write_work_precision(study, case, *figures)
@@ -35,7 +35,7 @@ def write_files(study: CostStudy, folder: Path, stem: str, case: Case) -> list[P
 
 
 def _lines(study: CostStudy) -> list[dict[str, Any]]:
-    """Every run as a line; what is nested gets names with a dot, as ``total.amplitude_rms``."""
+    """Rows of the CSV file, one a run; nested values get names with a dot, as ``total.amplitude_rms``."""
     return [dict(_flat(plain(row))) for row in study.rows]
 
 
@@ -48,11 +48,11 @@ def _flat(value: Mapping[str, Any], above: str = "") -> list[tuple[str, Any]]:
     return found
 
 
-RATIO = 10.0  # times smaller: then a sentence says so
+RATIO = 10.0  # ratio of solver error to model error below which a sentence says so
 
 
 def runs(study: CostStudy) -> ReportTable:
-    """Every run: its error against the reference and against its own fidelity's exact motion, and its work."""
+    """Table of all runs: error against the reference and against the fidelity's exact motion, and the work."""
     chaos = any(isfinite(row.numerical.statistics) for row in study.rows)
     names = ["fidelity", "modes|", "solver", "points|", "off|", "rms|", "by solver|", "path|", "impacts|"]
     names += ["statistics|"] * chaos + ["CPU|", "µs/period|", "µs/impact|", "", "why"]
@@ -93,7 +93,7 @@ def _run(row: RunRow, again: bool, best: bool, chaos: bool) -> list[str | Text]:
 
 
 def parts(study: CostStudy) -> ReportTable:
-    """Every fidelity's error and its parts."""
+    """Table of every fidelity's error and its parts."""
     table = blank("Where the error comes from", "fidelity", "modes|", "R₁ seen|", "in all|")
     shown = [
         index for index in range(len(study.splits[0].parts)) if any(_counts(split, index) for split in study.splits)
@@ -127,7 +127,7 @@ def _solvers(study: CostStudy, split: Split) -> list[tuple[float, str]]:
 
 
 def sentences(study: CostStudy) -> Iterator[str]:
-    """What the figures say, a line each."""
+    """Sentences that interpret the numbers, a line each."""
     yield f"Reference: {study.finest}, {study.bound.sentence}."
     for split in study.splits:
         if (study.reference or split.fidelity != study.finest) and split.points:
@@ -161,7 +161,7 @@ def _refusals(refused: tuple[LeftOut, ...]) -> Iterator[str]:
 
 
 def _left_out(left_out: tuple[LeftOut, ...]) -> Iterator[str]:
-    """A line a fidelity, with the first rung of each ladder that was left out."""
+    """One line a fidelity, with the first setting of each series that was left out."""
     if not left_out:
         return
     yield f"Left out for want of time, {len(left_out)} runs (--json has each; [cost] budget gives more):"
@@ -174,14 +174,14 @@ def _left_out(left_out: tuple[LeftOut, ...]) -> Iterator[str]:
 
 
 def share(value: float) -> str:
-    """A share to read: percent where it is one, else a power of ten."""
+    """Share as text: in percent, or a power of ten where small."""
     if not isfinite(value):
         return "–"
     return percent(value) if abs(value) >= 1e-3 else "0" if value == 0 else f"{value:.0e}"
 
 
 def signed(value: float) -> str:
-    """A signed share."""
+    """Signed share as text."""
     if not isfinite(value):
         return "–"
     return f"{100 * value:+.3g} %" if abs(value) >= 1e-5 else "0" if value == 0 else f"{value:+.0e}"

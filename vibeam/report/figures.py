@@ -1,4 +1,4 @@
-"""The figures that a case asks for beside its frequency-response curves, each in files of its own."""
+"""Further figures of a case, each in files of its own."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def write_shown(result: Comparison, path: Path) -> list[Path]:
-    """Draw every [show.NAME] of the case as ``STEM_NAME`` beside ``path``, in the case's formats; the files written."""
+    """Draw every [show.NAME] of the case as ``STEM_NAME`` beside ``path``, in the case's formats; return the files."""
     written = []
     for plan in result.case.shows.values():
         files = paths_of(path.with_name(f"{path.stem}_{plan.name}.x"), result.case.figure)
@@ -29,7 +29,7 @@ def write_shown(result: Comparison, path: Path) -> list[Path]:
 
 
 def figure(result: Comparison, plan: ShowPlan) -> Figure:
-    """The figure of one table."""
+    """Figure of one table."""
     made = blank_page(_size(plan), result.case.figure)
     shown = result.shown.get(plan.name, ())
     module_of(plan).draw(made, result, plan, shown)
@@ -40,13 +40,13 @@ def figure(result: Comparison, plan: ShowPlan) -> Figure:
 
 
 def _caption(plan: ShowPlan) -> str:
-    """What the figure shows."""
+    """Title of the figure."""
     own = getattr(module_of(plan), "caption", None)
     return str(own(plan)) if own is not None else FIGURES[plan.kind].meaning
 
 
 def _handles(made: Figure) -> dict[str, Any]:
-    """The labelled curves of all panels, each label once."""
+    """Labelled curves of all panels, each label once."""
     found: dict[str, Any] = {}
     for axes in made.axes:
         for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
@@ -55,7 +55,7 @@ def _handles(made: Figure) -> dict[str, Any]:
 
 
 def _size(plan: ShowPlan) -> tuple[float, float]:
-    """As the kind says, else a panel of its own for each frequency of a motion."""
+    """Size by the figure kind, else one panel for each frequency of a motion."""
     own = getattr(module_of(plan), "size", None)
     if own is not None:
         wide, high = own(plan)

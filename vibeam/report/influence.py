@@ -1,4 +1,4 @@
-"""What each effect changes, as tables for the terminal and in words."""
+"""Influence of each effect as terminal tables and sentences."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ SHORT = {
 
 SHOWN = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3), "Hz": ("Hz", 1.0), "1": ("", 1.0)}
 
-MOVED = 0.005  # relative: a mode's frequency has changed
+MOVED = 0.005  # relative change above which a mode's frequency counts as changed
 
 
 def taken_away(study: InfluenceStudy) -> ReportTable:
-    """Every effect: what it adds, and what changes when it alone is taken away."""
+    """Table of every effect's contribution, and of the changes when it alone is taken away."""
     names = (f"{SHORT[quantity.name]}|" for quantity in study.quantities)
     head = ("coordinates|", "modes|", "CPU|", *names, "influence|", "")
     table = blank("When one effect is taken away", "without", *head)
@@ -62,7 +62,7 @@ def taken_away(study: InfluenceStudy) -> ReportTable:
 
 
 def left_alone(study: InfluenceStudy) -> ReportTable:
-    """Every effect: how far the model with it alone is from the complete one; none of them; those that are enough."""
+    """Table of the distance to the complete model with each effect alone, with none, and with the sufficient ones."""
     names = (f"{SHORT[quantity.name]}|" for quantity in study.quantities)
     table = blank("When one effect alone is left", "with", "coordinates|", "modes|", *names, "worst|")
     table.caption = "changes against the model with all effects; worst: the largest of them over its tolerance"
@@ -93,7 +93,7 @@ def _changes(study: InfluenceStudy, variant: Variant) -> list[str]:
 
 
 def _amount(quantity: Quantity, each: Change) -> str:
-    """A change to read: signed, in percent or in its unit; a dash where there is none to tell."""
+    """Change as text: signed, in percent or in its unit; a dash without a value."""
     if not isfinite(each.amount):
         return "–"
     if quantity.how == "relative":
@@ -108,12 +108,12 @@ def _added(row: EffectRow) -> tuple[str, str, str]:
 
 
 def share(value: float) -> str:
-    """A change over its tolerance."""
+    """Ratio of a change to its tolerance, as text."""
     return "∞" if isinf(value) else f"{value:.3g}" if value >= 1e-3 or value == 0 else f"{value:.0e}"
 
 
 def sentences(study: InfluenceStudy) -> Iterator[str]:
-    """A plain sentence for each effect, the remarks, and what the scene needs."""
+    """Sentence for each effect, the remarks, and the effects the scene needs."""
     yield from (_sentence(study, row) for row in study.rows)
     yield from _remarks(study)
     yield verdict(study)
@@ -137,7 +137,7 @@ def _why(study: InfluenceStudy, row: EffectRow) -> str:
 
 
 def _modes(whole: Variant, variant: Variant) -> Iterator[str]:
-    """The mode whose frequency changes most, or how many modes there are."""
+    """Mode whose frequency changes most, or a changed number of modes."""
     if len(whole.frequencies) != len(variant.frequencies):
         yield f"there are {variant.modes} modes instead of {whole.modes}"
         return
@@ -148,7 +148,7 @@ def _modes(whole: Variant, variant: Variant) -> Iterator[str]:
 
 
 def _told(study: InfluenceStudy, variant: Variant) -> Iterator[str]:
-    """The changes, the peak's and the ringing's frequency behind each of them; those that are none left out."""
+    """Changes beyond tolerance, each with the frequency of the peak or the ringing."""
     for quantity, each in zip(study.quantities, variant.changes, strict=True):
         if isinf(each.share):
             yield f"{quantity.label.replace('its', _of(quantity))} is not there to compare ({each.why})"
@@ -162,7 +162,7 @@ def _of(quantity: Quantity) -> str:
 
 
 def _remarks(study: InfluenceStudy) -> Iterator[str]:
-    """What the stars of the tables mean, each once, with the models that it holds for."""
+    """Explanation of each mark in the tables, once, with the models that have it."""
     labels = {quantity.name: quantity.label.replace("its", _of(quantity)) for quantity in study.quantities}
     models = [("all effects", study.whole), ("none", study.bare)]
     models += [(f"without {row.effect}", row.without) for row in study.rows]
@@ -180,7 +180,7 @@ def _remarks(study: InfluenceStudy) -> Iterator[str]:
 
 
 def verdict(study: InfluenceStudy) -> str:
-    """What the scene needs and what not, and how that is known."""
+    """Sentence on the effects that the scene needs, and how that was determined."""
     needed = [row.effect for row in study.rows if row.needed]
     others = [row.effect for row in study.rows if not row.needed]
     needs = _listed(needed) if needed else "none of its effects"
@@ -203,11 +203,11 @@ def _listed(names: list[str], last: str = "and") -> str:
 
 USUAL = FigurePlan()
 
-LEAST, MOST = 1e-3, 1e3  # changes beyond are drawn at the ends
+LEAST, MOST = 1e-3, 1e3  # larger changes are drawn at the ends
 
 
 def write_files(study: InfluenceStudy, table: Path, plan: FigurePlan = USUAL) -> list[Path]:
-    """Write the table, and the plot beside it as ``plan`` says; gives the plots' and the table's paths."""
+    """Write the table, and the plot beside it as ``plan`` says; return the paths of the plots and the table."""
     figures = paths_of(table, plan)
     write_page(lambda: bars(study, plan), figures, dots=160)
     write_rows(list(lines(study)), table)
@@ -215,7 +215,7 @@ def write_files(study: InfluenceStudy, table: Path, plan: FigurePlan = USUAL) ->
 
 
 def lines(study: InfluenceStudy) -> Iterator[dict[str, Any]]:
-    """A line for every model and quantity; what is not there is empty, with its reason."""
+    """Rows of every model and quantity; missing values are empty, with their reason."""
     yield from _lines(study, "", "all", study.whole)
     yield from _lines(study, "", "none", study.bare)
     yield from _lines(study, "", "needed", study.enough)
@@ -238,7 +238,7 @@ def _lines(study: InfluenceStudy, effect: str, model: str, variant: Variant) -> 
 
 
 def bars(study: InfluenceStudy, plan: FigurePlan = USUAL) -> Figure:
-    """For each effect a bar a quantity: its change over its tolerance when that effect alone is taken away."""
+    """Bar chart: change of each quantity over its tolerance when one effect alone is taken away."""
     count, quantities = len(study.rows), study.quantities
     figure = blank_page((6.4, 1.5 + 0.09 * count * (len(quantities) + 1)), plan)
     axes = figure.subplots()
@@ -259,7 +259,7 @@ def bars(study: InfluenceStudy, plan: FigurePlan = USUAL) -> Figure:
 
 
 def _drawn(variant: Variant, index: int) -> float:
-    """The bar's length from ``LEAST``."""
+    """Length of the bar from ``LEAST``."""
     value = MOST if variant.why else variant.changes[index].share
     return float(np.clip(value, LEAST, MOST)) - LEAST
 

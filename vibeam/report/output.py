@@ -17,17 +17,17 @@ from vibeam.exchange.whole_files import write_whole
 
 
 def to_json(value: Any) -> str:
-    """The value as JSON; a number that is none (NaN, ∞) is null."""
+    """Value as JSON; NaN and ∞ become null."""
     return json.dumps(plain(value), ensure_ascii=False, indent=2, allow_nan=False)
 
 
 def write_csv(rows: Sequence[Any], path: Path) -> None:
-    """Rows of one dataclass as CSV, a column a field."""
+    """Write rows of one dataclass as CSV, a column a field."""
     write_rows([plain(row) for row in rows], path)
 
 
 def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
-    """Rows by name as CSV, a column a name, in the order in which names first come."""
+    """Write rows of mappings as CSV, a column a name, in the order of first appearance."""
     text = StringIO(newline="")
     writer = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)))
     writer.writeheader()
@@ -36,7 +36,7 @@ def write_rows(rows: Sequence[Mapping[str, Any]], path: Path) -> None:
 
 
 def plain(value: Any) -> Any:
-    """Dataclasses (their properties too), paths and numpy values as what JSON knows."""
+    """Convert dataclasses (their properties too), paths and numpy values to JSON types."""
     if is_dataclass(value) and not isinstance(value, type):
         return {name: plain(getattr(value, name)) for name in _names(type(value))}
     if isinstance(value, Mapping):

@@ -1,4 +1,4 @@
-"""Frequency-response curves as figures: of a whole result, or of a response without a case."""
+"""Figures of frequency-response curves: of a whole result, or of a response without a case."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 def plot(
     shown: Result | Branches | FrequencyResponse, *paths: str | Path, quantity: str = "amplitude"
 ) -> Figure:  # fmt: skip
-    """The figure of a result, as ``vibeam run`` writes it, or of a response over frequency.
+    """Plot a result, as ``vibeam run`` writes it, or a response over frequency.
 
     ``paths``: files to write it to (.png, .svg, .pdf). ``quantity``: of a response, any that has one number a point.
-    The figure belongs to no window. ValueError for another quantity or something else to be shown.
+    The figure belongs to no window. ValueError for another quantity or another kind of object.
     """
     from vibeam.figures.page import write_page
 

@@ -1,4 +1,4 @@
-"""The stability map as a figure: what there is by shade, boundaries by colour."""
+"""Stability map as a figure: types of motion by shade, boundaries by colour."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ OWN: dict[str, Any] = {"color": "0.35", "linestyle": ":", "linewidth": 1.0}
 
 
 def write_stability(found: Stability, *paths: Path) -> None:
-    """Draw the maps; the format follows each path's ending (.png, .svg, .pdf)."""
+    """Draw and write the maps; the format follows each path's ending (.png, .svg, .pdf)."""
     write_page(lambda: stability_figure(found), paths)
 
 
@@ -72,13 +72,13 @@ def stability_figure(found: Stability) -> Figure:
 
 
 def kinds_of_points(orbits: OrbitMap) -> NDArray[np.int64]:
-    """What there is at each point (rows, columns), best first of the two motions: the number of its shade."""
+    """Shade index of each point (rows, columns), by the better of the two motions."""
     exists, admissible, stable = np.isfinite(orbits.velocity), orbits.admissible, orbits.stable
     return np.asarray(exists.any(axis=2).astype(int) + admissible.any(axis=2) + (stable & admissible).any(axis=2))
 
 
 def _panel(axes: Axes, found: Stability, one: ModelMap) -> set[object]:
-    """Draw one model; what the legend must explain."""
+    """Draw one model; return the legend entries."""
     units, scale = units_of(found.case), _shown(found.axis)[1]
     across = one.orbits.omega / (2 * np.pi) * units.frequency_factor
     shades = ListedColormap(list(SHADES.values()))
@@ -105,7 +105,7 @@ def _panel(axes: Axes, found: Stability, one: ModelMap) -> set[object]:
 
 
 def _curve(axes: Axes, curve: BoundaryCurve, number: int, across: float, scale: float, over: str) -> set[object]:
-    """The parts of a boundary at which there is a motion that keeps clear of the stop."""
+    """Parts of a boundary with an admissible motion."""
     upward = curve.gap if over == "gap" else curve.amplitude
     drawn: set[object] = set()
     for part in np.split(np.arange(len(curve)), np.flatnonzero(np.diff(curve.clear)) + 1):
@@ -117,7 +117,7 @@ def _curve(axes: Axes, curve: BoundaryCurve, number: int, across: float, scale: 
 
 
 def _shown(axis: Axis) -> tuple[str, float]:
-    """The unit shown, and the factor from the SI unit of the map to it."""
+    """Displayed unit, and the factor from the SI unit of the map to it."""
     largest = max(abs(axis.low), abs(axis.high))
     unit, factor = prefixed(LENGTHS, largest) if axis.unit == "m" else ("" if axis.unit == "1" else axis.unit, 1.0)
     return unit, factor / axis.factor

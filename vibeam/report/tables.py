@@ -1,4 +1,4 @@
-"""Results as tables for the terminal."""
+"""Results as terminal tables."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ WIDEST = 160
 
 
 def print_table(table: ReportTable) -> None:
-    """Print a table on stdout, in pieces where the terminal is too narrow for it; into a file as wide as it is."""
+    """Print a table on stdout, split where the terminal is too narrow; in full width into a file."""
     console = Console(file=sys.stdout, highlight=False, markup=False)
     if not console.is_terminal:
         console.width = max(80, min(WIDEST, needed(table)))
@@ -42,7 +42,7 @@ def print_table(table: ReportTable) -> None:
 
 
 def responses(summaries: Sequence[Summary], units: Units = METRIC) -> ReportTable:
-    """Every fidelity: its peak and the range in which its motion with impacts has the drive's period."""
+    """Table of every fidelity's peak and period-1 range."""
     ways = [way for way in ("up", "down") if any(way in row.period_one for row in summaries)]
     hertz, length = (f" ({unit})" if unit else "" for unit in (units.frequency, units.length))
     table = blank("Response", "fidelity", "modes|", "R|", "R₁|", f"peak{length}|", f"at{hertz}|")
@@ -66,12 +66,12 @@ def _peak_frequency(row: Summary, units: Units) -> str:
 
 
 def plain(quantity: str) -> str:
-    """A number without its unit, which the column's name has."""
+    """Number without its unit, which the column's head has."""
     return quantity.partition(" ")[0]
 
 
 def costs(summaries: Sequence[Summary]) -> ReportTable:
-    """Every fidelity: how far from the finest, at what cost."""
+    """Table of every fidelity's distance from the finest, and its cost."""
     table = blank("Accuracy and cost", "fidelity", "max off|", "rms off|", "CPU|", "ratio|")
     table.add("impacts|", "ns each|", "failed|")
     table.caption = "off: in amplitude, where it and the finest are periodic; ratio: to the cheapest"
@@ -83,7 +83,7 @@ def costs(summaries: Sequence[Summary]) -> ReportTable:
 
 
 def checks(rows: Iterable[CheckRow], units: Units = METRIC) -> ReportTable:
-    """Every reference: passed or missed, by how much and where."""
+    """Table of the references: passed or missed, by how much and where."""
     names = ("", "reference", "fidelity", "quantity", "points|", "worst|", "at|", "allowed|", "why")
     table = blank("References", *names, heads=2)
     for row in rows:
@@ -95,7 +95,7 @@ def checks(rows: Iterable[CheckRow], units: Units = METRIC) -> ReportTable:
 
 
 def crossings(rows: Sequence[Crossing], own: str, units: Units = METRIC) -> ReportTable:
-    """Every boundary that the case itself runs into as the frequency changes."""
+    """Table of the boundaries along the case's own frequency range."""
     table = blank(f"Boundaries at the case's own {own}", "fidelity", "boundary", "motion", "at|", "velocity|", heads=2)
     table.add("multipliers|")
     table.caption = "of motions with one impact a span that keep clear of the stop between; velocity: of the impact"
@@ -109,7 +109,7 @@ def crossings(rows: Sequence[Crossing], own: str, units: Units = METRIC) -> Repo
 
 
 def derivation(rows: Iterable[DerivedParameter]) -> ReportTable:
-    """SDOF parameters from geometry, each beside its finite-element value."""
+    """Table of SDOF parameters from geometry, each beside its finite-element value."""
     table = blank("SDOF parameters", "parameter", "symbol", "by formula|", "by FE|", "unit", "error|", "assumption")
     for row in rows:
         values = (f"{row.value:.5g}", f"{row.reference:.5g}")
@@ -119,7 +119,7 @@ def derivation(rows: Iterable[DerivedParameter]) -> ReportTable:
 
 
 def modal(modes: ModeTable) -> ReportTable:
-    """The modal table: what each mode brings to contact, sensor and drive, and the restitution that is left."""
+    """Modal table: participation of each mode at contact, sensor and drive, and the remaining restitution."""
     unit, factor = prefixed(FREQUENCIES, min((row.frequency for row in modes.rows), default=0.0), usual=-1)
     table = blank("Modes of the finite-element beam", "mode|", f"{unit}|", "damping|")
     table.add("contact|", "sensor|", "load|", "Σ share|", "R₁ seen|", "R|")
@@ -136,7 +136,7 @@ def modal(modes: ModeTable) -> ReportTable:
 
 
 def keys(rows: Iterable[KeyRow]) -> ReportTable:
-    """Every key of a case file, by table."""
+    """Table of every key of a case file, by table."""
     table = blank("Keys of a case file", "table", "key", "holds", "default", "meaning", heads=2)
     last = ""
     for row in rows:
@@ -149,9 +149,9 @@ def keys(rows: Iterable[KeyRow]) -> ReportTable:
 
 
 def blank(title: str, *names: str, heads: int = 1) -> ReportTable:
-    """An empty table; a name that ends in | is a column of numbers, to the right.
+    """Empty table; a name that ends in | is a right-aligned column of numbers.
 
-    The first ``heads`` columns come again where the others need a further table.
+    The first ``heads`` columns are repeated where the others need a further table.
     """
     table = ReportTable(title, heads)
     table.add(*names)
@@ -170,7 +170,7 @@ def rows_of(title: str, rows: Sequence[object]) -> ReportTable:
 
 
 def coefficient(value: float) -> str:
-    """A coefficient of restitution; a dash where there is none."""
+    """Coefficient of restitution as text; a dash where there is none."""
     return f"{value:.4f}" if isfinite(value) else "–"
 
 

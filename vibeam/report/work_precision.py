@@ -1,7 +1,7 @@
-"""The work–precision plot: error against CPU time, a colour a fidelity, a marker a solver, the Pareto front.
+"""Work–precision plot: error against CPU time, a colour a fidelity, a marker a solver, the Pareto front.
 
-On the left the error against the finest fidelity, on the right that of the solver alone, against the exact motion
-of its own fidelity: where the left-hand points of a colour stand in a column, its solvers are not where its error is.
+Left: error against the finest fidelity. Right: error of the solver alone, against the exact motion
+of its own fidelity. Where the left-hand points of a colour form a column, the model's error dominates.
 """
 
 from __future__ import annotations
@@ -31,22 +31,22 @@ JOINED: dict[str, Any] = {"RK23": "-", "RK45": "--", "DOP853": "-.", "LSODA": ":
 
 FRONT: dict[str, Any] = {"color": "0.8", "linewidth": 5.0, "zorder": 1.0, "solid_capstyle": "round"}
 
-FLOOR = 1e-16  # where an error of zero is drawn
+FLOOR = 1e-16  # position of an error of zero
 
-WIDEST, EDGE = 6.0, 50.0  # errors beyond the one, and what failed, are drawn at the other
+WIDEST, EDGE = 6.0, 50.0  # position of larger errors and of failures
 
-NAMED = {0: "100 %", -2: "1 %"}  # powers of ten that are better said otherwise
+NAMED = {0: "100 %", -2: "1 %"}  # powers of ten that read better as plain numbers
 
 Pick = Callable[["RunRow"], "Errors"]
 
 
 def write_work_precision(study: CostStudy, case: Case, *paths: Path) -> None:
-    """Draw the plot; the format follows each path's ending (.png, .svg, .pdf)."""
+    """Draw and write the plot; the format follows each path's ending (.png, .svg, .pdf)."""
     write_page(lambda: work_precision(study, case), paths, dots=160)
 
 
 def work_precision(study: CostStudy, case: Case) -> Figure:
-    """The figure of a study of ``case``."""
+    """Figure of a study of ``case``."""
     figure = blank_page((8.4, 5.4), case.figure)
     whole, own = figure.subplots(1, 2, sharey=True)
     colours = _colours(study, case)
@@ -66,7 +66,7 @@ def work_precision(study: CostStudy, case: Case) -> Figure:
 
 
 def _colours(study: CostStudy, case: Case) -> dict[str, Any]:
-    """The case's fidelities in their colours of all figures, then the models cut off; a second round is lighter."""
+    """Colour of each fidelity as in all figures, then of the truncated models; a second round is lighter."""
     names = dict.fromkeys([*case.fidelities, *(row.fidelity for row in study.rows)])
     shown = {row.fidelity for row in study.rows}
     shades = ("up", "down")
@@ -91,7 +91,7 @@ def _panel(axes: Axes, study: CostStudy, colours: dict[str, Any], pick: Pick) ->
 
 
 def _scale(axes: Axes, study: CostStudy) -> None:
-    """Both panels alike: from a decade below the least error to what failed, the reference's bound in grey."""
+    """Scale both panels alike: from a decade below the least error to failures, the reference's bound in grey."""
     errors = [row.total.amplitude_rms for row in study.rows] + [row.numerical.amplitude_rms for row in study.rows]
     least = max(min([error for error in errors if error > 0], default=1e-3) / 10, FLOOR)
     if np.isfinite(study.bound.value) and study.bound.value > 0:
@@ -107,7 +107,7 @@ def _scale(axes: Axes, study: CostStudy) -> None:
 
 
 def _ladders(study: CostStudy) -> dict[tuple[str, str, str], list[RunRow]]:
-    """The rows that one line joins: a solver's settings on one fidelity."""
+    """Rows joined by one line: a solver's settings on one fidelity."""
     found: dict[tuple[str, str, str], list[RunRow]] = {}
     for row in study.rows:
         if row.work is not None:
@@ -116,7 +116,7 @@ def _ladders(study: CostStudy) -> dict[tuple[str, str, str], list[RunRow]]:
 
 
 def _point(row: RunRow, pick: Pick) -> tuple[float, float]:
-    """Error and time; what failed, or is beyond the axis, at its right-hand edge."""
+    """Error and time; failures, and values beyond the axis, at its right-hand edge."""
     error = pick(row).amplitude_rms
     seconds = row.work.cpu_min if row.work else np.nan
     return (float(max(error, FLOOR)) if np.isfinite(error) and error < WIDEST else EDGE), max(seconds, 1e-9)
@@ -132,7 +132,7 @@ def _marks(axes: Axes, points: Any, solver: str, colour: Any, full: bool) -> Non
 
 
 def _front(axes: Axes, study: CostStudy) -> None:
-    """The front as the staircase that it is: nothing lies below and left of it."""
+    """Draw the Pareto front as a staircase: nothing lies below and left of it."""
     points = np.array([_point(study.rows[i], lambda row: row.total) for i in study.front]).reshape(-1, 2)
     if len(points):
         axes.step(points[:, 0], points[:, 1], where="post", **FRONT)
