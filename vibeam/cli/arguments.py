@@ -1,4 +1,4 @@
-"""The arguments that several commands take, and what their words become: a case, a place to write to."""
+"""Arguments common to several commands, and their conversion to a case and to output paths."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ TableFile = Annotated[
 
 
 def load(path: Path, settings: list[str] | None) -> Case:
-    """The case of the file, with the ``--set`` keys in place of its own."""
+    """Load the case of a file, with the ``--set`` keys in place of its own."""
     from vibeam.casefile.read import load as read
 
     parts = [text.partition("=") for text in settings or []]
@@ -70,9 +70,9 @@ def table_path(case: Case, out: str | None, kind: str) -> Path:
 
 
 def place(out: str | None, name: str, endings: tuple[str, ...], wanted: str) -> Path:
-    """The file that ``--out`` names, in a folder that is there: ``out``, or ``name`` where ``out`` is a folder.
+    """Resolve ``--out`` to a file in an existing folder: ``out``, or ``name`` where ``out`` is a folder.
 
-    A folder is what is one already, or ends in a slash, or, being new, has no ending. Mistake for another ending.
+    A folder exists as one, or ends in a slash, or, being new, has no ending. UsageError for another ending.
     """
     if out is None:
         return Path(name)
@@ -94,7 +94,7 @@ def _is_folder(out: str) -> bool:
 
 
 def folder(path: Path) -> Path:
-    """The folder, made with those above it where it is not there."""
+    """Return the folder, created with its parents where it is missing."""
     try:
         path.mkdir(parents=True, exist_ok=True)
     except (FileExistsError, NotADirectoryError):
@@ -103,7 +103,7 @@ def folder(path: Path) -> Path:
 
 
 def swept(case: Case, path: Path | None, show: bool = True, fresh: bool = False) -> Result:
-    """The case run, kept in ``path``, under a bar."""
+    """Run the case, stored in ``path``, with a progress bar."""
     from vibeam.cli.progress import Bar, stderr
     from vibeam.run.run import run
 
@@ -112,7 +112,7 @@ def swept(case: Case, path: Path | None, show: bool = True, fresh: bool = False)
 
 
 def studied(path: Path, case: Case, study: Callable[[Case, Callable[[str], None]], Made]) -> Made:
-    """What a study of the case finds."""
+    """Run a study of the case."""
     from vibeam.cli.progress import stderr
 
     return of_case(path, lambda: study(case, stderr().print))

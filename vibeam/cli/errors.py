@@ -1,4 +1,4 @@
-"""How a command ends that cannot do what it was told: one message on stderr, and an exit code."""
+"""Error messages and exit codes of the commands."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ Made = TypeVar("Made")
 
 
 class UsageError(Exception):
-    """Something wrong with an argument: one line for stderr."""
+    """Faulty argument: one line for stderr."""
 
 
 @contextmanager
 def mistakes() -> Iterator[None]:
-    """Turn what a user can get wrong into its message on stderr and an exit code; a defect keeps its traceback."""
+    """Context that turns a user's mistakes into a message on stderr and an exit code; a defect keeps its traceback."""
     from vibeam.case.faults import CaseError
     from vibeam.run.store.errors import StoreError
 
@@ -39,7 +39,7 @@ def mistakes() -> Iterator[None]:
 
 
 def of_case(case: Path, make: Callable[[], Made]) -> Made:
-    """What ``make`` gives; its refusal of the case (one without a beam, say) as a mistake."""
+    """Call ``make``; turn its refusal of the case (for example one without a beam) into a usage error."""
     try:
         return make()
     except ValueError as refusal:

@@ -1,6 +1,6 @@
-"""The command ``vibeam``: its commands in the order of its help.
+"""Entry point of ``vibeam``: its commands in the order of its help.
 
-Results go to stdout, everything else to stderr. Exit code 0: fine, 1: a check was missed, 2: something is wrong with
+Results go to stdout, everything else to stderr. Exit code 0: success, 1: a check was missed, 2: a fault in
 the case, an argument or a file, 130: stopped, 141: the reader of stdout has gone.
 """
 

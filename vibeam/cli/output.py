@@ -1,4 +1,4 @@
-"""What a command answers on stdout: JSON, or tables and what is to be said below them."""
+"""Results of a command on stdout: JSON, or tables with notes below them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Tables = Callable[[Any], list["ReportTable"]]
 
 
 def print_result(rows: Any, as_json: bool, tables: Tables = lambda tables: [], told: Iterable[object] = ()) -> None:
-    """``rows`` as JSON, or the ``tables`` that ``vibeam.report.tables`` makes of them and a line for each ``told``."""
+    """Print ``rows`` as JSON, or the ``tables`` that ``vibeam.report.tables`` makes of them and one line a note."""
     from vibeam.report import output
     from vibeam.report import tables as table
 
@@ -26,14 +26,14 @@ def print_result(rows: Any, as_json: bool, tables: Tables = lambda tables: [], t
     for shown in tables(table):
         try:
             table.print_table(shown)
-        except SystemExit:  # rich's answer to a reader that has gone
+        except SystemExit:  # raised by rich for a reader that has gone
             reader_gone()
     for line in told:
         put(str(line))
 
 
 def write_table(rows: Any, out: Path | None) -> None:
-    """``rows`` as CSV in ``out``, where a file is asked for."""
+    """Write ``rows`` as CSV to ``out``, where a file is asked for."""
     if out is not None:
         from vibeam.report import output
 

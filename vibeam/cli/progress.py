@@ -1,4 +1,4 @@
-"""What a run says on stderr while it goes: a bar over the points of all fidelities, with the time that remains."""
+"""Progress bar on stderr over the points of all fidelities, with the remaining time."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 
 def stderr() -> Console:
-    """A console on stderr that leaves long lines to the terminal."""
+    """Console on stderr that leaves long lines to the terminal."""
     return Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
 
 
 class Bar:
-    """A context whose value is called with the points done and their total; the first call says what was there."""
+    """Context whose value is called with the points done and their total; the first call sets the stored ones."""
 
     def __init__(self, console: Console | None = None) -> None:
         self._console = console or stderr()

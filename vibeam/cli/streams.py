@@ -1,4 +1,4 @@
-"""The standard streams of the command: any encoding, any reader, no character that would steer a terminal."""
+"""Standard streams of the command: any encoding, closed readers, no control characters."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ from vibeam.case.faults import printable
 
 WRONG, STOPPED = 2, 130
 
-LEGIBLE = "vibeam.legible"  # the name of the error handler below
+LEGIBLE = "vibeam.legible"  # name of the error handler below
 
-CLOSED = 141  # exit code of a command whose reader went away, as a shell reports it
+CLOSED = 141  # exit code of a command whose reader has gone, as a shell reports it
 
 _WORDS = str.maketrans(
     {
@@ -31,7 +31,7 @@ _WORDS = str.maketrans(
 
 @contextmanager
 def standard_streams() -> Iterator[None]:
-    """Let stdout and stderr take any text; end in silence where stdout's reader has gone."""
+    """Make stdout and stderr accept any text; exit silently where stdout's reader has gone."""
     codecs.register_error(LEGIBLE, legible)
     for name in ("stdout", "stderr"):
         _open(name)
@@ -40,14 +40,14 @@ def standard_streams() -> Iterator[None]:
             yield
     except BrokenPipeError:
         reader_gone()
-    except OSError as error:  # of stdout: what a command meets elsewhere it has told already
+    except OSError as error:  # of stdout only: errors elsewhere are reported already
         _discard()
         say(f"stdout: {(error.strerror or str(error)).lower()}")
         raise SystemExit(WRONG) from None
 
 
 def legible(error: UnicodeError) -> tuple[str, int]:
-    """The error handler of an encoding that lacks a character: the nearest ASCII, else its escape."""
+    """Error handler of an encoding that lacks a character: the nearest ASCII, else its escape."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     lacking = error.object[error.start : error.end]
@@ -76,13 +76,13 @@ def _flushed() -> Iterator[None]:
 
 
 def reader_gone() -> NoReturn:
-    """Leave the command: nobody reads what it says (``vibeam keys | head``)."""
+    """Exit because nobody reads stdout (``vibeam keys | head``)."""
     _discard()
     raise SystemExit(CLOSED) from None
 
 
 def _discard() -> None:
-    """Send what is still to be written nowhere: the interpreter flushes once more at its end."""
+    """Redirect pending output to nowhere: the interpreter flushes once more at its end."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())
     os.close(nowhere)

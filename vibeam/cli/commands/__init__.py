@@ -1,1 +1,1 @@
-"""The commands, one a file, thin: what they do is in the library, and imported when a command runs."""
+"""Commands, one a file; their work is done by the library, imported when a command runs."""

@@ -1,4 +1,4 @@
-"""``vibeam cost``: its study into plot and table."""
+"""``vibeam cost``: the cost study as plot and table."""
 
 from __future__ import annotations
 

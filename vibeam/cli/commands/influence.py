@@ -1,4 +1,4 @@
-"""``vibeam influence``: its study into plot and table."""
+"""``vibeam influence``: the influence study as plot and table."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``vibeam new``: a case to start from."""
+"""``vibeam new``: a template of a case file."""
 
 from __future__ import annotations
 

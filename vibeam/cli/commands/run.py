@@ -1,4 +1,4 @@
-"""``vibeam run``: the results file, its figures, and what they come to."""
+"""``vibeam run``: the results file, its figures and its summary."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
 
 
 def _shown(result: Result, path: Path) -> list[Path]:
-    """The further figures of a case, where it asks for any."""
+    """Draw the further figures of a case, where it asks for any."""
     if not result.case.shows:
         return []
     from vibeam.report.figures import write_shown

@@ -1,4 +1,4 @@
-"""``vibeam stability``: the maps, their boundaries, and where the case's own line runs into them."""
+"""``vibeam stability``: the maps, their boundaries, and their crossings with the case's own frequency line."""
 
 from __future__ import annotations
 
