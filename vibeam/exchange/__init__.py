@@ -1,1 +1,1 @@
-"""Files that go out: written whole or not at all."""
+"""File output: written whole or not at all."""

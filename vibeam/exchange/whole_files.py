@@ -1,4 +1,4 @@
-"""Files that are written as a whole or not at all."""
+"""Atomic writing of files."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from pathlib import Path
 
 
 def regular(path: Path) -> Path:
-    """The place behind the links in ``path``, where a regular file is or may be made.
+    """Resolve the links in ``path`` to the place of a regular file, existing or not.
 
-    OSError, naming ``path``, for a folder, a pipe, a socket or a device: these would be waited for, or not be replaced.
+    OSError, naming ``path``, for a folder, a pipe, a socket or a device: these would block, or not be replaced.
     """
     target = Path(os.path.realpath(path))
     with suppress(FileNotFoundError, NotADirectoryError):
@@ -25,7 +25,7 @@ def regular(path: Path) -> Path:
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Put ``content`` in the place of the file at ``path``; where that fails what was there stays.
+    """Replace the file at ``path`` by ``content``; on failure the old content stays.
 
     OSError, naming ``path``, where it is no regular file or cannot be written.
     """
@@ -41,14 +41,14 @@ def write_whole(path: Path, content: bytes) -> None:
 
 
 def part_of(target: Path) -> Path:
-    """Where this process writes what is to become ``target``."""
+    """Path of this process's temporary file for ``target``."""
     return target.with_name(f".{target.name}.{os.getpid()}.part")
 
 
 def new_part(part: Path, target: Path, content: bytes) -> int:
-    """The descriptor of a new file ``part`` with ``content``, on the disk; OSError leaves none behind.
+    """Write ``content`` to a new file ``part``, synchronised to disk, and return its descriptor; OSError removes it.
 
-    It has the permissions of ``target`` where that is there.
+    It gets the permissions of an existing ``target``.
     """
     handle = os.open(part, os.O_RDWR | os.O_CREAT | os.O_EXCL, 0o666)
     try:
@@ -64,7 +64,7 @@ def new_part(part: Path, target: Path, content: bytes) -> int:
 
 
 def write_at(handle: int, start: int, content: bytes | memoryview) -> None:
-    """All of ``content`` from the byte ``start`` on."""
+    """Write all of ``content`` from the byte ``start`` on."""
     rest = memoryview(content)
     while rest:
         count = os.pwrite(handle, rest, start)
