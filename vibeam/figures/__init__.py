@@ -1,6 +1,6 @@
-"""What a case shows beside its frequency-response curves: each kind of [show.NAME] table is one entry and one module.
+"""Figures of a case beside its frequency-response curves: each kind of [show.NAME] table is one entry and one module.
 
-A case without such tables loads no kind.
+No kind is loaded for a case without such tables.
 """
 
 from __future__ import annotations
@@ -78,10 +78,10 @@ FIGURES = Registry(
 READ = tuple(dict.fromkeys(name for kind in FIGURES.values() for name in kind.reads))
 KEYS = ("frequency", "periods", "settle", "quantity", "output", "near", "highest", "subdivision")  # by kind
 
-#: of the kind ``boundaries``: Q* of eq. 24, Δ_MAX of eq. 26, and the reach and the gap at the exact folds
+#: for the kind ``boundaries``: Q* of eq. 24, Δ_MAX of eq. 26, and the reach and the gap at the exact folds
 LIMITS = ("least_stable_reach", "largest_gap")
 
 
 def register_figure(kind: FigureKind) -> None:
-    """Let case files name a further kind of figure; ValueError where the name is taken."""
+    """Register a further kind of figure for case files; ValueError where the name is taken."""
     FIGURES.add(kind)

@@ -1,4 +1,4 @@
-"""Limits of axes that hold all that is drawn, marks of what failed, and words where nothing is drawn."""
+"""Axis limits that hold all that is drawn, marks of failed points, and notes on empty axes."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from vibeam.figures.page import plain
 
 Array = NDArray[np.float64]
 
-DECADES = 10  # below the largest value: what is smaller is round-off
+DECADES = 10  # decades below the largest value: smaller values are round-off
 
 ROW = 0.028  # height of a row of marks of failed points, in axes
 
-SLIGHT, MARGIN = 1e-3, 0.1  # a range so small beside its place is that of a point; margin around one
+SLIGHT, MARGIN = 1e-3, 0.1  # relative range below which all points coincide; margin around one
 
 
 def from_zero(axes: Axes) -> None:
-    """Let the upward axis begin at 0 and go on to scale itself to whatever is drawn, before or after."""
+    """Start the upward axis at 0; its upper end goes on to scale with whatever is drawn."""
     (anchor,) = axes.plot([], [], linestyle="")
     anchor.sticky_edges.y.append(0.0)
     axes.update_datalim([(0.0, 0.0)], updatex=False)
@@ -30,7 +30,7 @@ def from_zero(axes: Axes) -> None:
 
 
 def decades(axes: Axes, values: list[Array], least: float = 0.0) -> None:
-    """A logarithmic axis upward, ten decades at most below the largest of ``values``, and not below ``least``."""
+    """Logarithmic upward axis, ten decades at most below the largest of ``values``, and not below ``least``."""
     known = np.concatenate([np.empty(0), *values])
     known = known[np.isfinite(known) & (known > 0)]
     if not len(known):
@@ -42,7 +42,7 @@ def decades(axes: Axes, values: list[Array], least: float = 0.0) -> None:
 
 
 def around(panels: Sequence[Axes]) -> None:
-    """Widen shared limits where all points lie at one place: its round-off is not to fill the figure."""
+    """Widen shared limits where all points coincide, so that round-off does not fill the figure."""
     boxes = [axes.dataLim for axes in panels if not is_empty(axes)]
     if not boxes:
         return
@@ -54,17 +54,17 @@ def around(panels: Sequence[Axes]) -> None:
 
 
 def mark_failed(axes: Axes, frequency: Array, row: int, **look: Any) -> None:
-    """Marks at frequencies without a motion, in rows along the upper edge: they have no height."""
+    """Mark frequencies without a motion, in rows along the upper edge."""
     if len(frequency):
         height = np.full(len(frequency), 1 - ROW * (row + 0.7))
         axes.plot(frequency, height, transform=axes.get_xaxis_transform(), **look)
 
 
 def is_empty(axes: Axes) -> bool:
-    """Whether no point, line or bar has a place on these axes."""
+    """True where no point, line or bar lies on these axes."""
     return not bool(np.all(np.isfinite(axes.dataLim.get_points())))
 
 
 def say(axes: Axes, text: str) -> None:
-    """Words in the middle of axes."""
+    """Write a note in the middle of axes."""
     axes.text(0.5, 0.5, plain(text), transform=axes.transAxes, ha="center", va="center", color="0.35", wrap=True)

@@ -1,4 +1,4 @@
-"""How a branch is drawn: cut into pieces of one kind of motion, at jumps too, so that no line joins what is apart."""
+"""Pieces of a branch for drawing: cut at changes of the kind of motion and at jumps."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from vibeam.system.response import FrequencyResponse, complete
 
 Array = NDArray[np.float64]
 
-STEEP = 5.0  # a step is a jump if so many times its larger neighbour …
+STEEP = 5.0  # a step is a jump if it is this many times its larger neighbour …
 
 LARGE = 0.05  # … and at least this share of the range
 
 
 class MotionClass(Enum):
-    """A kind of motion; the value is what the legend calls it."""
+    """Class of a motion; the value is its legend entry."""
 
     PERIOD_ONE = "period 1"
     PERIOD_MORE = "period 2 … 16"
@@ -31,7 +31,7 @@ class MotionClass(Enum):
 
 @dataclass(frozen=True)
 class Piece:
-    """Neighbouring points of one kind: frequency in Hz and amplitude (points,)."""
+    """Neighbouring points of one class: frequency in Hz and amplitude (points,)."""
 
     kind: MotionClass
     frequency: Array
@@ -40,7 +40,7 @@ class Piece:
 
 @dataclass(frozen=True)
 class MotionPiece:
-    """Neighbouring points of one branch, alike in stability: frequency in Hz and amplitude (points,)."""
+    """Neighbouring points of one branch, of equal stability: frequency in Hz and amplitude (points,)."""
 
     stable: bool
     frequency: Array
@@ -48,7 +48,7 @@ class MotionPiece:
 
 
 def motion_pieces(curves: MotionCurves) -> Iterator[MotionPiece]:
-    """The admissible motions, cut where they end; a change of stability is joined to the point before it."""
+    """Admissible motions, cut where they end; a change of stability is joined to the point before it."""
     for branch in range(curves.amplitude.shape[1]):
         shown = curves.admissible[:, branch]
         kind = np.where(shown, curves.stable[:, branch], -1)
@@ -62,7 +62,7 @@ def motion_pieces(curves: MotionCurves) -> Iterator[MotionPiece]:
 
 
 def pieces(response: FrequencyResponse) -> Iterator[Piece]:
-    """A branch cut wherever the period changes or the amplitude jumps."""
+    """Branch cut wherever the period changes or the amplitude jumps."""
     if not len(response):
         return
     period = np.where(complete(response), response.period, -2)
@@ -72,7 +72,7 @@ def pieces(response: FrequencyResponse) -> Iterator[Piece]:
 
 
 def jumps(amplitude: Array, period: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Which steps (points − 1,) between neighbours are jumps: steep beside the steps next to them, and large."""
+    """Mask of the steps (points − 1,) that are jumps: steep compared with the steps next to them, and large."""
     if len(amplitude) < 2:
         return np.zeros(0, dtype=bool)
     alike = np.diff(period) == 0

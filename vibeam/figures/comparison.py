@@ -1,4 +1,4 @@
-"""What figures draw of a run: the case and the responses of its fidelities, whoever holds them."""
+"""Data of a run for its figures: the case and the responses of its fidelities, whoever holds them."""
 
 from __future__ import annotations
 
@@ -12,45 +12,45 @@ if TYPE_CHECKING:
 
 
 class WithinAccuracy(Protocol):
-    """A curve that keeps within an accuracy of the finest fidelity."""
+    """Curve within an accuracy of the finest fidelity."""
 
     @property
     def within(self) -> float:
-        """The relative error allowed."""
+        """Allowed relative error."""
         ...
 
     @property
     def finest(self) -> str:
-        """The fidelity whose error it is."""
+        """Reference fidelity of the error."""
         ...
 
 
 class Comparison(Protocol):
-    """The branches of every fidelity by name, as a mapping has them, with what the figures say beside them."""
+    """Branches of every fidelity by name, as a mapping, with the figures' further data."""
 
     @property
     def case(self) -> Case:
-        """The case that was run."""
+        """Case of the run."""
         ...
 
     @property
     def accuracy(self) -> WithinAccuracy | None:
-        """Where the case asks for an accuracy: what the one curve keeps to."""
+        """Accuracy of the one curve, where the case asks for one."""
         ...
 
     @property
     def finest(self) -> Mapping[str, str]:
-        """For each fidelity the finest one of the same physics."""
+        """Finest fidelity of the same physics for each fidelity."""
         ...
 
     @property
     def shown(self) -> Mapping[str, tuple[Sheet, ...]]:
-        """The numbers of the figures that the case asks for."""
+        """Numbers of the figures that the case asks for."""
         ...
 
     def __getitem__(self, fidelity: str, /) -> Branches: ...
     def __iter__(self) -> Iterator[str]: ...
     def __len__(self) -> int: ...
     def values(self) -> ValuesView[Branches]:
-        """The branches in the case's order."""
+        """Branches in the case's order."""
         ...

@@ -1,4 +1,4 @@
-"""What is declared of a kind of figure: where it is, what it shows, which keys of [show.NAME] it takes."""
+"""Declaration of a kind of figure: its module, its content, its keys of [show.NAME]."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class FigureKind:
-    """A kind of figure: ``home``, the module of it (or its name, imported when asked for), and what it shows.
+    """Kind of figure: ``home``, its module (or the name, imported when asked for), and what it shows.
 
     The module has ``sheets(case, fidelity, plan)``, the numbers of one fidelity (kept in the results file), and
     ``draw(figure, result, plan, sheets)``, which makes the figure of them; ``size(plan)`` (inches) and

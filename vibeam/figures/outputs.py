@@ -1,4 +1,4 @@
-"""What axes say: whose motion, over what, in which unit."""
+"""Axis labels: quantity, output and unit."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ OUTPUTS = ("contact", "sensor", "tip", "platform")
 
 
 def with_unit(what: str, unit: str) -> str:
-    """A quantity with its unit in brackets, where it has one."""
+    """Quantity with its unit in brackets, where it has one."""
     return f"{what} ({unit})" if unit else what
 
 
 def motion_of(output: str, quantity: str, units: Units) -> str:
-    """``sensor displacement (mm)``, or of a model without dimensions the ``displacement`` alone: it has one."""
+    """Label ``sensor displacement (mm)``; for a model without dimensions ``displacement`` alone: it has one output."""
     unit = units.speed if quantity.startswith("velocity") else units.length
     whose = f"{output} " if units.frequency and output in OUTPUTS else ""
     return with_unit(f"{whose}{quantity}", unit)
 
 
 def amplitude_of(output: str, units: Units) -> str:
-    """The amplitude that frequency responses show."""
+    """Label of the amplitude in frequency responses."""
     whose = f" at the {output}" if units.frequency and output in OUTPUTS else ""
     return with_unit(f"amplitude{whose}{',' if whose else ''} ½(max − min)", units.length)
 
 
 def frequency_label(units: Units) -> str:
-    """The drive frequency in its unit, or over the natural one."""
+    """Label of the drive frequency in its unit, or over the natural one."""
     return f"drive frequency Ω/2π ({units.frequency})" if units.frequency else "drive frequency Ω/ω"

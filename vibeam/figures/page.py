@@ -1,4 +1,4 @@
-"""A figure as a whole: its size, title and legend, legible tick labels, and the files that it is written to."""
+"""Layout of a figure: size, title and legend, legible tick labels, and the output files."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ PAGE: Any = {
     "ytick.right": True,
 }
 
-DOTS = 220  # an inch
+DOTS = 220  # dots an inch
 
 INCH = 0.0254  # m
 
-LEAST_SHARE = 0.6  # of a figure's usual height, however narrow it is
+LEAST_SHARE = 0.6  # smallest share of a figure's usual height, however narrow it is
 
 TITLE = 9.5  # pt
 
@@ -45,9 +45,9 @@ LETTER = 0.52  # mean width of a letter, in font sizes
 
 HANDLE = 0.5  # inch, of a legend's entry beside its text
 
-ENTRY = 52  # letters in a line of a legend's entry, at most
+ENTRY = 52  # largest number of letters in a line of a legend's entry
 
-COLUMNS = 4  # of a legend, at most
+COLUMNS = 4  # largest number of columns of a legend
 
 METADATA: dict[str, Any] = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 
@@ -64,7 +64,7 @@ def write_page(make: Callable[[], Figure], paths: Iterable[Path], dots: int = DO
 
 
 def composed(make: Callable[[], Figure]) -> Figure:
-    """A figure as it is written: in the style of the page, with as many ticks as have room."""
+    """Figure in the style of the page, with as many ticks as have room."""
     with mpl.rc_context(PAGE):
         figure = make()
         thin_out(figure)
@@ -72,12 +72,12 @@ def composed(make: Callable[[], Figure]) -> Figure:
 
 
 def paths_of(stem: Path, plan: FigurePlan) -> list[Path]:
-    """The files of a figure beside ``stem``, whose ending they replace."""
+    """Files of a figure beside ``stem``, whose ending they replace."""
     return [stem.with_suffix(f".{ending}") for ending in plan.format]
 
 
 def blank_page(size: tuple[float, float], plan: FigurePlan) -> Figure:
-    """An empty figure of ``size`` (width, height in inches), or as wide as the plan says."""
+    """Empty figure of ``size`` (width, height in inches), or as wide as the plan says."""
     width, height = size
     if plan.width is not None:
         share = plan.width / INCH / width
@@ -86,14 +86,14 @@ def blank_page(size: tuple[float, float], plan: FigurePlan) -> Figure:
 
 
 def titled(figure: Figure, plan: FigurePlan, title: str, shows: str) -> None:
-    """The case's title above what the figure shows; nothing where the plan wants none."""
+    """Set the case's title above the caption; nothing where the plan wants none."""
     if plan.title:
         lines = [_filled(plain(line), figure, TITLE) for line in (title, shows) if line]
         figure.suptitle("\n".join(lines), fontsize=TITLE)
 
 
 def legend(figure: Figure, handles: Sequence[Artist], labels: Sequence[str]) -> None:
-    """The legend below, in as many columns as have room; nothing where there is nothing to explain."""
+    """Draw the legend below, in as many columns as have room; none without entries."""
     if not handles:
         return
     size = PAGE["legend.fontsize"]
@@ -106,22 +106,22 @@ def legend(figure: Figure, handles: Sequence[Artist], labels: Sequence[str]) -> 
 
 
 def _wide(widths: Sequence[float], columns: int) -> float:
-    """Inches that a legend takes, its entries put column by column."""
+    """Width of a legend in inches, its entries put column by column."""
     rows = -(-len(widths) // columns)
     return sum(max(widths[first : first + rows]) for first in range(0, len(widths), rows))
 
 
 def plain(text: str) -> str:
-    """Text as it is: no formula in it, control characters escaped."""
+    """Text without formulas, control characters escaped."""
     visible = (repr(each)[1:-1] if unicodedata.category(each) in ("Cc", "Cf", "Zl", "Zp") else each for each in text)
     return "".join(visible).replace("$", r"\$")
 
 
 def _filled(text: str, figure: Figure, size: float) -> str:
-    """Broken into lines that the figure is wide enough for."""
+    """Text broken into lines of the figure's width."""
     return fill(text, _letters(figure, size))
 
 
 def _letters(figure: Figure, size: float, beside: float = 0.1, most: int = 1000) -> int:
-    """How many letters of a ``size`` (pt) have room in a line, with ``beside`` inches left free."""
+    """Number of letters of a ``size`` (pt) in a line, with ``beside`` inches left free."""
     return min(most, max(12, int((figure.get_figwidth() - beside) * 72 / (LETTER * size))))

@@ -1,4 +1,4 @@
-"""What the figures share: titles, axis labels, whose sheets have which look, where the stop is."""
+"""Common parts of the figures: titles, axis labels, looks of the fidelities, mark of the stop."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def means(sheets: Sequence[Sheet], column: str) -> tuple[Array, Array, Array]:
 
 
 def drawn(axes: Axes, sheets: Sequence[Sheet], column: str, factor: float, across: float, **look: Any) -> bool:
-    """Draw the mean of a column over frequency, its spread between impacts as a band; False where there is nothing."""
+    """Draw the mean of a column over frequency, its spread between impacts as a band; False without data."""
     frequency, mean, spread = means(sheets, column)
     if not np.isfinite(mean).any():
         return False
@@ -52,42 +52,42 @@ def drawn(axes: Axes, sheets: Sequence[Sheet], column: str, factor: float, acros
 
 
 def across_frequency(axes: Axes, units: Units) -> None:
-    """The label below."""
+    """Label the frequency axis."""
     axes.set_xlabel(frequency_label(units))
 
 
-STOP = "stop"  # what the legend calls its place
+STOP = "stop"  # legend entry of the stop
 
-FAR = 3.0  # of the largest displacement: a stop beyond is not drawn
+FAR = 3.0  # distance, in largest displacements, beyond which a stop is not drawn
 
 
 def titled(axes: Axes, units: Units, frequency: float) -> None:
-    """The panel's frequency (Hz)."""
+    """Title a panel with its frequency (Hz)."""
     number = f"{frequency * units.frequency_factor:.5g}"
     axes.set_title(f"{number} {units.frequency}" if units.frequency else f"Ω/ω = {number}")
 
 
 def labelled(axes: Axes, what: str, unit: str, across: bool = False) -> None:
-    """An axis with its unit, the one across or the one upward."""
+    """Label an axis with its unit, the one across or the one upward."""
     (axes.set_xlabel if across else axes.set_ylabel)(with_unit(what, unit))
 
 
 def sheets_at(case: Case, frequency: float, plan: ShowPlan, shown: Sequence[Sheet]) -> list[tuple[Sheet, Look]]:
-    """The sheets of one frequency (Hz) that have numbers, in the plan's order, with the looks of their fidelities."""
+    """Sheets of one frequency (Hz) that have numbers, in the plan's order, with the looks of their fidelities."""
     sheets = {sheet.fidelity: sheet for sheet in reversed(shown) if sheet.frequency == frequency and not sheet.fault}
     looks = looks_of(case, plan.fidelities)
     return [(sheets[name], looks[name]) for name in plan.fidelities if name in sheets]
 
 
 def faults_at(case: Case, frequency: float, plan: ShowPlan, shown: Sequence[Sheet], axes: Axes) -> None:
-    """Say in an empty panel of one frequency (Hz) why there is nothing."""
+    """Note in an empty panel of one frequency (Hz) why there is no motion."""
     faults = {sheet.fault: None for sheet in shown if sheet.frequency == frequency and sheet.fault}
     if is_empty(axes):
         say(axes, "\n".join(faults) or "nothing to show")
 
 
 def name_faults(case: Case, plan: ShowPlan, shown: Sequence[Sheet]) -> dict[str, Any]:
-    """Legend entries of fidelities that lack a motion somewhere: where, unless everywhere, and why."""
+    """Legend entries of fidelities without a motion at some frequencies: where, unless everywhere, and why."""
     looks = looks_of(case, plan.fidelities)
     found: dict[str, Any] = {}
     for name in plan.fidelities:
@@ -101,7 +101,7 @@ def name_faults(case: Case, plan: ShowPlan, shown: Sequence[Sheet]) -> dict[str,
 
 
 def stop_at(case: Case, plan: ShowPlan) -> list[float]:
-    """Where the output is when the contact touches the stop, each place once; none where modes make it no one place."""
+    """Output displacement at contact with the stop, each value once; none where modes leave it undetermined."""
     found = set()
     for name in plan.fidelities:
         system = case.system(name)
@@ -114,7 +114,7 @@ def stop_at(case: Case, plan: ShowPlan) -> list[float]:
 
 
 def mark_stop(case: Case, plan: ShowPlan, shown: Sequence[Sheet], mark: Any, axes: Axes, factor: float) -> None:
-    """Draw the stop by ``mark`` (axhline or axvline), unless it is so far away that it would press the motion flat."""
+    """Draw the stop by ``mark`` (axhline or axvline), unless it is so far away that the motion would look flat."""
     largest = max((float(np.abs(sheet["displacement"]).max()) for sheet in shown if not sheet.fault), default=0.0)
     places = stop_at(case, plan)
     near = [place for place in places if largest == 0 or abs(place) <= FAR * largest]

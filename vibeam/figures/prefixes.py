@@ -1,10 +1,10 @@
-"""Units with prefixes by size: a switch in µm and kHz, a beam in mm and Hz."""
+"""Unit prefixes by size: a switch in µm and kHz, a beam in mm and Hz."""
 
 from __future__ import annotations
 
 import math
 
-Steps = tuple[tuple[float, str, float], ...]  # from which SI size on, the unit, factor from SI
+Steps = tuple[tuple[float, str, float], ...]  # smallest SI size, unit, factor from SI
 
 LENGTHS: Steps = ((1.0, "m", 1.0), (1e-4, "mm", 1e3), (1e-7, "µm", 1e6), (0.0, "nm", 1e9))
 

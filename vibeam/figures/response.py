@@ -1,4 +1,4 @@
-"""One quantity of a response over frequency, without a case: axes in SI units with prefixes."""
+"""Figure of one quantity of a response over frequency, without a case: axes in SI units with prefixes."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from vibeam.figures.style import BEHIND, COLOURS, KEY, LINES, WIDER, shade
 from vibeam.system.quantities import LAYOUT
 from vibeam.system.response import SINGLE, FrequencyResponse
 
-SHOWN = (*SINGLE, "period", "impacts", "evaluations")  # one number a point
+SHOWN = (*SINGLE, "period", "impacts", "evaluations")  # quantities with one number a point
 
 PREFIXED = {"q": "m", "q/s": "m/s", "s": "s"}  # units that take a prefix
 
 
 def response_figure(branches: Mapping[str, FrequencyResponse], quantity: str) -> Figure:
-    """The figure: kinds of motion by line, the sweep down lighter; ValueError for no such quantity."""
+    """Draw the kinds of motion by line, the sweep down lighter; ValueError for an unknown quantity."""
     if quantity not in SHOWN:
         raise ValueError(f"quantity: no {quantity!r} with one number a point: {suggest(str(quantity), SHOWN)}")
     figure = Figure(figsize=(5.8, 4.2), layout="constrained")
@@ -40,7 +40,7 @@ def response_figure(branches: Mapping[str, FrequencyResponse], quantity: str) ->
 
 
 def _draw(axes: Axes, response: FrequencyResponse, direction: str, quantity: str) -> set[MotionClass]:
-    """One branch in pieces of one kind of motion; failed points have no value and are left out."""
+    """Draw one branch in pieces of one class of motion; failed points have no value and are left out."""
     drawn = set()
     for piece in pieces(replace(response, amplitude=getattr(response, quantity).astype(float))):
         drawn.add(piece.kind)

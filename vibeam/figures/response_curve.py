@@ -1,4 +1,4 @@
-"""The frequency-response curve as a figure: fidelities in one panel, or each in its own where there are many."""
+"""Frequency-response curve as a figure: fidelities in one panel, or each in its own where there are many."""
 
 from __future__ import annotations
 
@@ -40,13 +40,13 @@ if TYPE_CHECKING:
     from vibeam.system.response import Branches
 
 
-TOGETHER = 3  # so many fidelities share a panel
+TOGETHER = 3  # largest number of fidelities in one panel
 
 ARROWS_A_BRANCH = 8
 
 REFERENCES_SHOWN = 60
 
-FAR = 2.0  # a grazing amplitude so many times what is drawn would press the curves flat
+FAR = 2.0  # largest grazing amplitude drawn, in multiples of the curves' height
 
 
 def write_frc(result: Comparison, *paths: Path) -> None:
@@ -55,13 +55,13 @@ def write_frc(result: Comparison, *paths: Path) -> None:
 
 
 def frc(result: Comparison) -> Figure:
-    """The figure: fidelity by colour, direction by shade and arrows, kinds of motion by line."""
+    """Draw the frequency-response curve: fidelity by colour, direction by shade and arrows, class of motion by line."""
     together = len(result) <= TOGETHER
     figure, grid = _grid(1 if together else len(result), result)
     units, finest = units_for(result), result.finest
     panels = []
     for index, (name, look) in enumerate(looks_of(result.case, result).items()):
-        own = look if together else Look(look.colour)  # by itself: its dashes tell the kind of motion
+        own = look if together else Look(look.colour)  # a single fidelity: its dashes tell the class of motion
         panel = _Panel(grid.flat[0 if together else index], units, own, result, name, index if together else 0)
         panel.fill(ghost=None if together or name == finest[name] else finest[name], titled=not together)
         panels.append(panel)
@@ -77,7 +77,7 @@ def frc(result: Comparison) -> Figure:
 
 
 def _grid(count: int, result: Comparison) -> tuple[Figure, Any]:
-    """Axes that share their scales, the last of each column numbered below."""
+    """Grid of axes with common scales, the last of each column numbered below."""
     columns = 1 if count == 1 else 2 if count <= 4 else 3
     rows = ceil(count / columns)
     size = (5.8, 4.2) if count == 1 else (3.5 * columns, 2.3 * rows + 1.0)
@@ -91,7 +91,7 @@ def _grid(count: int, result: Comparison) -> tuple[Figure, Any]:
 
 
 class _Panel:
-    """One fidelity on its axes; ``drawn``: what the legend must explain, ``row``: that of its failed marks."""
+    """One fidelity on its axes; ``drawn``: entries for the legend, ``row``: that of its failed marks."""
 
     def __init__(self, axes: Axes, units: Units, look: Look, result: Comparison, name: str, row: int) -> None:
         self.axes, self.units, self.look, self.result, self.name, self.row = axes, units, look, result, name, row
@@ -100,7 +100,7 @@ class _Panel:
 
     @property
     def label(self) -> str:
-        """The fidelity and its size."""
+        """Name of the fidelity and its size."""
         study, case = self.result.accuracy, self.result.case
         if study is not None:
             return f"within {percent(study.within)} of {name_of(case, study.finest)}"
@@ -109,7 +109,7 @@ class _Panel:
 
     @property
     def highest(self) -> float:
-        """The largest amplitude in m, 0 without any."""
+        """Largest amplitude in m, 0 without any."""
         values = [response.amplitude[complete(response)] for _, response in self.result[self.name].items()]
         return float(np.nanmax(np.concatenate([[0.0], *values])))
 
@@ -140,7 +140,7 @@ class _Panel:
         self.reasons |= {Ended.of_code(int(code)).value for code in response.ended[~complete(response)]}
 
     def _curves(self) -> None:
-        """All motions that the solver knows: unstable ones dashed, those through the stop left out."""
+        """Draw all motions known to the solver: unstable ones dashed, inadmissible ones left out."""
         curves = self.result[self.name].curves
         for index, piece in enumerate([] if curves is None else motion_pieces(curves)):
             self.drawn |= set() if piece.stable else {"unstable"}
@@ -149,7 +149,7 @@ class _Panel:
             self._plot(piece.frequency, piece.amplitude, gid=name, color=self.look.colour, **keys)
 
     def _arrows(self, response: FrequencyResponse, direction: str) -> None:
-        """Marks of the direction on periodic points; the two directions take turns along the frequency axis."""
+        """Draw marks of the direction on periodic points; the two directions alternate along the frequency axis."""
         turns = np.linspace(0.03, 0.97, 2 * ARROWS_A_BRANCH)[(0 if direction == "up" else 1) :: 2]
         at = np.unique((turns * (len(response) - 1)).round().astype(int))
         at = at if direction == "up" else len(response) - 1 - at
@@ -169,11 +169,11 @@ class _Panel:
                 points = [(point.frequency, point.value) for point in reference_points(reference)]
                 frequency, value = np.array(points, dtype=float).reshape(-1, 2).T  # None becomes NaN: not drawn
                 self.drawn.add("reference")
-                every = ceil(len(points) / REFERENCES_SHOWN)  # all of them would hide the curve
+                every = ceil(len(points) / REFERENCES_SHOWN)  # too many marks would hide the curve
                 self._plot(frequency, value, gid=f"reference-{reference.name}", markevery=every, **REFERENCE)
 
     def limit(self, highest: float) -> None:
-        """The amplitude at which the first mode alone reaches the stop, unless it is far above all that is drawn."""
+        """Draw the amplitude at which the first mode alone reaches the stop, unless it is far above the curves."""
         case, study = self.result.case, self.result.accuracy
         height = grazing(case.system(self.name if study is None else study.finest), case.sweep.output)
         if 0 < height <= FAR * highest or (height > 0 and highest == 0):
@@ -187,9 +187,9 @@ class _Panel:
 
 
 def grazing(system: ImpactSystem, output: str) -> float:
-    """The amplitude of the output at which the first mode alone just reaches the stop; at most 0: it always does."""
+    """Amplitude of the output at which the first mode alone just reaches the stop; at most 0: it always does."""
     drawn = np.divide(system.static, system.omega**2, out=np.zeros(system.size), where=system.static != 0)
-    left = system.gap - float(system.contact @ drawn)  # of the gap, under a constant load
+    left = system.gap - float(system.contact @ drawn)  # share of the gap, under a constant load
     return float(left * abs(system.output(output)[0] / system.contact[0]))
 
 
@@ -208,7 +208,7 @@ def _ghost_called(result: Comparison, finest: Mapping[str, str]) -> str:
 
 
 def _legend(panels: list[_Panel], finest: str, together: bool) -> list[Line2D]:
-    """The fidelities by colour where they share a panel, then whatever occurs, in grey."""
+    """Legend entries: fidelities by colour where they share a panel, then the classes of motion, in grey."""
     drawn = set().union(*(panel.drawn for panel in panels))
     reasons = sorted(set().union(*(panel.reasons for panel in panels)))
     keys: dict[object, tuple[str, dict[str, Any]]] = {

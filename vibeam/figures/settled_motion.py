@@ -1,4 +1,4 @@
-"""A fidelity's settled motion: exact where its solver's is, else sampled by the solver itself."""
+"""Settled motion of a fidelity: exact where its solver's is, else sampled by the solver itself."""
 
 from __future__ import annotations
 
@@ -30,43 +30,43 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SAMPLES = 1000  # a drive period, of a motion that is exact between its events
+SAMPLES = 1000  # samples a drive period, of a motion that is exact between its events
 
 
 class NoMotion(Exception):
-    """There is nothing to show; the text says why."""
+    """No motion to show; the text gives the reason."""
 
 
 @dataclass(frozen=True)
 class Settled:
-    """A fidelity after its transient at one drive: ``state`` at the drive's phase 0 (None: ``fault`` says why)."""
+    """Fidelity after its transient at one drive: ``state`` at the drive's phase 0 (None: ``fault`` says why)."""
 
     system: ImpactSystem
     drive: Drive
     solver: Any
     state: State | None
     fault: str = ""
-    samples: bool = False  # of the solver: its motion is a row of samples
+    samples: bool = False  # motion of the solver that consists of samples
 
     @property
     def period(self) -> float:
-        """Of the drive, s."""
+        """Drive period, s."""
         return 2 * np.pi / self.drive.omega
 
 
 @lru_cache(maxsize=16)
 def _system(case: Case, name: str) -> ImpactSystem:
-    """One for all frequencies of a figure: assembling takes longer than settling."""
+    """System of a fidelity, built once for all frequencies of a figure: assembling takes longer than settling."""
     return case.system(name)
 
 
 def _drifted(system: ImpactSystem, drift: Array | None) -> ImpactSystem:
-    """With the gap of one frequency."""
+    """System with the gap of one frequency."""
     return system if drift is None else replace(system, gap=system.gap + float(drift[0]))
 
 
 def settled(case: Case, name: str, frequency: float, plan: ShowPlan) -> Settled:
-    """The fidelity after the plan's periods to settle at ``frequency`` Hz, begun at static equilibrium."""
+    """Settle the fidelity for the plan's periods at ``frequency`` Hz, from static equilibrium."""
     omega, fidelity = np.array([2 * np.pi * frequency]), case.fidelities[name]
     system = _drifted(_system(case, name), gap_drift(case.scene_of(name), omega))
     drive = Drive(float(omega[0]), float(np.ravel(case.amplitude_of(name, omega))[0]))
@@ -81,9 +81,9 @@ def settled(case: Case, name: str, frequency: float, plan: ShowPlan) -> Settled:
 
 
 def exact_motion(begin: Settled, periods: float) -> Trajectory:
-    """``periods`` drive periods of the settled motion by flight, which is exact; NoMotion where there is none.
+    """Compute ``periods`` drive periods of the settled motion by flight, which is exact; NoMotion where there is none.
 
-    What a solver in closed form found goes on for itself.
+    A motion found in closed form continues by itself.
     """
     if begin.state is None:
         raise NoMotion(begin.fault)
@@ -94,19 +94,19 @@ def exact_motion(begin: Settled, periods: float) -> Trajectory:
 
 
 def sheet_each(plan: ShowPlan, fidelity: str, make: Callable[[float], Columns]) -> list[Sheet]:
-    """A sheet a frequency of the plan, empty and with the reason where there is no motion."""
+    """Make one sheet for each frequency of the plan, empty and with the reason where there is no motion."""
     return [_sheet(fidelity, frequency, make) for frequency in plan.frequency]
 
 
 def _sheet(fidelity: str, frequency: float, make: Callable[[float], Columns]) -> Sheet:
     try:
         return Sheet(fidelity, frequency, make(frequency))
-    except (NoMotion, ValueError) as reason:  # ValueError: what an observer cannot read off, too few samples say
+    except (NoMotion, ValueError) as reason:  # ValueError: of an observer, for example with too few samples
         return Sheet(fidelity, frequency, fault=str(reason))
 
 
 def motion_columns(case: Case, name: str, frequency: float, plan: ShowPlan, periods: int) -> Columns:
-    """``periods`` drive periods of the settled motion; at an impact one sample before, one after.
+    """Compute ``periods`` drive periods of the settled motion; at an impact one sample before, one after.
 
     Through the fidelity's measuring chain, where it has one: its samples, and when they show the impacts.
     """
@@ -126,7 +126,7 @@ def motion_columns(case: Case, name: str, frequency: float, plan: ShowPlan, peri
 
 
 def _stepped(begin: Settled, state: State, periods: int, output: str) -> Columns:
-    """At the solver's own samples."""
+    """Motion at the solver's own samples."""
     found = begin.solver.motion(begin.drive, state, 0.0, periods * begin.period)
     values = found.values @ begin.system.output(output)
     return _columns(found.times, values[:, 0], values[:, 1], found.impact_times, found.impact_velocities, None)
@@ -166,12 +166,12 @@ class MeasuredWindow:
 
     @property
     def delay(self) -> float:
-        """By how much the record lags, s."""
+        """Delay of the record, s."""
         return self.chain.low_pass.delay() if self.chain.low_pass else 0.0
 
     @property
     def window(self) -> Record:
-        """The samples of the window alone."""
+        """Samples of the window alone."""
         inside = (self.record.time >= self.begin) & (self.record.time <= self.end)
         return Record(*(rows[inside] for rows in (self.record.time, self.record.displacement, self.record.velocity)))
 
@@ -182,14 +182,14 @@ class MeasuredWindow:
 
     @property
     def exact(self) -> bool:
-        """Whether the samples are the motion itself."""
+        """True where the samples are the motion itself."""
         return self.chain.velocity == "exact"
 
 
 def measured_window(
     case: Case, name: str, frequency: float, plan: ShowPlan, periods: int, chain: Chain
 ) -> MeasuredWindow:
-    """A window of ``periods`` drive periods of the settled motion at ``frequency`` Hz; NoMotion where there is none."""
+    """Measured window of ``periods`` drive periods of the settled motion at ``frequency`` Hz; NoMotion without one."""
     begin = settled(case, name, frequency, plan)
     fading = chain.low_pass.settling() if chain.low_pass else 0.0
     lead = 1 + ceil(fading / begin.period)
@@ -200,5 +200,5 @@ def measured_window(
 
 
 def chain_or_exact(case: Case, name: str, rate: float) -> Chain:
-    """The fidelity's measuring chain, or, where it has none, exact samples, ``rate`` a second."""
+    """Measuring chain of a fidelity; without one, exact samples at ``rate`` a second."""
     return case.chain_of(name) or Chain(rate, velocity="exact")

@@ -1,4 +1,4 @@
-"""What is to be shown, and the numbers of it."""
+"""Sheets: the numbers of a figure."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Column:
-    """One row of numbers: its unit as in ``system.quantities`` (q: the output's, q/s: its rate's), and what it is."""
+    """Row of numbers: its unit as in ``system.quantities`` (q: the output's, q/s: its rate's), and its meaning."""
 
     values: Array
     unit: str
@@ -34,9 +34,9 @@ Columns = Mapping[str, Column]
 
 @dataclass(frozen=True)
 class Sheet:
-    """The numbers of one fidelity at one ``frequency`` (Hz; NaN: over all).
+    """Numbers of one fidelity at one ``frequency`` (Hz; NaN: over all).
 
-    ``fault``: why there are none, empty where there are.
+    ``fault``: the reason for missing numbers, else empty.
     """
 
     fidelity: str
@@ -48,24 +48,24 @@ class Sheet:
         return self.columns[name].values
 
     def of(self, name: str) -> Array:
-        """A column, empty where there are no numbers."""
+        """Column by name, empty where there are no numbers."""
         return self[name] if name in self.columns else np.empty(0)
 
 
 def module_of(plan: ShowPlan) -> Any:
-    """The module of the plan's kind."""
+    """Module of the plan's kind."""
     home = FIGURES[plan.kind].home
     return import_module(home) if isinstance(home, str) else home
 
 
 def sheets(case: Case, plan: ShowPlan) -> tuple[Sheet, ...]:
-    """The numbers of all its fidelities, in their order."""
+    """Sheets of all fidelities of a plan, in order."""
     made = module_of(plan).sheets
     return tuple(sheet for name in plan.fidelities for sheet in made(case, name, plan))
 
 
 def sheet_at(case: Case, plan: ShowPlan, fidelity: str, frequency: float | None, there: tuple[Sheet, ...]) -> Sheet:
-    """The numbers of one fidelity at one ``frequency`` (Hz; None: over all), made where they are not ``there``."""
+    """Sheet of one fidelity at one ``frequency`` (Hz; None: over all), computed unless it is among ``there``."""
     at = float("nan") if frequency is None else frequency
     for sheet in there:
         if sheet.fidelity == fidelity and np.isclose(sheet.frequency, at, rtol=1e-9, atol=0, equal_nan=True):

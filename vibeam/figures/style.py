@@ -1,4 +1,4 @@
-"""Line styles of figures: one for each fidelity, the same in all figures of a case, and one for each kind of motion."""
+"""Line styles of figures: one for each fidelity, the same in all figures of a case, and one for each motion class."""
 
 from __future__ import annotations
 
@@ -19,25 +19,25 @@ Keys = dict[str, Any]
 Thing = TypeVar("Thing")
 
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#7A5C00", "#333333")  # told apart in colour-blind vision
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#7A5C00", "#333333")  # distinct in colour-blind vision
 
 DASHES: tuple[Any, ...] = ("-", (0, (7, 1.8)), (0, (1.2, 1.2)), (0, (7, 1.5, 1.2, 1.5, 1.2, 1.5)))
 
-HATCHES = ("", "////", "....", "xxxx")  # of bars
+HATCHES = ("", "////", "....", "xxxx")  # hatches of bars
 
 GHOST = "#C4C4C4"
 
 LIGHTER = {"up": 0.0, "down": 0.58}
 
-WIDER = {"up": 1.0, "down": 2.6}  # the sweep down lies behind, as a light band: where both agree, both are seen
+WIDER = {"up": 1.0, "down": 2.6}  # the sweep down lies behind, as a light band: where both agree, both are visible
 
 BEHIND = {"up": 3.0, "down": 2.0}
 
 ARROWS = {"up": ">", "down": "<"}
 
-WIDEST, NARROWEST = 1.7, 0.7  # line widths of the first and the last of several curves, in those of a lone one
+WIDEST, NARROWEST = 1.7, 0.7  # line widths of the first and the last of several curves, relative to a lone one
 
-FEW = 3  # a branch of so few points shows each as a full dot
+FEW = 3  # points of a branch up to which each is shown as a full dot
 
 
 LINES: dict[MotionClass, Keys] = {
@@ -77,47 +77,47 @@ class Look:
     wide: float = 1.0
 
     def keys(self, width: float = 1.2) -> Keys:
-        """As matplotlib takes it."""
+        """Style as matplotlib keywords."""
         return {"color": self.colour, "linestyle": self.dash, "linewidth": width * self.wide}
 
 
 def look(place: int, wide: float = 1.0) -> Look:
-    """The look of the curve at ``place`` (0 …): 24 in all, of six colours and four kinds of dashes."""
+    """Look of the curve at ``place`` (0 …): 24 in all, of six colours and four kinds of dashes."""
     turn, colour = divmod(place, len(COLOURS))
     return Look(COLOURS[colour], DASHES[turn % len(DASHES)], wide)
 
 
 def looks(things: Iterable[Thing]) -> list[tuple[Thing, Look]]:
-    """A look for each by its place among them."""
+    """Look of each thing by its place among them."""
     return [(thing, look(place)) for place, thing in enumerate(things)]
 
 
 def looks_of(case: Case, names: Iterable[str]) -> dict[str, Look]:
-    """The looks of fidelities by their places in the case; each a narrower line than the one that it may cover."""
+    """Looks of fidelities by their places in the case; each a narrower line than the one that it may cover."""
     order, shown = list(case.fidelities), list(names)
     places = {name: order.index(name) if name in order else 0 for name in shown}
     return {name: look(places[name], nested(index, len(shown))) for index, name in enumerate(shown)}
 
 
 def nested(index: int, count: int) -> float:
-    """Share of the line width of one of ``count`` curves, drawn in their order: of coinciding ones all are seen."""
+    """Share of the line width of one of ``count`` overlaid curves, so that coinciding ones are all visible."""
     return 1.0 if count == 1 else WIDEST + (NARROWEST - WIDEST) * index / (count - 1)
 
 
 def bar(look: Look) -> Keys:
-    """A bar's look: hatched where a line would have dashes."""
+    """Look of a bar: hatched where a line would have dashes."""
     hatch = HATCHES[DASHES.index(look.dash)]
     return {"facecolor": look.colour, "edgecolor": "white" if hatch else look.colour, "hatch": hatch, "linewidth": 0.0}
 
 
 def name_of(case: Case, fidelity: str) -> str:
-    """A fidelity's label, else its name."""
+    """Label of a fidelity, else its name."""
     known = case.fidelities
     return (known[fidelity].label or fidelity) if fidelity in known else fidelity
 
 
 def shade(colour: Any, direction: str) -> tuple[float, ...]:
-    """A fidelity's colour for the sweep up, a lighter one for the sweep down."""
+    """Colour of a fidelity for the sweep up, a lighter one for the sweep down."""
     share = LIGHTER[direction]
     return tuple((1 - share) * channel + share for channel in to_rgb(colour))
 
@@ -129,7 +129,7 @@ def arrow(direction: str, colour: str) -> Keys:
 
 
 def line(kind: MotionClass, direction: str, own: Look, points: int, all_points: int) -> Keys:
-    """How a piece of ``points`` points of a branch of ``all_points`` is drawn: dashes by kind, of period 1 its own.
+    """Line style of a piece of ``points`` points of a branch of ``all_points``: dashes by kind, of period 1 its own.
 
     A lone point of what is else a line becomes a dot.
     """

@@ -1,4 +1,4 @@
-"""Tick labels with room between them: fewer ticks wherever two labels would overlap."""
+"""Tick labels without overlap: fewer ticks wherever two labels would touch."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import AutoLocator, FixedLocator, LogLocator, MaxNLocator
 from matplotlib.transforms import Bbox
 
-FEWER = (6, 5, 4, 3, 2, 1)  # intervals, at most, until nothing overlaps
+FEWER = (6, 5, 4, 3, 2, 1)  # numbers of intervals, tried in order until nothing overlaps
 
 STEPS = [1, 2, 5, 10]
 
@@ -17,7 +17,7 @@ ROOM = 3.0  # points between two labels
 
 
 def thin_out(figure: Figure) -> None:
-    """Give axes whose tick labels overlap, their own or a neighbour's, fewer of them."""
+    """Reduce the ticks of axes whose labels overlap, their own or a neighbour's."""
     for count in FEWER:
         crowded = crowded_axes(figure)
         for axis in crowded:
@@ -27,17 +27,17 @@ def thin_out(figure: Figure) -> None:
 
 
 def crowded_axes(figure: Figure) -> list[Any]:
-    """The axes (matplotlib ``Axis``) of which a tick label overlaps another one."""
+    """Axes (matplotlib ``Axis``) with a tick label that overlaps another one."""
     figure.draw_without_rendering()
     axes = [axis for each in figure.axes if each.axison for axis in (each.xaxis, each.yaxis)]
     boxes = [(axis, box) for axis in axes for box in _boxes(axis, ROOM * figure.dpi / 72)]
     pairs = [(one, two) for (one, box), (two, other) in combinations(boxes, 2) if box.overlaps(other)]
-    alike = [pair for pair in pairs if pair[0].axis_name == pair[1].axis_name]  # where x and y meet fewer do not help
+    alike = [pair for pair in pairs if pair[0].axis_name == pair[1].axis_name]  # fewer ticks help along one axis only
     return list(dict.fromkeys(axis for pair in alike for axis in pair))
 
 
 def _boxes(axis: Any, room: float) -> list[Bbox]:
-    """Where the labels are, in pixels; beside one another with half the ``room`` between two on either side."""
+    """Boxes of the labels, in pixels; neighbours widened by half the ``room`` between two on either side."""
     if isinstance(axis.get_major_locator(), FixedLocator):
         return []
     low, high = sorted(axis.get_view_interval())

@@ -1,4 +1,4 @@
-"""Units in which a case is shown: a prefix that suits the size of its numbers, or nondimensional as in the paper."""
+"""Display units of a case: a prefix that suits the size of its numbers, or nondimensional as in the paper."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Units:
-    """Factors from SI (or the case's own unit) to the unit shown, and the name of that (empty: no unit)."""
+    """Factors from SI (or the case's own unit) to the displayed unit, and its name (empty: no unit)."""
 
     length: str
     length_factor: float
@@ -27,15 +27,15 @@ class Units:
     speed_factor: float = 1e3
 
     def lengths(self, value: float) -> str:
-        """A length with its unit, to four digits; a dash where there is no number."""
+        """Length with its unit, to four digits; a dash for NaN."""
         return _with_unit(value * self.length_factor, self.length)
 
     def speeds(self, value: float) -> str:
-        """A velocity with its unit, to four digits; a dash where there is no number."""
+        """Velocity with its unit, to four digits; a dash for NaN."""
         return _with_unit(value * self.speed_factor, self.speed)
 
     def frequencies(self, value: float) -> str:
-        """A frequency with its unit; a dash where there is no number."""
+        """Frequency with its unit; a dash for NaN."""
         return _with_unit(value * self.frequency_factor, self.frequency)
 
     def range(self, ends: tuple[float, float] | None) -> str:
@@ -64,7 +64,7 @@ def units_of(case: Case, length: float = float("nan"), speed: float = float("nan
 
 
 def units_for(result: Comparison) -> Units:
-    """The units of all figures and tables of a result: by its largest amplitude, and by the speed that goes with it."""
+    """Units of all figures and tables of a result: by its largest amplitude and the corresponding speed."""
     sizes = [
         (response.amplitude, 2 * pi * response.frequency * response.amplitude)
         for branches in result.values()
@@ -79,7 +79,7 @@ def _largest(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float
 
 
 def percent(value: float) -> str:
-    """A share as percent, to three digits."""
+    """Share as percent, to three digits."""
     return f"{100 * value:.3g} %" if isfinite(value) else "∞" if isinf(value) else "–"
 
 

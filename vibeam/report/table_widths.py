@@ -1,4 +1,4 @@
-"""Tables as wide as the terminal: text wraps, what does not fit goes into a further table, and no number is cut."""
+"""Tables as wide as the terminal: text wraps, further columns go into a further table, and no number is cut."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ LINES = (24, 16, 12)  # characters of text that stay on one line in a narrow col
 
 
 class ReportTable(Table):
-    """A table whose first ``heads`` columns say what a row is about: they come again in what continues it."""
+    """Table whose first ``heads`` columns identify a row; they are repeated in its continuations."""
 
     def __init__(self, title: str, heads: int = 1) -> None:
         super().__init__(title=title, box=box.SIMPLE_HEAD, collapse_padding=True, pad_edge=False, show_edge=False)
         self.heads = heads
 
     def add(self, *names: str) -> None:
-        """Columns; a name that ends in | is one of numbers, to the right."""
+        """Add columns; a name that ends in | is a right-aligned column of numbers."""
         for name in names:
             self.add_column(name.rstrip("|"), justify="right" if name.endswith("|") else "left", overflow="fold")
 
 
 def fitted(table: ReportTable, width: int) -> list[ReportTable]:
-    """The table in one piece where ``width`` characters hold it, else in several, the first columns in each.
+    """Split the table into pieces of ``width`` characters, the first columns repeated in each.
 
-    A piece of one column is made however wide it is: its numbers are not cut.
+    A piece of one column may be wider: its numbers are not cut.
     """
     least = _narrowest(table, width)
     pieces = _pieces(_told(table), least, table.heads, width)
@@ -35,13 +35,13 @@ def fitted(table: ReportTable, width: int) -> list[ReportTable]:
 
 
 def _told(table: ReportTable) -> list[int]:
-    """The columns behind the first that say something in some row."""
+    """Columns after the first ones that are not empty in every row."""
     behind = range(table.heads, len(table.columns))
     return [index for index in behind if not table.rows or any(map(str, table.columns[index].cells))]
 
 
 def _narrowest(table: ReportTable, width: int) -> list[int]:
-    """The least width of every column: texts are broken further where one column would not fit beside the first."""
+    """Least width of every column: texts are broken further where one column would not fit beside the first."""
     for line in LINES:
         least = [_least(column, line) for column in table.columns]
         if all(_whole([*least[: table.heads], size]) <= width for size in least[table.heads :]):
@@ -50,12 +50,12 @@ def _narrowest(table: ReportTable, width: int) -> list[int]:
 
 
 def needed(table: ReportTable) -> int:
-    """Characters in which nothing wraps."""
+    """Width in characters at which nothing wraps."""
     return _whole([_most(table.columns[index]) for index in [*range(table.heads), *_told(table)]])
 
 
 def _pieces(told: Sequence[int], least: Sequence[int], heads: int, width: int) -> list[list[int]]:
-    """The columns of each piece: of those that are ``told`` as many as ``width`` holds, in their order."""
+    """Columns of each piece: in order, as many as ``width`` holds."""
     first = list(range(heads))
     pieces = [first.copy()]
     for index in told:
@@ -66,7 +66,7 @@ def _pieces(told: Sequence[int], least: Sequence[int], heads: int, width: int) -
 
 
 def _part(table: ReportTable, chosen: Sequence[int], least: Sequence[int], width: int) -> ReportTable:
-    """A table of the chosen columns, each with the width that it is given."""
+    """Table of the chosen columns, each with its given width."""
     continued = chosen[table.heads :] and chosen[table.heads] != _told(table)[0]
     part = ReportTable(f"{table.title}, continued" if continued else str(table.title), table.heads)
     columns = [table.columns[index] for index in chosen]
@@ -79,7 +79,7 @@ def _part(table: ReportTable, chosen: Sequence[int], least: Sequence[int], width
 
 
 def _widths(columns: Sequence[Column], least: Sequence[int], width: int) -> list[int]:
-    """What each column needs, and of the rest the most for the texts that wrap most."""
+    """Width of each column: what it needs, the rest shared by the texts that wrap most."""
     sizes, most = list(least), [_most(column) for column in columns]
     left = width - _whole(sizes)
     while left > 0 and sizes != most:
@@ -90,14 +90,14 @@ def _widths(columns: Sequence[Column], least: Sequence[int], width: int) -> list
 
 
 def _whole(sizes: Sequence[int]) -> int:
-    """Columns with two blanks between them."""
+    """Total width of columns with two blanks between them."""
     return sum(sizes) + 2 * (len(sizes) - 1)
 
 
 def _least(column: Column, line: int) -> int:
-    """The narrowest that a column may be: its numbers in one line, its texts in lines of ``line`` characters.
+    """Least width of a column: its numbers in one line, its texts in lines of ``line`` characters.
 
-    Words stay whole but on the narrowest terminals.
+    Words are broken on the narrowest terminals only.
     """
     header = max((cell_len(word) for word in str(column.header).split()), default=0)
     lines = _lines(column)
@@ -108,7 +108,7 @@ def _least(column: Column, line: int) -> int:
 
 
 def _most(column: Column) -> int:
-    """The width at which nothing of a column wraps."""
+    """Width at which nothing of a column wraps."""
     return max([cell_len(line) for line in [*_lines(column), *str(column.header).splitlines()]], default=0)
 
 

@@ -1,4 +1,4 @@
-"""The kind ``boundaries``: where averaging says that impacting motions end, beside the exact folds (paper eq. 24, 26).
+"""Figure kind ``boundaries``: existence limits by averaging beside the exact folds (paper eq. 24, 26).
 
 At each frequency of the sweep, for an averaging fidelity: Q*, the least stable reach at the fidelity's gap, or Δ_MAX,
 the largest gap, loose or tight, at its drive. For any other fidelity the exact ones: both are folds of the orbit
@@ -36,15 +36,15 @@ Array = NDArray[np.float64]
 
 Options = Mapping[str, str | float]
 
-BESIDE = 1e-6  # share of the drive by which a fold is looked at from its side: the mean of both roots is its reach
+BESIDE = 1e-6  # step off a fold, as a share of the drive: the mean of both roots there is its reach
 
-STRONGER = 1e3  # the weakest drive with orbits is looked for from 0 to so many times the case's
+STRONGER = 1e3  # upper end of the search for the weakest drive with orbits, in multiples of the case's drive
 
 CALLED = {"least_stable_reach": "least stable reach Q* of the contact", "largest_gap": "largest |gap| Δ_MAX"}
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One, over the sweep's frequencies; NaN where the motion has no such limit."""
+    """One sheet over the sweep's frequencies; NaN where the motion has no such limit."""
     frequency, quantity = np.array(plan.frequency), plan.quantity or ""
     columns = {
         "frequency": Column(frequency, "Hz", "drive frequency, Ω/2π"),
@@ -54,7 +54,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 
 def limits(case: Case, fidelity: str, frequency: Array, quantity: str) -> Array:
-    """The limit (points,) of one fidelity at ``frequency`` (points,) Hz, NaN where the motion has none."""
+    """Limit (points,) of one fidelity at ``frequency`` (points,) Hz, NaN where the motion has none."""
     system, omegas = case.system(fidelity), 2 * np.pi * frequency
     amplitudes = np.broadcast_to(case.amplitude_of(fidelity, omegas), omegas.shape)
     averaged = case.fidelities[fidelity].solver == "averaging"
@@ -63,7 +63,7 @@ def limits(case: Case, fidelity: str, frequency: Array, quantity: str) -> Array:
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
-    """The limit over frequency."""
+    """Draw the limit over frequency."""
     case, units, axes = result.case, units_for(result), figure.subplots()
     looks = looks_of(case, plan.fidelities)
     for sheet in shown:
@@ -81,7 +81,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
 
 
 def caption(plan: ShowPlan) -> str:
-    """What the figure shows."""
+    """Caption of the figure."""
     return f"{CALLED[plan.quantity or '']}: averaging's beside the exact one"
 
 
@@ -110,7 +110,7 @@ def _gap_at_fold(system: ImpactSystem, amplitude: float, omega: float, periods: 
 
 
 def _reach_at_fold(system: ImpactSystem, amplitude: float, omega: float, periods: int) -> float:
-    # the motion scales with drive and gap together, so that the weakest drive is anywhere below or above the case's
+    # the motion scales with drive and gap together, so that the weakest drive may lie anywhere
     for most in (amplitude, STRONGER * amplitude):
         folds = boundaries(system, (most * 1e-4, most), omega, periods, points=2001, kinds=(Kind.FOLD,))
         if folds and folds[0].clear:

@@ -1,4 +1,4 @@
-"""The kind ``curve``: another quantity of the frequency-response curve than its amplitude."""
+"""Figure kind ``curve``: frequency-response curve of another quantity than the amplitude."""
 
 from __future__ import annotations
 
@@ -41,12 +41,12 @@ NOTHING = defaultdict(lambda: "no motion at any frequency", impact_velocity="no 
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """None: the sweep has them."""
+    """No sheets: the sweep has the numbers."""
     return []
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
-    """All fidelities on the same axes, drawn as in the frequency-response curve."""
+    """Draw all fidelities on the same axes, as in the frequency-response curve."""
     case, units, name = result.case, units_for(result), plan.quantity or "amplitude"
     unit, factor = (units.length, units.length_factor) if name in LENGTHS else ("", 1.0)
     unit, factor = (units.speed, units.speed_factor) if name == "impact_velocity" else (unit, factor)
@@ -77,7 +77,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
 
 
 def caption(plan: ShowPlan) -> str:
-    """What the figure shows."""
+    """Caption of the figure."""
     name = plan.quantity or "amplitude"
     return OF_OUTPUT.get(name, CALLED.get(name, name)).split(" (")[0]
 

@@ -1,4 +1,4 @@
-"""The kind ``harmonics``: amplitudes of the output at multiples of the drive frequency (paper Fig. 20).
+"""Figure kind ``harmonics``: amplitudes of the output at multiples of the drive frequency (paper Fig. 20).
 
 Frequencies that the table names are drawn as bars, a panel each; without, the orders are lines over the sweep's. Each
 frequency begins at static equilibrium.
@@ -33,15 +33,15 @@ if TYPE_CHECKING:
 
 HIGHEST = 8
 
-PERIODS = 8  # times the subdivision
+PERIODS = 8  # default highest order, times the subdivision
 
-FEW = 12  # frequencies that are drawn as bars
+FEW = 12  # largest number of frequencies drawn as bars
 
 MARKED = 25  # points of a line below which each is marked
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One a frequency."""
+    """One sheet a frequency."""
     return sheet_each(plan, fidelity, lambda frequency: _columns(case, fidelity, frequency, plan))
 
 
@@ -60,13 +60,13 @@ def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns
 
 
 def size(plan: ShowPlan) -> tuple[float, float]:
-    """A panel for each frequency that is named, or one a fidelity."""
+    """One panel for each frequency named, or one a fidelity."""
     panels = len(plan.frequency) if _few(plan) else len(plan.fidelities)
     return (2.9 * panels + 0.8 if panels > 1 else 5.8, 4.2)
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
-    """Bars at few frequencies, lines over many; the mean (order 0) is in the numbers alone."""
+    """Draw bars at few frequencies, lines over many; the mean (order 0) is in the numbers alone."""
     units = units_for(result)
     grid = (_bar_panels if _few(plan) else _line_panels)(figure, result, plan, shown, units)
     heights = [sheet["harmonic"][sheet["order"] > 0] * units.length_factor for sheet in shown if not sheet.fault]
@@ -75,7 +75,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
 
 
 def caption(plan: ShowPlan) -> str:
-    """What the figure shows."""
+    """Caption of the figure."""
     return "amplitudes at multiples of the drive frequency"
 
 
@@ -84,7 +84,7 @@ def _few(plan: ShowPlan) -> bool:
 
 
 def _bar_panels(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...], units: Units) -> Any:
-    """A panel a frequency, bars side by side for the fidelities."""
+    """Draw a panel a frequency, bars side by side for the fidelities."""
     grid = figure.subplots(1, len(plan.frequency), sharey=True, squeeze=False)[0]
     width = 0.8 / len(plan.fidelities) / (plan.subdivision or 1)
     for axes, frequency in zip(grid, plan.frequency, strict=True):
@@ -99,7 +99,7 @@ def _bar_panels(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple
 
 
 def _line_panels(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...], units: Units) -> Any:
-    """A panel a fidelity, a line an order."""
+    """Draw a panel a fidelity, a line an order."""
     grid = figure.subplots(1, len(plan.fidelities), sharey=True, squeeze=False)[0]
     for axes, name in zip(grid, plan.fidelities, strict=True):
         axes.set_title(plain(name_of(result.case, name)))
@@ -111,7 +111,7 @@ def _line_panels(figure: Figure, result: Comparison, plan: ShowPlan, shown: tupl
 
 
 def _lines(axes: Axes, sheets: list[Sheet], units: Units) -> None:
-    """Each order where it is above round-off."""
+    """Draw each order where it is above round-off."""
     if not sheets:
         return
     across = np.array([sheet.frequency for sheet in sheets]) * units.frequency_factor

@@ -1,6 +1,6 @@
-"""The kind ``history``: displacement and velocity of the output over a few drive periods, the fidelities laid together.
+"""Figure kind ``history``: displacement and velocity of the output over a few drive periods, all fidelities overlaid.
 
-Velocities jump at impacts and are drawn so: a stray value beside an impact, as in the paper's Fig. 5, would be seen.
+Velocities jump at impacts and are drawn so: a stray value beside an impact, as in the paper's Fig. 5, is visible.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ PERIODS = 4
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One a frequency."""
+    """One sheet a frequency."""
     periods = plan.periods or PERIODS
     return sheet_each(plan, fidelity, lambda frequency: motion_columns(case, fidelity, frequency, plan, periods))
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
-    """Displacement above velocity, a column a frequency; of coinciding motions the first is the widest line."""
+    """Draw displacement above velocity, a column a frequency; of coinciding motions the first is the widest line."""
     case, units = result.case, units_for(result)
     grid = figure.subplots(2, len(plan.frequency), sharex=True, sharey="row", squeeze=False)
     for column, frequency in enumerate(plan.frequency):

@@ -1,4 +1,4 @@
-"""The kind ``modal``: the modes of each fidelity as it is swept, platform and torsion included (paper Fig. 17)."""
+"""Figure kind ``modal``: modes of each fidelity, platform and torsion included (paper Fig. 17)."""
 
 from __future__ import annotations
 
@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from vibeam.figures.comparison import Comparison
 
 
-MOST = 12  # modes that are drawn; the numbers are of all
+MOST = 12  # largest number of modes drawn; the numbers are of all
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One, by frequency."""
+    """One sheet, by frequency."""
     system = case.system(fidelity)
     order = np.argsort(system.omega)
     row = system.output(case.sweep.output)
@@ -39,12 +39,12 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 
 def size(plan: ShowPlan) -> tuple[float, float]:
-    """A column a fidelity."""
+    """One column a fidelity."""
     return (1.5 * len(plan.fidelities) + 1.4, 3.2)
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
-    """A table: a row a mode, in each column frequency and damping ratio of one fidelity."""
+    """Draw a table: a row a mode, in each column frequency and damping ratio of one fidelity."""
     units, axes = units_for(result), figure.subplots()
     count = min(MOST, max(len(sheet["mode"]) for sheet in shown))
     axes.axis("off")

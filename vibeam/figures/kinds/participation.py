@@ -1,4 +1,4 @@
-"""The kind ``participation``: the modes' shares in energy, displacement, velocity and impulse."""
+"""Figure kind ``participation``: the modes' shares in energy, displacement, velocity and impulse."""
 
 from __future__ import annotations
 
@@ -33,11 +33,11 @@ MEANING = {
     "impulse_share": "share of an impulse's velocity change at the contact, c²/S",
 }
 
-LEAST = 1e-6  # share that is still drawn
+LEAST = 1e-6  # smallest share drawn
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One a frequency."""
+    """One sheet a frequency."""
     return sheet_each(plan, fidelity, lambda frequency: _columns(case, fidelity, frequency, plan))
 
 
@@ -59,12 +59,12 @@ def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns
 
 
 def size(plan: ShowPlan) -> tuple[float, float]:
-    """A row a share, a column a frequency."""
+    """One row a share, one column a frequency."""
     return (2.6 * len(plan.frequency) + 2.6, 6.4)
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
-    """Bars side by side for the fidelities, on a logarithmic scale."""
+    """Draw bars side by side for the fidelities, on a logarithmic scale."""
     case, units = result.case, units_for(result)
     grid = figure.subplots(len(SHARES), len(plan.frequency), sharex=True, sharey=True, squeeze=False)
     width = 0.8 / len(plan.fidelities)

@@ -1,4 +1,4 @@
-"""The kind ``portrait``: velocity over displacement of the output, with the stop and the impacts marked."""
+"""Figure kind ``portrait``: velocity over displacement of the output, with the stop and the impacts marked."""
 
 from __future__ import annotations
 
@@ -30,21 +30,21 @@ PERIODS = 16
 
 ROUNDING = 1e-13
 
-NEAR = 0.01  # share of the range within which a motion is back where it was
+NEAR = 0.01  # tolerance, as a share of the range, for a closed orbit
 
-REPEATS = 8  # drive periods after which a motion that repeats is back
+REPEATS = 8  # largest period, in drive periods, of a closed orbit
 
-SHADES, LEAST_SHADE = 8.0, 0.12  # opacity of the lines of a motion that does not: this over their number, at least that
+SHADES, LEAST_SHADE = 8.0, 0.12  # opacity of an aperiodic motion's lines: first over their number, second at least
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One a frequency."""
+    """One sheet a frequency."""
     periods = plan.periods or PERIODS
     return sheet_each(plan, fidelity, lambda frequency: motion_columns(case, fidelity, frequency, plan, periods))
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
-    """A panel a frequency."""
+    """Draw a panel a frequency."""
     case, units = result.case, units_for(result)
     grid = figure.subplots(1, len(plan.frequency), sharex=True, sharey=True, squeeze=False)[0]
     for axes, frequency in zip(grid, plan.frequency, strict=True):
@@ -59,10 +59,10 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
 
 def _path(axes: Axes, sheet: Sheet, look: Look, units: Units, label: str) -> None:
     place, speed = sheet["displacement"] * units.length_factor, sheet["velocity"] * units.speed_factor
-    before = np.searchsorted(sheet["time"], sheet["impact_time"] * (1 - ROUNDING))  # the first of the two samples
+    before = np.searchsorted(sheet["time"], sheet["impact_time"] * (1 - ROUNDING))  # first of the two samples
     loops = _loops(sheet)
     faded = max(LEAST_SHADE, SHADES / len(loops)) if len(loops) > REPEATS else 1.0
-    if faded < 1:  # a line a period: where many pass the shade grows darker
+    if faded < 1:  # one line a period: the shade grows darker where many pass
         axes.plot([], [], label=label, **look.keys(0.8))
         paths = [np.stack([place[each], speed[each]], axis=1) for each in loops]
         axes.add_collection(LineCollection(paths, color=look.colour, linewidth=0.5, alpha=faded, rasterized=True))
@@ -75,7 +75,7 @@ def _path(axes: Axes, sheet: Sheet, look: Look, units: Units, label: str) -> Non
 
 
 def _loops(sheet: Sheet) -> list[slice]:
-    """The samples of each drive period, with the first of the next; of a motion that repeats those of one alone."""
+    """Samples of each drive period, with the first of the next; one period of the motion alone if it is periodic."""
     turns = sheet["time"] * sheet.frequency
     last = max(round(float(turns[-1])), 1)
     cuts = np.searchsorted(turns, np.arange(last) * (1 - ROUNDING))
@@ -84,7 +84,7 @@ def _loops(sheet: Sheet) -> list[slice]:
 
 
 def _repeats(sheet: Sheet, cuts: NDArray[np.int64]) -> bool:
-    """Whether the motion comes back to where it was after some of the first drive periods, and stays there."""
+    """Test whether the motion returns after some of the first drive periods, and repeats from there."""
     rows = [sheet[name] for name in ("displacement", "velocity")]
     states = np.stack([row[cuts] / max(float(np.ptp(row)), 1e-300) for row in rows], axis=1)
     back = (np.abs(states[each:] - states[:-each]).max() < NEAR for each in range(1, min(REPEATS + 1, len(states))))

@@ -1,7 +1,7 @@
-"""The kind ``restitution``: the contact's own coefficient beside what a record of the output seems to show.
+"""Figure kind ``restitution``: the contact's own coefficient beside the apparent ones of the output.
 
 Five readings of every impact (paper Fig. 25–26, Table 1): the contact's, the velocities next to the impact, extrema
-near it, the slow part extrapolated to it, and the velocity of mode 1, which is what a slow look at the motion means.
+near it, the slow part extrapolated to it, and the velocity of mode 1, the slow component of the motion.
 """
 
 from __future__ import annotations
@@ -43,15 +43,15 @@ Array = NDArray[np.float64]
 
 PERIODS = 12
 
-SAMPLES = 500  # a drive period, of a motion that is not measured
+SAMPLES = 500  # samples a drive period, of a motion that is not measured
 
-WINDOW = 0.08  # drive periods in which an extremum is looked for: 5 ms near 15.5 Hz
+WINDOW = 0.08  # window of the extremum, in drive periods: 5 ms near 15.5 Hz
 
-FIT = 0.9  # drive periods to which the slow part is fitted; an impact nearby ends it
+FIT = 0.9  # window of the slow part's fit, in drive periods; an impact nearby ends it
 
 GUARD = 0.016  # drive periods left out next to impacts, where a filter smears: 1 ms near 15.5 Hz
 
-SHOWN = (-0.5, 2.0)  # drawn at most: a reading beside an impact can be anything
+SHOWN = (-0.5, 2.0)  # largest value drawn: a reading beside an impact is unbounded
 
 BESIDE = 2  # further modes fitted beside the slow part
 
@@ -65,7 +65,7 @@ MEANING = {
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One a frequency."""
+    """One sheet a frequency."""
     return sheet_each(plan, fidelity, lambda frequency: _columns(case, fidelity, frequency, plan))
 
 
@@ -86,7 +86,7 @@ def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns
 
 
 def _readings(found: MeasuredWindow, period: float) -> dict[str, Restitution]:
-    """Of all impacts of the path: those beside the window end the stretches of those in it."""
+    """Readings of all impacts of the path: impacts outside the window still bound the stretches inside."""
     path, record = found.path, found.record
     hits = impacts_within(path, path.t_start, path.t_end)[:, 0]
     system, near = path.system, {"delay": found.delay}
@@ -113,12 +113,12 @@ def _readings(found: MeasuredWindow, period: float) -> dict[str, Restitution]:
 
 
 def size(plan: ShowPlan) -> tuple[float, float]:
-    """A panel a fidelity."""
+    """One panel a fidelity."""
     return (2.7 * len(plan.fidelities) + 0.8 if len(plan.fidelities) > 1 else 5.8, 4.4)
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
-    """All readings over frequency, a panel a fidelity; a band is the spread between impacts."""
+    """Draw all readings over frequency, a panel a fidelity; a band is the spread between impacts."""
     case, units = result.case, units_for(result)
     grid = figure.subplots(1, len(plan.fidelities), sharex=True, sharey=True, squeeze=False)[0]
     for axes, name in zip(grid, plan.fidelities, strict=True):

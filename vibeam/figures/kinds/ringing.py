@@ -1,4 +1,4 @@
-"""The kind ``ringing``: what rings between impacts, by a fitted damped sinusoid and by counted peaks (paper Fig. 27).
+"""Figure kind ``ringing``: ringing between impacts, by a fitted damped sinusoid and by counted peaks (paper Fig. 27).
 
 Both read the same record, the fit beside the modes above, the counting after the slow part is taken off. Sizes are the
 means of the fitted envelope over an interval between impacts.
@@ -30,15 +30,15 @@ if TYPE_CHECKING:
 
 PERIODS = 12
 
-SAMPLES = 48  # a period of the ringing, of a motion that is not measured
+SAMPLES = 48  # samples a period of the ringing, of a motion that is not measured
 
-GUARD = 0.2  # periods of the ringing left out next to impacts, where faster modes and the filter still speak
+GUARD = 0.2  # periods of the ringing left out next to impacts, where faster modes and the filter still act
 
-PROMINENCE = 0.2  # share of the range by which a counted peak stands out
+PROMINENCE = 0.2  # prominence of a counted peak, as a share of the range
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One a frequency."""
+    """One sheet a frequency."""
     return sheet_each(plan, fidelity, lambda frequency: _columns(case, fidelity, frequency, plan))
 
 
@@ -82,7 +82,7 @@ def size(plan: ShowPlan) -> tuple[float, float]:
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
-    """Frequency above, fitted solid and counted dashed; peak velocity below, on the right as displacement."""
+    """Draw frequency above, fitted solid and counted dashed; peak velocity below, on the right as displacement."""
     case, units = result.case, units_for(result)
     upper, lower = figure.subplots(2, 1, sharex=True)
     right = lower.twinx()
@@ -105,5 +105,5 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
 
 
 def caption(plan: ShowPlan) -> str:
-    """What the figure shows."""
+    """Caption of the figure."""
     return "frequency and size of what rings between impacts"

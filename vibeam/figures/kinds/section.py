@@ -1,4 +1,4 @@
-"""The kind ``section``: the state of the output once a drive period, at the drive's phase 0 (a Poincaré section)."""
+"""Figure kind ``section``: Poincaré section of the output, once a drive period at the drive's phase 0."""
 
 from __future__ import annotations
 
@@ -30,11 +30,11 @@ Array = NDArray[np.float64]
 
 PERIODS = 500
 
-PLACES = 32  # points of a section that is drawn with large marks
+PLACES = 32  # largest number of points drawn with large marks
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One a frequency."""
+    """One sheet a frequency."""
     return sheet_each(plan, fidelity, lambda frequency: _columns(case, fidelity, frequency, plan))
 
 
@@ -54,7 +54,7 @@ def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns
 
 
 def _stepped(begin: Settled, state: State, periods: int, output: str) -> tuple[Array, Array]:
-    """Period by period, by the solver itself."""
+    """Section by the solver itself, period by period."""
     row, points = begin.system.output(output), []
     omega = np.array([begin.drive.omega])
     for _ in range(periods):
@@ -68,7 +68,7 @@ def _stepped(begin: Settled, state: State, periods: int, output: str) -> tuple[A
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
-    """A panel a frequency."""
+    """Draw a panel a frequency."""
     case, units = result.case, units_for(result)
     grid = figure.subplots(1, len(plan.frequency), sharex=True, sharey=True, squeeze=False)[0]
     for axes, frequency in zip(grid, plan.frequency, strict=True):
@@ -85,11 +85,11 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
 
 
 def caption(plan: ShowPlan) -> str:
-    """What the figure shows."""
+    """Caption of the figure."""
     return "stroboscopic section: one point a drive period"
 
 
 def _size(place: Array, speed: Array) -> float:
-    """Of the marks, in points: a few places are to be seen, many are to stay apart."""
+    """Size of the marks, in points: large for few distinct places, small for many."""
     steps = [np.round(row / max(float(np.abs(row).max()), 1e-300), 6) for row in (place, speed)]
     return 7.0 if len(np.unique(np.stack(steps), axis=1).T) <= PLACES else 2.0

@@ -1,4 +1,4 @@
-"""The kind ``spectrum``: amplitude spectra of displacement and velocity, a sine reads its peak value."""
+"""Figure kind ``spectrum``: amplitude spectra of displacement and velocity; a sine reads its peak value."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ if TYPE_CHECKING:
 
 PERIODS = 64
 
-SAMPLES = 256  # a drive period, of a motion that is not measured
+SAMPLES = 256  # samples a drive period, of a motion that is not measured
 
-SHOWN = 16  # multiples of the drive frequency
+SHOWN = 16  # largest frequency shown, in multiples of the drive frequency
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One a frequency."""
+    """One sheet a frequency."""
     return sheet_each(plan, fidelity, lambda frequency: _columns(case, fidelity, frequency, plan))
 
 
@@ -45,7 +45,7 @@ def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
-    """Displacement above velocity, a column a frequency."""
+    """Draw displacement above velocity, a column a frequency."""
     case, units = result.case, units_for(result)
     rows = (("displacement", units.length_factor), ("velocity", units.speed_factor))
     grid = figure.subplots(2, len(plan.frequency), sharex="col", sharey="row", squeeze=False)
