@@ -2,7 +2,7 @@
 
 The right method depends on time scales. The contact's own R is ``true_restitution``. Away from the
 contact the impulse arrives as a bending wave: the more modes, the less does the sensor's velocity jump at the instant
-of impact (its coefficient tends to −1), and what a record seems to show is the slow part, the first mode's:
+of impact (its coefficient tends to −1), and the apparent one is that of the slow part, the first mode:
 ``mode_restitution``, R₁ where only mode 1 moves before the impact.
 """
 
@@ -105,15 +105,15 @@ def extrapolated_restitution(
     """Restitution from fits of the slow part to displacements within ``window`` s before and after each impact.
 
     ``beside``: vibrations of further modes, fitted along but not used; without them they bias the slow part.
-    ``guard`` s: left out next to impacts (what a filter smears over). A stretch ends at the neighbouring impacts.
+    ``guard`` s: left out next to impacts (where a filter smears). A stretch ends at the neighbouring impacts.
     """
     t, x = np.asarray(time, dtype=float), np.asarray(displacement, dtype=float)
     hits = np.asarray(impact_times, dtype=float)
-    seen = hits + delay
+    delayed = hits + delay
     before, after = np.full(len(hits), np.nan), np.full(len(hits), np.nan)
-    for i, hit in enumerate(seen):
-        since = max(hit - window, seen[i - 1] + guard if i else -np.inf)
-        until = min(hit + window, seen[i + 1] - guard if i + 1 < len(seen) else np.inf)
+    for i, hit in enumerate(delayed):
+        since = max(hit - window, delayed[i - 1] + guard if i else -np.inf)
+        until = min(hit + window, delayed[i + 1] - guard if i + 1 < len(delayed) else np.inf)
         before[i] = _extrapolated(t, x, slow, beside, since, hit - guard, hit)
         after[i] = _extrapolated(t, x, slow, beside, hit + guard, until, hit)
     return Restitution(hits, before, after)

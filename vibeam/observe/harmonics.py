@@ -43,7 +43,7 @@ class Harmonics:
 
     @property
     def subharmonics(self) -> float:
-        """The root of Σ|X|² over the orders that are no whole numbers, m: 0 where the motion repeats every period."""
+        """Root of Σ|X|² over the orders that are not whole numbers, m: 0 where the motion repeats every period."""
         return float(np.linalg.norm(self.amplitude[np.abs(self.order - np.round(self.order)) > 1e-9]))
 
 
@@ -53,7 +53,7 @@ def harmonic_amplitudes(
     """Harmonics of order 0, 1/m, 2/m … ``highest`` (m = ``subdivision``) of an output over the last drive ``periods``.
 
     X_k = 2/T ∫ x e^{−ikΩt} dt, of order 0 half of it, to round-off: see ``quadrature``. ValueError for ``periods`` that
-    are no multiple of ``subdivision`` or more than there are, KeyError for an unknown output.
+    are no multiple of ``subdivision`` or more than available, KeyError for an unknown output.
     """
     order = _orders(highest, subdivision)
     if periods % subdivision:

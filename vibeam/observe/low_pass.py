@@ -22,7 +22,7 @@ HIGHEST_ORDER = 10
 
 @dataclass(frozen=True)
 class LowPass:
-    """An analog low-pass filter of unit gain at 0 Hz.
+    """Analog low-pass filter of unit gain at 0 Hz.
 
     ``cutoff`` Hz: where the gain is 1/√2 (Bessel, Butterworth) or leaves the ripple (elliptic). ``ripple`` (pass band)
     and ``attenuation`` (stop band) in dB are the elliptic filter's alone. ValueError names every wrong argument.
@@ -106,10 +106,10 @@ def _sections(low_pass: LowPass) -> tuple[Complex, Complex, float]:
     """Partial fractions of the filter, H(s) = direct + Σ residue/(s − pole); all three families have distinct poles."""
     zeros, poles, gain = low_pass.zpk()
     direct = gain if len(zeros) == len(poles) else 0.0
-    apart = poles[:, None] - poles[None, :] + np.eye(len(poles))
+    differences = poles[:, None] - poles[None, :] + np.eye(len(poles))
     scale = abs(poles[0])  # products of like magnitudes: no overflow at high orders
     top = np.prod((poles[:, None] - zeros[None, :]) / scale, axis=1)
-    bottom = np.prod(np.where(np.eye(len(poles), dtype=bool), 1.0, apart / scale), axis=1)
+    bottom = np.prod(np.where(np.eye(len(poles), dtype=bool), 1.0, differences / scale), axis=1)
     return poles, gain * top / bottom * scale ** (len(zeros) - len(poles) + 1.0), direct
 
 

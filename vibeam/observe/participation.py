@@ -36,7 +36,7 @@ class Participation:
 def modal_participation(path: Path, output: str = "sensor", *, periods: int) -> Participation:
     """Participation of every mode over the last ``periods`` drive periods, integrated to round-off.
 
-    ValueError for more periods than there are, KeyError for an unknown output.
+    ValueError for more periods than available, KeyError for an unknown output.
     """
     begin, end = last_periods(path, periods)
     system, row = path.system, path.system.output(output)

@@ -30,7 +30,7 @@ class Rhythm:
 def rhythm(path: Path, *, periods: int, tolerance: float = 1e-6) -> Rhythm:
     """Rhythm of the last ``periods`` drive periods; ``tolerance``: share of the state by which repeats may differ.
 
-    The longest period found is half of the window, 16 at most. ValueError for more periods than there are.
+    The longest period found is half of the window, 16 at most. ValueError for more periods than available.
     """
 
     begin, end = last_periods(path, periods)

@@ -59,7 +59,7 @@ def base_velocity_jump(velocity: ArrayLike, restitution: float, mobility: float,
     """Velocity jump of a free platform's base at an impact, m/s; negative where it is pushed back.
 
     ``velocity`` m/s: of the contact relative to the stop just before, positive toward it; ``mobility`` S = Σ c_i² of
-    the beam on a fixed base, 1/kg (1/S is the mass that strikes); ``platform_mass`` kg: what moves as one with the
+    the beam on a fixed base, 1/kg (1/S is the impacting mass); ``platform_mass`` kg: moving together with the
     clamp. The stop stands on the platform, so an impulse p = (1+R) v/(S + 1/M_p) acts on it and −p on the beam; a heavy
     platform (S M_p ≫ 1) takes m_eff Δv/M_p. Returned is p/M_p: positive toward where the beam was going.
     """

@@ -33,7 +33,7 @@ class ImpactSection:
 def stroboscopic_section(path: Path, output: str = "sensor", *, periods: int, phase: float = 0.0) -> Section:
     """Stroboscopic section of an output at Ωt = ``phase`` (rad, modulo 2π) in the last ``periods`` drive periods.
 
-    ValueError for more periods than there are, KeyError for an unknown output.
+    ValueError for more periods than available, KeyError for an unknown output.
     """
     begin, _ = last_periods(path, periods)
     omega = path.drive.omega
@@ -55,6 +55,6 @@ def sampled_section(time: Array, displacement: Array, velocity: Array, omega: fl
 
 
 def impact_section(path: Path, *, periods: int) -> ImpactSection:
-    """Impact section of the last ``periods`` drive periods; ValueError for more than there are."""
+    """Impact section of the last ``periods`` drive periods; ValueError for more than available."""
     hits = impacts_within(path, *last_periods(path, periods))
     return ImpactSection(hits[:, 0], np.mod(path.drive.omega * hits[:, 0], 2 * np.pi), hits[:, 1])

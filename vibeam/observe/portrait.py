@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Portrait:
-    """A curve (m,): ``time`` s, ``displacement`` m, ``velocity`` m/s; an impact is two points at the same time.
+    """Curve (m,): ``time`` s, ``displacement`` m, ``velocity`` m/s; an impact is two points at the same time.
 
     ``jumps`` (k,): the index of the first of each such two.
     """
@@ -28,7 +28,7 @@ class Portrait:
 def phase_portrait(path: Path, output: str = "sensor", *, periods: int, points: int = 1000) -> Portrait:
     """Portrait of the last ``periods`` drive periods of an output, about ``points`` a period and both sides of impacts.
 
-    ValueError for more periods than there are or ``points`` < 2, KeyError for an unknown output.
+    ValueError for more periods than available or ``points`` < 2, KeyError for an unknown output.
     """
     if points < 2:
         raise ValueError(f"points: {points} a period, there must be 2 or more")

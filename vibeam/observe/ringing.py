@@ -20,12 +20,12 @@ REACH = 1.5  # factor by which the search may leave its start
 
 @dataclass(frozen=True)
 class Ringing:
-    """One entry an interval between impacts; NaN where none could be fitted, ``found`` tells which.
+    """Ringing in each interval between impacts, one entry an interval; NaN without a fit, see ``found``.
 
     ``begin``, ``end`` s: of the samples used. ``frequency`` Hz (damped) and ``decay`` 1/s of the sinusoid;
     ``displacement`` m and ``velocity`` m/s: its peak values at the interval's begin; ``mean_displacement`` and
-    ``mean_velocity``: of its envelope over the interval (the paper's "mean peak"); ``residual`` m: rms of what neither
-    it nor the slow part explains.
+    ``mean_velocity``: of its envelope over the interval (the paper's "mean peak"); ``residual`` m: rms of the
+    misfit of both parts.
     """
 
     begin: Array

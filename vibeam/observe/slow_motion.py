@@ -57,7 +57,7 @@ def slow_part(system: ImpactSystem, drive: Drive, modes: int = 1) -> SlowPart:
 
 
 def further_modes(system: ImpactSystem, first: int = 2, last: int = 3) -> SlowPart:
-    """The free vibrations of modes ``first`` to ``last``, counted from 1 by frequency: to be fitted beside a slow part.
+    """Free vibrations of modes ``first`` to ``last``, counted from 1 by frequency: to be fitted beside a slow part.
 
     Overdamped ones are left out; ValueError where none remains.
     """

@@ -172,7 +172,7 @@ class ImpactSystem:
         law: Restitution | VelocityRestitution | CompliantStop | None = None,
         second_gap: float | None = None,
     ) -> ImpactSystem:
-        """The modal form of any Structure, all its modes; damping that couples them is kept as ``coupling``, and so is
+        """Build the modal form of any Structure, all its modes; coupled damping is kept as ``coupling``, and so is
         that of a mode without stiffness, which has no damping ratio.
 
         ValueError as in the class, and for matrices that are no structure's. Own matrices M, C and K, here two masses
