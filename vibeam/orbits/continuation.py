@@ -22,7 +22,7 @@ def follow(system: ImpactSystem, start: Boundary, parameter: str, values: ArrayL
     Each is located to round-off in ``start.parameter``, guessed from the two before it; steps too long for that are
     halved. Where it goes through a fold the two motions change their order, and ``branch`` with it. The curve ends
     before the first value at which no root is found near the guess: at an extreme of ``parameter``, where it does not
-    turn back, and where the impact velocity comes to zero, beyond which the stop would have to pull (a fold meets
+    turn back, and where the impact velocity vanishes, beyond which the stop would have to pull (a fold meets
     GRAZING there, G₀ = 0: for one mode at Ω = 2ω√(1 − ζ²)). ValueError where the two parameters are the same or
     unknown.
     """

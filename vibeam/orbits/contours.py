@@ -180,11 +180,11 @@ def _curves(
     share = np.array([known[edge] for edge in chain])
     omega, values = plane.between(chain, share)
     points = plane.at(omega, values)
-    seen = _real(plane, chain, share, points) if kind is Kind.FOLD else points
+    beside = _real(plane, chain, share, points) if kind is Kind.FOLD else points
     grazing = kind is Kind.GRAZING
-    strikes = np.ones(len(chain), dtype=bool) if grazing else seen.roots.impulse[:, branch] < 0
-    clear = points.gap > points.total.offset if grazing else clearances(plane.system, seen, branch) > -TOUCH
-    velocity = np.zeros(len(chain)) if grazing else seen.roots.velocity[:, branch]
+    strikes = np.ones(len(chain), dtype=bool) if grazing else beside.roots.impulse[:, branch] < 0
+    clear = points.gap > points.total.offset if grazing else clearances(plane.system, beside, branch) > -TOUCH
+    velocity = np.zeros(len(chain)) if grazing else beside.roots.velocity[:, branch]
     for part in np.split(np.arange(len(chain)), np.flatnonzero(np.diff(strikes)) + 1):
         if strikes[part[0]]:
             rows = omega[part], points.amplitude[part], points.gap[part], velocity[part], clear[part]

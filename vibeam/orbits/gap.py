@@ -5,7 +5,7 @@ At τ after an impact, with H e^{iφ} = y + ix (φ the drive phase at the impact
     d(τ) = Δ − u(τ) = x (1 − cos Ωτ) − y sin Ωτ − p (G(τ) − G(0)),
 
 0 at both ends of the span. Every mode's g obeys g'' + 2σg' + ω²g = 0, and so do its derivatives z, whose z² + (z'/ω)²
-never grows: |g''''| after τ is bounded by what it and the fifth derivative are at τ. Two decays far apart are bounded
+never grows: |g''''| after τ is bounded by its value and the fifth derivative at τ. Two decays far apart are bounded
 one by one.
 """
 
@@ -53,7 +53,7 @@ class Flights:
     def of(cls, system: ImpactSystem, total: Sums, roots: Roots, amplitude: Array, branch: int) -> Flights:
         """Flights of one branch."""
         pairs = zip(system.omega, system.zeta, strict=True)
-        start = np.array([green(own, zeta * own, pair(own, zeta, total.span)) for own, zeta in pairs])
+        start = np.array([green(natural, zeta * natural, pair(natural, zeta, total.span)) for natural, zeta in pairs])
         part = total.unit * amplitude * np.exp(1j * roots.phase[:, branch])
         return cls(system, total.omega, total.span, part, roots.impulse[:, branch], start)
 
@@ -83,30 +83,30 @@ class Flights:
         """Green's function G − G(0), G', G'' and the bound on G''''."""
         total = np.zeros((4, len(times)))
         for i in np.flatnonzero(self.system.contact):
-            own, zeta = float(self.system.omega[i]), float(self.system.zeta[i])
-            mode = _mode(own, zeta, self.start[i][:, which], times, self.span[which])
+            natural, zeta = float(self.system.omega[i]), float(self.system.zeta[i])
+            mode = _mode(natural, zeta, self.start[i][:, which], times, self.span[which])
             total += self.system.contact[i] ** 2 * np.stack(mode)
         return Gap(*total)
 
 
-def _mode(own: float, zeta: float, start: Array, times: Array, span: Array) -> Gap:
+def _mode(natural: float, zeta: float, start: Array, times: Array, span: Array) -> Gap:
     """One mode's g − g(0), g', g'' and the bound on g''''; without stiffness g = t(nT − t)/(2nT) + const."""
-    if own == 0:
+    if natural == 0:
         return Gap(times / 2 - times**2 / (2 * span), 0.5 - times / span, -1 / span, np.zeros_like(times))
-    sigma, p = zeta * own, pair(own, zeta, times)
+    sigma, p = zeta * natural, pair(natural, zeta, times)
     value, slope = p.p01 * start[1] - p.rise * start[0], p.p10 * start[0] + p.p11 * start[1]
-    bend = -2 * sigma * slope - own**2 * (start[0] + value)
+    bend = -2 * sigma * slope - natural**2 * (start[0] + value)
     if zeta > APART:
-        return Gap(value, slope, bend, _two_decays(own, sigma, zeta, times, span))
-    third = -2 * sigma * bend - own**2 * slope
-    fourth = -2 * sigma * third - own**2 * bend
-    fifth = -2 * sigma * fourth - own**2 * third
-    return Gap(value, slope, bend, np.hypot(fourth, fifth / own))
+        return Gap(value, slope, bend, _two_decays(natural, sigma, zeta, times, span))
+    third = -2 * sigma * bend - natural**2 * slope
+    fourth = -2 * sigma * third - natural**2 * bend
+    fifth = -2 * sigma * fourth - natural**2 * third
+    return Gap(value, slope, bend, np.hypot(fourth, fifth / natural))
 
 
-def _two_decays(own: float, sigma: float, zeta: float, times: Array, span: Array) -> Array:
+def _two_decays(natural: float, sigma: float, zeta: float, times: Array, span: Array) -> Array:
     """Overdamped mode: g = (e^{−st}/(1 − e^{−snT}) − e^{−ft}/(1 − e^{−fnT}))/(f − s), each decay bounded separately."""
-    fast = sigma + own * np.sqrt((zeta - 1) * (zeta + 1))
-    slow = own * own / fast
+    fast = sigma + natural * np.sqrt((zeta - 1) * (zeta + 1))
+    slow = natural * natural / fast
     parts = [rate**4 * np.exp(-rate * times) / -np.expm1(-rate * span) for rate in (slow, fast)]
     return np.asarray((parts[0] + parts[1]) / (fast - slow))

@@ -83,11 +83,13 @@ def sums(system: ImpactSystem, omega: Array, periods: int) -> Sums:
     """Compute the sums at drives ``omega`` (points,) rad/s; the cost is linear in the number of modes."""
     span = 2 * np.pi * periods / omega
     moving = system.contact != 0
-    own, zeta, contact, load = (row[moving, None] for row in (system.omega, system.zeta, system.contact, system.load))
-    sigma, square = zeta * own, contact**2
+    natural, zeta, contact, load = (
+        row[moving, None] for row in (system.omega, system.zeta, system.contact, system.load)
+    )
+    sigma, square = zeta * natural, contact**2
     p = pairs(system.omega[moving], system.zeta[moving], span)
-    unit = _total(contact * load * phasor(own, sigma, omega))
-    g0, g1, g2 = (_total(square * each) for each in _green(own, sigma, p, span))
+    unit = _total(contact * load * phasor(natural, sigma, omega))
+    g0, g1, g2 = (_total(square * each) for each in _green(natural, sigma, p, span))
     plus, minus = ([_total(square * each) for each in _transfer(p, sigma, sign)] for sign in (1.0, -1.0))
     return Sums(
         omega, span, unit, g0, g1, g2, Transfer(*plus), Transfer(*minus),
@@ -100,10 +102,10 @@ def _total(rows: NDArray[T]) -> NDArray[T]:
     return reduce(np.add, rows)
 
 
-def phasor(own: float | Array, sigma: float | Array, omega: Array) -> Complex:
+def phasor(natural: float | Array, sigma: float | Array, omega: Array) -> Complex:
     """Steady response Ω²/(ω² − Ω² + 2iσΩ) of a mode to a base motion of 1 m."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(omega**2 / ((own - omega) * (own + omega) + 2j * sigma * omega))
+        return np.asarray(omega**2 / ((natural - omega) * (natural + omega) + 2j * sigma * omega))
 
 
 def offsets(system: ImpactSystem) -> Array:
@@ -112,19 +114,19 @@ def offsets(system: ImpactSystem) -> Array:
     return np.where(stiff, system.static / np.where(stiff, system.omega, 1.0) ** 2, 0.0)
 
 
-def green(own: float | Array, sigma: float | Array, p: Pair) -> tuple[Array, Array]:
+def green(natural: float | Array, sigma: float | Array, p: Pair) -> tuple[Array, Array]:
     """Periodic Green's function g(0), g'(0⁺) of one mode, or of several as rows; 0 and ½ without stiffness."""
     with np.errstate(divide="ignore", invalid="ignore"):
         g0, g1 = p.p01 / p.closing, p.rise / p.closing
-    if np.all(own):
+    if np.all(natural):
         return g0, g1
-    return np.where(own == 0, 0.0, g0), np.where(own == 0, 0.5, g1)
+    return np.where(natural == 0, 0.0, g0), np.where(natural == 0, 0.5, g1)
 
 
-def _green(own: Array, sigma: Array, p: Pair, span: Array) -> tuple[Array, Array, Array]:
-    g0, g1 = green(own, sigma, p)
+def _green(natural: Array, sigma: Array, p: Pair, span: Array) -> tuple[Array, Array, Array]:
+    g0, g1 = green(natural, sigma, p)
     with np.errstate(invalid="ignore"):
-        return g0, g1, np.where(own == 0, -1 / span, -2 * sigma * (g1 - 1) - own * own * g0)
+        return g0, g1, np.where(natural == 0, -1 / span, -2 * sigma * (g1 - 1) - natural * natural * g0)
 
 
 def _transfer(p: Pair, sigma: Array, sign: float) -> tuple[Array, Array, Array, Array]:

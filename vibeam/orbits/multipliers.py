@@ -54,9 +54,9 @@ def monodromy(system: ImpactSystem, span: Array, lean: Array, modes: NDArray[np.
     ``modes``: indices of the modes kept; the others are taken to have decayed by the impact.
     """
     kept = np.arange(system.size) if modes is None else modes
-    own, zeta, c = system.omega[kept], system.zeta[kept], system.contact[kept]
-    flown = _propagators(own, zeta, span)
-    n, sigma, s = len(kept), zeta * own, (1 + system.restitution) / float(system.contact @ system.contact)
+    natural, zeta, c = system.omega[kept], system.zeta[kept], system.contact[kept]
+    flown = _propagators(natural, zeta, span)
+    n, sigma, s = len(kept), zeta * natural, (1 + system.restitution) / float(system.contact @ system.contact)
     rows = [np.concatenate([c * flown.p00, c * flown.p01], axis=1), np.concatenate([c * flown.p10, c * flown.p11], 1)]
     turned = s * (2 * sigma + lean[:, None]) * c
     matrix = np.empty((len(span), 2 * n, 2 * n))
@@ -71,7 +71,7 @@ def monodromy(system: ImpactSystem, span: Array, lean: Array, modes: NDArray[np.
 
 
 def multipliers(system: ImpactSystem, span: Array, lean: Array) -> Complex:
-    """The 2n Floquet multipliers (points, 2n), largest first; modes are scaled to one unit first."""
+    """Compute the 2n Floquet multipliers (points, 2n), largest first; modes are scaled to one unit first."""
     scale = np.where(system.omega > 0, system.omega, 1.0)
     units = np.concatenate([scale, np.ones(system.size)])
     found = np.empty((len(span), 2 * system.size), dtype=complex)

@@ -24,7 +24,7 @@ Complex = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class Orbit:
-    """A motion with one impact every ``periods`` drive periods. SI units.
+    """Motion with one impact every ``periods`` drive periods. SI units.
 
     ``admissible``: it stays clear of the stop between its impacts, proved by the flight solver's root bounds; one that
     is not satisfies the equations at the impact but is no motion, and its ``reach`` is NaN.
@@ -74,7 +74,7 @@ def orbits(
     """Find all motions with one impact per ``periods`` drive periods, harder impact first: none, one or two.
 
     Exact for any number of modes of any damping, with static forces; not admissible ones are among them. ``witness``:
-    the flight solver that certifies, where many drives are asked for. Empty where the impact equations have no real
+    a flight solver for the certificate, to be reused for many drives. Empty where the impact equations have no real
     root that pushes away from the stop (also without a drive). ValueError for an undamped mode at a resonance (driven
     at its own frequency, or a whole number of its turns in the span, so that impacts make it grow), and for modes
     without stiffness that no static force brings back to the stop.

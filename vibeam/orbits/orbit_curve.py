@@ -23,7 +23,7 @@ class OrbitCurve:
     """Motions with one impact per ``periods`` drive periods; arrays (points, 2), NaN where there is none.
 
     The two columns are the two roots, the harder impact first, each smooth along the axis. They satisfy contact and
-    restitution at the impact; whether they stay clear of the stop in between is for ``orbits`` to say.
+    restitution at the impact; ``orbits`` decides whether they stay clear of the stop in between.
     """
 
     omega: Array
@@ -54,7 +54,7 @@ def checked(system: ImpactSystem, omega: ArrayLike, periods: int) -> Array:
 def orbit_curve(system: ImpactSystem, omega: ArrayLike, amplitude: float, periods: int = 1) -> OrbitCurve:
     """Compute both motions at frequencies ``omega`` (points,) rad/s under base motion of ``amplitude`` m.
 
-    The cost of motion and of D(±1) is linear in the number of modes; eigenvalues (n³) are asked for only where D(±1)
+    The cost of motion and of D(±1) is linear in the number of modes; eigenvalues (n³) are computed only where D(±1)
     leave stability open, never at both roots of a point. Exact resonances of undamped modes are NaN. ValueError as in
     ``orbits``.
     """

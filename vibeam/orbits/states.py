@@ -18,8 +18,8 @@ Complex = NDArray[np.complex128]
 def phasors(system: ImpactSystem, drive: Drive) -> Complex:
     """Phasors h (n,): the steady response to the drive alone is Im(h e^{iΩt}) plus the static displacements."""
     unit = [
-        load * phasor(own, zeta * own, np.array([drive.omega]))[0] if load else 0j
-        for own, zeta, load in zip(system.omega, system.zeta, system.load, strict=True)
+        load * phasor(natural, zeta * natural, np.array([drive.omega]))[0] if load else 0j
+        for natural, zeta, load in zip(system.omega, system.zeta, system.load, strict=True)
     ]
     return np.asarray(drive.amplitude * np.array(unit, dtype=complex))
 
@@ -28,8 +28,8 @@ def state_after(system: ImpactSystem, drive: Drive, periods: int, phase: float, 
     """State just after impact: the drive's response and the impulse train's; the contact lies at the gap."""
     span = np.array([2 * np.pi * periods / drive.omega])
     shapes = [
-        green(own, zeta * own, pair(own, zeta, span)) if contact else (np.zeros(1), np.zeros(1))
-        for own, zeta, contact in zip(system.omega, system.zeta, system.contact, strict=True)
+        green(natural, zeta * natural, pair(natural, zeta, span)) if contact else (np.zeros(1), np.zeros(1))
+        for natural, zeta, contact in zip(system.omega, system.zeta, system.contact, strict=True)
     ]
     g = np.array(shapes)[:, :, 0]
     turned = phasors(system, drive) * np.exp(1j * phase)

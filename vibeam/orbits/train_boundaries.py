@@ -19,7 +19,7 @@ from vibeam.orbits.clearance import least_minimum
 from vibeam.orbits.modal_sums import offsets
 from vibeam.orbits.states import phasors
 from vibeam.orbits.train_gap import TrainGap
-from vibeam.orbits.train_orbits import TrainOrbit, multipliers_of, poses
+from vibeam.orbits.train_orbits import TrainOrbit, multipliers_of, states_before
 from vibeam.orbits.trains import Train, equations
 from vibeam.system.impact_system import Drive, ImpactSystem
 
@@ -147,8 +147,8 @@ def train_boundaries(
     return tuple(_walk(branch, begin, float(np.sign(to - value)), 1 / steps, longest))
 
 
-def _walk(branch: _Branch, begin: Array, way: float, step: float, longest: int) -> Iterator[TrainBoundary]:
-    z, along = begin, np.append(np.zeros(len(begin) - 1), way)
+def _walk(branch: _Branch, begin: Array, towards: float, step: float, longest: int) -> Iterator[TrainBoundary]:
+    z, along = begin, np.append(np.zeros(len(begin) - 1), towards)
     along = branch.direction(z, along)
     tests = {kind: branch.test(kind, z, along) for kind in KINDS}
     length = step
@@ -165,12 +165,12 @@ def _walk(branch: _Branch, begin: Array, way: float, step: float, longest: int) 
         crossed = [kind for kind in KINDS if tests[kind] * following[kind] < 0]
         found = [(at, kind) for kind in crossed if (at := _root(branch, kind, z, along, length)) is not None]
         for at, kind in sorted(found, key=lambda pair: pair[0]):
-            there = branch.corrected(z + at * along, along)
-            if there is not None and 0 <= way * (there[-1] - begin[-1]) <= 1:
-                yield _boundary(branch, kind, there)
+            located = branch.corrected(z + at * along, along)
+            if located is not None and 0 <= towards * (located[-1] - begin[-1]) <= 1:
+                yield _boundary(branch, kind, located)
             if kind in ENDS:
                 return
-        if not 0 <= way * (ahead[-1] - begin[-1]) <= 1:
+        if not 0 <= towards * (ahead[-1] - begin[-1]) <= 1:
             return
         z, along = ahead, branch.direction(ahead, along)
         tests = following | {Kind.FOLD: float(along[-1])}
@@ -179,28 +179,28 @@ def _walk(branch: _Branch, begin: Array, way: float, step: float, longest: int) 
 def _root(branch: _Branch, kind: Kind, z: Array, along: Array, length: float) -> float | None:
     """Position of the boundary along the step; None where the sign changes by a jump."""
 
-    seen: dict[float, float] = {}
+    values: dict[float, float] = {}
 
-    def test(way: float) -> float:
-        there = branch.corrected(z + way * along, along)
-        if there is None:  # near a crossing of two branches the equations are almost singular
+    def test(step: float) -> float:
+        point = branch.corrected(z + step * along, along)
+        if point is None:  # near a crossing of two branches the equations are almost singular
             raise ArithmeticError
-        seen[way] = branch.test(kind, there, along)
-        return seen[way]
+        values[step] = branch.test(kind, point, along)
+        return values[step]
 
     try:
         if test(0.0) * test(length) < 0:
             brentq(test, 0.0, length, xtol=1e-15, rtol=4 * np.finfo(float).eps, disp=False)
     except ArithmeticError:
         pass
-    values = np.abs(np.array(list(seen.values())))
-    nearest = list(seen)[int(np.argmin(values))]
-    return nearest if len(seen) > 2 and values.min() <= JUMP * values.max() else None
+    sizes = np.abs(np.array(list(values.values())))
+    nearest = list(values)[int(np.argmin(sizes))]
+    return nearest if len(values) > 2 and sizes.min() <= JUMP * sizes.max() else None
 
 
 def clearance(system: ImpactSystem, drive: Drive, span: float, train: Train) -> float:
     """Least local minimum of the gap between impacts, certified, as a share of the motion's size, at most 1."""
-    after = poses(system, drive, span, train)
+    after = states_before(system, drive, span, train)
     after = after[0], after[1] + train.impulses[:, None] * system.contact
     h, order = phasors(system, drive), np.argsort(train.times)
     turned = h * np.exp(1j * drive.omega * train.times)[:, None]

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 class TrainGap:
     """Flights from impact to impact (m,): drive, duration, the drive's part of the contact just after the impact.
 
-    ``free`` (m, 2, n): what each mode's displacement and velocity have besides their answer to drive and static force.
+    ``free`` (m, 2, n): free part of each mode's displacement and velocity, without the response to drive and load.
     """
 
     system: ImpactSystem
@@ -37,25 +37,25 @@ class TrainGap:
         drive = part.imag * 2 * np.sin(omega * times / 2) ** 2 - part.real * np.sin(omega * times)
         total = [drive, -omega * turned.real, omega**2 * turned.imag, np.abs(part) * omega**4]
         for i in np.flatnonzero(self.system.contact):
-            own, zeta = float(self.system.omega[i]), float(self.system.zeta[i])
+            natural, zeta = float(self.system.omega[i]), float(self.system.zeta[i])
             weight = float(self.system.contact[i])
-            mode = _mode(own, zeta, self.free[which, 0, i], self.free[which, 1, i], times)
+            mode = _mode(natural, zeta, self.free[which, 0, i], self.free[which, 1, i], times)
             signed = (-weight, -weight, -weight, abs(weight))
             total = [sum_ + sign * row for sum_, sign, row in zip(total, signed, mode, strict=True)]
         return Gap(*total)
 
 
-def _mode(own: float, zeta: float, x: Array, y: Array, times: Array) -> Gap:
+def _mode(natural: float, zeta: float, x: Array, y: Array, times: Array) -> Gap:
     """Free mode with stiffness: η − η(0), η', η'' and the bound on η''''."""
-    sigma, p = zeta * own, pair(own, zeta, times)
+    sigma, p = zeta * natural, pair(natural, zeta, times)
     value, slope = p.p01 * y - p.rise * x, p.p10 * x + p.p11 * y
-    bend = -2 * sigma * slope - own**2 * (x + value)
+    bend = -2 * sigma * slope - natural**2 * (x + value)
     if zeta > APART:
-        fast = sigma + own * np.sqrt((zeta - 1) * (zeta + 1))
-        slow = own * own / fast
+        fast = sigma + natural * np.sqrt((zeta - 1) * (zeta + 1))
+        slow = natural * natural / fast
         sizes = np.abs(fast * x + y) / (fast - slow), np.abs(slow * x + y) / (fast - slow)
         bounds = [size * rate**4 * np.exp(-rate * times) for size, rate in zip(sizes, (slow, fast), strict=True)]
         return Gap(value, slope, bend, bounds[0] + bounds[1])
-    third = -2 * sigma * bend - own**2 * slope
-    fourth = -2 * sigma * third - own**2 * bend
-    return Gap(value, slope, bend, np.hypot(fourth, (2 * sigma * fourth + own**2 * third) / own))
+    third = -2 * sigma * bend - natural**2 * slope
+    fourth = -2 * sigma * third - natural**2 * bend
+    return Gap(value, slope, bend, np.hypot(fourth, (2 * sigma * fourth + natural**2 * third) / natural))

@@ -27,7 +27,7 @@ MOST = 4  # largest number of impacts a span
 
 @dataclass(frozen=True)
 class TrainOrbit:
-    """A motion with m impacts every ``periods`` drive periods; SI units, the drive's phase 0 at time 0."""
+    """Motion with m impacts every ``periods`` drive periods; SI units, the drive's phase 0 at time 0."""
 
     system: ImpactSystem
     drive: Drive
@@ -81,31 +81,31 @@ def settled_orbit(
     return found if found is not None and _near(found.velocities, velocities) else None
 
 
-def _near(found: Array, seen: Array) -> bool:
+def _near(found: Array, observed: Array) -> bool:
     """Test whether two sets of impacts agree up to a cyclic shift."""
-    turns = [np.abs(np.roll(found, k) - seen).max() for k in range(len(seen))]
-    return len(found) == len(seen) and bool(min(turns) < SETTLED * seen.max())
+    turns = [np.abs(np.roll(found, k) - observed).max() for k in range(len(observed))]
+    return len(found) == len(observed) and bool(min(turns) < SETTLED * observed.max())
 
 
 def _orbit(system: ImpactSystem, drive: Drive, periods: int, train: Train) -> TrainOrbit:
     span = 2 * np.pi * periods / drive.omega
     velocities = -train.impulses * float(system.contact @ system.contact) / (1 + system.restitution)
-    displacement, before = poses(system, drive, span, train)
+    displacement, before = states_before(system, drive, span, train)
     values = multipliers_of(system, drive, span, train)
     state = State(displacement[0], before[0] + system.contact * train.impulses[0])
     witness = AdmissibilityCheck(system, drive.omega)
     expected = np.append(train.times[1:], train.times[0] + span)
     slack = witness.slack(drive, float(velocities.min()), span)
     end = train.times[0] + span + slack
-    seen, _ = witness.strikes(drive, state, float(train.times[0]), float(end), len(expected) + 1)
-    admissible = len(seen) == len(expected) and bool(np.abs(seen - expected).max() <= slack)
+    observed, _ = witness.strikes(drive, state, float(train.times[0]), float(end), len(expected) + 1)
+    admissible = len(observed) == len(expected) and bool(np.abs(observed - expected).max() <= slack)
     return TrainOrbit(
         system, drive, periods, train.times, train.impulses, velocities, state, values,
         bool(abs(values[0]) < 1), admissible,
     )  # fmt: skip
 
 
-def poses(system: ImpactSystem, drive: Drive, span: float, train: Train) -> tuple[Array, Array]:
+def states_before(system: ImpactSystem, drive: Drive, span: float, train: Train) -> tuple[Array, Array]:
     """Modal displacements and velocities (m, n) just before every impact."""
     turned = phasors(system, drive) * np.exp(1j * drive.omega * train.times)[:, None]
     lag = lags(system, span, train.times)
@@ -118,7 +118,7 @@ def multipliers_of(system: ImpactSystem, drive: Drive, span: float, train: Train
     order = np.argsort(train.times)
     train = Train(train.times[order], train.impulses[order])
     velocities = -train.impulses * float(system.contact @ system.contact) / (1 + system.restitution)
-    displacement, before = poses(system, drive, span, train)
+    displacement, before = states_before(system, drive, span, train)
     force = np.outer(np.sin(drive.omega * train.times), system.load) * drive.omega**2 * drive.amplitude + system.static
     toward = (force - 2 * system.zeta * system.omega * before - system.omega**2 * displacement) @ system.contact
     lean = toward / velocities

@@ -47,8 +47,8 @@ def lags(system: ImpactSystem, span: float, times: Array, after: bool = False) -
     """Compute the Green's functions between all impacts; ``after``: a zero lag is just after the impact instead."""
     whole = propagators(system, np.array([span]))
     start = np.zeros((2, system.size))
-    for i, (own, zeta) in enumerate(zip(system.omega, system.zeta, strict=True)):
-        start[:, i] = [g[0] for g in green(own, zeta * own, type(whole)(*(field[:, i] for field in whole)))]
+    for i, (natural, zeta) in enumerate(zip(system.omega, system.zeta, strict=True)):
+        start[:, i] = [g[0] for g in green(natural, zeta * natural, type(whole)(*(field[:, i] for field in whole)))]
     between = np.mod(times[:, None] - times[None, :], span)
     np.fill_diagonal(between, 0.0)
     p = propagators(system, between.ravel())
@@ -87,11 +87,11 @@ def equations(system: ImpactSystem, drive: Drive, span: float, train: Train) -> 
     lag = lags(system, span, times)
     g, v = lag.value @ square, lag.slope @ square
     a = (-2 * system.zeta * system.omega * lag.slope - system.omega**2 * lag.value) @ square
-    own = np.eye(len(p), dtype=bool)
+    natural = np.eye(len(p), dtype=bool)
     loss = np.diag(np.full(len(p), mobility / (1 + system.restitution)))
     height = turned.imag + float(system.contact @ offsets(system)) + g @ p - system.gap
     speed = drive.omega * turned.real + (v + loss) @ p
-    v0, a0 = np.where(own, 0.0, v), np.where(own, 0.0, a)
+    v0, a0 = np.where(natural, 0.0, v), np.where(natural, 0.0, a)
     by_time = np.diag(drive.omega * turned.real + v0 @ p) - v0 * p
     by_time_too = np.diag(-(drive.omega**2) * turned.imag + a0 @ p) - a0 * p
     return np.concatenate([height, speed]), np.block([[by_time, g], [by_time_too, v + loss]])
