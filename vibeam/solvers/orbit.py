@@ -27,7 +27,7 @@ class OrbitSolver:
     """Stable, admissible motions with one impact per ``periods`` drive periods; where there is none but the motion
     under the drive alone stays clear of the stop, that one. Every other point is NaN with its reason.
 
-    Each point stands by itself: the state carried into it, ``settle`` and ``hold`` do not change what is found.
+    Points are independent: the carried state, ``settle`` and ``hold`` do not change the result.
     """
 
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, periods: int = 1) -> None:
@@ -70,15 +70,15 @@ class OrbitSolver:
                 found.velocity[at], found.reach[at] = orbit.velocity, orbit.reach
                 found.stable[at], found.admissible[at] = orbit.stable, orbit.admissible
                 if orbit.admissible:
-                    seen, _ = self.witness.watched(orbit.drive, orbit.state, orbit.time, self.periods, output)
-                    found.amplitude[at] = seen.amplitude[0]
+                    window, _ = self.witness.watched(orbit.drive, orbit.state, orbit.time, self.periods, output)
+                    found.amplitude[at] = window.amplitude[0]
         return found
 
     def _point(self, drive: Drive, hold: int, output: str) -> tuple[FrequencyResponse, State]:
         orbit = self._orbit(drive)
         if orbit is not None:
-            seen, last = self.witness.watched(drive, orbit.state, orbit.time, self.periods, output)
-            return _struck(seen, orbit, hold), last
+            window, last = self.witness.watched(drive, orbit.state, orbit.time, self.periods, output)
+            return _struck(window, orbit, hold), last
         linear = self._linear(drive)
         if linear is not None:
             return self.witness.watched(drive, linear, 0.0, 1, output)
@@ -105,13 +105,13 @@ class OrbitSolver:
         return State(h.imag + rest, drive.omega * h.real)
 
 
-def _struck(seen: FrequencyResponse, orbit: Orbit, hold: int) -> FrequencyResponse:
+def _struck(window: FrequencyResponse, orbit: Orbit, hold: int) -> FrequencyResponse:
     """Window over one span with the impact counted exactly once, wherever in the drive's period it falls."""
     count = min(VELOCITIES_KEPT, max(1, hold // orbit.periods))
     velocities = np.full((1, VELOCITIES_KEPT), np.nan)
     velocities[0, VELOCITIES_KEPT - count :] = orbit.velocity
     return replace(
-        seen,
+        window,
         impacts_per_period=np.array([1 / orbit.periods]),
         impact_velocity=np.array([orbit.velocity]),
         impact_velocities=velocities,

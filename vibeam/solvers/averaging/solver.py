@@ -28,7 +28,7 @@ HIGHEST = 16  # longest period in a response
 class AveragedCurve:
     """Both branches of an averaged frequency-response curve, shapes (points,); NaN where there is no solution.
 
-    Frequencies in rad/s and reaches in m, or nondimensional, as ``averaging`` was asked.
+    Frequencies in rad/s and reaches in m, or nondimensional, as the arguments of ``averaging``.
     """
 
     omega: Array
@@ -49,7 +49,7 @@ def slow_flow(
 ) -> tuple[SlowFlow, float]:
     """Slow flow of a system of one mode under base motion of ``amplitude`` m, and its unit of frequency, rad/s.
 
-    An ``Oscillator`` carries its own drive: no ``amplitude``, and the unit is 1. ValueError for what does not fit.
+    An ``Oscillator`` carries its own drive: no ``amplitude``, and the unit is 1. ValueError for an unsuitable system.
     """
     if isinstance(subject, Oscillator):
         if amplitude is not None:

@@ -196,14 +196,14 @@ class Course:
     def _solve(self, rate: Callable[[float, Array], Any], event: Any, dense: bool) -> Any:
         from scipy.integrate import solve_ivp
 
-        def heard(t: float, y: Array) -> Any:
+        def interruptible(t: float, y: Array) -> Any:
             pause()
             return rate(t, y)
 
         with ONE_AT_A_TIME if self.settings.method == "LSODA" else nullcontext():
             found = solve_ivp(
-                heard, (self.t, self.end), self.y, method=self.settings.method, rtol=self.settings.rtol, atol=self.atol,
-                events=event, dense_output=dense, max_step=LONGEST * self.period,
+                interruptible, (self.t, self.end), self.y, method=self.settings.method, rtol=self.settings.rtol,
+                atol=self.atol, events=event, dense_output=dense, max_step=LONGEST * self.period,
             )  # fmt: skip
         self.evaluations += found.nfev
         if found.status < 0:

@@ -12,7 +12,7 @@ The modes are uncoupled, so that v_{k+1} = v_free + M̂⁻¹ w p with M̂ = 1 + 
 p = −max(0, w·v_free + R u_k)/(wᵀM̂⁻¹w). (M. Jean, *The non-smooth contact dynamics method*, Comput. Methods Appl. Mech.
 Engrg. 177, 1999; V. Acary, B. Brogliato, *Numerical Methods for Nonsmooth Dynamical Systems*, Springer 2008, ch. 10.)
 
-First order in h once there are impacts; it neither loses an impact nor hangs at an accumulation, and rest on the stop
+First order in h once there are impacts; no impact is lost, accumulations end, and rest on the stop
 is the same formula. For θ ≥ ½ it is stable at any step, but modes with ωh > 1 are not resolved, and M̂ then makes them
 stiffer to the impulse than they are. The contact overshoots the stop by up to h u. At R = 1 a rest keeps bouncing by
 one step's acceleration, and half of it shows as flight.

@@ -27,7 +27,7 @@ class Piece:
     """Stretch of motion: samples (m, 2, n) at ascending times (m,), the last one just before the impact that ends it.
 
     ``impact_times`` and ``impact_velocities`` (k,): the impacts in it; ``rest``: time at rest on the stop, s;
-    ``smooth`` (m − 1,): False between samples with an impact between them, None where there are no such.
+    ``smooth`` (m − 1,): False between samples with an impact between them, None without any.
     """
 
     times: Array

@@ -8,8 +8,8 @@ y(0⁺) = (a, b) q̇₋, linear in q̇₋, and with it
 
     Im(H e^{iΩt}) = Δ − a q̇₋,    Ω Re(H e^{iΩt}) = −(R + b) q̇₋,    (Δ − a q̇₋)² + ((R + b) q̇₋/Ω)² = |H|²
 
-which is what eq. 31–34 solve: a quadratic for q̇₋, then the phase. Roots q̇₋ > 0 push away from the stop; whether they
-strike nothing in between (``admissible``) only a flight tells.
+as solved by eq. 31–34: a quadratic for q̇₋, then the phase. Roots q̇₋ > 0 push away from the stop; whether they
+strike nothing in between (``admissible``) follows from a flight.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ The forms, by name:
 - ``"derived"``: these.
 - ``"printed 35-37"``: eq. 35 as printed, det J = R² e^{−βnT} without the 2, and the trace of eq. 36–37.
 - ``"printed 29-30"``: eq. 30 as printed has a wrong sign, a wrong index and a term less, but which ones is not on
-  record here, so it cannot be computed: asking for it is an error that says so.
+  record here, so it cannot be computed: it raises an error that says so.
 """
 
 from __future__ import annotations

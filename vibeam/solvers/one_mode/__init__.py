@@ -1,1 +1,1 @@
-"""The one-mode system in the paper's variables, and solvers of its stationary motions."""
+"""One-mode system in the paper's variables, and solvers of its stationary motions."""
