@@ -1,1 +1,1 @@
-"""The case as a record in SI units: scene, fidelities, sweep, plans, reference curves."""
+"""Case as a record in SI units: scene, fidelities, sweep, plans, reference curves."""

@@ -36,7 +36,7 @@ class Case:
 
     ``text`` is the case in canonical form, SI units and overrides included: it loads as the same case. ``numbers`` is
     the part of it that decides what the sweeps compute (no title, source, checks, figures): two cases compute the same
-    where that text, or ``key``, is the same. ``shared`` is the part of that which no fidelity has for itself, ``own``
+    where that text, or ``key``, is equal. ``shared`` is the part of that which no fidelity has for itself, ``own``
     for each fidelity all that decides its numbers at given frequencies. ``scenes`` has the scenes of the fidelities
     that change the case's, ``chains`` their measuring chains (None: exact).
     """

@@ -55,7 +55,7 @@ def reduced(structure: Structure, fidelity: Fidelity) -> Structure:
 def system(scene: Scene | SdofScene, fidelity: Fidelity) -> ImpactSystem:
     """Impact system of ``scene`` at ``fidelity``: SI units, output ``"sensor"`` (and ``"tip"`` of a beam).
 
-    A SdofScene is one mode whatever the reduction, in its own units. ValueError for what cannot be built: a position
+    A SdofScene is one mode whatever the reduction, in its own units. ValueError for an impossible system: a position
     off the beam, too many modes, a first-mode restitution that no contact restitution in [0, 1] gives.
     """
     return _direct(scene) if isinstance(scene, SdofScene) else _of_beam(scene, fidelity)

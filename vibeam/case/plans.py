@@ -36,7 +36,7 @@ Direction = Literal["up", "down", "both"]
 
 @dataclass(frozen=True, eq=False)
 class SweepPlan:
-    """The sweep: ``frequency`` in Hz, ascending, shape (points,); ``settle`` and ``hold`` in drive periods.
+    """Sweep: ``frequency`` in Hz, ascending, shape (points,); ``settle`` and ``hold`` in drive periods.
 
     ``output`` is the observed displacement: ``"sensor"``, ``"contact"``, ``"tip"`` or ``"platform"``.
     """

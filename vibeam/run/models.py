@@ -79,14 +79,14 @@ def equal(one: ImpactSystem, other: ImpactSystem) -> bool:
     return all(np.array_equal(row, other.outputs[name]) for name, row in one.outputs.items())
 
 
-def seen(model: ImpactSystem) -> float:
+def first_mode_restitution_of(model: ImpactSystem) -> float:
     """First-mode restitution R₁; NaN where the law has no single coefficient."""
     if model.law is not None:
         return float("nan")
     return first_mode_restitution(model.restitution, float(model.contact[0]), float(np.sum(model.contact**2)))
 
 
-def with_seen(model: ImpactSystem, restitution: float) -> ImpactSystem:
+def with_first_mode_restitution(model: ImpactSystem, restitution: float) -> ImpactSystem:
     """System with first-mode ``restitution``; ValueError where no contact restitution gives it."""
     if model.law is not None or np.isnan(restitution):
         raise ValueError("the contact law has no one coefficient of restitution that could be carried over")

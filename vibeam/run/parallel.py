@@ -25,12 +25,12 @@ def run_parallel(task: Callable[[Item, Event], Made], items: Sequence[Item], wor
     """
     stop = Event()
 
-    def heard(item: Item) -> Made:
+    def stoppable(item: Item) -> Made:
         with stopping_at(stop):
             return task(item, stop)
 
     with ThreadPoolExecutor(workers or cores(), thread_name_prefix="vibeam") as pool:
-        futures = [pool.submit(heard, item) for item in items]
+        futures = [pool.submit(stoppable, item) for item in items]
         try:
             wait(futures, return_when=FIRST_EXCEPTION)
         finally:

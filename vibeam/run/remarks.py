@@ -31,13 +31,13 @@ NEGATIVE = (
 def remarks(result: Result) -> list[str]:
     """Remarks on fidelities that never touch the stop, and on those whose mode 1 sees R₁ < 0."""
     clear = [name for name, branches in result.items() if _stays_clear(branches)]
-    told = [f"{listed(clear)}: no impact at any frequency: narrow the gap, or drive harder"] if clear else []
-    return [*told, *ill_posed({row.fidelity: row.first_mode_restitution for row in compare(result)})]
+    notes = [f"{listed(clear)}: no impact at any frequency: narrow the gap, or drive harder"] if clear else []
+    return [*notes, *ill_posed({row.fidelity: row.first_mode_restitution for row in compare(result)})]
 
 
-def ill_posed(seen: Mapping[str, float]) -> list[str]:
-    """Remark on fidelities with R₁ < 0; ``seen``: R₁ by name, NaN where the law has no coefficient."""
-    below = [f"{name} ({value:.2g})" for name, value in seen.items() if value < 0]
+def ill_posed(first_mode: Mapping[str, float]) -> list[str]:
+    """Remark on fidelities with R₁ < 0; ``first_mode``: R₁ by name, NaN where the law has no coefficient."""
+    below = [f"{name} ({value:.2g})" for name, value in first_mode.items() if value < 0]
     return [f"{listed(below)}: {NEGATIVE}"] if below else []
 
 

@@ -95,8 +95,11 @@ class Result(Mapping[str, Branches]):
         from vibeam.system.labelled import dataset, joined
 
         unit = output_unit(self.case)
-        ways = {name: {way: dataset(one, unit) for way, one in branches.items()} for name, branches in self.items()}
-        return joined({name: joined(parts, "direction") for name, parts in ways.items()}, "fidelity")
+        parts = {
+            name: {direction: dataset(one, unit) for direction, one in branches.items()}
+            for name, branches in self.items()
+        }
+        return joined({name: joined(parts, "direction") for name, parts in parts.items()}, "fidelity")
 
     def to_dataframe(self) -> DataFrame:
         """Table of one row a point, with columns ``fidelity`` and ``direction``; needs pandas."""

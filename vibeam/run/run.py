@@ -53,15 +53,15 @@ def run(
 
     Where the case asks for an accuracy it is one curve, ``result["accuracy"]``, in place of one for each fidelity.
     ``out=None`` keeps nothing on disk. ``progress(done, total)`` is called with the points that are there at the start
-    and after each further one, from any thread. ``show``: whether to make what the case shows beside its curves.
+    and after each further one, from any thread. ``show``: compute the data of the case's further figures.
     CaseError for a fidelity that cannot be built, StoreError where ``out`` cannot be used, Interrupted on Ctrl-C.
     """
     systems = _systems(case)
     plan = {name: _branches(case, name, system.size) for name, system in systems.items()}
     path = None if out is None else Path(out)
     if case.accuracy is not None:
-        return _accurate(case, case.accuracy, systems, plan, _Place(path, fresh, tell), progress or _silent, show)
-    with _Place(path, fresh, tell).opened(case, plan) as store:
+        return _accurate(case, case.accuracy, systems, plan, _Storage(path, fresh, tell), progress or _silent, show)
+    with _Storage(path, fresh, tell).opened(case, plan) as store:
         jobs = [job_of(case, name, systems[name], branches, store) for name, branches in plan.items()]
         count = Count((kept for job in jobs for _, kept in job.branches), progress or _silent)
         found = count.done
@@ -93,7 +93,7 @@ def _silent(done: int, total: int) -> None:
 
 def _accurate(
     case: Case, wanted: AccuracyPlan, systems: Mapping[str, ImpactSystem], plan: Mapping[str, tuple[Branch, ...]],
-    place: _Place, progress: Progress, show: bool,
+    storage: _Storage, progress: Progress, show: bool,
 ) -> Result:  # fmt: skip
     """One curve within an accuracy instead of one for each fidelity."""
     from vibeam.run import within_accuracy as accuracy
@@ -102,7 +102,7 @@ def _accurate(
     accuracy.refuse_beyond(case, systems)
     branches = accuracy.branches_of(case, plan)
     total = sum(len(branch.frequency) for branch in branches)
-    with place.opened(case, {HOME: branches}) as store:
+    with storage.opened(case, {HOME: branches}) as store:
         try:
             kept = [store.restore(branch).done for branch in branches] if store else [0]
             progress(total if sum(kept) == total else 0, total)
@@ -111,8 +111,8 @@ def _accurate(
             shown = _shown(case, store) if show else {}
         except KeyboardInterrupt:
             raise Interrupted(f"stopped: nothing is kept of its {total} points") from None
-    up, down = (study.curves[way].response if way in study.curves else None for way in ("up", "down"))
-    return Result(case, {HOME: Branches(up, down)}, place.path, found, shown, study)
+    up, down = (study.curves[direction].response if direction in study.curves else None for direction in ("up", "down"))
+    return Result(case, {HOME: Branches(up, down)}, storage.path, found, shown, study)
 
 
 def _shown(case: Case, store: Store | None) -> dict[str, tuple[Sheet, ...]]:
@@ -163,7 +163,7 @@ def _key(own: str, direction: str, up: NDArray[np.float64], after_up: bool) -> s
 
 
 @dataclass(frozen=True)
-class _Place:
+class _Storage:
     """Storage of a run: the results file (None: nowhere), and how it is opened."""
 
     path: Path | None

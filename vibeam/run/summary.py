@@ -31,8 +31,8 @@ class Summary:
 
     ``period_one``: for each direction the lowest and highest frequency of the contiguous period-1 range with impacts
     around its largest amplitude, None where there is none. ``distance``: to the finest fidelity with the same values
-    of its own (``set``), None for that itself. ``restitution``: of the contact, ``first_mode_restitution``: what mode 1
-    sees of it.
+    of its own (``set``), None for that itself. ``restitution``: of the contact, ``first_mode_restitution``: that of
+    mode 1.
     """
 
     fidelity: str
@@ -78,7 +78,7 @@ def _summary(result: Result, name: str, finest: Branches | None, cheapest: float
         peak_amplitude=amplitude,
         peak_frequency=frequency,
         peak_direction=direction,
-        period_one={way: period_one_range(response) for way, response in branches.items()},
+        period_one={direction: period_one_range(response) for direction, response in branches.items()},
         distance=None if finest is None else distance(branches, finest),
         cpu_seconds=cpu,
         cost_ratio=cpu / cheapest if cheapest > 0 else float("nan"),
@@ -92,7 +92,7 @@ def _summary(result: Result, name: str, finest: Branches | None, cheapest: float
 def distance(branches: Branches, finest: Branches) -> Distance:
     """Distance of the amplitudes from the finest fidelity's, over all directions."""
     ours = dict(branches.items())
-    parts = [_relative(ours[way], response) for way, response in finest.items() if way in ours]
+    parts = [_relative(ours[direction], response) for direction, response in finest.items() if direction in ours]
     relative = np.concatenate([*parts, np.empty(0)])
     if not len(relative):
         return Distance(float("nan"), float("nan"), 0)
@@ -110,10 +110,10 @@ def _peak(branches: Branches) -> tuple[float, float, str]:
 
 
 def _peaks(branches: Branches) -> Iterator[tuple[float, float, str]]:
-    for way, response in branches.items():
+    for direction, response in branches.items():
         if complete(response).any():
             top = int(np.argmax(np.where(complete(response), response.amplitude, -np.inf)))
-            yield float(response.amplitude[top]), float(response.frequency[top]), way
+            yield float(response.amplitude[top]), float(response.frequency[top]), direction
 
 
 def _total(branches: Branches, name: str) -> float:

@@ -49,9 +49,9 @@ def march(
     The state is carried from point to point (displacement and velocity relative to the base; the drive's phase starts
     at 0 at every point); ``state`` None: static equilibrium. ``amplitude``: of the base, m, one number or one for each
     frequency (they then come one at a time, whatever ``block`` is). ``slowest``: the lowest frequency of the whole
-    sweep, where ``omega`` is only what is left of it: numbers are then the same to the bit.
-    ``options``: the solver's own. ``drift`` (points,): what is added to the gap at each point, m. ``wear``: what each
-    impact adds to the gap of the points after it, m, settling included; ``struck`` impacts came before the first.
+    sweep, where ``omega`` is only its rest: numbers are then the same to the bit.
+    ``options``: the solver's own. ``drift`` (points,): growth of the gap at each point, m. ``wear``: growth of the
+    gap by each impact, for the points after it, m, settling included; ``struck`` impacts came before the first.
     A point that fails is NaN with its reason, and the next one starts from equilibrium.
     ``settle`` is at most 10⁹, ``hold`` at most 10⁸ over the number of modes. ValueError for a grid, periods, solver or
     type of argument that makes no sense, KeyError for an unknown output.
@@ -67,8 +67,8 @@ def march(
     rate = float(grid.min()) if slowest is None else slowest
     warm_up_once(solver, system, float(grid[0]), float(drives.flat[0]), output, options or {})
     if drift is not None or wear is not None:
-        drives, moves = np.broadcast_to(drives, grid.shape), _moves(grid, drift, wear, struck, solver)
-        yield from _drifting(system, grid, drives, settle, hold, solver, output, state, rate, options or {}, moves)
+        drives, changes = np.broadcast_to(drives, grid.shape), _gap_changes(grid, drift, wear, struck, solver)
+        yield from _drifting(system, grid, drives, settle, hold, solver, output, state, rate, options or {}, changes)
         return
     runner = solver_named(solver, system, rate, **(options or {}))
     step = block if drives.ndim == 0 else 1
@@ -103,7 +103,7 @@ def _amplitudes(amplitude: ArrayLike, grid: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class _Moves:
+class _GapChanges:
     """Changes of the gap along the sweep: drift at each point, wear an impact, impacts so far."""
 
     drift: Array
@@ -111,7 +111,7 @@ class _Moves:
     struck: int
 
 
-def _moves(grid: Array, drift: ArrayLike | None, wear: float | None, struck: int, solver: str) -> _Moves:
+def _gap_changes(grid: Array, drift: ArrayLike | None, wear: float | None, struck: int, solver: str) -> _GapChanges:
     added = np.zeros(grid.shape) if drift is None else floats("drift", drift)
     if added.shape != grid.shape or not np.all(np.isfinite(added)):
         raise ValueError(f"drift: must be {len(grid)} finite numbers, one a frequency")
@@ -120,17 +120,17 @@ def _moves(grid: Array, drift: ArrayLike | None, wear: float | None, struck: int
     refuse("", faults)
     if wear is not None and solver in SOLVERS and SOLVERS[solver].stationary:
         raise ValueError(f"wear: solver {solver!r} counts no impacts on the way to a steady motion: 'flight' does")
-    return _Moves(added, worn, struck)
+    return _GapChanges(added, worn, struck)
 
 
 def _drifting(
     system: ImpactSystem, grid: Array, drives: Array, settle: int, hold: int, solver: str, output: str,
-    state: State | None, rate: float, options: Mapping[str, Any], moves: _Moves,
+    state: State | None, rate: float, options: Mapping[str, Any], changes: _GapChanges,
 ) -> Iterator[tuple[FrequencyResponse, State]]:  # fmt: skip
     """Sweep point by point, each with its own gap; a state beyond the moved stop is put back onto it."""
-    struck = moves.struck
-    for omega, drive, more in zip(grid, drives, moves.drift, strict=True):
-        moved = replace(system, gap=system.gap + float(more) + moves.wear * struck)
+    struck = changes.struck
+    for omega, drive, more in zip(grid, drives, changes.drift, strict=True):
+        moved = replace(system, gap=system.gap + float(more) + changes.wear * struck)
         start = None if state is None else _onto_stop(moved, state)
         response, state = solver_named(solver, moved, rate, **options).steady(
             np.array([omega]), float(drive), start, settle, hold, output
@@ -168,7 +168,7 @@ def sweep(
     """Sweep over ``omega`` (rad/s): the frequency-response curve in the order swept, or Branches(up, down) for "both".
 
     Arguments and errors as in ``march``; amplitudes that are one for each frequency are in the order of ``omega``.
-    ``drift`` gives what is added to the gap (m) at frequencies in rad/s; what ``wear`` adds stays on the way down.
+    ``drift``: growth of the gap (m) as a function of frequency in rad/s; ``wear`` persists in the downward sweep.
     "both" goes up, then down again from where the way up ended.
     """
     if direction not in ("up", "down", "both"):

@@ -29,8 +29,8 @@ def refuse_beyond(case: Case, systems: Mapping[str, ImpactSystem]) -> None:
     reasons |= {name: "a gap that drifts" for name in systems if gap_drift(case.scene_of(name), omega) is not None}
     reasons |= {name: "a stop that wears" for name in systems if gap_wear(case.scene_of(name)) is not None}
     if reasons:
-        told = "; ".join(f"{name} has {reason}" for name, reason in reasons.items())
-        raise CaseError([Fault(str(case.path), None, "accuracy", f"cannot be had of {told}: take this key away")])
+        listed = "; ".join(f"{name} has {reason}" for name, reason in reasons.items())
+        raise CaseError([Fault(str(case.path), None, "accuracy", f"cannot be had of {listed}: take this key away")])
 
 
 def branches_of(case: Case, branches: Mapping[str, tuple[Branch, ...]]) -> tuple[Branch, ...]:
@@ -45,9 +45,9 @@ def found_or_made(
     store: Store | None,
 ) -> tuple[AccuracyChoice, int]:  # fmt: skip
     """Study from the file or computed, and the number of its points from the file: all or none."""
-    there = store.study(branches) if store else None
-    if there is not None:
-        return there, there.points
+    stored = store.study(branches) if store else None
+    if stored is not None:
+        return stored, stored.points
     made = study(case, plan.within, plan.quantities, systems)
     if store:
         for branch in branches:

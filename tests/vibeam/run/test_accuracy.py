@@ -13,13 +13,13 @@ from vibeam.case.faults import CaseError
 from vibeam.flight.kernels.layout import EVERYTHING, OUTPUT_ALONE, REACH_TOO
 from vibeam.flight.solver import FlightSolver
 from vibeam.orbits.states import carried
-from vibeam.run.accuracy.candidates import EXACT, rows, rungs_of
+from vibeam.run.accuracy.candidates import EXACT, candidates_of, rows
 from vibeam.run.accuracy.choice import _verdict
 from vibeam.run.accuracy.choices import BranchChoice
 from vibeam.run.accuracy.closed_forms import FREE, HARDER, ClosedForms
 from vibeam.run.accuracy.finest import Finest, fly_points
 from vibeam.run.accuracy.readings import distance
-from vibeam.run.accuracy.study import ladder_models, study
+from vibeam.run.accuracy.study import ordered_models, study
 from vibeam.run.accuracy.verification import judged, verify
 from vibeam.run.summary import compare
 from vibeam.system.response import FrequencyResponse
@@ -49,7 +49,7 @@ def known_of(case, fidelity="beam"):
 
 
 def offered(case, *quantities, fidelity="beam"):
-    return rungs_of(fidelity, known_of(case, fidelity), quantities or ("amplitude",), case.sweep.output)
+    return candidates_of(fidelity, known_of(case, fidelity), quantities or ("amplitude",), case.sweep.output)
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +80,7 @@ def test_states_are_those_of_the_orbits():
         (orbit,) = vibeam.orbits(known.system, drive)
         displacement, velocity = carried(known.system, drive, orbit.state, orbit.time, np.array([2 * np.pi / omega]))
         state = known.state(point, HARDER)
-        assert known.there[point].tolist() == [True, False, False]
+        assert known.exists[point].tolist() == [True, False, False]
         assert state.displacement == pytest.approx(displacement[0], rel=1e-9, abs=1e-15)
         assert state.velocity == pytest.approx(velocity[0], rel=1e-9, abs=1e-13)
         assert 1 <= known.radius(HARDER)[point] / abs(orbit.multipliers[0]) < 1.003  # from above
@@ -89,8 +89,8 @@ def test_states_are_those_of_the_orbits():
 def test_the_motion_that_never_touches_is_one_of_them():
     system = vibeam.ImpactSystem.from_modes([2.0, 9.0], 0.05, [1.0, 0.4], [1.0, 0.3], gap=10.0)
     known = ClosedForms(system, np.array([1.0, 3.0]), np.ones(2))
-    assert known.there[:, FREE].all()
-    assert not known.there[:, HARDER].any()
+    assert known.exists[:, FREE].all()
+    assert not known.exists[:, HARDER].any()
     assert known.radius(FREE) == pytest.approx(np.exp(-0.1 * 2 * np.pi / known.omega))
     response, after = FlightSolver(system, 1.0).rounds(
         known.omega, known.amplitude, known.states(np.arange(2), FREE), "contact"
@@ -136,7 +136,7 @@ def test_a_few_points_know_what_all_do():
     known, which = known_of(case), np.array([20, 31, 40])
     part = known.at(which)
     assert len(part.omega) == 3
-    assert part.there.tolist() == known.there[which].tolist()
+    assert part.exists.tolist() == known.exists[which].tolist()
     assert part.states(np.arange(3), HARDER) == pytest.approx(known.states(which, HARDER), rel=1e-12)
     assert part.radius(HARDER) == pytest.approx(known.radius(HARDER)[which], rel=3e-3)
     assert known.at(which) is known  # once it is worked out
@@ -146,41 +146,41 @@ def test_a_few_points_know_what_all_do():
 def test_a_flight_is_cut_short_only_where_it_has_come_to_a_known_motion():
     for name, kind in (("dtu_neutral", HARDER), ("dtu_tight", -1)):
         case = case_of(name, points=5)
-        rungs, known = offered(case), known_of(case)
-        finest = Finest(rungs[0], 0, rungs[1], 1, case.sweep, 0.01)
-        sheet = BranchChoice.blank("up", np.arange(5), case.sweep.frequency, 8)
-        assert fly_points(sheet, finest, 0, None).kind == kind
-        truth, _ = rungs[1].flight.steady(
+        candidates, known = offered(case), known_of(case)
+        finest = Finest(candidates[0], 0, candidates[1], 1, case.sweep, 0.01)
+        branch = BranchChoice.blank("up", np.arange(5), case.sweep.frequency, 8)
+        assert fly_points(branch, finest, 0, None).kind == kind
+        truth, _ = candidates[1].flight.steady(
             known.omega[:1], known.amplitude[0], None, case.sweep.settle, case.sweep.hold, "sensor"
         )
-        assert sheet.rung[0] == (0 if kind == HARDER else 1)
-        assert sheet.response.period[0] == truth.period[0] == (1 if kind == HARDER else 0)
-        assert sheet.response.amplitude[0] == pytest.approx(truth.amplitude[0], rel=EXACT)
-        assert list(sheet.states) == ([] if kind == HARDER else [0])
+        assert branch.candidate[0] == (0 if kind == HARDER else 1)
+        assert branch.response.period[0] == truth.period[0] == (1 if kind == HARDER else 0)
+        assert branch.response.amplitude[0] == pytest.approx(truth.amplitude[0], rel=EXACT)
+        assert list(branch.states) == ([] if kind == HARDER else [0])
 
 
-def test_a_rung_reads_what_the_orbit_solver_does_and_refuses_what_is_no_motion():
+def test_a_candidate_gives_what_the_orbit_solver_does_and_refuses_what_is_no_motion():
     case = case_of("dtu_loose", points=7)
     averaging, exact = (offered(case, "amplitude", "reach", fidelity="sdof")[i] for i in (0, 1))
     which = np.arange(7)
-    read = exact.read(which, HARDER)
+    read = exact.evaluate(which, HARDER)
     truth = vibeam.sweep(
         case.system("sdof"), omega=2 * np.pi * case.sweep.frequency, amplitude=case.base_amplitude,
         solver="orbit", output="sensor",
     )  # fmt: skip
-    there = np.isfinite(read.off)
+    there = np.isfinite(read.error)
     assert there.any()
     error = distance(
         rows(read.response, which[there]), rows(truth, which[there]), ("amplitude", "reach", "impact_velocity")
     )
     assert np.abs(error).max() < EXACT
     assert exact.spent.points == 7
-    assert exact.read(which[:3], HARDER)
+    assert exact.evaluate(which[:3], HARDER)
     assert exact.spent.points == 7
-    off = np.abs(averaging.read(which[there], HARDER).response.amplitude / read.response.amplitude[there] - 1)
+    off = np.abs(averaging.evaluate(which[there], HARDER).response.amplitude / read.response.amplitude[there] - 1)
     assert 0.05 < np.nanmax(off) < 0.4  # averaging is coarse, but no nonsense
     through = offered(case_of("dtu_tight", points=25))[-2]  # pressed on: softer motions pass through the stop, or lose
-    assert np.isnan(through.read(np.arange(25), 1).off).all()
+    assert np.isnan(through.evaluate(np.arange(25), 1).error).all()
 
 
 # ------------------------------------------------------------------------------------------------------------ estimates
@@ -272,14 +272,14 @@ def test_two_modes_suffice_where_their_impacts_are_alike_and_not_where_they_are_
 
 def test_verification_sees_a_result_that_is_off():
     case = case_of("dtu_neutral", points=9, **{"sweep.settle": 100})
-    rung = offered(case)[-1]
+    candidate = offered(case)[-1]
     truth = rows(swept(case).up, np.arange(9))
-    sheet = BranchChoice.blank("up", np.arange(9), case.sweep.frequency, 8)
-    sheet.response.amplitude[:] = truth.amplitude
-    sheet.kind[:] = HARDER
-    assert all(each.passed for each in verify([sheet], rung, case.sweep, 0.01))
-    sheet.response.amplitude[4] *= 1.02
-    missed = [each for each in verify([sheet], rung, case.sweep, 0.01) if not each.passed]
+    branch = BranchChoice.blank("up", np.arange(9), case.sweep.frequency, 8)
+    branch.response.amplitude[:] = truth.amplitude
+    branch.kind[:] = HARDER
+    assert all(each.passed for each in verify([branch], candidate, case.sweep, 0.01))
+    branch.response.amplitude[4] *= 1.02
+    missed = [each for each in verify([branch], candidate, case.sweep, 0.01) if not each.passed]
     assert [each.frequency for each in missed] == [case.sweep.frequency[4]]
     assert missed[0].error == pytest.approx(0.02)
 
@@ -315,7 +315,7 @@ def test_the_finest_has_most_modes_and_no_physics_of_its_own():
     other = replace(case.fidelities["beam"], name="soft", changes={"stop.restitution": 0.5})
     systems = {name: case.system(name) for name in case.fidelities}
     fidelities = {"soft": other, **case.fidelities}
-    models = ladder_models(replace(case, fidelities=fidelities), systems | {"soft": replace(systems["beam"], gap=1.0)})
+    models = ordered_models(replace(case, fidelities=fidelities), systems | {"soft": replace(systems["beam"], gap=1.0)})
     assert [model.name for model in models] == ["sdof", "two_modes", "beam"]
 
 

@@ -17,7 +17,7 @@ from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.report.cost import parts, runs, sentences, write_files
 from vibeam.report.work_precision import work_precision
-from vibeam.run.models import finest, models, seen, with_seen
+from vibeam.run.models import finest, first_mode_restitution_of, models, with_first_mode_restitution
 from vibeam.run.sweep import sweep
 from vibeam.solvers import SOLVERS, solver
 from vibeam.studies.cost import measure as measured_module
@@ -27,7 +27,7 @@ from vibeam.studies.cost.measure import measure
 from vibeam.studies.cost.planning import Planning
 from vibeam.studies.cost.reference import bound
 from vibeam.studies.cost.schedule import Schedule, run_schedule
-from vibeam.studies.cost.settings import Setting, ladders
+from vibeam.studies.cost.settings import Setting, series_of
 from vibeam.studies.cost.study import CostStudy, cost
 from vibeam.studies.cost.work import timed
 
@@ -53,11 +53,11 @@ class Clock:
         return float(next(self.count))
 
 
-def test_every_solver_has_a_ladder_that_it_can_stand_on() -> None:
+def test_every_solver_takes_its_settings() -> None:
     case = parse(SDOF)
-    for rung in [rung for name in SOLVERS for ladder in ladders(name, 1e-3) for rung in ladder]:
+    for rung in [rung for name in SOLVERS for ladder in series_of(name, 1e-3) for rung in ladder]:
         solver(rung.solver, case.system("sdof"), 1.5, **rung.options)
-    labels = [rung.label for name in SOLVERS for ladder in ladders(name, 1e-3) for rung in ladder]
+    labels = [rung.label for name in SOLVERS for ladder in series_of(name, 1e-3) for rung in ladder]
     assert len(set(labels)) == len(labels)
 
 
@@ -94,7 +94,7 @@ def tiny() -> CostStudy:
 
 def test_a_study_with_a_clock_of_its_own_leaves_out_what_does_not_fit(tiny: CostStudy) -> None:
     """Every look at the clock costs a second of the 20: most runs find no room, and each of them is named."""
-    everything = {rung.label for name in SOLVERS for ladder in ladders(name, 1.0) for rung in ladder}
+    everything = {rung.label for name in SOLVERS for ladder in series_of(name, 1.0) for rung in ladder}
     assert {row.label for row in tiny.rows} | {each.run for each in tiny.left_out} == everything
     assert not {row.label for row in tiny.rows} & {each.run for each in tiny.left_out}
     assert tiny.left_out
@@ -104,9 +104,9 @@ def test_a_study_with_a_clock_of_its_own_leaves_out_what_does_not_fit(tiny: Cost
 def whole() -> CostStudy:
     names = ["flight", "orbit", "mapping", "averaging", "moreau", "zhuravlev"]
     with pytest.MonkeyPatch.context() as patch:
-        coarse, strict = ladders("moreau", 1e-2)[0], ladders("zhuravlev", 1e-2)[1]
+        coarse, strict = series_of("moreau", 1e-2)[0], series_of("zhuravlev", 1e-2)[1]
         fewer = {"moreau": [(coarse[0], coarse[3])], "zhuravlev": [strict[4:]]}
-        patch.setattr(study_module, "ladders", lambda name, size: fewer.get(name) or ladders(name, size))
+        patch.setattr(study_module, "series_of", lambda name, size: fewer.get(name) or series_of(name, size))
         return cost(parse(TINY, set={"cost.solvers": names, "cost.settle": 130, "cost.repeats": 1}))
 
 
@@ -223,8 +223,8 @@ def test_the_contact_laws_part_is_that_of_the_same_restitution_seen(beam: CostSt
     """By hand: the single degree of freedom with the R₁ of the eight-mode beam, flown."""
     case = parse(RIG.read_text(encoding="utf-8").split("[reference")[0], set=BEAM)
     systems = {name: case.system(name) for name in ("sdof", "beam")}
-    other = with_seen(systems["sdof"], seen(systems["beam"]))
-    assert other.restitution == pytest.approx(seen(systems["beam"]))  # of one mode, R₁ is R
+    other = with_first_mode_restitution(systems["sdof"], first_mode_restitution_of(systems["beam"]))
+    assert other.restitution == pytest.approx(first_mode_restitution_of(systems["beam"]))  # of one mode, R₁ is R
     amplitudes = [
         sweep(each, omega=2 * np.pi * np.array([15, 15.5]), amplitude=case.base_amplitude, settle=200, output="sensor")
         for each in (systems["sdof"], other, systems["beam"])
@@ -246,7 +246,7 @@ def test_where_no_contact_gives_that_restitution_the_part_is_left_out_with_its_r
     case = parse(RIG.read_text(encoding="utf-8").split("[reference")[0], set=BEAM | {"stop.restitution": 0.05})
     found, _ = models(case, ())
     top, exact = found[-1], curve([1, 2], [2.0, 2.0])
-    assert seen(top.system) < 0
+    assert first_mode_restitution_of(top.system) < 0
     told = split(found[0], top, curve([1, 2], [3.0, 3.0]), exact, lambda a, b: b.system, lambda s: exact, 1.0)
     assert "outside [0, 1]" in told.parts[0].note
     assert np.isnan(told.parts[0].mean)

@@ -22,7 +22,7 @@ EXACT = 1e-5  # claimed error of the finest model itself: a flight is read off t
 
 CLOSES = 1e-6  # tolerance, as a share of the state, for a state to be periodic
 
-READ = tuple(each.name for each in fields(FrequencyResponse) if each.name != "frequency")
+COLUMNS = tuple(each.name for each in fields(FrequencyResponse) if each.name != "frequency")
 
 AVERAGED = ("amplitude", "reach", "impact_velocity")  # quantities that averaging gives
 
@@ -40,11 +40,11 @@ class Spent:
         self.points += points
 
 
-class Read(NamedTuple):
+class Evaluation(NamedTuple):
     """Values at some points, and a bound on the relative error of each against its model; NaN where failed."""
 
     response: FrequencyResponse
-    off: Array
+    error: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,31 +58,33 @@ class Candidate:
     output: str
     flight: FlightSolver
     spent: Spent = field(default_factory=Spent)
-    seen: dict[int, tuple[Read, NDArray[np.bool_]]] = field(default_factory=dict)  # values by kind, and where known
+    evaluated: dict[int, tuple[Evaluation, NDArray[np.bool_]]] = field(
+        default_factory=dict
+    )  # values by kind, and where known
 
     @property
     def label(self) -> str:
         """Name in tables."""
         return f"{self.fidelity} by {self.solver}"
 
-    def read(self, which: Index, kind: int) -> Read:
+    def evaluate(self, which: Index, kind: int) -> Evaluation:
         """Evaluate the motion of ``kind`` at the points ``which``; absent, unstable or inadmissible motions are NaN.
 
         Such a motion does not depend on the sweep's direction: values once computed are kept.
         """
-        first = not self.seen
-        if kind not in self.seen:
-            self.seen[kind] = _nothing(self.known), np.zeros(len(self.known.omega), dtype=bool)
-        kept, there = self.seen[kind]
-        asked = np.unique(which[~there[which]])
+        first = not self.evaluated
+        if kind not in self.evaluated:
+            self.evaluated[kind] = _nothing(self.known), np.zeros(len(self.known.omega), dtype=bool)
+        kept, known_there = self.evaluated[kind]
+        asked = np.unique(which[~known_there[which]])
         if len(asked):
             begun = time.thread_time()
             known = self.known.at(asked) if first else self.known
             found = _averaged(self, asked) if self.solver == "averaging" else _by_formula(self, known, asked, kind)
             put(kept.response, asked, found.response)
-            kept.off[asked], there[asked] = found.off, True
+            kept.error[asked], known_there[asked] = found.error, True
             self.spent.add(begun, len(asked))
-        return Read(rows(kept.response, which), kept.off[which])
+        return Evaluation(rows(kept.response, which), kept.error[which])
 
     def fly(self, points: Index, state: State | None, settle: int, hold: int) -> tuple[FrequencyResponse, list[State]]:
         """Points in order by flight, the state carried from each to the next; and the states after each."""
@@ -99,42 +101,42 @@ class Candidate:
         return join(parts) if len(parts) > 1 else parts[0], states
 
 
-def _nothing(known: ClosedForms) -> Read:
-    return Read(
+def _nothing(known: ClosedForms) -> Evaluation:
+    return Evaluation(
         FrequencyResponse.empty(known.omega / (2 * np.pi), known.system.size), np.full(len(known.omega), np.nan)
     )
 
 
 def rows(response: FrequencyResponse, which: Index) -> FrequencyResponse:
     """Select some of the points."""
-    return FrequencyResponse(**{name: getattr(response, name)[which] for name in ("frequency", *READ)})
+    return FrequencyResponse(**{name: getattr(response, name)[which] for name in ("frequency", *COLUMNS)})
 
 
-def _by_formula(rung: Candidate, known: ClosedForms, which: Index, kind: int) -> Read:
+def _by_formula(candidate: Candidate, known: ClosedForms, which: Index, kind: int) -> Evaluation:
     """Closed-form motion, verified by one period of flight: it must return, so that nothing was struck in between.
 
     ``known``: the candidate's closed forms at all points or at ``which``.
     """
-    which = which if known is rung.known else np.arange(len(which))
+    which = which if known is candidate.known else np.arange(len(which))
     response = FrequencyResponse.empty(known.omega[which] / (2 * np.pi), known.system.size)
-    response.ended[:], off = Ended.NO_ORBIT.code, np.full(len(which), np.nan)
-    open_ = np.flatnonzero(known.radius(kind)[which] < 1)
-    if not len(open_):
-        return Read(response, off)
-    points = which[open_]
+    response.ended[:], error = Ended.NO_ORBIT.code, np.full(len(which), np.nan)
+    stable = np.flatnonzero(known.radius(kind)[which] < 1)
+    if not len(stable):
+        return Evaluation(response, error)
+    points = which[stable]
     states = known.states(points, kind)
-    seen, after = rung.flight.rounds(
-        known.omega[points], known.amplitude[points], states, rung.output, reading_of(rung.quantities)
+    evaluated, after = candidate.flight.rounds(
+        known.omega[points], known.amplitude[points], states, candidate.output, reading_of(candidate.quantities)
     )
     omega, system = known.omega[points], known.system
     misses = size(system, omega, after - states) / size(system, omega, states)
-    fine = misses < CLOSES
-    _put(response, open_[fine], replace(seen, **_struck(known.velocity(points, kind), kind)), fine)
-    off[open_[fine]] = EXACT
-    return Read(response, off)
+    closed = misses < CLOSES
+    _put(response, stable[closed], replace(evaluated, **_impact_columns(known.velocity(points, kind), kind)), closed)
+    error[stable[closed]] = EXACT
+    return Evaluation(response, error)
 
 
-def _struck(velocity: Array, kind: int) -> dict[str, Any]:
+def _impact_columns(velocity: Array, kind: int) -> dict[str, Any]:
     """Count the impact exactly once, wherever in the period it falls."""
     count, hits = len(velocity), kind != FREE
     kept = np.full((count, VELOCITIES_KEPT), np.nan)
@@ -148,14 +150,14 @@ def _struck(velocity: Array, kind: int) -> dict[str, Any]:
     }
 
 
-def _averaged(rung: Candidate, which: Index) -> Read:
+def _averaged(candidate: Candidate, which: Index) -> Evaluation:
     """Stable averaged motion; its error against its model is unknown."""
     from vibeam.solvers.averaging.solver import AveragingSolver
 
-    curves = AveragingSolver(rung.known.system).curves(
-        rung.known.omega[which], rung.known.amplitude[which], rung.output
+    curves = AveragingSolver(candidate.known.system).curves(
+        candidate.known.omega[which], candidate.known.amplitude[which], candidate.output
     )
-    response = FrequencyResponse.empty(rung.known.omega[which] / (2 * np.pi), rung.known.system.size)
+    response = FrequencyResponse.empty(candidate.known.omega[which] / (2 * np.pi), candidate.known.system.size)
     response.ended[:] = Ended.NO_ORBIT.code
     stable = curves.stable.any(axis=1)
     column = np.argmax(curves.stable, axis=1)
@@ -165,7 +167,7 @@ def _averaged(rung: Candidate, which: Index) -> Read:
         getattr(response, name)[stable] = part[rows, column][stable]
     response.ended[stable], response.period[stable] = Ended.COMPLETE.code, 1
     response.impacts_per_period[stable] = 1.0
-    return Read(response, np.where(stable, 0.0, np.nan))
+    return Evaluation(response, np.where(stable, 0.0, np.nan))
 
 
 def put(target: FrequencyResponse, at: Index, source: FrequencyResponse) -> None:
@@ -174,13 +176,13 @@ def put(target: FrequencyResponse, at: Index, source: FrequencyResponse) -> None
 
 
 def _put(target: FrequencyResponse, at: Index, source: FrequencyResponse, chosen: NDArray[np.bool_]) -> None:
-    for name in READ:
+    for name in COLUMNS:
         ours, theirs = getattr(target, name), getattr(source, name)
         if ours.shape[1:] == theirs.shape[1:]:
             ours[at] = theirs[chosen]
 
 
-def rungs_of(name: str, known: ClosedForms, quantities: tuple[str, ...], output: str) -> Sequence[Candidate]:
+def candidates_of(name: str, known: ClosedForms, quantities: tuple[str, ...], output: str) -> Sequence[Candidate]:
     """Candidates of a model, the cheapest first: averaging where possible, closed form, and flight for the rest."""
     flight = FlightSolver(known.system, float(np.min(known.omega)))
     solvers = ["averaging"] if _averages(known, quantities) else []
@@ -199,6 +201,6 @@ def _averages(known: ClosedForms, quantities: Sequence[str]) -> bool:
     return True
 
 
-def takes(rung: Candidate, kind: int) -> bool:
+def takes(candidate: Candidate, kind: int) -> bool:
     """Test whether the candidate can compute motions of that kind."""
-    return rung.solver != "averaging" or kind == HARDER
+    return candidate.solver != "averaging" or kind == HARDER

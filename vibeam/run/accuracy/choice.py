@@ -16,14 +16,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.run.accuracy.candidates import Candidate, Read, takes
+from vibeam.run.accuracy.candidates import Candidate, Evaluation, takes
 from vibeam.run.accuracy.choices import BranchChoice
 from vibeam.run.accuracy.closed_forms import Index
 from vibeam.run.accuracy.readings import distance
 
 Array = NDArray[np.float64]
 
-FEW = 5  # points of the whole sweep that decide whether a candidate is evaluated at more
+SAMPLE = 5  # points of the whole sweep that decide whether a candidate is evaluated at more
 
 FAR = 5  # error of a candidate, as a multiple of the accuracy, beyond which coarser ones are not evaluated
 
@@ -38,71 +38,73 @@ SPARE = 0.9  # share of the accuracy available to an estimate
 class Choice:
     """Candidates from the cheapest to the finest model in closed form, with their ``numbers`` in the study's list."""
 
-    rungs: Sequence[Candidate]
+    candidates: Sequence[Candidate]
     numbers: Sequence[int]
     quantities: tuple[str, ...]
     within: float
 
-    def settle(self, sheet: BranchChoice, places: Index, kind: int) -> int:
+    def settle(self, branch: BranchChoice, places: Index, kind: int) -> int:
         """Fill the places and return how many: fewer than all where the finest model's motion ends."""
-        hopeful = self._hopeful(sheet, places, kind)
-        if hopeful:
-            places = places[: self._held(sheet, places, kind)]
+        promising = self._promising(branch, places, kind)
+        if promising:
+            places = places[: self._places_held(branch, places, kind)]
             stretches = _stretches(len(places)) if len(places) else []
-            for number, rung in hopeful:
+            for number, candidate in promising:
                 if stretches:
-                    stretches = self._offered(sheet, places, kind, rung, number, stretches)
-        return self._finish(sheet, places, kind) if len(places) else 0
+                    stretches = self._assigned(branch, places, kind, candidate, number, stretches)
+        return self._finish(branch, places, kind) if len(places) else 0
 
-    def _hopeful(self, sheet: BranchChoice, places: Index, kind: int) -> list[tuple[int, Candidate]]:
+    def _promising(self, branch: BranchChoice, places: Index, kind: int) -> list[tuple[int, Candidate]]:
         """Cheaper candidates, with their numbers, that are accurate at two of five places; one could be an accident.
 
         From the finest of them down: where one is off by many times the accuracy, coarser models are not evaluated.
         """
-        step = max(len(sheet.grid) // FEW, 1)  # the same points in both directions
-        few = places[sheet.grid[places] % step == step // 2]
-        few = few if len(few) else places[len(places) // 2 :][:1]
-        there = np.isfinite(self.rungs[-1].read(sheet.grid[few], kind).off)
+        step = max(len(branch.grid) // SAMPLE, 1)  # the same points in both directions
+        sample = places[branch.grid[places] % step == step // 2]
+        sample = sample if len(sample) else places[len(places) // 2 :][:1]
+        exists = np.isfinite(self.candidates[-1].evaluate(branch.grid[sample], kind).error)
         found: list[tuple[int, Candidate]] = []
-        for number, rung in list(zip(self.numbers, self.rungs, strict=True))[-2::-1]:
-            if not takes(rung, kind):
+        for number, candidate in list(zip(self.numbers, self.candidates, strict=True))[-2::-1]:
+            if not takes(candidate, kind):
                 continue
-            off = np.abs(self._errors(sheet, few[there], kind, rung)).max(axis=1)
-            if np.count_nonzero(off <= self.within) >= len(off) // 2:
-                found.insert(0, (number, rung))
-            elif np.median(off) > FAR * self.within:
+            worst = np.abs(self._errors(branch, sample[exists], kind, candidate)).max(axis=1)
+            if np.count_nonzero(worst <= self.within) >= len(worst) // 2:
+                found.insert(0, (number, candidate))
+            elif np.median(worst) > FAR * self.within:
                 break
         return found
 
-    def _held(self, sheet: BranchChoice, places: Index, kind: int) -> int:
+    def _places_held(self, branch: BranchChoice, places: Index, kind: int) -> int:
         """Number of places on which the finest model's motion persists, by bisection."""
-        finest = self.rungs[-1]
+        finest = self.candidates[-1]
         probes = _probes(_stretches(len(places)))
-        fine = np.isfinite(finest.read(sheet.grid[places[probes]], kind).off)
+        fine = np.isfinite(finest.evaluate(branch.grid[places[probes]], kind).error)
         if fine.all():
             return len(places)
         bad = int(probes[np.argmin(fine)])
         good = int(max(probes[: np.argmin(fine)], default=-1))
         while bad - good > 1:
             middle = (good + bad) // 2
-            if np.isfinite(finest.read(sheet.grid[places[[middle]]], kind).off[0]):
+            if np.isfinite(finest.evaluate(branch.grid[places[[middle]]], kind).error[0]):
                 good = middle
             else:
                 bad = middle
         return bad
 
-    def _offered(self, sheet: BranchChoice, places: Index, kind: int, rung: Candidate, number: int,
+    def _assigned(self, branch: BranchChoice, places: Index, kind: int, candidate: Candidate, number: int,
                  stretches: list[tuple[int, int]]) -> list[tuple[int, int]]:  # fmt: skip
         """Stretches left after the candidate has taken those for which it is accurate enough."""
         left, open_ = [], stretches
         while open_:
-            fits = self._judged(sheet, places, kind, rung, _fifths(open_)[:, ::2])
+            fits = self._verdicts(branch, places, kind, candidate, _fifths(open_)[:, ::2])
             closer = [i for i, (fine, _) in enumerate(fits) if fine is True]
-            checked = self._judged(sheet, places, kind, rung, _fifths([open_[i] for i in closer])) if closer else []
+            checked = (
+                self._verdicts(branch, places, kind, candidate, _fifths([open_[i] for i in closer])) if closer else []
+            )
             fits = [dict(zip(closer, checked, strict=True)).get(i, each) for i, each in enumerate(fits)]
             halves: list[tuple[int, int]] = []
             for (low, high), (fine, bound) in zip(open_, fits, strict=True):
-                if fine is True and self._take(sheet, places[low + 1 : high], kind, rung, number, bound):
+                if fine is True and self._entered(branch, places[low + 1 : high], kind, candidate, number, bound):
                     continue
                 if fine is None and high - low >= 3 * SHORTEST:
                     halves += [(low, (low + high) // 2), ((low + high) // 2, high)]
@@ -111,38 +113,40 @@ class Choice:
             open_ = halves
         return left
 
-    def _judged(
-        self, sheet: BranchChoice, places: Index, kind: int, rung: Candidate, probes: Index
+    def _verdicts(
+        self, branch: BranchChoice, places: Index, kind: int, candidate: Candidate, probes: Index
     ) -> list[tuple[bool | None, float]]:
         """Verdict on every stretch (rows of ``probes``, places within ``places``), and the claimed error."""
         asked, back = np.unique(probes, return_inverse=True)
-        errors = self._errors(sheet, places[asked], kind, rung)[back.reshape(probes.shape)]
+        errors = self._errors(branch, places[asked], kind, candidate)[back.reshape(probes.shape)]
         return [_verdict(each, probes[i], self.within) for i, each in enumerate(errors)]
 
-    def _errors(self, sheet: BranchChoice, places: Index, kind: int, rung: Candidate) -> Array:
-        points = sheet.grid[places]
-        truth, found = self.rungs[-1].read(points, kind), rung.read(points, kind)
+    def _errors(self, branch: BranchChoice, places: Index, kind: int, candidate: Candidate) -> Array:
+        points = branch.grid[places]
+        truth, found = self.candidates[-1].evaluate(points, kind), candidate.evaluate(points, kind)
         error = distance(found.response, truth.response, self.quantities)
-        return np.where(np.isfinite(found.off)[:, None], error, np.inf)
+        return np.where(np.isfinite(found.error)[:, None], error, np.inf)
 
-    def _take(self, sheet: BranchChoice, places: Index, kind: int, rung: Candidate, number: int, bound: float) -> bool:
+    def _entered(
+        self, branch: BranchChoice, places: Index, kind: int, candidate: Candidate, number: int, bound: float
+    ) -> bool:
         """Enter the candidate's values, unless its motion is absent at one of the places."""
-        read = rung.read(sheet.grid[places], kind)
-        if not np.isfinite(read.off).all():
+        evaluation = candidate.evaluate(branch.grid[places], kind)
+        if not np.isfinite(evaluation.error).all():
             return False
-        sheet.enter(places, Read(read.response, np.full(len(places), bound)), number)
+        branch.enter(places, Evaluation(evaluation.response, np.full(len(places), bound)), number)
         return True
 
-    def _finish(self, sheet: BranchChoice, places: Index, kind: int) -> int:
+    def _finish(self, branch: BranchChoice, places: Index, kind: int) -> int:
         """Use the finest model wherever nothing cheaper was taken; return the number of places that hold."""
-        finest, number = self.rungs[-1], self.numbers[-1]
-        left = places[sheet.rung[places] < 0]
-        read = finest.read(sheet.grid[left], kind)
-        sheet.enter(left, read, number)
-        lost = left[~np.isfinite(read.off)]
+        finest, number = self.candidates[-1], self.numbers[-1]
+        left = places[branch.candidate[places] < 0]
+        evaluation = finest.evaluate(branch.grid[left], kind)
+        branch.enter(left, evaluation, number)
+        lost = left[~np.isfinite(evaluation.error)]
         if not len(lost):
             return len(places)
-        sheet.rung[lost[0] :] = -1
+        branch.candidate[lost[0] :] = -1
         return int(np.searchsorted(places, lost[0]))
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.run.accuracy.candidates import Read, put
+from vibeam.run.accuracy.candidates import Evaluation, put
 from vibeam.run.accuracy.closed_forms import Index
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
@@ -19,16 +19,16 @@ Array = NDArray[np.float64]
 class BranchChoice:
     """One direction, in the order swept; ``grid`` (points,): index of each point in the ascending frequencies.
 
-    ``rung`` (points,): index of the candidate in the study's list, −1 where none yet. ``estimate``: relative error.
+    ``candidate`` (points,): index in the study's list, −1 where there is none yet. ``estimate``: relative error.
     ``statistical``: the motion is aperiodic, so the estimate is that of its mean, and ``scatter`` that of one
     reading. ``kind``: the closed-form motion that the finest model is on, −1 where on none; ``states``: of the finest
     model after a point that it was flown at.
     """
 
-    way: str
+    direction: str
     grid: Index
     response: FrequencyResponse
-    rung: Index
+    candidate: Index
     estimate: Array
     statistical: NDArray[np.bool_]
     scatter: Array
@@ -36,15 +36,15 @@ class BranchChoice:
     states: dict[int, State]
 
     @classmethod
-    def blank(cls, way: str, grid: Index, frequency: Array, modes: int) -> BranchChoice:
+    def blank(cls, direction: str, grid: Index, frequency: Array, modes: int) -> BranchChoice:
         """Branch without any values yet."""
         n = len(grid)
         return cls(
-            way, grid, FrequencyResponse.empty(frequency[grid], modes), np.full(n, -1), np.full(n, np.nan),
+            direction, grid, FrequencyResponse.empty(frequency[grid], modes), np.full(n, -1), np.full(n, np.nan),
             np.zeros(n, dtype=bool), np.full(n, np.nan), np.full(n, -1), {},
         )  # fmt: skip
 
-    def enter(self, at: Index, read: Read, rung: int) -> None:
+    def enter(self, at: Index, evaluation: Evaluation, candidate: int) -> None:
         """Enter the values at the places ``at``."""
-        put(self.response, at, read.response)
-        self.rung[at], self.estimate[at] = rung, read.off
+        put(self.response, at, evaluation.response)
+        self.candidate[at], self.estimate[at] = candidate, evaluation.error

@@ -43,10 +43,10 @@ class ClosedForms:
     amplitude: Array
     kept: dict[int, Array] = field(default_factory=dict, repr=False)  # states by kind, computed on demand
     radii: dict[int, Array] = field(default_factory=dict, repr=False)
-    leaps: dict[int, Array] = field(default_factory=dict, repr=False)
+    relative_steps: dict[int, Array] = field(default_factory=dict, repr=False)
 
     def at(self, which: Index) -> ClosedForms:
-        """The same at the points ``which`` alone; the object itself where that is computed already or they are many."""
+        """Closed forms at the points ``which``; the object itself where it is computed already or they are many."""
         if "_points" in self.__dict__ or len(which) > len(self.omega) // MANY:
             return self
         return ClosedForms(self.system, self.omega[which], self.amplitude[which])
@@ -58,8 +58,8 @@ class ClosedForms:
     @cached_property
     def _phasors(self) -> Complex:
         """Phasors h (n, points): each mode's steady response is Im(h e^{iΩt}) plus its static displacement."""
-        own, sigma = self.system.omega[:, None], (self.system.zeta * self.system.omega)[:, None]
-        return self.system.load[:, None] * self.amplitude * phasor(own, sigma, self.omega)
+        natural, sigma = self.system.omega[:, None], (self.system.zeta * self.system.omega)[:, None]
+        return self.system.load[:, None] * self.amplitude * phasor(natural, sigma, self.omega)
 
     @cached_property
     def possible(self) -> bool:
@@ -67,7 +67,7 @@ class ClosedForms:
         return bool(np.all(self.system.omega > 0)) and not fault(self.system)
 
     @cached_property
-    def there(self) -> Flags:
+    def exists(self) -> Flags:
         """Mask of the points with such a motion; those with impacts may be inadmissible."""
         found = np.zeros((len(self.omega), len(KINDS)), dtype=bool)
         if not self.possible:
@@ -88,7 +88,7 @@ class ClosedForms:
         return self.radii[kind]
 
     def _radius(self, kind: int) -> Array:
-        found, open_ = np.full(len(self.omega), np.inf), self.there[:, kind].copy()
+        found, open_ = np.full(len(self.omega), np.inf), self.exists[:, kind].copy()
         if kind == FREE:
             bound = np.exp(-float(np.min(self.system.zeta * self.system.omega)) * 2 * np.pi / self.omega[open_])
         else:
@@ -99,19 +99,19 @@ class ClosedForms:
         found[open_] = np.where(bound < 1, bound, np.inf)
         return found
 
-    def leap(self, kind: int) -> Array:
+    def relative_step(self, kind: int) -> Array:
         """Change of a motion to the next frequency over its distance from another motion, (points − 1,).
 
         Where that is small a sweep that carries its state cannot jump to the other one; 0 where there is none.
         """
-        if kind not in self.leaps:
-            self.leaps[kind] = self._leap(kind)
-        return self.leaps[kind]
+        if kind not in self.relative_steps:
+            self.relative_steps[kind] = self._relative_step(kind)
+        return self.relative_steps[kind]
 
-    def _leap(self, kind: int) -> Array:
+    def _relative_step(self, kind: int) -> Array:
         every, found = np.arange(len(self.omega)), np.zeros(len(self.omega) - 1)
         for other in KINDS:
-            both = self.there[:, kind] & self.there[:, other]
+            both = self.exists[:, kind] & self.exists[:, other]
             if other != kind and both.any():
                 ours, theirs = self.states(every, kind), self.states(every, other)
                 moved = size(self.system, self.omega[1:], np.diff(ours, axis=0))
@@ -133,18 +133,18 @@ class ClosedForms:
         """States at all points (points, 2, n); meaningless where the motion does not exist."""
         h = self._phasors
         values = np.stack([h.imag + offsets(self.system)[:, None], self.omega * h.real])
-        if kind != FREE and self.there[:, kind].any():
-            values += self._struck(kind)
+        if kind != FREE and self.exists[:, kind].any():
+            values += self._impact_response(kind)
         return np.ascontiguousarray(values.transpose(2, 0, 1))
 
-    def _struck(self, kind: int) -> Array:
+    def _impact_response(self, kind: int) -> Array:
         """Contribution of the impact train (2, n, points); the Green's functions of ``orbits.modal_sums``."""
         roots, span = self._points.roots, self._points.total.span
         impulse, since = roots.impulse[:, kind], (2 * np.pi - roots.phase[:, kind]) / self.omega
         hit = self.system.contact != 0
-        own, zeta, contact = (row[hit] for row in (self.system.omega, self.system.zeta, self.system.contact))
-        g0, g1 = green(own[:, None], (zeta * own)[:, None], pairs(own, zeta, span))
-        p, strength = pairs(own, zeta, since), impulse * contact[:, None]
+        natural, zeta, contact = (row[hit] for row in (self.system.omega, self.system.zeta, self.system.contact))
+        g0, g1 = green(natural[:, None], (zeta * natural)[:, None], pairs(natural, zeta, span))
+        p, strength = pairs(natural, zeta, since), impulse * contact[:, None]
         added = np.zeros((2, self.system.size, len(span)))
         added[:, hit] = strength * (p.p00 * g0 + p.p01 * g1), strength * (p.p10 * g0 + p.p11 * g1)
         return added

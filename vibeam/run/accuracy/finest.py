@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from vibeam.case.plans import SweepPlan
-from vibeam.run.accuracy.candidates import EXACT, Candidate, Read
+from vibeam.run.accuracy.candidates import EXACT, Candidate, Evaluation
 from vibeam.run.accuracy.choices import BranchChoice
 from vibeam.run.accuracy.closed_forms import KINDS, Index, size
 from vibeam.system.response import Ended, FrequencyResponse
@@ -59,56 +59,56 @@ class Finest:
         return any(self.formula.known.radius(kind)[point] < 1 for kind in KINDS)
 
 
-def track(sheet: BranchChoice, finest: Finest, start: Position, run: RunOf, unsettled: Unsettled) -> Position:
+def track(branch: BranchChoice, finest: Finest, start: Position, run: RunOf, unsettled: Unsettled) -> Position:
     """Fill the branch along the sweep; return the position at its end."""
-    here, place = start, 0
-    while place < len(sheet.grid):
-        count = _goes_on(sheet, finest, here, place)
-        held = run(sheet, np.arange(place, place + count), here.kind) if count else 0
+    position, place = start, 0
+    while place < len(branch.grid):
+        count = _places_continued(branch, finest, position, place)
+        held = run(branch, np.arange(place, place + count), position.kind) if count else 0
         if held:
-            sheet.kind[place : place + held] = here.kind
+            branch.kind[place : place + held] = position.kind
             place += held
-            here = Position(here.kind, int(sheet.grid[place - 1]))
+            position = Position(position.kind, int(branch.grid[place - 1]))
             continue
-        state = finest.formula.known.state(here.point, here.kind) if here.kind >= 0 else here.state
-        stretch = _without(sheet, finest.formula, place) if place or here.state is not None else 0
+        state = finest.formula.known.state(position.point, position.kind) if position.kind >= 0 else position.state
+        stretch = _places_without_motion(branch, finest.formula, place) if place or position.state is not None else 0
         if stretch:
-            state = unsettled(sheet, np.arange(place, place + stretch), state)
-            place, here = place + stretch, Position(state=state)
+            state = unsettled(branch, np.arange(place, place + stretch), state)
+            place, position = place + stretch, Position(state=state)
         else:
-            here = fly_points(sheet, finest, place, state)
+            position = fly_points(branch, finest, place, state)
             place += 1
-    return here
+    return position
 
 
-def fly_points(sheet: BranchChoice, finest: Finest, place: int, state: State | None) -> Position:
+def fly_points(branch: BranchChoice, finest: Finest, place: int, state: State | None) -> Position:
     """Compute one place as the sweep does, cut short where a known motion is reached; return the position after it."""
-    point, plan = sheet.grid[place : place + 1], finest.plan
+    point, plan = branch.grid[place : place + 1], finest.plan
     part = plan.settle // PARTS if finest.known(int(point[0])) else 0
     if part:
         _, (state,) = finest.flight.fly(point, state, part, 1)
         kind = identified(finest.formula, int(point[0]), state)
-        read = finest.formula.read(point, kind) if kind >= 0 else None
-        if read is not None and np.isfinite(read.off[0]):
-            sheet.enter(np.array([place]), read, finest.formula_number)
-            sheet.kind[place] = kind
+        evaluation = finest.formula.evaluate(point, kind) if kind >= 0 else None
+        if evaluation is not None and np.isfinite(evaluation.error[0]):
+            branch.enter(np.array([place]), evaluation, finest.formula_number)
+            branch.kind[place] = kind
             return Position(kind, int(point[0]))
         part += 1
     response, states = finest.flight.fly(point, state, plan.settle - part, plan.hold)
-    note_flight(sheet, np.array([place]), finest.number, response, states)
+    note_flight(branch, np.array([place]), finest.number, response, states)
     kind = identified(finest.formula, int(point[0]), states[0]) if response.period[0] in (1, -1) else -1
-    sheet.kind[place] = kind
+    branch.kind[place] = kind
     return Position(kind, int(point[0]), states[0])
 
 
 def note_flight(
-    sheet: BranchChoice, places: Index, number: int, response: FrequencyResponse, states: Sequence[State]
+    branch: BranchChoice, places: Index, number: int, response: FrequencyResponse, states: Sequence[State]
 ) -> None:
     """Enter points flown by the finest model: exact where periodic, else one reading of many."""
-    off = np.where(response.ended == Ended.COMPLETE.code, EXACT, np.nan)
-    sheet.enter(places, Read(response, off), number)
-    sheet.statistical[places] = (response.period == 0) & np.isfinite(off)
-    sheet.states.update(zip(places.tolist(), states, strict=True))
+    error = np.where(response.ended == Ended.COMPLETE.code, EXACT, np.nan)
+    branch.enter(places, Evaluation(response, error), number)
+    branch.statistical[places] = (response.period == 0) & np.isfinite(error)
+    branch.states.update(zip(places.tolist(), states, strict=True))
 
 
 def identified(finest: Candidate, point: int, after: State) -> int:
@@ -123,28 +123,28 @@ def identified(finest: Candidate, point: int, after: State) -> int:
     return -1
 
 
-def _goes_on(sheet: BranchChoice, finest: Finest, here: Position, place: int) -> int:
+def _places_continued(branch: BranchChoice, finest: Finest, position: Position, place: int) -> int:
     """Number of places from ``place`` on along which the known motion continues."""
-    if here.kind < 0:
+    if position.kind < 0:
         return 0
-    points = np.concatenate([[here.point], sheet.grid[place:]])
-    known, kind = finest.formula.known, here.kind
+    points = np.concatenate([[position.point], branch.grid[place:]])
+    known, kind = finest.formula.known, position.kind
     with np.errstate(invalid="ignore", over="ignore"):
         settled = known.radius(kind)[points[1:]] ** finest.plan.settle <= DIES_OUT * finest.within
     first = np.minimum(points[1:], points[:-1])
     moved = points[1:] != points[:-1]
     near = np.zeros(len(first), dtype=bool)
-    near[moved] = known.leap(kind)[first[moved]] > NEAR
+    near[moved] = known.relative_step(kind)[first[moved]] > NEAR
     ends = np.flatnonzero(~settled | near)
     return int(ends[0]) if len(ends) else len(first)
 
 
-def _without(sheet: BranchChoice, finest: Candidate, place: int) -> int:
+def _places_without_motion(branch: BranchChoice, finest: Candidate, place: int) -> int:
     """Number of places from ``place`` on without a known stable, admissible motion."""
-    known, left = finest.known, sheet.grid[place:]
+    known, left = finest.known, branch.grid[place:]
     stable = np.stack([known.radius(kind)[left] < 1 for kind in KINDS], axis=1)
     for count in np.flatnonzero(stable.any(axis=1)):
         one = left[count : count + 1]
-        if any(np.isfinite(finest.read(one, int(kind)).off[0]) for kind in np.flatnonzero(stable[count])):
+        if any(np.isfinite(finest.evaluate(one, int(kind)).error[0]) for kind in np.flatnonzero(stable[count])):
             return int(count)
     return len(left)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.run.accuracy.candidates import Candidate, rungs_of
+from vibeam.run.accuracy.candidates import Candidate, candidates_of
 from vibeam.run.accuracy.choice import Choice
 from vibeam.run.accuracy.choices import BranchChoice
 from vibeam.run.accuracy.closed_forms import ClosedForms
@@ -105,18 +105,18 @@ def study(
     ValueError for a fidelity that cannot be built, or that knows more than modes, one stop and one restitution.
     """
     omega = 2 * np.pi * np.sort(case.sweep.frequency)
-    models = ladder_models(case, systems)
-    offered = [_offered(case, model, omega, quantities) for model in models]
-    rungs = [rung for several in offered for rung in several]
+    models = ordered_models(case, systems)
+    offered = [_candidates(case, model, omega, quantities) for model in models]
+    candidates = [candidate for several in offered for candidate in several]
     _warm_up(case, models, omega, quantities, within)
     begun = time.thread_time()
-    sheets = _sheets(case, models[-1], rungs, omega, quantities, within)
+    branches = _branches(case, models[-1], candidates, omega, quantities, within)
     spent = time.thread_time() - begun
-    verified = verify(sheets, rungs[-1], case.sweep, within, checks)
-    total = sum(len(sheet.grid) for sheet in sheets)
+    verified = verify(branches, candidates[-1], case.sweep, within, checks)
+    total = sum(len(branch.grid) for branch in branches)
     everywhere = total * float(np.mean([each.seconds for each in verified])) if verified else 0.0
-    chosen = tuple(_share(rung, number, sheets) for number, rung in enumerate(rungs))
-    curves = {sheet.way: _curve(sheet, rungs) for sheet in sheets}
+    chosen = tuple(_use(candidate, number, branches) for number, candidate in enumerate(candidates))
+    curves = {branch.direction: _curve(branch, candidates) for branch in branches}
     return AccuracyChoice(within, quantities, models[-1].name, curves, chosen, tuple(verified), spent, everywhere)
 
 
@@ -125,14 +125,14 @@ def _warm_up(
 ) -> None:  # fmt: skip
     """Run the whole choice at the first frequency, unmeasured, with candidates that are then discarded."""
     short = replace(case, sweep=replace(case.sweep, frequency=omega[:1] / (2 * np.pi), settle=1, hold=2))
-    rungs = [rung for model in models for rung in _offered(short, model, omega[:1], quantities)]
-    for rung in rungs:
-        if rung.solver == "flight":
-            rung.fly(np.array([0]), None, 1, 2)
-    _sheets(short, models[-1], rungs, omega[:1], quantities, within)
+    candidates = [candidate for model in models for candidate in _candidates(short, model, omega[:1], quantities)]
+    for candidate in candidates:
+        if candidate.solver == "flight":
+            candidate.fly(np.array([0]), None, 1, 2)
+    _branches(short, models[-1], candidates, omega[:1], quantities, within)
 
 
-def ladder_models(case: Case, systems: Mapping[str, ImpactSystem] | None = None) -> list[Model]:
+def ordered_models(case: Case, systems: Mapping[str, ImpactSystem] | None = None) -> list[Model]:
     """Models of a case by number of modes, the finest one last; of equal systems the first.
 
     The finest has most modes, preferably among those without changes to the physics, and is the first of
@@ -149,37 +149,41 @@ def ladder_models(case: Case, systems: Mapping[str, ImpactSystem] | None = None)
     return [*sorted(cheaper, key=lambda model: model.system.size), finest]
 
 
-def _offered(case: Case, model: Model, omega: Array, quantities: tuple[str, ...]) -> Sequence[Candidate]:
+def _candidates(case: Case, model: Model, omega: Array, quantities: tuple[str, ...]) -> Sequence[Candidate]:
     amplitude = np.broadcast_to(np.asarray(case.amplitude_of(model.name, omega), dtype=float), omega.shape)
-    return rungs_of(model.name, ClosedForms(model.system, omega, amplitude), quantities, case.sweep.output)
+    return candidates_of(model.name, ClosedForms(model.system, omega, amplitude), quantities, case.sweep.output)
 
 
-def _sheets(
-    case: Case, model: Model, rungs: list[Candidate], omega: Array, quantities: tuple[str, ...], within: float
+def _branches(
+    case: Case, model: Model, candidates: list[Candidate], omega: Array, quantities: tuple[str, ...], within: float
 ) -> list[BranchChoice]:
-    flown = [i for i, rung in enumerate(rungs) if rung.solver == "flight"]
-    formulas = [i for i, rung in enumerate(rungs) if rung.solver != "flight"]
-    ladder = Choice([rungs[i] for i in formulas], formulas, quantities, within)
-    loose = Unsettled([rungs[i] for i in flown], flown, quantities, within, case.sweep)
-    finest = Finest(rungs[formulas[-1]], formulas[-1], rungs[flown[-1]], flown[-1], case.sweep, within)
-    up, here, sheets = np.arange(len(omega)), Position(), []
-    for way in ENDS[case.sweep.direction]:
-        sheet = BranchChoice.blank(way, up if way == "up" else up[::-1], omega / (2 * np.pi), model.system.size)
-        here = track(sheet, finest, here, ladder.settle, loose.settle)
-        loose.remember(sheet)
-        sheets.append(sheet)
-    return sheets
+    flown = [i for i, candidate in enumerate(candidates) if candidate.solver == "flight"]
+    formulas = [i for i, candidate in enumerate(candidates) if candidate.solver != "flight"]
+    choice = Choice([candidates[i] for i in formulas], formulas, quantities, within)
+    unsettled = Unsettled([candidates[i] for i in flown], flown, quantities, within, case.sweep)
+    finest = Finest(candidates[formulas[-1]], formulas[-1], candidates[flown[-1]], flown[-1], case.sweep, within)
+    up, position, branches = np.arange(len(omega)), Position(), []
+    for direction in ENDS[case.sweep.direction]:
+        branch = BranchChoice.blank(
+            direction, up if direction == "up" else up[::-1], omega / (2 * np.pi), model.system.size
+        )
+        position = track(branch, finest, position, choice.settle, unsettled.settle)
+        unsettled.remember(branch)
+        branches.append(branch)
+    return branches
 
 
-def _share(rung: Candidate, number: int, sheets: list[BranchChoice]) -> Chosen:
-    taken = sum(int(np.count_nonzero(sheet.rung == number)) for sheet in sheets)
-    claims = np.concatenate([sheet.estimate[sheet.rung == number] for sheet in sheets])
+def _use(candidate: Candidate, number: int, branches: list[BranchChoice]) -> Chosen:
+    taken = sum(int(np.count_nonzero(branch.candidate == number)) for branch in branches)
+    claims = np.concatenate([branch.estimate[branch.candidate == number] for branch in branches])
     worst = float(np.max(claims)) if len(claims) else float("nan")
-    spent = rung.spent
-    return Chosen(rung.fidelity, rung.solver, rung.known.system.size, taken, spent.points, spent.seconds, worst)
+    spent = candidate.spent
+    return Chosen(
+        candidate.fidelity, candidate.solver, candidate.known.system.size, taken, spent.points, spent.seconds, worst
+    )
 
 
-def _curve(sheet: BranchChoice, rungs: list[Candidate]) -> Curve:
-    names = [rungs[number].fidelity for number in sheet.rung]
-    solvers = [rungs[number].solver for number in sheet.rung]
-    return Curve(sheet.response, tuple(names), tuple(solvers), sheet.estimate, sheet.statistical, sheet.scatter)
+def _curve(branch: BranchChoice, candidates: list[Candidate]) -> Curve:
+    names = [candidates[number].fidelity for number in branch.candidate]
+    solvers = [candidates[number].solver for number in branch.candidate]
+    return Curve(branch.response, tuple(names), tuple(solvers), branch.estimate, branch.statistical, branch.scatter)

@@ -49,34 +49,34 @@ class Verified:
 
 
 def verify(
-    sheets: Sequence[BranchChoice], finest: Candidate, plan: SweepPlan, within: float, count: int = POINTS
+    branches: Sequence[BranchChoice], finest: Candidate, plan: SweepPlan, within: float, count: int = POINTS
 ) -> list[Verified]:
     """Verify ``count`` points drawn with a fixed seed, or all where there are fewer, in order."""
-    places = [(sheet, place) for sheet in sheets for place in range(len(sheet.grid))]
+    places = [(branch, place) for branch in branches for place in range(len(branch.grid))]
     chosen = np.random.default_rng(SEED).permutation(len(places))[:count]
     return [_verified(*places[int(i)], finest, plan, within) for i in np.sort(chosen)]
 
 
-def _verified(sheet: BranchChoice, place: int, finest: Candidate, plan: SweepPlan, within: float) -> Verified:
-    point = int(sheet.grid[place])
+def _verified(branch: BranchChoice, place: int, finest: Candidate, plan: SweepPlan, within: float) -> Verified:
+    point = int(branch.grid[place])
     omega, base = finest.known.omega[[point]], float(finest.known.amplitude[point])
-    before = _before(sheet, place, finest)
+    before = _state_before(branch, place, finest)
     first, state = finest.flight.steady(omega, base, before, plan.settle, plan.hold, plan.output)
     drawn = [first]
     while first.period[0] == 0 and len(drawn) < DRAWS:
         more, state = finest.flight.steady(omega, base, state, 0, plan.hold, plan.output)
         drawn.append(more)
-    error, allowed = judged(rows(sheet.response, np.array([place])), join(drawn), finest.quantities, within)
-    frequency = float(sheet.response.frequency[place])
-    return Verified(sheet.way, frequency, error, allowed, len(drawn) > 1, float(first.cpu_seconds[0]))
+    error, allowed = judged(rows(branch.response, np.array([place])), join(drawn), finest.quantities, within)
+    frequency = float(branch.response.frequency[place])
+    return Verified(branch.direction, frequency, error, allowed, len(drawn) > 1, float(first.cpu_seconds[0]))
 
 
-def _before(sheet: BranchChoice, place: int, finest: Candidate) -> State | None:
+def _state_before(branch: BranchChoice, place: int, finest: Candidate) -> State | None:
     """State before a place: the finest model's motion at the frequency before; None where unknown."""
     if place == 0:
         return None
-    kind = int(sheet.kind[place - 1])
-    return sheet.states.get(place - 1) if kind < 0 else finest.known.state(int(sheet.grid[place - 1]), kind)
+    kind = int(branch.kind[place - 1])
+    return branch.states.get(place - 1) if kind < 0 else finest.known.state(int(branch.grid[place - 1]), kind)
 
 
 def judged(

@@ -37,8 +37,10 @@ def write_study(group: h5py.Group, study: AccuracyChoice) -> None:
     head["chosen"] = [_row(each) for each in study.chosen]
     head["verified"] = [_row(each) for each in study.verified]
     group.attrs["study"] = fixed(json.dumps(head))
-    for way, curve in study.curves.items():
-        _write_curve(group[way], curve, [each.fidelity for each in study.chosen], [e.solver for e in study.chosen])
+    for direction, curve in study.curves.items():
+        _write_curve(
+            group[direction], curve, [each.fidelity for each in study.chosen], [e.solver for e in study.chosen]
+        )
 
 
 def read_study(group: h5py.Group, responses: Mapping[str, FrequencyResponse]) -> AccuracyChoice:
@@ -47,7 +49,7 @@ def read_study(group: h5py.Group, responses: Mapping[str, FrequencyResponse]) ->
     head["quantities"] = tuple(head["quantities"])
     return AccuracyChoice(
         **{name: head[name] for name in PLAIN},
-        curves={way: _read_curve(group[way], response) for way, response in responses.items()},
+        curves={direction: _read_curve(group[direction], response) for direction, response in responses.items()},
         chosen=tuple(Chosen(**row) for row in head["chosen"]),
         verified=tuple(Verified(**row) for row in head["verified"]),
     )

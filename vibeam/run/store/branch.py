@@ -40,7 +40,7 @@ class Branch:
 
     @property
     def group(self) -> str:
-        """The group's path in the file."""
+        """Path of the group in the file."""
         return f"{self.fidelity}/{self.direction}"
 
 

@@ -13,7 +13,7 @@ from vibeam.run.store.image import Image
 from vibeam.run.store.layout import fixed
 from vibeam.run.store.older import lay_out_anew
 from vibeam.run.store.provenance import write_provenance
-from vibeam.run.store.reuse import Reuse, Wanted, adapt, groups_with_points, lost_with, reuse_of, said
+from vibeam.run.store.reuse import Reuse, Wanted, adapt, groups_with_points, lost_with, reported, reuse_of
 
 if TYPE_CHECKING:
     import h5py
@@ -83,7 +83,7 @@ def _adapt(file: h5py.File, path: Path, wanted: Wanted, reuses: list[Reuse]) -> 
         adapt(file, reuses, wanted.unit)
         del file["case"]
         _write_case(file, wanted)
-    return said(reuses, others)
+    return reported(reuses, others)
 
 
 def _reuse(file: h5py.File, path: Path, branch: Branch) -> Reuse:
@@ -93,9 +93,9 @@ def _reuse(file: h5py.File, path: Path, branch: Branch) -> Reuse:
         return reuse_of(file, branch)
 
 
-def another(path: Path, there: str, here: str) -> StoreError:
+def another(path: Path, stored: str, present: str) -> StoreError:
     """Error for a file of a case that shares nothing with this one: names the difference."""
-    return StoreError(f"{path}: holds another case ({_first_difference(there, here)}): {ELSEWHERE}")
+    return StoreError(f"{path}: holds another case ({_first_difference(stored, present)}): {ELSEWHERE}")
 
 
 def _refuse_another(file: h5py.File, path: Path, wanted: Wanted) -> None:
@@ -126,7 +126,7 @@ def _text(file: h5py.File, path: Path, name: str) -> str:
         return str(file["case"][name][()].decode())
 
 
-def _first_difference(there: str, here: str) -> str:
-    pairs = zip_longest(there.splitlines(), here.splitlines(), fillvalue="nothing")
+def _first_difference(stored: str, present: str) -> str:
+    pairs = zip_longest(stored.splitlines(), present.splitlines(), fillvalue="nothing")
     differing = next(((old, new) for old, new in pairs if old != new), ("its key", "another"))
     return f"{differing[0] or 'nothing'!r} there, {differing[1] or 'nothing'!r} here"

@@ -23,7 +23,7 @@ class Disk:
     """File ``target``, called ``path`` by the user, for its one writer.
 
     What is staged lies beside it, with all the room it needs, until something is written into it: then it takes the
-    file's place. Every method: StoreError where the disk does not do it, and what was there before stays.
+    file's place. Every method: StoreError where the disk fails, and the old content stays.
     """
 
     def __init__(self, path: Path, target: Path) -> None:
@@ -64,7 +64,7 @@ class Disk:
         except OSError as fault:
             raise unwritable(self.path, fault, cure) from None
         lock(handle)
-        self._leave()
+        self._release()
         self._handle, self._staged = handle, True
 
     def overwrite(self, pieces: Iterable[tuple[int, bytes]]) -> None:
@@ -99,7 +99,7 @@ class Disk:
         """Close the file; discard what is still staged."""
         if self._staged:
             self._part.unlink(missing_ok=True)
-        self._leave()
+        self._release()
 
     def _publish(self) -> None:
         try:
@@ -112,7 +112,7 @@ class Disk:
         with suppress(FileNotFoundError):
             self._part.unlink()
 
-    def _leave(self) -> None:
+    def _release(self) -> None:
         if self._handle is not None:
             os.close(self._handle)
             self._handle = None

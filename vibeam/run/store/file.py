@@ -106,7 +106,7 @@ def read(path: Path) -> dict[tuple[str, str], FrequencyResponse]:
         raise StoreError(f"{path}: cannot be opened ({reason(fault)})") from None
     with _open(Image(content), path) as file, reading(path, "its groups"):
         rows = read_rows if format_of(file) == FORMAT else lambda group: {name: group[name][()] for name in LAYOUT}
-        found = {(fidelity, way): rows(file[fidelity][way]) for fidelity, way in branch_names(file)}
+        found = {(fidelity, direction): rows(file[fidelity][direction]) for fidelity, direction in branch_names(file)}
         return {at: FrequencyResponse(**{name: values[name] for name in LAYOUT}) for at, values in found.items()}
 
 

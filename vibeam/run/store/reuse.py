@@ -101,16 +101,18 @@ def lost_with(file: h5py.File, reuses: Sequence[Reuse]) -> bool:
 
 def groups_with_points(file: h5py.File) -> list[str]:
     """Branches of the file that have points."""
-    return [f"{fidelity}/{way}" for fidelity, way in branch_names(file) if points_of(file[fidelity][way])]
+    return [
+        f"{fidelity}/{direction}" for fidelity, direction in branch_names(file) if points_of(file[fidelity][direction])
+    ]
 
 
 def branch_names(file: h5py.File) -> list[tuple[str, str]]:
     """Fidelity and direction of every branch of the file, up before down."""
-    ways = ((fidelity, way) for fidelity in file for way in sorted(file[fidelity], reverse=True))
-    return [(fidelity, way) for fidelity, way in ways if "done" in file[fidelity][way].attrs]
+    pairs = ((fidelity, direction) for fidelity in file for direction in sorted(file[fidelity], reverse=True))
+    return [(fidelity, direction) for fidelity, direction in pairs if "done" in file[fidelity][direction].attrs]
 
 
-def said(reuses: Sequence[Reuse], others: Iterable[str]) -> str:
+def reported(reuses: Sequence[Reuse], others: Iterable[str]) -> str:
     """One line on kept, added and recomputed branches; ``others``: branches the case does not name."""
     parts = {
         "kept": [reuse.branch.group for reuse in reuses if reuse.fits],

@@ -34,7 +34,7 @@ class Store:
     """Open results file, safe to write from several threads; made by ``vibeam.run.store.file.opened``.
 
     ``file`` is open on its ``image`` in memory, from where all changes go to ``disk``; ``unit``: of the outputs.
-    Every method: StoreError where the file does not hold what was written or takes no more.
+    Every method: StoreError where the file is damaged or cannot be written.
     """
 
     def __init__(self, file: h5py.File, image: Image, disk: Disk, unit: str, *, noted: bool) -> None:
@@ -131,7 +131,7 @@ class Store:
             if CHECKSUM not in file[group].attrs or any(part.done < len(part.response) for part in kept.values()):
                 return None
             verify(file[group])
-            return read_study(file[group], {way: part.response for way, part in kept.items()})
+            return read_study(file[group], {direction: part.response for direction, part in kept.items()})
 
     def write_study(self, study: AccuracyChoice) -> None:
         """Write a study beside its branches, after these."""

@@ -17,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.run.models import Model, equal, seen, with_seen
+from vibeam.run.models import Model, equal, first_mode_restitution_of, with_first_mode_restitution
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse, periodic
 
@@ -57,8 +57,7 @@ class Split:
 
 
 def shares(chain: Sequence[FrequencyResponse]) -> tuple[list[Array], Array]:
-    """The links' differences in amplitude over the last one's, (points,) each, and the whole; of the points where
-    every response of the chain repeats."""
+    """Relative differences in amplitude over each link and over the chain, (points,), where all motions are periodic."""
     last = chain[-1].amplitude
     where = np.logical_and.reduce([periodic(each) for each in chain]) & (last > 0)
     steps = [each.amplitude[where] / last[where] for each in chain]
@@ -89,11 +88,12 @@ def split(
 ) -> Split:
     """Split the error of ``model``. ``build(model, finest)``: its system with the finest's reduction, its own
     effects; ``fly``: the exact response of a system; ``exact`` and ``top``: those of the two ends;
-    ``file``: what the finest itself is compared with.
+    ``file``: the reference of the finest.
     """
     chain, notes = [exact], ["", "", "", ""]
     try:
-        chain.append(exact if model is finest else fly(with_seen(model.system, seen(finest.system))))
+        r1 = first_mode_restitution_of(finest.system)
+        chain.append(exact if model is finest else fly(with_first_mode_restitution(model.system, r1)))
     except ValueError as refusal:
         chain.append(exact)
         notes[0] = str(refusal)
@@ -103,13 +103,14 @@ def split(
         replace(part(name, values), mean=np.nan, rms=np.nan, worst=np.nan, note=note) if note else part(name, values)
         for name, values, note in zip(LINKS, steps, notes, strict=False)
     ]
-    return Split(model.name, model.system.size, seen(model.system), part("total", whole), tuple(parts), len(whole), cpu)
+    r1, total = first_mode_restitution_of(model.system), part("total", whole)
+    return Split(model.name, model.system.size, r1, total, tuple(parts), len(whole), cpu)
 
 
 def _reduced_alike(model: Model, finest: Model, top: FrequencyResponse, build: Build, fly: Fly) -> FrequencyResponse:
     alike = build(model, finest)
     try:
-        alike = with_seen(alike, seen(finest.system))
+        alike = with_first_mode_restitution(alike, first_mode_restitution_of(finest.system))
     except ValueError:
         alike = replace(alike, restitution=finest.system.restitution)
     rounded = replace(alike, restitution=finest.system.restitution)

@@ -92,10 +92,10 @@ class Measured:
 
 
 def measure(
-    system: ImpactSystem, rung: Setting, plan: Plan, clock: Clock = lambda: 0.0, deadline: float = np.inf
+    system: ImpactSystem, setting: Setting, plan: Plan, clock: Clock = lambda: 0.0, deadline: float = np.inf
 ) -> Measured:
     """Run the plan; ValueError where the solver cannot take the system, OutOfTime if ``clock`` passes ``deadline``."""
-    runner = solver(rung.solver, system, float(np.min(plan.omega)), **rung.options)
+    runner = solver(setting.solver, system, float(np.min(plan.omega)), **setting.options)
     parts: list[FrequencyResponse] = []
     clouds: dict[int, AperiodicSample] = {}
     state: State | None = None
@@ -110,7 +110,7 @@ def measure(
             each = np.full(plan.cloud, omega)
             watched, state = runner.steady(each, base, state, 0, 1, plan.output)
             clouds[index] = _cloud(watched)
-    path = _path(runner, SOLVERS[rung.solver].motion, system, plan) if plan.window else None
+    path = _path(runner, SOLVERS[setting.solver].motion, system, plan) if plan.window else None
     periods = len(plan.omega) * (plan.settle + plan.hold) + len(clouds) * plan.cloud + plan.window * (path is not None)
     return Measured(join(parts), clouds, path, periods)
 

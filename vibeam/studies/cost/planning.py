@@ -46,8 +46,8 @@ class Planning:
     @cached_property
     def plan(self) -> Plan:
         """Common plan of all runs: the path is driven at the reference's peak and starts one swing from the stop."""
-        seen = measure(self._finest.system, FLIGHT, self.first).response
-        size, top = float(np.nanmedian(seen.reach)), peak(seen)[0]
+        response = measure(self._finest.system, FLIGHT, self.first).response
+        size, top = float(np.nanmedian(response.reach)), peak(response)[0]
         drive = self._drive(2 * np.pi * top) if np.isfinite(top) else self.first.drive
         size = size if size > 0 else 1.0
         return replace(self.first, cloud=CLOUD, window=WINDOW, size=size, drive=drive)

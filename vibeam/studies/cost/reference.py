@@ -55,13 +55,15 @@ class Bound:
     @property
     def sentence(self) -> str:
         """Bound as a sentence."""
-        said = []
+        sentences = []
         if self.points:
             agreed = f"flight and closed-form orbits agree to {self.amplitude:.1e} in amplitude"
-            said.append(f"{agreed} at {self.points} of {self.total} frequencies")
+            sentences.append(f"{agreed} at {self.points} of {self.total} frequencies")
         if np.isfinite(self.impacts):
-            said.append(f"flight and DOP853 at 1e-12 to {self.impacts:.1e} in impact velocity over {WINDOW} periods")
-        return "; ".join([*said, *filter(None, [self.note])])
+            sentences.append(
+                f"flight and DOP853 at 1e-12 to {self.impacts:.1e} in impact velocity over {WINDOW} periods"
+            )
+        return "; ".join([*sentences, *filter(None, [self.note])])
 
 
 def bound(system: ImpactSystem, exact: Measured, plan: Plan) -> Bound:
@@ -98,9 +100,9 @@ def given(case: Case, frequency: Array) -> FrequencyResponse:
 def curve(case: Case) -> dict[float, tuple[float, int]]:
     """Amplitude and period (1 where not given) over frequency (Hz) of the case's reference file, first branch."""
     points = reference_points(case.references[case.cost.reference or ""])
-    way = points[0].direction if points else "up"
-    told = [point for point in points if point.direction == way and point.value is not None]
-    return {p.frequency: (p.value or 0.0, 1 if p.period is None else p.period) for p in told}
+    direction = points[0].direction if points else "up"
+    given_points = [point for point in points if point.direction == direction and point.value is not None]
+    return {p.frequency: (p.value or 0.0, 1 if p.period is None else p.period) for p in given_points}
 
 
 def _single_impacts(response: FrequencyResponse) -> FrequencyResponse:

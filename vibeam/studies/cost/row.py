@@ -45,8 +45,8 @@ class RunRow:
 
 @dataclass(frozen=True)
 class References:
-    """What a run is held against: its fidelity's exact motion, settled as long as it is (``short``) and as long as
-    need be (``own``), and the reference.
+    """References of a run: its fidelity's exact motion, settled as long as the run (``short``) and as long as
+    needed (``own``), and the reference.
     """
 
     short: Measured
@@ -54,29 +54,29 @@ class References:
     reference: Measured
 
 
-def stopped(model: Model, rung: Setting, why: str) -> RunRow:
+def stopped(model: Model, setting: Setting, why: str) -> RunRow:
     """Row of a run that did not end."""
-    return _row(model, rung, Errors(), Errors(), (), None, 0, why)
+    return _row(model, setting, Errors(), Errors(), (), None, 0, why)
 
 
-def compared(model: Model, rung: Setting, plan: Plan, found: Measured, work: Work, truths: References) -> RunRow:
+def compared(model: Model, setting: Setting, plan: Plan, found: Measured, work: Work, references: References) -> RunRow:
     """Row of a run that ended, with or without failed points."""
     motions = int(np.count_nonzero(complete(found.response)))
     if found.failure:
-        return _row(model, rung, Errors(), Errors(), (), work, motions, found.failure)
-    total, numerical = (errors(found, truth, plan) for truth in (truths.reference, truths.own))
+        return _row(model, setting, Errors(), Errors(), (), work, motions, found.failure)
+    total, numerical = (errors(found, truth, plan) for truth in (references.reference, references.own))
     why = "" if total.points or np.isfinite(total.statistics) else _nothing(found)
-    steps, whole = shares([each.response for each in (found, truths.short, truths.own, truths.reference)])
+    steps, whole = shares([each.response for each in (found, references.short, references.own, references.reference)])
     parts = tuple(part(name, values) for name, values in zip(PARTS, [*steps, whole], strict=True))
-    return _row(model, rung, total, numerical, parts, work, motions, why)
+    return _row(model, setting, total, numerical, parts, work, motions, why)
 
 
 def _row(
-    model: Model, rung: Setting, total: Errors, numerical: Errors, parts: tuple[Part, ...], work: Work | None,
+    model: Model, setting: Setting, total: Errors, numerical: Errors, parts: tuple[Part, ...], work: Work | None,
     motions: int, why: str,
 ) -> RunRow:  # fmt: skip
     return RunRow(
-        model.name, model.system.size, rung.solver, rung.method, rung.setting,
+        model.name, model.system.size, setting.solver, setting.method, setting.setting,
         total, numerical, parts, work, motions, why,
     )  # fmt: skip
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
-from vibeam.studies.cost.settings import Ladder, Setting
+from vibeam.studies.cost.settings import Series, Setting
 
 
 @dataclass(frozen=True)
@@ -14,7 +14,7 @@ class Schedule:
     """Series of settings of one solver on one fidelity; ``estimate``: seconds of its first setting."""
 
     fidelity: str
-    ladder: Ladder
+    series: Series
     estimate: float
 
 
@@ -30,33 +30,33 @@ class LeftOut:
 Run = Callable[[str, Setting], float | None]
 
 
-def run_schedule(tracks: Sequence[Schedule], left: Callable[[], float], run: Run) -> list[LeftOut]:
+def run_schedule(schedules: Sequence[Schedule], left: Callable[[], float], run: Run) -> list[LeftOut]:
     """Run setting by setting, always the one estimated to be cheapest, while ``left()`` seconds allow it.
 
-    ``run(fidelity, rung)`` gives the seconds it took, None where that ladder had better not be climbed further. A
-    rung's estimate is what the one below it took, times its ``growth``. Gives what was left out.
+    ``run(fidelity, setting)`` gives the seconds it took, None where stricter settings are of no use. A
+    setting's estimate is the cost of the one before it times its ``growth``. Returns the runs left out.
     """
-    heap = [(track.estimate, order, 0, track) for order, track in enumerate(tracks)]
+    heap = [(schedule.estimate, order, 0, schedule) for order, schedule in enumerate(schedules)]
     heapify(heap)
     out: list[LeftOut] = []
     while heap:
-        estimate, order, index, track = heappop(heap)
-        rungs = track.ladder[index:]
+        estimate, order, index, schedule = heappop(heap)
+        settings = schedule.series[index:]
         if estimate > left():
-            out += _left_out(track.fidelity, rungs, estimate, max(left(), 0.0))
+            out += _left_out(schedule.fidelity, settings, estimate, max(left(), 0.0))
             continue
-        took = run(track.fidelity, rungs[0])
-        if took is None:
-            why = f"{rungs[0].label} broke down before it"
-            out += [LeftOut(track.fidelity, rung.label, why) for rung in rungs[1:]]
-        elif len(rungs) > 1:
-            heappush(heap, (took * rungs[1].growth, order, index + 1, track))
+        seconds = run(schedule.fidelity, settings[0])
+        if seconds is None:
+            why = f"{settings[0].label} broke down before it"
+            out += [LeftOut(schedule.fidelity, setting.label, why) for setting in settings[1:]]
+        elif len(settings) > 1:
+            heappush(heap, (seconds * settings[1].growth, order, index + 1, schedule))
     return out
 
 
-def _left_out(fidelity: str, rungs: Ladder, estimate: float, left: float) -> list[LeftOut]:
+def _left_out(fidelity: str, settings: Series, estimate: float, left: float) -> list[LeftOut]:
     out = []
-    for index, rung in enumerate(rungs):
-        estimate *= rung.growth if index else 1.0
-        out.append(LeftOut(fidelity, rung.label, f"about {estimate:.2g} s, with {left:.2g} s of the budget left"))
+    for index, setting in enumerate(settings):
+        estimate *= setting.growth if index else 1.0
+        out.append(LeftOut(fidelity, setting.label, f"about {estimate:.2g} s, with {left:.2g} s of the budget left"))
     return out

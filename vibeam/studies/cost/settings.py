@@ -34,19 +34,19 @@ class Setting:
         return " ".join(filter(None, (self.solver, self.method, self.setting)))
 
 
-Ladder = tuple[Setting, ...]
+Series = tuple[Setting, ...]
 
 
-def ladders(solver: str, size: float) -> list[Ladder]:
+def series_of(solver: str, size: float) -> list[Series]:
     """Series of settings of one solver for contact motions of about ``size`` m; a single point is a series of one."""
     declared = SOLVERS[solver].settings
-    found: list[Ladder] = [(Setting(solver, method=name, options=values),) for name, values in declared.options.items()]
+    found: list[Series] = [(Setting(solver, method=name, options=values),) for name, values in declared.options.items()]
     found += [_tolerances(solver, method, size, declared.limit) for method in declared.methods]
     found += [_steps(solver)] if declared.steps else []
     return found or [(Setting(solver),)]
 
 
-def _tolerances(solver: str, method: str, size: float, limit: int) -> Ladder:
+def _tolerances(solver: str, method: str, size: float, limit: int) -> Series:
     return tuple(_tolerance(solver, method, size, limit, index) for index in range(len(RTOLS)))
 
 
@@ -56,7 +56,7 @@ def _tolerance(solver: str, method: str, size: float, limit: int, index: int) ->
     return Setting(solver, method, f"rtol {rtol:.0e}", options, (looser / rtol) ** (1 / ORDERS[method]))
 
 
-def _steps(solver: str) -> Ladder:
+def _steps(solver: str) -> Series:
     grown = [1.0, *(fine / coarse for coarse, fine in pairwise(STEPS))]
     return tuple(
         Setting(solver, "", f"{count} steps", {"steps": count}, growth)

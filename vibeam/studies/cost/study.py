@@ -19,7 +19,7 @@ from vibeam.studies.cost.planning import Planning
 from vibeam.studies.cost.reference import FLIGHT, Bound, bound, given
 from vibeam.studies.cost.row import References, RunRow, compared, stopped
 from vibeam.studies.cost.schedule import LeftOut, Schedule, run_schedule
-from vibeam.studies.cost.settings import Setting, ladders
+from vibeam.studies.cost.settings import Setting, series_of
 from vibeam.studies.cost.work import Work, front, timed
 from vibeam.system.impact_system import ImpactSystem
 
@@ -109,15 +109,15 @@ class _Studied:
             self._warm(FLIGHT, [model])
         smallest_first = sorted(self.models, key=lambda model: model.system.size)
         for name in self.asked.solvers or SOLVERS:
-            for ladder in ladders(name, 1.0):
-                self._warm(ladder[0], smallest_first)
+            for series in series_of(name, 1.0):
+                self._warm(series[0], smallest_first)
 
-    def _warm(self, rung: Setting, models: Sequence[Model]) -> None:
+    def _warm(self, setting: Setting, models: Sequence[Model]) -> None:
         """Short run on the first model that the solver can take."""
         plan = replace(self.planning.first.at(0), settle=0, hold=PROBE)
         for model in models:
             with suppress(ValueError):
-                measure(model.system, rung, plan)
+                measure(model.system, setting, plan)
                 return
 
     def study(self) -> CostStudy:
@@ -134,12 +134,12 @@ class _Studied:
         self.truth = top if self.file is None else Measured(self.file)
         bounded = bound(self.finest.system, top, self.planning.long)
         splits = tuple(self._split(model, top) for model in self.models)
-        tracks = self._tracks()
+        schedules = self._schedules()
         self.ready = self.clock()
-        left_out = run_schedule(tracks, self._left, self._climbed)
+        left_out = run_schedule(schedules, self._left, self._run_setting)
         order = {model.name: index for index, model in enumerate(self.models)}
-        rungs = [rung.label for name in SOLVERS for ladder in ladders(name, 1.0) for rung in ladder]
-        rows = sorted(self.rows, key=lambda row: (order[row.fidelity], rungs.index(row.label)))
+        labels = [setting.label for name in SOLVERS for series in series_of(name, 1.0) for setting in series]
+        rows = sorted(self.rows, key=lambda row: (order[row.fidelity], labels.index(row.label)))
         grid = tuple(float(each) for each in hertz)
         spent = self.clock() - self.began
         return CostStudy(
@@ -151,9 +151,9 @@ class _Studied:
         """Seconds left of the budget, which begins after the exact motions that every study needs."""
         return self.asked.budget - (self.clock() - self.ready)
 
-    def _timed(self, system: ImpactSystem, rung: Setting, plan: Plan, deadline: float) -> tuple[Measured, Work]:
+    def _timed(self, system: ImpactSystem, setting: Setting, plan: Plan, deadline: float) -> tuple[Measured, Work]:
         spend = SHARE * self.asked.budget
-        run = lambda: measure(system, rung, plan, self.clock, deadline)  # noqa: E731
+        run = lambda: measure(system, setting, plan, self.clock, deadline)  # noqa: E731
         return timed(run, self.clock, self.asked.repeats, spend)
 
     def _split(self, model: Model, top: Measured) -> Split:
@@ -169,43 +169,43 @@ class _Studied:
         exact, work = self.exact[model.name]
         return split(model, self.finest, exact.response, top.response, build, fly, work.cpu_min, self.file)
 
-    def _tracks(self) -> list[Schedule]:
+    def _schedules(self) -> list[Schedule]:
         """Series of settings of every fidelity and solver; refusals are noted."""
-        tracks = []
+        schedules = []
         for model in self.models:
             for name in self.asked.solvers or SOLVERS:
                 if model.cut and name not in CUT_SOLVERS:
                     continue
                 try:
-                    for ladder in ladders(name, self.planning.plan.size):
-                        tracks.append(Schedule(model.name, ladder, self._estimate(model, ladder[0])))
+                    for series in series_of(name, self.planning.plan.size):
+                        schedules.append(Schedule(model.name, series, self._estimate(model, series[0])))
                 except ValueError as refusal:
                     self.refused.append(LeftOut(model.name, name, str(refusal)))
-        return tracks
+        return schedules
 
-    def _estimate(self, model: Model, rung: Setting) -> float:
+    def _estimate(self, model: Model, setting: Setting) -> float:
         """Estimated seconds of a run: known for flight, extrapolated from two periods, its warm-up, for others."""
-        if rung.solver == "flight":
+        if setting.solver == "flight":
             return self.exact[model.name][1].cpu_min
         plan = self.planning.of(model)
         least = STIFF * float(np.max(model.system.omega)) * float(np.sum(2 * np.pi / plan.omega))
-        if rung.solver == "direct" and least * (plan.settle + plan.hold) > self.asked.budget:
+        if setting.solver == "direct" and least * (plan.settle + plan.hold) > self.asked.budget:
             return least * (plan.settle + plan.hold)  # two periods are too short to be measured
         short = replace(plan.at(len(plan.omega) // 2), settle=0, hold=PROBE, cloud=0, window=0)
         begun = self.clock()
-        measure(model.system, rung, short)
-        times = 1 if SOLVERS[rung.solver].stationary else (plan.settle + plan.hold) / PROBE
+        measure(model.system, setting, short)
+        times = 1 if SOLVERS[setting.solver].stationary else (plan.settle + plan.hold) / PROBE
         return (self.clock() - begun) * len(plan.omega) * times
 
-    def _climbed(self, fidelity: str, rung: Setting) -> float | None:
+    def _run_setting(self, fidelity: str, setting: Setting) -> float | None:
         """Run one setting and add its row; return its seconds, or None where stricter settings are of no use."""
         model = self.named[fidelity]
-        self.say(f"{fidelity}: {rung.label}")
+        self.say(f"{fidelity}: {setting.label}")
         try:
-            found, work = self._timed(model.system, rung, self.planning.of(model), self.ready + self.asked.budget)
+            found, work = self._timed(model.system, setting, self.planning.of(model), self.ready + self.asked.budget)
         except OutOfTime as up:
-            self.rows.append(stopped(model, rung, str(up)))
+            self.rows.append(stopped(model, setting, str(up)))
             return None
-        truths = References(self.short[fidelity], self.exact[fidelity][0], self.truth)
-        self.rows.append(compared(model, rung, self.planning.plan, found, work, truths))
+        references = References(self.short[fidelity], self.exact[fidelity][0], self.truth)
+        self.rows.append(compared(model, setting, self.planning.plan, found, work, references))
         return work.cpu_median

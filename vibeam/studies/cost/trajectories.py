@@ -98,13 +98,13 @@ def _sampled(motion: Any, output: str) -> ComparedPath:
     return ComparedPath(at, times, motion.impact_times, motion.impact_velocities, int(motion.stats["evaluations"]))
 
 
-def matched(times: Array, velocities: Array, true_times: Array, true_velocities: Array, apart: float) -> Matched:
-    """Match impacts with the true ones: mutually nearest pairs at most ``apart`` s apart."""
+def matched(times: Array, velocities: Array, true_times: Array, true_velocities: Array, tolerance: float) -> Matched:
+    """Match impacts with the true ones: mutually nearest pairs at most ``tolerance`` s apart."""
     if not len(times) or not len(true_times):
         return Matched(np.nan, np.nan, len(true_times), len(times))
-    there, back = _nearest(times, true_times), _nearest(true_times, times)
-    mine = np.flatnonzero((back[there] == np.arange(len(times))) & (np.abs(times - true_times[there]) <= apart))
-    theirs = there[mine]
+    nearest, back = _nearest(times, true_times), _nearest(true_times, times)
+    mine = np.flatnonzero((back[nearest] == np.arange(len(times))) & (np.abs(times - true_times[nearest]) <= tolerance))
+    theirs = nearest[mine]
     counts = len(true_times) - len(mine), len(times) - len(mine)
     if not len(mine):
         return Matched(np.nan, np.nan, *counts)
