@@ -78,11 +78,11 @@ def derive(case_or_scene: Any) -> Table:
     """Derive the paper's eq. 44–47 for a Scene (or an object with one as ``.scene``), with finite-element values.
 
     The reference is the first mode of bending of the finite-element model with all effects of the scene, on a base held
-    still and scaled to 1 at the sensor. Mass and frequency come as a ladder: massless beam, with the beam's mass, and
+    still and scaled to 1 at the sensor. Mass and frequency come in steps: massless beam, with the beam's mass, and
     with the mass's rotary inertia where the scene gives one. On a platform there is no one drive to be derived. A bare
     beam has the rows that no attached mass comes into, in its static deflection under a load at the contact; and where
     the beam outweighs the mass by far, those that neglect the beam have no meaning and are left out, as ``notes`` says.
-    TypeError for what is no scene; ValueError for a SdofScene: it *is* the SDOF model.
+    TypeError for another object; ValueError for a SdofScene: it *is* the SDOF model.
     """
     scene = getattr(case_or_scene, "scene", case_or_scene)
     if isinstance(scene, SdofScene):
@@ -98,13 +98,13 @@ def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> Table:
     from vibeam_models.sdof import sdof_model
 
     paper = sdof_model(scene)
-    ladder = _ladder(scene, mass, paper)
-    share, notes = ladder[MASSLESS] / ladder[WITH_BEAM], []
+    masses = _masses(scene, mass, paper)
+    share, notes = masses[MASSLESS] / masses[WITH_BEAM], []
     if share < LEAST_SHARE:
-        del ladder[MASSLESS]
+        del masses[MASSLESS]
         notes.append(f"{NEGLECTED}: the attached mass is {100 * share:.2g} % of what moves, and eq. 45 needs m ≫ ρAL")
-    rows = [*_static_rows(paper, exact), *_mass_rows(ladder, exact), *_frequency_rows(ladder, paper.stiffness, exact)]
-    rows += [*_cost_rows(ladder, paper), *_scaling_rows(scene, paper, exact, MASSLESS in ladder)]
+    rows = [*_static_rows(paper, exact), *_mass_rows(masses, exact), *_frequency_rows(masses, paper.stiffness, exact)]
+    rows += [*_cost_rows(masses, paper), *_scaling_rows(scene, paper, exact, MASSLESS in masses)]
     return Table(tuple(rows), tuple(notes))
 
 
@@ -147,17 +147,17 @@ OF_A_MASS = "left out: shape at the mass, rows with a massless beam, damping rat
 MASSLESS, WITH_BEAM, WITH_INERTIA = "massless beam", "with the beam's mass", "with beam mass and rotary inertia"
 
 
-def _ladder(scene: Scene, mass: Mass, paper: SdofModel) -> dict[str, float]:
+def _masses(scene: Scene, mass: Mass, paper: SdofModel) -> dict[str, float]:
     """Equivalent mass M_S in kg, by the number of mass terms kept."""
     from vibeam_models.sdof import beam_mass, static_slope
 
     load_at, unit_at = mass.position, scene.sensor.position
-    ladder = {MASSLESS: paper.mass}
-    ladder[WITH_BEAM] = paper.mass + beam_mass(scene.beam, load_at, unit_at)
+    masses = {MASSLESS: paper.mass}
+    masses[WITH_BEAM] = paper.mass + beam_mass(scene.beam, load_at, unit_at)
     if mass.rotary_inertia is not None:
         turning = mass.rotary_inertia * static_slope(load_at, load_at, unit_at) ** 2
-        ladder[WITH_INERTIA] = ladder[WITH_BEAM] + turning
-    return ladder
+        masses[WITH_INERTIA] = masses[WITH_BEAM] + turning
+    return masses
 
 
 def _first_mode(scene: Scene) -> _FirstMode:
@@ -168,8 +168,8 @@ def _first_mode(scene: Scene) -> _FirstMode:
 
     structure, space = assemble_with_space(scene)
     modes = structure.modes()
-    seen = np.abs(structure.outputs["sensor"] @ modes.shapes)
-    first = int(np.argmax(seen > 1e-9 * np.max(seen)))  # a beam that twists first has its bending after that
+    observed = np.abs(structure.outputs["sensor"] @ modes.shapes)
+    first = int(np.argmax(observed > 1e-9 * np.max(observed)))  # a beam that twists first has its bending after that
     shape = modes.shapes[:, first] / float(structure.outputs["sensor"] @ modes.shapes[:, first])
     mass, stiffness = (float(shape @ matrix @ shape) for matrix in (structure.M, structure.K))
     return _FirstMode(
@@ -200,16 +200,16 @@ _LEFT_OUT = {
 }
 
 
-def _mass_rows(ladder: dict[str, float], exact: _FirstMode) -> list[DerivedParameter]:
+def _mass_rows(masses: dict[str, float], exact: _FirstMode) -> list[DerivedParameter]:
     return [
         DerivedParameter(f"mass, {kept}", "M_S", "kg", mass, exact.mass, _LEFT_OUT[kept])
-        for kept, mass in ladder.items()
+        for kept, mass in masses.items()
     ]
 
 
-def _frequency_rows(ladder: dict[str, float], stiffness: float, exact: _FirstMode) -> list[DerivedParameter]:
+def _frequency_rows(masses: dict[str, float], stiffness: float, exact: _FirstMode) -> list[DerivedParameter]:
     rows = []
-    for kept, mass in ladder.items():
+    for kept, mass in masses.items():
         omega, left_out = sqrt(stiffness / mass), _LEFT_OUT[kept]
         rows.append(DerivedParameter(f"circular frequency, {kept}", "ω_n", "rad/s", omega, exact.omega, left_out))
         rows.append(
@@ -218,9 +218,9 @@ def _frequency_rows(ladder: dict[str, float], stiffness: float, exact: _FirstMod
     return rows
 
 
-def _cost_rows(ladder: dict[str, float], paper: SdofModel) -> list[DerivedParameter]:
+def _cost_rows(masses: dict[str, float], paper: SdofModel) -> list[DerivedParameter]:
     """Error of one assumption at a time: f_n with it against f_n without it, all else equal."""
-    f = {kept: sqrt(paper.stiffness / mass) / (2 * pi) for kept, mass in ladder.items()}
+    f = {kept: sqrt(paper.stiffness / mass) / (2 * pi) for kept, mass in masses.items()}
     rows = []
     if MASSLESS in f:
         rows.append(

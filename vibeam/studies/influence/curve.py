@@ -81,9 +81,9 @@ def swept(case: Case, fidelity: str, system: ImpactSystem) -> Curve:
     up = np.sort(case.sweep.frequency)
     grids = {"up": up, "down": up[::-1].copy()}
     state: State | None = None
-    for way in ("up", "down") if case.sweep.direction == "both" else (case.sweep.direction,):
-        curve.branches[way] = curve.on(grids[way], state)
-        state = curve.branches[way][-1].state
+    for direction in ("up", "down") if case.sweep.direction == "both" else (case.sweep.direction,):
+        curve.branches[direction] = curve.on(grids[direction], state)
+        state = curve.branches[direction][-1].state
     return curve
 
 
@@ -98,12 +98,14 @@ class Peak:
 
 def peak(curve: Curve) -> Peak:
     """Peak, by successive refinement between its neighbours and a parabola through the last three."""
-    tops = [(steps[i].amplitude, way, i) for way, steps in curve.branches.items() for i in range(len(steps))]
-    height, way, index = max(tops, key=lambda top: top[0])
+    tops = [
+        (steps[i].amplitude, direction, i) for direction, steps in curve.branches.items() for i in range(len(steps))
+    ]
+    height, direction, index = max(tops, key=lambda top: top[0])
     if height == -np.inf:
         none = Value(NAN, "no motion that repeats")
         return Peak(none, none, None)
-    steps = curve.branches[way]
+    steps = curve.branches[direction]
     if not 0 < index < len(steps) - 1:
         return Peak(Value(height, EDGE), Value(steps[index].frequency, EDGE), steps[index])
     top = _top(curve, _narrowed(curve, steps[index - 1 : index + 2]))
@@ -130,10 +132,10 @@ def _top(curve: Curve, three: list[Step]) -> Step:
     if not (np.all(np.isfinite(y)) and bend < 0):
         return three[1]
     aside = (y[0] - y[2]) / (2 * bend)
-    there = three[1].frequency + aside * (three[2].frequency - three[0].frequency) / 2
-    found = curve.on(np.array([there]), three[0].state)[0]
-    said = y[1] - (y[0] - y[2]) * aside / 4
-    return found if abs(found.amplitude - said) <= SMOOTH * (said - y.min()) else three[1]
+    frequency = three[1].frequency + aside * (three[2].frequency - three[0].frequency) / 2
+    found = curve.on(np.array([frequency]), three[0].state)[0]
+    height = y[1] - (y[0] - y[2]) * aside / 4
+    return found if abs(found.amplitude - height) <= SMOOTH * (height - y.min()) else three[1]
 
 
 def ends(curve: Curve) -> tuple[Value, Value]:

@@ -1,4 +1,4 @@
-"""The effects that a case names: tables and keys that are declared as effects."""
+"""Effects named by a case: tables and keys that are declared as effects."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from vibeam.casefile.validation import fields_of, is_repeated, keys_of
 
 
 def effects_of(declared: BaseModel) -> tuple[str, ...]:
-    """The dotted keys of the effects in a declared case, in its order; of several tables of a kind each by its index.
+    """Dotted keys of the effects in a declared case, in its order; of several tables of a kind each by its index.
 
-    What is as if it were absent (None, or its default) is not named.
+    Effects at their neutral value (None, or the default) are left out.
     """
     return tuple(name for field in _physics(declared) for name in _named(declared, field))
 
 
 def is_effect(field: FieldInfo) -> bool:
-    """Whether a key or table is declared as an effect."""
+    """Test whether a key or table is declared as an effect."""
     return bool(note(field, "effect"))
 
 
 def companions(declared: BaseModel, name: str) -> tuple[str, ...]:
-    """The keys beside an effect that is a key, set in a declared case, which mean nothing without it."""
+    """Keys of a declared case that are meaningless without an effect, which is a key beside them."""
     table, _, key = name.partition(".")
     inner = getattr(declared, table, None)
     if not (key and isinstance(inner, BaseModel)):
@@ -50,7 +50,7 @@ def _named(declared: BaseModel, name: str) -> Iterator[str]:
 
 
 def _keys(table: object) -> Iterator[str]:
-    """The effects among a table's own keys."""
+    """Effects among a table's own keys."""
     if isinstance(table, BaseModel):
         for key, field in fields_of(type(table)).items():
             if is_effect(field) and getattr(table, key) != field.default:

@@ -64,15 +64,15 @@ def quantities(plan: InfluencePlan) -> tuple[Quantity, ...]:
 
 def change(quantity: Quantity, ours: Value, whole: Value) -> Change:
     """Change from the complete model's value to another one's; none where neither has one."""
-    said = "; ".join(dict.fromkeys(filter(None, (ours.why, f"all effects: {whole.why}" if whole.why else ""))))
-    there = isfinite(ours.number), isfinite(whole.number)
-    if there == (False, False):
-        return Change(quantity.name, ours.number, NAN, 0.0, said)
-    if not all(there):
-        return Change(quantity.name, ours.number, NAN, inf, said)
+    reasons = "; ".join(dict.fromkeys(filter(None, (ours.why, f"all effects: {whole.why}" if whole.why else ""))))
+    present = isfinite(ours.number), isfinite(whole.number)
+    if present == (False, False):
+        return Change(quantity.name, ours.number, NAN, 0.0, reasons)
+    if not all(present):
+        return Change(quantity.name, ours.number, NAN, inf, reasons)
     amount = ours.number - whole.number
     if quantity.how == "relative":
         if not whole.number:
-            return Change(quantity.name, ours.number, NAN, inf if amount else 0.0, said)
+            return Change(quantity.name, ours.number, NAN, inf if amount else 0.0, reasons)
         amount /= abs(whole.number)
-    return Change(quantity.name, ours.number, amount, abs(amount) / quantity.tolerance, said)
+    return Change(quantity.name, ours.number, amount, abs(amount) / quantity.tolerance, reasons)

@@ -61,8 +61,8 @@ def _read(path: Trajectory, output: str, frequency: float) -> dict[str, Value]:
     slow = max(int(np.count_nonzero(system.omega < 2 * omega)), 1)
     faster = order[slow : slow + FITTED]
     row = np.abs(system.output(output))
-    seen = [mode for mode in faster if row[mode] > UNSEEN * row.max() and system.zeta[mode] < 1]
-    rate = max(LEAST * frequency, SAMPLES * system.omega[seen[0]] / (2 * np.pi) if seen else 0.0)
+    observable = [mode for mode in faster if row[mode] > UNSEEN * row.max() and system.zeta[mode] < 1]
+    rate = max(LEAST * frequency, SAMPLES * system.omega[observable[0]] / (2 * np.pi) if observable else 0.0)
     times = np.linspace(0, path.t_end, int(rate * path.t_end), endpoint=False)
     place = path.at(times, output)
     guard = GUARD / frequency if system.size > slow + FITTED else 0.0
@@ -71,10 +71,10 @@ def _read(path: Trajectory, output: str, frequency: float) -> dict[str, Value]:
         beside=_free(system, faster),
     )  # fmt: skip
     found = {"apparent_restitution": Value(r) if np.isfinite(r) else Value(NAN, "too few samples at any impact")}
-    if not seen:
+    if not observable:
         silent = Value(NAN, "no faster mode that the output sees: nothing rings")
         return found | {"ringing": silent, "ringing_frequency": silent}
-    return found | _ringing(path, times, place, seen[0], [*order[:slow], *faster], guard)
+    return found | _ringing(path, times, place, observable[0], [*order[:slow], *faster], guard)
 
 
 def _touches(path: Trajectory) -> Array:

@@ -73,7 +73,7 @@ class InfluenceStudy:
     """Result of ``vibeam influence``; ``rows`` sorted by influence, the largest first.
 
     ``whole``, ``bare`` and ``enough``: the models with all effects, with none and with the smallest set; ``exact``:
-    whether all sets were tried; ``models``: how many were swept; ``scatter``: s by which repeats of a sweep's CPU time
+    True where all sets were tried; ``models``: number of sweeps; ``scatter``: s by which repeats of a sweep's CPU time
     differed at most, below which a difference means nothing; ``seconds``: CPU time in all.
     """
 

@@ -42,39 +42,39 @@ def check(case: Case, result: Result, *, partial: bool = False) -> list[CheckRow
 
 
 def _check(expected: Expectation, result: Result, partial: bool) -> CheckRow:
-    found = [_found(expected, result, way) for way in _ways(expected)]
-    there = [each for each in found if not each.absent]
-    off = [_off(expected, each.number) for each in there]
-    worst = max(off, default=NAN)
+    found = [_found(expected, result, direction) for direction in _directions(expected)]
+    present = [each for each in found if not each.absent]
+    deviations = [_deviation(expected, each.number) for each in present]
+    worst = max(deviations, default=NAN)
     faults = [each.fault for each in found if each.fault and not (partial and each.absent)]
-    within = all(each <= expected.tolerance for each in off)
+    within = all(each <= expected.tolerance for each in deviations)
     return CheckRow(
         reference=expected.name,
         fidelity=expected.fidelity,
         quantity=expected.quantity,
-        points=len(there),
+        points=len(present),
         total=len(found),
         worst=worst,
         frequency=NAN if expected.frequency is None else expected.frequency,
         tolerance=expected.tolerance,
         passed=within and not faults,
-        notes=tuple(dict.fromkeys([*faults, *_said(expected, there)])),
+        notes=tuple(dict.fromkeys([*faults, *_reported(expected, present)])),
     )
 
 
-def _ways(expected: Expectation) -> tuple[str, ...]:
+def _directions(expected: Expectation) -> tuple[str, ...]:
     if expected.quantity in LIMITS or expected.show:
         return ("up",)  # of the motions as such, whichever direction they are swept in
     return ("up", "down") if expected.direction == "both" else (expected.direction,)
 
 
-def _off(expected: Expectation, number: float) -> float:
-    off = abs(number - expected.value)
+def _deviation(expected: Expectation, number: float) -> float:
+    deviations = abs(number - expected.value)
     scale = abs(expected.value) if expected.against is None and expected.value else 1.0
-    return off / scale if isfinite(off) else float("inf")
+    return deviations / scale if isfinite(deviations) else float("inf")
 
 
-def _said(expected: Expectation, found: list[_Found]) -> Iterator[str]:
+def _reported(expected: Expectation, found: list[_Found]) -> Iterator[str]:
     for each in found:
         if expected.against is not None:
             yield f"{100 * each.number:+.2f} % against {expected.against}, expected {100 * expected.value:+.4g} %"
@@ -82,33 +82,33 @@ def _said(expected: Expectation, found: list[_Found]) -> Iterator[str]:
             yield f"{each.number:.5g}, expected {expected.value:.5g}"
 
 
-def _found(expected: Expectation, result: Result, way: str) -> _Found:
-    ours = _number(expected, result, expected.fidelity, way)
+def _found(expected: Expectation, result: Result, direction: str) -> _Found:
+    ours = _number(expected, result, expected.fidelity, direction)
     if expected.against is None or ours.fault:
         return ours
-    other = _number(expected, result, expected.against, way)
+    other = _number(expected, result, expected.against, direction)
     if other.fault:
         return _Found(NAN, f"{expected.against} {other.fault}", other.absent)
     return _Found(ours.number / other.number - 1 if other.number else NAN)
 
 
-def _number(expected: Expectation, result: Result, name: str, way: str) -> _Found:
+def _number(expected: Expectation, result: Result, name: str, direction: str) -> _Found:
     if expected.show is not None:
         return _read_off(expected, expected.show, result, name)
     if expected.quantity in LIMITS:
         return _limit(expected, result, name)
-    response = dict(result[name].items())[way]
+    response = dict(result[name].items())[direction]
     if expected.frequency is None:
         number = EXTENTS[expected.quantity](response)
-        return _Found(number, "" if isfinite(number) else f"{way}: there is none")
-    there = np.flatnonzero(np.isclose(response.frequency, expected.frequency, rtol=SAME_FREQUENCY, atol=0))
-    if not len(there):
+        return _Found(number, "" if isfinite(number) else f"{direction}: there is none")
+    present = np.flatnonzero(np.isclose(response.frequency, expected.frequency, rtol=SAME_FREQUENCY, atol=0))
+    if not len(present):
         return _Found(NAN, f"{expected.frequency:g} Hz is not in the sweep's grid", absent=True)
-    ended = Ended.of_code(int(response.ended[there[0]]))
+    ended = Ended.of_code(int(response.ended[present[0]]))
     if ended is not Ended.COMPLETE:
-        return _Found(NAN, f"{way}: {ended.value}")
-    number = float(getattr(response, expected.quantity)[there[0]])
-    return _Found(number, "" if isfinite(number) else f"{way}: there is none")
+        return _Found(NAN, f"{direction}: {ended.value}")
+    number = float(getattr(response, expected.quantity)[present[0]])
+    return _Found(number, "" if isfinite(number) else f"{direction}: there is none")
 
 
 def _limit(expected: Expectation, result: Result, name: str) -> _Found:
@@ -129,13 +129,13 @@ def _read_off(expected: Expectation, show: str, result: Result, name: str) -> _F
     values = sheet.of(expected.quantity)
     if expected.number is not None:
         values = values[np.isclose(sheet[FIGURES[plan.kind].entries], expected.number)]
-    there = values[np.isfinite(values)]
-    return _Found(float(np.mean(there))) if len(there) else _Found(NAN, "there is none")
+    present = values[np.isfinite(values)]
+    return _Found(float(np.mean(present))) if len(present) else _Found(NAN, "there is none")
 
 
 def _top(response: FrequencyResponse) -> int | None:
-    there = periodic(response)
-    return int(np.argmax(np.where(there, response.amplitude, -np.inf))) if there.any() else None
+    present = periodic(response)
+    return int(np.argmax(np.where(present, response.amplitude, -np.inf))) if present.any() else None
 
 
 def _peak(response: FrequencyResponse) -> float:

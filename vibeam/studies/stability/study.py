@@ -57,11 +57,11 @@ class Stability:
         from vibeam.case.fidelity import restitutions
 
         names = [name for one in self.maps for name in one.fidelities]
-        seen = {name: restitutions(self.case.scene_of(name), self.case.fidelities[name])[1] for name in names}
+        first_mode = {name: restitutions(self.case.scene_of(name), self.case.fidelities[name])[1] for name in names}
         empty = [each.fidelity for each in self.shares if not each.exists]
-        told = [f"{listed(empty)}: no motion with impacts of this kind anywhere on the map"] if empty else []
-        told += [] if self.crossings or empty else [f"no boundary at the case's own {self.axis.name}"]
-        return [*self.refused, *told, *ill_posed(seen)]
+        notes = [f"{listed(empty)}: no motion with impacts of this kind anywhere on the map"] if empty else []
+        notes += [] if self.crossings or empty else [f"no boundary at the case's own {self.axis.name}"]
+        return [*self.refused, *notes, *ill_posed(first_mode)]
 
     @property
     def points(self) -> list[CurvePoint]:
@@ -87,7 +87,7 @@ def stability(
     """Compute maps over the case's frequencies and its gap (at the contact) or drive, from ``low`` to ``high``.
 
     ``over``: "gap" or "drive"; ``low``, ``high``: as a case has them, with unit, None: chosen from the case. Fidelities
-    that make the same model share a map. ValueError for what makes no sense, an unknown fidelity among it.
+    that make the same model share a map. ValueError for invalid arguments, an unknown fidelity included.
     """
     if fidelity is not None and fidelity not in case.fidelities:
         raise ValueError(f"no fidelity {fidelity!r}: there are {', '.join(case.fidelities)}")
@@ -125,10 +125,10 @@ def _models(
             found[name] = system, [name]
         else:
             twin.append(name)
-    told = tuple(f"{listed(names)}: no map, for no closed form knows {why}" for why, names in refused.items())
+    notes = tuple(f"{listed(names)}: no map, for no closed form knows {why}" for why, names in refused.items())
     if not found:
-        raise ValueError("; ".join(told))
-    return found, told
+        raise ValueError("; ".join(notes))
+    return found, notes
 
 
 def _averaged(amplitude: float, system: ImpactSystem, over: str, omega: Array, periods: int) -> Array | None:
