@@ -34,8 +34,8 @@ def choices(study: AccuracyChoice) -> ReportTable:
     table = blank(f"Within {percent(study.within)} of {study.finest}", *names, heads=3)
     for row in study.chosen:
         if row.asked:
-            told = percent(row.estimate) if row.taken else "–"
-            numbers = (str(row.asked), told, f"{row.cpu_seconds:.3g} s")
+            estimate = percent(row.estimate) if row.taken else "–"
+            numbers = (str(row.asked), estimate, f"{row.cpu_seconds:.3g} s")
             table.add_row(row.fidelity, str(row.modes), row.solver, str(row.taken), *numbers, _why(study, row))
     table.caption = (
         f"of {', '.join(study.quantities)}; points: of the result; asked: read to find out, or for the result"
@@ -70,12 +70,12 @@ def sentences(study: AccuracyChoice, units: Units = METRIC) -> Iterator[str]:
 
 
 def _verified(study: AccuracyChoice, units: Units) -> Iterator[str]:
-    told, count = len(study.missed), len(study.verified)
+    missed, count = len(study.missed), len(study.verified)
     steady = [each.error for each in study.verified if not each.statistical]
     worst = f", at worst {percent(max(steady))} off where the motion repeats" if steady else ""
-    yield f"verified at {count} random points: {count - told} within{worst}"
+    yield f"verified at {count} random points: {count - missed} within{worst}"
     for each in study.missed[:MOST]:
         at = units.frequencies(each.frequency)
         yield f"  missed at {at}, {each.way}: {percent(each.error)} off, {percent(each.allowed)} allowed"
-    if told > MOST:
-        yield f"  and {told - MOST} more"
+    if missed > MOST:
+        yield f"  and {missed - MOST} more"

@@ -75,10 +75,10 @@ def _legend(study: CostStudy, chaos: bool) -> str:
         f"{len(study.frequency)} frequencies of {study.settle} + {study.hold} periods; CPU: least of the repeats, the "
         "solver's making included; *: on the Pareto front of rms and CPU, for runs that found every motion"
     )
-    told = (
+    notes = (
         "\nstatistics: where neither repeats, the worst of means and deciles (in brackets: of the exact one's halves)"
     )
-    return text + told * chaos
+    return text + notes * chaos
 
 
 def _run(row: RunRow, again: bool, best: bool, chaos: bool) -> list[str | Text]:
@@ -139,9 +139,9 @@ def sentences(study: CostStudy) -> Iterator[str]:
 
 
 def _sentence(study: CostStudy, split: Split) -> str:
-    told = [f"{signed(part.mean)} by the {part.name}" for part in split.parts if part.worst > 0]
-    told += [f"no part for the {part.name} ({part.note})" for part in split.parts if part.note]
-    text = f"{split.fidelity}: {signed(split.total.mean)} in amplitude, {' and '.join(told)}"
+    notes = [f"{signed(part.mean)} by the {part.name}" for part in split.parts if part.worst > 0]
+    notes += [f"no part for the {part.name} ({part.note})" for part in split.parts if part.note]
+    text = f"{split.fidelity}: {signed(split.total.mean)} in amplitude, {' and '.join(notes)}"
     found = _solvers(study, split)
     if not found:
         return f"{text}."
@@ -168,9 +168,10 @@ def _left_out(left_out: tuple[LeftOut, ...]) -> Iterator[str]:
     for fidelity in dict.fromkeys(each.fidelity for each in left_out):
         first: dict[str, str] = {}
         for run in [each.run for each in left_out if each.fidelity == fidelity]:
-            ladder, rtol, setting = run.partition(" rtol ")
-            first.setdefault(ladder if rtol else run.partition(" ")[0], f"{rtol}{setting}" if rtol else "")
-        yield f"  {fidelity}: {', '.join(f'{ladder} from{rung}' if rung else ladder for ladder, rung in first.items())}"
+            series, rtol, setting = run.partition(" rtol ")
+            first.setdefault(series if rtol else run.partition(" ")[0], f"{rtol}{setting}" if rtol else "")
+        names = [f"{series} from{setting}" if setting else series for series, setting in first.items()]
+        yield f"  {fidelity}: {', '.join(names)}"
 
 
 def share(value: float) -> str:

@@ -122,9 +122,9 @@ def sentences(study: InfluenceStudy) -> Iterator[str]:
 def _sentence(study: InfluenceStudy, row: EffectRow) -> str:
     if row.without.why:
         return f"{row.effect} cannot be taken away from the case as it is ({row.without.why}): needed."
-    told = [*_modes(study.whole, row.without), *_told(study, row.without)]
+    notes = [*_modes(study.whole, row.without), *_moved(study, row.without)]
     none = f"nothing moves by more than {share(row.influence)} of its tolerance" if row.influence else "nothing changes"
-    return f"Without {row.effect} {'; '.join(told) or none}: {_why(study, row)}."
+    return f"Without {row.effect} {'; '.join(notes) or none}: {_why(study, row)}."
 
 
 def _why(study: InfluenceStudy, row: EffectRow) -> str:
@@ -147,7 +147,7 @@ def _modes(whole: Variant, variant: Variant) -> Iterator[str]:
         yield f"mode {pairs.index((ours, theirs)) + 1} is at {ours:.4g} Hz instead of {theirs:.4g} Hz"
 
 
-def _told(study: InfluenceStudy, variant: Variant) -> Iterator[str]:
+def _moved(study: InfluenceStudy, variant: Variant) -> Iterator[str]:
     """Changes beyond tolerance, each with the frequency of the peak or the ringing."""
     for quantity, each in zip(study.quantities, variant.changes, strict=True):
         if isinf(each.share):
@@ -169,11 +169,11 @@ def _remarks(study: InfluenceStudy) -> Iterator[str]:
     models += [(f"{row.effect} alone", row.alone) for row in study.rows]
     found: dict[str, list[str]] = {}
     for name, variant in models:
-        told = [variant.why] if variant.why else []
+        notes = [variant.why] if variant.why else []
         for each in variant.changes if not variant.why else ():
             why = each.why.partition("all effects: ")[0].rstrip("; ")
-            told += [f"{labels[each.quantity]}: {why}"] if why else []
-        for text in told:
+            notes += [f"{labels[each.quantity]}: {why}"] if why else []
+        for text in notes:
             found.setdefault(text, []).append(name)
     for text, names in found.items():
         yield f"* {text} ({'every model' if len(names) == len(models) else ', '.join(names)})"

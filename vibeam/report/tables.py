@@ -43,20 +43,19 @@ def print_table(table: ReportTable) -> None:
 
 def responses(summaries: Sequence[Summary], units: Units = METRIC) -> ReportTable:
     """Table of every fidelity's peak and period-1 range."""
-    ways = [way for way in ("up", "down") if any(way in row.period_one for row in summaries)]
+    swept = [branch for branch in ("up", "down") if any(branch in row.period_one for row in summaries)]
     hertz, length = (f" ({unit})" if unit else "" for unit in (units.frequency, units.length))
     table = blank("Response", "fidelity", "modes|", "R|", "R₁|", f"peak{length}|", f"at{hertz}|")
-    table.add(*(f"period 1, {way}{hertz}|" for way in ways))
+    table.add(*(f"period 1, {branch}{hertz}|" for branch in swept))
     table.caption = (
         "R: restitution of the contact; R₁: what mode 1 sees of it; ↑ ↓: way of the sweep\n"
         "period 1: the contiguous range with impacts around the largest amplitude"
     )
     for row in summaries:
         peak = (plain(units.lengths(row.peak_amplitude)), _peak_frequency(row, units))
-        seen = map(coefficient, (row.restitution, row.first_mode_restitution))
-        table.add_row(
-            row.fidelity, str(row.modes), *seen, *peak, *(units.range(row.period_one.get(way)) for way in ways)
-        )
+        coefficients = map(coefficient, (row.restitution, row.first_mode_restitution))
+        ranges = (units.range(row.period_one.get(branch)) for branch in swept)
+        table.add_row(row.fidelity, str(row.modes), *coefficients, *peak, *ranges)
     return table
 
 
