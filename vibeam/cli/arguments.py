@@ -61,15 +61,15 @@ def load(path: Path, settings: list[str] | None) -> Case:
 
 def results_path(case: Case, out: str | None) -> Path:
     """``out`` itself, or the case's name in the folder ``out``."""
-    return place(out, f"{case.path.stem}.h5", RESULTS, "a results file")
+    return output_path(out, f"{case.path.stem}.h5", RESULTS, "a results file")
 
 
 def table_path(case: Case, out: str | None, kind: str) -> Path:
     """``out`` itself, or the case's name and ``kind`` in the folder ``out``."""
-    return place(out, f"{case.path.stem}_{kind}.csv", (".csv",), "a table")
+    return output_path(out, f"{case.path.stem}_{kind}.csv", (".csv",), "a table")
 
 
-def place(out: str | None, name: str, endings: tuple[str, ...], wanted: str) -> Path:
+def output_path(out: str | None, name: str, endings: tuple[str, ...], wanted: str) -> Path:
     """Resolve ``--out`` to a file in an existing folder: ``out``, or ``name`` where ``out`` is a folder.
 
     A folder exists as one, or ends in a slash, or, being new, has no ending. UsageError for another ending.
@@ -102,7 +102,7 @@ def folder(path: Path) -> Path:
     return path
 
 
-def swept(case: Case, path: Path | None, show: bool = True, fresh: bool = False) -> Result:
+def run_case(case: Case, path: Path | None, show: bool = True, fresh: bool = False) -> Result:
     """Run the case, stored in ``path``, with a progress bar."""
     from vibeam.cli.progress import Bar, stderr
     from vibeam.run.run import run
@@ -111,7 +111,7 @@ def swept(case: Case, path: Path | None, show: bool = True, fresh: bool = False)
         return run(case, out=path, progress=bar, show=show, fresh=fresh, tell=stderr().print)
 
 
-def studied(path: Path, case: Case, study: Callable[[Case, Callable[[str], None]], Made]) -> Made:
+def run_study(path: Path, case: Case, study: Callable[[Case, Callable[[str], None]], Made]) -> Made:
     """Run a study of the case."""
     from vibeam.cli.progress import stderr
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 Tables = Callable[[Any], list["ReportTable"]]
 
 
-def print_result(rows: Any, as_json: bool, tables: Tables = lambda tables: [], told: Iterable[object] = ()) -> None:
+def print_result(rows: Any, as_json: bool, tables: Tables = lambda tables: [], notes: Iterable[object] = ()) -> None:
     """Print ``rows`` as JSON, or the ``tables`` that ``vibeam.report.tables`` makes of them and one line a note."""
     from vibeam.report import output
     from vibeam.report import tables as table
@@ -28,7 +28,7 @@ def print_result(rows: Any, as_json: bool, tables: Tables = lambda tables: [], t
             table.print_table(shown)
         except SystemExit:  # raised by rich for a reader that has gone
             reader_gone()
-    for line in told:
+    for line in notes:
         put(str(line))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import typer
 
-from vibeam.cli.arguments import AsJson, CaseFile, Fresh, Overrides, ResultsFile, load, results_path, swept
+from vibeam.cli.arguments import AsJson, CaseFile, Fresh, Overrides, ResultsFile, load, results_path, run_case
 from vibeam.cli.output import print_result
 from vibeam.cli.streams import say
 
@@ -27,7 +27,7 @@ def check(
 
     require_readable(loaded)
     loaded = loaded.everywhere()  # each fidelity is checked by itself
-    result = swept(loaded, None if out is None else results_path(loaded, out), show=False, fresh=fresh)
+    result = run_case(loaded, None if out is None else results_path(loaded, out), show=False, fresh=fresh)
     rows = checked(loaded, result, partial=bool(set_))
     print_result(rows, as_json, lambda tables: [tables.checks(rows, units_of(loaded))], remarks(result))
     if not all(row.passed for row in rows):

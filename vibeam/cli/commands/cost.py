@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from vibeam.cli.arguments import AsJson, CaseFile, Overrides, folder, load, studied
+from vibeam.cli.arguments import AsJson, CaseFile, Overrides, folder, load, run_study
 from vibeam.cli.output import print_result
 
 
@@ -27,7 +27,7 @@ def cost(
 
     loaded = load(case, set_)
     place = folder(out or Path())
-    study = studied(case, loaded, costs)
+    study = run_study(case, loaded, costs)
     files = write_files(study, place, case.stem, loaded)
     print_result(
         {"study": study, "files": files}, as_json,

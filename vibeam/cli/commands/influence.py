@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, studied, table_path
+from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, run_study, table_path
 from vibeam.cli.output import print_result
 
 
@@ -14,7 +14,7 @@ def influence(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, o
 
     loaded = load(case, set_)
     path = table_path(loaded, out, "influence")
-    study = studied(case, loaded, influences)
+    study = run_study(case, loaded, influences)
     files, sentences = write_files(study, path, loaded.figure), list(report.sentences(study))
     print_result(
         {"study": study, "sentences": sentences, "files": files}, as_json,

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from vibeam.cli.arguments import AsJson, TableFile, place
+from vibeam.cli.arguments import AsJson, TableFile, output_path
 from vibeam.cli.errors import UsageError
 from vibeam.cli.output import print_result, write_table
 from vibeam.cli.streams import put_json
@@ -34,5 +34,5 @@ def keys(
         rows = reference_table() if name is None else rows_of(name)
     except ValueError as unknown:
         raise UsageError(str(unknown)) from None
-    write_table(rows, None if out is None else place(out, "keys.csv", (".csv",), "a table"))
+    write_table(rows, None if out is None else output_path(out, "keys.csv", (".csv",), "a table"))
     print_result(rows, as_json, lambda tables: [tables.keys(rows)])

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from vibeam.cli.arguments import AsJson, CaseFile, Overrides, load, place
+from vibeam.cli.arguments import AsJson, CaseFile, Overrides, load, output_path
 from vibeam.cli.errors import of_case
 from vibeam.cli.output import print_result
 from vibeam.cli.streams import say
@@ -25,7 +25,9 @@ def modes(
     from vibeam.studies.modes import mode_table, write_shapes
 
     loaded = load(case, set_)
-    path = None if out is None else place(out, f"{loaded.path.stem}_modes.vtu", (".vtu",), "a file of mode shapes")
+    path = (
+        None if out is None else output_path(out, f"{loaded.path.stem}_modes.vtu", (".vtu",), "a file of mode shapes")
+    )
     table = of_case(case, lambda: mode_table(loaded.scene, count))
     if path is not None:
         write_shapes(table, path)

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from vibeam.cli.arguments import AsJson, place
+from vibeam.cli.arguments import AsJson, output_path
 from vibeam.cli.errors import UsageError
 from vibeam.cli.output import print_result
 from vibeam.cli.streams import put, say
@@ -22,7 +22,7 @@ def new(
     """Write a case to start from, every key explained; never over a file that is there."""
     from vibeam.casefile.documentation import template
 
-    target = place(out or path, "case.toml", (".toml",), "a case file")
+    target = output_path(out or path, "case.toml", (".toml",), "a case file")
     try:
         with target.open("x", encoding="utf-8") as file:
             file.write(template())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vibeam.cli.arguments import AsJson, CaseFile, Fresh, Overrides, ResultsFile, load, results_path, swept
+from vibeam.cli.arguments import AsJson, CaseFile, Fresh, Overrides, ResultsFile, load, results_path, run_case
 from vibeam.cli.output import print_result
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ def run(
     loaded = load(case, set_)
     require_readable(loaded)
     path = results_path(loaded, out)
-    _report(swept(loaded, path, fresh=fresh), path, as_json)
+    _report(run_case(loaded, path, fresh=fresh), path, as_json)
 
 
 def _report(result: Result, path: Path, as_json: bool) -> None:
@@ -36,13 +36,13 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
     files += _shown(result, path)
     rows = compare(result)
     units = units_for(result)
-    told = remarks(result)
-    whole = {"fidelities": rows, "remarks": told, "found": result.found, "total": result.total, "files": files}
+    notes = remarks(result)
+    whole = {"fidelities": rows, "remarks": notes, "found": result.found, "total": result.total, "files": files}
     whole |= {"curves": curves} if (curves := result.curves) else {}
     study = result.accuracy
     if study is None:
         print_result(
-            whole, as_json, lambda tables: [tables.responses(rows, units), tables.costs(rows)], [*told, *files]
+            whole, as_json, lambda tables: [tables.responses(rows, units), tables.costs(rows)], [*notes, *files]
         )
         return
     from vibeam.report import accuracy as accuracy_table
@@ -50,7 +50,7 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
     print_result(
         whole | {"accuracy": study}, as_json,
         lambda tables: [tables.responses(rows, units), accuracy_table.choices(study)],
-        [*accuracy_table.sentences(study, units), *told, *files],
+        [*accuracy_table.sentences(study, units), *notes, *files],
     )  # fmt: skip
 
 

@@ -41,8 +41,8 @@ def stability(
     output.write_csv(found.points, path)
     files = [path, *figures]
     units = units_of(loaded, speed=max((each.velocity for each in found.crossings), default=0.0))
-    told = found.notes
+    notes = found.notes
     print_result(
-        {"crossings": found.crossings, "maps": found.shares, "remarks": told, "files": files}, as_json,
-        lambda tables: [tables.crossings(found.crossings, found.axis.own_text, units)], [*told, *files],
+        {"crossings": found.crossings, "maps": found.shares, "remarks": notes, "files": files}, as_json,
+        lambda tables: [tables.crossings(found.crossings, found.axis.own_text, units)], [*notes, *files],
     )  # fmt: skip
