@@ -16,7 +16,7 @@ class FigureKind:
 
     ``needs`` and ``takes``: keys of the table that it must and may have. ``reads``: its columns that [expect.NAME] may
     hold to a number, ``entries``: the column by which one of them is chosen (none: their mean is meant). ``exact``:
-    whether it asks for a motion that is exact between events.
+    True where the motion must be exact between events.
     """
 
     name: str

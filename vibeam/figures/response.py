@@ -62,6 +62,8 @@ def _colour(direction: str) -> dict[str, Any]:
 
 
 def _keys(branches: Mapping[str, FrequencyResponse], kinds: set[MotionClass]) -> list[Line2D]:
-    ways = branches if len(branches) > 1 else ()
-    swept = [Line2D([], [], label=f"sweep {way}", **_colour(way), linewidth=2.5) for way in ways]
+    directions = branches if len(branches) > 1 else ()
+    swept = [
+        Line2D([], [], label=f"sweep {direction}", **_colour(direction), linewidth=2.5) for direction in directions
+    ]
     return swept + [Line2D([], [], label=kind.value, **(KEY | LINES[kind])) for kind in MotionClass if kind in kinds]

@@ -153,9 +153,9 @@ def _columns(time: Array, place: Array, speed: Array, struck: Array, velocities:
 
 @dataclass(frozen=True)
 class MeasuredWindow:
-    """A motion from before its window [``begin``, ``end``] s (after which a drive period more) and its ``record``.
+    """Motion from before its window [``begin``, ``end``] s (after which a drive period more) and its ``record``.
 
-    The drive's phase is 0 at ``begin``; what a filter needs to settle has passed one drive period before.
+    The drive's phase is 0 at ``begin``; a filter has settled one drive period before.
     """
 
     path: Trajectory

@@ -131,7 +131,7 @@ def arrow(direction: str, colour: str) -> Keys:
 def line(kind: MotionClass, direction: str, own: Look, points: int, all_points: int) -> Keys:
     """Line style of a piece of ``points`` points of a branch of ``all_points``: dashes by kind, of period 1 its own.
 
-    A lone point of what is else a line becomes a dot.
+    An isolated point of a line becomes a dot.
     """
     shaded = shade(own.colour, direction)
     keys = LINES[kind] | {"color": shaded, "markerfacecolor": "white", "markeredgecolor": shaded}

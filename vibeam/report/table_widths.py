@@ -30,11 +30,11 @@ def fitted(table: ReportTable, width: int) -> list[ReportTable]:
     A piece of one column may be wider: its numbers are not cut.
     """
     least = _narrowest(table, width)
-    pieces = _pieces(_told(table), least, table.heads, width)
+    pieces = _pieces(_filled_columns(table), least, table.heads, width)
     return [_part(table, chosen, least, width) for chosen in pieces]
 
 
-def _told(table: ReportTable) -> list[int]:
+def _filled_columns(table: ReportTable) -> list[int]:
     """Columns after the first ones that are not empty in every row."""
     behind = range(table.heads, len(table.columns))
     return [index for index in behind if not table.rows or any(map(str, table.columns[index].cells))]
@@ -51,14 +51,14 @@ def _narrowest(table: ReportTable, width: int) -> list[int]:
 
 def needed(table: ReportTable) -> int:
     """Width in characters at which nothing wraps."""
-    return _whole([_most(table.columns[index]) for index in [*range(table.heads), *_told(table)]])
+    return _whole([_most(table.columns[index]) for index in [*range(table.heads), *_filled_columns(table)]])
 
 
-def _pieces(told: Sequence[int], least: Sequence[int], heads: int, width: int) -> list[list[int]]:
+def _pieces(filled: Sequence[int], least: Sequence[int], heads: int, width: int) -> list[list[int]]:
     """Columns of each piece: in order, as many as ``width`` holds."""
     first = list(range(heads))
     pieces = [first.copy()]
-    for index in told:
+    for index in filled:
         if len(pieces[-1]) > heads and _whole([least[i] for i in [*pieces[-1], index]]) > width:
             pieces.append(first.copy())
         pieces[-1].append(index)
@@ -67,7 +67,7 @@ def _pieces(told: Sequence[int], least: Sequence[int], heads: int, width: int) -
 
 def _part(table: ReportTable, chosen: Sequence[int], least: Sequence[int], width: int) -> ReportTable:
     """Table of the chosen columns, each with its given width."""
-    continued = chosen[table.heads :] and chosen[table.heads] != _told(table)[0]
+    continued = chosen[table.heads :] and chosen[table.heads] != _filled_columns(table)[0]
     part = ReportTable(f"{table.title}, continued" if continued else str(table.title), table.heads)
     columns = [table.columns[index] for index in chosen]
     for column, size in zip(columns, _widths(columns, [least[index] for index in chosen], width), strict=True):

@@ -1,1 +1,1 @@
-"""The kinds of figures that a case may ask for."""
+"""Kinds of figures for a case."""

@@ -54,9 +54,9 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     for row, (fidelity, look) in enumerate(looks_of(case, plan.fidelities).items()):
         known = False
         for direction, response in result[fidelity].items():
-            seen = replace(response, amplitude=np.asarray(getattr(response, name), dtype=float))
-            known |= bool(np.isfinite(seen.amplitude[complete(response)]).any())
-            for piece in pieces(seen):
+            drawn = replace(response, amplitude=np.asarray(getattr(response, name), dtype=float))
+            known |= bool(np.isfinite(drawn.amplitude[complete(response)]).any())
+            for piece in pieces(drawn):
                 keys = line(piece.kind, direction, look, len(piece.frequency), len(response))
                 across = piece.frequency * units.frequency_factor
                 if piece.kind is MotionClass.FAILED:
