@@ -57,7 +57,7 @@ class Split:
 
 
 def shares(chain: Sequence[FrequencyResponse]) -> tuple[list[Array], Array]:
-    """Relative differences in amplitude over each link and over the chain, (points,), where all motions are periodic."""
+    """Relative differences in amplitude over each link and over the chain, (points,), where all are periodic."""
     last = chain[-1].amplitude
     where = np.logical_and.reduce([periodic(each) for each in chain]) & (last > 0)
     steps = [each.amplitude[where] / last[where] for each in chain]
