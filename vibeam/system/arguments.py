@@ -25,7 +25,7 @@ def checked(system: Any) -> dict[str, Any]:
     faults: list[str] = []
     clean: dict[str, Any] = {name: read_only(getattr(system, name)) for name in ROWS}
     clean["outputs"] = outputs = _outputs(system.outputs, faults)
-    if not _sound([*clean.values()][: len(ROWS)], outputs.values()):
+    if not _rows_valid([*clean.values()][: len(ROWS)], outputs.values()):
         _check_rows({name: clean[name] for name in ROWS}, outputs, faults)
     clean["law"], restitution = _law(system, faults)
     clean["restitution"] = number("restitution", restitution, faults, least=0.0, most=1.0)
@@ -48,7 +48,7 @@ def _outputs(given: Any, faults: list[str]) -> dict[str, Array | None]:
     return {name: read_only(row) for name, row in given.items()}
 
 
-def _sound(rows: Sequence[Any], outputs: Iterable[Any]) -> bool:
+def _rows_valid(rows: Sequence[Any], outputs: Iterable[Any]) -> bool:
     """Quick test whether all rows are valid; False where it cannot tell, for example where squares overflow."""
     omega, _, contact, *_ = rows
     every = [*rows, *outputs]

@@ -192,7 +192,7 @@ class ImpactSystem:
         """
         modes = structure.modes()
         damping = modes.shapes.T @ structure.C @ modes.shapes
-        couples = _off_diagonal(damping) > DIAGONAL or _drags(modes.omega, damping)
+        couples = _off_diagonal(damping) > DIAGONAL or _damps_rigid_mode(modes.omega, damping)
         safe = np.where(modes.omega > 0, modes.omega, 1.0)
         outputs = {name: row @ modes.shapes for name, row in structure.outputs.items()}
         return cls.from_modes(
@@ -218,7 +218,7 @@ def _row(value: Any, n: int) -> Any:
     return np.full(n, row.ravel()[0]) if row.size == 1 and row.ndim < 2 else row
 
 
-def _drags(omega: Array, damping: Array) -> bool:
+def _damps_rigid_mode(omega: Array, damping: Array) -> bool:
     """Test whether a mode without stiffness is damped beyond round-off, which 2ζω cannot express."""
     return bool(np.any(np.diag(damping)[omega == 0] > ROUND_OFF * np.max(np.abs(damping), initial=0.0)))
 
