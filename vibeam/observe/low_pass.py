@@ -87,7 +87,7 @@ def filtered(low_pass: LowPass, values: Array, step: float) -> Array:
     """
     from scipy.signal import lfilter
 
-    poles, residues, direct = _sections(low_pass)
+    poles, residues, direct = _partial_fractions(low_pass)
     result = direct * values
     for pole, residue in zip(poles, residues, strict=True):
         if pole.imag < -1e-9 * abs(pole):
@@ -102,7 +102,7 @@ def filtered(low_pass: LowPass, values: Array, step: float) -> Array:
     return np.asarray(result)
 
 
-def _sections(low_pass: LowPass) -> tuple[Complex, Complex, float]:
+def _partial_fractions(low_pass: LowPass) -> tuple[Complex, Complex, float]:
     """Partial fractions of the filter, H(s) = direct + Σ residue/(s − pole); all three families have distinct poles."""
     zeros, poles, gain = low_pass.zpk()
     direct = gain if len(zeros) == len(poles) else 0.0

@@ -85,7 +85,7 @@ def measure(path: Path, chain: Chain, output: str = "sensor") -> Record:
     dense = path.t_start + np.arange(count * fine + 1) / (chain.rate * fine)
     dense = np.minimum(dense, path.t_end)
     displacement = _sampled(path.at(dense, output), chain, fine)
-    displacement = _converted(displacement, chain)
+    displacement = _with_noise_and_steps(displacement, chain)
     if chain.velocity == "exact":
         velocity = _sampled(path.velocity_at(dense, output), chain, fine)
     else:
@@ -104,7 +104,7 @@ def _sampled(dense: Array, chain: Chain, fine: int) -> Array:
     return filtered(chain.low_pass, dense, 1 / (chain.rate * fine))[::fine]
 
 
-def _converted(samples: Array, chain: Chain) -> Array:
+def _with_noise_and_steps(samples: Array, chain: Chain) -> Array:
     """Samples with the noise and quantisation of the chain."""
     if chain.noise is not None:
         samples = samples + chain.noise * np.random.default_rng(chain.seed).standard_normal(len(samples))

@@ -78,8 +78,8 @@ def last_periods(path: Path, periods: int) -> tuple[float, float]:
     refuse("", faults)
     begin = path.t_end - periods * drive_period(path)
     if begin < path.t_start - 1e-9 * drive_period(path):
-        there = (path.t_end - path.t_start) / drive_period(path)
-        raise ValueError(f"periods: the motion lasts {there:.6g} drive periods, {periods} are asked for")
+        lasting = (path.t_end - path.t_start) / drive_period(path)
+        raise ValueError(f"periods: the motion lasts {lasting:.6g} drive periods, {periods} are asked for")
     return max(begin, path.t_start), path.t_end
 
 

@@ -62,7 +62,8 @@ def fit_ringing(
     """
     t, x = np.asarray(time, dtype=float), np.asarray(displacement, dtype=float)
     rows = [
-        _one(t[part], x[part], slow, near, further) for part in between(t, np.asarray(impact_times, dtype=float), guard)
+        _fit_interval(t[part], x[part], slow, near, further)
+        for part in between(t, np.asarray(impact_times, dtype=float), guard)
     ]
     return Ringing(*np.array(rows).reshape(-1, 9).T)
 
@@ -76,17 +77,17 @@ def between(time: Array, impact_times: Array, guard: float) -> list[slice]:
     return [slice(int(a), int(b)) for a, b in zip(first, last, strict=True) if b > a]
 
 
-def _one(t: Array, x: Array, slow: SlowPart, near: float | None, further: int) -> Array:
+def _fit_interval(t: Array, x: Array, slow: SlowPart, near: float | None, further: int) -> Array:
     blank = np.full(9, np.nan)
     blank[:2] = t[0], t[-1]
     unknowns = slow.size + 4 * (1 + further)
     if len(t) < 3 * unknowns:
         return blank
     clock = t - t[0]
-    rates = _searched(clock, x, slow, near, further)
+    rates = _refined_rates(clock, x, slow, near, further)
     if rates is None:
         return blank
-    coefficients, left = _projected(rates, clock, x, slow)
+    coefficients, left = _linear_fit(rates, clock, x, slow)
     a = complex(coefficients[0], -coefficients[1])
     sigma, omega, span = rates[0].real, rates[0].imag, clock[-1]
     mean = -np.expm1(-sigma * span) / (sigma * span) if abs(sigma * span) > 1e-9 else 1.0
@@ -95,7 +96,7 @@ def _one(t: Array, x: Array, slow: SlowPart, near: float | None, further: int) -
     return np.array([t[0], t[-1], omega / (2 * np.pi), sigma, size, speed, size * mean, speed * mean, residual])
 
 
-def _searched(
+def _refined_rates(
     clock: Array, x: Array, slow: SlowPart, near: float | None, further: int
 ) -> NDArray[np.complex128] | None:
     """Refined σ + iω of each sinusoid, the first one first; None where the first leaves its bounds."""
@@ -104,13 +105,13 @@ def _searched(
     starts = np.zeros(0)
     rates = np.zeros(0, dtype=complex)
     for turn in range(1 + further):
-        _, left = _projected(rates, clock, x, slow)
+        _, left = _linear_fit(rates, clock, x, slow)
         omega = 2 * np.pi * near if near is not None and turn == 0 else _strongest(clock, left)
         starts, rates = np.append(starts, omega), np.append(rates, complex(0.02 * omega, omega))
         low, high = np.outer(starts, [-0.5, 1 / REACH]).ravel(), np.outer(starts, [2.0, REACH]).ravel()
         size = float(np.linalg.norm(left)) or 1.0  # misfits in m are too small for the stopping rule of least_squares
         found = least_squares(
-            lambda y, size=size: _projected(y[0::2] + 1j * y[1::2], clock, x, slow)[1] / size,
+            lambda y, size=size: _linear_fit(y[0::2] + 1j * y[1::2], clock, x, slow)[1] / size,
             np.clip(np.stack([rates.real, rates.imag], axis=1).ravel(), low, high), bounds=(low, high),
             x_scale=np.repeat(starts, 2) * 0.1, jac="3-point", xtol=1e-12, ftol=1e-12, gtol=1e-12,
         ).x  # fmt: skip
@@ -121,7 +122,7 @@ def _searched(
     return rates
 
 
-def _projected(rates: NDArray[np.complex128], clock: Array, x: Array, slow: SlowPart) -> tuple[Array, Array]:
+def _linear_fit(rates: NDArray[np.complex128], clock: Array, x: Array, slow: SlowPart) -> tuple[Array, Array]:
     """Linear coefficients for given rates, those of the sinusoids first, and the misfit."""
     turns = np.exp((-rates.real + 1j * rates.imag) * clock[:, None])
     pairs = np.stack([turns.real, turns.imag], axis=2).reshape(len(clock), -1)
