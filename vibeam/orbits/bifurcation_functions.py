@@ -60,19 +60,19 @@ def test_function(system: ImpactSystem, kind: Kind, branch: int, points: Motions
         return found.impulse[:, branch]
     if kind in (Kind.PLUS_ONE, Kind.DOUBLING):
         side = total.plus if kind is Kind.PLUS_ONE else total.minus
-        value = real_crossing(system, side, found.lean[:, branch])
+        value = real_crossing(system, side, found.relative_acceleration[:, branch])
     elif kind is Kind.NEIMARK_SACKER:
-        value = _complex_radius(system, total.span, found.lean[:, branch])
+        value = _complex_radius(system, total.span, found.relative_acceleration[:, branch])
     else:
         value = clearances(system, points, branch)
     return np.where(found.impulse[:, branch] < 0, value, np.nan)
 
 
-def _complex_radius(system: ImpactSystem, span: Array, lean: Array) -> Array:
+def _complex_radius(system: ImpactSystem, span: Array, relative_acceleration: Array) -> Array:
     """Largest modulus among the complex multipliers, less 1; −1 where all are real."""
     result = np.full(len(span), np.nan)
-    known = np.isfinite(lean)
-    values = multipliers(system, span[known], lean[known])
+    known = np.isfinite(relative_acceleration)
+    values = multipliers(system, span[known], relative_acceleration[known])
     paired = np.abs(values.imag) > REAL * np.abs(values)
     result[known] = np.where(paired, np.abs(values), 0.0).max(axis=1) - 1
     return result
@@ -83,11 +83,11 @@ def clearances(system: ImpactSystem, points: MotionsAt, branch: int, ceiling: fl
 
     The value is capped at ``ceiling``, also where there is no minimum.
     """
-    there = np.flatnonzero((points.roots.impulse[:, branch] < 0) & np.isfinite(points.roots.phase[:, branch]))
+    striking = np.flatnonzero((points.roots.impulse[:, branch] < 0) & np.isfinite(points.roots.phase[:, branch]))
     size = np.abs(points.total.unit * points.amplitude) + np.abs(points.gap)
-    flights = Flights.of(system, points.total, points.roots, points.amplitude, branch).chosen(there)
+    flights = Flights.of(system, points.total, points.roots, points.amplitude, branch).chosen(striking)
     result = np.full(len(size), np.nan)
-    result[there] = np.minimum(least_minimum(flights, ceiling * size[there]).value / size[there], ceiling)
+    result[striking] = np.minimum(least_minimum(flights, ceiling * size[striking]).value / size[striking], ceiling)
     return result
 
 

@@ -76,7 +76,7 @@ def boundaries(
     grid, found = np.linspace(low, high, points), list[Found]()
     for group in (Kind.FOLD,), (Kind.GRAZING,), tuple(kind for kind in kinds if kind not in ENDS):
         new = [each for kind in group for branch in BRANCHES[kind] for each in crossings(line, kind, branch, grid)]
-        grid, found = _closer(grid, high - low, [value for value, _, _ in new]), found + new
+        grid, found = _refined(grid, high - low, [value for value, _, _ in new]), found + new
     known = [boundary(line, kind, branch, value) for value, kind, branch in found if kind in kinds]
     axis = line.name
     return tuple(sorted((b for b in known if b is not None), key=lambda b: float(getattr(b, axis))))
@@ -106,13 +106,17 @@ def bracketed(line: Line, kind: Kind, branch: int, low: float, high: float) -> f
 
 def boundary(line: Line, kind: Kind, branch: int, value: float) -> Boundary | None:
     """Boundary at a parameter value; None for a fold of motions that would pull at the stop."""
-    points = _real(line, value) if kind is Kind.FOLD else line.at(np.array([value]))
+    points = _motions_at_fold(line, value) if kind is Kind.FOLD else line.at(np.array([value]))
     total, found = points.total, points.roots
     impulse, phase, velocity = (float(row[0, branch]) for row in (found.impulse, found.phase, found.velocity))
     if kind is Kind.FOLD and not impulse < 0:
         return None
     grazing = kind is Kind.GRAZING
-    values = np.zeros(0, dtype=complex) if grazing else multipliers(line.system, total.span, found.lean[:, branch])[0]
+    values = (
+        np.zeros(0, dtype=complex)
+        if grazing
+        else multipliers(line.system, total.span, found.relative_acceleration[:, branch])[0]
+    )
     place = {name: float(row[0]) for name, row in zip(NAMES, (total.omega, points.amplitude, points.gap), strict=True)}
     return Boundary(
         kind, line.name, **(place | {line.name: value}), periods=line.periods, branch=branch,
@@ -128,7 +132,7 @@ def _clear(line: Line, kind: Kind, branch: int, points: MotionsAt) -> bool:
     return bool(line.test(Kind.TOUCHING, branch, points)[0] > -TOUCH)
 
 
-def _real(line: Line, value: float) -> MotionsAt:
+def _motions_at_fold(line: Line, value: float) -> MotionsAt:
     """Motions at a fold, or as near to it as round-off leaves both real."""
     nudges = [side * 2.0**k * np.finfo(float).eps for k in range(1, 30) for side in (1, -1)]
     for nudge in (0.0, *nudges):
@@ -138,7 +142,7 @@ def _real(line: Line, value: float) -> MotionsAt:
     return points
 
 
-def _closer(grid: Array, width: float, ends: list[float]) -> Array:
+def _refined(grid: Array, width: float, ends: list[float]) -> Array:
     """Grid refined towards every end from both sides."""
     near = [end + sign * width / 100 * TOWARD_END for end in ends for sign in (1, -1)]
     whole = np.unique(np.concatenate([grid, *near]))

@@ -76,20 +76,20 @@ def least_minimum(flights: Flown, ceiling: Array) -> Minimum:
     """Least local minimum of every motion's gap; ∞ where all are above its ``ceiling`` (motions,), m."""
     best = Minimum(np.full(len(flights), np.inf), np.full(len(flights), np.nan))
     floor = SMALLEST * np.abs(flights.part)
-    pieces = _first(flights)
+    pieces = _initial(flights)
     for _ in range(HALVINGS):
         if not len(pieces.motion):
             return best
-        open_, single = _judged(flights, pieces, np.minimum(best.value, ceiling), floor)
+        open_, single = _classified(flights, pieces, np.minimum(best.value, ceiling), floor)
         found = pieces.chosen(single)
-        _enter(best, ceiling, found.motion, *_minima(flights, found))
+        _update_least(best, ceiling, found.motion, *_minima(flights, found))
         pieces = _halved(pieces.chosen(open_))
     flat = flights.gap(pieces.motion, pieces.left)
-    _enter(best, ceiling, pieces.motion, flat.value, pieces.left)
+    _update_least(best, ceiling, pieces.motion, flat.value, pieces.left)
     return best
 
 
-def _first(flights: Flown) -> _Pieces:
+def _initial(flights: Flown) -> _Pieces:
     """Initial intervals: a few a drive period for every motion."""
     counts = np.ceil(flights.omega * flights.span / (2 * np.pi) * FIRST - 1e-9).astype(int)
     motion = np.repeat(np.arange(len(flights)), counts)
@@ -104,7 +104,7 @@ def _halved(pieces: _Pieces) -> _Pieces:
     return _Pieces(np.tile(pieces.motion, 2), left, np.tile(half, 2))
 
 
-def _judged(flights: Flown, pieces: _Pieces, ceiling: Array, floor: Array) -> tuple[Flags, Flags]:
+def _classified(flights: Flown, pieces: _Pieces, ceiling: Array, floor: Array) -> tuple[Flags, Flags]:
     """Classify intervals: those that stay open, and those with exactly one minimum."""
     motion, h = pieces.motion, pieces.width
     a = flights.gap(motion, pieces.left)
@@ -142,7 +142,7 @@ def _minima(flights: Flown, pieces: _Pieces) -> tuple[Array, Array]:
     return at.value, time
 
 
-def _enter(best: Minimum, ceiling: Array, motion: Index, value: Array, time: Array) -> None:
+def _update_least(best: Minimum, ceiling: Array, motion: Index, value: Array, time: Array) -> None:
     """Update, in place, the least minimum of each motion that is not above its ceiling."""
     order = np.argsort(-value, kind="stable")  # written in descending order: the least stays
     motion, value, time = motion[order], value[order], time[order]

@@ -33,27 +33,27 @@ def follow(system: ImpactSystem, start: Boundary, parameter: str, values: ArrayL
     curve: list[Boundary] = []
     last = start
     for value in np.asarray(values, dtype=float):
-        found = _reached(line, parameter, last, known, float(value), HALVINGS)
+        found = _continued(line, parameter, last, known, float(value), HALVINGS)
         if found is None:
             break
         curve.append(last := found)
     return tuple(curve)
 
 
-def _reached(
+def _continued(
     line: Line, parameter: str, last: Boundary, known: list[tuple[float, float]], value: float, halvings: int
 ) -> Boundary | None:
     """Boundary at ``value``, by way of the middle where the step is too long; ``known`` takes intermediate ones."""
-    found = _next(line.moved(parameter, value), last, known, value)
+    found = _nearest_root(line.moved(parameter, value), last, known, value)
     if found is not None:
         known.append((value, float(getattr(found, line.name))))
         return found
     middle = (known[-1][0] + value) / 2
-    between = None if halvings == 0 else _reached(line, parameter, last, known, middle, halvings - 1)
-    return None if between is None else _reached(line, parameter, between, known, value, halvings - 1)
+    between = None if halvings == 0 else _continued(line, parameter, last, known, middle, halvings - 1)
+    return None if between is None else _continued(line, parameter, between, known, value, halvings - 1)
 
 
-def _next(line: Line, last: Boundary, known: list[tuple[float, float]], value: float) -> Boundary | None:
+def _nearest_root(line: Line, last: Boundary, known: list[tuple[float, float]], value: float) -> Boundary | None:
     """Root nearest to the guess, on the branch of the ``last`` one, else on the other."""
     guess = _guess(known, value)
     branches = sorted(BRANCHES[last.kind], key=lambda branch: branch != last.branch)

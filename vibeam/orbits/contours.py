@@ -99,14 +99,14 @@ def beyond_touching(share: Array) -> Array:
 
 def boundary_curves(plane: Plane, kind: Kind, branch: int, values: Array) -> list[BoundaryCurve]:
     """All curves of one boundary; ``values`` (rows, columns): its test function on the grid."""
-    edges = _crossed(values)
+    edges = _crossed_edges(values)
     share = _roots(plane, kind, branch, edges)
     known = {edge: float(at) for edge, at in zip(edges, share, strict=True) if np.isfinite(at)}
     chains = list(_chains(known, values.shape))
     return [curve for chain in chains for curve in _curves(plane, kind, branch, chain, known)]
 
 
-def _crossed(values: Array) -> list[Edge]:
+def _crossed_edges(values: Array) -> list[Edge]:
     """Grid edges across which the test function changes sign."""
     positive, known = values > 0, np.isfinite(values)
     found: list[Edge] = []
@@ -180,7 +180,7 @@ def _curves(
     share = np.array([known[edge] for edge in chain])
     omega, values = plane.between(chain, share)
     points = plane.at(omega, values)
-    beside = _real(plane, chain, share, points) if kind is Kind.FOLD else points
+    beside = _motions_beside_fold(plane, chain, share, points) if kind is Kind.FOLD else points
     grazing = kind is Kind.GRAZING
     strikes = np.ones(len(chain), dtype=bool) if grazing else beside.roots.impulse[:, branch] < 0
     clear = points.gap > points.total.offset if grazing else clearances(plane.system, beside, branch) > -TOUCH
@@ -191,7 +191,7 @@ def _curves(
             yield BoundaryCurve(kind, branch, *rows)
 
 
-def _real(plane: Plane, chain: list[Edge], share: Array, points: MotionsAt) -> MotionsAt:
+def _motions_beside_fold(plane: Plane, chain: list[Edge], share: Array, points: MotionsAt) -> MotionsAt:
     """Motions beside the points of a fold, on the side where they are real."""
     before, after = (plane.at(*plane.between(chain, share + side * NUDGE)) for side in (-1, 1))
     inside = np.where(np.isfinite(before.roots.impulse[:, 0]), -1, 1)

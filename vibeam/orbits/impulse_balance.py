@@ -27,13 +27,13 @@ class Roots(NamedTuple):
     """Both roots, (points, 2), the lower impulse first; NaN where they are complex.
 
     A motion strikes the stop where ``impulse`` < 0. ``discriminant`` (points,) is that of the quadratic, < 0 where
-    there is no root; ``lean`` is the contact acceleration over the velocity just before the impact, 1/s.
+    there is no root; ``relative_acceleration``: contact acceleration over velocity just before impact, 1/s.
     """
 
     impulse: Array
     phase: Array
     velocity: Array
-    lean: Array
+    relative_acceleration: Array
     discriminant: Array
 
 

@@ -40,15 +40,17 @@ SQUARED = 12  # squarings of a matrix, to its 4096th power
 TOGETHER = 3  # squarings between two normalisations
 
 
-def real_crossing(system: ImpactSystem, transfer: Transfer, lean: Array) -> Array:
-    """D(λ) at λ = 1 or −1, as ``transfer`` is; ``lean`` (points,) is a/v."""
+def real_crossing(system: ImpactSystem, transfer: Transfer, relative_acceleration: Array) -> Array:
+    """D(λ) at λ = 1 or −1, as ``transfer`` is; ``relative_acceleration`` (points,) is a/v."""
     s = (1 + system.restitution) / float(system.contact @ system.contact)
     with np.errstate(invalid="ignore", over="ignore"):
         still = (1 - s * transfer.k11) * (1 + s * transfer.t22) + s * s * transfer.t12 * transfer.k21
-        return np.asarray(still - lean * s * transfer.t12)
+        return np.asarray(still - relative_acceleration * s * transfer.t12)
 
 
-def monodromy(system: ImpactSystem, span: Array, lean: Array, modes: NDArray[np.int64] | None = None) -> Array:
+def monodromy(
+    system: ImpactSystem, span: Array, relative_acceleration: Array, modes: NDArray[np.int64] | None = None
+) -> Array:
     """Monodromy matrix (points, 2n, 2n) on (η, η') just after impact, for flights of ``span`` s that end with a/v.
 
     ``modes``: indices of the modes kept; the others are taken to have decayed by the impact.
@@ -58,7 +60,7 @@ def monodromy(system: ImpactSystem, span: Array, lean: Array, modes: NDArray[np.
     flown = _propagators(natural, zeta, span)
     n, sigma, s = len(kept), zeta * natural, (1 + system.restitution) / float(system.contact @ system.contact)
     rows = [np.concatenate([c * flown.p00, c * flown.p01], axis=1), np.concatenate([c * flown.p10, c * flown.p11], 1)]
-    turned = s * (2 * sigma + lean[:, None]) * c
+    turned = s * (2 * sigma + relative_acceleration[:, None]) * c
     matrix = np.empty((len(span), 2 * n, 2 * n))
     matrix[:, :n] = (-s * c)[None, :, None] * rows[0][:, None, :]
     matrix[:, n:] = turned[:, :, None] * rows[0][:, None, :] - (s * c)[None, :, None] * rows[1][:, None, :]
@@ -70,19 +72,19 @@ def monodromy(system: ImpactSystem, span: Array, lean: Array, modes: NDArray[np.
     return matrix
 
 
-def multipliers(system: ImpactSystem, span: Array, lean: Array) -> Complex:
+def multipliers(system: ImpactSystem, span: Array, relative_acceleration: Array) -> Complex:
     """Compute the 2n Floquet multipliers (points, 2n), largest first; modes are scaled to one unit first."""
     scale = np.where(system.omega > 0, system.omega, 1.0)
     units = np.concatenate([scale, np.ones(system.size)])
     found = np.empty((len(span), 2 * system.size), dtype=complex)
     for first in range(0, len(span), CHUNK):
-        here = slice(first, first + CHUNK)
-        matrix = monodromy(system, span[here], lean[here]) * units[:, None] / units
-        found[here] = np.linalg.eigvals(matrix)
+        chunk = slice(first, first + CHUNK)
+        matrix = monodromy(system, span[chunk], relative_acceleration[chunk]) * units[:, None] / units
+        found[chunk] = np.linalg.eigvals(matrix)
     return np.take_along_axis(found, np.argsort(-np.abs(found), axis=1), axis=1)
 
 
-def largest(system: ImpactSystem, span: Array, lean: Array) -> Array:
+def largest(system: ImpactSystem, span: Array, relative_acceleration: Array) -> Array:
     """Upper bound (points,) on the largest multiplier: ‖Mᴺ‖^(1/N), the mean decay of a disturbance.
 
     By squaring M twelve times, at a tenth of the cost of all multipliers. Too large by κ^(1/N) at most, where κ is how
@@ -90,18 +92,18 @@ def largest(system: ImpactSystem, span: Array, lean: Array) -> Array:
     few the multipliers themselves are cheaper.
     """
     if len(span) * system.size**2 < FEW:
-        return np.asarray(np.abs(multipliers(system, span, lean)[:, 0]))
+        return np.asarray(np.abs(multipliers(system, span, relative_acceleration)[:, 0]))
     fast = system.omega * (system.zeta + np.sqrt(np.maximum(system.zeta**2 - 1, 0.0)))
     slow = np.where(system.zeta > 1, system.omega**2 / np.where(fast > 0, fast, 1.0), fast)
     lasting = np.flatnonzero(np.exp(-slow * span.min()) > FADED)
     chunks = [slice(first, first + CHUNK) for first in range(0, len(span), CHUNK)]
-    return np.concatenate([_shrinking(system, span[here], lean[here], lasting) for here in chunks])
+    return np.concatenate([_mean_decay(system, span[chunk], relative_acceleration[chunk], lasting) for chunk in chunks])
 
 
-def _shrinking(system: ImpactSystem, span: Array, lean: Array, modes: NDArray[np.int64]) -> Array:
+def _mean_decay(system: ImpactSystem, span: Array, relative_acceleration: Array, modes: NDArray[np.int64]) -> Array:
     scale = np.where(system.omega[modes] > 0, system.omega[modes], 1.0)
     units = np.concatenate([scale, np.ones(len(modes))])
-    power, log = monodromy(system, span, lean, modes) * (units[:, None] / units), np.zeros(len(span))
+    power, log = monodromy(system, span, relative_acceleration, modes) * (units[:, None] / units), np.zeros(len(span))
     with np.errstate(divide="ignore"):
         for _ in range(SQUARED // TOGETHER):
             size = np.sqrt(np.einsum("pij,pij->p", power, power))

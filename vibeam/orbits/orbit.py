@@ -99,7 +99,7 @@ def _orbit(witness: AdmissibilityCheck, drive: Drive, periods: int, total: Sums,
     phase, impulse, velocity = (float(row[0, k]) for row in (found.phase, found.impulse, found.velocity))
     system, time = witness.system, phase / drive.omega
     state = state_after(system, drive, periods, phase, impulse)
-    values = multipliers(system, total.span, found.lean[:, k])[0]
+    values = multipliers(system, total.span, found.relative_acceleration[:, k])[0]
     admissible = witness.admits(drive, state, time, periods, velocity)
     reach = float(witness.watched(drive, state, time, periods, "contact")[0].reach[0]) if admissible else np.nan
     return Orbit(

@@ -63,7 +63,7 @@ def orbit_curve(system: ImpactSystem, omega: ArrayLike, amplitude: float, period
     found = balance(system, total, amplitude, system.gap)
     real = found.impulse < 0
     beyond = [
-        np.stack([real_crossing(system, part, found.lean[:, k]) for k in (0, 1)], axis=1)
+        np.stack([real_crossing(system, part, found.relative_acceleration[:, k]) for k in (0, 1)], axis=1)
         for part in (total.plus, total.minus)
     ]
     impulse, phase, velocity, plus, minus = (
@@ -78,7 +78,7 @@ def stability(system: ImpactSystem, total: Sums, found: Roots, asked: NDArray[np
     open_ = asked.copy()
     for side in (total.plus, total.minus):
         for k in (0, 1):
-            open_[:, k] &= ~proven(real_crossing(system, side, found.lean[:, k]))
+            open_[:, k] &= ~proven(real_crossing(system, side, found.relative_acceleration[:, k]))
     return _stable(system, total, found, open_)
 
 
@@ -91,6 +91,6 @@ def _stable(system: ImpactSystem, total: Sums, found: Roots, open_: NDArray[np.b
     """Stability of the motions marked by ``open_``, by their multipliers; False for the others."""
     stable = np.zeros(open_.shape, dtype=bool)
     rows, _ = np.nonzero(open_)
-    values = multipliers(system, total.span[rows], found.lean[open_])
+    values = multipliers(system, total.span[rows], found.relative_acceleration[open_])
     stable[open_] = np.abs(values[:, 0]) < 1
     return stable

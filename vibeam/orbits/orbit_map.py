@@ -85,7 +85,7 @@ def _values(system: ImpactSystem, kind: Kind, branch: int, points: MotionsAt, sh
     if kind is Kind.TOUCHING:
         return beyond_touching(share[branch])
     if kind in LOSSES:
-        unstable = proven(real_crossing(system, points.total.plus, points.roots.lean[:, branch]))
-        lean = np.where(unstable[:, None], np.nan, points.roots.lean)
-        points = points._replace(roots=points.roots._replace(lean=lean))
+        unstable = proven(real_crossing(system, points.total.plus, points.roots.relative_acceleration[:, branch]))
+        relative_acceleration = np.where(unstable[:, None], np.nan, points.roots.relative_acceleration)
+        points = points._replace(roots=points.roots._replace(relative_acceleration=relative_acceleration))
     return map_function(system, kind, branch, points)

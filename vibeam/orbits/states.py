@@ -35,10 +35,10 @@ def state_after(system: ImpactSystem, drive: Drive, periods: int, phase: float, 
     turned = phasors(system, drive) * np.exp(1j * phase)
     displacement = turned.imag + offsets(system) + impulse * system.contact * g[:, 0]
     velocity = drive.omega * turned.real + impulse * system.contact * g[:, 1]
-    return State(displacement + _mean(system, displacement), velocity)
+    return State(displacement + _rigid_displacement(system, displacement), velocity)
 
 
-def _mean(system: ImpactSystem, displacement: Array) -> Array:
+def _rigid_displacement(system: ImpactSystem, displacement: Array) -> Array:
     """Displacement of the modes without stiffness that puts the contact at the gap."""
     loose = np.where(system.omega == 0, system.contact, 0.0)
     if not loose.any():

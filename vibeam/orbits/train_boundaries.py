@@ -144,10 +144,10 @@ def train_boundaries(
         return ()
     branch = _Branch(orbit, parameter, float(np.abs(orbit.impulses).max()), abs(to - value))
     begin = np.concatenate([orbit.drive.omega * orbit.times, orbit.impulses / branch.size, [value / branch.scale]])
-    return tuple(_walk(branch, begin, float(np.sign(to - value)), 1 / steps, longest))
+    return tuple(_follow(branch, begin, float(np.sign(to - value)), 1 / steps, longest))
 
 
-def _walk(branch: _Branch, begin: Array, towards: float, step: float, longest: int) -> Iterator[TrainBoundary]:
+def _follow(branch: _Branch, begin: Array, towards: float, step: float, longest: int) -> Iterator[TrainBoundary]:
     z, along = begin, np.append(np.zeros(len(begin) - 1), towards)
     along = branch.direction(z, along)
     tests = {kind: branch.test(kind, z, along) for kind in KINDS}

@@ -78,10 +78,10 @@ def settled_orbit(
     if not 1 <= len(times) <= MOST:
         return None
     found = train_orbit(system, drive, periods, times, velocities)
-    return found if found is not None and _near(found.velocities, velocities) else None
+    return found if found is not None and _agree(found.velocities, velocities) else None
 
 
-def _near(found: Array, observed: Array) -> bool:
+def _agree(found: Array, observed: Array) -> bool:
     """Test whether two sets of impacts agree up to a cyclic shift."""
     turns = [np.abs(np.roll(found, k) - observed).max() for k in range(len(observed))]
     return len(found) == len(observed) and bool(min(turns) < SETTLED * observed.max())
@@ -121,10 +121,10 @@ def multipliers_of(system: ImpactSystem, drive: Drive, span: float, train: Train
     displacement, before = states_before(system, drive, span, train)
     force = np.outer(np.sin(drive.omega * train.times), system.load) * drive.omega**2 * drive.amplitude + system.static
     toward = (force - 2 * system.zeta * system.omega * before - system.omega**2 * displacement) @ system.contact
-    lean = toward / velocities
+    relative_acceleration = toward / velocities
     flights = np.diff(np.append(train.times, train.times[0] + span))
     matrix = np.eye(2 * system.size)
-    for step in monodromy(system, flights, np.roll(lean, -1)):
+    for step in monodromy(system, flights, np.roll(relative_acceleration, -1)):
         matrix = step @ matrix
     values = np.linalg.eigvals(matrix).astype(complex)
     return np.asarray(values[np.argsort(-np.abs(values))])

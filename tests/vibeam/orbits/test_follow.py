@@ -83,6 +83,6 @@ def test_a_boundary_at_no_gap_is_followed() -> None:
         for b in curve:
             span = 2 * pi / b.omega
             force = b.omega**2 * B * sin(b.phase)
-            lean = (1 + R) * (force - b.gap) * sin(OWN * span) / (OWN * b.velocity)
-            trace = exp(-BETA * span) * (lean - 2 * R * cos(OWN * span))
+            ratio = (1 + R) * (force - b.gap) * sin(OWN * span) / (OWN * b.velocity)
+            trace = exp(-BETA * span) * (ratio - 2 * R * cos(OWN * span))
             assert 1 + trace + R**2 * exp(-2 * BETA * span) == pytest.approx(0, abs=1e-10)

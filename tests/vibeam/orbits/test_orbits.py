@@ -133,7 +133,7 @@ def test_a_ball_on_a_shaken_table() -> None:
         assert table == pytest.approx((1 - restitution) / 2 * velocity, rel=1e-12)
         after = state_after(ball, drive, 1, phase, impulse)
         assert AdmissibilityCheck(ball, drive.omega).admits(drive, after, phase / drive.omega, 1, velocity)
-    radius = [abs(multipliers(ball, np.array([span]), found.lean[:, k])[0, 0]) for k in (0, 1)]
+    radius = [abs(multipliers(ball, np.array([span]), found.relative_acceleration[:, k])[0, 0]) for k in (0, 1)]
     assert radius[0] > 1 > radius[1]  # the earlier impact is the unstable one
 
 
@@ -203,11 +203,11 @@ def test_monodromy_against_differences_of_the_flight(orbit: Orbit) -> None:
         columns.append((ends[0] - ends[1]) / (2 * shift[k]))
     half = propagators(orbit.system, np.array([orbit.span / 2]))
     carry = np.block([[np.diag(half.p00[0]), np.diag(half.p01[0])], [np.diag(half.p10[0]), np.diag(half.p11[0])]])
-    lean = contact_acceleration(orbit) / orbit.velocity
-    exact = carry @ monodromy(orbit.system, np.array([orbit.span]), np.array([lean]))[0]
+    ratio = contact_acceleration(orbit) / orbit.velocity
+    exact = carry @ monodromy(orbit.system, np.array([orbit.span]), np.array([ratio]))[0]
     got = np.array(columns).T @ carry
     np.testing.assert_allclose(got, exact, atol=2e-7 * np.abs(exact).max() * max(1.0, (size(orbit) / orbit.velocity)))
-    without = carry @ monodromy(orbit.system, np.array([orbit.span]), np.array([lean + 0.01 * (1 + abs(lean))]))[0]
+    without = carry @ monodromy(orbit.system, np.array([orbit.span]), np.array([ratio + 0.01 * (1 + abs(ratio))]))[0]
     assert np.abs(got - without).max() > 10 * np.abs(got - exact).max()
 
 
@@ -222,9 +222,9 @@ def contact_acceleration(orbit: Orbit) -> float:
 
 @pytest.mark.parametrize("orbit", MANY, ids=lambda o: f"{o.system.size}-{o.periods}-{o.drive.omega}")
 def test_multipliers_are_those_of_the_saltation_matrix(orbit: Orbit) -> None:
-    lean = np.array([contact_acceleration(orbit) / orbit.velocity])
+    ratio = np.array([contact_acceleration(orbit) / orbit.velocity])
     np.testing.assert_allclose(
-        np.abs(multipliers(orbit.system, np.array([orbit.span]), lean)[0]), np.abs(orbit.multipliers), atol=1e-6
+        np.abs(multipliers(orbit.system, np.array([orbit.span]), ratio)[0]), np.abs(orbit.multipliers), atol=1e-6
     )
     damped = orbit.system.zeta * orbit.system.omega
     determinant = orbit.system.restitution**2 * exp(-2 * damped.sum() * orbit.span)
@@ -392,13 +392,13 @@ def test_many_modes_at_once_are_each_of_them() -> None:
 @pytest.mark.parametrize("n", [1, 2, 5, 9])
 def test_the_largest_multiplier_is_bounded_closely_from_above(n: int) -> None:
     rng = np.random.default_rng(n)
-    span, lean = rng.uniform(1, 8, 250), rng.normal(0, 3, 250)
+    span, ratio = rng.uniform(1, 8, 250), rng.normal(0, 3, 250)
     for seed in range(4):
         system = beam_like(n, seed)
-        truth = np.abs(multipliers(system, span, lean)[:, 0])
-        bound = largest(system, span, lean)
+        truth = np.abs(multipliers(system, span, ratio)[:, 0])
+        bound = largest(system, span, ratio)
         assert np.all(bound > truth * (1 - 1e-6))
         assert np.all(bound < truth * 1.005)
-        assert largest(system, span[:1], lean[:1]) == pytest.approx(truth[:1], rel=1e-9)  # few: the multipliers
+        assert largest(system, span[:1], ratio[:1]) == pytest.approx(truth[:1], rel=1e-9)  # few: the multipliers
     assert (truth < 1).any()
     assert (truth > 1).any()

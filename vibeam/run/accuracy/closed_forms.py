@@ -73,7 +73,7 @@ class ClosedForms:
         if not self.possible:
             return found
         roots = self._points.roots
-        found[:, :2] = (roots.impulse < 0) & np.isfinite(roots.phase) & np.isfinite(roots.lean)
+        found[:, :2] = (roots.impulse < 0) & np.isfinite(roots.phase) & np.isfinite(roots.relative_acceleration)
         contact, rest = self.system.contact, float(self.system.contact @ offsets(self.system))
         found[:, FREE] = np.abs(contact @ self._phasors) + rest < self.system.gap
         return found
@@ -92,10 +92,12 @@ class ClosedForms:
         if kind == FREE:
             bound = np.exp(-float(np.min(self.system.zeta * self.system.omega)) * 2 * np.pi / self.omega[open_])
         else:
-            total, lean = self._points.total, self._points.roots.lean[:, kind]
+            total, relative_acceleration = self._points.total, self._points.roots.relative_acceleration[:, kind]
             for side in (total.plus, total.minus) if open_.any() else ():
-                open_ &= ~proven(real_crossing(self.system, side, lean))
-            bound = largest(self.system, total.span[open_], lean[open_]) if open_.any() else np.zeros(0)
+                open_ &= ~proven(real_crossing(self.system, side, relative_acceleration))
+            bound = (
+                largest(self.system, total.span[open_], relative_acceleration[open_]) if open_.any() else np.zeros(0)
+            )
         found[open_] = np.where(bound < 1, bound, np.inf)
         return found
 
