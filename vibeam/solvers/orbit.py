@@ -78,7 +78,7 @@ class OrbitSolver:
         orbit = self._orbit(drive)
         if orbit is not None:
             window, last = self.witness.watched(drive, orbit.state, orbit.time, self.periods, output)
-            return _struck(window, orbit, hold), last
+            return _with_one_impact(window, orbit, hold), last
         linear = self._linear(drive)
         if linear is not None:
             return self.witness.watched(drive, linear, 0.0, 1, output)
@@ -105,7 +105,7 @@ class OrbitSolver:
         return State(h.imag + rest, drive.omega * h.real)
 
 
-def _struck(window: FrequencyResponse, orbit: Orbit, hold: int) -> FrequencyResponse:
+def _with_one_impact(window: FrequencyResponse, orbit: Orbit, hold: int) -> FrequencyResponse:
     """Window over one span with the impact counted exactly once, wherever in the drive's period it falls."""
     count = min(VELOCITIES_KEPT, max(1, hold // orbit.periods))
     velocities = np.full((1, VELOCITIES_KEPT), np.nan)

@@ -11,7 +11,7 @@ from convergence import DRIVE, SOLVERS, B, jumps, mean_energy, sdof, start, thre
 import vibeam
 from vibeam.observe.periodicity import repetition
 from vibeam.solvers.integration.direct import DirectSolver
-from vibeam.solvers.integration.impact_events import Course
+from vibeam.solvers.integration.impact_events import EventRun
 from vibeam.solvers.integration.ivanov import IvanovSolver
 from vibeam.solvers.integration.samples import turning_points
 from vibeam.solvers.integration.zhuravlev import Distance, ZhuravlevSolver
@@ -171,7 +171,7 @@ def test_a_dip_inside_one_step_is_found(method: str) -> None:
 
 
 def test_without_the_search_the_dip_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(Course, "_passed", lambda *_: None)
+    monkeypatch.setattr(EventRun, "_missed_passage", lambda *_: None)
     assert dip("DOP853")[0] == 0
 
 

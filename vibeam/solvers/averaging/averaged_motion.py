@@ -19,8 +19,8 @@ Array = NDArray[np.float64]
 SAMPLES = 1000  # samples a drive period
 
 
-def averaged_path(mode: OneMode, drive: Drive, motion: Motion, place: Array, start: float, end: float) -> Sampled:
-    """Path of the stationary ``motion`` through ``place`` (q, q̇) at the drive's phase 0, from ``start`` to ``end`` s.
+def averaged_path(mode: OneMode, drive: Drive, motion: Motion, point: Array, start: float, end: float) -> Sampled:
+    """Path of the stationary ``motion`` through ``point`` (q, q̇) at the drive's phase 0, from ``start`` to ``end`` s.
 
     With impacts q = Δ − Q|sin θ|, q̇ = −Q cos θ sgn sin θ, θ = Ωt/2k + θ₀; without, the harmonic one, or rest.
     """
@@ -30,12 +30,12 @@ def averaged_path(mode: OneMode, drive: Drive, motion: Motion, place: Array, sta
     struck = np.empty(0)
     if motion.impacts_per_period:
         turn = omega * motion.impacts_per_period / 2  # Ω/2k
-        angle = atan2(model.gap - place[0], -place[1])
+        angle = atan2(model.gap - point[0], -point[1])
         first, last = (turn * mode.omega * t + angle for t in (start, end))
         struck = (np.arange(np.ceil(first / np.pi), np.floor(last / np.pi) + 1) * np.pi - angle) / (turn * mode.omega)
         struck = struck[(struck > start) & (struck <= end)]
         grid = np.unique(np.concatenate([grid, np.nextafter(struck, -np.inf), struck]))
-        places = _struck(model, motion, turn * mode.omega * grid + angle, grid, struck)
+        places = _impacting(model, motion, turn * mode.omega * grid + angle, grid, struck)
     else:
         places = _smooth(model, motion, omega, mode.omega * grid)
     values = np.stack([places[:, 0] + mode.static, places[:, 1] * mode.omega], axis=1)[:, :, None] / mode.contact
@@ -46,7 +46,7 @@ def averaged_path(mode: OneMode, drive: Drive, motion: Motion, place: Array, sta
     return Sampled(mode.system, drive, grid, values, struck, speeds, rest, end, last_state, Ended.COMPLETE, stats)
 
 
-def _struck(model: Oscillator, motion: Motion, angle: Array, times: Array, struck: Array) -> Array:
+def _impacting(model: Oscillator, motion: Motion, angle: Array, times: Array, struck: Array) -> Array:
     """(q, q̇) at angles θ; at an impact, where sgn sin θ is round-off, the side is given explicitly."""
     reach = motion.high - motion.low
     whole = np.round(angle / np.pi)

@@ -93,16 +93,20 @@ class EventSolver(Stepper):
     ) -> Outcome:
         """See ``Stepper.run``."""
         frame, y = self.enter(drive, state)
-        course = Course(frame, y, self.settings, cycle(self.system, drive), start, end, watch, marks)
+        event_run = EventRun(frame, y, self.settings, cycle(self.system, drive), start, end, watch, marks)
         with np.errstate(all="ignore"):
-            ended = course.travel(slack(self.system, state.displacement) + self.settings.atol, state.resting)
-        pose = course.frame.outward(course.y[:, None])[0]
+            ended = event_run.advance(slack(self.system, state.displacement) + self.settings.atol, state.resting)
+        pose = event_run.frame.outward(event_run.y[:, None])[0]
         return Outcome(
-            ended, course.t, State.reached(pose[0], pose[1], course.resting), course.impacts, course.evaluations
+            ended,
+            event_run.t,
+            State.reached(pose[0], pose[1], event_run.resting),
+            event_run.impacts,
+            event_run.evaluations,
         )
 
 
-class Course:
+class EventRun:
     """Progress of one run: its present state and its counters."""
 
     def __init__(
@@ -117,22 +121,22 @@ class Course:
         self.atol = settings.atol * frame.scale
         self.deep = max(DEEP * settings.atol, ROUNDING * float(np.max(np.abs(y / frame.scale))))
 
-    def travel(self, allowed: float, resting: bool) -> Ended:
+    def advance(self, allowed: float, resting: bool) -> Ended:
         """Advance through flights, impacts and rests to the end; the start may lie ``allowed`` m beyond the stop."""
         excess = self.frame.excess(self.y)
         if excess > allowed:
             return Ended.PENETRATED
         if excess >= 0 or (resting and excess >= -allowed):
-            self.land()
+            self.touch_down()
         while self.t < self.end:
             if not self._within_limit():
                 return Ended.EVENT_LIMIT
             before = self.t
-            struck = self.rest() if self.resting else self.fly()
+            struck = self.rest() if self.resting else self.integrate_flight()
             if not np.all(np.isfinite(self.y)):
                 return Ended.NOT_FINITE
             if struck:
-                self.land(self.t - before < STUCK * self.period)
+                self.touch_down(self.t - before < STUCK * self.period)
         if self.frame.excess(self.y) > 0:
             self.y = self.frame.touch(self.y)
         return Ended.COMPLETE
@@ -143,7 +147,7 @@ class Course:
         self.turn = turn
         return self.events <= self.settings.limit
 
-    def land(self, stuck: bool = False) -> None:
+    def touch_down(self, stuck: bool = False) -> None:
         """Treat contact at the stop: impact if approached, then a flight, or rest where that would rise below atol.
 
         ``stuck``: the last flight ended where it began: a start without speed under a growing force.
@@ -158,21 +162,21 @@ class Course:
         if self.resting:
             self.y = self.frame.hold(self.y)
 
-    def fly(self) -> bool:
+    def integrate_flight(self) -> bool:
         """Integrate one flight; return whether it ends at the stop."""
         event = self._event()
         found = self._solve(self.frame.rate, event, self.watch is not None)
         if found is None:
             return False
         times, states, struck = found.t, found.y, bool(found.status == 1)
-        passed = self._passed(times, states)
+        passed = self._missed_passage(times, states)
         if passed is not None:
             found = found if found.sol is not None else self._solve(self.frame.rate, event, True)
             root = self._first_root(event, found.sol, *passed)
             if root is not None:
                 times, struck = np.append(times[times < root], root), True
                 states = found.sol(times)
-        self._leave(found, times, states, struck)
+        self._advance_to(found, times, states, struck)
         return struck
 
     def rest(self) -> bool:
@@ -180,7 +184,7 @@ class Course:
         event = self.frame.press
         found = self._solve(self.frame.rate_at_rest, _terminal(lambda t, y: event(t, y), -1.0), self.watch is not None)
         if found is not None:
-            self._leave(found, found.t, found.y, False, rest=float(found.t[-1]) - self.t)
+            self._advance_to(found, found.t, found.y, False, rest=float(found.t[-1]) - self.t)
             self.y = self.frame.hold(self.y)
             self.resting, self.touching = found.status == 0, True
         return False
@@ -211,7 +215,7 @@ class Course:
             return None
         return found
 
-    def _passed(self, times: Array, states: Array) -> tuple[float, float] | None:
+    def _missed_passage(self, times: Array, states: Array) -> tuple[float, float] | None:
         """Begin of the first step inside which the contact turns beyond the stop, and time of that turn."""
         shares, heights = turning_points(times, self.frame.excess(states), self.frame.approach(states))
         beyond = np.where(shares * (1 - shares) > 0, heights, -np.inf)
@@ -231,7 +235,7 @@ class Course:
             return None
         return float(brentq(lambda t: event(t, dense(t)), before, turn, xtol=1e-14 * abs(turn) + TINY, rtol=1e-15))
 
-    def _leave(self, found: Any, times: Array, states: Array, struck: bool, rest: float = 0.0) -> None:
+    def _advance_to(self, found: Any, times: Array, states: Array, struck: bool, rest: float = 0.0) -> None:
         """Move to the last state and pass the stretch to the observer."""
         self.t, self.y, self.touching = float(times[-1]), states[:, -1], False
         if self.watch is None:

@@ -47,7 +47,7 @@ class _Endless(Exception):
 
 
 @dataclass
-class Smooth:
+class IvanovCoordinates:
     """Coordinates y = (z, v); counts evaluations, up to ``limit`` in one ``period``."""
 
     of: Distance
@@ -69,7 +69,7 @@ class Smooth:
         self._count(t)
         z, v = y
         factor, push = self._factor(z, v), self._push(t, z)
-        if self._frozen(z, factor * v, push):
+        if self._at_rest(z, factor * v, push):
             return 0.0, 0.0
         side = 1.0 if z > 0 or (z == 0 and v >= 0) else -1.0
         return factor * v, side * push / factor - self.of.damping * v
@@ -80,13 +80,13 @@ class Smooth:
     def _push(self, t: float, z: float) -> float:
         return self.of.load(t) - self.of.stiffness * abs(z)
 
-    def _frozen(self, z: float, slope: float, push: float) -> bool:
+    def _at_rest(self, z: float, slope: float, push: float) -> bool:
         return push < 0 and slope * slope <= 2 * push * (abs(z) - self.atol)
 
     def resting(self, times: Array, states: Array) -> float:
         """Time that samples (m,), (2, m) spend at rest."""
         parts = [(z, self._factor(z, v) * v, self._push(t, z)) for t, z, v in zip(times, *states, strict=True)]
-        frozen = np.array([self._frozen(*part) for part in parts])
+        frozen = np.array([self._at_rest(*part) for part in parts])
         return float(np.sum(np.diff(times)[frozen[1:] & frozen[:-1]]))
 
     def _count(self, t: float) -> None:
@@ -139,7 +139,7 @@ class IvanovSolver(Stepper):
 
         restitution, distance = self.system.restitution, Distance.of(self.system, drive)
         loss, period = (1 - restitution) / (1 + restitution), cycle(self.system, drive)
-        smooth = Smooth(distance, loss, period, self.settings.limit, self.settings.atol)
+        coordinates = IvanovCoordinates(distance, loss, period, self.settings.limit, self.settings.atol)
         if distance.distance(state)[0] < -slack(self.system, state.displacement) - self.settings.atol:
             return Outcome(Ended.PENETRATED, start, state, 0, 0)
         if end <= start:
@@ -147,22 +147,22 @@ class IvanovSolver(Stepper):
         try:
             with np.errstate(all="ignore"):
                 found = solve_ivp(
-                    smooth.rate, (start, end), smooth.inward(state), method=self.settings.method,
+                    coordinates.rate, (start, end), coordinates.inward(state), method=self.settings.method,
                     rtol=self.settings.rtol, atol=self.settings.atol * distance.scale, max_step=LONGEST * period,
                     dense_output=watch is not None,
                 )  # fmt: skip
         except _Endless:
-            return self._stopped(Ended.EVENT_LIMIT, start, smooth)
+            return self._stopped(Ended.EVENT_LIMIT, start, coordinates)
         if found.status < 0 or not np.all(np.isfinite(found.y[:, -1])):
-            return self._stopped(Ended.NOT_FINITE, start, smooth)
+            return self._stopped(Ended.NOT_FINITE, start, coordinates)
         if watch is not None:
-            _show(smooth, found, watch, marks)
-        last = distance.modal(*smooth.outward(found.y[:, -1:], side_of(found.y[:, -1])))[0]
+            _pass_on(coordinates, found, watch, marks)
+        last = distance.modal(*coordinates.outward(found.y[:, -1:], side_of(found.y[:, -1])))[0]
         impacts = int(np.count_nonzero(np.diff(np.signbit(found.y[0]))))
-        return Outcome(Ended.COMPLETE, end, State(last[0], last[1]), impacts, smooth.evaluations)
+        return Outcome(Ended.COMPLETE, end, State(last[0], last[1]), impacts, coordinates.evaluations)
 
-    def _stopped(self, ended: Ended, start: float, smooth: Smooth) -> Outcome:
-        return Outcome(ended, start, equilibrium(self.system), 0, smooth.evaluations)
+    def _stopped(self, ended: Ended, start: float, coordinates: IvanovCoordinates) -> Outcome:
+        return Outcome(ended, start, equilibrium(self.system), 0, coordinates.evaluations)
 
 
 def side_of(y: Array) -> float:
@@ -170,7 +170,7 @@ def side_of(y: Array) -> float:
     return float(np.sign(y[0]) or np.sign(y[1]) or 1.0)
 
 
-def _show(smooth: Smooth, found: Any, watch: Watch, marks: Array) -> None:
+def _pass_on(coordinates: IvanovCoordinates, found: Any, watch: Watch, marks: Array) -> None:
     """Pass the motion on as flights, cut where z changes sign."""
     times = samples(found.t, marks)
     z = found.sol(times)[0]
@@ -182,11 +182,11 @@ def _show(smooth: Smooth, found: Any, watch: Watch, marks: Array) -> None:
         at = np.concatenate([[first], inside, [last]])
         side = side_of(np.array(found.sol((at[0] + at[1]) / 2)))
         states = found.sol(at)
-        x, slope = smooth.outward(states, side)
+        x, slope = coordinates.outward(states, side)
         struck = i < len(roots)
         speed = -slope[-1:] if struck else NO_MARKS
         when = at[-1:] if struck else NO_MARKS
-        watch(Piece(at, smooth.of.modal(x, slope), when, speed, smooth.resting(at, states)))
+        watch(Piece(at, coordinates.of.modal(x, slope), when, speed, coordinates.resting(at, states)))
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:
