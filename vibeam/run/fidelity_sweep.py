@@ -103,9 +103,9 @@ def _curves_key(case: Case, name: str) -> str:
 def known_curves(case: Case, job: Job, store: Store | None) -> MotionCurves:
     """All motions known to the fidelity's solver at the sweep's frequencies, from the file where stored."""
     key = _curves_key(case, job.name)
-    there = store.curves(job.name, key) if store else None
-    if there is not None:
-        return there
+    stored = store.curves(job.name, key) if store else None
+    if stored is not None:
+        return stored
     omega = 2 * np.pi * np.sort(case.sweep.frequency)
     made = solver(job.fidelity.solver, job.system, float(omega[0]), 0.0, **job.fidelity.options)
     found: MotionCurves = made.curves(omega, case.amplitude_of(job.name, omega), case.sweep.output)

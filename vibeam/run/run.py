@@ -60,10 +60,12 @@ def run(
     plan = {name: _branches(case, name, system.size) for name, system in systems.items()}
     path = None if out is None else Path(out)
     if case.accuracy is not None:
-        return _accurate(case, case.accuracy, systems, plan, _Storage(path, fresh, tell), progress or _silent, show)
+        return _accurate(
+            case, case.accuracy, systems, plan, _Storage(path, fresh, tell), progress or _no_progress, show
+        )
     with _Storage(path, fresh, tell).opened(case, plan) as store:
         jobs = [job_of(case, name, systems[name], branches, store) for name, branches in plan.items()]
-        count = Count((kept for job in jobs for _, kept in job.branches), progress or _silent)
+        count = Count((kept for job in jobs for _, kept in job.branches), progress or _no_progress)
         found = count.done
         try:
             for job in jobs:
@@ -87,7 +89,7 @@ def _warm_up(case: Case, job: Job) -> None:
     warm_up(fidelity.solver, job.system, float(omega[0]), base, case.sweep.output, fidelity.options)
 
 
-def _silent(done: int, total: int) -> None:
+def _no_progress(done: int, total: int) -> None:
     """Progress callback that does nothing."""
 
 

@@ -63,15 +63,15 @@ def adapted(file: h5py.File, path: Path, wanted: Wanted) -> str | None:
     if older:
         _refuse_another(file, path, wanted)
         with reading(path, "its groups"):
-            _bring_up_to_date(file, wanted)
+            _convert(file, wanted)
     reuses = [_reuse(file, path, branch) for branch in wanted.branches]
     if all(reuse.fits for reuse in reuses) and _text(file, path, "text") == wanted.text:
         return "brought to the present format" if older else None
     if _text(file, path, "shared") != wanted.shared and lost_with(file, reuses):
-        raise another(path, _text(file, path, "shared"), wanted.shared)
+        raise another_case(path, _text(file, path, "shared"), wanted.shared)
     for reuse in reuses:
         if reuse.shrinks:
-            points = f"{reuse.there} points of {reuse.branch.group}, and this case has {len(reuse.branch.frequency)}"
+            points = f"{reuse.stored} points of {reuse.branch.group}, and this case has {len(reuse.branch.frequency)}"
             raise StoreError(f"{path}: holds {points}: {ELSEWHERE}")
     return _adapt(file, path, wanted, reuses)
 
@@ -93,7 +93,7 @@ def _reuse(file: h5py.File, path: Path, branch: Branch) -> Reuse:
         return reuse_of(file, branch)
 
 
-def another(path: Path, stored: str, present: str) -> StoreError:
+def another_case(path: Path, stored: str, present: str) -> StoreError:
     """Error for a file of a case that shares nothing with this one: names the difference."""
     return StoreError(f"{path}: holds another case ({_first_difference(stored, present)}): {ELSEWHERE}")
 
@@ -103,10 +103,10 @@ def _refuse_another(file: h5py.File, path: Path, wanted: Wanted) -> None:
     with reading(path, "/case"):
         key = file["case"].attrs["key"].decode()
     if key != wanted.key:
-        raise another(path, _text(file, path, "text"), wanted.text)
+        raise another_case(path, _text(file, path, "text"), wanted.text)
 
 
-def _bring_up_to_date(file: h5py.File, wanted: Wanted) -> None:
+def _convert(file: h5py.File, wanted: Wanted) -> None:
     """Convert every branch of an older file; curves, figures and studies have no checksum and are computed again."""
     for branch in wanted.branches:
         lay_out_anew(file, branch, wanted.unit)

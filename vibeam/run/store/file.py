@@ -70,20 +70,20 @@ def _used(begun: _Begun, disk: Disk, wanted: Wanted) -> Iterator[Store]:
 
 
 @contextmanager
-def _begun(disk: Disk, wanted: Wanted, there: bool, fresh: bool, tell: Tell) -> Iterator[_Begun]:
+def _begun(disk: Disk, wanted: Wanted, exists: bool, fresh: bool, tell: Tell) -> Iterator[_Begun]:
     import h5py
 
-    if there and not fresh:
+    if exists and not fresh:
         with _continued(disk, wanted, tell) as begun:
             yield begun
         return
-    if there and not is_ours(disk.read()):
+    if exists and not is_ours(disk.read()):
         raise no_result(disk.path)
     image = blank(wanted)
-    put = disk.stage if there else disk.create
+    put = disk.stage if exists else disk.create
     put(image.getvalue())
     with h5py.File(image, "r+") as file:
-        yield _Begun(image, file, new=True, made=not there)
+        yield _Begun(image, file, new=True, made=not exists)
 
 
 @contextmanager

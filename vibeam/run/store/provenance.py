@@ -19,8 +19,8 @@ SESSIONS, NOTE = 32, 240  # room for this number of notes, of this number of byt
 def provenance() -> dict[str, str]:
     """Versions of vibeam, numpy, numba and Python, platform, time (UTC)."""
     versions = {"vibeam": _version("vibeam"), "numpy": np.__version__, "numba": _version("numba")}
-    here = {"python": platform.python_version(), "platform": platform.platform()}
-    return versions | here | {"time": strftime("%Y-%m-%dT%H:%M:%SZ", gmtime())}
+    machine = {"python": platform.python_version(), "platform": platform.platform()}
+    return versions | machine | {"time": strftime("%Y-%m-%dT%H:%M:%SZ", gmtime())}
 
 
 def write_provenance(group: h5py.Group) -> None:

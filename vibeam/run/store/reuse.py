@@ -42,17 +42,17 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Reuse:
-    """Reuse of one branch: ``kept`` of its ``there`` stored points stay; ``fits``: its group has the layout needed."""
+    """Reuse of one branch: ``kept`` of its ``stored`` points stay; ``fits``: its group has the layout needed."""
 
     branch: Branch
-    there: int
+    stored: int
     kept: int
     fits: bool
 
     @property
     def shrinks(self) -> bool:
         """True where more points would be lost than the case asks for."""
-        return self.kept < self.there and len(self.branch.frequency) < self.there
+        return self.kept < self.stored and len(self.branch.frequency) < self.stored
 
     def __str__(self) -> str:
         return f"{self.branch.group} ({self.kept} of {len(self.branch.frequency)} points)"
@@ -67,14 +67,14 @@ def reuse_of(file: h5py.File, branch: Branch) -> Reuse:
     group = file.get(branch.group)
     if group is None:
         return Reuse(branch, 0, 0, fits=False)
-    there, frequency = points_of(group), group["frequency"][()]
+    stored, frequency = points_of(group), group["frequency"][()]
     if key_of(group) != branch.key or group["mode_energy"].shape[1:] != (branch.modes,):
-        return Reuse(branch, there, 0, fits=False)
+        return Reuse(branch, stored, 0, fits=False)
     common = _common(frequency, branch.frequency)
-    kept = min(there, common)
-    if kept < there and branch.carried:
+    kept = min(stored, common)
+    if kept < stored and branch.carried:
         kept = last_with_state(group, kept)
-    return Reuse(branch, there, kept, common == len(frequency) == len(branch.frequency))
+    return Reuse(branch, stored, kept, common == len(frequency) == len(branch.frequency))
 
 
 def adapt(file: h5py.File, reuses: Iterable[Reuse], unit: str) -> None:
@@ -95,7 +95,7 @@ def adapt(file: h5py.File, reuses: Iterable[Reuse], unit: str) -> None:
 
 def lost_with(file: h5py.File, reuses: Sequence[Reuse]) -> bool:
     """Test whether a stored branch with points would lose them to a change of physics."""
-    same = {reuse.branch.group for reuse in reuses if reuse.kept or not reuse.there}
+    same = {reuse.branch.group for reuse in reuses if reuse.kept or not reuse.stored}
     return any(name not in same for name in groups_with_points(file))
 
 
@@ -116,9 +116,9 @@ def reported(reuses: Sequence[Reuse], others: Iterable[str]) -> str:
     """One line on kept, added and recomputed branches; ``others``: branches the case does not name."""
     parts = {
         "kept": [reuse.branch.group for reuse in reuses if reuse.fits],
-        "extended": [str(reuse) for reuse in reuses if not reuse.fits and reuse.kept == reuse.there > 0],
-        "swept anew": [_anew(reuse) for reuse in reuses if reuse.there > reuse.kept],
-        "added": [reuse.branch.group for reuse in reuses if not reuse.there and not reuse.fits],
+        "extended": [str(reuse) for reuse in reuses if not reuse.fits and reuse.kept == reuse.stored > 0],
+        "swept anew": [_anew(reuse) for reuse in reuses if reuse.stored > reuse.kept],
+        "added": [reuse.branch.group for reuse in reuses if not reuse.stored and not reuse.fits],
         "left as they are, the case does not name them": list(others),
     }
     return "; ".join(f"{what}: {', '.join(names)}" for what, names in parts.items() if names)

@@ -52,16 +52,16 @@ class Store:
             yield self._file
 
     @contextmanager
-    def _replacing(self) -> Iterator[h5py.File]:
+    def _restructuring(self) -> Iterator[h5py.File]:
         """Context for creating, moving or deleting groups: the file on disk is the old one or the new one, whole."""
-        with self._lock, self._once():
+        with self._lock, self._unless_failed():
             self._note()
             yield self._file
             self._file.flush()
             self._disk.replace(self._image.getvalue())
 
     @contextmanager
-    def _once(self) -> Iterator[None]:
+    def _unless_failed(self) -> Iterator[None]:
         """Context that refuses writes after a failed one, which would build on data not on the disk."""
         if self._failure is not None:
             raise self._failure
@@ -82,7 +82,7 @@ class Store:
         In two steps, the values and then the count of points that are there: a run that is killed between the two
         leaves points that nobody counts, and the next run writes them again.
         """
-        with self._lock, self._once():
+        with self._lock, self._unless_failed():
             self._note()
             group = self._file[branch.group]
             write_rows(group, start, rows_of(block, states))
@@ -113,7 +113,7 @@ class Store:
     def write_curves(self, fidelity: str, key: str, curves: MotionCurves) -> None:
         """Replace the stored motions of one fidelity."""
         place = f"{fidelity}/{CURVES}"
-        with self._replacing() as file:
+        with self._restructuring() as file:
             if place in file:
                 del file[place]
             group = file.create_group(place)
@@ -138,7 +138,7 @@ class Store:
         from vibeam.run.store.accuracy import HOME as group
         from vibeam.run.store.accuracy import write_study
 
-        with self._replacing() as file:
+        with self._restructuring() as file:
             write_study(file[group], study)
             sign(file[group])
 
@@ -149,5 +149,5 @@ class Store:
 
     def show(self, plan: ShowPlan, sheets: tuple[Sheet, ...]) -> None:
         """Store ``sheets``."""
-        with self._replacing() as file:
+        with self._restructuring() as file:
             write_sheets(file, plan, sheets, self._unit)
