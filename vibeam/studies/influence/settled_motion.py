@@ -48,7 +48,7 @@ def observed_ringing(curve: Curve, frequency: float, near: Step) -> dict[str, Va
     drift = gap_drift(curve.case.scene, np.array([omega]))
     system = curve.system if drift is None else replace(curve.system, gap=curve.system.gap + float(drift[0]))
     path = simulate(system, Drive(omega, amplitude), periods / frequency, settled.state)
-    if len(_touches(path)) < 2:
+    if len(_contacts(path)) < 2:
         return dict.fromkeys(
             ("ringing", "ringing_frequency", "apparent_restitution"), Value(NAN, "no impacts to read it from")
         )
@@ -64,20 +64,20 @@ def _read(path: Trajectory, output: str, frequency: float) -> dict[str, Value]:
     observable = [mode for mode in faster if row[mode] > UNSEEN * row.max() and system.zeta[mode] < 1]
     rate = max(LEAST * frequency, SAMPLES * system.omega[observable[0]] / (2 * np.pi) if observable else 0.0)
     times = np.linspace(0, path.t_end, int(rate * path.t_end), endpoint=False)
-    place = path.at(times, output)
+    displacement = path.at(times, output)
     guard = GUARD / frequency if system.size > slow + FITTED else 0.0
     r = _restitution(
-        times, place, _touches(path), slow_part(system, path.drive, slow), window=1 / frequency, guard=guard,
+        times, displacement, _contacts(path), slow_part(system, path.drive, slow), window=1 / frequency, guard=guard,
         beside=_free(system, faster),
     )  # fmt: skip
     found = {"apparent_restitution": Value(r) if np.isfinite(r) else Value(NAN, "too few samples at any impact")}
     if not observable:
         silent = Value(NAN, "no faster mode that the output sees: nothing rings")
         return found | {"ringing": silent, "ringing_frequency": silent}
-    return found | _ringing(path, times, place, observable[0], [*order[:slow], *faster], guard)
+    return found | _ringing(path, times, displacement, observable[0], [*order[:slow], *faster], guard)
 
 
-def _touches(path: Trajectory) -> Array:
+def _contacts(path: Trajectory) -> Array:
     """Begin and end (m, 2) of each impact, s: one instant, or the contact time of a stop that yields."""
     contacts = path.contacts
     pushed = np.stack([contacts[:, 0], contacts[:, 0] + contacts[:, 1]], axis=1)
@@ -86,16 +86,16 @@ def _touches(path: Trajectory) -> Array:
     return np.asarray(found[np.argsort(found[:, 0])])
 
 
-def _restitution(times: Array, place: Array, touches: Array, slow: SlowPart, **keys: Any) -> float:
+def _restitution(times: Array, displacement: Array, contacts: Array, slow: SlowPart, **keys: Any) -> float:
     """Mean over the impacts of −after/before, from the slow part's rate at end and begin; NaN without any."""
-    marks = np.unique(touches)
-    read = extrapolated_restitution(times, place, marks, slow, **keys)
-    first, last = (np.searchsorted(marks, touches[:, side]) for side in (0, 1))
-    return replace(read, time=touches[:, 0], before=read.before[first], after=read.after[last]).mean
+    marks = np.unique(contacts)
+    read = extrapolated_restitution(times, displacement, marks, slow, **keys)
+    first, last = (np.searchsorted(marks, contacts[:, side]) for side in (0, 1))
+    return replace(read, time=contacts[:, 0], before=read.before[first], after=read.after[last]).mean
 
 
 def _ringing(
-    path: Trajectory, times: Array, place: Array, mode: int, modes: list[int], guard: float
+    path: Trajectory, times: Array, displacement: Array, mode: int, modes: list[int], guard: float
 ) -> dict[str, Value]:
     """Mean over the intervals between impacts of a damped sinusoid fitted beside all other modes."""
     system = path.system
@@ -103,7 +103,7 @@ def _ringing(
     known = others or SlowPart(0)
     rest = SlowPart(0, path.drive.omega, known.omega, known.zeta)
     fit = fit_ringing(
-        times, place, _touches(path).ravel(), rest, near=float(system.omega[mode]) / (2 * np.pi), guard=guard
+        times, displacement, _contacts(path).ravel(), rest, near=float(system.omega[mode]) / (2 * np.pi), guard=guard
     )
     if not fit.found.any():
         none = Value(NAN, "no interval between impacts could be fitted")
