@@ -138,11 +138,13 @@ def _measured(found: MeasuredWindow) -> Columns:
     return _columns(record.time - found.begin, record.displacement, record.velocity, shown, hits[:, 1], None)
 
 
-def _columns(time: Array, place: Array, speed: Array, struck: Array, velocities: Array, jumps: Array | None) -> Columns:
+def _columns(
+    time: Array, displacement: Array, velocity: Array, struck: Array, velocities: Array, jumps: Array | None
+) -> Columns:
     columns = {
         "time": Column(time, "s", "time, the drive's phase 0 at 0"),
-        "displacement": Column(place, "q", "displacement of the output"),
-        "velocity": Column(speed, "q/s", "velocity of the output"),
+        "displacement": Column(displacement, "q", "displacement of the output"),
+        "velocity": Column(velocity, "q/s", "velocity of the output"),
         "impact_time": Column(struck, "s", "times of the impacts"),
         "impact_velocity": Column(velocities, "q/s", "velocity of the contact just before impact, q̇₋"),
     }

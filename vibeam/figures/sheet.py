@@ -64,10 +64,10 @@ def sheets(case: Case, plan: ShowPlan) -> tuple[Sheet, ...]:
     return tuple(sheet for name in plan.fidelities for sheet in made(case, name, plan))
 
 
-def sheet_at(case: Case, plan: ShowPlan, fidelity: str, frequency: float | None, there: tuple[Sheet, ...]) -> Sheet:
-    """Sheet of one fidelity at one ``frequency`` (Hz; None: over all), computed unless it is among ``there``."""
+def sheet_at(case: Case, plan: ShowPlan, fidelity: str, frequency: float | None, stored: tuple[Sheet, ...]) -> Sheet:
+    """Sheet of one fidelity at one ``frequency`` (Hz; None: over all), computed unless it is among ``stored``."""
     at = float("nan") if frequency is None else frequency
-    for sheet in there:
+    for sheet in stored:
         if sheet.fidelity == fidelity and np.isclose(sheet.frequency, at, rtol=1e-9, atol=0, equal_nan=True):
             return sheet
     narrowed = plan if frequency is None else replace(plan, frequency=(frequency,))

@@ -90,9 +90,9 @@ def _bar_panels(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple
     for axes, frequency in zip(grid, plan.frequency, strict=True):
         titled(axes, units, frequency)
         for sheet, look in sheets_at(result.case, frequency, plan, shown):
-            place = plan.fidelities.index(sheet.fidelity) - (len(plan.fidelities) - 1) / 2
+            shift = plan.fidelities.index(sheet.fidelity) - (len(plan.fidelities) - 1) / 2
             height, label = sheet["harmonic"][1:] * units.length_factor, name_of(result.case, sheet.fidelity)
-            axes.bar(sheet["order"][1:] + place * width, height, width, label=label, **bar(look))
+            axes.bar(sheet["order"][1:] + shift * width, height, width, label=label, **bar(look))
         labelled(axes, "multiple of the drive frequency", "", across=True)
         faults_at(result.case, frequency, plan, shown, axes)
     return grid

@@ -71,10 +71,10 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     for column, frequency in enumerate(plan.frequency):
         titled(grid[0, column], units, frequency)
         for sheet, look in sheets_at(case, frequency, plan, shown):
-            place = plan.fidelities.index(sheet.fidelity) - (len(plan.fidelities) - 1) / 2
+            shift = plan.fidelities.index(sheet.fidelity) - (len(plan.fidelities) - 1) / 2
             for axes, share in zip(grid[:, column], SHARES, strict=True):
                 label = name_of(case, sheet.fidelity)
-                axes.bar(sheet["mode"] + place * width, sheet[share], width, label=label, **bar(look))
+                axes.bar(sheet["mode"] + shift * width, sheet[share], width, label=label, **bar(look))
         for axes in grid[:, column]:
             faults_at(case, frequency, plan, shown, axes)
         labelled(grid[-1, column], "mode", "", across=True)

@@ -58,19 +58,19 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
 
 
 def _path(axes: Axes, sheet: Sheet, look: Look, units: Units, label: str) -> None:
-    place, speed = sheet["displacement"] * units.length_factor, sheet["velocity"] * units.speed_factor
+    displacement, velocity = sheet["displacement"] * units.length_factor, sheet["velocity"] * units.speed_factor
     before = np.searchsorted(sheet["time"], sheet["impact_time"] * (1 - ROUNDING))  # first of the two samples
     loops = _loops(sheet)
     faded = max(LEAST_SHADE, SHADES / len(loops)) if len(loops) > REPEATS else 1.0
     if faded < 1:  # one line a period: the shade grows darker where many pass
         axes.plot([], [], label=label, **look.keys(0.8))
-        paths = [np.stack([place[each], speed[each]], axis=1) for each in loops]
+        paths = [np.stack([displacement[each], velocity[each]], axis=1) for each in loops]
         axes.add_collection(LineCollection(paths, color=look.colour, linewidth=0.5, alpha=faded, rasterized=True))
         axes.autoscale_view()
     else:
-        axes.plot(place, speed, label=label, **look.keys(0.8))
+        axes.plot(displacement, velocity, label=label, **look.keys(0.8))
     size = 2.6 if faded == 1 else 1.2
-    axes.plot(place[before], speed[before], linestyle="", marker="o", markersize=size, color=look.colour,
+    axes.plot(displacement[before], velocity[before], linestyle="", marker="o", markersize=size, color=look.colour,
               markeredgewidth=0, alpha=faded**0.5)  # fmt: skip
 
 

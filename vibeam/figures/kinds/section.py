@@ -43,13 +43,13 @@ def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns
     if begin.state is None:
         raise NoMotion(begin.fault)
     if begin.samples:
-        place, speed = _stepped(begin, begin.state, periods, plan.output)
+        displacement, velocity = _stepped(begin, begin.state, periods, plan.output)
     else:
         found = stroboscopic_section(exact_motion(begin, periods), plan.output, periods=periods)
-        place, speed = found.displacement, found.velocity
+        displacement, velocity = found.displacement, found.velocity
     return {
-        "displacement": Column(place, "q", "displacement of the output at the drive's phase 0"),
-        "velocity": Column(speed, "q/s", "velocity of the output at the drive's phase 0"),
+        "displacement": Column(displacement, "q", "displacement of the output at the drive's phase 0"),
+        "velocity": Column(velocity, "q/s", "velocity of the output at the drive's phase 0"),
     }
 
 
@@ -63,8 +63,8 @@ def _stepped(begin: Settled, state: State, periods: int, output: str) -> tuple[A
         ended = Ended.of_code(int(response.ended[0]))
         if ended is not Ended.COMPLETE:
             raise NoMotion(ended.value)
-    place, speed = np.array(points, dtype=float).T
-    return place, speed
+    displacement, velocity = np.array(points, dtype=float).T
+    return displacement, velocity
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
@@ -75,9 +75,9 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
         titled(axes, units, frequency)
         axes.margins(0.1)
         for sheet, look in sheets_at(case, frequency, plan, shown):
-            place, speed = sheet["displacement"] * units.length_factor, sheet["velocity"] * units.speed_factor
-            marks = {"markersize": _size(place, speed) * look.wide, "color": look.colour}
-            axes.plot(place, speed, ".", label=name_of(case, sheet.fidelity), **marks)
+            displacement, velocity = sheet["displacement"] * units.length_factor, sheet["velocity"] * units.speed_factor
+            marks = {"markersize": _size(displacement, velocity) * look.wide, "color": look.colour}
+            axes.plot(displacement, velocity, ".", label=name_of(case, sheet.fidelity), **marks)
         faults_at(case, frequency, plan, shown, axes)
         axes.set_xlabel(f"{motion_of(plan.output, 'displacement', units)}\nat phase 0")
     around(grid)
@@ -89,7 +89,7 @@ def caption(plan: ShowPlan) -> str:
     return "stroboscopic section: one point a drive period"
 
 
-def _size(place: Array, speed: Array) -> float:
+def _size(displacement: Array, velocity: Array) -> float:
     """Size of the marks, in points: large for few distinct places, small for many."""
-    steps = [np.round(row / max(float(np.abs(row).max()), 1e-300), 6) for row in (place, speed)]
+    steps = [np.round(row / max(float(np.abs(row).max()), 1e-300), 6) for row in (displacement, velocity)]
     return 7.0 if len(np.unique(np.stack(steps), axis=1).T) <= PLACES else 2.0

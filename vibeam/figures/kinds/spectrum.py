@@ -36,11 +36,11 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     chain = chain_or_exact(case, name, SAMPLES * frequency)
     record = measured_window(case, name, frequency, plan, plan.periods or PERIODS, chain).window
-    place, speed = (spectrum_of(record.time, values) for values in (record.displacement, record.velocity))
+    displacement, velocity = (spectrum_of(record.time, values) for values in (record.displacement, record.velocity))
     return {
-        "line": Column(place.frequency, "Hz", "frequency of the line"),
-        "displacement_line": Column(place.amplitude, "q", "amplitude of the displacement"),
-        "velocity_line": Column(speed.amplitude, "q/s", "amplitude of the velocity"),
+        "line": Column(displacement.frequency, "Hz", "frequency of the line"),
+        "displacement_line": Column(displacement.amplitude, "q", "amplitude of the displacement"),
+        "velocity_line": Column(velocity.amplitude, "q/s", "amplitude of the velocity"),
     }
 
 
