@@ -39,8 +39,8 @@ class Platform:
 def base_per_volt(platform: Platform, frequency: ArrayLike, per_volt: float, constant: Constant = "force") -> Complex:
     """Complex base displacement over voltage at frequencies in Hz, m/V: its modulus is the gain, its angle the phase.
 
-    ``constant``: the quantity that the shaker holds per volt, a force (``per_volt`` in N/V, current drive: the platform
-    or the base's velocity (m/s/V, voltage drive of a strong shaker). A real one lies between. ValueError for another.
+    ``constant``: the quantity that the shaker holds per volt, a force (``per_volt`` in N/V, current drive) or
+    the base's velocity (m/s/V, voltage drive of a strong shaker). A real one lies between. ValueError for another.
     """
     if constant == "force":
         return per_volt * platform.receptance(frequency)

@@ -1,4 +1,4 @@
-"""What is declared of a study that a program brings: its name, what it asks of a case, and how it is run."""
+"""Declaration of a further study: its name, its function, the meaning of its rows."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class StudyDeclaration:
-    """A study: ``run`` takes a case and gives rows, instances of one dataclass; ``meaning``: what they say.
+    """Further study: ``run`` takes a case and returns rows, instances of one dataclass; ``meaning`` of the rows.
 
-    ``vibeam study NAME CASE`` prints the rows as a table or as JSON, or writes them as CSV. ValueError of ``run`` is a
-    case that it cannot take.
+    ``vibeam study NAME CASE`` prints the rows as a table or as JSON, or writes them as CSV. ``run`` raises ValueError
+    for an unsuitable case.
     """
 
     name: str
@@ -29,5 +29,5 @@ STUDIES: Registry[StudyDeclaration] = Registry("study")
 
 
 def register_study(declaration: StudyDeclaration) -> None:
-    """Make a study known to ``vibeam study``; ValueError where the name is taken."""
+    """Register a study for ``vibeam study``; ValueError where the name is taken."""
     STUDIES.add(declaration)

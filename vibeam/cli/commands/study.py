@@ -19,8 +19,8 @@ def study(name: Name, case: CaseFile, set_: Overrides = None, as_json: AsJson = 
     from vibeam.studies.declaration import STUDIES
 
     if name not in STUDIES:
-        there = suggest(name, STUDIES) if STUDIES else "none is registered: write vibeam --load MODULE study …"
-        raise UsageError(f"no study {name!r}; {there}")
+        known = suggest(name, STUDIES) if STUDIES else "none is registered: write vibeam --load MODULE study …"
+        raise UsageError(f"no study {name!r}; {known}")
     declared, loaded = STUDIES[name], load(case, set_)
     rows = list(of_case(case, lambda: declared.run(loaded)))
     write_table(rows, None if out is None else table_path(loaded, out, name))

@@ -21,8 +21,8 @@ PARTS = ("solver", "settling", "modelling", "total")
 class RunRow:
     """One run: ``total`` error against the reference, ``numerical`` against the exact motion of its own fidelity.
 
-    ``parts`` of its amplitude's error, which add up: solver, settling, modelling. ``why``: the reason of a
-    failed, its errors are then NaN.
+    ``parts`` of its amplitude's error, which add up: solver, settling, modelling. ``why``: reason of a
+    failure; the errors are then NaN.
     """
 
     fidelity: str

@@ -14,8 +14,8 @@ Worst = Callable[[frozenset[str]], float]
 def smallest(effects: Sequence[str], worst: Worst) -> tuple[frozenset[str], bool]:
     """Find the set, and whether it is proved to be the smallest.
 
-    ``worst``: the largest change of a set in units of its tolerance, sufficient where it is at most 1; ∞ for a
-    that makes no sense. Of several as small the one with the least of it.
+    ``worst``: the largest change of a set in units of its tolerance, sufficient where it is at most 1; ∞ for an
+    invalid set. Of several equally small sets the one with the least change.
     """
     if len(effects) <= EXACT:
         return _of_all(effects, worst), True
