@@ -21,8 +21,8 @@ from vibeam.flight.kernels.cover import CLAIM, CLOSES, COLUMNS, OPEN, UNPROVED, 
 from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, DURATION, END, IMPACT, RELEASE, RESTING, WHAT
 
 if TYPE_CHECKING:
+    from vibeam.flight.event_driven import Segments
     from vibeam.flight.linear.packing import PackedSystem
-    from vibeam.flight.solver import Segments
     from vibeam.system.impact_system import Drive, ImpactSystem
 
 

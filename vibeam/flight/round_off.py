@@ -26,7 +26,7 @@ from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, CHATTER, DURATION, EN
 from vibeam.flight.linear.propagator import propagators
 
 if TYPE_CHECKING:
-    from vibeam.flight.solver import Segments
+    from vibeam.flight.event_driven import Segments
     from vibeam.system.impact_system import Drive, ImpactSystem
     from vibeam.system.state import State
 

@@ -37,9 +37,9 @@ from vibeam_models.laws.restitution import ViscousRestitution
 
 if TYPE_CHECKING:
     from vibeam.flight.certificate import Certificate
-    from vibeam.flight.regime_solver import RegimeSolver
+    from vibeam.flight.event_driven import EventDrivenSolver, Segments
     from vibeam.flight.round_off import Errors
-    from vibeam.flight.solver import FlightSolver, Segments
+    from vibeam.flight.solver import FlightSolver
 
 
 STILL = 1e-11  # share of the motion's fastest velocity, and of ω times the static displacements, that is none
@@ -124,7 +124,7 @@ class Trajectory:
     state: State
     ended: Ended
     stats: Mapping[str, float]
-    _solver: FlightSolver | RegimeSolver
+    _solver: EventDrivenSolver
     _segments: Segments
     certificate: Certificate | None = None
 

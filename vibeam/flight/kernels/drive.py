@@ -48,6 +48,7 @@ from vibeam.flight.kernels.layout import (
     STEP,
     STRENGTH,
     Engine,
+    Regime,
     W,
 )
 from vibeam.flight.kernels.roots.levels import same_drive, tabulate_drive
@@ -95,9 +96,9 @@ def set_drive(desk: Engine, omega: float, amplitude: float) -> None:
         drive[CONTACT_IM] += modes[CONTACT, k] * modes[IM, k]
         drive[CLEARANCE] -= modes[CONTACT, k] * modes[OFFSET, k]
     tabulate_drive(omega, desk.levels)
-    same_drive(desk.levels, desk.rest_levels)
-    rest_response(desk.rest_pairs, desk.blocks, desk.from_blocks, omega, strength, drive[MOTION])
-    rate = max(rate, carried_rate(desk.rest_pairs, desk.blocks))
+    same_drive(desk.levels, desk.rest.levels)
+    steady_response(desk.rest, drive)
+    rate = max(rate, carried_rate(desk.rest.pairs, desk.rest.blocks))
     drive[COARSEST] = coarsest_level(desk.pairs, desk.levels, rate)
 
 
@@ -143,11 +144,10 @@ def coarsest_level(pairs: Array, levels: Array, rate: float) -> int:
 
 
 @kernel
-def rest_response(pairs: Array, blocks: Array, out: Array, omega: float, strength: float, motion: float) -> None:
-    """Steady response of every block of the rest regime, (iΩ − A) Y = load Ω²B and −A⁻¹ constant, or CARRIED.
-
-    ``out`` (2n, 2m): modal from block coordinates; ``motion``: the size of modal displacements.
-    """
+def steady_response(regime: Regime, drive: Array) -> None:
+    """Steady response of every block, (iΩ − A) Y = load Ω²B and −A⁻¹ constant, or CARRIED."""
+    pairs, blocks, out = regime.pairs, regime.blocks, regime.outof
+    omega, strength, motion = drive[W], drive[STRENGTH], drive[MOTION]
     m, stiffest = blocks.shape[1], omega
     for k in range(m):
         stiffest = max(stiffest, pairs[OMEGA, k])

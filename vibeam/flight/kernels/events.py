@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.block_flow import advance_at_rest, begin_rest
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import phase, wrap
-from vibeam.flight.kernels.impact import chatter_left, settle_on_stop, strike
+from vibeam.flight.kernels.impact import chatter_left, contact_velocity, settle_on_stop, strike
 from vibeam.flight.kernels.lanes.plain_flights import AT_STOP, NOT_PLAIN, plain_flights_in_lanes
 from vibeam.flight.kernels.lanes.simd import eight, one
 from vibeam.flight.kernels.layout import (
@@ -18,16 +17,13 @@ from vibeam.flight.kernels.layout import (
     CLOCK,
     COARSEST,
     COMPLETE,
-    CONST,
     CONTACT,
     DONE,
     EVENT_LIMIT,
     EVENTS,
-    FREE,
     FULL,
     IMPACT,
     IMPACTS,
-    KAPPA,
     KIND,
     LEFT,
     LOST,
@@ -38,7 +34,6 @@ from vibeam.flight.kernels.layout import (
     PENETRATED,
     PHASE_COS,
     PHASE_SIN,
-    RELEASE,
     REMAINDER,
     RESTING,
     RESTITUTION,
@@ -49,17 +44,15 @@ from vibeam.flight.kernels.layout import (
     STUCK,
     UNRESOLVED,
     Engine,
-    W,
 )
 from vibeam.flight.kernels.modal_flow import ROUND_OFF, begin_flight, contact_pull, end_flight
+from vibeam.flight.kernels.rest import rest_on_stop
 from vibeam.flight.kernels.roots.double_gap import InitialState
 from vibeam.flight.kernels.roots.first_root import first_root
-from vibeam.flight.kernels.roots.signal import Start, rest_signal_of, signal_of
-from vibeam.flight.kernels.segments import Progress, Record, add, close_segment, open_segment
+from vibeam.flight.kernels.roots.signal import Start, signal_of
+from vibeam.flight.kernels.segments import Progress, Record, add, close_segment, open_segment, work_of
 
 Array = NDArray[np.float64]
-
-SMALLEST = 1e-300
 
 EVENTS_AN_IMPACT = 4  # flight, impact, rest, release: more are no motion but a fault, and end it
 
@@ -130,12 +123,6 @@ def advance(
 
 
 @joined
-def work_of(counts: NDArray[np.int64]) -> int:
-    """What has been done so far, in panels."""
-    return int(counts[IMPACTS] + counts[PANELS])
-
-
-@joined
 def piece_of(pose: Array) -> int:
     """How much of it is done between two pauses."""
     return int(PIECE // (pose.shape[1] + 8))
@@ -163,20 +150,6 @@ def record_impact(
 
 
 @joined
-def contact_velocity(modes: Array, pose: Array) -> float:
-    """c·η', positive toward the stop; 0 where it is but the round-off of what it is the sum of.
-
-    Of the signal's slope, in which forced and free parts cancel, round-off would make impacts that are none.
-    """
-    velocity, size = 0.0, 0.0
-    for k in range(modes.shape[1]):
-        part = modes[CONTACT, k] * pose[1, k]
-        velocity += part
-        size += abs(part)
-    return velocity if abs(velocity) > ROUND_OFF * size else 0.0
-
-
-@joined
 def free_flight(
     desk: Engine, pose: Array, status: Array, span: float, trace: Array, counts: NDArray[np.int64]
 ) -> tuple[int, float]:
@@ -188,7 +161,7 @@ def free_flight(
     if status[ORDER] == 0.0 and value <= ROUND_OFF * size:
         if value < -1e4 * ROUND_OFF * size:
             return PENETRATED, 0.0
-        approach = contact_velocity(desk.modes, pose)
+        approach = contact_velocity(desk.modes[CONTACT], pose)
         if approach < 0.0:
             status[ORDER], status[RISE] = 1.0, -approach
         elif approach > 0.0:
@@ -244,51 +217,3 @@ def lift_or_rest(desk: Engine, pose: Array, status: Array) -> int:
         return IMPACT
     status[KIND], status[ORDER] = RESTING, 0.0
     return STUCK
-
-
-@kernel
-def rest_on_stop(
-    desk: Engine, pose: Array, status: Array, span: float, trace: Array, counts: NDArray[np.int64]
-) -> tuple[int, float]:
-    """One rest on the stop, until the contact force vanishes: outcome, duration."""
-    force, rate, size = begin_rest(desk, pose, status[CLOCK])
-    if not np.isfinite(size):
-        return NOT_FINITE, 0.0
-    none = max(ROUND_OFF * size, SMALLEST)  # no more of a force than round-off
-    order = 0 if force > none else 1
-    fastest = max(desk.drive[W], desk.pairs[KAPPA, pose.shape[1] - 1])
-    if order == 1 and (rate <= none * fastest or force < -none):
-        if release(desk, pose, status, False):
-            return COMPLETE, 0.0
-        order = 0  # no force that can be told from none: it holds until one draws the contact away
-        desk.rest_signal[CONST] += 2.0 * none
-    found, duration, panels = first_root(
-        rest_signal_of(desk), Start(order, rate), span, int(desk.drive[COARSEST]),
-        InitialState(desk.modes, desk.drive, pose, -1.0),
-    )  # fmt: skip
-    counts[PANELS] += panels
-    if duration < 0.0:
-        return UNRESOLVED, 0.0
-    advance_at_rest(desk, pose, status[CLOCK], duration)
-    if not np.isfinite(pose[0, 0]):
-        return UNRESOLVED, 0.0
-    status[CLOCK] = wrap(desk.drive, status[CLOCK] + duration)
-    status[PHASE_COS], status[PHASE_SIN] = phase(desk.drive, status[CLOCK])
-    close_segment(trace, duration, RELEASE if found else SPAN_END, 0.0, counts)
-    if found:
-        release(desk, pose, status, True)
-    return COMPLETE, duration
-
-
-@kernel
-def release(desk: Engine, pose: Array, status: Array, at_root: bool) -> bool:
-    """Leave the stop where the motion is drawn away from it: with acceleration, or with jerk at the force's root."""
-    toward, jerk = contact_pull(desk.pairs, desk.modes, desk.drive, pose, status)
-    if jerk < 0.0 and (at_root or toward >= 0.0):
-        status[ORDER], status[RISE] = 3.0, -jerk
-    elif toward < 0.0:
-        status[ORDER], status[RISE] = 2.0, -toward
-    else:
-        return False
-    status[KIND] = FREE
-    return True

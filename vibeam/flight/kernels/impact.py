@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.compiler import joined
+from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.layout import (
+    ATTACHED,
     AWEIGHT,
     AX,
+    CONST,
     CONTACT,
     GAP,
     HARMONIC,
@@ -18,16 +20,18 @@ from vibeam.flight.kernels.layout import (
     PHASE_SIN,
     RESTITUTION,
     SPEED,
+    X0,
     YIELD,
     ZI,
     ZR,
     Engine,
     W,
 )
+from vibeam.flight.kernels.modal_flow import ROUND_OFF as CANCELLED
 from vibeam.flight.kernels.modal_flow import begin_flight, contact_derivatives
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.pair import norm
-from vibeam.flight.kernels.roots.signal import magnitude, to_node
+from vibeam.flight.kernels.roots.signal import Signal, magnitude, signal_of, to_node
 
 Array = NDArray[np.float64]
 
@@ -42,24 +46,50 @@ def difference_without_round_off(a: float, b: float) -> float:
 
 
 @joined
+def put_contact_at(contact: Array, yields: Array, gap: float, pose: Array) -> None:
+    """Move the contact exactly to ``gap``, from where it is to round-off, with the least energy."""
+    beyond = -gap
+    for k in range(contact.shape[0]):
+        beyond += contact[k] * pose[0, k]
+    for k in range(contact.shape[0]):
+        pose[0, k] = difference_without_round_off(pose[0, k], yields[k] * beyond)
+
+
+@joined
+def stop_contact(contact: Array, mobility: float, pose: Array) -> None:
+    """Take the contact velocity out by the least impulse."""
+    slope = 0.0
+    for k in range(contact.shape[0]):
+        slope += contact[k] * pose[1, k]
+    for k in range(contact.shape[0]):
+        pose[1, k] = difference_without_round_off(pose[1, k], contact[k] * slope / mobility)
+
+
+@joined
+def contact_velocity(contact: Array, pose: Array) -> float:
+    """c·η', positive toward the stop; 0 where it is but the round-off of what it is the sum of.
+
+    Of the signal's slope, in which forced and free parts cancel, round-off would make impacts that are none.
+    """
+    velocity, size = 0.0, 0.0
+    for k in range(contact.shape[0]):
+        part = contact[k] * pose[1, k]
+        velocity += part
+        size += abs(part)
+    return velocity if abs(velocity) > CANCELLED * size else 0.0
+
+
+@joined
 def put_on_stop(modes: Array, drive: Array, pose: Array) -> None:
     """Move the contact exactly onto the stop, from where it is to round-off, with the least energy."""
-    beyond = -drive[GAP]
-    for k in range(modes.shape[1]):
-        beyond += modes[CONTACT, k] * pose[0, k]
-    for k in range(modes.shape[1]):
-        pose[0, k] = difference_without_round_off(pose[0, k], modes[YIELD, k] * beyond)
+    put_contact_at(modes[CONTACT], modes[YIELD], drive[GAP], pose)
 
 
 @joined
 def settle_on_stop(modes: Array, drive: Array, pose: Array) -> None:
     """Take contact velocity out by the least impulse, and penetration by round-off with the least energy."""
     put_on_stop(modes, drive, pose)
-    slope = 0.0
-    for k in range(modes.shape[1]):
-        slope += modes[CONTACT, k] * pose[1, k]
-    for k in range(modes.shape[1]):
-        pose[1, k] = difference_without_round_off(pose[1, k], modes[CONTACT, k] * slope / drive[MOBILITY])
+    stop_contact(modes[CONTACT], drive[MOBILITY], pose)
 
 
 NEAR = 1e-11  # share of the length scale that what is left of a chatter may span before its completion is considered
@@ -111,21 +141,51 @@ def chatter_left(desk: Engine, pose: Array, status: Array, after: float) -> tupl
     loss = 1.0 - drive[RESTITUTION]
     if not is_faint(after, status[SPEED], toward, loss, abs(drive[GAP])):
         return -1.0, 0.0
-    fall = status[SPEED] / toward
-    left, length = 2.0 * after / (toward * loss), status[SPEED] * fall
-    _, _, size = begin_flight(desk, pose, status[PHASE_COS], status[PHASE_SIN])
-    desk.signal[HARMONIC] = norm(desk.signal[ZR], desk.signal[ZI])
-    to_node(desk.pairs)
-    for j in range(desk.attached.shape[1]):
-        size += abs(desk.attached[AWEIGHT, j] * desk.attached[AX, j])
-    jerk = magnitude(desk.pairs, desk.signal, 3) + att.jerk_bound(desk.attached, desk.signal)
-    remainder = left * (jerk * left / toward)
-    if after * left < FLOOR * length:
-        return left, remainder
-    near = NEAR if pose.shape[1] == 1 else NEAR_MODES
-    slowest = max(drive[W], desk.pairs[KAPPA, 0])
-    if remainder > FAITHFUL * drive[RESTITUTION] * 2.0 * fall / loss:
+    top = status[SPEED]
+    left, length = 2.0 * after / (toward * loss), top * (top / toward)
+    begin_flight(desk, pose, status[PHASE_COS], status[PHASE_SIN])
+    jerk = jerk_bound(signal_of(desk))
+    size = size_of_gap(signal_of(desk), desk.modes[CONTACT], drive[GAP], pose)
+    remainder, slowest = left * (jerk * left / toward), max(drive[W], desk.pairs[KAPPA, 0])
+    if remainder > FAITHFUL * drive[RESTITUTION] * 2.0 * (top / toward) / loss and after * left >= FLOOR * length:
         return -1.0, 0.0
-    if after * left > near * max(length, size) or jerk * left > 0.1 * toward or remainder * slowest > LATE:
+    if not is_over(after, left, remainder, jerk * left / toward, length, size, pose.shape[1], slowest):
         return -1.0, 0.0
     return left, remainder
+
+
+@kernel
+def jerk_bound(g: Signal) -> float:
+    """Bound of the third derivative of a gap just begun, for all later times."""
+    g.terms[HARMONIC] = norm(g.terms[ZR], g.terms[ZI])
+    to_node(g.pairs)
+    return float(magnitude(g.pairs, g.terms, 3) + att.jerk_bound(g.attached, g.terms))
+
+
+@kernel
+def size_of_gap(g: Signal, contact: Array, gap: float, pose: Array) -> float:
+    """Sum of the sizes of the parts of a gap just begun."""
+    pairs, _, _, signal, attached = g
+    size = abs(gap) + abs(signal[CONST]) + norm(signal[ZR], signal[ZI])
+    for k in range(contact.shape[0]):
+        size += abs(contact[k] * pose[0, k])
+    for k in range(pairs.shape[1]):
+        size += abs(pairs[X0, k])
+    for j in range(int(signal[ATTACHED])):
+        size += abs(attached[AWEIGHT, j] * attached[AX, j])
+    return float(size)
+
+
+@kernel
+def is_over(
+    after: float, left: float, remainder: float, change: float, length: float, size: float, modes: int, slowest: float
+) -> bool:
+    """Whether an accumulation whose rest takes ``left`` s, to ``remainder``, may be completed by its limit.
+
+    ``change``: the share by which the contact acceleration may change meanwhile; ``length``: about how far the first
+    flight went; ``slowest``: the slowest rate.
+    """
+    if after * left < FLOOR * length:
+        return True
+    near = NEAR if modes == 1 else NEAR_MODES
+    return after * left <= near * max(length, size) and change <= 0.1 and remainder * slowest <= LATE

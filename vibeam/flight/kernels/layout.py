@@ -14,8 +14,23 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
+class Regime(NamedTuple):
+    """One linear system y' = Ay + constant + load Ω²B sin φ of m ≤ n blocks, and the signals read off it."""
+
+    pairs: Array
+    table: Array
+    levels: Array
+    signal: Array
+    attached: Array
+    blocks: Array
+    into: Array  # (2m, 2n): y from (η − held, η')
+    outof: Array  # (2n, 2m): (η − held, η') from y
+    held: Array  # (n,)
+    signals: Array  # (SIGNALS, 2m + 2)
+
+
 class Engine(NamedTuple):
-    """See ``layout`` for the rows. The free system and the system at rest have a signal's arrays each."""
+    """See ``layout`` for the rows. The free system in modes, the system held on the stop as a regime."""
 
     pairs: Array
     table: Array
@@ -24,15 +39,7 @@ class Engine(NamedTuple):
     attached: Array
     modes: Array
     drive: Array
-    rest_pairs: Array
-    rest_table: Array
-    rest_levels: Array
-    rest_signal: Array
-    rest_attached: Array
-    blocks: Array
-    to_blocks: Array  # (2(n−1), 2n): block coordinates from (η − held, η')
-    from_blocks: Array  # (2n, 2(n−1))
-    held: Array  # (n,) contact · gap / Σ contact²
+    rest: Regime
     cells: Array  # the free system in blocks of modes, see ``lanes.mode_blocks``; empty where that cannot be
     rungs: Array
 
@@ -40,8 +47,7 @@ class Engine(NamedTuple):
 class Watch(NamedTuple):
     """What a point of a sweep is watched with: an output's rows, the segments traced, what is read off them."""
 
-    row: Array  # (n,) the output in flight
-    rest_row: Array  # (2, n − 1) and at rest
+    row: Array  # (n,) the output
     nothing: Array  # (0, TRACE_COLUMNS): no trace is kept
     trace: Array  # (m, TRACE_COLUMNS)
     poses: Array  # (m, 2, n)
@@ -59,6 +65,17 @@ class Phase(NamedTuple):
 
     cosine: float
     sine: float
+
+
+class Schedule(NamedTuple):
+    """How a point of a sweep is gone through."""
+
+    settle: int  # periods
+    hold: int  # periods watched
+    limit: int  # impacts a period after which it is given up
+    longest: int  # drive periods after which a motion is looked at for repeating
+    piece: int  # work between two pauses, in panels
+    watching: int  # panels that reading a segment off is as much work as, about
 
 
 LEVELS = 48  # dyadic panel lengths
@@ -109,18 +126,25 @@ ATTACHED_ROWS = TERM + SERIES
 # the size of the motion where it is known, or infinite; the longest flight that ``plain_flights_in_lanes`` takes on
 W, STRENGTH, PERIOD, PERIOD_REST, CONTACT_RE, CONTACT_IM, CLEARANCE, COARSEST = range(8)
 
-GAP, RESTITUTION, MOBILITY, REST_FORCE, REST_LOAD, AMPLITUDE, MOTION, LONGEST = range(8, 16)
+GAP, RESTITUTION, MOBILITY, AMPLITUDE, MOTION, LONGEST = range(8, 14)
 
-DRIVE_ROWS = 16
+DRIVE_ROWS = 14
 
 
-# blocks (BLOCK_ROWS, n − 1): the rest regime's 2×2 blocks, their rows in the contact force, inputs, steady response,
-# what is left of them, and whether they have none and carry their force along
-A11, A12, A21, A22, ROW1, ROW2, CONSTANT1, CONSTANT2, LOAD1, LOAD2 = range(10)
+# blocks (BLOCK_ROWS, m): a regime's 2×2 blocks, inputs, steady response, what is left of them, their weights in the
+# signal, whether they have no steady response and carry their force along, and which mode alone they are, or −1
+A11, A12, A21, A22, CONSTANT1, CONSTANT2, LOAD1, LOAD2 = range(8)
 
-RE1, RE2, IM1, IM2, OFFSET1, OFFSET2, Z1, Z2, WEIGHT1, WEIGHT2, CARRIED = range(10, 21)
+RE1, RE2, IM1, IM2, OFFSET1, OFFSET2, Z1, Z2, WEIGHT1, WEIGHT2, CARRIED, MODE = range(8, 20)
 
-BLOCK_ROWS = 21
+BLOCK_ROWS = 20
+
+
+# signals (SIGNALS, 2m + 2) of a regime, one row each: weights on y, the constant, the share of Ω²B sin φ; gap and
+# contact force by stop, first and second, and the output
+GAP_SIGNAL, FORCE_SIGNAL, OUTPUT_SIGNAL = 0, 2, 4
+
+SIGNALS = 5
 
 
 # pose (2, n): modal values, velocities; status (STATUS_ROWS,): time in the drive period, free or resting, order of the
@@ -159,6 +183,9 @@ RESULT_ROWS = VELOCITY + KEPT
 
 # how much of a hold is read off: the output's extremes alone, the gap's too, the modes' energies too
 OUTPUT_ALONE, REACH_TOO, EVERYTHING = range(3)
+
+
+NO_CLOCK = -1.0  # tells ``first_root`` that the signal is no gap of uncoupled modes, which it could judge more sharply
 
 
 # outcomes; FULL: the trace is, PAUSED: Python may look for signals; both go on when called again

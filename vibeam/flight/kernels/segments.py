@@ -14,8 +14,10 @@ from vibeam.flight.kernels.layout import (
     CLOCK,
     DURATION,
     END,
+    IMPACTS,
     KIND,
     LEFT,
+    PANELS,
     REMAINDER,
     SEGMENTS,
     START,
@@ -65,3 +67,9 @@ def add(done: float, lost: float, step: float) -> tuple[float, float]:
     step -= lost
     total = done + step
     return total, (total - done) - step
+
+
+@joined
+def work_of(counts: NDArray[np.int64]) -> int:
+    """What has been done so far, in panels."""
+    return int(counts[IMPACTS] + counts[PANELS])

@@ -1,103 +1,156 @@
-"""What is read off a steady point: extremes, energies, impacts, strobes, and after how many periods it repeats."""
+"""A steady point: periods settled, periods watched, and after how many of them the motion repeats.
+
+The same for every engine: ``advance`` carries its motion on, ``read`` reads off the segments traced.
+"""
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.block_flow import into_blocks, set_rest_signal
 from vibeam.flight.kernels.compiler import kernel
-from vibeam.flight.kernels.drive import phase
-from vibeam.flight.kernels.energy import energy_at_rest, energy_in_flight
-from vibeam.flight.kernels.extremes import ACCURACY, LIGHTLY, extremes_to
 from vibeam.flight.kernels.layout import (
-    AMODE,
-    AT_CLOCK,
-    ATTACHED,
-    AWEIGHT,
-    AX,
-    AY,
     BEFORE,
     CHATTER,
-    COARSEST,
-    CONST,
+    CLOCK,
+    COMPLETE,
     CONTACT_LEAST,
-    COSINE,
-    DRIVE,
-    DURATION,
+    DONE,
     END,
-    EVERYTHING,
-    GAP,
+    FULL,
     HIGH,
-    IM,
     IMPACT,
+    IMPACTS,
     KEPT,
+    KNOWN,
     LEAST,
-    OFFSET,
-    OMEGA,
-    RE,
-    REACH_TOO,
+    MOST,
+    PAUSED,
+    PERIOD,
     REST_TIME,
-    RESTING,
-    SINE,
+    SEGMENTS,
+    SETTLED,
     SPEED_SUM,
     STRUCK,
     STUCK,
+    UNRESOLVED,
+    UNSEEN,
     VELOCITY,
-    WEIGHT1,
-    WEIGHT2,
-    WHAT,
-    X0,
-    Y0,
-    ZI,
-    ZR,
-    Engine,
+    WATCHED,
+    Schedule,
     W,
     Watch,
 )
-from vibeam.flight.kernels.modal_flow import begin_flight
-from vibeam.flight.kernels.roots.signal import rest_signal_of, signal_of
+from vibeam.flight.kernels.segments import work_of
 
 Array = NDArray[np.float64]
 
+Counts = NDArray[np.int64]
 
-@kernel
-def begin_output(desk: Engine, row: Array, pose: Array, clock: float) -> None:
-    """row·η in flight as the free signal; the attached pairs must be those of this flight (``begin_flight``)."""
-    pairs, modes, signal, attached = desk.pairs, desk.modes, desk.signal, desk.attached
-    cosine, sine = phase(desk.drive, clock)
-    w = desk.drive[W]
-    const, re, im = 0.0, 0.0, 0.0
-    for k in range(pairs.shape[1]):
-        const += row[k] * modes[OFFSET, k]
-        re += row[k] * modes[RE, k]
-        im += row[k] * modes[IM, k]
-        own = modes[OFFSET, k] + modes[RE, k] * sine + modes[IM, k] * cosine
-        pairs[X0, k] = row[k] * (pose[0, k] - own)
-        pairs[Y0, k] = row[k] * (pose[1, k] - w * (modes[RE, k] * cosine - modes[IM, k] * sine))
-    for j in range(int(signal[ATTACHED])):
-        k = int(attached[AMODE, j])
-        attached[AX, j], attached[AY, j], attached[AWEIGHT, j] = pose[0, k], pose[1, k], row[k]
-        pairs[X0, k], pairs[Y0, k] = 0.0, 0.0
-    signal[CONST], signal[DRIVE], signal[COSINE], signal[SINE] = const, w, cosine, sine
-    signal[ZR], signal[ZI] = re * cosine - im * sine, re * sine + im * cosine
+Kernel = Callable[..., Any]
 
-
-@kernel
-def begin_output_at_rest(desk: Engine, rest_row: Array, row: Array, pose: Array, clock: float) -> None:
-    """row·η at rest as the rest signal; ``rest_row`` (2, n − 1) = row · from_blocks by block."""
-    into_blocks(desk, pose, clock)
-    const = 0.0
-    for k in range(pose.shape[1]):
-        const += row[k] * desk.held[k]
-    for k in range(desk.blocks.shape[1]):
-        desk.blocks[WEIGHT1, k], desk.blocks[WEIGHT2, k] = rest_row[0, k], rest_row[1, k]
-    set_rest_signal(desk, const, 0.0, clock)
-
+SETTLED_AT_ONCE = 32  # periods: then the phase is set anew, so that a long settling does not round it off
 
 SAME = 1e-14  # the same where a period is taken for a copy of the one before
 
 REPEATS = 1e-5  # share of the motion's size by which states one period apart may differ
+
+
+def steady_kernel(advance: Kernel, read: Kernel) -> Callable[..., tuple[int, float]]:
+    """The kernel of steady points for an engine with these two."""
+    settle, watch = settling_kernel(advance), watching_kernel(advance, read)
+
+    @kernel
+    def steady_point(
+        engine: Any, own: Array, pose: Array, status: Array, schedule: Schedule, room: Watch, counts: Counts
+    ) -> tuple[int, float]:
+        """Settle and watch as scheduled: outcome, period (0 where the motion does not repeat); ``own``: the modes' ω.
+
+        PAUSED: called again with the same arguments it goes on as if it had not been.
+        """
+        begun, hold = work_of(counts), schedule.hold
+        outcome = settle(engine, pose, status, schedule, room, counts)
+        while outcome == COMPLETE and counts[WATCHED] <= hold:
+            outcome = watch(engine, own, pose, status, schedule.limit, room, counts)
+            begun -= schedule.watching * counts[SEGMENTS]
+            if outcome == COMPLETE and counts[WATCHED] <= hold and work_of(counts) - begun >= schedule.piece:
+                outcome = PAUSED
+        if outcome == PAUSED:
+            return PAUSED, 0.0
+        status[CLOCK] = 0.0
+        if outcome != COMPLETE:
+            return outcome, 0.0
+        return outcome, float(repetition(own, engine.drive[W], room.strobes, hold, schedule.longest))
+
+    return steady_point
+
+
+def settling_kernel(advance: Kernel) -> Kernel:
+    """The kernel that settles."""
+
+    @kernel
+    def settle(engine: Any, pose: Array, status: Array, schedule: Schedule, room: Watch, counts: Counts) -> int:
+        """Carry ``pose`` on to the end of the settling, where it is not there yet, and begin to watch."""
+        begun, period = work_of(counts), engine.drive[PERIOD]
+        while counts[SETTLED] < schedule.settle:
+            turns = min(SETTLED_AT_ONCE, schedule.settle - counts[SETTLED])
+            if counts[MOST] == 0:
+                counts[MOST] = counts[IMPACTS] + schedule.limit * turns
+            outcome, _ = advance(engine, pose, status, turns * period, counts[MOST], room.nothing, room.poses, counts)
+            if outcome != COMPLETE:
+                return int(outcome)
+            status[CLOCK], counts[MOST] = 0.0, 0
+            counts[SETTLED] += turns
+            begun -= 1
+            if work_of(counts) - begun >= schedule.piece:
+                return PAUSED
+        if counts[WATCHED] == 0:
+            start_watching(room, pose)
+            begin_period(room)
+            counts[WATCHED], counts[MOST], status[UNSEEN] = 1, counts[IMPACTS] + schedule.limit, period
+        return COMPLETE
+
+    return settle
+
+
+def watching_kernel(advance: Kernel, read: Kernel) -> Kernel:
+    """The kernel that watches."""
+
+    @kernel
+    def watch(engine: Any, own: Array, pose: Array, status: Array, limit: int, room: Watch, counts: Counts) -> int:
+        """Carry ``pose`` on to the end of the period, or of the trace, and read off what is traced."""
+        period = engine.drive[PERIOD]
+        if status[DONE] == 0.0:
+            counts[SEGMENTS] = 0
+            status[CLOCK] = period - status[UNSEEN]
+        outcome, done = advance(engine, pose, status, status[UNSEEN], counts[MOST], room.trace, room.poses, counts)
+        if outcome == PAUSED:
+            return PAUSED
+        if counts[KNOWN] > 0:
+            note_impacts(room, counts[SEGMENTS])
+        else:
+            read(engine, room, counts[SEGMENTS])
+            if is_unread(room.result):
+                return UNRESOLVED
+        status[UNSEEN] -= done
+        if outcome == FULL:
+            return COMPLETE
+        turn = counts[WATCHED]
+        status[UNSEEN], counts[MOST], counts[WATCHED] = period, counts[IMPACTS] + limit, turn + 1
+        note_strobe(room.strobes, turn, pose)
+        if counts[KNOWN] > 0:
+            repeat_period(room)
+        elif is_same(own, engine.drive[W], room.strobes, turn):
+            note_period(room)
+            counts[KNOWN] = 1
+        else:
+            begin_period(room)
+        return int(outcome)
+
+    return watch
 
 
 @kernel
@@ -144,63 +197,18 @@ def repeat_period(room: Watch) -> None:
 
 
 @kernel
-def is_same(desk: Engine, strobes: Array, turn: int) -> bool:
+def is_same(own: Array, w: float, strobes: Array, turn: int) -> bool:
     """Whether a period began as the one before it to round-off, so that it will be the same."""
     if turn < 1:
         return False
-    apart = distance(desk.pairs, desk.drive, strobes, turn, turn - 1)
-    return bool(apart <= SAME * SAME * distance(desk.pairs, desk.drive, strobes, turn, -1))
-
-
-@kernel
-def watch(desk: Engine, room: Watch, count: int) -> None:
-    """Read off the segments just traced."""
-    trace, frame, result = room.trace, room.frame, room.result
-    coarsest = int(desk.drive[COARSEST])
-    share = ACCURACY if room.reading >= EVERYTHING else LIGHTLY
-    for i in range(count):
-        clock, duration = trace[i, AT_CLOCK], trace[i, DURATION]
-        for k in range(frame.shape[1]):
-            frame[0, k], frame[1, k] = room.poses[i, 0, k], room.poses[i, 1, k]
-        if trace[i, WHAT] == RESTING:
-            result[REST_TIME] += duration
-            result[CONTACT_LEAST] = min(result[CONTACT_LEAST], desk.drive[GAP])
-            begin_output_at_rest(desk, room.rest_row, room.row, frame, clock)
-            result[LEAST], result[HIGH] = extremes_to(
-                rest_signal_of(desk), duration, coarsest, result[LEAST], result[HIGH], share
-            )
-            if room.reading >= EVERYTHING:
-                energy_at_rest(desk, frame, clock, duration, room.scratch, room.energy)
-        elif duration > 0.0:
-            watch_flight(desk, room, frame, clock, duration, coarsest, share)
-        note_impact(trace, i, result)
-        if is_unread(result):
-            return
+    apart = distance(own, w, strobes, turn, turn - 1)
+    return bool(apart <= SAME * SAME * distance(own, w, strobes, turn, -1))
 
 
 @kernel
 def is_unread(result: Array) -> bool:
     """Whether the extremes of what was traced were not found in bounded work."""
     return bool(result[HIGH] == np.inf or result[CONTACT_LEAST] == -np.inf)
-
-
-@kernel
-def watch_flight(
-    desk: Engine, room: Watch, pose: Array, clock: float, duration: float, coarsest: int, share: float
-) -> None:
-    """Extremes of the output and, as far as is asked, of the gap, and the modes' energies, over one flight."""
-    result = room.result
-    cosine, sine = phase(desk.drive, clock)
-    begin_flight(desk, pose, cosine, sine)
-    if room.reading >= EVERYTHING:
-        energy_in_flight(desk, pose, clock, duration, room.energy)
-    if room.reading >= REACH_TOO:
-        _, widest = extremes_to(
-            signal_of(desk), duration, coarsest, 0.0, desk.drive[GAP] - result[CONTACT_LEAST], share
-        )
-        result[CONTACT_LEAST] = desk.drive[GAP] - widest
-    begin_output(desk, room.row, pose, clock)
-    result[LEAST], result[HIGH] = extremes_to(signal_of(desk), duration, coarsest, result[LEAST], result[HIGH], share)
 
 
 @kernel
@@ -220,28 +228,28 @@ def note_impact(trace: Array, i: int, result: Array) -> None:
 
 
 @kernel
-def repetition(pairs: Array, drive: Array, strobes: Array, hold: int, longest: int) -> int:
+def repetition(own: Array, w: float, strobes: Array, hold: int, longest: int) -> int:
     """The least k ≤ longest such that each of the last k strobes repeats the one k periods before, else 0."""
     size = 0.0
     for turn in range(hold + 1):
-        size = max(size, distance(pairs, drive, strobes, turn, -1))
+        size = max(size, distance(own, w, strobes, turn, -1))
     for k in range(1, min(longest, hold // 2) + 1):
         worst = 0.0
         for turn in range(hold - k + 1, hold + 1):
-            worst = max(worst, distance(pairs, drive, strobes, turn, turn - k))
+            worst = max(worst, distance(own, w, strobes, turn, turn - k))
         if worst <= REPEATS * REPEATS * size:
             return k
     return 0
 
 
 @kernel
-def distance(pairs: Array, drive: Array, strobes: Array, first: int, second: int) -> float:
-    """Squared distance of two strobes in velocity units; from the origin where the second is negative."""
+def distance(own: Array, w: float, strobes: Array, first: int, second: int) -> float:
+    """Squared distance of two strobes in velocity units, the modes' ω ``own``; from the origin where ``second`` < 0."""
     total = 0.0
-    for k in range(pairs.shape[1]):
+    for k in range(own.shape[0]):
         x, y = strobes[first, 0, k], strobes[first, 1, k]
         if second >= 0:
             x -= strobes[second, 0, k]
             y -= strobes[second, 1, k]
-        total += y * y + (pairs[OMEGA, k] * pairs[OMEGA, k] + drive[W] * drive[W]) * x * x
+        total += y * y + (own[k] * own[k] + w * w) * x * x
     return total

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import floor, log2
+from math import floor, inf, log2
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,17 +19,17 @@ from vibeam.flight.kernels.layout import (
     MOBILITY,
     MODE_ROWS,
     MOTION,
-    REST_FORCE,
-    REST_LOAD,
     RESTITUTION,
     SIGNAL_ROWS,
     STATIC,
     YIELD,
     ZETA,
     Engine,
+    Regime,
 )
 from vibeam.flight.kernels.roots.levels import rates, regime
-from vibeam.flight.linear.constrained import constrained
+from vibeam.flight.linear.block_regime import SignalRow, held_regime, with_signals
+from vibeam.flight.linear.eigenpairs import Linear
 from vibeam.flight.per_thread import PerThread
 from vibeam.system.impact_system import ImpactSystem
 
@@ -69,19 +69,14 @@ class PackedSystem:
         sigma, contact, load, static = zeta * omega, own.contact[order], own.load[order], own.static[order]
         modes, drive = np.zeros((MODE_ROWS, own.size)), np.zeros(DRIVE_ROWS)
         modes[CONTACT], modes[LOAD], modes[STATIC], modes[ZETA] = contact, load, static, zeta
-        modes[YIELD] = _yield(omega, contact)
+        modes[YIELD] = yields(omega, contact)
         drive[GAP], drive[RESTITUTION], drive[MOBILITY] = own.gap, own.restitution, contact @ contact
-        rest = constrained(omega, sigma, contact, load, static, own.gap)
-        drive[REST_FORCE], drive[REST_LOAD] = rest.force, rest.force_load
         pairs, table, levels = regime(omega, sigma, omega**2 * (zeta - 1.0) * (zeta + 1.0), top)
-        rest_pairs, rest_table, rest_levels = regime(rest.omega, rest.sigma, rest.disc, top)
         cells, rungs = lay_out(pairs, table, levels, modes, drive, 1 if own.size == 1 else 8)
         drive[LONGEST] = longest_flight(pairs)
         return Engine(
-            pairs, table, levels, np.zeros(SIGNAL_ROWS), np.zeros((ATTACHED_ROWS, own.size)),
-            modes, drive, rest_pairs, rest_table, rest_levels, np.zeros(SIGNAL_ROWS),
-            np.zeros((ATTACHED_ROWS, own.size)), rest.blocks, rest.to_blocks, rest.from_blocks, rest.held,
-            cells, rungs,
+            pairs, table, levels, np.zeros(SIGNAL_ROWS), np.zeros((ATTACHED_ROWS, own.size)), modes, drive,
+            _rest(omega, sigma, contact, load, static, own.gap, top), cells, rungs,
         )  # fmt: skip
 
     def inward(self, values: Array) -> Array:
@@ -95,7 +90,15 @@ class PackedSystem:
         return result
 
 
-def _yield(omega: Array, contact: Array) -> Array:
+def _rest(omega: Array, sigma: Array, contact: Array, load: Array, static: Array, gap: float, top: int) -> Regime:
+    """The system held on the stop, with its contact force."""
+    linear = Linear(omega**2, np.diag(2 * sigma), contact, inf)
+    found, force = held_regime(linear, static, load, gap, top)
+    silent = SignalRow(np.zeros(len(contact)), np.zeros(len(contact)))  # the gap, which is none
+    return with_signals(found, [silent, silent, force])
+
+
+def yields(omega: Array, contact: Array) -> Array:
     """Displacements that move the contact by 1 with the least energy: c/ω² over its sum, free modes alone if any."""
     loose = (omega == 0.0) & (contact != 0.0)
     softest = np.min(omega[contact != 0.0])

@@ -2,26 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from math import floor, inf, log2
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.kernels.drive import PANEL
-from vibeam.flight.kernels.layout import (
-    A11,
-    ATTACHED_ROWS,
-    BLOCK_ROWS,
-    CONSTANT1,
-    CONSTANT2,
-    DRIVE_ROWS,
-    LOAD1,
-    LOAD2,
-    MOTION,
-    SIGNAL_ROWS,
-)
+from vibeam.flight.kernels.layout import DRIVE_ROWS, MOTION, Regime
 from vibeam.flight.kernels.regimes.layout import (
     COEFFICIENT,
     COUPLED,
@@ -30,40 +18,25 @@ from vibeam.flight.kernels.regimes.layout import (
     DAMPING,
     EXPONENT,
     FAMILY,
-    FORCE,
-    GAP,
     LAW_ROWS,
     LINEAR,
     MOBILITY,
-    OUTPUT,
     PLASTIC,
     SIDES,
-    SIGNALS,
     STIFFNESS,
     TABLE,
     VELOCITY,
     VISCOUS,
-    Regime,
     RegimeEngine,
 )
-from vibeam.flight.kernels.roots.levels import rates, regime
-from vibeam.flight.linear.blocks import pair_constants, planes
+from vibeam.flight.linear.block_regime import SignalRow, free_regime, held_regime, with_signals
 from vibeam.flight.linear.eigenpairs import Linear
+from vibeam.flight.linear.packing import yields
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class SignalRow:
-    """A signal: at·η + rate·η' + constant + load Ω²B sin φ."""
-
-    at: Array
-    rate: Array
-    constant: float = 0.0
-    load: float = 0.0
 
 
 def damper_of(system: ImpactSystem) -> Array:
@@ -83,8 +56,9 @@ def plan(system: ImpactSystem, slowest: float) -> RegimeEngine:
     drive = np.zeros(DRIVE_ROWS)
     drive[MOTION] = inf
     return RegimeEngine(
-        _regime(system, Linear(system.omega**2, damper_of(system), system.contact), 0.0, contact, gaps, top),
-        at_stop[0], at_stop[-1], drive, law, curve, contact, gaps, system.omega**2,
+        _free(system, Linear(system.omega**2, damper_of(system), system.contact), contact, gaps, top),
+        at_stop[0], at_stop[-1], drive, law, curve, contact,
+        np.stack([yields(system.omega, row) for row in contact]), gaps, np.array(system.omega), system.omega**2,
         np.array(damper_of(system)), np.array(np.diag(damper_of(system))),
         np.array(system.load), np.array(system.static), nodes, weights, np.zeros((13, 2 * n)), np.zeros((3, 2 * n)),
     )  # fmt: skip
@@ -111,62 +85,33 @@ def law_of(system: ImpactSystem) -> tuple[Array, Array]:
 
 
 def _at_stop(system: ImpactSystem, side: int, contact: Array, gaps: Array, top: int) -> Regime:
-    law, spring, damper = system.law, system.omega**2, damper_of(system)
+    """The regime of a contact with one stop: held by it, or pushed by a linear one."""
+    law, linear = system.law, Linear(system.omega**2, damper_of(system), contact[side])
     if isinstance(law, LinearStop):
-        pushed = Linear(spring, damper, contact[side], law.stiffness, law.damping)
-        return _regime(system, pushed, law.stiffness * gaps[side], contact, gaps, top)
+        linear = replace(linear, stiffness=law.stiffness, damping=law.damping)
+        pushed = system.static + contact[side] * (law.stiffness * gaps[side])
+        found = free_regime(linear, pushed, system.load, top)
+        rows = [
+            SignalRow(law.stiffness * w, law.damping * w, -law.stiffness * (gap if np.isfinite(gap) else 0.0))
+            for w, gap in zip(contact, gaps, strict=True)
+        ]
+        return with_signals(found, [*_gaps(contact, gaps, found.held), *rows])
     if isinstance(law, HuntCrossley):  # integrated: nothing linear to know of it
-        return _regime(system, Linear(spring, damper, contact[side]), 0.0, contact, gaps, top)
-    return _regime(system, Linear(spring, damper, contact[side], inf), gaps[side], contact, gaps, top)
+        return _free(system, linear, contact, gaps, top)
+    found, force = held_regime(replace(linear, stiffness=inf), system.static, system.load, gaps[side], top)
+    return with_signals(found, [*_gaps(contact, gaps, found.held), force, force])
 
 
-def _regime(system: ImpactSystem, linear: Linear, stop: float, contact: Array, gaps: Array, top: int) -> Regime:
-    """``stop``: the constant force of the stop along its row, or, where it holds, the gap at which it does."""
-    n, w, mobility = system.size, linear.contact, float(linear.contact @ linear.contact)
-    found, scale = planes(linear), linear.scale
-    held = w * (stop / mobility) if linear.held else np.zeros(n)
-    constant = system.static - linear.spring * held if linear.held else system.static + w * stop
-    load = system.load
-    rows = [SignalRow(-contact[side], np.zeros(n), gaps[side]) for side in range(2)]
-    rows += [_force(system, linear, contact[side], gaps[side]) for side in range(2)]
-    if linear.held:
-        constant, load = (force - w * (w @ force) / mobility for force in (constant, load))
-    pushed = found.inverse[:, n:]
-    blocks, (omega, sigma, disc) = found.blocks, pair_constants(found.blocks)
-    m = len(omega)
-    order = np.argsort(rates(omega, sigma), kind="stable")
-    pick = np.stack([2 * order, 2 * order + 1], axis=1).ravel()
-    columns, inverse = found.columns[:, pick], found.inverse[pick]
-    filled = np.zeros((BLOCK_ROWS, m))
-    filled[A11 : A11 + 4] = blocks[order].reshape(m, 4).T
-    filled[[CONSTANT1, CONSTANT2]] = (pushed[pick] @ constant).reshape(m, 2).T
-    filled[[LOAD1, LOAD2]] = (pushed[pick] @ load).reshape(m, 2).T
-    sizes = np.concatenate([scale, np.ones(n)])
-    outof = np.ascontiguousarray(columns / sizes[:, None])
-    pairs, table, levels = regime(omega[order], sigma[order], disc[order], top)
-    return Regime(
-        pairs, table, levels, np.zeros(SIGNAL_ROWS), np.zeros((ATTACHED_ROWS, m)), filled,
-        np.ascontiguousarray(inverse * sizes), outof, held, signals(rows, outof, held),
-    )  # fmt: skip
+def _free(system: ImpactSystem, linear: Linear, contact: Array, gaps: Array, top: int) -> Regime:
+    """The regime of free flight."""
+    found = free_regime(linear, system.static, system.load, top)
+    return with_signals(found, _gaps(contact, gaps, found.held))
 
 
-def _force(system: ImpactSystem, linear: Linear, w: Array, gap: float) -> SignalRow:
-    """The contact force of the stop at w·η = gap: of a linear stop, or of one that holds."""
-    law = system.law
-    if isinstance(law, LinearStop):
-        return SignalRow(law.stiffness * w, law.damping * w, -law.stiffness * (gap if np.isfinite(gap) else 0.0))
-    square = float(w @ w)
-    row = SignalRow(-w * linear.spring / square, -w @ linear.damper / square)
-    return SignalRow(row.at, row.rate, float(w @ system.static) / square, float(w @ system.load) / square)
-
-
-def signals(rows: Sequence[SignalRow], outof: Array, held: Array) -> Array:
-    """The rows as weights on a regime's y, constants and loads: (SIGNALS, 2m + 2)."""
-    n, filled = len(held), np.zeros((SIGNALS, outof.shape[1] + 2))
-    for place, row in zip((GAP, GAP + 1, FORCE, FORCE + 1, OUTPUT), rows, strict=False):
-        filled[place, :-2] = row.at @ outof[:n] + row.rate @ outof[n:]
-        filled[place, -2:] = row.constant + float(row.at @ held), row.load
-    return filled
+def _gaps(contact: Array, gaps: Array, held: Array) -> list[SignalRow]:
+    """The gaps to both stops as signals."""
+    still = np.zeros(len(held))
+    return [SignalRow(-w, still, gap - float(w @ held)) for w, gap in zip(contact, gaps, strict=True)]
 
 
 def _runge_kutta() -> tuple[Array, Array]:

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-from math import sqrt
-
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels.block_flow import set_signal
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.drive import phase
-from vibeam.flight.kernels.layout import HARMONIC, KAPPA, SPEED, STRENGTH, ZI, ZR, W
-from vibeam.flight.kernels.regimes.block_flow import ROUND_OFF, set_signal
+from vibeam.flight.kernels.impact import (
+    FAITHFUL,
+    FLOOR,
+    is_faint,
+    is_over,
+    jerk_bound,
+    put_contact_at,
+    size_of_gap,
+    stop_contact,
+)
+from vibeam.flight.kernels.layout import CLOCK, GAP_SIGNAL, KAPPA, SPEED, STRENGTH, W
+from vibeam.flight.kernels.modal_flow import ROUND_OFF
 from vibeam.flight.kernels.regimes.layout import (
     COEFFICIENT,
     CONSTANT,
     COUPLED,
     CURVE,
     EXPONENT,
-    GAP,
     MOBILITY,
     SLOPE_AT,
     SPEED_AT,
@@ -27,18 +35,9 @@ from vibeam.flight.kernels.regimes.layout import (
     VISCOUS,
     RegimeEngine,
 )
-from vibeam.flight.kernels.roots import taylor_pairs as att
-from vibeam.flight.kernels.roots.signal import magnitude, to_node
+from vibeam.flight.kernels.roots.signal import signal_of
 
 Array = NDArray[np.float64]
-
-NEAR = 1e-11  # share of the length scale that what is left of a chatter may span before its completion is considered
-
-NEAR_MODES = 4e-15  # the same where other modes feel the impulses left out
-
-LATE = 1e-12  # share of the slowest time scale by which the end of the accumulation may be misjudged
-
-FLOOR = 1e-26  # share of the length scale below which a flight is no longer one
 
 
 @kernel
@@ -87,7 +86,7 @@ def drift(plan: RegimeEngine, pose: Array, side: int) -> float:
     """The contact velocity that is no more than round-off of what it is the sum of."""
     size = 0.0
     for k in range(pose.shape[1]):
-        size += abs(plan.contact[side, k]) * (abs(pose[1, k]) + sqrt(plan.spring[k]) * abs(pose[0, k]))
+        size += abs(plan.contact[side, k]) * (abs(pose[1, k]) + plan.omega[k] * abs(pose[0, k]))
     return ROUND_OFF * size
 
 
@@ -123,18 +122,34 @@ def pull(plan: RegimeEngine, pose: Array, side: int, clock: float) -> tuple[floa
     for k in range(pose.shape[1]):
         push, spring = plan.load[k] * strength, plan.spring[k] * pose[0, k]
         scratch[0, k] = push * sine + plan.static[k] - braked(plan, pose, 1, k) - spring
-        scratch[1, k] = abs(push) + abs(plan.static[k]) + braked_at_most(plan, pose, 1, k) + abs(spring)
+        scratch[1, k] = pull_parts(plan, pose, k)
         second += plan.contact[side, k] * scratch[0, k]
         second_size += abs(plan.contact[side, k]) * scratch[1, k]
     third, third_size = 0.0, 0.0
     for k in range(pose.shape[1]):
         push, spring = plan.load[k] * strength * plan.drive[W], plan.spring[k] * pose[1, k]
         third += plan.contact[side, k] * (push * cosine - braked(plan, scratch, 0, k) - spring)
-        parts = abs(push) + braked_at_most(plan, scratch, 1, k) + abs(spring) + sqrt(plan.spring[k]) * scratch[1, k]
+        parts = abs(push) + braked_at_most(plan, scratch, 1, k) + abs(spring) + plan.omega[k] * scratch[1, k]
         third_size += abs(plan.contact[side, k]) * parts
     second = second if abs(second) > ROUND_OFF * second_size else 0.0
     third = third if abs(third) > ROUND_OFF * third_size else 0.0
     return second, third
+
+
+@kernel
+def pull_parts(plan: RegimeEngine, pose: Array, k: int) -> float:
+    """The sizes of the parts of mode k's acceleration in free motion, added up."""
+    push = abs(plan.load[k] * plan.drive[STRENGTH]) + abs(plan.static[k])
+    return float(push + braked_at_most(plan, pose, 1, k) + abs(plan.spring[k] * pose[0, k]))
+
+
+@kernel
+def force_parts(plan: RegimeEngine, pose: Array) -> float:
+    """The sizes of the parts of a hard stop's force, mode by mode, before they cancel."""
+    total = 0.0
+    for k in range(pose.shape[1]):
+        total += abs(plan.contact[0, k]) * pull_parts(plan, pose, k)
+    return float(total / plan.law[MOBILITY])
 
 
 @kernel
@@ -145,19 +160,21 @@ def push(plan: RegimeEngine, pose: Array, side: int, impulse: float) -> None:
 
 
 @kernel
+def put_on_stop(plan: RegimeEngine, pose: Array, side: int) -> None:
+    """Move the contact exactly onto the stop of that side, with the least energy."""
+    put_contact_at(plan.contact[side], plan.yields[side], plan.gaps[side], pose)
+
+
+@kernel
 def settle_on_stop(plan: RegimeEngine, pose: Array, side: int) -> None:
-    """Take contact velocity, and penetration by round-off, out by the least impulse."""
-    value = -plan.gaps[side]
-    for k in range(pose.shape[1]):
-        value += plan.contact[side, k] * pose[0, k]
-    for k in range(pose.shape[1]):
-        pose[0, k] -= plan.contact[side, k] * value / plan.law[MOBILITY]
-    push(plan, pose, side, -approach(plan, pose, side) / plan.law[MOBILITY])
+    """Take contact velocity out by the least impulse, and penetration by round-off with the least energy."""
+    put_on_stop(plan, pose, side)
+    stop_contact(plan.contact[side], plan.law[MOBILITY], pose)
 
 
 @kernel
 def chatter_left(
-    plan: RegimeEngine, status: Array, side: int, toward: float, after: float, clock: float
+    plan: RegimeEngine, pose: Array, status: Array, side: int, toward: float, after: float
 ) -> tuple[float, float]:
     """Time that the rest of an accumulation of impacts takes, and a bound of its error; (−1, 0) where it is too early.
 
@@ -166,28 +183,24 @@ def chatter_left(
     table is constant at the end; with R = 1 − c v^b the sum is ∫ 2 dv/(a c v^b) = T/(1 − b) for b < 1, but for a share
     of about 1 − R.
     """
-    loss = 1.0 - restitution(plan.law, plan.curve, after)
-    if toward <= 0.0 or loss <= 0.0:
-        return -1.0, 0.0
-    left, length = 2.0 * after / (toward * loss), status[SPEED] * status[SPEED] / toward
+    coefficient, top = restitution(plan.law, plan.curve, after), status[SPEED]
+    loss = 1.0 - coefficient
     if plan.law[CURVE] == VISCOUS:
-        left = left / (1.0 - plan.law[EXPONENT]) if plan.law[EXPONENT] < 1.0 else np.inf
-    if after * left > NEAR * (length + abs(plan.gaps[side])):
+        loss *= max(1.0 - plan.law[EXPONENT], 0.0)
+    if not is_faint(after, top, toward, loss, abs(plan.gaps[side])):
         return -1.0, 0.0
-    free = plan.free
-    _, _, size = set_signal(free, plan.drive, GAP + side, 1.0, clock)
-    free.signal[HARMONIC] = sqrt(free.signal[ZR] ** 2 + free.signal[ZI] ** 2)
-    to_node(free.pairs)
-    jerk = magnitude(free.pairs, free.signal, 3) + att.jerk_bound(free.attached, free.signal)
-    remainder = left * (jerk * left / toward)
+    free, contact, gap = plan.free, plan.contact[side], plan.gaps[side]
+    left, length = 2.0 * after / (toward * loss), top * (top / toward)
+    set_signal(free, plan.drive, GAP_SIGNAL + side, 1.0, status[CLOCK])
+    jerk = jerk_bound(signal_of(free))
+    size = size_of_gap(signal_of(free), contact, gap, pose)
+    remainder, slowest = left * (jerk * left / toward), max(plan.drive[W], free.pairs[KAPPA, 0])
+    if remainder > FAITHFUL * coefficient * 2.0 * (top / toward) / loss and after * left >= FLOOR * length:
+        return -1.0, 0.0
     if plan.law[CURVE] == VISCOUS:
-        remainder += 2.0 * loss * left
+        remainder += 2.0 * (1.0 - coefficient) * left
     elif plan.law[CURVE] == TABLE and after > plan.curve[SPEED_AT, 0]:
         remainder += left
-    if after * left < FLOOR * length:
-        return left, remainder
-    near = NEAR if plan.contact.shape[1] == 1 else NEAR_MODES
-    slowest = max(plan.drive[W], free.pairs[KAPPA, 0])
-    if after * left > near * max(length, size) or jerk * left > 0.1 * toward or remainder * slowest > LATE:
+    if not is_over(after, left, remainder, jerk * left / toward, length, size, pose.shape[1], slowest):
         return -1.0, 0.0
     return left, remainder

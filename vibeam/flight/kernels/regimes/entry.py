@@ -5,37 +5,19 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.compiler import entry, kernel
-from vibeam.flight.kernels.layout import (
-    AT_CLOCK,
-    CLOCK,
-    COMPLETE,
-    CONTACT_LEAST,
-    DONE,
-    FREE,
-    FULL,
-    HIGH,
-    IMPACTS,
-    LEAST,
-    MOST,
-    PANELS,
-    PAUSED,
-    PERIOD,
-    SEGMENTS,
-    UNRESOLVED,
-    UNSEEN,
-    WATCHED,
-    WHAT,
-)
-from vibeam.flight.kernels.regimes.block_flow import advance_blocks, to_block_coordinates
+from vibeam.flight.kernels.block_flow import advance_blocks, to_block_coordinates
+from vibeam.flight.kernels.compiler import entry
+from vibeam.flight.kernels.layout import AT_CLOCK, FREE, WHAT, Schedule, Watch
 from vibeam.flight.kernels.regimes.contact_integration import integrated_at
 from vibeam.flight.kernels.regimes.drive import set_drive
 from vibeam.flight.kernels.regimes.events import advance, at_side, piece_of
-from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT, CURVED, FAMILY, RegimeEngine, RegimeWatch
-from vibeam.flight.kernels.regimes.steady_point import watch
-from vibeam.flight.kernels.steady_point import is_unread, note_strobe
+from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT, CURVED, FAMILY, RegimeEngine
+from vibeam.flight.kernels.regimes.readout import read_off
+from vibeam.flight.kernels.steady_point import steady_kernel
 
 Array = NDArray[np.float64]
+
+steady_point = steady_kernel(advance, read_off)
 
 WATCHING = 1000  # panels that reading a segment off is as much work as, about
 
@@ -43,73 +25,14 @@ WATCHING = 1000  # panels that reading a segment off is as much work as, about
 @entry
 def move(
     plan: RegimeEngine, omega: float, amplitude: float, pose: Array, status: Array, span: float, settle: int, hold: int,
-    limit: int, room: RegimeWatch, counts: NDArray[np.int64],
+    limit: int, room: Watch, counts: NDArray[np.int64], longest: int,
 ) -> tuple[int, float]:  # fmt: skip
-    """Carry ``pose`` on under one drive: outcome, time done.
-
-    span > 0: every segment of that time goes to ``room.trace``, up to ``limit`` impacts in counts[IMPACTS]. Otherwise a
-    point of a sweep, ``settle`` and ``hold`` periods watched, the states a period apart in ``room.strobes``. PAUSED:
-    called again with the same arguments it goes on as if it had not been.
-    """
+    """Carry ``pose`` on under one drive: as the flight kernels' ``move``."""
     set_drive(plan, omega, amplitude)
     if span > 0.0:
         return advance(plan, pose, status, span, limit, room.trace, room.poses, counts)
-    outcome = settled_at(plan, pose, status, settle, limit, room, counts)
-    begun, piece = counts[PANELS], piece_of(plan, pose)
-    while outcome == COMPLETE and counts[WATCHED] <= hold:
-        outcome = watched(plan, pose, status, limit, room, counts)
-        begun -= WATCHING * counts[SEGMENTS]
-        if outcome == COMPLETE and counts[WATCHED] <= hold and counts[PANELS] - begun >= piece:
-            outcome = PAUSED
-    if outcome != PAUSED:
-        status[CLOCK] = 0.0
-    return outcome, 0.0
-
-
-@kernel
-def settled_at(
-    plan: RegimeEngine,
-    pose: Array,
-    status: Array,
-    settle: int,
-    limit: int,
-    room: RegimeWatch,
-    counts: NDArray[np.int64],
-) -> int:
-    """Carry ``pose`` on to the end of the settling, where it is not there yet, and begin to watch."""
-    if counts[WATCHED] > 0:
-        return COMPLETE
-    most = limit * max(settle, 1)
-    outcome, _ = advance(plan, pose, status, settle * plan.drive[PERIOD], most, room.nothing, room.poses, counts)
-    if outcome != COMPLETE:
-        return outcome
-    room.result[HIGH], room.result[LEAST], room.result[CONTACT_LEAST] = -np.inf, np.inf, np.inf
-    note_strobe(room.strobes, 0, pose)
-    counts[WATCHED], counts[MOST], status[UNSEEN] = 1, counts[IMPACTS] + limit, plan.drive[PERIOD]
-    return outcome
-
-
-@kernel
-def watched(
-    plan: RegimeEngine, pose: Array, status: Array, limit: int, room: RegimeWatch, counts: NDArray[np.int64]
-) -> int:
-    """Carry ``pose`` on to the end of the period, or of the trace, and read off what is traced."""
-    if status[DONE] == 0.0:
-        counts[SEGMENTS] = 0
-        status[CLOCK] = plan.drive[PERIOD] - status[UNSEEN]
-    outcome, done = advance(plan, pose, status, status[UNSEEN], counts[MOST], room.trace, room.poses, counts)
-    if outcome == PAUSED:
-        return outcome
-    watch(plan, room, counts[SEGMENTS])
-    if is_unread(room.result):
-        return UNRESOLVED
-    status[UNSEEN] -= done
-    if outcome == FULL:
-        return COMPLETE
-    turn = counts[WATCHED]
-    status[UNSEEN], counts[MOST], counts[WATCHED] = plan.drive[PERIOD], counts[IMPACTS] + limit, turn + 1
-    note_strobe(room.strobes, turn, pose)
-    return outcome
+    schedule = Schedule(settle, hold, limit, longest, piece_of(plan, pose), WATCHING)
+    return steady_point(plan, plan.omega, pose, status, schedule, room, counts)
 
 
 @entry

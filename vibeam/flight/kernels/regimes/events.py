@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels.block_flow import advance_blocks, set_signal, to_block_coordinates
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.drive import wrap
 from vibeam.flight.kernels.events import PIECE
 from vibeam.flight.kernels.extremes import extremes
+from vibeam.flight.kernels.impact import contact_velocity
 from vibeam.flight.kernels.layout import (
     AT_CLOCK,
     BEFORE,
@@ -23,12 +25,16 @@ from vibeam.flight.kernels.layout import (
     END,
     EVENT_LIMIT,
     EVENTS,
+    FORCE_SIGNAL,
     FREE,
     FULL,
+    GAP_SIGNAL,
     IMPACT,
     IMPACTS,
     KIND,
     LEFT,
+    LOST,
+    NO_CLOCK,
     NOT_FINITE,
     ORDER,
     PANELS,
@@ -46,21 +52,18 @@ from vibeam.flight.kernels.layout import (
     STUCK,
     UNRESOLVED,
     WHAT,
+    Regime,
 )
-from vibeam.flight.kernels.regimes.block_flow import (
-    ROUND_OFF,
-    advance_blocks,
-    leading_order,
-    set_signal,
-    to_block_coordinates,
-)
+from vibeam.flight.kernels.modal_flow import ROUND_OFF
 from vibeam.flight.kernels.regimes.contact_integration import integrate_contact
 from vibeam.flight.kernels.regimes.contact_law import (
     approach,
     chatter_left,
     drift,
+    force_parts,
     pull,
     push,
+    put_on_stop,
     restitution,
     settle_on_stop,
 )
@@ -72,8 +75,6 @@ from vibeam.flight.kernels.regimes.layout import (
     CURVED,
     DAMPING,
     FAMILY,
-    FORCE,
-    GAP,
     HIT,
     IMPULSIVE,
     INSIDE,
@@ -90,12 +91,14 @@ from vibeam.flight.kernels.regimes.layout import (
     STEPPED,
     TOUCHING,
     UNKNOWN,
-    Regime,
     RegimeEngine,
 )
+from vibeam.flight.kernels.regimes.leading_order import leading_order
+from vibeam.flight.kernels.rest import SMALLEST
 from vibeam.flight.kernels.roots.double_gap import InitialState
 from vibeam.flight.kernels.roots.first_root import first_root
 from vibeam.flight.kernels.roots.signal import Start, signal_of
+from vibeam.flight.kernels.segments import add
 
 Array = NDArray[np.float64]
 
@@ -105,8 +108,6 @@ IDLE = 1000  # such phases in a row, after which a run is given up
 
 TINY = 1e-15  # how little time, as a share of the coarsest panel
 
-SMALLEST = 1e-300
-
 PHASES_AN_IMPACT = 16  # how many there may be on average before a run is given up
 
 STEPS_A_PANEL = 20_000  # steps of integrated contact, on average, before a run is given up
@@ -114,8 +115,6 @@ STEPS_A_PANEL = 20_000  # steps of integrated contact, on average, before a run 
 STEP_WORK = 16  # panels that such a step is as much work as
 
 PHASES = 10_000  # between two pauses, at most
-
-NO_CLOCK = -1.0  # tells ``first_root`` that the signal is no gap of uncoupled modes, which it could judge more sharply
 
 
 @kernel
@@ -128,8 +127,11 @@ def advance(
     One loop for all regimes: enter, find the first root of the signals watched, go on to it, and ask the law what
     follows. A phase may have no duration.
     """
-    done, rows, begun, piece = status[DONE], trace.shape[0], counts[PANELS], piece_of(plan, pose)
-    status[DONE] = 0.0
+    done, lost, rows = status[DONE], status[LOST], trace.shape[0]
+    begun, piece = counts[PANELS], piece_of(plan, pose)
+    if done == 0.0:
+        status[CLOCK] = wrap(plan.drive, status[CLOCK])
+    status[DONE], status[LOST] = 0.0, 0.0
     panel = plan.free.levels[STEP, int(plan.drive[COARSEST])]
     if status[ORDER] == UNKNOWN:
         outcome = classify(plan, pose, status)
@@ -163,6 +165,8 @@ def advance(
                 value, rate, size = set_signal(regime, plan.drive, which, sign, clock)
                 if not np.isfinite(size):
                     return NOT_FINITE, done
+                if status[KIND] == RESTING:
+                    size = max(size, force_parts(plan, pose))
                 order, rise = start_of(regime, status, i, value, rate, size)
                 if size == 0.0 and status[KIND] != FREE:
                     continue
@@ -198,15 +202,17 @@ def advance(
             counts[SEGMENTS] = row + 1
         struck = plan.law[FAMILY] == IMPULSIVE and end in (IMPACT, CHATTER, STUCK)
         status[STALL] = status[STALL] + 1.0 if step <= TINY * panel and not struck else 0.0
-        done += step
         counts[EVENTS] += 1
+        if step >= left:
+            return COMPLETE, span
+        done, lost = add(done, lost, step)
         if done < span:
             if counts[IMPACTS] >= most or counts[EVENTS] > PHASES_AN_IMPACT * (most + 100):
                 return EVENT_LIMIT, done
             if status[STALL] > IDLE or status[BUSY] > STEPS_A_PANEL:
                 return UNRESOLVED, done
             if counts[PANELS] - begun >= piece or counts[EVENTS] % PHASES == 0:
-                status[DONE] = done
+                status[DONE], status[LOST] = done, lost
                 return PAUSED, done
     return COMPLETE, done
 
@@ -233,10 +239,10 @@ def is_held(status: Array, i: int, order: int) -> bool:
 def watch_for(status: Array, i: int) -> tuple[int, float]:
     """The i-th signal to watch and its sign: in flight the gaps, on the stop its force, inside its range both."""
     if status[KIND] == FREE:
-        return GAP + i, 1.0
+        return GAP_SIGNAL + i, 1.0
     if status[KIND] == INSIDE:
-        return (GAP if i == 0 else FORCE) + int(status[SIDE]), -1.0
-    return FORCE + int(status[SIDE]), 1.0
+        return (GAP_SIGNAL if i == 0 else FORCE_SIGNAL) + int(status[SIDE]), -1.0
+    return FORCE_SIGNAL + int(status[SIDE]), 1.0
 
 
 @kernel
@@ -261,7 +267,7 @@ def follow(plan: RegimeEngine, pose: Array, status: Array, met: int, step: float
         status[ORDER] = UNKNOWN if kind == FREE else 0.0
         return 0.0, SPAN_END
     if kind == FREE:
-        return on_contact(plan, pose, status, met)
+        return on_contact(plan, pose, status, met, approach(plan, pose, met))
     if kind == INSIDE:
         if met == 0:
             leave_stop(plan, pose, status, side)
@@ -319,7 +325,7 @@ def classify(plan: RegimeEngine, pose: Array, status: Array) -> int:
     status[KIND], status[STEPPED] = FREE, 0.0
     for side in range(int(plan.law[SIDES])):
         to_block_coordinates(plan.free, plan.drive, pose, status[CLOCK])
-        value, _, size = set_signal(plan.free, plan.drive, GAP + side, 1.0, status[CLOCK])
+        value, _, size = set_signal(plan.free, plan.drive, GAP_SIGNAL + side, 1.0, status[CLOCK])
         if not np.isfinite(size):
             return NOT_FINITE
         if value > ROUND_OFF * size:
@@ -330,17 +336,18 @@ def classify(plan: RegimeEngine, pose: Array, status: Array) -> int:
         status[SIDE] = side
         if deep:
             status[KIND] = CONTACT
-        elif approach(plan, pose, side) > 0.0:
-            status[ORDER] = HIT
         else:
-            on_contact(plan, pose, status, side)
+            speed = contact_velocity(plan.contact[side], pose)
+            if speed > 0.0:
+                status[ORDER] = HIT
+            else:
+                on_contact(plan, pose, status, side, speed)
     return COMPLETE
 
 
 @kernel
-def on_contact(plan: RegimeEngine, pose: Array, status: Array, side: int) -> tuple[float, int]:
-    """On the stop, at whatever velocity: what follows. Velocity before, what it was."""
-    speed = approach(plan, pose, side)
+def on_contact(plan: RegimeEngine, pose: Array, status: Array, side: int, speed: float) -> tuple[float, int]:
+    """On the stop, at a contact velocity of ``speed`` towards it: what follows. Velocity before, what it was."""
     status[SIDE], status[KIND], status[ORDER] = side, FREE, 0.0
     if speed < 0.0:
         status[ORDER], status[RISE] = 1.0, -speed
@@ -391,9 +398,10 @@ def apply_impact(plan: RegimeEngine, pose: Array, status: Array, side: int, befo
         status[KIND] = FREE if order > 0 else RESTING
         status[ORDER], status[RISE] = max(order, 0), rise
         return before, IMPACT if order > 0 else STUCK
+    put_on_stop(plan, pose, side)
     toward, _ = pull(plan, pose, side, status[CLOCK])
     to_block_coordinates(plan.free, plan.drive, pose, status[CLOCK])
-    left, remainder = chatter_left(plan, status, side, toward, after, status[CLOCK])
+    left, remainder = chatter_left(plan, pose, status, side, toward, after)
     if left < 0.0:
         status[ORDER], status[RISE] = 1.0, after
         return before, IMPACT

@@ -7,13 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels.layout import Regime
+
 Array = NDArray[np.float64]
-
-
-# signals of a regime, one row each: 2m weights on y, the constant, the share of Ω²B sin φ. By stop: gap + 0 and gap + 1
-GAP, FORCE, OUTPUT = 0, 2, 4
-
-SIGNALS = 5
 
 
 # law (LAW_ROWS,): which family, its numbers; what damping there is while a linear stop pushes
@@ -50,21 +46,6 @@ TRACE_COLUMNS = 10
 PASS = 5  # END: from inside the stop's range to outside it, or pushed again
 
 
-class Regime(NamedTuple):
-    """One linear system of m ≤ n blocks, see ``layout`` of the flight kernels for their rows."""
-
-    pairs: Array
-    table: Array
-    levels: Array
-    signal: Array
-    attached: Array
-    blocks: Array
-    into: Array  # (2m, 2n): y from (η − held, η')
-    outof: Array  # (2n, 2m): (η − held, η') from y
-    held: Array  # (n,)
-    signals: Array  # (SIGNALS, 2m + 2)
-
-
 class RegimeEngine(NamedTuple):
     """All arrays that one run of one system works on."""
 
@@ -75,7 +56,9 @@ class RegimeEngine(NamedTuple):
     law: Array
     curve: Array  # (3, m) the table R(v)
     contact: Array  # (2, n) towards either stop
+    yields: Array  # (2, n) displacements that move it by 1 with the least energy
     gaps: Array  # (2,)
+    omega: Array  # (n,)
     spring: Array  # (n,) ω²
     damper: Array  # (n, n); used where law[COUPLED] > 0
     damping: Array  # (n,) 2ζω, used elsewhere
@@ -85,17 +68,3 @@ class RegimeEngine(NamedTuple):
     weights: Array  # (2, 13) of the two error estimates
     stages: Array  # (13, 2n)
     state: Array  # (3, 2n): at the step's start, its end, a stage
-
-
-class RegimeWatch(NamedTuple):
-    """What a point of a sweep is watched with."""
-
-    row: Array  # (n,) the output
-    nothing: Array
-    trace: Array
-    poses: Array
-    strobes: Array
-    frame: Array  # (2, n)
-    scratch: Array  # (2, n)
-    result: Array
-    energy: Array

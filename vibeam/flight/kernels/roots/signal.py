@@ -32,7 +32,6 @@ from vibeam.flight.kernels.layout import (
     ZI,
     ZR,
     E,
-    Engine,
     X,
     Y,
 )
@@ -65,12 +64,6 @@ class Start(NamedTuple):
 def signal_of(system: Any) -> Signal:
     """Signal of the free flight of an Engine, or of a Regime."""
     return Signal(system.pairs, system.table, system.levels, system.signal, system.attached)
-
-
-@joined
-def rest_signal_of(desk: Engine) -> Signal:
-    """Signal of the rest on the stop."""
-    return Signal(desk.rest_pairs, desk.rest_table, desk.rest_levels, desk.rest_signal, desk.rest_attached)
 
 
 @joined

@@ -1,29 +1,32 @@
-"""What is read off the segments of a steady point: extremes, energies, impacts, time in contact."""
+"""What is read off the segments of a steady point in regimes: extremes, energies, time in contact."""
 
 from __future__ import annotations
-
-from math import ceil
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels.block_flow import set_signal, to_block_coordinates
 from vibeam.flight.kernels.compiler import kernel
-from vibeam.flight.kernels.energy import NODES, PANEL, WEIGHTS
-from vibeam.flight.kernels.extremes import extremes
+from vibeam.flight.kernels.energy import energy_by_mode, energy_in_blocks, is_modal
+from vibeam.flight.kernels.extremes import ACCURACY, LIGHTLY, extremes_to
 from vibeam.flight.kernels.layout import (
     AT_CLOCK,
     COARSEST,
     CONTACT_LEAST,
     DURATION,
+    EVERYTHING,
     FREE,
+    GAP_SIGNAL,
     HIGH,
     KAPPA,
     LEAST,
+    OUTPUT_SIGNAL,
+    REACH_TOO,
     REST_TIME,
     WHAT,
-    W,
+    Regime,
+    Watch,
 )
-from vibeam.flight.kernels.regimes.block_flow import advance_blocks, set_signal, to_block_coordinates
 from vibeam.flight.kernels.regimes.contact_integration import (
     MOST_STEPS,
     add_energy_of_step,
@@ -40,24 +43,18 @@ from vibeam.flight.kernels.regimes.layout import (
     CONTACT,
     CURVED,
     FAMILY,
-    GAP,
-    OUTPUT,
-    Regime,
     RegimeEngine,
-    RegimeWatch,
 )
 from vibeam.flight.kernels.roots.signal import signal_of
 from vibeam.flight.kernels.steady_point import is_unread, note_impact
 
 Array = NDArray[np.float64]
 
-MOST = 16  # panels of Gauss's quadrature for the energies in a segment
-
 FINEST = 1e-6  # share of a segment of integrated contact below which a step is taken as it is
 
 
 @kernel
-def watch(plan: RegimeEngine, room: RegimeWatch, count: int) -> None:
+def read_off(plan: RegimeEngine, room: Watch, count: int) -> None:
     """Read off the segments just traced."""
     trace, frame, result = room.trace, room.frame, room.result
     for i in range(count):
@@ -67,54 +64,42 @@ def watch(plan: RegimeEngine, room: RegimeWatch, count: int) -> None:
         if what != FREE:
             result[REST_TIME] += duration
         if duration > 0.0 and what == CONTACT and plan.law[FAMILY] == CURVED:
-            watch_squeezed(plan, room, frame, trace[i, AT_CLOCK], duration, int(trace[i, AT_SIDE]))
+            read_integrated(plan, room, frame, trace[i, AT_CLOCK], duration, int(trace[i, AT_SIDE]))
         elif duration > 0.0:
             regime = plan.free
             if what != FREE:
                 regime = at_side(plan, int(trace[i, AT_SIDE]))
-            watch_regime(plan, regime, room, frame, trace[i, AT_CLOCK], duration)
+            read_regime(plan, regime, room, frame, trace[i, AT_CLOCK], duration)
         note_impact(trace, i, result)
         if is_unread(result):
             return
 
 
 @kernel
-def watch_regime(
-    plan: RegimeEngine, regime: Regime, room: RegimeWatch, pose: Array, clock: float, duration: float
-) -> None:
+def read_regime(plan: RegimeEngine, regime: Regime, room: Watch, pose: Array, clock: float, duration: float) -> None:
     """One segment in closed form."""
     result, coarsest, gap = room.result, int(plan.drive[COARSEST]), plan.gaps[0]
+    share = ACCURACY if room.reading >= EVERYTHING else LIGHTLY
     to_block_coordinates(regime, plan.drive, pose, clock)
-    set_signal(regime, plan.drive, GAP, 1.0, clock)
-    _, widest = extremes(
-        signal_of(regime), duration, coarsest, gap - result[CONTACT_LEAST], gap - result[CONTACT_LEAST]
-    )
-    result[CONTACT_LEAST] = gap - widest
-    set_signal(regime, plan.drive, OUTPUT, 1.0, clock)
-    result[LEAST], result[HIGH] = extremes(signal_of(regime), duration, coarsest, result[LEAST], result[HIGH])
-    rate = plan.drive[W]
-    for k in range(regime.pairs.shape[1]):
-        rate = max(rate, regime.pairs[KAPPA, k])
-    panels = int(min(MOST, max(1, ceil(rate * duration / PANEL))))
-    h = duration / panels
-    for panel in range(panels):
-        for node in range(8):
-            to_block_coordinates(regime, plan.drive, pose, clock)
-            advance_blocks(regime, plan.drive, room.scratch, clock, (panel + NODES[node]) * h)
-            add_energy(plan, room, 0.5 * h * WEIGHTS[node])
+    if room.reading >= REACH_TOO:
+        set_signal(regime, plan.drive, GAP_SIGNAL, 1.0, clock)
+        _, widest = extremes_to(
+            signal_of(regime), duration, coarsest, gap - result[CONTACT_LEAST], gap - result[CONTACT_LEAST], share
+        )
+        result[CONTACT_LEAST] = gap - widest
+    set_signal(regime, plan.drive, OUTPUT_SIGNAL, 1.0, clock)
+    result[LEAST], result[HIGH] = extremes_to(signal_of(regime), duration, coarsest, result[LEAST], result[HIGH], share)
+    if room.reading >= EVERYTHING and is_modal(regime):
+        energy_by_mode(regime, plan.drive, clock, duration, room.energy)
+    elif room.reading >= EVERYTHING:
+        fastest = 0.0
+        for k in range(regime.pairs.shape[1]):
+            fastest = max(fastest, regime.pairs[KAPPA, k])
+        energy_in_blocks(regime, plan.drive, plan.omega, fastest, clock, duration, room.scratch, room.energy)
 
 
 @kernel
-def add_energy(plan: RegimeEngine, room: RegimeWatch, weight: float) -> None:
-    """weight · (η'² + ω²η²) of the pose in room.scratch."""
-    for k in range(room.scratch.shape[1]):
-        room.energy[k] += weight * (room.scratch[1, k] ** 2 + plan.spring[k] * room.scratch[0, k] ** 2)
-
-
-@kernel
-def watch_squeezed(
-    plan: RegimeEngine, room: RegimeWatch, pose: Array, clock: float, duration: float, side: int
-) -> None:
+def read_integrated(plan: RegimeEngine, room: Watch, pose: Array, clock: float, duration: float, side: int) -> None:
     """One segment of integrated contact, integrated anew: extremes to round-off, energies by the steps' quadrature."""
     load(plan, pose)
     result, contact, h, done, steps = room.result, plan.contact[0], first_step(plan, side), 0.0, 0
@@ -126,13 +111,15 @@ def watch_squeezed(
             continue
         if h > FINEST * duration and not (
             plain(plan, room.row, h, result[LEAST], result[HIGH])
-            and plain(plan, contact, h, result[CONTACT_LEAST], np.inf)
+            and (room.reading < REACH_TOO or plain(plan, contact, h, result[CONTACT_LEAST], np.inf))
         ):
             h *= 0.5
             continue
-        add_energy_of_step(plan, h, room.energy)
+        if room.reading >= EVERYTHING:
+            add_energy_of_step(plan, h, room.energy)
         result[LEAST], result[HIGH] = watch_step(plan, room.row, side, clock + done, h, result[LEAST], result[HIGH])
-        result[CONTACT_LEAST], _ = watch_step(plan, contact, side, clock + done, h, result[CONTACT_LEAST], np.inf)
+        if room.reading >= REACH_TOO:
+            result[CONTACT_LEAST], _ = watch_step(plan, contact, side, clock + done, h, result[CONTACT_LEAST], np.inf)
         take(plan)
         done = done + h if h < duration - done else duration
         h *= min(5.0, 0.9 * wrong**-0.125) if wrong > 0.0 else 5.0

@@ -1,0 +1,251 @@
+"""Exact event-driven solvers: what those of plain systems and of any regime and contact law have in common."""
+
+from __future__ import annotations
+
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.equilibrium import equilibrium, size_of_motion
+from vibeam.flight.kernels.layout import (
+    AT_CLOCK,
+    CLOCK,
+    COMPLETE,
+    COUNT_ROWS,
+    DURATION,
+    EVERYTHING,
+    FULL,
+    IMPACTS,
+    KIND,
+    PANELS,
+    REACH_TOO,
+    RESTING,
+    RESULT_ROWS,
+    SEGMENTS,
+    START,
+    STATUS_ROWS,
+    TRACE_COLUMNS,
+    WHAT,
+    Regime,
+    Watch,
+)
+from vibeam.flight.linear.block_regime import set_output
+from vibeam.flight.pause import unpaused
+from vibeam.flight.readout import OUTCOMES, PointReadout
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.response import Ended, FrequencyResponse
+from vibeam.system.state import State
+from vibeam_models.arguments import count, refuse
+
+Array = NDArray[np.float64]
+
+LONGEST_PERIOD = 16
+
+MOST_IMPACTS = 10**9  # a drive period: with 10⁹ periods that still fits an int64
+
+ROWS = 256  # segments traced before they are read off
+
+
+@dataclass(frozen=True)
+class Segments:
+    """The segments of a motion, in the user's order of modes: trace rows (see ``kernels.layout``) and first poses."""
+
+    trace: Array  # (m, TRACE_COLUMNS), START in s
+    poses: Array  # (m, 2, n)
+    size: float  # about the largest modal displacement, see ``equilibrium.size_of_motion``
+
+
+def impact_limit(limit: object) -> int:
+    """``limit`` as an int; ValueError where it is no whole number of impacts."""
+    faults: list[str] = []
+    found = count("limit", limit, faults, least=1, most=MOST_IMPACTS)
+    refuse("solver", faults)
+    return found
+
+
+class EventDrivenSolver(ABC):
+    """One system, made ready once; its methods take a state and give one back.
+
+    An engine is the kernels' arrays, ``_move`` and ``_poses_at`` their entry points.
+    """
+
+    _move: ClassVar[Callable[..., tuple[int, float]]]
+    _poses_at: ClassVar[Callable[..., None]]
+    _status_rows: ClassVar[int] = STATUS_ROWS
+    _trace_columns: ClassVar[int] = TRACE_COLUMNS
+
+    def __init__(self, system: ImpactSystem, limit: int) -> None:
+        """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
+        self.system, self.limit = system, impact_limit(limit)
+
+    @abstractmethod
+    def _engine_for(self, size: float) -> Any:
+        """The calling thread's arrays, for modal displacements of about ``size``; inf where that is not known."""
+
+    @abstractmethod
+    def _regimes(self) -> Sequence[Regime]:
+        """Those of the calling thread's regimes that have an output."""
+
+    def _inward(self, values: Array) -> Array:
+        """Values (…, n) of the user's modes in the kernels' order, a copy."""
+        return np.array(values, dtype=float, order="C")
+
+    def _outward(self, values: Array) -> Array:
+        """Values (…, n) in the kernels' order as the user's modes, a copy."""
+        return np.array(values)
+
+    def _status(self, displacement: Array, resting: bool) -> Array:
+        """The kernels' status at the start from a state."""
+        status = np.zeros(self._status_rows)
+        status[KIND] = RESTING if resting else 0.0
+        return status
+
+    def pose(self, state: State | None) -> tuple[Array, Array]:
+        """The kernels' pose and status of a state; None: equilibrium. ValueError where its shape is wrong."""
+        start = equilibrium(self.system) if state is None else state
+        both = np.array([start.displacement, start.velocity], dtype=float)
+        if both.shape != (2, self.system.size) or not np.all(np.isfinite(both)):
+            raise ValueError(f"state: displacement and velocity must be {self.system.size} finite numbers each")
+        return self._inward(both), self._status(both[0], start.resting)
+
+    def state(self, pose: Array, status: Array) -> State:
+        """The public state of a pose."""
+        values = self._outward(pose)
+        return State.reached(values[0], values[1], bool(status[KIND] == RESTING))
+
+    def simulate(
+        self, drive: Drive, state: State | None, start: float, end: float, limit: int
+    ) -> tuple[Ended, float, State, Segments, dict[str, float]]:
+        """The motion from time ``start`` to ``end``: why it ended, when, its last state, all segments, stats."""
+        begun = time.thread_time()
+        pose, status = self.pose(state)
+        status[CLOCK] = start
+        size = size_of_motion(self.system, drive, self._outward(pose))
+        engine = self._engine_for(size)
+        rows, done, kept = ROWS, 0.0, []
+        counts = np.zeros(COUNT_ROWS, dtype=np.int64)
+        outcome, span = FULL, end - start
+        while outcome == FULL:
+            trace, poses = np.zeros((rows, self._trace_columns)), np.zeros((rows, 2, self.system.size))
+            counts[SEGMENTS] = 0
+            outcome, step = unpaused(
+                self._move, engine, drive.omega, drive.amplitude, pose, status, float(span - done), 0, 0, limit,
+                self._room(None, 0, trace, poses), counts, 0,
+            )  # fmt: skip
+            count = int(counts[SEGMENTS])
+            trace[:count, START] += start + done
+            kept.append(Segments(trace[:count], self._outward(poses[:count]), size))
+            done += step
+            rows = min(2 * rows, 65536)
+        segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]), size)
+        if not len(segments.trace):  # ended where it began: the start is all there is
+            segments = self._instant(start, pose, status, size)
+        stats = {
+            "impacts": int(counts[IMPACTS]),
+            "evaluations": int(counts[PANELS]),
+            "cpu_seconds": time.thread_time() - begun,
+        }
+        last = end if outcome == COMPLETE else float(segments.trace[-1, START] + segments.trace[-1, DURATION])
+        return OUTCOMES[outcome], last, self.state(pose, status), segments, stats
+
+    def _instant(self, time: float, pose: Array, status: Array, size: float) -> Segments:
+        """A segment without duration."""
+        trace = np.zeros((1, self._trace_columns))
+        trace[0, START], trace[0, AT_CLOCK], trace[0, WHAT] = time, status[CLOCK], status[KIND]
+        return Segments(trace, self._outward(pose[None]), size)
+
+    def poses_at(self, drive: Drive, segments: Segments, times: Array) -> Array:
+        """Modal displacements and velocities (m, 2, n) at times (m,) within the segments."""
+        starts = segments.trace[:, START]
+        which = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
+        out = np.empty((len(times), 2, self.system.size))
+        self._poses_at(
+            self._engine_for(segments.size), drive.omega, drive.amplitude, segments.trace,
+            self._inward(segments.poses), which, times - starts[which], *self._scratch(), out,
+        )  # fmt: skip
+        return self._outward(out)
+
+    def _scratch(self) -> tuple[Array, ...]:
+        """Room for a pose, and what else ``_poses_at`` needs."""
+        return (np.zeros((2, self.system.size)),)
+
+    def steady(
+        self,
+        omegas: Sequence[float] | Array,
+        amplitude: float,
+        state: State | None,
+        settle: int,
+        hold: int,
+        output: str,
+        reading: int = EVERYTHING,
+        states: list[State] | None = None,
+    ) -> tuple[FrequencyResponse, State]:
+        """Steady points at ``omegas`` in turn, the state carried from each to the next; and the last state.
+
+        ``reading``: how much is read off, see ``kernels.layout``; what is not is NaN. ``states``: a list to which the
+        state after each point is added.
+        """
+        pose, status = self.pose(state)
+        trace, poses = np.zeros((ROWS, self._trace_columns)), np.zeros((ROWS, 2, self.system.size))
+        room, counts = self._room(output, hold, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
+        tally = PointReadout(len(omegas), self.system.size)
+        engine, begun = self._engine_for(np.inf), time.thread_time()
+        for index, omega in enumerate(omegas):
+            counts[:] = 0  # a point knows no more of the last than a State says
+            status[:] = self._status(self._outward(pose[0]), bool(status[KIND] == RESTING))
+            outcome, period = unpaused(
+                self._move, engine, float(omega), float(amplitude), pose, status, 0.0, settle, hold, self.limit, room,
+                counts, LONGEST_PERIOD,
+            )  # fmt: skip
+            tally.note(index, outcome, int(period), room.result, room.energy, counts)
+            if outcome != COMPLETE:
+                pose, status = self.pose(None)
+            if states is not None:
+                states.append(self.state(pose, status))
+            begun = tally.time(index, begun)
+        return self._response(np.asarray(omegas, dtype=float), tally, hold, reading), self.state(pose, status)
+
+    def rounds(
+        self, omegas: Array, amplitudes: Array, states: Array, output: str, reading: int = EVERYTHING
+    ) -> tuple[FrequencyResponse, Array]:
+        """One drive period at each of ``omegas`` (points,) from a state (points, 2, n) of its own, all off the stop.
+
+        And the states after it, (points, 2, n): where they are those before, the motion has the drive's period.
+        """
+        n = self.system.size
+        after, tally = self._inward(states), PointReadout(len(omegas), n)
+        trace, poses = np.zeros((ROWS, self._trace_columns)), np.zeros((ROWS, 2, n))
+        room, counts = self._room(output, 1, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
+        engine, limit, begun = self._engine_for(np.inf), self.limit, time.thread_time()
+        for index, (omega, amplitude) in enumerate(zip(omegas.tolist(), amplitudes.tolist(), strict=True)):
+            counts[:] = 0
+            outcome, period = unpaused(
+                self._move, engine, omega, amplitude, after[index], self._status(states[index][0], False), 0.0, 0, 1,
+                limit, room, counts, 0,
+            )  # fmt: skip
+            tally.note(index, outcome, int(period), room.result, room.energy, counts)
+            begun = tally.time(index, begun)
+        return self._response(omegas, tally, 1, reading), self._outward(after)
+
+    def _response(self, omegas: Array, tally: PointReadout, hold: int, reading: int) -> FrequencyResponse:
+        """What was noted, in the user's order of modes; what was not read off is NaN."""
+        response = tally.response(omegas, hold, self.system.gap)
+        if reading < REACH_TOO:
+            response.reach[:] = np.nan
+        response.mode_energy[:] = self._outward(response.mode_energy) if reading >= EVERYTHING else np.nan
+        return response
+
+    def _room(self, output: str | None, hold: int, trace: Array, poses: Array, reading: int = EVERYTHING) -> Watch:
+        n = self.system.size
+        row = self._inward(self.system.contact if output is None else self.system.output(output))
+        for regime in self._regimes():
+            set_output(regime, row)
+        nothing, strobes = np.zeros((0, self._trace_columns)), np.zeros((hold + 1, 2, n))
+        scratch, frame = np.zeros((2, n)), np.zeros((2, n))
+        result, energy, share = np.zeros(RESULT_ROWS), np.zeros(n), np.zeros(n + 1)
+        return Watch(row, nothing, trace, poses, strobes, scratch, frame, result, energy, share, reading)

@@ -1,0 +1,123 @@
+"""A linear regime, free, pushed by a linear stop or held on a stop, in 2×2 blocks: the arrays of the block flow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.layout import (
+    A11,
+    ATTACHED_ROWS,
+    BLOCK_ROWS,
+    CONSTANT1,
+    CONSTANT2,
+    LOAD1,
+    LOAD2,
+    MODE,
+    OUTPUT_SIGNAL,
+    SIGNAL_ROWS,
+    SIGNALS,
+    Regime,
+)
+from vibeam.flight.kernels.roots.levels import rates, regime
+from vibeam.flight.linear.blocks import pair_constants, planes
+from vibeam.flight.linear.eigenpairs import Linear
+
+Array = NDArray[np.float64]
+
+FURTHEST = 128  # binary orders by which the unit of time is moved at most
+
+
+@dataclass(frozen=True)
+class SignalRow:
+    """A signal: (at·(η − held) + rate·η') / over + constant + load Ω²B sin φ."""
+
+    at: Array
+    rate: Array
+    constant: float = 0.0
+    load: float = 0.0
+    over: float = 1.0
+
+
+def held_at(contact: Array, gap: float) -> Array:
+    """The least displacement (n,) with contact·η = gap."""
+    return np.asarray(contact * (gap / float(contact @ contact)))
+
+
+def free_regime(linear: Linear, static: Array, load: Array, top: int) -> Regime:
+    """z'' + Dz' + Λz = static + load Ω²B sin φ, pushed by the stop of ``linear`` or not; longest panel 2^top s."""
+    return _in_blocks(linear, np.zeros(len(static)), static, load, top)
+
+
+def held_regime(linear: Linear, static: Array, load: Array, gap: float, top: int) -> tuple[Regime, SignalRow]:
+    """The same with contact·η = gap held, and the contact force F = contact·(f − Dη' − Λη)/S as a signal of it."""
+    contact, mobility = linear.contact, float(linear.contact @ linear.contact)
+    held = held_at(contact, gap)
+    constant = static - linear.spring * held
+    along, across = float(contact @ constant) / mobility, float(contact @ load) / mobility
+    found = _in_blocks(linear, held, constant - contact * along, load - contact * across, top)
+    braking = contact * np.diag(linear.damper) if linear.uncoupled else contact @ linear.damper
+    return found, SignalRow(-contact * linear.spring, -braking, along, across, mobility)
+
+
+def with_signals(found: Regime, rows: Sequence[SignalRow]) -> Regime:
+    """The regime with these signals, in the order of ``layout``."""
+    filled, columns = np.zeros((SIGNALS, found.outof.shape[1] + 2)), np.asfortranarray(found.outof)
+    for place, row in enumerate(rows):
+        filled[place, :-2] = np.concatenate([row.at, row.rate]) @ columns / row.over
+        filled[place, -2:] = row.constant, row.load
+    return found._replace(signals=filled)
+
+
+def set_output(found: Regime, row: Array) -> None:
+    """Make row·η the regime's output."""
+    constant = 0.0
+    for weight, place in zip(row, found.held, strict=True):
+        constant += weight * place
+    found.signals[OUTPUT_SIGNAL, :-2] = row @ found.outof[: len(row)]
+    found.signals[OUTPUT_SIGNAL, -2:] = constant, 0.0
+
+
+def _in_blocks(linear: Linear, held: Array, constant: Array, load: Array, top: int) -> Regime:
+    """Blocks sorted by rate, made in a unit of time of the system's own.
+
+    The unit is a power of two, so that other units of time change no digit.
+    """
+    unit, n = _own_unit(linear), len(held)
+    own = replace(
+        linear, spring=linear.spring / unit**2, damper=linear.damper / unit, stiffness=linear.stiffness / unit**2,
+        damping=linear.damping / unit,
+    )  # fmt: skip
+    found, sizes = planes(own), np.concatenate([own.scale, np.full(n, 1.0 / unit)])
+    omega, sigma, disc = pair_constants(found.blocks)
+    order, m = np.argsort(rates(omega, sigma), kind="stable"), len(omega)
+    pick = np.stack([2 * order, 2 * order + 1], axis=1).ravel()
+    into, outof = found.inverse[pick] * sizes, found.columns[:, pick] / sizes[:, None]
+    blocks = np.zeros((BLOCK_ROWS, m))
+    blocks[A11 : A11 + 4] = found.blocks[order].reshape(m, 4).T * unit
+    blocks[[CONSTANT1, CONSTANT2]] = (into[:, n:] @ constant).reshape(m, 2).T
+    blocks[[LOAD1, LOAD2]] = (into[:, n:] @ load).reshape(m, 2).T
+    blocks[MODE] = _lone_modes(outof)
+    pairs, table, levels = regime(omega[order] * unit, sigma[order] * unit, disc[order] * unit**2, top)
+    return Regime(
+        pairs, table, levels, np.zeros(SIGNAL_ROWS), np.zeros((ATTACHED_ROWS, m)), blocks,
+        np.ascontiguousarray(into), np.ascontiguousarray(outof), held, np.zeros((SIGNALS, 2 * m + 2)),
+    )  # fmt: skip
+
+
+def _lone_modes(outof: Array) -> Array:
+    """The mode whose displacement and velocity alone a block (2n, 2m) is, (m,); −1 where it moves several."""
+    n, m = len(outof) // 2, outof.shape[1] // 2
+    parts = outof.reshape(2, n, m, 2) != 0
+    alone = (parts[0, :, :, 0].sum(axis=0) == 1) & (parts[0, :, :, 0] == parts[1, :, :, 1]).all(axis=0)
+    alone &= ~(parts[0, :, :, 1] | parts[1, :, :, 0]).any(axis=0)
+    return np.where(alone, parts[0, :, :, 0].argmax(axis=0), -1.0)
+
+
+def _own_unit(linear: Linear) -> float:
+    """The power of two next above the fastest of the system's rates."""
+    fastest = max(float(np.sqrt(np.max(linear.spring))), float(np.max(np.diag(linear.damper))) / 2)
+    return float(np.ldexp(1.0, np.clip(np.frexp(fastest)[1], -FURTHEST, FURTHEST)))
