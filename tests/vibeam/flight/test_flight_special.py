@@ -13,6 +13,7 @@ from exact_motion import exact_impacts, exact_motion, impacts_and_bar
 from mpmath import mpf
 
 import vibeam
+from vibeam.flight.solver import FlightSolver
 
 NONE = vibeam.Drive(0.0, 0.0)
 COMPLETE = vibeam.Ended.COMPLETE
@@ -250,7 +251,7 @@ def test_whole_numbers_are_numbers(numbers: tuple[float, float], monkeypatch: py
         seen.extend([type(omega), type(amplitude)])
         raise InterruptedError
 
-    monkeypatch.setattr("vibeam.flight.solver.move", spy)
+    monkeypatch.setattr(FlightSolver, "_move", staticmethod(spy))
     with pytest.raises(InterruptedError):
         vibeam.simulate(one(1.0), vibeam.Drive(*numbers), 10)
     with pytest.raises(InterruptedError):

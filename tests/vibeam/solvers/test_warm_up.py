@@ -16,9 +16,9 @@ from stand_in import RIG, SDOF, same
 import vibeam
 from vibeam.casefile.read import parse
 from vibeam.flight import compilation
-from vibeam.flight import solver as flight
 from vibeam.flight import warm_up as warm_up_motion
 from vibeam.flight.compilation import KERNELS, announce
+from vibeam.flight.solver import FlightSolver
 from vibeam.run.accuracy import study as accuracy_study
 from vibeam.solvers import warm_up
 from vibeam.studies.cost.study import cost
@@ -52,7 +52,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> SlowFirst:
     """Every ``thread_time`` looks at it, and the flight kernels are slow once."""
     clock = SlowFirst()
     monkeypatch.setattr("time.thread_time", clock)
-    monkeypatch.setattr(flight, "move", clock.behind("move", flight.move))
+    monkeypatch.setattr(FlightSolver, "_move", staticmethod(clock.behind("move", FlightSolver._move)))
     monkeypatch.setattr(warm_up, "_READY", set())
     monkeypatch.setattr(warm_up_motion, "_READY", set())
     return clock
@@ -85,7 +85,7 @@ def test_a_sweep_and_a_motion_from_python_do_not_pay_either(clock: SlowFirst) ->
 
 def test_the_clock_would_tell(clock: SlowFirst) -> None:
     """The check can fail: without the warm-up the first point has it all."""
-    made = flight.FlightSolver(parse(SDOF).system("sdof"), 1.5)
+    made = FlightSolver(parse(SDOF).system("sdof"), 1.5)
     first, _ = made.steady([2.0, 2.0], 5e-4, None, 1, 2, "contact")
     assert first.cpu_seconds[0] > FIRST > 1 > first.cpu_seconds[1]
 
@@ -116,7 +116,7 @@ def test_an_influence_is_warm(clock: SlowFirst) -> None:
 
 def test_warming_up_changes_no_bit() -> None:
     system = parse(SDOF).system("sdof")
-    plain, _ = flight.FlightSolver(system, 1.9).steady([1.9, 2.0], 5e-4, None, 20, 5, "contact")
+    plain, _ = FlightSolver(system, 1.9).steady([1.9, 2.0], 5e-4, None, 20, 5, "contact")
     swept = vibeam.sweep(system, omega=[1.9, 2.0], amplitude=5e-4, settle=20, hold=5)
     assert same(plain, swept, but=("cpu_seconds",))
 
