@@ -8,7 +8,11 @@ import subprocess
 import sys
 
 PATIENCE = 600  # seconds of CPU time, kernels compiled anew included: a busy machine changes nothing
-LIMITED = "import resource\nresource.setrlimit(resource.RLIMIT_CPU, ({limit}, {limit}))\n"
+LIMITED = """
+import resource, signal
+resource.setrlimit(resource.RLIMIT_CPU, ({limit}, {limit}))
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job inherits it as ignored
+"""
 
 
 def run_apart(program: str) -> str:

@@ -351,6 +351,8 @@ from stand_in import Solver
 from vibeam.run import fidelity_sweep
 from vibeam.cli.main import main
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job inherits it as ignored
+
 def march(*given, **options):
     for i, block in enumerate(Solver(pause=0.05)(*given, **options)):
         yield block
@@ -358,7 +360,7 @@ def march(*given, **options):
             os.kill(os.getpid(), signal.SIGINT)  # four points are taken by now
 
 fidelity_sweep.march = march
-importlib.import_module("vibeam.run")._warm_up = lambda case, job: None
+importlib.import_module("vibeam.run.run")._warm_up = lambda case, job: None
 sys.argv = ["vibeam", "run", {case!r}, "--set", "sweep.frequency.points=100000"]
 main()
 """
