@@ -97,6 +97,11 @@ def test_the_benchmark_page_agrees_with_the_results(pages: ModuleType) -> None:
     assert pages.with_tables(page, pages.generated()) == page, "run python tests/benchmarks/pages.py"
 
 
+def test_the_page_of_the_paper_s_figures_agrees_with_the_results(pages: ModuleType) -> None:
+    page = pages.PAPER.read_text(encoding="utf-8")
+    assert pages.with_tables(page, pages.generated_for_paper()) == page, "run python tests/benchmarks/pages.py"
+
+
 def test_another_result_is_another_page(pages: ModuleType, tmp_path: Path) -> None:
     for name in ("peers.json", "modes.json"):
         shutil.copy(pages.RESULTS / name, tmp_path)

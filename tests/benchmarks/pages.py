@@ -1,10 +1,11 @@
-"""Tables of the benchmark page, generated from the committed results.
+"""Tables of the benchmark page and of the page of the paper's figures, generated from the committed results.
 
-    python tests/benchmarks/pages.py          # rewrites the tables in README.md beside this file
-    python tests/benchmarks/pages.py --check  # changes nothing; exit code 1 where the page disagrees with the results
+    python tests/benchmarks/pages.py          # rewrites the tables on both pages
+    python tests/benchmarks/pages.py --check  # changes nothing; exit code 1 where a page disagrees with the results
 
 A table stands between ``<!-- begin: NAME -->`` and ``<!-- end: NAME -->``; everything outside these markers is kept.
-``against_peers.py`` writes results/peers.json, ``modes.py`` writes results/modes.json.
+``against_peers.py`` writes results/peers.json, ``modes.py`` writes results/modes.json, ``printed_stability.py``
+writes results/printed_stability.json.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from typing import Any
 
 HERE = Path(__file__).parent
 PAGE, RESULTS = HERE / "README.md", HERE / "results"
+PAPER = HERE.parents[1] / "cases" / "paper" / "README.md"
 DAMPINGS = ("constant", "stiffness")
 Row = dict[str, Any]
 
@@ -119,6 +121,28 @@ def _damping_cells(by_damping: Iterable[dict[int, Row]], modes: int) -> Iterable
             yield from (str(row["ringing"]), significant(row["panels"]), significant(row["cost_us"]))
 
 
+def printed_table(rows: list[Row]) -> str:
+    """Doubling of period 1 and its misjudgement by the printed forms: a row an R, three columns a gap."""
+    gaps = list(dict.fromkeys(row["gap"] for row in rows))
+    named = [f"Δ = {1e3 * gap:g}e-3" if gap else "Δ = 0" for gap in gaps]
+    columns = [f"{gap}: {what}" for gap in named for what in ("doubles at Ω", "29–30 late", "35–37 late")]
+    by_r: dict[float, list[Row]] = {}
+    for row in rows:
+        by_r.setdefault(row["restitution"], []).append(row)
+    return markdown(["R", *columns], ([f"{r:g}", *_printed_cells(own)] for r, own in by_r.items()))
+
+
+def _printed_cells(rows: Iterable[Row]) -> Iterable[str]:
+    for row in rows:
+        late = [f"{100 * (row[form] / row['doubling'] - 1):.2f} %" for form in ("29-30", "35-37")]
+        yield from (f"{row['doubling']:.4f}", *late)
+
+
+def read_table(read: dict[str, float]) -> str:
+    """Shares of single flights that the printed forms call unstable."""
+    return markdown(["form", "flights called unstable"], ([form, f"{100 * share:.0f} %"] for form, share in read.items()))
+
+
 TABLES: dict[str, Callable[[dict[str, Any], list[Row]], str]] = {
     "peers": peers_table,
     "peers by modes": peers_modes_table,
@@ -127,9 +151,19 @@ TABLES: dict[str, Callable[[dict[str, Any], list[Row]], str]] = {
 
 
 def generated(results: Path = RESULTS) -> dict[str, str]:
-    """The tables by name, from the results files in a folder."""
-    peers, modes = (json.loads((results / f"{name}.json").read_text(encoding="utf-8")) for name in ("peers", "modes"))
+    """The tables of the benchmark page by name, from the results files in a folder."""
+    peers, modes = (_read(results, name) for name in ("peers", "modes"))
     return {name: table(peers, modes) for name, table in TABLES.items()}
+
+
+def generated_for_paper(results: Path = RESULTS) -> dict[str, str]:
+    """The tables of the page of the paper's figures by name, from the results files in a folder."""
+    found = _read(results, "printed_stability")
+    return {"printed stability": printed_table(found["rows"]), "single flights": read_table(found["read"])}
+
+
+def _read(results: Path, name: str) -> Any:
+    return json.loads((results / f"{name}.json").read_text(encoding="utf-8"))
 
 
 def with_tables(page: str, tables: dict[str, str]) -> str:
@@ -144,17 +178,17 @@ def with_tables(page: str, tables: dict[str, str]) -> str:
 
 
 def main() -> None:
-    """Rewrite the page, or say whether it agrees."""
+    """Rewrite the pages, or say whether they agree."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="change nothing; exit code 1 where the page disagrees")
     check = parser.parse_args().check
-    page = PAGE.read_text(encoding="utf-8")
-    renewed = with_tables(page, generated())
-    if renewed == page:
-        return
-    if check:
-        sys.exit(f"{PAGE.name} disagrees with the results: run python tests/benchmarks/pages.py")
-    PAGE.write_text(renewed, encoding="utf-8")
+    for place, tables in ((PAGE, generated()), (PAPER, generated_for_paper())):
+        page = place.read_text(encoding="utf-8")
+        renewed = with_tables(page, tables)
+        if renewed != page and check:
+            sys.exit(f"{place} disagrees with the results: run python tests/benchmarks/pages.py")
+        if renewed != page:
+            place.write_text(renewed, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -16,12 +16,16 @@ and for a fixed point of n periods, τ = nT, q̇₊ = −R q̇₋, F = F(t₀) =
     tr J  = e^{−βnT} [(1+R)(F − Δ) sin(ω_D nT)/(ω_D q̇₋) − 2R cos ω_D nT]                              (eq. 36–37)
     det J = R² e^{−2βnT}                                                                             (eq. 35, corrected)
 
-The forms, by name:
+As printed, with q̇₋⁺ the impact velocity after the next flight and N = F(t₀) − βq̇₊ − Δ (eq. 32, 37):
 
-- ``"derived"``: these.
-- ``"printed 35-37"``: eq. 35 as printed, det J = R² e^{−βnT} without the 2, and the trace of eq. 36–37.
-- ``"printed 29-30"``: eq. 30 as printed has a wrong sign, a wrong index and a term less, but which ones is not on
-  record here, so it cannot be computed: it raises an error that says so.
+    tr J  = −e^{−βτ}/(ω_D q̇₋⁺) { [N + Rβq̇₋] sin ω_Dτ + ω_D (q̇₊ − R q̇₋) cos ω_Dτ }                   (eq. 30)
+    tr J  = e^{−βnT} [(N + Rβq̇₋) sin(ω_D nT)/(ω_D q̇₋) − 2R cos ω_D nT]                               (eq. 36)
+    det J = R² e^{−βnT}                                                                              (eq. 35)
+
+Both lack most of the arrival's share, R(F(t₁) − Δ). At a fixed point the traces differ by their sign alone, which no
+|λ| feels; eq. 29–30 and 35–37 then differ by the determinant, of which eq. 29 is right.
+
+The forms, by name: ``"derived"``, ``"printed 29-30"``, ``"printed 35-37"``.
 """
 
 from __future__ import annotations
@@ -38,9 +42,7 @@ from vibeam.solvers.one_mode.oscillator import Oscillator
 
 Form = Literal["derived", "printed 29-30", "printed 35-37"]
 
-FORMS: tuple[Form, ...] = ("derived", "printed 35-37")  # forms that can be computed
-
-UNRECORDED = "form 'printed 29-30': eq. 30 as printed is not on record, only that it is wrong; see 'derived'"
+FORMS: tuple[Form, ...] = ("derived", "printed 29-30", "printed 35-37")
 
 
 @dataclass(frozen=True)
@@ -72,38 +74,44 @@ class Invariants:
         return min(self.margins) > 0
 
 
-def flight_invariants(model: Oscillator, omega: float, start: Impact, end: Impact) -> Invariants:
-    """Invariants of the map along one flight from impact to impact (eq. 29, and eq. 30 corrected)."""
+def flight_invariants(
+    model: Oscillator, omega: float, start: Impact, end: Impact, following: Impact | None = None
+) -> Invariants:
+    """Invariants of the map along one flight from impact to impact (eq. 29, and eq. 30 corrected).
+
+    With the impact ``following`` those of eq. 29–30 as printed, which take its velocity.
+    """
     beta, loss, rate, tau = model.damping, model.restitution, model.damped, end.flight
     after, before = -loss * start.velocity, end.velocity
     leaving = model.force(omega, start.time) - beta * after - model.gap
-    arriving = model.force(omega, end.time) - beta * before - model.gap
+    arriving = beta * before if following else model.force(omega, end.time) - beta * before - model.gap
     turning = (leaving + loss * arriving) * sin(rate * tau) + rate * (after - loss * before) * cos(rate * tau)
-    trace = exp(-beta * tau) / (rate * before) * turning
+    trace = exp(-beta * tau) / rate * (turning / before if following is None else -turning / following.velocity)
     return Invariants(trace, -loss * exp(-2 * beta * tau) * after / before)
 
 
 def orbit_invariants(orbit: Orbit, form: Form = "derived") -> Invariants:
-    """Invariants of the map at a fixed point, in a given form (eq. 35–37); ValueError for an unknown form."""
+    """Invariants of the map at a fixed point, in a given form; ValueError for an unknown form."""
     check_form(form)
-    model, duration = orbit.oscillator, orbit.duration
+    model, duration, fixed = orbit.oscillator, orbit.duration, orbit.impact
+    if form == "printed 29-30":
+        return flight_invariants(model, orbit.omega, fixed, fixed, fixed)
     loss, rate, fade = model.restitution, model.damped, exp(-model.damping * duration)
-    push = (1 + loss) * (model.force(orbit.omega, orbit.time) - model.gap)
+    load, printed = model.force(orbit.omega, orbit.time) - model.gap, form == "printed 35-37"
+    push = load + 2 * loss * model.damping * orbit.velocity if printed else (1 + loss) * load
     trace = fade * (push * sin(rate * duration) / (rate * orbit.velocity) - 2 * loss * cos(rate * duration))
-    return Invariants(trace, loss**2 * (fade if form == "printed 35-37" else fade**2))
+    return Invariants(trace, loss**2 * (fade if printed else fade**2))
 
 
 def check_form(form: str) -> None:
-    """Raise ValueError where ``form`` cannot be computed."""
-    if form == "printed 29-30":
-        raise ValueError(UNRECORDED)
+    """Raise ValueError for an unknown ``form``."""
     if form not in FORMS:
         raise ValueError(f"form: {form!r} is none of {', '.join(map(repr, FORMS))}")
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """Stability verdict of each form on one admissible orbit."""
+    """Stability verdict of the derived and of a printed form on one admissible orbit."""
 
     orbit: Orbit
     derived: Invariants
@@ -115,16 +123,15 @@ class Verdict:
         return self.derived.stable is not self.printed.stable
 
 
-def verdicts(model: Oscillator, omegas: Iterable[float], periods: int = 1) -> tuple[Verdict, ...]:
+def verdicts(
+    model: Oscillator, omegas: Iterable[float], periods: int = 1, form: Form = "printed 35-37"
+) -> tuple[Verdict, ...]:
     """Verdicts on all admissible orbits of 1 … ``periods`` drive periods over Ω, in the order of ``omegas``."""
     grid = [float(omega) for omega in omegas]
     solver = flight_solver(model, min(grid, default=1.0))
-    found = []
-    for omega in grid:
-        flights = ImpactMap(model, omega, solver)
-        for orbit in admissible_orbits(flights, periods):
-            found.append(Verdict(orbit, orbit_invariants(orbit), orbit_invariants(orbit, "printed 35-37")))
-    return tuple(found)
+    maps = (ImpactMap(model, omega, solver) for omega in grid)
+    found = (orbit for flights in maps for orbit in admissible_orbits(flights, periods))
+    return tuple(Verdict(orbit, orbit_invariants(orbit), orbit_invariants(orbit, form)) for orbit in found)
 
 
 def admissible_orbits(flights: ImpactMap, periods: int = 1) -> list[Orbit]:
