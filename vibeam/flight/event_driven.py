@@ -19,6 +19,7 @@ from vibeam.flight.kernels.layout import (
     COUNT_ROWS,
     DURATION,
     EVERYTHING,
+    FREE,
     FULL,
     IMPACTS,
     KIND,
@@ -99,11 +100,10 @@ class EventDrivenSolver(ABC):
         """Values (…, n) in the kernels' order as the user's modes, a copy."""
         return np.array(values)
 
-    def _status(self, displacement: Array, resting: bool) -> Array:
-        """The kernels' status at the start from a state."""
-        status = np.zeros(self._status_rows)
-        status[KIND] = RESTING if resting else 0.0
-        return status
+    def _restart(self, pose: Array, status: Array, kind: float) -> None:
+        """Set ``status`` as at the start from a state, ``kind`` RESTING or FREE."""
+        status.fill(0.0)
+        status[KIND] = kind
 
     def pose(self, state: State | None) -> tuple[Array, Array]:
         """The kernels' pose and status of a state; None: equilibrium. ValueError where its shape is wrong."""
@@ -111,7 +111,9 @@ class EventDrivenSolver(ABC):
         both = np.array([start.displacement, start.velocity], dtype=float)
         if both.shape != (2, self.system.size) or not np.all(np.isfinite(both)):
             raise ValueError(f"state: displacement and velocity must be {self.system.size} finite numbers each")
-        return self._inward(both), self._status(both[0], start.resting)
+        pose, status = self._inward(both), np.empty(self._status_rows)
+        self._restart(pose, status, RESTING if start.resting else FREE)
+        return pose, status
 
     def state(self, pose: Array, status: Array) -> State:
         """The public state of a pose."""
@@ -197,7 +199,7 @@ class EventDrivenSolver(ABC):
         engine, begun = self._engine_for(np.inf), time.thread_time()
         for index, omega in enumerate(omegas):
             counts[:] = 0  # a point knows no more of the last than a State says
-            status[:] = self._status(self._outward(pose[0]), bool(status[KIND] == RESTING))
+            self._restart(pose, status, RESTING if status[KIND] == RESTING else FREE)
             outcome, period = unpaused(
                 self._move, engine, float(omega), float(amplitude), pose, status, 0.0, settle, hold, self.limit, room,
                 counts, LONGEST_PERIOD,
@@ -221,12 +223,12 @@ class EventDrivenSolver(ABC):
         after, tally = self._inward(states), PointReadout(len(omegas), n)
         trace, poses = np.zeros((ROWS, self._trace_columns)), np.zeros((ROWS, 2, n))
         room, counts = self._room(output, 1, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
-        engine, limit, begun = self._engine_for(np.inf), self.limit, time.thread_time()
+        engine, status, begun = self._engine_for(np.inf), np.empty(self._status_rows), time.thread_time()
         for index, (omega, amplitude) in enumerate(zip(omegas.tolist(), amplitudes.tolist(), strict=True)):
             counts[:] = 0
+            self._restart(after[index], status, FREE)
             outcome, period = unpaused(
-                self._move, engine, omega, amplitude, after[index], self._status(states[index][0], False), 0.0, 0, 1,
-                limit, room, counts, 0,
+                self._move, engine, omega, amplitude, after[index], status, 0.0, 0, 1, self.limit, room, counts, 0,
             )  # fmt: skip
             tally.note(index, outcome, int(period), room.result, room.energy, counts)
             begun = tally.time(index, begun)

@@ -46,10 +46,9 @@ class RegimeSolver(EventDrivenSolver):
         own = self.plan
         return own.free, own.upper, own.lower
 
-    def _status(self, displacement: Array, resting: bool) -> Array:
-        status = super()._status(displacement, resting)
-        status[ORDER], status[SIDE] = UNKNOWN, self._nearer(displacement)
-        return status
+    def _restart(self, pose: Array, status: Array, kind: float) -> None:
+        super()._restart(pose, status, kind)
+        status[ORDER], status[SIDE] = UNKNOWN, self._nearer(pose[0])
 
     def _nearer(self, displacement: Array) -> int:
         """The stop that is nearer."""
