@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from vibeam.studies.influence.study import influence as influence
     from vibeam.studies.modes import modes as modes
     from vibeam.studies.regression.check import check as check
+    from vibeam.studies.regression.check import compare_measured as compare_measured
     from vibeam.studies.stability.study import stability as stability
     from vibeam.system.impact_system import Drive as Drive
     from vibeam.system.impact_system import ImpactSystem as ImpactSystem
@@ -89,6 +90,7 @@ _HOMES = {
     "FrequencyResponse": "vibeam.system.response",
     "cost": "vibeam.studies.cost.study",
     "check": "vibeam.studies.regression.check",
+    "compare_measured": "vibeam.studies.regression.check",
     "modes": "vibeam.studies.modes",
     "plot": "vibeam.report.plot",
     "Case": "vibeam.case.case",
@@ -135,6 +137,7 @@ __all__ = [
     "__version__",
     "boundaries",
     "check",
+    "compare_measured",
     "cost",
     "derive",
     "follow",

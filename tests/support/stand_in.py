@@ -111,6 +111,7 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
         "sweep": sweep,
         "references": {},
         "expectations": {},
+        "measured": {},
         "shows": {},
         "accuracy": None,
         "figure": FigurePlan(),

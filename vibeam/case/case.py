@@ -16,14 +16,15 @@ from vibeam.case.plans import AccuracyPlan, CostPlan, FigurePlan, InfluencePlan,
 
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity
-    from vibeam.case.plans import Expectation, ShowPlan
+    from vibeam.case.plans import Expectation, Measured, ShowPlan
     from vibeam.observe.measuring_chain import Chain
     from vibeam.system.impact_system import ImpactSystem
     from vibeam_models.scene import Scene, SdofScene
 
 #: tables that change no sweep, and keys of the tables that do
 NOT_NUMBERS = frozenset(
-    {"title", "source", "reference", "expect", "show", "figure", "cost", "influence", "measurement", "fidelity.*.label"}
+    {"title", "source", "reference", "expect", "measured", "show", "figure", "cost", "influence", "measurement"}
+    | {"fidelity.*.label"}
 )
 
 #: further tables and keys that are not physics
@@ -32,7 +33,7 @@ NOT_PHYSICS = NOT_NUMBERS | {"fidelity", "sweep", "accuracy", "accuracy_of"}
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """Scene, fidelities, sweep and references of a case.
+    """Scene, fidelities, sweep, references and measured numbers of a case.
 
     ``text`` is the case in canonical form, SI units and overrides included: it loads as the same case. ``numbers`` is
     the part of it that decides what the sweeps compute (no title, source, checks, figures): two cases compute the same
@@ -54,6 +55,7 @@ class Case:
     references: dict[str, Reference]
     scenes: Mapping[str, Scene | SdofScene] = field(default_factory=dict)
     expectations: Mapping[str, Expectation] = field(default_factory=dict)
+    measured: Mapping[str, Measured] = field(default_factory=dict)
     shows: Mapping[str, ShowPlan] = field(default_factory=dict)
     cost: CostPlan = field(default_factory=CostPlan)
     influence: InfluencePlan = field(default_factory=InfluencePlan)

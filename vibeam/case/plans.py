@@ -1,4 +1,4 @@
-"""Plans of a case: sweep, references, studies."""
+"""Plans of a case: sweep, references, measured numbers, studies."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+Direction = Literal["up", "down", "both"]
 
-@dataclass(frozen=True)
-class Expectation:
-    """``quantity`` of ``fidelity`` at ``frequency`` (Hz; None: of the whole branch) must be ``value``.
 
-    With ``against``, the relative difference to that fidelity must be. ``tolerance``: of that difference itself, else
-    relative to the value, or of the number itself where the value is 0. With ``show`` the quantity is read off that
-    figure: its mean, or the entry of mode or order ``number``.
+@dataclass(frozen=True, kw_only=True)
+class Reading:
+    """Number of a result: ``quantity`` of ``fidelity`` at ``frequency`` (Hz; None: of the whole branch).
+
+    With ``against``, its relative difference to that fidelity. With ``show`` the quantity is read off that figure: its
+    mean, or the entry of mode or order ``number``.
     """
 
     name: str
@@ -24,14 +25,36 @@ class Expectation:
     quantity: str
     frequency: float | None
     against: str | None
-    value: float
-    tolerance: float
     direction: Direction
     show: str | None = None
     number: float | None = None
 
 
-Direction = Literal["up", "down", "both"]
+@dataclass(frozen=True, kw_only=True)
+class Expectation(Reading):
+    """Number that must be ``value``.
+
+    ``tolerance`` is relative to the value; of the number itself with ``against`` or where the value is 0. ``source``:
+    who derived the value; empty: an earlier result of the model itself.
+    """
+
+    value: float
+    tolerance: float
+    source: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measured(Reading):
+    """Number that was measured as ``value``, in ``unit`` (m, m/s, Hz, 1/s, 1), from ``source``.
+
+    ``scatter`` is of the measurement, in the same unit; None: not given. ``calibrated``: the model was fitted to it.
+    """
+
+    value: float
+    unit: str
+    scatter: float | None
+    calibrated: bool
+    source: str
 
 
 @dataclass(frozen=True, eq=False)

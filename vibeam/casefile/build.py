@@ -18,7 +18,7 @@ from vibeam_models.scene import Base, Beam, Damping, Mass, Scene, SdofScene, Sen
 
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity
-    from vibeam.case.plans import Expectation, ShowPlan
+    from vibeam.case.plans import Expectation, Measured, ShowPlan
     from vibeam.casefile.tables.beam import BeamTable
     from vibeam.casefile.tables.cases import BeamCase, SdofCase
     from vibeam.casefile.tables.sweep import SweepTable
@@ -152,6 +152,15 @@ def _expectations(case: BeamCase | SdofCase, swept: Direction) -> dict[str, Expe
 
     values = {name: table.model_dump() | {"direction": table.direction or swept} for name, table in case.expect.items()}
     return {name: Expectation(name=name, **value) for name, value in values.items()}
+
+
+def _measurements(case: BeamCase | SdofCase, swept: Direction) -> dict[str, Measured]:
+    if not case.measured:
+        return {}
+    from vibeam.casefile.tables.measured import record
+
+    plain = not case.with_beam
+    return {name: record(name, table, swept, plain=plain) for name, table in case.measured.items()}
 
 
 def _shows(

@@ -22,7 +22,14 @@ WIDTH = 120
 
 WITH_SDOF = " with [sdof]"  # what marks a table in the reference that is another beside [sdof]
 
-SEVERAL = ("[[", "[fidelity.", "[reference.", "[expect.", "[show.")  # headings of tables of which there are several
+SEVERAL = (
+    "[[",
+    "[fidelity.",
+    "[reference.",
+    "[expect.",
+    "[measured.",
+    "[show.",
+)  # headings of tables of which there are several
 
 # What the template shows of the tables that have names.
 NAMED: dict[str, dict[str, dict[str, Any]]] = {
@@ -39,6 +46,7 @@ NAMED: dict[str, dict[str, dict[str, Any]]] = {
     },
     "reference": {"exact": {}},
     "expect": {"two_thirds": {}},
+    "measured": {"peak": {}},
     "show": {"motion": {}},
 }
 

@@ -20,7 +20,18 @@ from vibeam.casefile.toml import key_parts
 from vibeam.casefile.validation import entry_of, fields_of, is_repeated, keys_of, table_of
 
 #: tables and keys of a case that are no physics: a fidelity shares them with all others
-DROPPED = ("accuracy", "accuracy_of", "fidelity", "reference", "show", "figure", "expect", "cost", "influence")
+DROPPED = (
+    "accuracy",
+    "accuracy_of",
+    "fidelity",
+    "reference",
+    "show",
+    "figure",
+    "expect",
+    "measured",
+    "cost",
+    "influence",
+)
 
 SHARED = ("title", "source", "sweep", *DROPPED)
 

@@ -68,7 +68,7 @@ def _missing(loc: KeyPath, model: type[BaseModel]) -> str:
 
 def _header(loc: KeyPath, model: type[BaseModel]) -> str:
     names = [name_of(str(part)) for part in loc if isinstance(part, str)]
-    if names[0] in ("fidelity", "reference", "expect", "show") and len(names) == 1:
+    if names[0] in ("fidelity", "reference", "expect", "measured", "show") and len(names) == 1:
         names.append("NAME")
     listed = is_list(fields_of(model)[str(loc[0])])
     return f"[[{names[0]}]]" if listed else f"[{'.'.join(names)}]"

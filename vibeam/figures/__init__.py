@@ -11,13 +11,21 @@ from vibeam_models.registry import Registry
 HOME = "vibeam.figures.kinds."
 MOTION = ("periods", "settle", "output")
 OVER = ("frequency", *MOTION)
-SHARES = ("energy_share", "displacement_share", "velocity_share", "impulse_share")
-RINGING = ("ringing_frequency", "counted_frequency", "ringing_decay", "ringing_displacement", "ringing_velocity")
+SHARES = dict.fromkeys(("energy_share", "displacement_share", "velocity_share", "impulse_share"), "1")
+RINGING = {
+    "ringing_frequency": "Hz",
+    "counted_frequency": "Hz",
+    "ringing_decay": "1/s",
+    "ringing_displacement": "q",
+    "ringing_velocity": "q/s",
+}
 RESTITUTIONS = tuple(f"{how}_restitution" for how in ("true", "adjacent", "extremum", "extrapolated", "first_mode"))
 
 FIGURES = Registry(
     "kind of figure",
-    FigureKind("history", f"{HOME}history", "displacement and velocity over time", ("frequency",), MOTION, ("jump",)),
+    FigureKind(
+        "history", f"{HOME}history", "displacement and velocity over time", ("frequency",), MOTION, {"jump": "q/s"}
+    ),
     FigureKind("portrait", f"{HOME}portrait", "velocity over displacement", ("frequency",), MOTION),
     FigureKind("section", f"{HOME}section", "one point a drive period", ("frequency",), MOTION),
     FigureKind("curve", f"{HOME}curve", "another quantity over frequency", ("quantity",)),
@@ -27,7 +35,7 @@ FIGURES = Registry(
         f"{HOME}harmonics",
         "amplitudes at multiples of the drive frequency, bars at a few, lines over many",
         takes=(*OVER, "highest", "subdivision"),
-        reads=("harmonic",),
+        reads={"harmonic": "q"},
         entries="order",
         exact=True,
     ),
@@ -63,19 +71,20 @@ FIGURES = Registry(
         f"{HOME}restitution",
         "the contact's restitution beside what is read off in other ways",
         takes=OVER,
-        reads=RESTITUTIONS,
+        reads=dict.fromkeys(RESTITUTIONS, "1"),
         exact=True,
     ),
     FigureKind(
         "modal",
         f"{HOME}modal",
         "frequencies and damping ratios of the modes",
-        reads=("mode_frequency", "mode_damping"),
+        reads={"mode_frequency": "Hz", "mode_damping": "1"},
         entries="mode",
     ),
 )
 
-READ = tuple(dict.fromkeys(name for kind in FIGURES.values() for name in kind.reads))
+#: units of what [expect.NAME] and [measured.NAME] can read off figures
+READ = {name: unit for kind in FIGURES.values() for name, unit in kind.reads.items()}
 KEYS = ("frequency", "periods", "settle", "quantity", "output", "near", "highest", "subdivision")  # by kind
 
 #: for the kind ``boundaries``: Q* of eq. 24, Δ_MAX of eq. 26, and the reach and the gap at the exact folds

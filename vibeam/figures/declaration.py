@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 
@@ -14,8 +15,9 @@ class FigureKind:
     ``draw(figure, result, plan, sheets)``, which makes the figure of them; ``size(plan)`` (inches) and
     ``caption(plan)`` where the usual ones will not do.
 
-    ``needs`` and ``takes``: keys of the table that it must and may have. ``reads``: its columns that [expect.NAME] may
-    hold to a number, ``entries``: the column by which one of them is chosen (none: their mean is meant). ``exact``:
+    ``needs`` and ``takes``: keys of the table that it must and may have. ``reads``: its columns that [expect.NAME] and
+    [measured.NAME] compare with a number, and their units (q, q/s: of the output and its rate), ``entries``: the column
+    by which one of them is chosen (none: their mean is meant). ``exact``:
     True where the motion must be exact between events.
     """
 
@@ -24,6 +26,6 @@ class FigureKind:
     meaning: str
     needs: tuple[str, ...] = ()
     takes: tuple[str, ...] = ()
-    reads: tuple[str, ...] = ()
+    reads: Mapping[str, str] = field(default_factory=dict)
     entries: str = ""
     exact: bool = False

@@ -14,10 +14,12 @@ from rich.text import Text
 from vibeam.casefile.documentation import KeyRow as KeyRow
 from vibeam.figures.prefixes import FREQUENCIES, prefixed
 from vibeam.figures.units import METRIC, Units, percent
+from vibeam.report.measured import measurements
 from vibeam.report.table_widths import ReportTable, fitted, needed
 from vibeam.run.summary import Summary
 from vibeam.studies.derive import DerivedParameter
 from vibeam.studies.modes import ModeTable
+from vibeam.studies.regression.measured import MeasuredRow
 from vibeam.studies.regression.references import CheckRow
 from vibeam.studies.stability.rows import Crossing
 
@@ -81,10 +83,17 @@ def costs(summaries: Sequence[Summary]) -> ReportTable:
     return table
 
 
-def checks(rows: Iterable[CheckRow], units: Units = METRIC) -> ReportTable:
-    """Table of the references: passed or missed, by how much and where."""
-    names = ("", "reference", "fidelity", "quantity", "points|", "worst|", "at|", "allowed|", "why")
-    table = blank("References", *names, heads=2)
+def verdicts(rows: Sequence[CheckRow], measured: Sequence[MeasuredRow], units: Units = METRIC) -> list[ReportTable]:
+    """Tables of references, of regression values and of measured numbers, those that there are."""
+    kinds = ("reference", "regression value")
+    found = [checks(own, units, kind) for kind in kinds if (own := [row for row in rows if row.kind == kind])]
+    return [*found, measurements(measured, units)] if measured else found
+
+
+def checks(rows: Iterable[CheckRow], units: Units = METRIC, kind: str = "reference") -> ReportTable:
+    """Table of the references (or regression values): passed or missed, by how much and where."""
+    names = ("", kind, "fidelity", "quantity", "points|", "worst|", "at|", "allowed|", "why")
+    table = blank(f"{kind.capitalize()}s", *names, heads=2)
     for row in rows:
         mark = Text("passed", style="green") if row.passed else Text("missed", style="bold red")
         points = str(row.points) if row.points == row.total else f"{row.points} of {row.total}"

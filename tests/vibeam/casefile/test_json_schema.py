@@ -62,6 +62,7 @@ def test_the_template_fits_it_with_and_without_what_is_optional() -> None:
         ("fidelity.sdof.set", {}),
         ("fidelity.sdof.without", ["stop.gap", "stop.gap"]),
         ("expect", {"a": {"fidelity": "sdof"}}),
+        ("measured", {"a": {"fidelity": "sdof", "quantity": "peak", "value": "1 mm"}}),
         ("cost", {"solvers": []}),
         ("sdof", {"natural_frequency": 1}),
         ("title", None),

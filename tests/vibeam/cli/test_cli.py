@@ -146,6 +146,16 @@ def test_check_keeps_what_it_computes_where_it_is_told(command: Command, sdof: P
     assert command("check", checked, "--out", "kept.h5").stderr == "all 10 points are there already\n"
 
 
+def test_a_measured_number_is_shown_and_decides_nothing(command: Command, sdof: Path) -> None:
+    table = '\n[measured.top]\nfidelity = "sdof"\nquantity = "peak"\nvalue = 9\nscatter = 0.1\nsource = "Fig. 3"\n'
+    sdof.write_text(sdof.read_text(encoding="utf-8") + table, encoding="utf-8")
+    shown = command("check", sdof).stdout
+    assert all(word in shown for word in ("Measured", "predicted", "no", "Fig. 3"))
+    assert "References" not in shown
+    row = json.loads(command("check", sdof, "--json").stdout)[0]
+    assert (row["kind"], row["within"], row["value"]) == ("measured", False, 9)
+
+
 def test_check_without_a_reference_says_so(command: Command, sdof: Path) -> None:
     result = command("check", sdof)
     assert "names no reference" in result.stderr

@@ -44,7 +44,16 @@ def row(*lines: str, ours: Branches = OURS, partial: bool = False) -> CheckRow:
 
 def test_a_case_reads_what_it_expects() -> None:
     case = parse(CASE + 'quantity = "peak_frequency"\nvalue = "100 rad/s"\ntolerance = "1 %"\n')
-    expected = Expectation("it", "ours", "peak_frequency", None, None, 100 / (2 * np.pi), 0.01, "both")
+    expected = Expectation(
+        name="it",
+        fidelity="ours",
+        quantity="peak_frequency",
+        frequency=None,
+        against=None,
+        direction="both",
+        value=100 / (2 * np.pi),
+        tolerance=0.01,
+    )
     assert case.expectations == {"it": expected}
     assert case.key == parse(CASE.split("[expect")[0]).key
 

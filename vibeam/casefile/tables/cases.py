@@ -12,6 +12,7 @@ from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable
 from vibeam.casefile.tables.effects import effect_tables
 from vibeam.casefile.tables.expectations import ExpectTable, ReferenceTable
 from vibeam.casefile.tables.figures import FigureTable, MeasurementTable, SdofMeasurementTable, ShowTable
+from vibeam.casefile.tables.measured import MeasuredTable
 from vibeam.casefile.tables.stop import sdof_stop_table, stop_table
 from vibeam.casefile.tables.studies import CostTable, InfluenceTable
 from vibeam.casefile.tables.sweep import FidelityTable, SdofFidelityTable, SdofSweepTable, SweepTable
@@ -60,6 +61,7 @@ class _Plan(Table):
 class _Checks(Table):
     reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)
     expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False)
+    measured: dict[str, MeasuredTable] = key("numbers that were measured", None, {}, written=False)
     show: dict[str, ShowTable] = key("further figures", None, {}, written=False)
     figure: FigureTable = key("how figures are written", None, FigureTable(), written=False)
     cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False)

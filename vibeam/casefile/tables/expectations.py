@@ -29,20 +29,24 @@ def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]
 def expectation_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about every [expect.NAME]."""
     for name, expect in case.expect.items():
-        path: KeyPath = ("expect", name)
-        yield from named_fidelity(case, (*path, "fidelity"), expect.fidelity)
-        yield from named_fidelity(case, (*path, "against"), expect.against)
-        yield from _swept(case, (*path, "direction"), expect.direction)
-        if expect.show is not None or expect.number is not None or expect.quantity in READ:
-            yield from _of_a_figure(case, path, expect)
-        elif expect.quantity in EXTENTS and expect.frequency is not None:
-            yield (*path, "frequency"), f'"{expect.quantity}" is of a whole branch: leave the frequency away'
-        elif expect.quantity in QUANTITIES + LIMITS and expect.frequency is None:
-            yield (*path, "frequency"), f'missing: "{expect.quantity}" is read at one frequency'
+        yield from reading_checks(case, ("expect", name), expect)
+
+
+def reading_checks(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about where an [expect.NAME] or [measured.NAME] finds its number."""
+    yield from named_fidelity(case, (*path, "fidelity"), expect.fidelity)
+    yield from named_fidelity(case, (*path, "against"), expect.against)
+    yield from _swept(case, (*path, "direction"), expect.direction)
+    if expect.show is not None or expect.number is not None or expect.quantity in READ:
+        yield from _of_a_figure(case, path, expect)
+    elif expect.quantity in EXTENTS and expect.frequency is not None:
+        yield (*path, "frequency"), f'"{expect.quantity}" is of a whole branch: leave the frequency away'
+    elif expect.quantity in QUANTITIES + LIMITS and expect.frequency is None:
+        yield (*path, "frequency"), f'missing: "{expect.quantity}" is read at one frequency'
 
 
 def _of_a_figure(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace) -> Iterator[Complaint]:
-    """Complaints about an [expect.NAME] that is, or should be, read off a figure."""
+    """Complaints about a number that is, or should be, read off a figure."""
     if expect.show is None:
         what = (
             f"[show.NAME] that {as_shown_in_message(expect.quantity)} is read off" if expect.quantity else "[show.NAME]"
@@ -95,11 +99,11 @@ class ReferenceTable(Table):
     )
 
 
-class ExpectTable(Table):
-    """A number that a fidelity is checked against, by itself or against another fidelity, one table each."""
+class ReadingTable(Table):
+    """Where a number of the result is found."""
 
-    fidelity: Annotated[str, Text()] = key("the fidelity that must meet it", "sdof")
-    quantity: Annotated[str, Word(QUANTITIES + EXTENTS + LIMITS + READ)] = key(
+    fidelity: Annotated[str, Text()] = key("the fidelity whose number it is", "sdof")
+    quantity: Annotated[str, Word((*QUANTITIES, *EXTENTS, *LIMITS, *READ))] = key(
         "what is compared; of those after largest_gap: that of a figure, with show", "amplitude"
     )
     frequency: Annotated[float | None, Frequency] = key(
@@ -119,11 +123,22 @@ class ExpectTable(Table):
     against: Annotated[str | None, Text()] = key(
         "another fidelity: the value is then the relative difference to it", "beam", None
     )
+    direction: Annotated[str | None, Word(DIRECTIONS)] = key(
+        "the branches compared; absent = all that are swept", "up", None
+    )
+
+
+class ExpectTable(ReadingTable):
+    """A number that a fidelity is checked against, by itself or against another fidelity, one table each."""
+
     value: Annotated[float, Value()] = key("the number expected, in SI units (frequencies in Hz)", "34 %")
     tolerance: Annotated[float, Quantity(units.RATIO, POSITIVE)] = key(
         "largest difference: relative to the value, or, with against or where the value is 0, of the number itself",
         "1 %",
     )
-    direction: Annotated[str | None, Word(DIRECTIONS)] = key(
-        "the branches compared; absent = all that are swept", "up", None
+    source: Annotated[str, Text()] = key(
+        "who derived the value; absent = it is an earlier result of the model, a regression value",
+        "closed form, Babitsky 1998",
+        "",
+        written=False,
     )

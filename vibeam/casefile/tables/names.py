@@ -15,9 +15,8 @@ def name_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about the names that a case gives."""
     if case.fidelity == {}:
         yield ("fidelity",), "no fidelity: add a table [fidelity.NAME]"
-    named = {"fidelity": case.fidelity, "reference": case.reference, "expect": case.expect, "show": case.show}
-    for kind, tables in named.items():
-        for name in tables:
+    for kind in ("fidelity", "reference", "expect", "measured", "show"):
+        for name in getattr(case, kind):
             if not NAME.fullmatch(name):
                 yield (kind, name), f"the name {as_shown_in_message(name)} must be 1 to 64 letters, digits, - or _"
     if "show" in case.fidelity:

@@ -1,4 +1,4 @@
-"""``vibeam check``: the verdict on a case's references and expectations."""
+"""``vibeam check``: the verdict on a case's references and expectations, and its measured numbers beside the model."""
 
 from __future__ import annotations
 
@@ -14,21 +14,24 @@ MISSED = 1
 def check(
     case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: ResultsFile = None, fresh: Fresh = False
 ) -> None:
-    """Compare a case with its reference curves: exit code 1 where one is missed."""
+    """Compare a case with references and measured numbers: exit code 1 where a reference is missed."""
     loaded = load(case, set_)
-    if not (loaded.references or loaded.expectations):
-        say(f"{case}: a sound case, but it names no reference to check against")
+    if not (loaded.references or loaded.expectations or loaded.measured):
+        say(f"{case}: a sound case, but it names no reference to check against and no measured number")
         print_result([], as_json)
         return
     from vibeam.figures.units import units_of
     from vibeam.run.remarks import remarks
     from vibeam.studies.regression.check import check as checked
+    from vibeam.studies.regression.check import compare_measured
     from vibeam.studies.regression.references import require_readable
 
     require_readable(loaded)
     loaded = loaded.everywhere()  # each fidelity is checked by itself
     result = run_case(loaded, None if out is None else results_path(loaded, out), show=False, fresh=fresh)
     rows = checked(loaded, result, partial=bool(set_))
-    print_result(rows, as_json, lambda tables: [tables.checks(rows, units_of(loaded))], remarks(result))
+    measured = compare_measured(loaded, result)
+    units = units_of(loaded)
+    print_result([*rows, *measured], as_json, lambda tables: tables.verdicts(rows, measured, units), remarks(result))
     if not all(row.passed for row in rows):
         raise typer.Exit(MISSED)

@@ -1,15 +1,16 @@
-"""Regression check of a case: its result against its reference curves and expected numbers."""
+"""Regression check of a case: its result against reference curves and expected numbers, and beside measured ones."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from vibeam.studies.regression import expectations as expect
-from vibeam.studies.regression import references
+from vibeam.studies.regression import measured, references
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.run.result import Result
+    from vibeam.studies.regression.measured import MeasuredRow
     from vibeam.studies.regression.references import CheckRow
 
 
@@ -19,9 +20,16 @@ def check(case: Case, result: Result | None = None, *, partial: bool = False) ->
     ``result`` None: the case is run, every fidelity by itself. ``partial`` forgives frequencies that the sweep does not
     have. CaseError for a reference file that cannot be read.
     """
-    if result is None:
-        from vibeam.run.run import run
-
-        case = case.everywhere()
-        result = run(case, show=False)
+    result = _result(case) if result is None else result
     return references.check(case, result, partial=partial) + expect.check(case, result, partial=partial)
+
+
+def compare_measured(case: Case, result: Result | None = None) -> list[MeasuredRow]:
+    """Compare a case with its measured numbers, one row each; ``result`` as for ``check``. There is no verdict."""
+    return measured.compare(case, _result(case) if result is None else result)
+
+
+def _result(case: Case) -> Result:
+    from vibeam.run.run import run
+
+    return run(case.everywhere(), show=False)

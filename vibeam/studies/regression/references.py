@@ -24,7 +24,10 @@ SMALL = 1e-6  # smallest reference value for relative differences, as a share of
 
 @dataclass(frozen=True)
 class CheckRow:
-    """Outcome of one reference: ``points`` of ``total`` were compared; ``worst`` is relative, at ``frequency`` (Hz)."""
+    """Outcome of one reference: ``points`` of ``total`` were compared; ``worst`` is relative, at ``frequency`` (Hz).
+
+    ``kind``: ``"reference"``, derived by others, or ``"regression value"``, an earlier result of the model itself.
+    """
 
     reference: str
     fidelity: str
@@ -36,6 +39,7 @@ class CheckRow:
     tolerance: float
     passed: bool
     notes: tuple[str, ...] = ()
+    kind: str = "reference"
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,57 @@
+"""Table of measured numbers beside the model's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import isfinite
+
+from vibeam.figures.units import METRIC, Units, percent
+from vibeam.report.table_widths import ReportTable
+from vibeam.studies.regression.measured import MeasuredRow
+
+NAN = float("nan")
+
+ARROWS = {"up": " ↑", "down": " ↓"}
+
+WITHIN = {True: "yes", False: "no", None: "not given"}
+
+
+def measurements(rows: Iterable[MeasuredRow], units: Units = METRIC) -> ReportTable:
+    """Table of measured numbers: the model's, their difference, whether it is within the scatter."""
+    table = ReportTable("Measured", 1)
+    table.add("measured", "fidelity", "quantity", "at|", "measured|", "scatter|", "model|", "difference|")
+    table.add("within scatter", "the model", "source", "why")
+    table.caption = "difference: model − measured; calibrated: the model was fitted to this number, which tests nothing"
+    for row in rows:
+        numbers = (row.value, NAN if row.scatter is None else row.scatter, row.model)
+        values = (_amount(row, each, units) for each in numbers)
+        status = "calibrated" if row.calibrated else "predicted"
+        words = (WITHIN[row.within] if isfinite(row.difference) else "–", status, row.source, "; ".join(row.notes))
+        place = (row.measured, row.fidelity, _quantity(row), units.frequencies(row.frequency))
+        table.add_row(*place, *values, _difference(row, units), *words)
+    return table
+
+
+def _quantity(row: MeasuredRow) -> str:
+    number = "" if row.number is None else f" {row.number:g}"
+    against = "" if row.against is None else f" against {row.against}"
+    return f"{row.quantity}{number}{against}{ARROWS.get(row.direction, '')}"
+
+
+def _amount(row: MeasuredRow, value: float, units: Units) -> str:
+    """Number in the unit of the table's others; a relative difference as a percentage."""
+    if row.against is not None:
+        return percent(value)
+    named = {"m": units.lengths, "m/s": units.speeds, "Hz": units.frequencies}
+    if row.unit in named:
+        return named[row.unit](value)
+    unit = "" if row.unit == "1" else row.unit
+    return f"{value:.4g} {unit}".strip() if isfinite(value) else "–"
+
+
+def _difference(row: MeasuredRow, units: Units) -> str:
+    if not isfinite(row.difference):
+        return "–"
+    sign = "+" if row.difference >= 0 else "-"
+    own = sign + _amount(row, abs(row.difference), units)
+    return own if row.against or not row.value else f"{own} ({sign}{percent(abs(row.difference / row.value))})"

@@ -1,0 +1,116 @@
+"""Numbers read off a result: of a branch, at a frequency, of a figure, by themselves or against another fidelity."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import isfinite
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.case.plans import Reading
+from vibeam.case.reference_curves import SAME_FREQUENCY
+from vibeam.figures import FIGURES, LIMITS
+from vibeam.system.response import Ended, FrequencyResponse, period_one_range, periodic
+
+if TYPE_CHECKING:
+    from vibeam.run.result import Result
+
+NAN = float("nan")
+
+
+@dataclass(frozen=True)
+class Found:
+    """Number read on one branch, NaN with the reason ``fault``."""
+
+    number: float
+    fault: str = ""
+    absent: bool = False  #: the frequency is not in the grid
+
+
+def directions(reading: Reading) -> tuple[str, ...]:
+    """Directions of the branches that a reading is of."""
+    if reading.quantity in LIMITS or reading.show:
+        return ("up",)  # of the motions as such, whichever direction they are swept in
+    return ("up", "down") if reading.direction == "both" else (reading.direction,)
+
+
+def read(reading: Reading, result: Result, direction: str) -> Found:
+    """Number of a reading on one branch."""
+    ours = _number(reading, result, reading.fidelity, direction)
+    if reading.against is None or ours.fault:
+        return ours
+    other = _number(reading, result, reading.against, direction)
+    if other.fault:
+        return Found(NAN, f"{reading.against} {other.fault}", other.absent)
+    return Found(ours.number / other.number - 1 if other.number else NAN)
+
+
+def _number(reading: Reading, result: Result, name: str, direction: str) -> Found:
+    if reading.show is not None:
+        return _read_off(reading, reading.show, result, name)
+    if reading.quantity in LIMITS:
+        return _limit(reading, result, name)
+    response = dict(result[name].items())[direction]
+    if reading.frequency is None:
+        number = EXTENTS[reading.quantity](response)
+        return Found(number, "" if isfinite(number) else f"{direction}: there is none")
+    present = np.flatnonzero(np.isclose(response.frequency, reading.frequency, rtol=SAME_FREQUENCY, atol=0))
+    if not len(present):
+        return Found(NAN, f"{reading.frequency:g} Hz is not in the sweep's grid", absent=True)
+    ended = Ended.of_code(int(response.ended[present[0]]))
+    if ended is not Ended.COMPLETE:
+        return Found(NAN, f"{direction}: {ended.value}")
+    number = float(getattr(response, reading.quantity)[present[0]])
+    return Found(number, "" if isfinite(number) else f"{direction}: there is none")
+
+
+def _limit(reading: Reading, result: Result, name: str) -> Found:
+    from vibeam.figures.kinds.boundaries import limits
+
+    number = float(limits(result.case, name, np.array([reading.frequency]), reading.quantity)[0])
+    return Found(number, "" if isfinite(number) else "there is none")
+
+
+def _read_off(reading: Reading, show: str, result: Result, name: str) -> Found:
+    """Read the number off a figure's data, computed for this alone where the run has none."""
+    from vibeam.figures.sheet import sheet_at
+
+    plan = result.case.shows[show]
+    sheet = sheet_at(result.case, plan, name, reading.frequency, result.shown.get(show, ()))
+    if sheet.fault:
+        return Found(NAN, sheet.fault)
+    values = sheet.of(reading.quantity)
+    if reading.number is not None:
+        values = values[np.isclose(sheet[FIGURES[plan.kind].entries], reading.number)]
+    present = values[np.isfinite(values)]
+    return Found(float(np.mean(present))) if len(present) else Found(NAN, "there is none")
+
+
+def _top(response: FrequencyResponse) -> int | None:
+    present = periodic(response)
+    return int(np.argmax(np.where(present, response.amplitude, -np.inf))) if present.any() else None
+
+
+def _peak(response: FrequencyResponse) -> float:
+    top = _top(response)
+    return NAN if top is None else float(response.amplitude[top])
+
+
+def _peak_frequency(response: FrequencyResponse) -> float:
+    top = _top(response)
+    return NAN if top is None else float(response.frequency[top])
+
+
+def _range(response: FrequencyResponse, end: int) -> float:
+    found = period_one_range(response)
+    return NAN if found is None else found[end]
+
+
+EXTENTS: dict[str, Callable[[FrequencyResponse], float]] = {
+    "peak": _peak,
+    "peak_frequency": _peak_frequency,
+    "period_one_from": lambda response: _range(response, 0),
+    "period_one_to": lambda response: _range(response, 1),
+}
