@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from functools import cached_property
-from hashlib import sha256
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,30 +19,22 @@ if TYPE_CHECKING:
     from vibeam.system.impact_system import ImpactSystem
     from vibeam_models.scene import Scene, SdofScene
 
-#: tables that change no sweep, and keys of the tables that do
-NOT_NUMBERS = frozenset(
-    {"title", "source", "reference", "expect", "measured", "show", "figure", "cost", "influence", "measurement"}
-    | {"fidelity.*.label"}
-)
-
-#: further tables and keys that are not physics
-NOT_PHYSICS = NOT_NUMBERS | {"fidelity", "sweep", "accuracy", "accuracy_of"}
-
 
 @dataclass(frozen=True, eq=False)
 class Case:
     """Scene, fidelities, sweep, references and measured numbers of a case.
 
-    ``text`` is the case in canonical form, SI units and overrides included: it loads as the same case. ``numbers`` is
-    the part of it that decides what the sweeps compute (no title, source, checks, figures): two cases compute the same
-    where that text, or ``key``, is equal. ``shared`` is the part of that which no fidelity has for itself, ``own``
-    for each fidelity all that decides its numbers at given frequencies. ``scenes`` has the scenes of the fidelities
-    that change the case's, ``chains`` their measuring chains (None: exact).
+    ``text`` is the case as TOML, SI units and overrides included: it loads as the same case. ``numbers`` is the part of
+    it that decides what the sweeps compute (no title, source, checks, figures), ``key`` its SHA-256: two cases compute
+    the same where it is equal. ``shared`` is the part of ``numbers`` common to all fidelities, ``own`` the key of all
+    that decides the numbers of each at given frequencies. ``scenes`` has the scenes of the fidelities that change the
+    case's, ``chains`` their measuring chains (None: exact).
     """
 
     path: Path
     text: str
     numbers: str
+    key: str
     shared: str
     own: Mapping[str, str]
     title: str
@@ -68,16 +58,6 @@ class Case:
         grid = self.sweep.frequency
         swept = f"{len(grid)} frequencies {grid.min():.6g} … {grid.max():.6g} Hz {self.sweep.direction}"
         return f"Case({self.title!r}, {str(self.path)!r}, fidelities {', '.join(self.fidelities)}, {swept})"
-
-    @cached_property
-    def key(self) -> str:
-        """SHA-256 of ``numbers``, in hexadecimal."""
-        return sha256(self.numbers.encode()).hexdigest()
-
-    def everywhere(self) -> Case:
-        """Same case without its ``accuracy``: every fidelity at every frequency."""
-        text, numbers = _without_accuracy(self.text), _without_accuracy(self.numbers)
-        return replace(self, accuracy=None, text=text, numbers=numbers)
 
     @property
     def base_amplitude(self) -> float:
@@ -117,8 +97,3 @@ class Case:
         from vibeam.case.fidelity import system
 
         return system(self.scene_of(name), self.fidelities[name])
-
-
-def _without_accuracy(text: str) -> str:
-    lines = text.splitlines(keepends=True)
-    return "".join(line for line in lines if not line.startswith(("accuracy = ", "accuracy_of = "))).lstrip("\n")

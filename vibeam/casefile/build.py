@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import fields
-from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.case import NOT_PHYSICS
 from vibeam.case.plans import AccuracyPlan, Direction, Reference, SweepPlan
+from vibeam.casefile.content import content, digest
 from vibeam.casefile.tables.effects import effects_of_scene
 from vibeam.casefile.tables.stop import contact_law
 from vibeam_models.scene import Base, Beam, Damping, Mass, Scene, SdofScene, Sensor, Stop
@@ -75,23 +74,19 @@ RIPPLE, ATTENUATION = 0.1, 60.0  # dB, of an elliptic filter that does not say
 
 GRID = frozenset({"frequency", "direction"})  # of a sweep
 
-NOT_OWN = frozenset({"label", "set", "without"})  # of a fidelity: a name, and what is in its scene already
+APPLIED = frozenset({"set", "without"})  # of a fidelity: part of its scene already
 
 
-def _shared(case: BeamCase | SdofCase, sweep: SweepTable) -> str:
+def _shared(case: BeamCase | SdofCase, sweep: SweepTable) -> dict[str, Any]:
     """The physics of a case and how it is swept, its frequencies aside."""
-    from vibeam.casefile.canonical import canonical_text
-
-    return canonical_text(case, NOT_PHYSICS) + "\n[sweep]\n" + canonical_text(sweep, GRID)
+    return content(case, "physics", "numbers") | {"sweep": content(sweep, without=GRID)}
 
 
-def _own_numbers(case: BeamCase | SdofCase, changed: Mapping[str, BeamCase | SdofCase]) -> dict[str, str]:
-    """For each fidelity its physics, how it is swept, and its table."""
-    from vibeam.casefile.canonical import canonical_text
-
+def _keys(case: BeamCase | SdofCase, changed: Mapping[str, BeamCase | SdofCase]) -> dict[str, str]:
+    """For each fidelity the key of its physics, how it is swept, and its table."""
     tables: Any = case.fidelity
     return {
-        name: _shared(changed.get(name, case), case.sweep) + "\n[fidelity]\n" + canonical_text(table, NOT_OWN)
+        name: digest(_shared(changed.get(name, case), case.sweep), content(table, "numbers", without=APPLIED))
         for name, table in tables.items()
     }
 
@@ -115,7 +110,7 @@ def _fidelities(case: BeamCase | SdofCase) -> dict[str, Fidelity]:
 
     tables: Any = case.fidelity
     return {
-        name: Fidelity(name=name, changes=dict(table.set), **table.model_dump(exclude={"set"}))
+        name: Fidelity(name, changes=table.set or {}, without=table.without or (), **content(table, without=APPLIED))
         for name, table in tables.items()
     }
 
@@ -166,27 +161,22 @@ def _measurements(case: BeamCase | SdofCase, swept: Direction) -> dict[str, Meas
 def _shows(
     case: BeamCase | SdofCase, changed: Mapping[str, BeamCase | SdofCase], sweep: SweepPlan
 ) -> dict[str, ShowPlan]:
-    own = _own_numbers(case, changed)
-    seen = {name: f"{own[name]}{_measured(changed.get(name, case))}" for name in own}
+    seen = {name: (key, _measured(changed.get(name, case))) for name, key in _keys(case, changed).items()}
     return {name: _show(case, name, sweep, seen) for name in case.show}
 
 
-def _measured(case: BeamCase | SdofCase) -> str:
-    from vibeam.casefile.canonical import canonical_text
-
-    return "" if case.measurement is None else canonical_text(case.measurement)
+def _measured(case: BeamCase | SdofCase) -> dict[str, Any] | None:
+    return None if case.measurement is None else content(case.measurement)
 
 
-def _show(case: BeamCase | SdofCase, name: str, sweep: SweepPlan, seen: Mapping[str, str]) -> ShowPlan:
+def _show(case: BeamCase | SdofCase, name: str, sweep: SweepPlan, seen: Mapping[str, Any]) -> ShowPlan:
     """The plan of one table; its key hangs on the table itself and on what is ``seen`` of its fidelities."""
     from vibeam.case.plans import ShowPlan
-    from vibeam.casefile.canonical import canonical_text
 
     table = case.show[name]
     fidelities = table.fidelities or tuple(case.fidelity)
     frequency = tuple(sweep.frequency.tolist()) if table.frequency is None else table.frequency
-    physics = [_shared(case, case.sweep), *(seen[each] for each in fidelities)]
-    decisive = [*physics, canonical_text(table), repr(fidelities), repr(frequency)]
+    physics = (_shared(case, case.sweep), *(seen[each] for each in fidelities))
     return ShowPlan(
         name=name,
         kind=table.kind,
@@ -195,7 +185,7 @@ def _show(case: BeamCase | SdofCase, name: str, sweep: SweepPlan, seen: Mapping[
         periods=table.periods,
         settle=sweep.settle if table.settle is None else table.settle,
         quantity=table.quantity,
-        key=sha256("\n".join(decisive).encode()).hexdigest(),
+        key=digest(physics, content(table), fidelities, frequency),
         output=table.output or sweep.output,
         near=table.near,
         highest=table.highest,

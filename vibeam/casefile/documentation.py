@@ -11,8 +11,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from vibeam.case.faults import as_shown_in_message, suggest, suggestion
-from vibeam.casefile.canonical import to_toml
 from vibeam.casefile.fields import Entry
+from vibeam.casefile.inline import to_toml
 from vibeam.casefile.tables.cases import beam_case, sdof_case
 from vibeam.casefile.validation import entry_of, example_of, fields_of, is_repeated, table_of
 

@@ -17,23 +17,7 @@ from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam.casefile.field_lists import flat
 from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.toml import key_parts
-from vibeam.casefile.validation import entry_of, fields_of, is_repeated, keys_of, table_of
-
-#: tables and keys of a case that are no physics: a fidelity shares them with all others
-DROPPED = (
-    "accuracy",
-    "accuracy_of",
-    "fidelity",
-    "reference",
-    "show",
-    "figure",
-    "expect",
-    "measured",
-    "cost",
-    "influence",
-)
-
-SHARED = ("title", "source", "sweep", *DROPPED)
+from vibeam.casefile.validation import entry_of, fields_of, is_repeated, keys_of, physics_keys, table_of
 
 OWN = ("set", "without")
 
@@ -88,7 +72,7 @@ class _Change:
         return declared if len(wrong) == before else None
 
     def canonical(self) -> dict[str, Any]:
-        """The settings in SI, as the canonical text writes them."""
+        """The settings in SI, as the case as TOML has them."""
         return {key: self._in_si(key, value) for key, value in self.settings.items()}
 
     def _in_si(self, key: str, value: Any) -> Any:
@@ -123,7 +107,8 @@ class _Change:
 
     def _changed(self, tables: dict[str, Any], wrong: list[Complaint]) -> tuple[dict[str, Any], dict[KeyPath, KeyPath]]:
         """The case's tables with the changes, less what is no physics; and where each changed key was written."""
-        own = {key: deepcopy(value) for key, value in tables.items() if key not in DROPPED}
+        shared = set(keys_of(self.model)) - {*physics_keys(self.model), "sweep"}
+        own = {key: deepcopy(value) for key, value in tables.items() if key not in shared}
         own["fidelity"] = {self.name: {key: each for key, each in self.table.items() if key not in OWN}}
         for key in self.left:
             _leave(own, key_parts(key))
@@ -154,8 +139,8 @@ def _walk(model: type[BaseModel], key: str) -> tuple[FieldInfo | None, str | Non
         first, *rest = key_parts(key)
     except (ValueError, RecursionError):
         return None, f"{as_shown_in_message(key)} is not a key such as stop.gap"
-    known = [name for name in keys_of(model) if name not in SHARED]
-    if first in SHARED:
+    known = physics_keys(model)
+    if first in keys_of(model) and first not in known:
         return None, f"{first} is shared by all fidelities: a fidelity changes {', '.join(known)} alone"
     if first not in known:
         return None, f"unknown key {as_shown_in_message(key)}; {suggest(first, known)}"

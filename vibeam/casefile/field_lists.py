@@ -13,8 +13,8 @@ from pydantic_core import CoreSchema, core_schema
 
 from vibeam.case.faults import as_shown_in_message
 from vibeam.casefile import quantities as units
-from vibeam.casefile.canonical import name_of
 from vibeam.casefile.fields import Entry, Quantity, Word
+from vibeam.casefile.inline import name_of
 from vibeam.casefile.toml import key_parts
 
 

@@ -31,7 +31,7 @@ class Entry(ABC):
         """The JSON schema of what ``parse`` takes, as near as one can say it."""
 
     def canonical(self, value: Any) -> Any:
-        """The parsed value as the canonical text writes it."""
+        """The parsed value as plain data of TOML and JSON."""
         return value
 
     def nondimensional(self) -> Entry:

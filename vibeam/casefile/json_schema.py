@@ -8,12 +8,11 @@ from typing import Any
 from pydantic.json_schema import models_json_schema
 
 from vibeam.casefile.tables.cases import beam_case, sdof_case
+from vibeam.casefile.tables.table import NOTES
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 
 TITLE = "A case of vibeam"
-
-_NOTES = ("written", "effect", "of", "plain")  # what the declarations say beyond the schema
 
 
 def case_schema() -> dict[str, Any]:
@@ -36,7 +35,7 @@ def _left_out(key: str, value: Any) -> bool:
     """Whether a part is the template's own, or a default or example that a case could not write."""
     if key in ("default", "examples"):
         return value in (None, [None]) or isinstance(value, Mapping)
-    return key in _NOTES and not isinstance(value, Mapping)
+    return key in NOTES and not isinstance(value, Mapping)
 
 
 def _single(schema: dict[str, Any]) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from os import PathLike
@@ -11,7 +12,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from vibeam.case.case import NOT_NUMBERS, Case
+from vibeam.case.case import Case
 from vibeam.case.faults import OVERRIDE, CaseError, Complaint, Fault, KeyPath
 from vibeam.case.plans import CostPlan, FigurePlan, InfluencePlan
 from vibeam.casefile.build import (
@@ -19,16 +20,17 @@ from vibeam.casefile.build import (
     _chain,
     _expectations,
     _fidelities,
+    _keys,
     _measurements,
-    _own_numbers,
     _references,
     _shared,
     _shows,
     _sweep,
     scene_of,
 )
-from vibeam.casefile.canonical import name_of
+from vibeam.casefile.content import content, digest, toml_text
 from vibeam.casefile.fidelity_changes import FidelityCase, variants
+from vibeam.casefile.inline import name_of
 from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.tables.cases import BeamCase, SdofCase
 from vibeam.casefile.tables.rules import cross_checks
@@ -49,17 +51,16 @@ def load(path: str | PathLike[str], set: Mapping[str, Any] | None = None) -> Cas
 
 def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, Any] | None = None) -> Case:
     """The case that ``text`` says, as ``load``; ``path`` is what faults call it, references lie in its folder."""
-    from vibeam.casefile.canonical import canonical_text
-
     file = Path(path)
     declared, changed = validate(text, file, set or {})
-    sweep = _sweep(declared.sweep)
+    sweep, numbers = _sweep(declared.sweep), content(declared, "numbers")
     return Case(
         path=file,
-        text=canonical_text(declared),
-        numbers=canonical_text(declared, without=NOT_NUMBERS),
-        shared=_shared(declared, declared.sweep),
-        own=_own_numbers(declared, changed),
+        text=toml_text(content(declared)),
+        numbers=toml_text(numbers),
+        key=digest(numbers),
+        shared=toml_text(_shared(declared, declared.sweep)),
+        own=_keys(declared, changed),
         title=declared.title or file.stem,
         source=declared.source,
         scene=scene_of(declared),
@@ -77,6 +78,13 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         chains={name: _chain(own) for name, own in changed.items()},
         accuracy=_accuracy(declared),
     )
+
+
+def without_accuracy(case: Case) -> Case:
+    """Same case without its ``accuracy``: every fidelity at every frequency."""
+    tables = tomllib.loads(case.text)
+    rest = {key: value for key, value in tables.items() if key not in ("accuracy", "accuracy_of")}
+    return parse(toml_text(rest), case.path)
 
 
 Declared = BeamCase | SdofCase

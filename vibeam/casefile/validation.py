@@ -9,11 +9,12 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest, suggestion
-from vibeam.casefile.canonical import name_of, to_toml
 from vibeam.casefile.field_lists import TableOr
 from vibeam.casefile.fields import Entry
+from vibeam.casefile.inline import name_of, to_toml
 from vibeam.casefile.tables.cases import BeamCase, SdofCase, beam_case, sdof_case
 from vibeam.casefile.tables.effects import EffectTable
+from vibeam.casefile.tables.table import note
 from vibeam_models.effects import tables as effect_tables
 
 
@@ -68,9 +69,10 @@ def _missing(loc: KeyPath, model: type[BaseModel]) -> str:
 
 def _header(loc: KeyPath, model: type[BaseModel]) -> str:
     names = [name_of(str(part)) for part in loc if isinstance(part, str)]
-    if names[0] in ("fidelity", "reference", "expect", "measured", "show") and len(names) == 1:
+    field = fields_of(model)[str(loc[0])]
+    listed = is_list(field)
+    if is_repeated(field) and not listed and len(names) == 1:
         names.append("NAME")
-    listed = is_list(fields_of(model)[str(loc[0])])
     return f"[[{names[0]}]]" if listed else f"[{'.'.join(names)}]"
 
 
@@ -82,6 +84,11 @@ def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
 def keys_of(model: type[BaseModel] | None) -> list[str]:
     """The keys that a table may have."""
     return list(fields_of(model)) if model else []
+
+
+def physics_keys(model: type[BaseModel]) -> list[str]:
+    """The keys and tables of a case that describe the rig: those that a fidelity may change."""
+    return [name for name, field in fields_of(model).items() if note(field, "physics") is not False]
 
 
 def entry_of(field: FieldInfo) -> Entry | None:

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 import vibeam
 from vibeam.case.faults import CaseError, Fault, printable
-from vibeam.casefile.canonical import to_toml
 from vibeam.casefile.documentation import template
+from vibeam.casefile.inline import to_toml
 from vibeam.casefile.read import parse
 from vibeam.solvers import SOLVERS as DECLARED
 

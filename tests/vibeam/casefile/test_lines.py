@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vibeam.casefile.canonical import name_of, to_toml
+from vibeam.casefile.inline import name_of, to_toml
 from vibeam.casefile.toml import key_lines, key_parts
 
 TRAPS = '''title = "x" # [comment]

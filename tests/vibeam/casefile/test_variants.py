@@ -105,7 +105,7 @@ def test_equal_changes_have_equal_keys_and_others_do_not() -> None:
     assert left.key != rig().key
 
 
-def test_the_canonical_text_loads_as_the_same_case() -> None:
+def test_the_text_of_a_case_loads_as_the_same_case() -> None:
     case = rig(**{"fidelity.sdof.set": {"stop.gap": "0.1 mm", "beam.damping": [0.01, 0.02]},
                   "fidelity.sdof.without": ["beam.damping_ratio"]})  # fmt: skip
     again = parse(case.text, case.path)

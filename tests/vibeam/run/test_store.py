@@ -99,7 +99,7 @@ def test_another_case_is_refused_and_untouched(tmp_path: Path) -> None:
     before = path.read_bytes()
     changed = [replace(branch, key="c" * 64) for branch in CASE.branches]
     other = Wanted(CASE.text.replace("300", "30"), "b" * 64, CASE.shared.replace("300", "30"), changed)
-    with pytest.raises(StoreError, match="settle = 300' there, 'settle = 30' here") as caught, opened(path, other):
+    with pytest.raises(StoreError, match="settle = 300 there, 30 here") as caught, opened(path, other):
         pass
     assert str(path) in str(caught.value)
     assert "choose another --out, or start over with --fresh" in str(caught.value)
@@ -305,31 +305,47 @@ def test_what_is_no_file_is_refused_at_once(tmp_path: Path) -> None:
             read(path)
 
 
-def test_an_older_file_of_the_case_goes_on(tmp_path: Path) -> None:
+@pytest.mark.parametrize("number", [1, 2])
+def test_an_older_file_of_the_case_goes_on(tmp_path: Path, number: int) -> None:
+    """Format 1 had no checksums and no keys of branches, format 2 other keys."""
     path = written(tmp_path / "a.h5")
     with opened(path, CASE) as store:
         before = store.restore(UP)
     with h5py.File(path, "r+") as file:
-        file.attrs["format"] = np.bytes_("vibeam results 1")
-        del file["case/shared"]
-        for way in ("up", "down"):
+        file.attrs["format"] = np.bytes_(f"vibeam results {number}")
+        file["case"].attrs["key"] = np.bytes_("c" * 64)
+        del file["case/text"]
+        file["case/text"] = np.bytes_('settle = 300  # in periods\ntitle = "a"\n')
+        for way in ("up", "down") if number == 1 else ():
             del file[f"beam/{way}/checksum"]
             del file[f"beam/{way}"].attrs["key"]
+        if number == 1:
+            del file["case/shared"]
     content = path.read_bytes()
-    other = replace(CASE, key="b" * 64, text="another\n")
-    with pytest.raises(StoreError, match="holds another case"), opened(path, other):
+    now = replace(CASE, branches=[replace(branch, key="n" * 64) for branch in CASE.branches])
+    other = replace(now, text='title = "a"\nsettle = 301\n')
+    with pytest.raises(StoreError, match=r"holds another case \(settle = 300 there, 301 here\)"), opened(path, other):
         pass
     assert path.read_bytes() == content
     assert same(read(path)["beam", "up"], before.response)
     told: list[str] = []
-    with opened(path, CASE, tell=told.append) as store:
+    with opened(path, now, tell=told.append) as store:
         kept = store.restore(UP)
     assert told == [f"{path}: brought to the present format"]
     assert (kept.done, same(kept.response, before.response)) == (2, True)
     assert same(read(path)["beam", "up"], before.response)
-    with opened(path, CASE, tell=told.append) as store:
+    with opened(path, now, tell=told.append) as store:
         assert store.restore(UP).done == 2
     assert len(told) == 1
+
+
+def test_a_damaged_point_of_an_older_file_is_said(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.h5")
+    with h5py.File(path, "r+") as file:
+        file.attrs["format"] = np.bytes_("vibeam results 2")
+        file["beam/up/amplitude"][1] = 7.0
+    with pytest.raises(StoreError, match="the checksum of its point 2 does not fit"), opened(path, CASE):
+        pass
 
 
 OTHER = "import h5py, sys; f = h5py.File(sys.argv[1], 'r'); print('held', flush=True); sys.stdin.read()"

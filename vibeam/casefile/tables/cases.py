@@ -21,6 +21,8 @@ from vibeam_models.effects import EFFECTS
 from vibeam_models.homes import Home
 from vibeam_models.laws import LAWS
 
+ASIDE: Any = {"physics": False, "numbers": False}  # no part of the rig, nor of what its sweeps compute
+
 
 class _Case(Table):
     """What both kinds begin with."""
@@ -28,17 +30,24 @@ class _Case(Table):
     with_beam: ClassVar[bool] = True
 
     title: Annotated[str, Text()] = key(
-        "what the case is; absent = the name of its file", "DTU impacting beam, neutral gap, 0.6 V", ""
+        "what the case is; absent = the name of its file", "DTU impacting beam, neutral gap, 0.6 V", "", **ASIDE
     )
-    source: Annotated[str, Text()] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, Fig. 31(b)", "")
+    source: Annotated[str, Text()] = key(
+        "where it comes from", "Rebouças, Santos & Thomsen 2018, Fig. 31(b)", "", **ASIDE
+    )
     accuracy: Annotated[float | None, Within] = key(
         "relative error allowed, of the finest fidelity's: vibeam run then takes what is cheapest, place by place",
         "1 %",
         None,
         written=False,
+        physics=False,
     )
     accuracy_of: Annotated[tuple[str, ...] | None, Each(Word(ACCURATE))] = key(
-        "the quantities that this holds for; absent = the amplitude alone", ["amplitude", "reach"], None, written=False
+        "the quantities that this holds for; absent = the amplitude alone",
+        ["amplitude", "reach"],
+        None,
+        written=False,
+        physics=False,
     )
 
 
@@ -53,22 +62,22 @@ class _Rig(Table):
 
 
 class _Plan(Table):
-    measurement: MeasurementTable | None = None
-    sweep: SweepTable
-    fidelity: dict[str, FidelityTable]
+    measurement: MeasurementTable | None = key("the measuring chain", None, None, written=False, numbers=False)
+    sweep: SweepTable = key("the sweep of every fidelity", physics=False)
+    fidelity: dict[str, FidelityTable] = key("models of the rig", physics=False)
 
 
 class _Checks(Table):
-    reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False)
-    expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False)
-    measured: dict[str, MeasuredTable] = key("numbers that were measured", None, {}, written=False)
-    show: dict[str, ShowTable] = key("further figures", None, {}, written=False)
-    figure: FigureTable = key("how figures are written", None, FigureTable(), written=False)
-    cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False)
+    reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False, **ASIDE)
+    expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False, **ASIDE)
+    measured: dict[str, MeasuredTable] = key("numbers that were measured", None, {}, written=False, **ASIDE)
+    show: dict[str, ShowTable] = key("further figures", None, {}, written=False, **ASIDE)
+    figure: FigureTable = key("how figures are written", None, FigureTable(), written=False, **ASIDE)
+    cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False, **ASIDE)
 
 
 class _Influence(Table):
-    influence: InfluenceTable = key("what vibeam influence does", None, InfluenceTable(), written=False)
+    influence: InfluenceTable = key("what vibeam influence does", None, InfluenceTable(), written=False, **ASIDE)
 
 
 class BeamCase(_Influence, _Checks, _Plan, _Rig, _Carrier, _Case):
@@ -79,9 +88,9 @@ class BeamCase(_Influence, _Checks, _Plan, _Rig, _Carrier, _Case):
 
 class _Single(Table):
     title: Annotated[str, Text()] = key(
-        "what the case is; absent = the name of its file", "single degree of freedom", ""
+        "what the case is; absent = the name of its file", "single degree of freedom", "", **ASIDE
     )
-    source: Annotated[str, Text()] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "")
+    source: Annotated[str, Text()] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "", **ASIDE)
     sdof: SdofTable
 
     with_beam: ClassVar[bool] = False
@@ -89,9 +98,9 @@ class _Single(Table):
 
 class _SinglePlan(Table):
     drive: SdofDriveTable
-    measurement: SdofMeasurementTable | None = None
-    sweep: SdofSweepTable
-    fidelity: dict[str, SdofFidelityTable]
+    measurement: SdofMeasurementTable | None = key("the measuring chain", None, None, written=False, numbers=False)
+    sweep: SdofSweepTable = key("the sweep of every fidelity", physics=False)
+    fidelity: dict[str, SdofFidelityTable] = key("models of the rig", physics=False)
 
 
 class SdofCase(_Checks, _SinglePlan, _Single, _Case):

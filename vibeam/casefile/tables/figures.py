@@ -108,7 +108,7 @@ class ShowTable(Table):
     kind: Annotated[str, Word(FIGURES)] = key(
         "; ".join(f"{name}: {kind.meaning}" for name, kind in FIGURES.items()), "portrait"
     )
-    fidelities: Annotated[tuple[str, ...], Names("fidelities")] = key("whose; absent = all", ["sdof"], ())
+    fidelities: Annotated[tuple[str, ...] | None, Names("fidelities")] = key("whose; absent = all", ["sdof"], None)
     frequency: Annotated[tuple[float, ...] | None, Several(Frequency, alone=True, limit=12)] = key(
         "drive frequency, or several, a panel each", "15.3 Hz", None
     )

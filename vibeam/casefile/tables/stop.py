@@ -9,9 +9,9 @@ from typing import Annotated, Any
 
 from vibeam.case.faults import Complaint, as_shown_in_message
 from vibeam.casefile import quantities as units
-from vibeam.casefile.canonical import to_toml
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import NOT_NEGATIVE, Quantity, Word
+from vibeam.casefile.inline import to_toml
 from vibeam.casefile.tables.table import (
     Frequency,
     Place,

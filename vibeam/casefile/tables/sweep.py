@@ -94,32 +94,37 @@ class SweepTable(Table):
     output: Annotated[str, Word(OUTPUTS)] = key("whose displacement is read", "sensor", "sensor")
 
 
-class FidelityTable(Table):
-    """A fidelity, one table each: which model of the rig is swept."""
-
+class _Reduction(Table):
     reduction: Annotated[str, Word(REDUCTIONS)] = key(
         "one mode, the static deflection; or the first few modes; or all of the finite elements", "static_mode"
     )
     modes: Annotated[int | None, Count(1, 2 * MOST_ELEMENTS)] = key("how many modes, for modal alone", 8, None)
+
+
+class _Solution(Table):
     solver: Annotated[str, Word(SOLVERS)] = key("how its motion is found", "flight", "flight")
     options: Annotated[dict[str, str | float], Options()] = key(
         "of the solver, by name; absent = its own defaults", {"rtol": 1e-9}, {}, written=False
     )
-    set: Annotated[dict[str, Any], Settings()] = key(
+    set: Annotated[dict[str, Any] | None, Settings()] = key(
         "physics that is this fidelity's own: dotted keys and their values",
         {"stop.restitution": 0.6},
-        {},
+        None,
         written=False,
     )
-    without: Annotated[tuple[str, ...], Names("dotted keys")] = key(
+    without: Annotated[tuple[str, ...] | None, Names("dotted keys")] = key(
         "optional keys, or whole optional tables, of the physics that it leaves out",
         ["mass.rotary_inertia"],
-        (),
+        None,
         written=False,
     )
     label: Annotated[str | None, Text()] = key(
-        "its name in figures; absent = the name of its table", "8 modes", None, written=False
+        "its name in figures; absent = the name of its table", "8 modes", None, written=False, numbers=False
     )
+
+
+class FidelityTable(_Solution, _Reduction):
+    """A fidelity, one table each: which model of the rig is swept."""
 
 
 class SdofSweepTable(SweepTable):
@@ -128,26 +133,9 @@ class SdofSweepTable(SweepTable):
     output: Annotated[str, Word(("sensor", "contact"))] = key("both are the one motion", "sensor", "sensor")
 
 
-class SdofFidelityTable(Table):
-    """A fidelity of the single degree of freedom, which is one mode already; the table may be empty."""
-
+class _OneMode(Table):
     reduction: Annotated[str, Word(("static_mode",))] = key("one mode", "static_mode", "static_mode")
-    solver: Annotated[str, Word(SOLVERS)] = key("how its motion is found", "flight", "flight")
-    options: Annotated[dict[str, str | float], Options()] = key(
-        "of the solver, by name; absent = its own defaults", {"rtol": 1e-9}, {}, written=False
-    )
-    set: Annotated[dict[str, Any], Settings()] = key(
-        "physics that is this fidelity's own: dotted keys and their values",
-        {"stop.restitution": 0.6},
-        {},
-        written=False,
-    )
-    without: Annotated[tuple[str, ...], Names("dotted keys")] = key(
-        "optional keys, or whole optional tables, of the physics that it leaves out",
-        ["mass.rotary_inertia"],
-        (),
-        written=False,
-    )
-    label: Annotated[str | None, Text()] = key(
-        "its name in figures; absent = the name of its table", "8 modes", None, written=False
-    )
+
+
+class SdofFidelityTable(_Solution, _OneMode):
+    """A fidelity of the single degree of freedom, which is one mode already; the table may be empty."""

@@ -16,6 +16,9 @@ from vibeam_models.keys import Key
 Plain = tuple[str, Any]  # meaning and example of a key where the case is nondimensional
 
 
+NOTES = ("written", "effect", "of", "plain", "physics", "numbers")  # what ``key`` says beyond pydantic's field
+
+
 def key(
     meaning: str,
     example: Any = None,
@@ -25,13 +28,17 @@ def key(
     effect: bool = False,
     of: str = "",
     plain: Plain | None = None,
+    physics: bool = True,
+    numbers: bool = True,
 ) -> Any:
     """A key: what it means, an example for the template (there as a comment unless ``written``), its default.
 
     ``effect``: it declares an optional effect; ``of``: the effect in the same table without which it means nothing.
+    ``physics``: part of the rig, which a fidelity may change; ``numbers``: part of what the sweeps compute.
     """
-    extra: Any = {"written": written, "effect": effect, "of": of, "plain": plain}
-    return Field(default, description=_said(meaning, effect), examples=[example], json_schema_extra=extra)
+    extra: Any = dict(zip(NOTES, (written, effect, of, plain, physics, numbers), strict=True))
+    examples = None if example is None else [example]
+    return Field(default, description=_said(meaning, effect), examples=examples, json_schema_extra=extra)
 
 
 def _said(meaning: str, effect: bool) -> str:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import re
-from itertools import zip_longest
+import tomllib
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from vibeam.run.store.branch import Branch, lay_out, read_rows
 from vibeam.run.store.errors import StoreError, reading
@@ -19,9 +20,13 @@ if TYPE_CHECKING:
     import h5py
 
 
-FORMAT = "vibeam results 2"
+FORMAT = "vibeam results 3"
 
-OLDER = "vibeam results 1"  # format with a key for the whole case alone, no checksums
+UNSIGNED = "vibeam results 1"  # format with a key for the whole case alone, no checksums
+
+OLDER = ("vibeam results 2", UNSIGNED)  # formats with other keys
+
+Values = Mapping[str, Any]
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
@@ -59,7 +64,7 @@ def adapted(file: h5py.File, path: Path, wanted: Wanted) -> str | None:
 
     StoreError where it is another case's, so that nothing in it would stay, where it has more points, or is damaged.
     """
-    older = format_of(file) == OLDER
+    older = format_of(file) in OLDER
     if older:
         _refuse_another(file, path, wanted)
         with reading(path, "its groups"):
@@ -68,7 +73,7 @@ def adapted(file: h5py.File, path: Path, wanted: Wanted) -> str | None:
     if all(reuse.fits for reuse in reuses) and _text(file, path, "text") == wanted.text:
         return "brought to the present format" if older else None
     if _text(file, path, "shared") != wanted.shared and lost_with(file, reuses):
-        raise another_case(path, _text(file, path, "shared"), wanted.shared)
+        raise _another_case(path, _values(file, path, "shared"), _flat(wanted.shared))
     for reuse in reuses:
         if reuse.shrinks:
             points = f"{reuse.stored} points of {reuse.branch.group}, and this case has {len(reuse.branch.frequency)}"
@@ -93,23 +98,24 @@ def _reuse(file: h5py.File, path: Path, branch: Branch) -> Reuse:
         return reuse_of(file, branch)
 
 
-def another_case(path: Path, stored: str, present: str) -> StoreError:
-    """Error for a file of a case that shares nothing with this one: names the difference."""
-    return StoreError(f"{path}: holds another case ({_first_difference(stored, present)}): {ELSEWHERE}")
+def _another_case(path: Path, stored: Values, present: Values) -> StoreError:
+    """Error for a file of a case that shares nothing with this one: names the first difference."""
+    key = next((key for key in {**stored, **present} if stored.get(key) != present.get(key)), "its key")
+    there, here = (repr(values.get(key, "nothing")) for values in (stored, present))
+    return StoreError(f"{path}: holds another case ({key} = {there} there, {here} here): {ELSEWHERE}")
 
 
 def _refuse_another(file: h5py.File, path: Path, wanted: Wanted) -> None:
-    """Refuse an older file of another case; it has one key for all of it."""
-    with reading(path, "/case"):
-        key = file["case"].attrs["key"].decode()
-    if key != wanted.key:
-        raise another_case(path, _text(file, path, "text"), wanted.text)
+    """Refuse an older file of another case; its keys are others, its text says what it is of."""
+    stored, present = _values(file, path, "text"), _flat(wanted.text)
+    if stored != present:
+        raise _another_case(path, stored, present)
 
 
 def _convert(file: h5py.File, wanted: Wanted) -> None:
-    """Convert every branch of an older file; curves, figures and studies have no checksum and are computed again."""
+    """Convert every branch of an older file; curves, figures and studies are computed again."""
     for branch in wanted.branches:
-        lay_out_anew(file, branch, wanted.unit)
+        lay_out_anew(file, branch, wanted.unit, signed=format_of(file) != UNSIGNED)
     del file["case"]
     _write_case(file, wanted)
     file.attrs["format"] = fixed(FORMAT)
@@ -126,7 +132,20 @@ def _text(file: h5py.File, path: Path, name: str) -> str:
         return str(file["case"][name][()].decode())
 
 
-def _first_difference(stored: str, present: str) -> str:
-    pairs = zip_longest(stored.splitlines(), present.splitlines(), fillvalue="nothing")
-    differing = next(((old, new) for old, new in pairs if old != new), ("its key", "another"))
-    return f"{differing[0] or 'nothing'!r} there, {differing[1] or 'nothing'!r} here"
+def _values(file: h5py.File, path: Path, name: str) -> Values:
+    text = _text(file, path, name)
+    with reading(path, f"/case/{name}"):
+        return _flat(text)
+
+
+def _flat(text: str) -> Values:
+    """Values of a case by dotted key, less what is empty."""
+    return {key: value for key, value in _dotted(tomllib.loads(text), "") if value != []}
+
+
+def _dotted(table: Values, above: str) -> Iterator[tuple[str, Any]]:
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _dotted(value, f"{above}{key}.")
+        else:
+            yield above + key, value

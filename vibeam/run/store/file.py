@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vibeam.exchange.whole_files import regular
-from vibeam.run.store.branch import read_rows
-from vibeam.run.store.content import FORMAT, OLDER, SIGNATURE, adapted, blank, format_of, is_ours
+from vibeam.run.store.branch import Values, read_rows
+from vibeam.run.store.content import FORMAT, OLDER, SIGNATURE, UNSIGNED, adapted, blank, format_of, is_ours
 from vibeam.run.store.disk import Disk
 from vibeam.run.store.errors import CURE, FAULTS, StoreError, damaged, reading, reason
 from vibeam.run.store.image import Image
@@ -105,9 +105,13 @@ def read(path: Path) -> dict[tuple[str, str], FrequencyResponse]:
     except OSError as fault:
         raise StoreError(f"{path}: cannot be opened ({reason(fault)})") from None
     with _open(Image(content), path) as file, reading(path, "its groups"):
-        rows = read_rows if format_of(file) == FORMAT else lambda group: {name: group[name][()] for name in LAYOUT}
+        rows = _unsigned_rows if format_of(file) == UNSIGNED else read_rows
         found = {(fidelity, direction): rows(file[fidelity][direction]) for fidelity, direction in branch_names(file)}
         return {at: FrequencyResponse(**{name: values[name] for name in LAYOUT}) for at, values in found.items()}
+
+
+def _unsigned_rows(group: h5py.Group) -> Values:
+    return {name: group[name][()] for name in LAYOUT}
 
 
 @contextmanager
@@ -122,7 +126,7 @@ def _open(image: Image, path: Path) -> Iterator[h5py.File]:
         raise damaged(path, "it", fault) from None
     with file:
         with reading(path, "it"):
-            known = format_of(file) in (FORMAT, OLDER)
+            known = format_of(file) in (FORMAT, *OLDER)
         if not known:
             raise no_result(path)
         try:

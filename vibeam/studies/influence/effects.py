@@ -7,9 +7,8 @@ from collections.abc import Iterator
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from vibeam.casefile.fidelity_changes import SHARED
 from vibeam.casefile.tables.table import note
-from vibeam.casefile.validation import fields_of, is_repeated, keys_of
+from vibeam.casefile.validation import fields_of, is_repeated, physics_keys
 
 
 def effects_of(declared: BaseModel) -> tuple[str, ...]:
@@ -17,7 +16,7 @@ def effects_of(declared: BaseModel) -> tuple[str, ...]:
 
     Effects at their neutral value (None, or the default) are left out.
     """
-    return tuple(name for field in _physics(declared) for name in _named(declared, field))
+    return tuple(name for field in physics_keys(type(declared)) for name in _named(declared, field))
 
 
 def is_effect(field: FieldInfo) -> bool:
@@ -33,10 +32,6 @@ def companions(declared: BaseModel, name: str) -> tuple[str, ...]:
         return ()
     beside = [other for other, field in fields_of(type(inner)).items() if note(field, "of") == key]
     return tuple(f"{table}.{each}" for each in beside if getattr(inner, each) is not None)
-
-
-def _physics(declared: BaseModel) -> list[str]:
-    return [name for name in keys_of(type(declared)) if name not in SHARED]
 
 
 def _named(declared: BaseModel, name: str) -> Iterator[str]:

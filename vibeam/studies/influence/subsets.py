@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.case import NOT_NUMBERS, Case
-from vibeam.casefile.canonical import canonical_text
+from vibeam.case.case import Case
+from vibeam.casefile.content import content, toml_text
 from vibeam.casefile.read import parse, validate
 from vibeam.casefile.tables.sweep import most_modes
 from vibeam.studies.influence.effects import companions, effects_of
@@ -75,10 +75,10 @@ def subsets(case: Case) -> Subsets:
         raise ValueError(f"fidelity {name!r} names no effect: vibeam keys lists those there are, each marked 'effect'")
     table: Any = declared.fidelity[name]
     alone = {
-        "fidelity": {name: table.model_copy(update={"set": {}, "without": ()})},
+        "fidelity": {name: table.model_copy(update={"set": None, "without": None})},
         "sweep": own.sweep.model_copy(update=_reduced(case)),
     }
-    text = canonical_text(own.model_copy(update=alone), without=NOT_NUMBERS)
+    text = toml_text(content(own.model_copy(update=alone), "numbers"))
     beside = {effect: companions(own, effect) for effect in effects}
     found = Subsets(text, case.path, name, effects, {}, beside, table.modes)
     return replace(found, own_modes=_own_modes(found))
