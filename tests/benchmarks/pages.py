@@ -140,7 +140,9 @@ def _printed_cells(rows: Iterable[Row]) -> Iterable[str]:
 
 def read_table(read: dict[str, float]) -> str:
     """Shares of single flights that the printed forms call unstable."""
-    return markdown(["form", "flights called unstable"], ([form, f"{100 * share:.0f} %"] for form, share in read.items()))
+    return markdown(
+        ["form", "flights called unstable"], ([form, f"{100 * share:.0f} %"] for form, share in read.items())
+    )
 
 
 TABLES: dict[str, Callable[[dict[str, Any], list[Row]], str]] = {

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 
 from vibeam.case.plans import FigurePlan
 from vibeam.exchange.whole_files import write_whole
+from vibeam.figures.tick_labels import set_plain_labels
 from vibeam.figures.ticks import thin_out
 
 PAGE: Any = {
@@ -22,7 +23,7 @@ PAGE: Any = {
     "axes.linewidth": 0.6,
     "axes.titlesize": 8.5,
     "axes.formatter.limits": (-3, 4),
-    "axes.formatter.use_mathtext": True,
+    "axes.formatter.use_mathtext": False,
     "svg.fonttype": "none",
     "svg.hashsalt": "vibeam",
     "pdf.fonttype": 42,
@@ -56,6 +57,7 @@ def write_page(make: Callable[[], Figure], paths: Iterable[Path], dots: int = DO
     """Make a figure and write it; the format follows each path's ending (.png, .svg, .pdf)."""
     with mpl.rc_context(PAGE):
         figure = composed(make)
+        figure.set_layout_engine(None)  # the layout is found: keep it for all formats
         for path in paths:
             content = BytesIO()
             options: Any = {"dpi": dots, "metadata": METADATA.get(path.suffix)}
@@ -67,6 +69,7 @@ def composed(make: Callable[[], Figure]) -> Figure:
     """Figure in the style of the page, with as many ticks as have room."""
     with mpl.rc_context(PAGE):
         figure = make()
+        set_plain_labels(figure)
         thin_out(figure)
         return figure
 

@@ -6,22 +6,24 @@ import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
 from math import isfinite
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
 from rich.console import Console
 from rich.text import Text
 
-from vibeam.casefile.documentation import KeyRow as KeyRow
 from vibeam.figures.prefixes import FREQUENCIES, prefixed
 from vibeam.figures.units import METRIC, Units, percent
 from vibeam.report.measured import measurements
 from vibeam.report.table_widths import ReportTable, fitted, needed
-from vibeam.run.summary import Summary
-from vibeam.studies.derive import DerivedParameter
-from vibeam.studies.modes import ModeTable
-from vibeam.studies.regression.measured import MeasuredRow
-from vibeam.studies.regression.references import CheckRow
-from vibeam.studies.stability.rows import Crossing
+
+if TYPE_CHECKING:
+    from vibeam.casefile.documentation import KeyRow
+    from vibeam.run.summary import Summary
+    from vibeam.studies.derive import DerivedParameter
+    from vibeam.studies.modes import ModeTable
+    from vibeam.studies.regression.measured import MeasuredRow
+    from vibeam.studies.regression.references import CheckRow
+    from vibeam.studies.stability.rows import Crossing
 
 WIDEST = 160
 

@@ -18,6 +18,7 @@ from matplotlib.ticker import FixedLocator, NullLocator
 
 from vibeam.figures.page import blank_page, legend, titled, write_page
 from vibeam.figures.style import COLOURS, KEY, looks, name_of, shade
+from vibeam.figures.tick_labels import power_of_ten
 from vibeam.solvers import SOLVERS
 
 if TYPE_CHECKING:
@@ -100,7 +101,7 @@ def _scale(axes: Axes, study: CostStudy) -> None:
     powers = [power for power in range(-16, 1, 2) if 10.0**power > least]
     axes.xaxis.set_major_locator(FixedLocator([*(10.0**power for power in powers), EDGE]))
     axes.xaxis.set_minor_locator(NullLocator())
-    axes.set_xticklabels([*(NAMED.get(power, f"$10^{{{power}}}$") for power in powers), "failed"])
+    axes.set_xticklabels([*(NAMED.get(power, power_of_ten(power)) for power in powers), "failed"])
     axes.set_xlim(least, 4 * EDGE)
     axes.grid(which="major", color="0.93", linewidth=0.5, zorder=0)
     axes.set_axisbelow(True)
