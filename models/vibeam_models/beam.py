@@ -27,7 +27,7 @@ def assemble(scene: Scene) -> Structure:
 def assemble_with_space(scene: Scene) -> tuple[Structure, BeamSpace]:
     """``assemble`` and the finite-element space that its coordinates belong to: rows at any x, mode shapes."""
     _check_positions(scene)
-    structure, space = bare_beam(scene.beam, _concentrated(scene))
+    structure, space = bare_beam(scene.carrier, _concentrated(scene))
     for effect in scene.effects:
         if effect.on_bare_beam:
             structure, space = effect.apply(structure, space, scene)
@@ -76,19 +76,15 @@ def _concentrated(scene: Scene) -> list[float]:
     stop = scene.stop.position
     if scene.mass is None:
         return [stop]
-    middle, half = scene.mass.position, scene.mass.rigid_half_width or 0.0
+    middle, half = scene.mass.position, scene.rigid_half_width
     ends = [] if half == 0 else [x for x in (middle - half, middle + half) if 0 < x < scene.beam.length]
     near = min(abs(stop - x) for x in (middle, *ends)) < NEAR * scene.beam.length
     return [middle, *([] if near or abs(stop - middle) < half else [stop]), *ends]
 
 
 def _applied(structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
-    """With every effect on the beam but those of its support; a key's effect is imported where the key is set."""
+    """With every effect on the beam but those of its support."""
     for name in _order(scene):
-        table, _, key = name.partition(".")
-        value = getattr(getattr(scene, table), key, None) if key else None
-        if value is not None and value is not False:
-            structure, space = EFFECTS[name].load().of(getattr(scene, table)).apply(structure, space)
         for effect in scene.named(name):
             if not effect.on_bare_beam:
                 structure, space = effect.apply(structure, space, scene)

@@ -7,6 +7,7 @@ from importlib import import_module
 from types import TracebackType
 from typing import Any
 
+from vibeam_models.keys import Key
 from vibeam_models.registry import Registry
 
 
@@ -15,13 +16,14 @@ class Home:
     """By which ``name`` a case file has a declaration, and where it is: ``"module:Class"``, or the class.
 
     What must be known without importing it stands here: ``repeated``, its table is a list of tables; ``on``:
-    ``"beam"``, or ``"base"`` for what the beam stands on.
+    ``"beam"``, or ``"base"`` for what the beam stands on; ``key``: its declaration where it is one key of a table.
     """
 
     name: str
     place: str | type[Any]
     repeated: bool = False
     on: str = "beam"
+    key: Key | None = None
 
     def load(self) -> Any:
         """The declaration."""

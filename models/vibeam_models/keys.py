@@ -8,7 +8,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Key:
-    """One key: its SI ``unit`` (empty: a plain number, or ``words``), bounds, meaning and an example as written.
+    """One key: its SI ``unit`` (empty: a number, ``words`` or a ``flag``), bounds, meaning and an example as written.
 
     ``several``: a list of numbers; ``ascending``: each above the one before. ``written``: whether the template shows
     it, else as a comment. ``missing``: what the message of a missing key says of it, its ``meaning`` where empty.
@@ -19,6 +19,7 @@ class Key:
     example: Any
     unit: str = ""
     words: tuple[str, ...] = ()
+    flag: bool = False
     above: float | None = None
     least: float | None = None
     most: float | None = None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import reduce
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
@@ -26,10 +27,7 @@ class Damping:
 
 @dataclass(frozen=True)
 class Beam:
-    """A uniform cantilever of rectangular section: lengths in m, modulus in Pa, density in kg/m³.
-
-    ``massless`` is an effect: the beam's own mass is neglected, the paper's m ≫ ρAL.
-    """
+    """A uniform cantilever of rectangular section: lengths in m, modulus in Pa, density in kg/m³."""
 
     length: float
     width: float
@@ -38,7 +36,6 @@ class Beam:
     density: float
     damping: Damping
     elements: int = 36
-    massless: bool = False
 
     @property
     def bending_stiffness(self) -> float:
@@ -47,18 +44,16 @@ class Beam:
 
     @property
     def mass_per_length(self) -> float:
-        """ρA in kg/m, 0 of a massless beam."""
-        return 0.0 if self.massless else self.density * self.width * self.thickness
+        """ρA in kg/m."""
+        return self.density * self.width * self.thickness
 
 
 @dataclass(frozen=True)
 class Mass:
-    """Attached mass: kg, m; ``rotary_inertia`` in kg m² and ``rigid_half_width`` in m are effects, None if absent."""
+    """Attached mass in kg at a ``position`` in m."""
 
     mass: float
     position: float
-    rotary_inertia: float | None = None
-    rigid_half_width: float | None = None
 
 
 @dataclass(frozen=True)
@@ -143,7 +138,23 @@ class Scene:
     @property
     def moving_mass(self) -> float:
         """What the base carries, in kg: the beam with all that is on it."""
-        return self.beam.mass_per_length * self.beam.length + sum(mass for mass, _ in self.weights)
+        return self.carrier.mass_per_length * self.beam.length + sum(mass for mass, _ in self.weights)
+
+    @property
+    def carrier(self) -> Beam:
+        """The beam as its effects take it: massless, say."""
+        return reduce(lambda beam, effect: effect.carrier(beam), self.effects, self.beam)
+
+    @property
+    def rigid_half_width(self) -> float:
+        """How far the beam is rigid on either side of the mass in m, 0: nowhere."""
+        return sum((zone.rigid_half_width for zone in self.named("mass.rigid_half_width")), 0.0)
+
+    def attached(self, effect: str) -> Mass:
+        """The attached mass; ValueError that an effect needs one where there is none."""
+        if self.mass is None:
+            raise ValueError(f"{effect}: is of an attached mass, and the scene has none")
+        return self.mass
 
     @property
     def weights(self) -> tuple[tuple[float, float], ...]:

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import mpmath as mp
 import numpy as np
 
+from vibeam_models.effects import Effect
+from vibeam_models.effects.rigid_zone import RigidZone
+from vibeam_models.effects.rotary_inertia import RotaryInertia
 from vibeam_models.scene import Base, Beam, Damping, Mass, Scene, Sensor, Stop
 
 STEEL = Beam(0.18, 0.02, 1.034e-3, 210e9, 7850.0, Damping("constant", (0.017,)))
@@ -19,11 +24,19 @@ def discs() -> float:
 
 RIG = Scene(
     beam=STEEL,
-    mass=Mass(0.2, 0.132, rotary_inertia=discs(), rigid_half_width=0.0117),
+    mass=Mass(0.2, 0.132),
     stop=Stop(0.132, 0.0, 0.72),
     sensor=Sensor(0.1),
     base=Base(voltage=0.6, gain=5.16e-4),
+    effects=(RotaryInertia(discs()), RigidZone(0.0117)),
 )
+
+POINT_MASS = replace(RIG, effects=())
+
+
+def with_effects(scene: Scene, *effects: Effect) -> Scene:
+    """The scene with further effects."""
+    return replace(scene, effects=(*scene.effects, *effects))
 
 
 def cantilever_omega(beam: Beam, count: int) -> np.ndarray:

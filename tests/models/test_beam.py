@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from tests.models.bench import RIG, STEEL, cantilever_omega, deflection
+from tests.models.bench import POINT_MASS, RIG, STEEL, cantilever_omega, deflection, with_effects
 from vibeam_models.beam import assemble, assemble_with_space, bare_beam
 from vibeam_models.effects.added_mass import AddedMass
 from vibeam_models.scene import Mass, Sensor, Stop
@@ -81,7 +81,7 @@ def test_tip_under_a_steady_base_acceleration():
 
 
 def test_the_attached_mass_shares_in_the_base_load():
-    bench = replace(RIG, mass=Mass(0.2, 0.132), beam=replace(STEEL, density=1e-6))
+    bench = replace(POINT_MASS, beam=replace(STEEL, density=1e-6))
     structure = assemble(bench)
     hanging = 0.2 * deflection(STEEL, 0.1, 0.132)
     assert structure.outputs["sensor"] @ np.linalg.solve(structure.K, structure.load) == pytest.approx(
@@ -90,7 +90,7 @@ def test_the_attached_mass_shares_in_the_base_load():
 
 
 def test_a_point_mass_on_a_nearly_massless_beam():
-    light = replace(RIG, beam=replace(STEEL, density=7850e-9), mass=Mass(0.2, 0.132))
+    light = replace(POINT_MASS, beam=replace(STEEL, density=7850e-9))
     expected = np.sqrt(3 * STEEL.bending_stiffness / (0.2 * 0.132**3))
     assert assemble(light).modes(1).omega[0] == pytest.approx(expected, rel=1e-7)
     assert assemble(replace(light, beam=STEEL)).modes(1).omega[0] < 0.97 * expected
@@ -121,13 +121,13 @@ def test_the_reference_beam_of_the_rig():
 
 
 def test_the_rig_in_the_hammer_test_carries_its_accelerometer():
-    hammered = replace(RIG, effects=(AddedMass(0.0024, 0.09),))
+    hammered = with_effects(RIG, AddedMass(0.0024, 0.09))
     assert round(assemble(hammered).modes(2).frequency[1], 2) == 98.75
 
 
 def test_the_rig_under_a_point_mass():
     """Neither rotary inertia nor rigid zone, with the accelerometer: "bending 2" goes to 151 Hz."""
-    bench = replace(RIG, mass=Mass(0.2, 0.132), effects=(AddedMass(0.0024, 0.09),))
+    bench = with_effects(POINT_MASS, AddedMass(0.0024, 0.09))
     assert round(assemble(bench).modes(2).frequency[1]) == 151
 
 

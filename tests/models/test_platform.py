@@ -1,11 +1,9 @@
 """The platform: in absolute coordinates, by momentum, as a filter, and where it is too heavy to be moved."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from tests.models.bench import RIG, STEEL
+from tests.models.bench import RIG, STEEL, with_effects
 from vibeam_models.beam import assemble, bare_beam
 from vibeam_models.effects.added_mass import AddedMass
 from vibeam_models.effects.platform import MovingPlatform, PlatformFilter
@@ -76,7 +74,7 @@ def test_an_impact_keeps_all_momentum():
 
 def test_the_carried_mass_is_that_of_all_that_moves():
     """In relative coordinates the load of a rigid motion: the beam, its mass and its accelerometer."""
-    scene = replace(RIG, effects=(AddedMass(0.0024, 0.09),))
+    scene = with_effects(RIG, AddedMass(0.0024, 0.09))
     assert scene.moving_mass == pytest.approx(0.2 + 0.0024 + 7850 * 0.18 * 0.02 * 1.034e-3, rel=1e-14)
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from tests.models.bench import RIG, STEEL, deflection
+from tests.models.bench import POINT_MASS, RIG, STEEL, deflection, with_effects
 from vibeam_models.effects.added_mass import AddedMass
 from vibeam_models.scene import Mass, Stop
 from vibeam_models.sdof import beam_mass, sdof_model, static_shape, static_slope
@@ -56,8 +56,8 @@ def test_a_gap_measured_at_the_sensor_is_divided_by_the_length_alone():
 
 
 def test_what_the_model_leaves_out_does_not_change_it():
-    bare = replace(RIG, mass=Mass(0.2, 0.132))
-    assert sdof_model(bare) == sdof_model(replace(RIG, effects=(AddedMass(0.1, 0.1),)))
+    bare = POINT_MASS
+    assert sdof_model(bare) == sdof_model(with_effects(RIG, AddedMass(0.1, 0.1)))
 
 
 def test_to_si_and_back():

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from tests.models.bench import RIG, STEEL, deflection
+from tests.models.bench import RIG, STEEL, deflection, with_effects
 from tests.models.test_effects import EI, NAMED, PLAIN, end_flexibility
 from vibeam_models.beam import assemble, assemble_with_space, bare_beam
 from vibeam_models.effects.added_mass import AddedMass
 from vibeam_models.effects.gravity import AxialGravity, Gravity, TransverseGravity
+from vibeam_models.effects.massless_beam import MasslessBeam
 from vibeam_models.effects.sprung_clamp import Clamp
 from vibeam_models.effects.torsion import StVenantTorsion, Torsion, torsion_constant
 from vibeam_models.scene import Mass, Stop
@@ -66,9 +67,9 @@ def test_a_sprung_clamp_adds_its_rotation_to_the_static_deflection():
 
 @pytest.mark.parametrize("scene", [RIG, PLAIN], ids=["rig", "plain"])
 def test_a_stiff_clamp_is_the_rigid_one(scene):
-    same_motion(assemble(replace(scene, effects=(Clamp(1e12),))), assemble(scene))
+    same_motion(assemble(with_effects(scene, Clamp(1e12))), assemble(scene))
     with pytest.raises(AssertionError):
-        same_motion(assemble(replace(scene, effects=(Clamp(1e6),))), assemble(scene))
+        same_motion(assemble(with_effects(scene, Clamp(1e6))), assemble(scene))
 
 
 def test_the_clamp_comes_first():
@@ -81,7 +82,7 @@ def test_the_clamp_comes_first():
 
 
 def test_a_massless_beam_is_equation_45():
-    structure = assemble(replace(PLAIN, beam=replace(STEEL, massless=True)))
+    structure = assemble(replace(PLAIN, effects=(MasslessBeam(),)))
     assert structure.size == 1
     assert structure.modes().omega[0] ** 2 == pytest.approx(3 * EI / (0.2 * 0.132**3), rel=1e-10)
     sensor = structure.outputs["sensor"][0] / structure.contact[0]
@@ -93,18 +94,18 @@ def test_a_massless_beam_is_equation_45():
 def test_a_massless_beam_has_as_many_coordinates_as_inertias():
     arm = np.array([[1.0, 0.0117], [0.0, 1.0]])
     flexibility = arm @ end_flexibility(0.132 - 0.0117) @ arm.T
-    massless = replace(RIG, beam=replace(STEEL, massless=True))
+    massless = with_effects(RIG, MasslessBeam())
     structure = assemble(massless)
-    inertia = np.diag([0.2, RIG.mass.rotary_inertia])
+    inertia = np.diag([0.2, RIG.effects[0].rotary_inertia])
     squared = 1 / np.linalg.eigvals(flexibility @ inertia)
     np.testing.assert_allclose(structure.modes().omega, np.sqrt(np.sort(squared)), rtol=1e-9)
     np.testing.assert_allclose(structure.contact @ np.linalg.solve(structure.M, structure.contact), 1 / 0.2, rtol=1e-9)
-    assert assemble(replace(massless, effects=(AddedMass(0.0024, 0.09),))).size == 3
+    assert assemble(with_effects(massless, AddedMass(0.0024, 0.09))).size == 3
 
 
 def test_a_light_beam_is_a_massless_one():
     lighter = [assemble(replace(RIG, beam=replace(STEEL, density=7850 * share))) for share in (1e-4, 1e-10)]
-    massless = assemble(replace(RIG, beam=replace(STEEL, massless=True)))
+    massless = assemble(with_effects(RIG, MasslessBeam()))
     same_motion(lighter[1], massless, 2)
     with pytest.raises(AssertionError):
         same_motion(lighter[0], massless, 2)
@@ -122,9 +123,7 @@ def tension_stiffness(force, length):
 
 @pytest.mark.parametrize(("direction", "acceleration"), [("hanging", 9.81), ("standing", 9.81), ("hanging", 2000.0)])
 def test_a_mass_at_the_tip_of_a_massless_beam(direction, acceleration):
-    scene = replace(
-        PLAIN, beam=replace(STEEL, massless=True), mass=Mass(0.2, L), effects=(Gravity(direction, acceleration),)
-    )
+    scene = replace(PLAIN, mass=Mass(0.2, L), effects=(MasslessBeam(), Gravity(direction, acceleration)))
     force = 0.2 * acceleration * (1 if direction == "hanging" else -1)
     expected = np.sqrt(tension_stiffness(force, L) / 0.2)
     assert assemble(scene).modes().omega[0] == pytest.approx(expected, rel=1e-7)
@@ -133,7 +132,7 @@ def test_a_mass_at_the_tip_of_a_massless_beam(direction, acceleration):
 
 def test_a_heavy_pendulum():
     """Where weight rules, ω² = g/(L − 1/k): a string, but for the boundary layer 1/k at the clamp."""
-    scene = replace(PLAIN, beam=replace(FINE, massless=True), mass=Mass(0.2, L), effects=(Gravity("hanging", 1e4),))
+    scene = replace(PLAIN, beam=FINE, mass=Mass(0.2, L), effects=(MasslessBeam(), Gravity("hanging", 1e4)))
     layer = np.sqrt(EI / (0.2 * 1e4))
     assert assemble(scene).modes().omega[0] ** 2 == pytest.approx(1e4 / (L - layer), rel=1e-5)
 
@@ -169,10 +168,10 @@ def test_weight_across_a_bare_beam():
 @pytest.mark.parametrize("direction", ["hanging", "standing", "transverse"])
 def test_without_weight_nothing_is_left_of_gravity(direction):
     plain = assemble(RIG)
-    none = assemble(replace(RIG, effects=(Gravity(direction, 1e-9),)))
+    none = assemble(with_effects(RIG, Gravity(direction, 1e-9)))
     same_motion(none, plain)
     np.testing.assert_allclose(none.static, 0, atol=1e-9)
-    some = assemble(replace(RIG, effects=(Gravity(direction, 9.81),)))
+    some = assemble(with_effects(RIG, Gravity(direction, 9.81)))
     assert np.any(some.static) == (direction == "transverse")
     assert (abs(some.modes(1).omega[0] / plain.modes(1).omega[0] - 1) > 0.01) == (direction != "transverse")
 
@@ -225,7 +224,7 @@ def test_a_light_bar_with_a_rigid_zone():
 
 
 def test_bending_and_torsion_meet_at_the_contact_alone():
-    plain, twisted = assemble(RIG), assemble(replace(RIG, effects=(TWISTED,)))
+    plain, twisted = assemble(RIG), assemble(with_effects(RIG, TWISTED))
     n = plain.size
     for name in "MK":
         assert np.array_equal(getattr(twisted, name)[:n, :n], getattr(plain, name))
@@ -243,14 +242,14 @@ def test_the_mobility_of_an_eccentric_contact():
         return structure.contact @ np.linalg.solve(structure.M, structure.contact)
 
     centred = mobility(RIG)
-    assert mobility(replace(RIG, effects=(replace(TWISTED, eccentricity=0.0),))) == pytest.approx(centred, rel=1e-12)
-    one, two = (mobility(replace(RIG, effects=(replace(TWISTED, eccentricity=e),))) - centred for e in (1e-3, -2e-3))
+    assert mobility(with_effects(RIG, replace(TWISTED, eccentricity=0.0))) == pytest.approx(centred, rel=1e-12)
+    one, two = (mobility(with_effects(RIG, replace(TWISTED, eccentricity=e))) - centred for e in (1e-3, -2e-3))
     assert two == pytest.approx(4 * one, rel=1e-9)
     assert one == pytest.approx(1e-6 / 2.84e-5, rel=0.02)  # the disc's inertia, and a little of the strip's
 
 
 def test_without_eccentricity_no_mode_of_bending_changes():
-    plain, twisted = assemble(RIG), assemble(replace(RIG, effects=(replace(TWISTED, eccentricity=0.0),)))
+    plain, twisted = assemble(RIG), assemble(with_effects(RIG, replace(TWISTED, eccentricity=0.0)))
     modes = twisted.modes(9)
     struck = np.abs(twisted.contact @ modes.shapes) > 0
     assert np.count_nonzero(~struck) >= 1
@@ -267,7 +266,7 @@ def test_without_eccentricity_no_mode_of_bending_changes():
 def test_the_modal_test_of_the_rig():
     """First 7.60 Hz; bending 2 at 98.75 Hz with the accelerometer of 2.4 g at 90 mm, at 101.1 Hz without."""
     bare = assemble(RIG).modes(2).frequency
-    loaded = assemble(replace(RIG, effects=(AddedMass(0.0024, 0.09),))).modes(2).frequency
+    loaded = assemble(with_effects(RIG, AddedMass(0.0024, 0.09))).modes(2).frequency
     np.testing.assert_allclose(bare, [7.60, 101.1], atol=0.05)
     assert loaded[1] == pytest.approx(98.75, abs=0.05)
 
@@ -275,7 +274,7 @@ def test_the_modal_test_of_the_rig():
 def test_the_torsion_of_the_rig():
     """66.1 Hz is what a strip gives with J_t = bt³/3 and the discs' 2.84e-5 kg m²; St Venant's J_t is 3.3 % smaller."""
     shear = 210e9 / (2 * 1.29)
-    twisted = assemble(replace(RIG, effects=(Torsion(1e-3, 2.84e-5, shear_modulus=shear),))).modes(2).frequency[1]
+    twisted = assemble(with_effects(RIG, Torsion(1e-3, 2.84e-5, shear_modulus=shear))).modes(2).frequency[1]
     thin = STEEL.width * STEEL.thickness**3 / 3 / torsion_constant(STEEL.width, STEEL.thickness)
     assert thin == pytest.approx(1 + 0.63 * STEEL.thickness / STEEL.width, rel=2e-3)
     assert twisted * np.sqrt(thin) == pytest.approx(66.1, abs=0.05)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from pydantic import BaseModel
 
 from vibeam.case.plans import AccuracyPlan, Direction, Reference, SweepPlan
 from vibeam.casefile.content import content, digest
@@ -34,7 +35,7 @@ def _scene(case: BeamCase) -> Scene:
     place = 0.0 if case.mass is None else case.mass.position
     return Scene(
         beam=_beam(case.beam),
-        mass=None if case.mass is None else Mass(**dict(case.mass)),
+        mass=None if case.mass is None else Mass(case.mass.mass, case.mass.position),
         stop=_stop(case.stop, place if case.stop.position is None else case.stop.position),
         sensor=Sensor(case.sensor.position),
         base=Base(**dict(case.drive)),
@@ -56,18 +57,18 @@ def _sdof_scene(case: SdofCase) -> SdofScene:
 
 def _stop(table: Any, position: float) -> Stop:
     """The stop with its law, whose own keys are the law's."""
-    own = {name: value for name, value in dict(table).items() if name in _STOP}
-    return Stop(**own | {"position": position, "law": contact_law(table)})
+    return Stop(**_own(Stop, table) | {"position": position, "law": contact_law(table)})
 
 
-_STOP = {field.name for field in fields(Stop)}
+def _own(kind: type[Any], table: BaseModel) -> dict[str, Any]:
+    """The values of a table that are fields of a record."""
+    return {field.name: getattr(table, field.name) for field in fields(kind) if field.name in type(table).model_fields}
 
 
 def _beam(table: BeamTable) -> Beam:
-    values = dict(table)
-    kind, ratios = values.pop("damping"), values.pop("damping_ratio")
-    damping = Damping("list", kind) if isinstance(kind, tuple) else Damping(kind, ratios)
-    return Beam(damping=damping, **values)
+    kind: Any = table.damping
+    damping = Damping("list", kind) if isinstance(kind, tuple) else Damping(kind, table.damping_ratio or ())
+    return Beam(**_own(Beam, table) | {"damping": damping})
 
 
 RIPPLE, ATTENUATION = 0.1, 60.0  # dB, of an elliptic filter that does not say

@@ -10,26 +10,35 @@ from vibeam.casefile.tables.cases import beam_case
 from vibeam.casefile.tables.names import NAME
 from vibeam.casefile.tables.stop import law_keys, stop_table
 from vibeam.casefile.tables.table import declared_entry
-from vibeam.casefile.validation import keys_of
+from vibeam.casefile.validation import fields_of, keys_of, table_of
 from vibeam_models.effects import EFFECTS, Effect
 from vibeam_models.homes import Home, Registration
 from vibeam_models.keys import Key
+from vibeam_models.keys import keys_of as declared_keys
 from vibeam_models.laws import LAWS, ContactLaw
 
 
 def register_effect(effect: type[Effect], repeated: bool = False) -> Registration:
     """Make an effect on the beam known: its table is ``[NAME]``, or ``[[NAME]]`` where it is ``repeated``.
 
+    With a name such as ``"mass.drag"`` it is one key of [mass] or [beam], by the name of its one field.
+
     It is applied after the effects that are known. ``with register_effect(…):`` or ``remove`` forgets it again.
     ValueError with all that is wrong with the declaration, or for a name that is taken.
     """
     faults = list(_kind_faults(effect, Effect))
     if not faults:
-        faults += _name_faults(effect.name, keys_of(beam_case()))
-        faults += [] if NAME.fullmatch(effect.name) else [f"the name {effect.name!r} must be letters, digits, - or _"]
+        above, _, key = effect.name.rpartition(".")
+        known = fields_of(beam_case())
+        faults += _name_faults(key, keys_of(table_of(known[above]) if above in ("beam", "mass") else beam_case()))
+        if above not in ("", "beam", "mass") or not NAME.fullmatch(key):
+            faults.append(f"the name {effect.name!r} must be letters, digits, - or _, after beam. or mass. for a key")
+        elif above and [field.name for field in fields(effect)] != [key]:
+            faults.append(f"the key {effect.name!r} needs one field, named {key!r}")
         faults += _key_faults(effect)
     _refuse("effect", effect, faults)
-    return Registration(EFFECTS, Home(effect.name, effect, repeated))
+    declared = declared_keys(effect)[key] if above else None
+    return Registration(EFFECTS, Home(effect.name, effect, repeated, key=declared))
 
 
 def register_law(law: type[ContactLaw]) -> Registration:

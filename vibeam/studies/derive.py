@@ -114,7 +114,7 @@ def _bare(scene: Scene, exact: _FirstMode) -> Table:
 
     load_at, unit_at = scene.stop.position, scene.sensor.position
     stiffness = static_stiffness(scene.beam, load_at, unit_at)
-    mass = {WITH_BEAM: beam_mass(scene.beam, load_at, unit_at)}
+    mass = {WITH_BEAM: beam_mass(scene.carrier, load_at, unit_at)}
     notes = [f"{OF_A_MASS}: there is no attached mass"]
     if not mass[WITH_BEAM]:
         return Table(
@@ -153,9 +153,9 @@ def _masses(scene: Scene, mass: Mass, paper: SdofModel) -> dict[str, float]:
 
     load_at, unit_at = mass.position, scene.sensor.position
     masses = {MASSLESS: paper.mass}
-    masses[WITH_BEAM] = paper.mass + beam_mass(scene.beam, load_at, unit_at)
-    if mass.rotary_inertia is not None:
-        turning = mass.rotary_inertia * static_slope(load_at, load_at, unit_at) ** 2
+    masses[WITH_BEAM] = paper.mass + beam_mass(scene.carrier, load_at, unit_at)
+    for effect in scene.named("mass.rotary_inertia"):
+        turning = effect.rotary_inertia * static_slope(load_at, load_at, unit_at) ** 2
         masses[WITH_INERTIA] = masses[WITH_BEAM] + turning
     return masses
 

@@ -50,7 +50,7 @@ class Gravity(Effect):
         if self.direction == "transverse":
             return TransverseGravity(self.acceleration).apply(structure, space)
         downward = 1 if self.direction == "hanging" else -1
-        return AxialGravity(downward * self.acceleration, scene.beam, scene.weights).apply(structure, space)
+        return AxialGravity(downward * self.acceleration, scene.carrier, scene.weights).apply(structure, space)
 
 
 @dataclass(frozen=True)

@@ -2,30 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from vibeam_models.space import BeamSpace
+from vibeam_models.effects import LAST, Effect
 from vibeam_models.structure import Structure, in_coordinates
 
 if TYPE_CHECKING:
-    from vibeam_models.scene import Beam
+    from vibeam_models.scene import Beam, Scene
+    from vibeam_models.space import BeamSpace
 
 NOTHING = 1e-12  # share of the largest 1/ω² below which a shape carries no inertia; round-off leaves 10⁻¹⁶
 
 
 @dataclass(frozen=True)
-class MasslessBeam:
-    """The paper's m ≫ ρAL, for a structure assembled without the mass of its beam: as many coordinates as inertias."""
+class MasslessBeam(Effect):
+    """The paper's m ≫ ρAL: as many coordinates as inertias."""
 
-    @classmethod
-    def of(cls, beam: Beam) -> MasslessBeam:
-        """Of any massless beam: there is nothing more to know of it."""
-        return cls()
+    massless: bool = True
 
-    def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
+    name: ClassVar[str] = LAST
+
+    def carrier(self, beam: Beam) -> Beam:
+        """As ``Effect.carrier``: without density."""
+        return replace(beam, density=0.0)
+
+    def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
         """Static condensation: the shapes K⁻¹f under forces on the masses are all that can move. It comes last.
 
         M φ = ω⁻² K φ has exactly these shapes for ω⁻² > 0, whatever the units of the coordinates.

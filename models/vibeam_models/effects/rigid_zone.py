@@ -2,22 +2,51 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from vibeam_models.space import BeamSpace
+from vibeam_models.effects import Effect
 from vibeam_models.structure import Array, Structure, in_coordinates
 
 if TYPE_CHECKING:
-    from vibeam_models.scene import Mass
+    from vibeam_models.scene import Scene
+    from vibeam_models.space import BeamSpace
 
 LEAST = 1e-3  # share of the length below which the zone changes nothing, but its elements' round-off does
 
 
 @dataclass(frozen=True)
-class RigidZone:
+class RigidZone(Effect):
+    """The strip is rigid where the mass is clamped to it, ``rigid_half_width`` m on either side."""
+
+    rigid_half_width: float
+
+    name: ClassVar[str] = "mass.rigid_half_width"
+
+    @classmethod
+    def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
+        """As ``Effect.faults``: a zone that reaches an end, or is too short to matter."""
+        middle, half, length = table.position, table.rigid_half_width, case.beam.length
+        if middle is None:
+            return
+        if half >= middle:
+            yield "rigid_half_width", f"{half:g} m reaches the clamp: mass.position is {middle:g} m"
+        elif length is not None and half < LEAST * length:
+            message = f"{half:g} m is below a thousandth of beam.length and changes nothing: leave it out"
+            yield "rigid_half_width", message
+        elif length is not None and middle <= length <= middle + half:
+            yield "rigid_half_width", f"{half:g} m reaches the tip, {length - middle:g} m beyond mass.position"
+
+    def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
+        """As ``RigidSegment.apply``."""
+        return RigidSegment(scene.attached(self.name).position, self.rigid_half_width).apply(structure, space)
+
+
+@dataclass(frozen=True)
+class RigidSegment:
     """Over ``position`` ± ``half_width`` m the deflection is linear; the strip's mass there moves along.
 
     The middle and both ends must be nodes of the mesh.
@@ -25,11 +54,6 @@ class RigidZone:
 
     position: float
     half_width: float
-
-    @classmethod
-    def of(cls, mass: Mass) -> RigidZone:
-        """That of an attached mass, which has one."""
-        return cls(mass.position, mass.rigid_half_width or 0.0)
 
     def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
         """Deflection and slope of the middle stand for those of every node of the zone (kinematic elimination).

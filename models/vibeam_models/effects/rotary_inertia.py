@@ -5,27 +5,24 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from vibeam_models.space import BeamSpace
+from vibeam_models.effects import Effect
 from vibeam_models.structure import Structure, with_inertia
 
 if TYPE_CHECKING:
-    from vibeam_models.scene import Mass
+    from vibeam_models.scene import Scene
+    from vibeam_models.space import BeamSpace
 
 
 @dataclass(frozen=True)
-class RotaryInertia:
-    """``inertia`` J kg m² about the point ``position`` m."""
+class RotaryInertia(Effect):
+    """Rotary inertia J of the attached mass, in kg m²."""
 
-    inertia: float
-    position: float
+    rotary_inertia: float
 
+    name: ClassVar[str] = "mass.rotary_inertia"
     inertias: ClassVar[int] = 1
 
-    @classmethod
-    def of(cls, mass: Mass) -> RotaryInertia:
-        """That of an attached mass, which has one."""
-        return cls(mass.rotary_inertia or 0.0, mass.position)
-
-    def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
-        """M + J θᵀθ with θ the slope there; a translating base does not turn it, so the load stays."""
-        return with_inertia(structure, space.row(self.position, 1), self.inertia, translation=0.0), space
+    def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
+        """M + J θᵀθ with θ the slope at the mass; a translating base does not turn it, so the load stays."""
+        slope = space.row(scene.attached(self.name).position, 1)
+        return with_inertia(structure, slope, self.rotary_inertia, translation=0.0), space

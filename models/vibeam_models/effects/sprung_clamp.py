@@ -34,7 +34,7 @@ class Clamp(Effect):
         if not (space.is_plain and space.size == count - 2):
             raise ValueError("sprung clamp: the space is constrained already; it must come first")
         sprung = replace(space, constraint=np.eye(count)[:, 1:])
-        return self._held(sprung, structure, scene.beam), sprung
+        return self._held(sprung, structure, scene.carrier), sprung
 
     def _held(self, space: BeamSpace, structure: Structure, beam: Beam) -> Structure:
         free, slope = space.constraint, space.row(0.0, 1)

@@ -67,16 +67,14 @@ class Torsion(Effect):
 
     def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
         """As ``StVenantTorsion.apply``; ValueError in a scene without an attached mass."""
-        if scene.mass is None:
-            raise ValueError("torsion: it has the polar inertia of an attached mass, and the scene has none")
         twisted = StVenantTorsion(
             self.eccentricity,
             self.modulus(scene.beam),
             self.polar_inertia,
-            scene.beam,
-            scene.mass.position,
+            scene.carrier,
+            scene.attached(self.name).position,
             scene.stop.position,
-            scene.mass.rigid_half_width or 0.0,
+            scene.rigid_half_width,
         )
         return twisted.apply(structure, space)
 

@@ -25,6 +25,7 @@ from vibeam.studies.modes import mode_table, write_shapes
 from vibeam_models.base_motion import drive_amplitude
 from vibeam_models.beam import assemble
 from vibeam_models.effects.gravity import Gravity
+from vibeam_models.effects.massless_beam import MasslessBeam
 from vibeam_models.effects.platform import Platform, PlatformFilter, Shaker
 from vibeam_models.effects.sprung_clamp import Clamp
 from vibeam_models.effects.torsion import Torsion
@@ -55,9 +56,9 @@ def test_the_tables_are_the_scene():
     scene = case.scene
     platform = Platform(mass=5.0, frequency=3.25, damping_ratio=0.0, coupling="one-way", calibrated_at=15.5)
     torsion = Torsion(1e-3, 2.8e-5, 0.25)
-    assert set(scene.effects) == {Clamp(500.0), Gravity("hanging", 9.80665), torsion, platform}
+    assert set(scene.effects) == {MasslessBeam(), Clamp(500.0), Gravity("hanging", 9.80665), torsion, platform}
     assert torsion.modulus(scene.beam) == 84e9
-    assert scene.beam.massless
+    assert scene.carrier.mass_per_length == 0
     assert (platform.spring, platform.calibration) == (5.0 * (2 * np.pi * 3.25) ** 2, 2 * np.pi * 15.5)
     assert parse(case.text).scene == scene
     assert parse(SHAKEN).scene.shaker == Shaker(4.0, 20.0, 0.0)
@@ -69,7 +70,7 @@ def test_the_tables_are_the_scene():
 def test_a_case_without_tables_names_no_effect():
     scene = parse(TEXT).scene
     assert scene.effects == ()
-    assert not scene.beam.massless
+    assert scene.carrier == scene.beam
 
 
 def test_the_template_with_all_its_comments_opened_is_told_what_excludes_what():

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.models.bench import RIG, STEEL
+from tests.models.bench import POINT_MASS, RIG, STEEL
 from vibeam.case.fidelity import Fidelity, reduced, system
 from vibeam_models.base_motion import base_amplitude
 from vibeam_models.beam import assemble
 from vibeam_models.laws.restitution import first_mode_restitution
-from vibeam_models.scene import Base, Damping, Mass, SdofScene, Stop
+from vibeam_models.scene import Base, Damping, SdofScene, Stop
 
 SDOF = Fidelity("sdof", "static_mode")
 BEAM = Fidelity("beam", "modal", modes=8)
@@ -42,7 +42,7 @@ def test_well_below_resonance_the_beam_moves_with_the_sign_of_the_base(fidelity)
 
 def test_base_load_of_a_point_mass_on_a_nearly_massless_beam():
     """The paper's B = γṼ: the sensor of the one-mode beam is driven by 1/φ(L_m)."""
-    light = replace(RIG, beam=replace(STEEL, density=7850e-9), mass=Mass(0.2, 0.132))
+    light = replace(POINT_MASS, beam=replace(STEEL, density=7850e-9))
     made = system(light, SDOF)
     assert made.outputs["sensor"][0] * made.load[0] == pytest.approx(1 / 1.5540324324324324, rel=1e-6)
 

@@ -15,6 +15,8 @@ from vibeam.casefile.read import parse
 from vibeam.casefile.tables.cases import beam_case, sdof_case
 from vibeam.casefile.validation import entry_of, fields_of, table_of
 from vibeam_models.effects.added_mass import AddedMass
+from vibeam_models.effects.rigid_zone import RigidZone
+from vibeam_models.effects.rotary_inertia import RotaryInertia
 from vibeam_models.scene import Base, Beam, Damping, Mass, Scene, SdofScene, Sensor, Stop
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -39,10 +41,11 @@ def test_the_rig_in_si_units():
     case = vibeam.load(CASES / "dtu_neutral.toml")
     assert case.scene == Scene(
         beam=RIG,
-        mass=Mass(0.2, 0.132, 2.988e-5, 0.0117),
+        mass=Mass(0.2, 0.132),
         stop=Stop(0.132, 0.0, 0.72),
         sensor=Sensor(0.1),
         base=Base(voltage=0.6, gain=5.16e-4),
+        effects=(RotaryInertia(2.988e-5), RigidZone(0.0117)),
     )
     assert (case.sweep.direction, case.sweep.settle, case.sweep.hold, case.sweep.output) == ("both", 300, 50, "sensor")
     assert np.array_equal(case.sweep.frequency, np.linspace(14, 17, 121))

@@ -47,8 +47,8 @@ def test_an_effect_of_ones_own_runs_from_a_case_file(tmp_path: Path) -> None:
     (tmp_path / "own.toml").write_text(CASE)
     with vibeam.register_effect(Spring):
         case = vibeam.load(tmp_path / "own.toml")
-        assert case.scene.effects == (Spring(80.0, 0.06),)
-        plain, space = assemble_with_space(replace(case.scene, effects=()))
+        assert case.scene.effects[-1] == Spring(80.0, 0.06)
+        plain, space = assemble_with_space(replace(case.scene, effects=case.scene.effects[:-1]))
         stiff = plain.K + 80.0 * np.outer(space.row(0.06), space.row(0.06))
         expected = plain.with_(K=stiff).modes(2).omega
         np.testing.assert_allclose(case.system("two").omega, expected, rtol=1e-12)
@@ -58,6 +58,31 @@ def test_an_effect_of_ones_own_runs_from_a_case_file(tmp_path: Path) -> None:
         assert [row.effect for row in influence(parse(CASE, set=QUICK)).rows] == ["spring"]
     with pytest.raises(CaseError, match="spring: unknown key"):
         vibeam.load(tmp_path / "own.toml")
+
+
+@dataclass(frozen=True)
+class Foundation(Effect):
+    """A foundation under the whole beam, held at the mass."""
+
+    foundation: float = quantity("N/m", "of a spring under the mass; absent = none", "50 N/m", above=0)
+    name: ClassVar[str] = "mass.foundation"
+
+    def apply(self, structure, space, scene):
+        return Spring(self.foundation, scene.attached(self.name).position).apply(structure, space, scene)
+
+
+def test_a_key_of_ones_own_is_an_effect_of_the_mass() -> None:
+    text = RIG.replace("STOP", "restitution = 0.72")
+    with vibeam.register_effect(Foundation):
+        case = parse(text, set={"mass.foundation": "80 N/m"} | QUICK)
+        spring = replace(case.scene, effects=(*case.scene.effects[:-1], Spring(80.0, 0.132)))
+        assert np.array_equal(assemble_with_space(case.scene)[0].K, assemble_with_space(spring)[0].K)
+        assert parse(case.text).key == case.key != parse(text, set=QUICK).key
+        assert [row.effect for row in influence(case).rows] == ["mass.foundation"]
+        with pytest.raises(CaseError, match=r"mass\.foundation: '1 m' is a length, not a stiffness"):
+            parse(text, set={"mass.foundation": "1 m"})
+    with pytest.raises(CaseError, match=r"mass\.foundation: unknown key"):
+        parse(text, set={"mass.foundation": "80 N/m"})
 
 
 def test_wrong_keys_of_an_effect_of_ones_own_are_told_at_their_line() -> None:
@@ -78,7 +103,7 @@ def test_a_massless_beam_is_condensed_after_an_effect_of_ones_own() -> None:
     with vibeam.register_effect(Spring):
         scene = parse(CASE, set={"beam.massless": True, "fidelity.two.modes": 1}).scene
     structure, _ = assemble_with_space(scene)
-    bare, _ = assemble_with_space(replace(scene, effects=()))
+    bare, _ = assemble_with_space(scene.without("spring"))
     assert (structure.size, bare.size) == (1, 1)
     bends = 6 * scene.beam.bending_stiffness
     at, below = 0.132, 0.06
@@ -97,7 +122,7 @@ def test_a_registration_leaves_the_order_of_the_others_and_no_trace() -> None:
     assert list(EFFECTS) == before
 
 
-def test_what_is_wrong_with_a_declaration_is_said() -> None:
+def test_what_is_wrong_with_a_declaration_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     @dataclass(frozen=True)
     class Wrong(Effect):
         """Nothing."""
@@ -112,5 +137,8 @@ def test_what_is_wrong_with_a_declaration_is_said() -> None:
     assert "bare: declare it by quantity" in str(caught.value)
     assert "far: 'parsec' has the unknown unit" in str(caught.value)
     assert "short: '1 kg' is a mass, not a length" in str(caught.value)
+    monkeypatch.setattr(Wrong, "name", "mass.far")
+    with pytest.raises(ValueError, match=r"the key 'mass\.far' needs one field, named 'far'"):
+        vibeam.register_effect(Wrong)
     with pytest.raises(ValueError, match="must be a frozen dataclass made from Effect"):
         vibeam.register_effect(dict)  # type: ignore[arg-type]

@@ -25,35 +25,36 @@ from vibeam_models.base_motion import drive_amplitude, moving_platform
 from vibeam_models.beam import assemble
 from vibeam_models.effects.added_mass import AddedMass
 from vibeam_models.effects.gravity import Gravity
+from vibeam_models.effects.massless_beam import MasslessBeam
 from vibeam_models.effects.platform import Platform, Shaker
 from vibeam_models.effects.sprung_clamp import Clamp
 from vibeam_models.effects.torsion import Torsion
 from vibeam_models.laws.compliant import LinearStop
 from vibeam_models.laws.restitution import TableRestitution
-from vibeam_models.scene import Base, Mass, Scene
+from vibeam_models.scene import Base, Scene
 from vibeam_models.structure import Structure
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "models"))
-from bench import RIG, STEEL
+from bench import POINT_MASS, RIG, STEEL
 
 IMPACTS = 1000
 BAR = 1e-9
 GAP, SECOND = 5e-5, 3e-4
 OMEGA = 2 * np.pi * 15.3
 PLATFORM = Platform(mass=5.0, frequency=3.25, damping_ratio=0.05, coupling="two-way", calibrated_at=15.3)
-BARE = replace(RIG, beam=replace(STEEL, elements=12), mass=Mass(0.2, 0.132), base=Base(amplitude=1e-4))
-INERTIA = RIG.mass.rotary_inertia
+BARE = replace(POINT_MASS, beam=replace(STEEL, elements=12), base=Base(amplitude=1e-4))
+INERTIA, ZONE = RIG.effects
 SCENES = {
     "none": BARE,
     "clamp": replace(BARE, effects=(Clamp(500.0),)),
-    "massless": replace(BARE, beam=replace(BARE.beam, massless=True), mass=Mass(0.2, 0.132, rotary_inertia=INERTIA)),
+    "massless": replace(BARE, effects=(MasslessBeam(), INERTIA)),
     "hanging": replace(BARE, effects=(Gravity("hanging"),)),
     "standing": replace(BARE, effects=(Gravity("standing"),)),
     "transverse": replace(BARE, effects=(Gravity("transverse"),)),
     "torsion, eccentric": replace(BARE, effects=(Torsion(1e-3, 2.8e-5, shear_modulus=80e9),)),
     "added mass": replace(BARE, effects=(AddedMass(2.4e-3, 0.09),)),
-    "rotary inertia": replace(BARE, mass=Mass(0.2, 0.132, rotary_inertia=INERTIA)),
-    "rigid zone": replace(BARE, mass=Mass(0.2, 0.132, rigid_half_width=0.0117)),
+    "rotary inertia": replace(BARE, effects=(INERTIA,)),
+    "rigid zone": replace(BARE, effects=(ZONE,)),
     "platform": replace(BARE, effects=(PLATFORM,)),
     "shaker": replace(BARE, effects=(replace(PLATFORM, calibrated_at=None), Shaker(4.0, 20.0)), base=Base(voltage=3.0)),
 }

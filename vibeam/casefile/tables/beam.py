@@ -9,7 +9,7 @@ from typing import Annotated
 from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Several
-from vibeam.casefile.fields import POSITIVE, Count, Flag, Quantity
+from vibeam.casefile.fields import POSITIVE, Count, Quantity
 from vibeam.casefile.tables.effects import effects_in
 from vibeam.casefile.tables.table import MOST_ELEMENTS, Length, Place, Ratio, Table, key
 
@@ -17,7 +17,8 @@ from vibeam.casefile.tables.table import MOST_ELEMENTS, Length, Place, Ratio, Ta
 def beam_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about the beam and what is fixed to it."""
     yield from _positions(case)
-    yield from _bare(case) if case.mass is None else _rigid_zone(case)
+    if case.mass is None:
+        yield from _bare(case)
     yield from _damping(case.beam)
 
 
@@ -41,19 +42,6 @@ def _bare(case: SimpleNamespace) -> Iterator[Complaint]:
         yield ("beam", "massless"), "nothing is left that has mass: add [mass], or take massless out"
     if case.drive.gain is not None:
         yield ("drive", "gain"), 'is of a beam with an attached mass: write amplitude = "0.05 mm", or add [mass]'
-
-
-def _rigid_zone(case: SimpleNamespace) -> Iterator[Complaint]:
-    middle, half, length = case.mass.position, case.mass.rigid_half_width, case.beam.length
-    path = ("mass", "rigid_half_width")
-    if half is None or middle is None:
-        return
-    if half >= middle:
-        yield path, f"{half:g} m reaches the clamp: mass.position is {middle:g} m"
-    elif length is not None and half < 1e-3 * length:
-        yield path, f"{half:g} m is below a thousandth of beam.length and changes nothing: leave it out"
-    elif length is not None and middle <= length <= middle + half:
-        yield path, f"{half:g} m reaches the tip, {length - middle:g} m beyond mass.position"
 
 
 def _damping(beam: SimpleNamespace) -> Iterator[Complaint]:
@@ -89,9 +77,6 @@ class BeamTable(Table):
         "constant",
     )
     elements: Annotated[int, Count(1, MOST_ELEMENTS)] = key("finite elements along the beam", 36, 36)
-    massless: Annotated[bool, Flag()] = key(
-        "the beam's own mass is neglected, as in the paper's m ≫ ρAL", True, False, written=False, effect=True
-    )
 
 
 class MassTable(Table):
@@ -99,12 +84,6 @@ class MassTable(Table):
 
     mass: Annotated[float, Quantity(units.MASS, POSITIVE)] = key("attached mass", "0.2 kg")
     position: Annotated[float, Place] = key("distance from the clamp, in (0, length]", "132 mm")
-    rotary_inertia: Annotated[float | None, Quantity(units.INERTIA, POSITIVE)] = key(
-        "moment of inertia about the axis of bending; absent = a point mass", "2.988e-5 kg m^2", None, effect=True
-    )
-    rigid_half_width: Annotated[float | None, Length] = key(
-        "the beam is rigid this far on either side of the mass; absent = nowhere", "11.7 mm", None, effect=True
-    )
 
 
 class SensorTable(Table):

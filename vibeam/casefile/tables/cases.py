@@ -9,7 +9,7 @@ from vibeam.casefile.field_lists import Each
 from vibeam.casefile.fields import Text, Word
 from vibeam.casefile.tables.beam import BeamTable, MassTable, SdofTable, SensorTable
 from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable
-from vibeam.casefile.tables.effects import effect_tables
+from vibeam.casefile.tables.effects import effect_tables, with_effects
 from vibeam.casefile.tables.expectations import ExpectTable, ReferenceTable
 from vibeam.casefile.tables.figures import FigureTable, MeasurementTable, SdofMeasurementTable, ShowTable
 from vibeam.casefile.tables.measured import MeasuredTable
@@ -53,7 +53,7 @@ class _Case(Table):
 
 class _Carrier(Table):
     beam: BeamTable
-    mass: MassTable | None = key("attached to the beam; absent = a bare beam", None, None)
+    mass: MassTable | None
 
 
 class _Rig(Table):
@@ -125,7 +125,9 @@ def sdof_case() -> type[SdofCase]:
 @lru_cache(maxsize=8)
 def _beam_case(effects: Registered, laws: Registered) -> type[BeamCase]:
     stop = {"stop": (stop_table(), ...)}
-    parts = (_Case, _Carrier, effect_tables("beam"), stop, _Rig, effect_tables("base"), _Plan, _Checks, _Influence)
+    mass = with_effects("mass", MassTable) | None, key("attached to the beam; absent = a bare beam", None, None)
+    carrier = {"beam": (with_effects("beam", BeamTable), ...), "mass": mass}
+    parts = (_Case, carrier, effect_tables("beam"), stop, _Rig, effect_tables("base"), _Plan, _Checks, _Influence)
     made: type[BeamCase] = table("BeamCase", "A beam on the bench.", *parts)
     return made
 

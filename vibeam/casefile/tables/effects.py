@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
 from types import SimpleNamespace
 from typing import Annotated, Any
@@ -13,7 +13,7 @@ from pydantic_core import CoreSchema, core_schema
 
 from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile.tables.table import Table, declared_key, table
-from vibeam_models.effects import Effect, tables
+from vibeam_models.effects import EFFECTS, Effect, keys_in, tables
 from vibeam_models.homes import Home
 from vibeam_models.keys import defaults_of, keys_of
 
@@ -63,14 +63,25 @@ def _optional(home: Home) -> tuple[Any, Any]:
     return Annotated[kind, EffectTable(home)], Field(() if home.repeated else None, json_schema_extra=extra)
 
 
+def with_effects(name: str, model: type[Table]) -> Any:
+    """A table of every case with the effects that are keys of it."""
+    keys = {
+        each: declared_key(declared, False if declared.flag else None, effect=True)
+        for each, declared in keys_in(name).items()
+    }
+    return table(model.__name__, model.__doc__ or "", model, keys)
+
+
 def effects_in(case: Any) -> Iterator[tuple[KeyPath, type[Effect], Any]]:
-    """Where each effect of a beam's case is that has a table, its declaration, and the table's values."""
-    for name, home in tables().items():
-        found = getattr(case, name)
+    """Where each effect of a beam's case is, its declaration, and the values of the table."""
+    for name, home in EFFECTS.items():
+        above, _, key = name.rpartition(".")
+        place = getattr(case, above) if above else case
+        found = getattr(place, key, None)
         if home.repeated:
             yield from (((name, index), home.load(), each) for index, each in enumerate(found or ()))
-        elif found is not None:
-            yield (name,), home.load(), found
+        elif found is not None and found is not False:
+            yield ((above,), home.load(), place) if above else ((name,), home.load(), found)
 
 
 def effect_checks(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -82,7 +93,10 @@ def effect_checks(case: SimpleNamespace) -> Iterator[Complaint]:
 
 def effects_of_scene(case: Any) -> tuple[Effect, ...]:
     """The effects that a checked case names, as declared."""
-    return tuple(effect(**dict(values)) for _, effect, values in effects_in(case))
+    return tuple(
+        effect(**{each.name: getattr(values, each.name) for each in fields(effect)})
+        for _, effect, values in effects_in(case)
+    )
 
 
 def platform_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:

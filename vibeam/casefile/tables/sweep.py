@@ -64,8 +64,7 @@ def most_modes(case: Any) -> tuple[int, str]:
     """How many modes a beam's case can have at most (0: not known), and what gives them."""
     effects = [effect for _, effect, _ in effects_in(case)]
     if case.beam.massless:
-        attached = 0 if case.mass is None else 1 + (case.mass.rotary_inertia is not None)
-        return attached + sum(effect.inertias for effect in effects), "a massless beam's inertias give"
+        return (case.mass is not None) + sum(effect.inertias for effect in effects), "a massless beam's inertias give"
     each = 2 + sum(effect.modes_per_element for effect in effects)
     return each * (case.beam.elements or 0), "beam.elements gives"
 

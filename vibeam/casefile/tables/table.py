@@ -10,7 +10,7 @@ from pydantic.fields import FieldInfo
 
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Several
-from vibeam.casefile.fields import NOT_NEGATIVE, POSITIVE, Count, Entry, Quantity, Range, Word
+from vibeam.casefile.fields import NOT_NEGATIVE, POSITIVE, Count, Entry, Flag, Quantity, Range, Word
 from vibeam_models.keys import Key
 
 Plain = tuple[str, Any]  # meaning and example of a key where the case is nondimensional
@@ -67,6 +67,8 @@ def table(name: str, meaning: str, *parts: type[Table] | dict[str, Any]) -> Any:
 
 def declared_entry(declared: Key) -> Entry:
     """What reads the key of a declaration."""
+    if declared.flag:
+        return Flag()
     if declared.words:
         return Word(declared.words)
     low = declared.least if declared.above is None else declared.above
@@ -75,10 +77,11 @@ def declared_entry(declared: Key) -> Entry:
     return Several(one, ascending=declared.ascending) if declared.several else one
 
 
-def declared_key(declared: Key, default: Any = ..., of: str = "") -> tuple[Any, Any]:
+def declared_key(declared: Key, default: Any = ..., of: str = "", effect: bool = False) -> tuple[Any, Any]:
     """The annotation and the ``key`` of a declaration's key."""
     entry, plain = declared_entry(declared), plainly(declared)[:2]
-    field = key(declared.meaning, declared.example, default, written=declared.written, of=of, plain=plain)
+    notes: Any = {"written": declared.written, "effect": effect, "of": of, "plain": plain}
+    field = key(declared.meaning, declared.example, default, **notes)
     return Annotated[Any, entry], field
 
 
