@@ -33,7 +33,7 @@ FIGURES = Registry(
         "one mode's motion in physical and in Zhuravlev's or Ivanov's coordinates",
         ("frequency",),
         ("periods", "settle"),
-        ("physical_jump", "unfolded_jump"),
+        {"physical_jump": "1", "unfolded_jump": "1"},
     ),
     FigureKind("section", f"{HOME}section", "one point a drive period", ("frequency",), MOTION),
     FigureKind("curve", f"{HOME}curve", "another quantity over frequency", ("quantity",)),
