@@ -33,10 +33,11 @@ def shortened(file: Path, **more: object) -> Case:
 
 
 def expecting(case: Case, **more: object) -> Case:
-    """The case at the frequencies where it expects something, in a small sweep at all where that is of whole branches.
+    """The case at the frequencies where it expects something; where that is of whole branches, a small sweep at all.
 
-    In a large one near them. Integration by steps, which takes seconds a point, settles from rest at one frequency in fewer periods. What is read
-    off a figure needs no sweep; the peaks of the experiment lie anywhere in it.
+    A large sweep is then run near them. Integration by steps, which takes seconds a point, settles from rest at one
+    frequency in fewer periods. What is read off a figure needs no sweep; the peaks of the experiment lie anywhere in
+    it.
     """
     swept = [each for each in case.expectations.values() if each.show is None]
     wanted = {each.frequency for each in swept if each.frequency is not None}
