@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
-from inspect import isabstract
 from typing import Any
 
 from vibeam.casefile.tables.cases import beam_case
@@ -52,7 +51,7 @@ def register_law(law: type[ContactLaw]) -> Registration:
         faults += _name_faults(law.name, LAWS)
         for form in law.forms():
             faults += [*_key_faults(form), *_shared_faults(form)]
-            if isabstract(form):
+            if form.contact is ContactLaw.contact:
                 faults.append("a method 'contact' is missing: it gives what the solvers run")
     _refuse("contact law", law, faults)
     return Registration(LAWS, Home(law.name, law))

@@ -15,9 +15,11 @@ SHARES = dict.fromkeys(("energy_share", "displacement_share", "velocity_share", 
 RINGING = {
     "ringing_frequency": "Hz",
     "counted_frequency": "Hz",
+    "counted_scatter": "Hz",
     "ringing_decay": "1/s",
     "ringing_displacement": "q",
     "ringing_velocity": "q/s",
+    "counted_velocity": "q/s",
 }
 RESTITUTIONS = tuple(f"{how}_restitution" for how in ("true", "adjacent", "extremum", "extrapolated", "first_mode"))
 
@@ -27,14 +29,6 @@ FIGURES = Registry(
         "history", f"{HOME}history", "displacement and velocity over time", ("frequency",), MOTION, {"jump": "q/s"}
     ),
     FigureKind("portrait", f"{HOME}portrait", "velocity over displacement", ("frequency",), MOTION),
-    FigureKind(
-        "coordinates",
-        f"{HOME}coordinates",
-        "one mode's motion in physical and in Zhuravlev's or Ivanov's coordinates",
-        ("frequency",),
-        ("periods", "settle"),
-        {"physical_jump": "1", "unfolded_jump": "1"},
-    ),
     FigureKind("section", f"{HOME}section", "one point a drive period", ("frequency",), MOTION),
     FigureKind("curve", f"{HOME}curve", "another quantity over frequency", ("quantity",)),
     FigureKind("boundaries", f"{HOME}boundaries", "averaging's limits beside the exact ones", ("quantity",)),

@@ -10,7 +10,6 @@ from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
@@ -110,8 +109,9 @@ def legend(figure: Figure, handles: Sequence[Artist], labels: Sequence[str]) -> 
 
 
 def _wide(widths: Sequence[float], columns: int) -> float:
-    """Width of a legend in inches, its entries put column by column as matplotlib does: the first columns longer."""
-    return float(sum(max(column) for column in np.array_split(widths, columns) if len(column)))
+    """Width of a legend in inches, its entries put column by column."""
+    rows = -(-len(widths) // columns)
+    return sum(max(widths[first : first + rows]) for first in range(0, len(widths), rows))
 
 
 def plain(text: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -71,5 +72,11 @@ def sheet_at(case: Case, plan: ShowPlan, fidelity: str, frequency: float | None,
         if sheet.fidelity == fidelity and np.isclose(sheet.frequency, at, rtol=1e-9, atol=0, equal_nan=True):
             return sheet
     narrowed = plan if frequency is None else replace(plan, frequency=(frequency,))
-    found: Sheet = module_of(plan).sheets(case, fidelity, narrowed)[0]
+    return _computed(case, narrowed, fidelity)
+
+
+@lru_cache(maxsize=64)
+def _computed(case: Case, plan: ShowPlan, fidelity: str) -> Sheet:
+    """First sheet of a fidelity, computed once for all numbers that are read off it."""
+    found: Sheet = module_of(plan).sheets(case, fidelity, plan)[0]
     return found

@@ -84,10 +84,12 @@ def _fit_interval(t: Array, x: Array, slow: SlowPart, near: float | None, furthe
     if len(t) < 3 * unknowns:
         return blank
     clock = t - t[0]
-    rates = _refined_rates(clock, x, slow, near, further)
+    basis = _orthonormal(slow.columns(clock)[0])
+    x = x - basis @ (basis.T @ x)
+    rates = _refined_rates(clock, x, basis, near, further)
     if rates is None:
         return blank
-    coefficients, left = _linear_fit(rates, clock, x, slow)
+    coefficients, left = _linear_fit(rates, clock, x, basis)
     a = complex(coefficients[0], -coefficients[1])
     sigma, omega, span = rates[0].real, rates[0].imag, clock[-1]
     mean = -np.expm1(-sigma * span) / (sigma * span) if abs(sigma * span) > 1e-9 else 1.0
@@ -97,7 +99,7 @@ def _fit_interval(t: Array, x: Array, slow: SlowPart, near: float | None, furthe
 
 
 def _refined_rates(
-    clock: Array, x: Array, slow: SlowPart, near: float | None, further: int
+    clock: Array, x: Array, basis: Array, near: float | None, further: int
 ) -> NDArray[np.complex128] | None:
     """Refined σ + iω of each sinusoid, the first one first; None where the first leaves its bounds."""
     from scipy.optimize import least_squares
@@ -105,13 +107,13 @@ def _refined_rates(
     starts = np.zeros(0)
     rates = np.zeros(0, dtype=complex)
     for turn in range(1 + further):
-        _, left = _linear_fit(rates, clock, x, slow)
+        left = _linear_fit(rates, clock, x, basis)[1] if len(rates) else x
         omega = 2 * np.pi * near if near is not None and turn == 0 else _strongest(clock, left)
         starts, rates = np.append(starts, omega), np.append(rates, complex(0.02 * omega, omega))
         low, high = np.outer(starts, [-0.5, 1 / REACH]).ravel(), np.outer(starts, [2.0, REACH]).ravel()
         size = float(np.linalg.norm(left)) or 1.0  # misfits in m are too small for the stopping rule of least_squares
         found = least_squares(
-            lambda y, size=size: _linear_fit(y[0::2] + 1j * y[1::2], clock, x, slow)[1] / size,
+            lambda y, size=size: _linear_fit(y[0::2] + 1j * y[1::2], clock, x, basis)[1] / size,
             np.clip(np.stack([rates.real, rates.imag], axis=1).ravel(), low, high), bounds=(low, high),
             x_scale=np.repeat(starts, 2) * 0.1, jac="3-point", xtol=1e-12, ftol=1e-12, gtol=1e-12,
         ).x  # fmt: skip
@@ -122,13 +124,21 @@ def _refined_rates(
     return rates
 
 
-def _linear_fit(rates: NDArray[np.complex128], clock: Array, x: Array, slow: SlowPart) -> tuple[Array, Array]:
-    """Linear coefficients for given rates, those of the sinusoids first, and the misfit."""
+def _linear_fit(rates: NDArray[np.complex128], clock: Array, x: Array, basis: Array) -> tuple[Array, Array]:
+    """Linear coefficients of the sinusoids for given rates, and the misfit.
+
+    ``x`` is orthogonal to the slow part's ``basis``; with columns made so too the slow part fits itself.
+    """
     turns = np.exp((-rates.real + 1j * rates.imag) * clock[:, None])
-    pairs = np.stack([turns.real, turns.imag], axis=2).reshape(len(clock), -1)
-    columns = np.concatenate([pairs, slow.columns(clock)[0]], axis=1)
+    columns = np.stack([turns.real, turns.imag], axis=2).reshape(len(clock), -1)
+    columns -= basis @ (basis.T @ columns)
     found = solved(columns, x)
     return found, x - columns @ found
+
+
+def _orthonormal(columns: Array) -> Array:
+    """Orthonormal basis (m, k) of the span of columns (m, k)."""
+    return np.asarray(np.linalg.qr(columns / np.linalg.norm(columns, axis=0))[0])
 
 
 def _strongest(clock: Array, left: Array) -> float:
@@ -154,27 +164,40 @@ class CountedPeaks:
 
 def count_peaks(
     time: ArrayLike, values: ArrayLike, impact_times: ArrayLike, slow: SlowPart | None = None, *,
-    guard: float = 0.0, prominence: float = 0.0,
+    guard: float = 0.0, prominence: float = 0.0, apart: float = 0.0,
 ) -> CountedPeaks:  # fmt: skip
     """Count maxima of samples (m,) between impacts, as in the paper, after subtracting the slow part where given.
 
-    ``prominence``: share of an interval's range by which a maximum must stand out to be counted; at 0 every wiggle of a
-    higher mode is one. A frequency read so is off by what samples, damping, higher modes and the rest of the slow part
-    move the first and last peak.
+    ``prominence``: share of an interval's range by which a maximum must stand out to be counted, ``apart`` s: the least
+    time between two of them; at 0 every wiggle of a higher mode or of noise is one. A frequency read so is off by what
+    samples, noise, damping, higher modes and the rest of the slow part move the first and last peak.
     """
-    from scipy.signal import find_peaks
-
-    t, x = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
     rows = []
-    for part in between(t, np.asarray(impact_times, dtype=float), guard):
-        clock, y = t[part], x[part]
-        if slow is not None:
-            if len(y) <= slow.size:
-                continue
-            y = fitted(slow, clock, y, float(clock[0]))[1]
-        top = find_peaks(y, prominence=prominence * float(np.ptp(y)))[0]
+    for clock, y in fast_part(time, values, impact_times, slow, guard=guard):
+        top = peaks_of(clock, y, prominence, apart)
         span = clock[top[-1]] - clock[top[0]] if len(top) > 1 else np.nan
         height = float(np.mean(np.abs(y[top]))) if len(top) else np.nan
         rows.append((clock[0], clock[-1], len(top), (len(top) - 1) / span, height))
     found = np.array(rows, dtype=float).reshape(-1, 5).T
     return CountedPeaks(found[0], found[1], found[2].astype(np.int64), found[3], found[4])
+
+
+def fast_part(
+    time: ArrayLike, values: ArrayLike, impact_times: ArrayLike, slow: SlowPart | None = None, *, guard: float = 0.0
+) -> list[tuple[Array, Array]]:
+    """Times and values of each interval between impacts, less the slow part fitted to it; too short ones left out."""
+    t, x = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+    parts = between(t, np.asarray(impact_times, dtype=float), guard)
+    if slow is None:
+        return [(t[part], x[part]) for part in parts]
+    long = [part for part in parts if part.stop - part.start > slow.size]
+    return [(t[part], fitted(slow, t[part], x[part], float(t[part][0]))[1]) for part in long]
+
+
+def peaks_of(clock: Array, values: Array, prominence: float, apart: float) -> NDArray[np.int64]:
+    """Indices of the maxima that ``count_peaks`` counts in one interval."""
+    from scipy.signal import find_peaks
+
+    step = (clock[-1] - clock[0]) / max(len(clock) - 1, 1)
+    least = max(apart / step, 1.0) if step else 1.0
+    return np.asarray(find_peaks(values, prominence=prominence * float(np.ptp(values)), distance=least)[0])

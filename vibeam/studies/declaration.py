@@ -1,12 +1,11 @@
-"""Declaration of a study: its name, its function, the meaning of its rows, its command; registry of all studies."""
+"""Declaration of a further study: its name, its function, the meaning of its rows."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from vibeam_models.homes import loaded
 from vibeam_models.registry import Registry
 
 if TYPE_CHECKING:
@@ -15,35 +14,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class StudyDeclaration:
-    """Study of a case: ``run``, or its ``"module:function"``, takes a case; ValueError for an unsuitable one.
+    """Further study: ``run`` takes a case and returns rows, instances of one dataclass; ``meaning`` of the rows.
 
-    It returns rows, instances of one dataclass, of some ``meaning``: ``vibeam study NAME CASE`` prints them as a table
-    or as JSON, or writes them as CSV. A study with a ``command`` of its own, ``"module:function"``, returns any record.
+    ``vibeam study NAME CASE`` prints the rows as a table or as JSON, or writes them as CSV. ``run`` raises ValueError
+    for an unsuitable case.
     """
 
     name: str
-    run: Callable[[Case], Any] | str
+    run: Callable[[Case], Sequence[Any]]
     meaning: str
-    command: str = ""
-
-    def of(self, case: Case) -> Any:
-        """The study of a case."""
-        return loaded(self.run)(case)
 
 
-def _own(name: str, home: str, meaning: str) -> StudyDeclaration:
-    return StudyDeclaration(name, f"vibeam.studies.{home}:{name}", meaning, f"vibeam.cli.commands.{name}:{name}")
-
-
-STUDIES: Registry[StudyDeclaration] = Registry(
-    "study",
-    _own("check", "regression.check", "differences to references and expected numbers"),
-    _own("stability", "stability.study", "existence and stability of periodic motions over frequency and gap or drive"),
-    _own("cost", "cost.study", "accuracy and CPU time of every fidelity by every solver"),
-    _own("influence", "influence.study", "change by each effect, and its cost"),
-    _own("derive", "derive", "SDOF parameters from geometry, beside their finite-element values"),
-    _own("modes", "modes", "modes of the finite-element beam"),
-)
+STUDIES: Registry[StudyDeclaration] = Registry("study")
 
 
 def register_study(declaration: StudyDeclaration) -> None:

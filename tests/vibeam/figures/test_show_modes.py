@@ -62,7 +62,8 @@ def test_ringing_is_mode_2_by_fit_and_not_by_counting() -> None:
         damped = system.omega[1] * np.sqrt(1 - system.zeta[1] ** 2) / (2 * np.pi)
         np.testing.assert_allclose(found["ringing_frequency"], damped, atol=0.02)
         np.testing.assert_allclose(found["ringing_decay"], system.zeta[1] * system.omega[1], rtol=5e-3)
-        assert np.abs(np.mean(found["counted_frequency"]) - damped) > 0.2
+        missed = np.abs(np.mean(found["ringing_frequency"]) - damped)
+        assert np.abs(np.mean(found["counted_frequency"]) - damped) > 5 * missed + 0.05
     size = found["ringing_velocity"] / found["ringing_displacement"]
     np.testing.assert_allclose(size, system.omega[1], rtol=1e-3)
 
@@ -83,6 +84,26 @@ def test_the_fitted_size_is_mode_2s_at_the_sensor() -> None:
     found = sheet(beam("ringing", **RING), "beam", 14.5)
     lag = np.min(np.abs(np.mod(found["begin"] - orbit.time, 1 / 14.5)))
     np.testing.assert_allclose(found["first_displacement"], expected * np.exp(-decay * lag), rtol=0.02)
+
+
+def test_peaks_are_counted_in_the_velocity_less_its_slow_part() -> None:
+    """One steady motion: every interval reads the same, within a sample at either end of its five periods."""
+    found = sheet(beam("ringing", **RING), "beam", 15.0)
+    top, read = found["peak_time"], found["counted_frequency"]
+    assert read[0] == pytest.approx((len(top) - 1) / (top[-1] - top[0]), rel=1e-12)
+    assert found["counted_velocity"][0] == pytest.approx(np.mean(found["peak_velocity"]), rel=1e-12)
+    assert found["counted_scatter"][0] == pytest.approx(np.std(read), rel=1e-12)
+    assert np.ptp(read) < 1.0
+    inside = np.isin(found["fast_time"], top)
+    np.testing.assert_array_equal(found["fast_velocity"][inside], found["peak_velocity"])
+
+
+def test_noise_scatters_what_is_counted_and_repeats_with_its_seed() -> None:
+    noisy = CHAIN | {"measurement__noise": "0.5 µm", "measurement__seed": 1}
+    one, again, quiet = (sheet(beam("ringing", **RING, **keys), "beam", 15.0) for keys in (noisy, noisy, CHAIN))
+    np.testing.assert_array_equal(one["counted_frequency"], again["counted_frequency"])
+    assert one["counted_scatter"][0] > 2 * quiet["counted_scatter"][0]
+    assert np.abs(one["ringing_frequency"] - quiet["ringing_frequency"]).max() < 0.1
 
 
 def test_one_mode_does_not_ring_and_says_so() -> None:
@@ -150,7 +171,13 @@ def test_a_gap_that_drifts_counts_in_figures_too() -> None:
 
 @pytest.mark.parametrize(
     ("kind", "keys"),
-    [("participation", {"frequency": "15.5 Hz"}), ("modal", {}), ("ringing", RING), ("restitution", {"periods": 4})],
+    [
+        ("participation", {"frequency": "15.5 Hz"}),
+        ("modal", {}),
+        ("ringing", RING),
+        ("ringing", RING | {"frequency": "15.3 Hz"}),
+        ("restitution", {"periods": 4}),
+    ],
 )
 def test_the_figures_are_drawn(kind: str, keys: dict[str, object]) -> None:
     case = beam(kind, **keys, sweep__frequency=["15.3 Hz", "15.5 Hz"])

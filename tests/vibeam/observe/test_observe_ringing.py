@@ -39,6 +39,20 @@ def test_a_damped_sinusoid_is_found_exactly(near: float | None) -> None:
     assert found.residual.max() < 1e-11
 
 
+def test_peaks_closer_than_asked_for_count_once() -> None:
+    """103 Hz for 60 ms from each impact on: six or seven maxima; a tone of 900 Hz beside it adds its own."""
+    t, _, hits = ringing_signal()
+    since = t - hits[np.maximum(np.searchsorted(hits, t, side="right") - 1, 0)]
+    tone = np.cos(2 * np.pi * 103 * since + 0.3)
+    mixed = tone + 0.3 * np.cos(2 * np.pi * 900 * since)
+    clean = observe.count_peaks(t, tone, hits[:3], guard=1e-3, prominence=0.2)
+    np.testing.assert_allclose(clean.frequency, 103, atol=0.8)
+    np.testing.assert_allclose(clean.height, 1, atol=5e-3)
+    assert (observe.count_peaks(t, mixed, hits[:3], guard=1e-3, prominence=0.05).peaks > 2 * clean.peaks).all()
+    apart = observe.count_peaks(t, mixed, hits[:3], guard=1e-3, prominence=0.05, apart=7e-3)
+    np.testing.assert_array_equal(apart.peaks, clean.peaks)
+
+
 def test_further_sinusoids_are_told_apart() -> None:
     t, x, hits = ringing_signal()
     since = t - hits[np.maximum(np.searchsorted(hits, t, side="right") - 1, 0)]
