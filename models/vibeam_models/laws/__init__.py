@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -33,7 +32,7 @@ def declarations() -> dict[str, type[ContactLaw]]:
 
 
 @dataclass(frozen=True)
-class ContactLaw(ABC):
+class ContactLaw:
     """A law by its keys in ``[stop]``: those fields without default are needed, the others may be absent.
 
     ``compliant``: the stop yields; else it is rigid and the velocity after an impact follows from that before it.
@@ -59,6 +58,6 @@ class ContactLaw(ABC):
         """(key, message) of what does not go together; ``stop`` as in ``form_of``."""
         yield from ()
 
-    @abstractmethod
-    def contact(self, mobility: float) -> VelocityRestitution | CompliantStop | None:
-        """What the solvers run, in a model of contact ``mobility`` S = w M⁻¹ wᵀ (1/kg); None: the plain R alone."""
+    def contact(self, mobility: float) -> VelocityRestitution | CompliantStop:
+        """What the solvers run, in a model of contact ``mobility`` S = w M⁻¹ wᵀ (1/kg)."""
+        raise NotImplementedError(f"law {self.name!r} says nothing of the contact: it needs a method 'contact'")

@@ -17,6 +17,3 @@ class ConstantRestitution(ContactLaw):
     restitution: float = declared(RESTITUTION)
 
     name: ClassVar[str] = "restitution"
-
-    def contact(self, mobility: float) -> None:
-        """As ``ContactLaw.contact``."""
