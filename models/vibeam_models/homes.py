@@ -27,10 +27,15 @@ class Home:
 
     def load(self) -> Any:
         """The declaration."""
-        if not isinstance(self.place, str):
-            return self.place
-        module, kind = self.place.split(":")
-        return getattr(import_module(module), kind)
+        return loaded(self.place)
+
+
+def loaded(place: Any) -> Any:
+    """The object itself, or that which ``"module:name"`` says."""
+    if not isinstance(place, str):
+        return place
+    module, name = place.split(":")
+    return getattr(import_module(module), name)
 
 
 class Registration:

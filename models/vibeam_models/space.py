@@ -1,4 +1,7 @@
-"""BeamSpace: Hermite finite elements on one mesh, with what its constraints have left free."""
+"""BeamSpace: Hermite finite elements on one mesh, with what its constraints have left free.
+
+scikit-fem is imported where a beam is assembled: commands that only read a case do without it.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +11,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from skfem import Basis, BilinearForm, ElementLineHermite, MeshLine
-from skfem.helpers import dd
 
 NEAR = 0.25  # share of a uniform element within which a uniform node gives way to an inserted one
 
@@ -55,6 +56,8 @@ class BeamSpace:
     @classmethod
     def clamped(cls, nodes: ArrayLike) -> BeamSpace:
         """The space on ``nodes`` (k,) in m, ascending, clamped at the first one: 2(k−1) coordinates."""
+        from skfem import Basis, ElementLineHermite, MeshLine
+
         element = ElementLineHermite()  # a new one for every mesh: it remembers the first mesh it met
         basis = Basis(MeshLine(np.asarray(nodes, dtype=float)), element, intorder=6)
         return cls(basis, np.eye(int(basis.N))[:, 2:])
@@ -96,6 +99,8 @@ class BeamSpace:
 
     def stiffness(self, bending: float) -> Array:
         """∫EI u″v″ (dofs, dofs) of all degrees of freedom, the clamp's too; ``bending`` in N m²."""
+        from skfem.helpers import dd
+
         return self._assembled(lambda u, v, _: bending * dd(u)[0, 0] * dd(v)[0, 0])
 
     def translation(self) -> Array:
@@ -129,5 +134,7 @@ class BeamSpace:
         return np.asarray(field.grad[0] if derivative else field)[:, 0]
 
     def _assembled(self, form: Any) -> Array:
+        from skfem import BilinearForm
+
         matrix: Array = BilinearForm(form).assemble(self.basis).toarray()
         return (matrix + matrix.T) / 2

@@ -82,3 +82,22 @@ def test_nothing_heavy_is_loaded_before_it_is_needed(code: str) -> None:
 
 def test_the_loading_check_can_fail() -> None:
     assert loaded("import h5py") == ["h5py"]
+
+
+COMMANDS = {
+    "help": ["--help"],
+    "keys": ["keys"],
+    "new": ["new", "new.toml"],
+    "a wrong case": ["run", "wrong.toml"],
+    "a wrong value": ["run", str(ROOT / "cases" / "dtu_neutral.toml"), "--set", "stop.gap=1 Hz"],
+}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_commands_without_a_solver_load_none(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "wrong.toml").write_text("[beam]\nlenght = 1\n")
+    words = ["vibeam", *COMMANDS[command]]
+    code = f"import contextlib\nfrom vibeam.cli.main import main\nsys.argv = {words!r}\n"
+    code += "with contextlib.suppress(SystemExit):\n    main()"
+    assert loaded(code) == []

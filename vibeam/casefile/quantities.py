@@ -10,6 +10,7 @@ from functools import cache
 from typing import Any
 
 from vibeam.case.faults import as_shown_in_message, suggest
+from vibeam.casefile.common_units import common_unit
 
 
 @dataclass(frozen=True)
@@ -208,9 +209,11 @@ def _hint(dimension: dict[str, float], kind: Dimension) -> str:
 
 @cache
 def _parsed(unit: str) -> tuple[Decimal, dict[str, float]] | None:
-    """Size in base units and dimension of a unit, or None; pint, which can compute, sees plain products only."""
+    """Size in base units and dimension of a unit, or None; pint reads plain products of units that are not common."""
     if len(unit) > 40 or not _UNIT.fullmatch(unit):
         return None
+    if (common := common_unit(unit)) is not None:
+        return common
     registry = _registry()
     try:
         one = registry.Quantity(Decimal(1), registry.parse_units(unit.replace("%", "percent")))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
+from inspect import isabstract
 from typing import Any
 
 from vibeam.casefile.tables.cases import beam_case
@@ -51,7 +52,7 @@ def register_law(law: type[ContactLaw]) -> Registration:
         faults += _name_faults(law.name, LAWS)
         for form in law.forms():
             faults += [*_key_faults(form), *_shared_faults(form)]
-            if form.contact is ContactLaw.contact:
+            if isabstract(form):
                 faults.append("a method 'contact' is missing: it gives what the solvers run")
     _refuse("contact law", law, faults)
     return Registration(LAWS, Home(law.name, law))

@@ -10,25 +10,22 @@ from typing import Annotated
 
 import typer
 
-from vibeam.cli.commands.check import check
-from vibeam.cli.commands.cost import cost
-from vibeam.cli.commands.derive import derive
-from vibeam.cli.commands.influence import influence
 from vibeam.cli.commands.keys import keys
-from vibeam.cli.commands.modes import modes
 from vibeam.cli.commands.new import new
 from vibeam.cli.commands.run import run
-from vibeam.cli.commands.stability import stability
 from vibeam.cli.commands.study import study
 from vibeam.cli.errors import mistakes
 from vibeam.cli.extensions import import_extension
 from vibeam.cli.streams import put, standard_streams
+from vibeam.studies.declaration import STUDIES
+from vibeam_models.homes import loaded
 
 app = typer.Typer(
     help="How much model does a vibro-impact beam need?",
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # plain help: rich takes longer to import than all else
 )
 
 
@@ -58,5 +55,5 @@ def _options(
         raise typer.Exit
 
 
-for command in (run, check, stability, cost, influence, derive, modes, study, new, keys):
+for command in (run, *(loaded(each.command) for each in STUDIES.values() if each.command), study, new, keys):
     app.command()(mistakes()(command))

@@ -29,6 +29,14 @@ FIGURES = Registry(
         "history", f"{HOME}history", "displacement and velocity over time", ("frequency",), MOTION, {"jump": "q/s"}
     ),
     FigureKind("portrait", f"{HOME}portrait", "velocity over displacement", ("frequency",), MOTION),
+    FigureKind(
+        "coordinates",
+        f"{HOME}coordinates",
+        "one mode's motion in physical and in Zhuravlev's or Ivanov's coordinates",
+        ("frequency",),
+        ("periods", "settle"),
+        {"physical_jump": "1", "unfolded_jump": "1"},
+    ),
     FigureKind("section", f"{HOME}section", "one point a drive period", ("frequency",), MOTION),
     FigureKind("curve", f"{HOME}curve", "another quantity over frequency", ("quantity",)),
     FigureKind("boundaries", f"{HOME}boundaries", "averaging's limits beside the exact ones", ("quantity",)),

@@ -47,8 +47,12 @@ class MotionPiece:
     amplitude: Array
 
 
-def motion_pieces(curves: MotionCurves) -> Iterator[MotionPiece]:
-    """Admissible motions, cut where they end; a change of stability is joined to the point before it."""
+def motion_pieces(curves: MotionCurves, quantity: str = "amplitude") -> Iterator[MotionPiece]:
+    """Admissible motions, cut where they end; a change of stability is joined to the point before it.
+
+    ``quantity``: what stands as their amplitude, also ``"reach"``.
+    """
+    values = getattr(curves, quantity)
     for branch in range(curves.amplitude.shape[1]):
         shown = curves.admissible[:, branch]
         kind = np.where(shown, curves.stable[:, branch], -1)
@@ -58,7 +62,7 @@ def motion_pieces(curves: MotionCurves) -> Iterator[MotionPiece]:
                 before = points[0] - 1
                 joined = np.append(before, points) if before >= 0 and shown[before] else points
                 stable = bool(curves.stable[points[0], branch])
-                yield MotionPiece(stable, curves.frequency[joined], curves.amplitude[joined, branch])
+                yield MotionPiece(stable, curves.frequency[joined], values[joined, branch])
 
 
 def pieces(response: FrequencyResponse) -> Iterator[Piece]:

@@ -10,6 +10,7 @@ from textwrap import fill
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
@@ -109,9 +110,8 @@ def legend(figure: Figure, handles: Sequence[Artist], labels: Sequence[str]) -> 
 
 
 def _wide(widths: Sequence[float], columns: int) -> float:
-    """Width of a legend in inches, its entries put column by column."""
-    rows = -(-len(widths) // columns)
-    return sum(max(widths[first : first + rows]) for first in range(0, len(widths), rows))
+    """Width of a legend in inches, its entries put column by column as matplotlib does: the first columns longer."""
+    return float(sum(max(column) for column in np.array_split(widths, columns) if len(column)))
 
 
 def plain(text: str) -> str:

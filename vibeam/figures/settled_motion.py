@@ -113,13 +113,17 @@ def motion_columns(case: Case, name: str, frequency: float, plan: ShowPlan, peri
     chain = case.chain_of(name)
     if chain is not None:
         return _measured(measured_window(case, name, frequency, plan, periods, chain))
-    begin = settled(case, name, frequency, plan)
+    return exact_columns(settled(case, name, frequency, plan), periods, plan.output)
+
+
+def exact_columns(begin: Settled, periods: int, output: str) -> Columns:
+    """Compute ``periods`` drive periods of the settled motion itself, without a measuring chain."""
     if begin.state is None:
         raise NoMotion(begin.fault)
     if begin.samples:
-        return _stepped(begin, begin.state, periods, plan.output)
+        return _stepped(begin, begin.state, periods, output)
     path = exact_motion(begin, periods)
-    curve = phase_portrait(path, plan.output, periods=periods, points=SAMPLES)
+    curve = phase_portrait(path, output, periods=periods, points=SAMPLES)
     hits = impacts_within(path, *last_periods(path, periods))
     jumps = curve.velocity[curve.jumps + 1] - curve.velocity[curve.jumps]
     return _columns(curve.time, curve.displacement, curve.velocity, hits[:, 0], hits[:, 1], jumps)

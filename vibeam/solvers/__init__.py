@@ -6,20 +6,13 @@ its system. ``solver`` builds one by name; ``SOLVERS`` declares them all.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from vibeam.solvers.declaration import CostSettings, SolverDeclaration
 from vibeam_models.registry import Registry
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from vibeam.system.impact_system import ImpactSystem
-    from vibeam.system.motion_curves import MotionCurves
-    from vibeam.system.response import FrequencyResponse
-    from vibeam.system.state import State
 
 SOLVERS = Registry(
     "solver",
@@ -71,32 +64,6 @@ SOLVERS = Registry(
         marker=("s", 3.8),
     ),
 )
-
-
-class Solver(Protocol):
-    """Interface of all solvers: built as ``Class(system, slowest, span, **options)``; ValueError for a system or an
-    option that it cannot take.
-    """
-
-    def steady(
-        self,
-        omegas: Sequence[float] | NDArray[np.float64],
-        amplitude: float,
-        state: State | None,
-        settle: int,
-        hold: int,
-        output: str,
-    ) -> tuple[FrequencyResponse, State]:
-        """Steady points at ``omegas`` (rad/s), in order, under base motion of ``amplitude`` m; the state is carried."""
-        ...
-
-
-class CurveSolver(Solver, Protocol):
-    """Solver of all motions of its kind, stable and unstable."""
-
-    def curves(self, omegas: NDArray[np.float64], amplitude: float, output: str) -> MotionCurves:
-        """Both branches at ``omegas`` (rad/s) under base motion of ``amplitude`` m."""
-        ...
 
 
 def register_solver(declaration: SolverDeclaration) -> None:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from importlib import import_module
 from inspect import Parameter, signature
 from typing import Any, Literal
+
+from vibeam_models.homes import loaded
 
 GIVEN = ("system", "slowest", "span")  # arguments of every solver
 
@@ -53,20 +54,13 @@ class SolverDeclaration:
         """Build the solver of one system; ValueError for what it cannot take."""
         if system.beyond_plain and self.beyond_plain is None:
             system.require_plain(f"solver {self.name!r}")
-        made = _class(self.beyond_plain if system.beyond_plain and self.beyond_plain else self.home)
+        made = loaded(self.beyond_plain if system.beyond_plain and self.beyond_plain else self.home)
         known = _options_of(made)
         unknown = [key for key in options if key not in known]
         if unknown:
             there = ", ".join(known) or "none"
             raise ValueError(f"solver {self.name!r} has no option {', '.join(unknown)}: there are {there}")
         return made(system, slowest, span, **options)
-
-
-def _class(home: str | type[Any]) -> type[Any]:
-    if not isinstance(home, str):
-        return home
-    module, name = home.split(":")
-    return getattr(import_module(module), name)  # type: ignore[no-any-return]
 
 
 def _options_of(made: type[Any]) -> list[str]:

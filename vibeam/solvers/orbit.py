@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import fields, replace
 
@@ -15,6 +14,7 @@ from vibeam.orbits.modal_sums import offsets, resonant
 from vibeam.orbits.orbit import Orbit, orbits
 from vibeam.orbits.orbit_curve import checked
 from vibeam.orbits.states import phasors
+from vibeam.solvers.steady import SteadySolver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.motion_curves import MotionCurves
 from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
@@ -23,7 +23,7 @@ from vibeam.system.state import State
 Array = NDArray[np.float64]
 
 
-class OrbitSolver:
+class OrbitSolver(SteadySolver):
     """Stable, admissible motions with one impact per ``periods`` drive periods; where there is none but the motion
     under the drive alone stays clear of the stop, that one. Every other point is NaN with its reason.
 
@@ -34,26 +34,17 @@ class OrbitSolver:
         checked(system, slowest, periods)
         self.system, self.periods, self.witness = system, int(periods), AdmissibilityCheck(system, slowest)
 
-    def steady(
-        self,
-        omegas: Sequence[float] | Array,
-        amplitude: float,
-        state: State | None,
-        settle: int,
-        hold: int,
-        output: str,
-    ) -> tuple[FrequencyResponse, State]:
-        """Steady points at ``omegas``; the state of the last one at the drive's phase 0."""
-        grid = np.asarray(omegas, dtype=float)
-        self.system.output(output)
-        response = FrequencyResponse.empty(grid / (2 * np.pi), self.system.size)
-        last = equilibrium(self.system) if state is None else state
-        for index, omega in enumerate(grid):
-            begun = time.thread_time()
-            found, last = self._point(Drive(float(omega), amplitude), hold, output)
-            _copy(found, response, index)
-            response.cpu_seconds[index] = time.thread_time() - begun
-        return response, last
+    def begin(self, state: State | None) -> State:
+        """As ``SteadySolver.begin``."""
+        return equilibrium(self.system) if state is None else state
+
+    def point(
+        self, response: FrequencyResponse, index: int, drive: Drive, carried: State, settle: int, hold: int, output: str
+    ) -> State:
+        """As ``SteadySolver.point``: the state at the drive's phase 0."""
+        found, last = self._point(drive, hold, output)
+        _copy(found, response, index)
+        return last
 
     def curves(self, omegas: Sequence[float] | Array, amplitude: float | Array, output: str) -> MotionCurves:
         """Both motions at ``omegas``, rad/s: the roots of the quadratic, certified one by one.

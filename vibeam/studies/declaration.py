@@ -1,11 +1,12 @@
-"""Declaration of a further study: its name, its function, the meaning of its rows."""
+"""Declaration of a study: its name, its function, the meaning of its rows, its command; registry of all studies."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from vibeam_models.homes import loaded
 from vibeam_models.registry import Registry
 
 if TYPE_CHECKING:
@@ -14,18 +15,35 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class StudyDeclaration:
-    """Further study: ``run`` takes a case and returns rows, instances of one dataclass; ``meaning`` of the rows.
+    """Study of a case: ``run``, or its ``"module:function"``, takes a case; ValueError for an unsuitable one.
 
-    ``vibeam study NAME CASE`` prints the rows as a table or as JSON, or writes them as CSV. ``run`` raises ValueError
-    for an unsuitable case.
+    It returns rows, instances of one dataclass, of some ``meaning``: ``vibeam study NAME CASE`` prints them as a table
+    or as JSON, or writes them as CSV. A study with a ``command`` of its own, ``"module:function"``, returns any record.
     """
 
     name: str
-    run: Callable[[Case], Sequence[Any]]
+    run: Callable[[Case], Any] | str
     meaning: str
+    command: str = ""
+
+    def of(self, case: Case) -> Any:
+        """The study of a case."""
+        return loaded(self.run)(case)
 
 
-STUDIES: Registry[StudyDeclaration] = Registry("study")
+def _own(name: str, home: str, meaning: str) -> StudyDeclaration:
+    return StudyDeclaration(name, f"vibeam.studies.{home}:{name}", meaning, f"vibeam.cli.commands.{name}:{name}")
+
+
+STUDIES: Registry[StudyDeclaration] = Registry(
+    "study",
+    _own("check", "regression.check", "differences to references and expected numbers"),
+    _own("stability", "stability.study", "existence and stability of periodic motions over frequency and gap or drive"),
+    _own("cost", "cost.study", "accuracy and CPU time of every fidelity by every solver"),
+    _own("influence", "influence.study", "change by each effect, and its cost"),
+    _own("derive", "derive", "SDOF parameters from geometry, beside their finite-element values"),
+    _own("modes", "modes", "modes of the finite-element beam"),
+)
 
 
 def register_study(declaration: StudyDeclaration) -> None:

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from skfem import Basis, BilinearForm, ElementLineP2, MeshLine
-from skfem.helpers import dot, grad
 
 from vibeam_models.effects import Effect
 from vibeam_models.keys import quantity
@@ -113,6 +111,9 @@ class StVenantTorsion:
 
     def _twist(self, nodes: Array) -> tuple[Array, Array, Array]:
         """Inertia, stiffness and the row of the contact's angle, quadratic elements on the same nodes."""
+        from skfem import Basis, BilinearForm, ElementLineP2, MeshLine
+        from skfem.helpers import dot, grad
+
         basis = Basis(MeshLine(nodes), ElementLineP2(), intorder=4)
         places = basis.doflocs[0]
         free = self._elimination(places)

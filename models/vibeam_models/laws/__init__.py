@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -32,7 +33,7 @@ def declarations() -> dict[str, type[ContactLaw]]:
 
 
 @dataclass(frozen=True)
-class ContactLaw:
+class ContactLaw(ABC):
     """A law by its keys in ``[stop]``: those fields without default are needed, the others may be absent.
 
     ``compliant``: the stop yields; else it is rigid and the velocity after an impact follows from that before it.
@@ -58,6 +59,6 @@ class ContactLaw:
         """(key, message) of what does not go together; ``stop`` as in ``form_of``."""
         yield from ()
 
-    def contact(self, mobility: float) -> VelocityRestitution | CompliantStop:
-        """What the solvers run, in a model of contact ``mobility`` S = w M⁻¹ wᵀ (1/kg)."""
-        raise NotImplementedError(f"law {self.name!r} says nothing of the contact: it needs a method 'contact'")
+    @abstractmethod
+    def contact(self, mobility: float) -> VelocityRestitution | CompliantStop | None:
+        """What the solvers run, in a model of contact ``mobility`` S = w M⁻¹ wᵀ (1/kg); None: the plain R alone."""

@@ -17,3 +17,6 @@ class ConstantRestitution(ContactLaw):
     restitution: float = declared(RESTITUTION)
 
     name: ClassVar[str] = "restitution"
+
+    def contact(self, mobility: float) -> None:
+        """As ``ContactLaw.contact``."""

@@ -16,7 +16,8 @@ from vibeam.studies.regression.references import check
 from vibeam.system.response import Ended
 
 STEPPED = ("direct", "zhuravlev", "ivanov", "moreau")
-ANALYTICAL = ("mapping", "averaging")  # they say where they have no motion
+ANALYTICAL = ("mapping", "averaging", "orbit")  # they say where they have no motion
+WHOLE = 201  # points of a sweep up to which it is run as it is
 FILES = sorted((Path(__file__).parents[3] / "cases").rglob("*.toml"))
 
 
@@ -32,17 +33,19 @@ def shortened(file: Path, **more: object) -> Case:
 
 
 def expecting(case: Case, **more: object) -> Case:
-    """The case at the frequencies where it expects something, and near them where that is of whole branches.
+    """The case at the frequencies where it expects something; where that is of whole branches, a small sweep at all.
 
-    Integration by steps, which takes seconds a point, settles from rest at one frequency in fewer periods. What is read
-    off a figure needs no sweep; the peaks of the experiment lie anywhere in it.
+    A large sweep is then run near them. Integration by steps, which takes seconds a point, settles from rest at one
+    frequency in fewer periods. What is read off a figure needs no sweep; the peaks of the experiment lie anywhere in
+    it.
     """
     swept = [each for each in case.expectations.values() if each.show is None]
     wanted = {each.frequency for each in swept if each.frequency is not None}
     whole = any(each.frequency is None for each in swept)
     if not swept or (whole and case.path.parent.name == "experiment"):
         return vibeam.load(case.path, set=more if swept else {"sweep.frequency": [14.5]} | more)
-    near = 0.04 if whole else 1e-9
+    small = len(case.sweep.frequency) <= WHOLE
+    near = (1.0 if small else 0.04) if whole else 1e-9  # 1: everywhere
     grid = [f for f in case.sweep.frequency.tolist() if any(np.isclose(f, each, rtol=near) for each in wanted)]
     stepped = any(each.solver in STEPPED for each in case.fidelities.values())
     settle = {"sweep.settle": 60, "sweep.direction": "up"} if stepped else {}

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from stand_in import SDOF
+from stand_in import RIG, SDOF
 from typer.testing import CliRunner
 
 import vibeam
@@ -55,9 +55,17 @@ def test_a_registered_study_runs_from_the_command_line(folder: Path) -> None:
     assert "gap of each fidelity" in table.stdout
 
 
+def test_a_built_in_study_is_declared_like_a_registered_one(folder: Path) -> None:
+    rig = vibeam.load(RIG)
+    assert list(STUDIES["derive"].of(rig)) == list(vibeam.derive(rig))
+    assert {name for name, study in STUDIES.items() if study.command} <= set(vibeam.__all__)
+
+
 def test_what_is_wrong_is_said(folder: Path) -> None:
     nothing = CliRunner().invoke(app, ["study", "gaps", "a.toml"])
     assert (nothing.exit_code, "no study 'gaps'; none is registered" in nothing.stderr) == (2, True)
+    own = CliRunner().invoke(app, ["study", "cost", "a.toml"])
+    assert (own.exit_code, "vibeam cost is a command of its own" in own.stderr) == (2, True)
     missing = CliRunner().invoke(app, ["--load", "no_such_module", "keys"])
     assert (missing.exit_code, "--load no_such_module: no such module" in missing.stderr) == (2, True)
     refused = CliRunner().invoke(app, ["--load", "my_gaps", "study", "gaps", "a.toml", "--set", "title=refused"])

@@ -14,7 +14,10 @@ MISSED = 1
 def check(
     case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: ResultsFile = None, fresh: Fresh = False
 ) -> None:
-    """Compare a case with references and measured numbers: exit code 1 where a reference is missed."""
+    """Compare a case with references and measured numbers.
+
+    Exit code 1 where a reference is missed.
+    """
     loaded = load(case, set_)
     if not (loaded.references or loaded.expectations or loaded.measured):
         say(f"{case}: a sound case, but it names no reference to check against and no measured number")

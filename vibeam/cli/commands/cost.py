@@ -20,7 +20,10 @@ def cost(
         typer.Option("--out", metavar="FOLDER", help="The folder for plot and table, made if new.", show_default=False),
     ] = None,
 ) -> None:
-    """Accuracy against time: every fidelity by every solver, and where the error comes from."""
+    """Measure accuracy against time.
+
+    Every fidelity by every solver, and the sources of the error.
+    """
     from vibeam.report import cost as cost_table
     from vibeam.report.cost import write_files
     from vibeam.studies.cost.study import cost as costs

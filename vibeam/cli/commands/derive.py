@@ -8,7 +8,10 @@ from vibeam.cli.output import print_result, write_table
 
 
 def derive(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: TableFile = None) -> None:
-    """SDOF parameters from geometry, each beside its finite-element value."""
+    """Derive the SDOF parameters from geometry.
+
+    Each stands beside its finite-element value.
+    """
     from vibeam.studies.derive import derive as derived
 
     loaded = load(case, set_)

@@ -7,7 +7,7 @@ from vibeam.cli.output import print_result
 
 
 def influence(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: TableFile = None) -> None:
-    """What each effect of the case changes and costs, and which of them the scene needs."""
+    """Measure what each effect changes, costs and is needed for."""
     from vibeam.report import influence as report
     from vibeam.report.influence import write_files
     from vibeam.studies.influence.study import influence as influences

@@ -21,7 +21,10 @@ def modes(
     ] = None,
     count: Annotated[int, typer.Option("--count", min=1, help="How many modes.")] = 10,
 ) -> None:
-    """The modes of the finite-element beam, and the restitution that is left when it is cut off after each."""
+    """Tabulate the modes of the finite-element beam.
+
+    Each stands with the restitution of mode 1 in a model that is cut off after it.
+    """
     from vibeam.studies.modes import mode_table, write_shapes
 
     loaded = load(case, set_)

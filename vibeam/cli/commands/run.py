@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 def run(
     case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: ResultsFile = None, fresh: Fresh = False
 ) -> None:
-    """Sweep every fidelity of a case; go on where the results file ends."""
+    """Sweep every fidelity of a case, or continue a results file."""
     from vibeam.studies.regression.references import require_readable
 
     loaded = load(case, set_)

@@ -26,7 +26,10 @@ def stability(
         str | None, typer.Option("--fidelity", help="This one alone; absent = all.", show_default=False)
     ] = None,
 ) -> None:
-    """Map where periodic motions exist, keep clear of the stop and are stable, over frequency and gap or drive."""
+    """Map where periodic motions exist and are stable.
+
+    The axes are frequency and gap or drive.
+    """
     from vibeam.figures.page import paths_of
     from vibeam.figures.units import units_of
     from vibeam.report import output

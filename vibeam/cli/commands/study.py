@@ -18,10 +18,11 @@ def study(name: Name, case: CaseFile, set_: Overrides = None, as_json: AsJson = 
     from vibeam.case.faults import suggest
     from vibeam.studies.declaration import STUDIES
 
-    if name not in STUDIES:
-        known = suggest(name, STUDIES) if STUDIES else "none is registered: write vibeam --load MODULE study …"
-        raise UsageError(f"no study {name!r}; {known}")
+    registered = [each for each, declared in STUDIES.items() if not declared.command]
+    if name not in registered:
+        known = suggest(name, registered) if registered else "none is registered: write vibeam --load MODULE study …"
+        raise UsageError(f"vibeam {name} is a command of its own" if name in STUDIES else f"no study {name!r}; {known}")
     declared, loaded = STUDIES[name], load(case, set_)
-    rows = list(of_case(case, lambda: declared.run(loaded)))
+    rows = list(of_case(case, lambda: declared.of(loaded)))
     write_table(rows, None if out is None else table_path(loaded, out, name))
     print_result(rows, as_json, lambda tables: [tables.rows_of(declared.meaning, rows)])

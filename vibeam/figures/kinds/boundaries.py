@@ -1,7 +1,8 @@
 """Figure kind ``boundaries``: existence limits by averaging beside the exact folds (paper eq. 24, 26).
 
 At each frequency of the sweep, for an averaging fidelity: Q*, the least stable reach at the fidelity's gap, or Δ_MAX,
-the largest gap, loose or tight, at its drive. For any other fidelity the exact ones: both are folds of the orbit
+the largest gap, loose or tight, at its drive; beside Q* the reach of its motions, beside Δ_MAX its gap. For any other
+fidelity the exact ones: both are folds of the orbit
 with one impact a drive period, Q* its reach where it folds as the drive grows weaker, Δ_MAX the gap at which it folds.
 """
 
@@ -15,10 +16,11 @@ from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.axes import from_zero, is_empty, say
+from vibeam.figures.branches import motion_pieces
 from vibeam.figures.panels import across_frequency, labelled
 from vibeam.figures.sheet import Column, Sheet
-from vibeam.figures.style import FEW, looks_of, name_of
-from vibeam.figures.units import units_for
+from vibeam.figures.style import FEW, GAP, STABLE, UNSTABLE, Look, arrow, looks_of, name_of
+from vibeam.figures.units import Units, units_for
 from vibeam.orbits.bifurcation_functions import Kind
 from vibeam.orbits.boundaries import Boundary, boundaries
 from vibeam.orbits.orbit import orbits
@@ -26,6 +28,7 @@ from vibeam.solvers.averaging.solver import slow_flow
 from vibeam.system.impact_system import Drive, ImpactSystem
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
@@ -73,11 +76,29 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
         without = "" if np.isfinite(upward).any() else ": no such limit at any frequency"
         label = f"{name_of(case, sheet.fidelity)}{', averaged' if averaged else ''}{without}"
         axes.plot(across, upward, label=label, **keys)
+        _motions(axes, result, sheet.fidelity, plan.quantity or "", looks[sheet.fidelity], units)
     from_zero(axes)
     if is_empty(axes):
         say(axes, "no such limit at any frequency")
     across_frequency(axes, units)
     labelled(axes, CALLED[plan.quantity or ""], units.length)
+
+
+def _motions(axes: Axes, result: Comparison, name: str, quantity: str, look: Look, units: Units) -> None:
+    """Draw what the limit is one of: the gap, or the reach of all known motions, else of the swept ones as dots."""
+    if quantity == "largest_gap":
+        height = abs(result.case.system(name).gap) * units.length_factor
+        axes.axhline(height, label="|gap| of the case", **(GAP | {"color": look.colour}))
+        return
+    curves, called = result[name].curves, f"{name_of(result.case, name)}, reach"
+    for each in [] if curves is None else motion_pieces(curves, "reach"):
+        keys = (STABLE if each.stable else UNSTABLE) | {"color": look.colour, "linewidth": 0.6}
+        keys |= {"label": called if each.stable else f"{called}, unstable"}
+        axes.plot(each.frequency * units.frequency_factor, each.amplitude * units.length_factor, **keys)
+    for direction, response in result[name].items() if curves is None else ():
+        keys = arrow(direction, look.colour) | {"markersize": 2.4, "label": f"{called}, sweep {direction}"}
+        upward = np.where(response.impacts_per_period > 0, response.reach, np.nan)
+        axes.plot(response.frequency * units.frequency_factor, upward * units.length_factor, **keys)
 
 
 def caption(plan: ShowPlan) -> str:

@@ -30,10 +30,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import equilibrium
-from vibeam.solvers.integration.coordinates import EXPLICIT, Settings, chosen, only_one_mode
-from vibeam.solvers.integration.impact_events import LONGEST, samples
+from vibeam.solvers.integration.coordinates import only_one_mode
+from vibeam.solvers.integration.impact_events import LONGEST, AdaptiveStepper, samples
 from vibeam.solvers.integration.samples import Outcome, Piece
-from vibeam.solvers.integration.stepper import NO_MARKS, Stepper, Watch, cycle, slack
+from vibeam.solvers.integration.stepper import NO_MARKS, Watch, cycle, slack
 from vibeam.solvers.integration.zhuravlev import Distance
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
@@ -103,33 +103,22 @@ class IvanovCoordinates:
         return side * z, side * (1 - self.loss * side * np.sign(v)) * v
 
 
-class IvanovSolver(Stepper):
-    """Integration in Ivanov's coordinates: one mode, 0 < R ≤ 1, no events."""
+class IvanovSolver(AdaptiveStepper):
+    """Integration in Ivanov's coordinates: one mode, 0 < R ≤ 1, no events.
 
-    def __init__(
-        self,
-        system: ImpactSystem,
-        slowest: float,
-        span: float = 0.0,
-        *,
-        method: str = "RK23",
-        rtol: float = 1e-4,
-        atol: float = 1e-8,
-        limit: int = 20_000,
-        repeats: float | None = None,
-    ) -> None:
-        """Options as for ``EventSolver``, but ``limit``: evaluations of the right-hand side in a drive period.
+    Options as for ``AdaptiveStepper``; ``limit``: evaluations of the right-hand side in a drive period. Jumps make
+    settled runs repeat to some 10 rtol. No "LSODA": a multistep method fails, or never ends, at the jumps. Impacts
+    are located at changes of sign between samples, four a step; a run that is stopped ends at its start without a path.
+    """
 
-        ``repeats`` None: 30 rtol (the jumps make settled runs repeat to some 10 rtol). No "LSODA": a multistep method
-        fails, or never ends, at the jumps. ValueError for more than one mode or R = 0. Impacts
-        are located at changes of sign between samples, four a step; a run that is stopped ends at its start and has
-        no path.
-        """
+    LIMIT = 20_000
+    REPEATS = 30
+
+    def takes(self, system: ImpactSystem) -> None:
+        """As ``AdaptiveStepper.takes``: one mode, R > 0."""
         only_one_mode("ivanov", system)
         if system.restitution <= 0:
             raise ValueError("ivanov: restitution 0 makes its coordinates singular: take R > 0, or 'direct'")
-        self.system, self.settings = system, Settings(chosen(method, EXPLICIT), rtol, atol, limit)
-        self.repeats = max(1e-5, 30 * rtol) if repeats is None else repeats
 
     def run(
         self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import time
-from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from abc import abstractmethod
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.solvers.integration.samples import Motion, Outcome, Piece, Reading
+from vibeam.solvers.steady import SteadySolver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State
@@ -24,10 +25,12 @@ BEYOND = 1e-9  # tolerance for a start beyond the stop, as a share of the contac
 NO_MARKS = np.empty(0)
 
 
-class Stepper(ABC):
-    """Time-stepping solver: subclasses define ``run``; ``steady`` and ``motion`` are built on it."""
+class Stepper(SteadySolver):
+    """Time-stepping solver: subclasses define ``run``; steady points and ``motion`` are built on it.
 
-    system: ImpactSystem
+    Where scipy gives up, a point ends with Ended.NOT_FINITE.
+    """
+
     repeats: float  #: tolerance between states a period apart, as a share of the motion's size
 
     @abstractmethod
@@ -39,89 +42,59 @@ class Stepper(ABC):
         Without ``watch`` nothing is sampled.
         """
 
-    def steady(
-        self,
-        omegas: Sequence[float] | Array,
-        amplitude: float,
-        state: State | None,
-        settle: int,
-        hold: int,
-        output: str,
-    ) -> tuple[FrequencyResponse, State]:
-        """Steady points at ``omegas`` (rad/s), in order, under base motion of ``amplitude`` m; and the last state.
+    def begin(self, state: State | None) -> State:
+        """As ``SteadySolver.begin``."""
+        return first_state(self.system, state)
 
-        The state is carried from each to the next. Where scipy gives up, the point ends with Ended.NOT_FINITE.
-        """
-        response = FrequencyResponse.empty(np.asarray(omegas, dtype=float) / (2 * np.pi), self.system.size)
-        state = first_state(self.system, state)
-        for i, omega in enumerate(omegas):
-            begun = time.thread_time()
-            state = steady_point(self, Drive(float(omega), amplitude), state, settle, hold, output, response, i)
-            response.cpu_seconds[i] = time.thread_time() - begun
-        return response, state
+    def point(
+        self, response: FrequencyResponse, index: int, drive: Drive, carried: State, settle: int, hold: int, output: str
+    ) -> State:
+        """As ``SteadySolver.point``: the last state, equilibrium where the point failed."""
+        period = 2 * np.pi / drive.omega
+        settled = self.run(drive, carried, 0.0, settle * period)
+        reading = Reading(self.system, drive, output, hold, settled.state)
+        outcomes = [settled]
+        if settled.ended is Ended.COMPLETE:
+            outcomes.append(self.run(drive, settled.state, 0.0, hold * period, reading.add, reading.marks))
+        last = outcomes[-1]
+        response.ended[index] = last.ended.code
+        response.impacts[index] = sum(outcome.impacts for outcome in outcomes)
+        response.evaluations[index] = sum(outcome.evaluations for outcome in outcomes)
+        if last.ended is not Ended.COMPLETE:
+            return equilibrium(self.system)
+        reading.write(response, index, self.repeats)
+        return last.state
 
     def motion(self, drive: Drive, state: State | None, t_start: float, t_end: float) -> Motion:
         """Motion from ``t_start`` to ``t_end`` (s) at the solver's own samples; ``state`` None: static equilibrium.
 
         ValueError for times that do not ascend or a state of the wrong shape.
         """
-        return sampled_motion(self, drive, state, t_start, t_end)
-
-
-def steady_point(
-    solver: Stepper,
-    drive: Drive,
-    state: State,
-    settle: int,
-    hold: int,
-    output: str,
-    response: FrequencyResponse,
-    i: int,
-) -> State:
-    """Compute point ``i`` from ``state``; return the state after it, equilibrium where it failed."""
-    period = 2 * np.pi / drive.omega
-    settled = solver.run(drive, state, 0.0, settle * period)
-    reading = Reading(solver.system, drive, output, hold, settled.state)
-    outcomes = [settled]
-    if settled.ended is Ended.COMPLETE:
-        outcomes.append(solver.run(drive, settled.state, 0.0, hold * period, reading.add, reading.marks))
-    last = outcomes[-1]
-    response.ended[i] = last.ended.code
-    response.impacts[i] = sum(outcome.impacts for outcome in outcomes)
-    response.evaluations[i] = sum(outcome.evaluations for outcome in outcomes)
-    if last.ended is not Ended.COMPLETE:
-        return equilibrium(solver.system)
-    reading.write(response, i, solver.repeats)
-    return last.state
-
-
-def sampled_motion(solver: Stepper, drive: Drive, state: State | None, start: float, end: float) -> Motion:
-    """See ``Stepper.motion``."""
-    if not (np.isfinite(start) and np.isfinite(end) and end > start >= 0):
-        raise ValueError(f"times: t_end {end} must be finite and after t_start {start} ≥ 0")
-    begun = time.thread_time()
-    first = first_state(solver.system, state)
-    pose = np.stack([first.displacement, first.velocity])[None]
-    pieces = [Piece(np.array([start]), pose, NO_MARKS, NO_MARKS)]
-    outcome = solver.run(drive, first, start, end, pieces.append)
-    stats = {
-        "impacts": outcome.impacts,
-        "evaluations": outcome.evaluations,
-        "cpu_seconds": time.thread_time() - begun,
-    }
-    return Motion(
-        solver.system,
-        drive,
-        np.concatenate([piece.times for piece in pieces]),
-        np.concatenate([piece.values for piece in pieces]),
-        np.concatenate([piece.impact_times for piece in pieces]),
-        np.concatenate([piece.impact_velocities for piece in pieces]),
-        float(sum(piece.rest for piece in pieces)),
-        outcome.time,
-        outcome.state,
-        outcome.ended,
-        stats,
-    )
+        if not (np.isfinite(t_start) and np.isfinite(t_end) and t_end > t_start >= 0):
+            raise ValueError(f"times: t_end {t_end} must be finite and after t_start {t_start} ≥ 0")
+        begun = time.thread_time()
+        first = first_state(self.system, state)
+        pose = np.stack([first.displacement, first.velocity])[None]
+        pieces = [Piece(np.array([t_start]), pose, NO_MARKS, NO_MARKS)]
+        outcome = self.run(drive, first, t_start, t_end, pieces.append)
+        stats = {
+            "impacts": outcome.impacts,
+            "evaluations": outcome.evaluations,
+            "cpu_seconds": time.thread_time() - begun,
+        }
+        return Motion(
+            self.system,
+            drive,
+            np.concatenate([piece.times for piece in pieces]),
+            np.concatenate([piece.values for piece in pieces]),
+            np.concatenate([piece.impact_times for piece in pieces]),
+            np.concatenate([piece.impact_velocities for piece in pieces]),
+            float(sum(piece.rest for piece in pieces)),
+            outcome.time,
+            outcome.state,
+            outcome.ended,
+            stats,
+        )
 
 
 def first_state(system: ImpactSystem, state: State | None) -> State:

@@ -23,12 +23,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from math import sin
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.solvers.integration.coordinates import EXPLICIT, Frame, only_one_mode
+from vibeam.solvers.integration.coordinates import Frame, only_one_mode
 from vibeam.solvers.integration.impact_events import EventSolver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
@@ -132,12 +131,9 @@ class ZhuravlevSolver(EventSolver):
     from rest.
     """
 
-    METHODS = EXPLICIT
-
-    def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, **options: Any) -> None:
-        """See ``EventSolver``."""
+    def takes(self, system: ImpactSystem) -> None:
+        """As ``AdaptiveStepper.takes``: one mode."""
         only_one_mode("zhuravlev", system)
-        super().__init__(system, slowest, span, **options)
 
     def enter(self, drive: Drive, state: State) -> tuple[Frame, Array]:
         """See ``EventSolver.enter``."""

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.solvers.one_mode.oscillator import OneMode, Oscillator
-from vibeam.system.impact_system import ImpactSystem
+from vibeam.solvers.steady import SteadySolver
+from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
 from vibeam.system.state import State
 
@@ -59,7 +59,7 @@ def nearest(motions: Sequence[Motion], place: Array) -> tuple[Motion, Array] | N
     return motions[index], at
 
 
-class StationarySolver(ABC):
+class StationarySolver(SteadySolver):
     """Solver by stationary motions: at each frequency the one nearest to the carried state.
 
     Hysteresis follows: a branch is kept as long as it exists and is stable. ``settle`` is ignored (there is no
@@ -79,30 +79,28 @@ class StationarySolver(ABC):
         """All stable motions at Ω known to this solver."""
         return self.striking(model, omega) + ([] if self.strikes_only else without_impacts(model, omega))
 
-    def steady(
-        self,
-        omegas: Sequence[float] | Array,
-        amplitude: float,
-        state: State | None,
-        settle: int,
-        hold: int,
-        output: str,
-    ) -> tuple[FrequencyResponse, State]:
-        """Stationary points at ``omegas`` (rad/s) in order, the state carried from each to the next; the last state."""
-        response = FrequencyResponse.empty(np.asarray(omegas, dtype=float) / (2 * np.pi), 1)
-        response.impacts[:] = response.evaluations[:] = 0
-        model, place, resting = self.mode.oscillator(amplitude), self.mode.inward(state), False
-        for index, omega in enumerate(omegas):
-            begun = time.thread_time()
-            found = nearest(self.motions(model, float(omega) / self.mode.omega), place)
-            if found is None:
-                response.ended[index], resting = NOTHING_FOUND.code, False
-                place = self.mode.inward(None)
-            else:
-                (motion, place), resting = found, found[0].resting
-                self._write(response, index, motion, hold, output)
-            response.cpu_seconds[index] = time.thread_time() - begun
-        return response, self.mode.outward(place, resting)
+    def begin(self, state: State | None) -> tuple[Array, bool]:
+        """Place of the state, (q, q̇), and whether it rests on the stop."""
+        return self.mode.inward(state), False
+
+    def point(
+        self, response: FrequencyResponse, index: int, drive: Drive, carried: tuple[Array, bool], settle: int,
+        hold: int, output: str,
+    ) -> tuple[Array, bool]:  # fmt: skip
+        """As ``SteadySolver.point``."""
+        response.impacts[index] = response.evaluations[index] = 0
+        model = self.mode.oscillator(drive.amplitude)
+        found = nearest(self.motions(model, drive.omega / self.mode.omega), carried[0])
+        if found is None:
+            response.ended[index] = NOTHING_FOUND.code
+            return self.begin(None)
+        motion, place = found
+        self._write(response, index, motion, hold, output)
+        return place, motion.resting
+
+    def end(self, carried: tuple[Array, bool]) -> State:
+        """As ``SteadySolver.end``."""
+        return self.mode.outward(*carried)
 
     def _write(self, response: FrequencyResponse, i: int, motion: Motion, hold: int, output: str) -> None:
         mode = self.mode
