@@ -1,1 +1,1 @@
-"""What stands on the bench: scenes, structures, effects and contact laws. Imports nothing else of vibeam's."""
+"""Models of the rig: scenes, structures, effects and contact laws. Imports nothing else of vibeam's."""

@@ -94,7 +94,7 @@ def base_amplitude(scene: Scene | SdofScene) -> float:
 
 
 def drive_amplitude(scene: Scene | SdofScene, omega: Array) -> float | Array:
-    """What a sweep over ``omega`` (rad/s) has for amplitude: ``base_amplitude``, or on a platform one each, (points,).
+    """Drive amplitude of a sweep over ``omega`` (rad/s): ``base_amplitude``, or on a platform one each, (points,).
 
     With one-way coupling that of the base, with two-way the b₀ = F/(m_pΩ²) that ``MovingPlatform`` is loaded by.
     ValueError as ``base_amplitude``.

@@ -68,7 +68,7 @@ def _observed(structure: Structure, space: BeamSpace, scene: Scene) -> Structure
 
 
 def _concentrated(scene: Scene) -> list[float]:
-    """Where concentrated loads act: the mass, the stop, the ends of the rigid zone.
+    """Positions of concentrated loads in m: the mass, the stop, the ends of the rigid zone.
 
     Inside that zone, or within a thousandth of the length of these, the stop needs no node, for the cubics reach it to
     10⁻⁹; with one the elements there would be so short and stiff that their round-off drowned the beam's stiffness.

@@ -1,4 +1,4 @@
-"""What one key of a case file holds, declared beside the dataclass field that it fills: plain data."""
+"""Declaration of a key of the case file, as plain data beside the dataclass field that it fills."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The scene: what stands on the bench, as frozen data in SI units."""
+"""Scene: the rig as frozen data in SI units."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Damping:
-    """How the beam is damped, said by its modal ratios.
+    """Damping of the beam by modal ratios.
 
     ``kind``: ``"constant"`` (every mode has ratios[0]), ``"stiffness"`` (C = D K, mode 1 has ratios[0]: the paper's),
     ``"rayleigh"`` (C = αM + DK, modes 1 and 2 have ratios[0] and ratios[1]) or ``"list"`` (mode i has ratios[i], every
@@ -87,7 +87,7 @@ class Stop:
 
 @dataclass(frozen=True)
 class Sensor:
-    """Where the displacement is measured, m from the clamp."""
+    """Sensor of the displacement, ``position`` m from the clamp."""
 
     position: float
 
@@ -127,7 +127,7 @@ class Scene:
 
     @property
     def platform(self) -> Platform | None:
-        """What clamp and stop stand on; None: the base motion is prescribed."""
+        """Platform under clamp and stop; None: the base motion is prescribed."""
         return next(iter(self.named("platform")), None)
 
     @property
@@ -137,7 +137,7 @@ class Scene:
 
     @property
     def moving_mass(self) -> float:
-        """What the base carries, in kg: the beam with all that is on it."""
+        """Mass carried by the base in kg: the beam with all that is on it."""
         return self.carrier.mass_per_length * self.beam.length + sum(mass for mass, _ in self.weights)
 
     @property
@@ -147,7 +147,7 @@ class Scene:
 
     @property
     def rigid_half_width(self) -> float:
-        """How far the beam is rigid on either side of the mass in m, 0: nowhere."""
+        """Half-width of the rigid zone at the mass in m, 0 without one."""
         return sum((zone.rigid_half_width for zone in self.named("mass.rigid_half_width")), 0.0)
 
     def attached(self, effect: str) -> Mass:

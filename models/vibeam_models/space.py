@@ -79,7 +79,7 @@ class BeamSpace:
 
     @property
     def is_plain(self) -> bool:
-        """Whether every coordinate is one degree of freedom, in their order."""
+        """True where every coordinate is one degree of freedom, in their order."""
         free = self.free
         if not len(free) == self.size == np.count_nonzero(self.constraint):
             return False

@@ -1,1 +1,1 @@
-"""How a structure is made smaller. Imports ``vibeam_models`` only."""
+"""Reductions of a structure. Imports ``vibeam_models`` only."""

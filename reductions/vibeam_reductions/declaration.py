@@ -1,4 +1,4 @@
-"""What is declared of a reduction: its name in a case file, the function that makes it, whether it counts modes."""
+"""Declaration of a reduction: its name in a case file, the function that makes it, whether it counts modes."""
 
 from __future__ import annotations
 

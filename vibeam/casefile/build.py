@@ -1,4 +1,4 @@
-"""From the tables of a case to the scene on the bench."""
+"""Scene, fidelities and plans of a case from its checked tables."""
 
 from __future__ import annotations
 

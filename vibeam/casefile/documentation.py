@@ -105,7 +105,7 @@ def _without_name(wanted: tuple[str, ...], rows: Mapping[KeyRow, tuple[str, ...]
 
 
 def _meant(wanted: tuple[str, ...], paths: Collection[tuple[str, ...]]) -> str:
-    """What may have been meant by a name that is none: the known ones where it leaves them."""
+    """Suggestion for an unknown name: the known ones of the last table that it names."""
     depth = 0
     while any(path[: depth + 1] == wanted[: depth + 1] for path in paths):
         depth += 1

@@ -1,4 +1,4 @@
-"""What a fidelity changes in the scene: its own values for physics keys, optional keys and tables that it leaves out.
+"""Changes of the scene by a fidelity: its own values for physics keys, optional keys and tables that it leaves out.
 
 A fidelity's scene is the case's tables with the changes made in them, judged by the same declaration as the case.
 """
@@ -26,7 +26,7 @@ Judge = Callable[[dict[str, Any]], tuple[Any, list[Complaint]]]
 
 @dataclass(frozen=True)
 class FidelityCase:
-    """A fidelity's own case: ``declared`` with the changes made, ``changes`` {dotted key: value in SI, as written}."""
+    """Case of one fidelity: ``declared`` with the changes made, ``changes`` {dotted key: value in SI, as written}."""
 
     declared: Any
     changes: Mapping[str, Any]
@@ -52,7 +52,7 @@ def variants(
 
 
 class _Change:
-    """What one fidelity sets and leaves out."""
+    """Keys that one fidelity sets and leaves out."""
 
     def __init__(self, model: type[BaseModel], name: str, table: dict[str, Any]) -> None:
         self.model, self.name, self.table = model, name, table
@@ -101,7 +101,7 @@ class _Change:
         return None
 
     def _at(self, key: str) -> KeyPath:
-        """Where in the case the fidelity's own key is written: in quotes, or as nested tables."""
+        """Path of the fidelity's own key in the case, written in quotes or as nested tables."""
         parts = (key,) if key in self.table["set"] else tuple(key_parts(key))
         return ("fidelity", self.name, "set", *parts)
 
@@ -123,7 +123,7 @@ class _Change:
     def _placed(
         self, faults: list[Complaint], places: Mapping[KeyPath, KeyPath], said: Mapping[KeyPath, str]
     ) -> Iterator[Complaint]:
-        """What is wrong with the changed case, told where the change is; what was wrong before is not told again."""
+        """Faults of the changed case at the place of the change, less those that the case itself has."""
         for path, message in faults:
             at = next((own for changed, own in places.items() if changed == path[: len(changed)]), None)
             if at is not None:

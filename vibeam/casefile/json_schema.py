@@ -32,7 +32,7 @@ def _plain(value: Any) -> Any:
 
 
 def _left_out(key: str, value: Any) -> bool:
-    """Whether a part is the template's own, or a default or example that a case could not write."""
+    """Test whether a part is the template's own, or a default or example that a case could not write."""
     if key in ("default", "examples"):
         return value in (None, [None]) or isinstance(value, Mapping)
     return key in NOTES and not isinstance(value, Mapping)

@@ -174,7 +174,7 @@ def _from_text(text: str, kind: Dimension) -> float:
 
 
 def _factor(unit: str, kind: Dimension, text: str) -> Decimal:
-    """What one ``unit`` is in the kind's unit; UnitError says what ``text`` is where that cannot be."""
+    """Factor from ``unit`` to the kind's unit; UnitError names what ``text`` is where there is none."""
     found = _parsed(unit)
     if found is None:
         raise UnitError(_unknown(unit, text))

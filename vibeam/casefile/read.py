@@ -1,4 +1,4 @@
-"""The verdict on a case's text and overrides: the checked tables, or every fault at its line."""
+"""Validation of a case's text and overrides: the checked tables, or every fault at its line."""
 
 from __future__ import annotations
 
@@ -149,7 +149,7 @@ def _new(together: Iterable[Complaint], said: set[KeyPath]) -> list[Complaint]:
 
 @dataclass(frozen=True)
 class _Places:
-    """Where the keys of a case come from."""
+    """Origins of the keys of a case: lines of the file, or overrides."""
 
     file: str
     lines: Mapping[KeyPath, int]
@@ -169,7 +169,7 @@ class _Places:
         return Fault(self.file, None, key, message)
 
     def _opened(self, place: KeyPath) -> bool:
-        """Whether an override opened this table."""
+        """Test whether an override opened this table."""
         return any(path[: len(place)] == place for path in self.overridden)
 
 

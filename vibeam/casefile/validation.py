@@ -1,4 +1,4 @@
-"""A case's tables against the declaration: the model where all is well, else every fault by its key."""
+"""Validation of a case's tables by the declaration: the model, or every fault by its key."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from vibeam_models.effects import tables as effect_tables
 
 
 def declaration(tables: dict[str, Any]) -> type[BeamCase] | type[SdofCase]:
-    """Which of the two kinds of case this is."""
+    """Declaration of the kind of case that the tables are."""
     return sdof_case() if "sdof" in tables else beam_case()
 
 
@@ -29,7 +29,7 @@ def read(tables: dict[str, Any]) -> BeamCase | SdofCase:
 
 
 def complaints(error: ValidationError, model: type[BaseModel]) -> tuple[list[Complaint], set[KeyPath]]:
-    """What is wrong with each key by itself, and the keys that were meant by those misspelt: not missing as well."""
+    """Complaints about single keys, and the keys meant by misspelt ones, which are then not missing as well."""
     faults = error.errors(include_url=False, include_context=False)
     unknown = [fault["loc"] for fault in faults if fault["type"] == "extra_forbidden"]
     meant = {(*loc[:-1], near) for loc in unknown if (near := _near(model, loc))}
@@ -92,7 +92,7 @@ def physics_keys(model: type[BaseModel]) -> list[str]:
 
 
 def entry_of(field: FieldInfo) -> Entry | None:
-    """What reads the field; None for a table."""
+    """Entry that reads the field; None for a table."""
     return next((part for part in field.metadata if isinstance(part, Entry)), None)
 
 
@@ -113,12 +113,12 @@ def _effect_of(field: FieldInfo) -> EffectTable | None:
 
 
 def is_repeated(field: FieldInfo) -> bool:
-    """Whether the field holds several tables."""
+    """Test whether the field holds several tables."""
     return not entry_of(field) and get_origin(field.annotation) in (dict, tuple)
 
 
 def is_list(field: FieldInfo) -> bool:
-    """Whether the field holds a list of tables."""
+    """Test whether the field holds a list of tables."""
     return is_repeated(field) and get_origin(field.annotation) is tuple
 
 
@@ -144,12 +144,12 @@ def example_of(field: FieldInfo) -> str:
 
 
 def readable_case(model: type[BeamCase] | type[SdofCase], tables: Any) -> SimpleNamespace:
-    """``readable_part`` of a whole case, which also says whether it is one ``with_beam``."""
+    """``readable_part`` of a whole case, and whether it is ``with_beam``."""
     return SimpleNamespace(with_beam=model.with_beam, **vars(readable_part(model, tables)))
 
 
 def readable_part(model: type[BaseModel], tables: Any) -> SimpleNamespace:
-    """What of a case can be read by itself, for checks across keys: a value that cannot, or is missing, is None."""
+    """Readable values of a table, for rules between keys; None where a value is missing or faulty."""
     found = tables if isinstance(tables, dict) else {}
     fields = model.model_fields.items()
     return SimpleNamespace(**{name: _known(field, found.get(field.alias or name)) for name, field in fields})

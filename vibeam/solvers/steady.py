@@ -49,13 +49,13 @@ class SteadySolver(ABC):
 
     @abstractmethod
     def begin(self, state: State | None) -> Any:
-        """What is carried to the first point."""
+        """Quantity carried to the first point: the state, or its reduction to one mode."""
 
     @abstractmethod
     def point(
         self, response: FrequencyResponse, index: int, drive: Drive, carried: Any, settle: int, hold: int, output: str
     ) -> Any:
-        """Write one point of ``response``; what is carried to the next."""
+        """Write one point of ``response``; return the quantity carried to the next."""
 
     def end(self, carried: Any) -> State:
         """State after the last point."""

@@ -51,7 +51,7 @@ class ContactLaw(ABC):
 
     @classmethod
     def form_of(cls, stop: Any) -> type[ContactLaw]:
-        """That which a stop says; ``stop`` has its values as attributes, None what is absent or cannot be read."""
+        """Form that a stop says; ``stop`` has its values as attributes, None what is absent or cannot be read."""
         return cls
 
     @classmethod
@@ -61,4 +61,4 @@ class ContactLaw(ABC):
 
     @abstractmethod
     def contact(self, mobility: float) -> VelocityRestitution | CompliantStop | None:
-        """What the solvers run, in a model of contact ``mobility`` S = w M⁻¹ wᵀ (1/kg); None: the plain R alone."""
+        """Law for the solvers in a model of contact ``mobility`` S = w M⁻¹ wᵀ (1/kg); None: the plain R alone."""

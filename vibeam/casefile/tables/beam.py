@@ -1,4 +1,4 @@
-"""What the tables of the beam say together: places along it, its rigid zone, its damping."""
+"""Tables of the beam and what is fixed to it; rules between their keys: places along the beam, its damping."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def _positions(case: SimpleNamespace) -> Iterator[Complaint]:
 
 
 def _bare(case: SimpleNamespace) -> Iterator[Complaint]:
-    """What a beam without an attached mass has to say otherwise."""
+    """Complaints about a beam without an attached mass."""
     if case.stop.position is None:
         yield (
             ("stop", "position"),
@@ -87,7 +87,7 @@ class MassTable(Table):
 
 
 class SensorTable(Table):
-    """Where the displacement is measured."""
+    """The sensor of the displacement."""
 
     position: Annotated[float, Place] = key("distance from the clamp, in (0, length]", "100 mm")
 

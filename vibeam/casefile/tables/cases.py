@@ -25,7 +25,7 @@ ASIDE: Any = {"physics": False, "numbers": False}  # no part of the rig, nor of 
 
 
 class _Case(Table):
-    """What both kinds begin with."""
+    """First keys of both kinds of case."""
 
     with_beam: ClassVar[bool] = True
 
@@ -81,7 +81,7 @@ class _Influence(Table):
 
 
 class BeamCase(_Influence, _Checks, _Plan, _Rig, _Carrier, _Case):
-    """A beam on the bench: what every such case has. ``beam_case`` adds the stop and the effects."""
+    """Case of a beam on the bench, without stop and effects: ``beam_case`` adds these."""
 
     stop: Any
 
@@ -104,7 +104,7 @@ class _SinglePlan(Table):
 
 
 class SdofCase(_Checks, _SinglePlan, _Single, _Case):
-    """A single degree of freedom by itself: what every such case has. ``sdof_case`` adds the stop."""
+    """Case of a single degree of freedom by itself, without stop: ``sdof_case`` adds it."""
 
     stop: Any
 

@@ -1,4 +1,4 @@
-"""What the keys of the drive say together: a base motion, a force or a voltage, said once."""
+"""Tables of the drive; rules between their keys: a base motion, a force or a voltage, said once."""
 
 from __future__ import annotations
 

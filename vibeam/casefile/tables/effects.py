@@ -73,7 +73,7 @@ def with_effects(name: str, model: type[Table]) -> Any:
 
 
 def effects_in(case: Any) -> Iterator[tuple[KeyPath, type[Effect], Any]]:
-    """Where each effect of a beam's case is, its declaration, and the values of the table."""
+    """Path of each effect of a beam's case, its declaration, and the values of the table."""
     for name, home in EFFECTS.items():
         above, _, key = name.rpartition(".")
         place = getattr(case, above) if above else case

@@ -1,4 +1,4 @@
-"""What a case is held to, reference curves and expected numbers, together with what it sweeps and shows."""
+"""Tables of reference curves and expected numbers; rules between them and what the case sweeps and shows."""
 
 from __future__ import annotations
 

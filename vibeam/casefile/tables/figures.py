@@ -1,4 +1,4 @@
-"""The tables of what is shown beside the curves, and of the chain that it is measured through."""
+"""Tables of further figures and of the measuring chain; rules between their keys."""
 
 from __future__ import annotations
 
@@ -134,7 +134,7 @@ class ShowTable(Table):
 
 
 class FigureTable(Table):
-    """How all figures of the case are written; absent = what the defaults say."""
+    """Format of all figures of the case; absent = the defaults."""
 
     format: Annotated[tuple[str, ...], Each(Word(FORMATS), alone=True)] = key(
         "file format, or several", ["png", "svg"], FigurePlan.format, written=False

@@ -1,4 +1,4 @@
-"""What tables may be called, and that what a key names is there."""
+"""Rules for the names of tables, and for keys that refer to them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the keys of a case say together: positions on the beam, one way to say the drive, fidelities that exist.
+"""Rules between the keys of a case: positions on the beam, one way to say the drive, fidelities that exist.
 
 Each check takes what could be read (None: could not) and yields complaints, so that one fault does not hide another.
 """

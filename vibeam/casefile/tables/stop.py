@@ -1,4 +1,4 @@
-"""The table [stop]: the gap, the contact law with its keys, a gap that drifts, wear; and what they say together."""
+"""Table [stop]: the gap, the contact law with its keys, a gap that drifts, wear; rules between them."""
 
 from __future__ import annotations
 

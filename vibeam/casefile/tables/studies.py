@@ -1,4 +1,4 @@
-"""The tables of the studies: what accuracy costs, what each effect changes."""
+"""Tables of the studies of cost and influence; rules between their keys."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def _accuracy(case: SimpleNamespace) -> Iterator[Complaint]:
 
 
 class CostTable(Table):
-    """What vibeam cost does; absent = what the defaults say."""
+    """Plan of vibeam cost; absent = the defaults."""
 
     frequency: Annotated[tuple[float, ...] | None, Several(Frequency, limit=MOST_POINTS, ascending=True)] = key(
         "drive frequencies; absent = nine of the sweep's", ["14 Hz", "15 Hz", "16 Hz"], None, written=False
@@ -80,7 +80,7 @@ class CostTable(Table):
 
 
 class InfluenceTable(Table):
-    """What vibeam influence does; absent = what the defaults say."""
+    """Plan of vibeam influence; absent = the defaults."""
 
     fidelity: Annotated[str | None, Text()] = key(
         "whose effects are taken away; absent = the one with most modes", "beam", None, written=False

@@ -1,4 +1,4 @@
-"""The tables of what is run and what it is checked against: sweep, fidelities, references, expected numbers."""
+"""Tables of the sweep and the fidelities; rules between their keys."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def _modes(case: SimpleNamespace) -> Iterator[Complaint]:
 
 
 def most_modes(case: Any) -> tuple[int, str]:
-    """How many modes a beam's case can have at most (0: not known), and what gives them."""
+    """Largest number of modes of a beam's case (0: not known), and the key that sets it."""
     effects = [effect for _, effect, _ in effects_in(case)]
     if case.beam.massless:
         return (case.mass is not None) + sum(effect.inertias for effect in effects), "a massless beam's inertias give"

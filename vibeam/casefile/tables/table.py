@@ -1,4 +1,4 @@
-"""What a table and a key of the case file are."""
+"""Base of the tables of the case file, declaration of a key, entries that several tables share."""
 
 from __future__ import annotations
 
@@ -46,13 +46,13 @@ def _said(meaning: str, effect: bool) -> str:
 
 
 def note(field: FieldInfo, name: str) -> Any:
-    """What ``key`` was told of a field beyond its meaning; None for a field that is no ``key``."""
+    """Note of a field by ``key``, one of ``NOTES``; None for a field without."""
     extra = field.json_schema_extra
     return extra.get(name) if isinstance(extra, dict) else None
 
 
 class Table(BaseModel):
-    """What all tables share: no unknown keys, never changed."""
+    """Base class of all tables: frozen, without unknown keys."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -66,7 +66,7 @@ def table(name: str, meaning: str, *parts: type[Table] | dict[str, Any]) -> Any:
 
 
 def declared_entry(declared: Key) -> Entry:
-    """What reads the key of a declaration."""
+    """Entry that reads a declared key."""
     if declared.flag:
         return Flag()
     if declared.words:
