@@ -97,6 +97,9 @@ FIGURES = Registry(
 READ = {name: unit for kind in FIGURES.values() for name, unit in kind.reads.items()}
 KEYS = ("frequency", "periods", "settle", "quantity", "output", "near", "highest", "subdivision")  # by kind
 
+#: of a response and its model: the reach Q = Δ − min of the sweep's output, as the paper gives it of the sensor
+OF_OUTPUT = ("output_reach",)
+
 #: for the kind ``boundaries``: Q* of eq. 24, Δ_MAX of eq. 26, and the reach and the gap at the exact folds
 LIMITS = ("least_stable_reach", "largest_gap")
 

@@ -180,7 +180,7 @@ def test_a_figure_shows_the_numbers_and_the_stop() -> None:
         ('kind = "portrait"', 'frequency: missing: kind = "portrait" needs it'),
         ('kind = "curve"\nquantity = "reach"\nperiods = 3', 'periods: kind = "curve" has no use for it: leave it away'),
         ('kind = "curve"\nquantity = "largest_gap"', 'quantity: kind = "curve" shows "amplitude" | "reach" | '
-         '"maximum" | "minimum" | "impact_velocity" | "impacts_per_period" | "period"'),
+         '"maximum" | "minimum" | "impact_velocity" | "impacts_per_period" | "period" | "output_reach"'),
         ('kind = "boundaries"\nquantity = "reach"',
          'quantity: kind = "boundaries" shows "least_stable_reach" | "largest_gap"'),
         ('kind = "portrait"\nfrequency = "2 rad/s"\nfidelities = ["flihgt"]',

@@ -14,7 +14,7 @@ from vibeam.casefile.field_lists import Value
 from vibeam.casefile.fields import POSITIVE, Quantity, Text, Word
 from vibeam.casefile.tables.names import NAME, named_fidelity
 from vibeam.casefile.tables.table import DIRECTIONS, EXTENTS, QUANTITIES, Frequency, Ratio, Table, key
-from vibeam.figures import FIGURES, LIMITS, READ
+from vibeam.figures import FIGURES, LIMITS, OF_OUTPUT, READ
 
 
 def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
@@ -41,7 +41,7 @@ def reading_checks(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace
         yield from _of_a_figure(case, path, expect)
     elif expect.quantity in EXTENTS and expect.frequency is not None:
         yield (*path, "frequency"), f'"{expect.quantity}" is of a whole branch: leave the frequency away'
-    elif expect.quantity in QUANTITIES + LIMITS and expect.frequency is None:
+    elif expect.quantity in QUANTITIES + OF_OUTPUT + LIMITS and expect.frequency is None:
         yield (*path, "frequency"), f'missing: "{expect.quantity}" is read at one frequency'
 
 
@@ -103,7 +103,7 @@ class ReadingTable(Table):
     """Where a number of the result is found."""
 
     fidelity: Annotated[str, Text()] = key("the fidelity whose number it is", "sdof")
-    quantity: Annotated[str, Word((*QUANTITIES, *EXTENTS, *LIMITS, *READ))] = key(
+    quantity: Annotated[str, Word((*QUANTITIES, *OF_OUTPUT, *EXTENTS, *LIMITS, *READ))] = key(
         "what is compared; of those after largest_gap: that of a figure, with show", "amplitude"
     )
     frequency: Annotated[float | None, Frequency] = key(

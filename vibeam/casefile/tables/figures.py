@@ -24,7 +24,7 @@ from vibeam.casefile.tables.table import (
     Table,
     key,
 )
-from vibeam.figures import FIGURES, KEYS, LIMITS
+from vibeam.figures import FIGURES, KEYS, LIMITS, OF_OUTPUT
 from vibeam.figures.declaration import FigureKind
 from vibeam.observe.low_pass import FAMILIES, HIGHEST_ORDER
 from vibeam.solvers import SOLVERS
@@ -51,7 +51,7 @@ def _keys(path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Co
             yield (*path, name), f'missing: kind = "{show.kind}" needs it'
     limits = show.kind == "boundaries"
     if "quantity" in kind.needs and show.quantity is not None and (show.quantity in LIMITS) != limits:
-        words = " | ".join(f'"{word}"' for word in (LIMITS if limits else QUANTITIES))
+        words = " | ".join(f'"{word}"' for word in (LIMITS if limits else QUANTITIES + OF_OUTPUT))
         yield (*path, "quantity"), f'kind = "{show.kind}" shows {words}'
     if show.periods and show.subdivision and show.periods % show.subdivision:
         multiple = f"write a multiple of subdivision = {show.subdivision}"
@@ -116,7 +116,7 @@ class ShowTable(Table):
         "drive periods shown; absent = as many as the kind needs", 4, None
     )
     settle: Annotated[int | None, Periods] = key("drive periods left out before; absent = the sweep's", 500, None)
-    quantity: Annotated[str | None, Word(QUANTITIES + LIMITS)] = key(
+    quantity: Annotated[str | None, Word(QUANTITIES + OF_OUTPUT + LIMITS)] = key(
         "of a curve one of the response's, of boundaries one of the last two", "reach", None
     )
     output: Annotated[str | None, Word(OUTPUTS)] = key(

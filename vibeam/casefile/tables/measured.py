@@ -12,7 +12,7 @@ from vibeam.casefile.amounts import Amount, AmountEntry
 from vibeam.casefile.fields import ANY, POSITIVE, Flag, Text
 from vibeam.casefile.tables.expectations import ReadingTable, reading_checks
 from vibeam.casefile.tables.table import EXTENTS, key
-from vibeam.figures import LIMITS, READ
+from vibeam.figures import LIMITS, OF_OUTPUT, READ
 from vibeam.system.quantities import LAYOUT
 
 
@@ -39,7 +39,7 @@ def unit_of_reading(quantity: str, against: str | None) -> str:
     """Unit of a compared quantity: q and q/s of an output and its rate, Hz, 1/s, or 1."""
     if against is not None:
         return "1"
-    if quantity in LIMITS:
+    if quantity in LIMITS + OF_OUTPUT:
         return "q"
     if quantity in EXTENTS:
         return "q" if quantity == "peak" else "Hz"

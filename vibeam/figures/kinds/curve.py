@@ -13,6 +13,7 @@ from vibeam.case.plans import ShowPlan
 from vibeam.figures.axes import is_empty, mark_failed, say
 from vibeam.figures.branches import MotionClass, pieces
 from vibeam.figures.panels import across_frequency, labelled
+from vibeam.figures.response_quantities import values_of
 from vibeam.figures.sheet import Sheet
 from vibeam.figures.style import KEY, LINES, line, looks_of, name_of
 from vibeam.figures.units import Units, units_for
@@ -25,9 +26,14 @@ if TYPE_CHECKING:
     from vibeam.figures.comparison import Comparison
 
 
-LENGTHS = ("amplitude", "reach", "maximum", "minimum")
+LENGTHS = ("amplitude", "reach", "output_reach", "maximum", "minimum")
 
-OF_OUTPUT = {"amplitude": "amplitude ½(max − min)", "maximum": "maximum", "minimum": "minimum"}
+OF_OUTPUT = {
+    "amplitude": "amplitude ½(max − min)",
+    "output_reach": "reach Q = Δ − min",
+    "maximum": "maximum",
+    "minimum": "minimum",
+}
 
 CALLED = {
     "reach": "reach of the contact Q = Δ − min q",
@@ -54,7 +60,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     for row, (fidelity, look) in enumerate(looks_of(case, plan.fidelities).items()):
         known = False
         for direction, response in result[fidelity].items():
-            drawn = replace(response, amplitude=np.asarray(getattr(response, name), dtype=float))
+            drawn = replace(response, amplitude=values_of(case, fidelity, response, name))
             known |= bool(np.isfinite(drawn.amplitude[complete(response)]).any())
             for piece in pieces(drawn):
                 keys = line(piece.kind, direction, look, len(piece.frequency), len(response))

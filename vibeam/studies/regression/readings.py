@@ -12,6 +12,7 @@ import numpy as np
 from vibeam.case.plans import Reading
 from vibeam.case.reference_curves import SAME_FREQUENCY
 from vibeam.figures import FIGURES, LIMITS
+from vibeam.figures.response_quantities import values_of
 from vibeam.system.response import Ended, FrequencyResponse, period_one_range, periodic
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def _number(reading: Reading, result: Result, name: str, direction: str) -> Foun
     ended = Ended.of_code(int(response.ended[present[0]]))
     if ended is not Ended.COMPLETE:
         return Found(NAN, f"{direction}: {ended.value}")
-    number = float(getattr(response, reading.quantity)[present[0]])
+    number = float(values_of(result.case, name, response, reading.quantity)[present[0]])
     return Found(number, "" if isfinite(number) else f"{direction}: there is none")
 
 
