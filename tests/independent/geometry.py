@@ -87,6 +87,14 @@ class ModalModel:
     sensor: np.ndarray
     load: np.ndarray
 
+    def contact_restitution(self, first: float) -> float:
+        """Coefficient of the contact with which mode 1 keeps the share ``first`` of its velocity.
+
+        An impulse p changes η'_i by c_i p; v⁺ = −R v⁻ asks for p = −(1+R) v⁻/Σc². With mode 1 alone in motion before
+        the impact, η'_1⁺ = η'_1⁻ (1 − (1+R) c_1²/Σc²) = −first η'_1⁻.
+        """
+        return float((1 + first) * np.sum(self.contact**2) / self.contact[0] ** 2 - 1)
+
     def modes(self, gap: float, restitution: float) -> Modes:
         """As a system with a stop at contact displacement ``gap``."""
         rows = (self.omega, self.zeta, self.contact, self.load)

@@ -71,13 +71,13 @@ class Reading:
 
 
 def rig_curve(title: str, band: tuple[float, float], gap: float, restitution: float, gain: float) -> Curve:
-    """A case of the rig in the single-degree-of-freedom model."""
+    """A case of the rig in the single-degree-of-freedom model, whose R is what mode 1 sees; the gap is the sensor's."""
     single = Structure(Rig()).static_mode()
     frequencies = np.linspace(*band, 121)
     return Curve(
-        title=f"{title}: gap {gap} m, R {restitution}, gamma {gain} 1/V at 0.6 V; omega {single.omega!r} rad/s, "
+        title=f"{title}: gap {gap} m at the sensor, R {restitution}, gamma {gain} 1/V at 0.6 V; omega {single.omega!r} rad/s, "
         f"zeta {single.zeta!r}, contact row {single.contact!r}, base factor {single.base_factor!r}",
-        system=single.modes(gap, restitution),
+        system=single.modes(gap * single.contact, restitution),
         sensor=[1.0],
         amplitude=base_amplitude(Rig(), gain, 0.6),
         frequencies=frequencies,
@@ -86,14 +86,15 @@ def rig_curve(title: str, band: tuple[float, float], gap: float, restitution: fl
 
 
 def two_modes() -> Curve:
-    """The neutral case with the two lowest modes of the beam, R = 0.72 at the contact."""
+    """The neutral case with the two lowest modes of the beam, of which the first sees R = 0.72."""
     modal = Structure(Rig()).modal(2)
+    restitution = modal.contact_restitution(0.72)
     frequencies = np.linspace(14, 17, 7)
     return Curve(
-        title=f"DTU beam, neutral, two modes: gap 0 m, R 0.72 of the contact, gamma 0.000516 1/V at 0.6 V; "
+        title=f"DTU beam, neutral, two modes: gap 0 m, R 0.72 of mode 1, {restitution!r} of the contact, gamma 0.000516 1/V at 0.6 V; "
         f"omega {modal.omega.tolist()} rad/s, zeta 0.017, contact row {modal.contact.tolist()}, "
         f"sensor row {modal.sensor.tolist()}, load {modal.load.tolist()}",
-        system=modal.modes(0.0, 0.72),
+        system=modal.modes(0.0, restitution),
         sensor=modal.sensor.tolist(),
         amplitude=base_amplitude(Rig(), 5.16e-4, 0.6),
         frequencies=frequencies,
@@ -117,7 +118,7 @@ def nominal() -> Curve:
 
 CURVES = {
     "dtu_neutral_sdof": lambda: rig_curve("DTU beam, neutral", (14, 17), 0.0, 0.72, 5.16e-4),
-    "dtu_loose_sdof": lambda: rig_curve("DTU beam, loose", (8, 16), 1e-4, 0.59, 7.66e-4),
+    "dtu_loose_sdof": lambda: rig_curve("DTU beam, loose", (8, 17), 1e-4, 0.59, 7.66e-4),
     "dtu_tight_sdof": lambda: rig_curve("DTU beam, tight", (14, 20), -1e-4, 0.80, 3.78e-4),
     "sdof_nominal_sdof": nominal,
     "dtu_neutral_two_modes": two_modes,
@@ -281,11 +282,14 @@ def only_settled(rows: list[list[str]]) -> list[list[str]]:
     """The rows, emptied where the motion of the point or of a neighbour, up or down, does not repeat.
 
     Among chaotic motions it is round-off that decides whether and on which orbit a point locks: nothing to compare.
+    The same holds of a single point left between emptied ones, whose start is the end of one of them.
     """
     grid = sorted({float(line[0]) for line in rows})
     wild = [any(line[-1] == "0" for line in rows if float(line[0]) == f) for f in grid]
-    near = {f for i, f in enumerate(grid) if any(wild[max(i - 1, 0) : i + 2])}
-    return [[*line[:2], *[""] * 7] if float(line[0]) in near else line for line in rows]
+    near = [any(wild[max(i - 1, 0) : i + 2]) for i in range(len(grid))]
+    alone = [i > 0 and all(near[i - 1 : i] + near[i + 1 : i + 2]) for i in range(len(grid))]
+    emptied = {f for i, f in enumerate(grid) if near[i] or alone[i]}
+    return [[*line[:2], *[""] * 7] if float(line[0]) in emptied else line for line in rows]
 
 
 def write(name: str, folder: Path) -> None:

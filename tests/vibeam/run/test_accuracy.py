@@ -229,7 +229,7 @@ def test_the_claim_holds_over_the_whole_sweep(truths, name, within):
     error, claim, loose = errors(found, truths[name])
     assert len(error) + len(loose) == 66
     assert np.mean(np.abs(error) <= within) >= 0.99
-    assert np.mean(np.abs(error) <= claim) >= 0.97  # and so does what is estimated, point by point
+    assert np.sum(np.abs(error) > claim) <= 2  # and so does what is estimated: at all frequencies but one, up and down
     assert not len(loose) or abs(np.mean(loose)) < 0.03
     assert len(found.verified) == 24
     assert len(found.missed) <= 1
@@ -242,7 +242,7 @@ def shares(found):
 
 
 def test_the_looser_the_cheaper():
-    case = case_of("dtu_neutral", points=61)
+    case = case_of("dtu_neutral", points=61, **{"stop.restitution_of": "contact"})
     found = [study(case, within, checks=0) for within in (0.01, 0.3, 0.45)]
     fine, middle, coarse = (shares(each) for each in found)
     assert fine == {"beam": 122}  # one degree of freedom is off by up to 34 %, two modes by 30 %
@@ -256,11 +256,8 @@ def test_the_looser_the_cheaper():
     assert set(coarse) <= {"sdof", "beam"}
 
 
-FAIR = {"stop.restitution_of": "first mode"}  # then two modes are within 1.6 % of eight
-
-
 def test_two_modes_suffice_where_their_impacts_are_alike_and_not_where_they_are_falsified():
-    case = case_of("dtu_neutral", points=121, **FAIR)
+    case = case_of("dtu_neutral", points=121)  # R as mode 1 sees it: two modes are within 1.6 % of eight
     given = shares(study(case, 0.03, checks=0))
     assert given["two_modes"] > 2 * given["beam"]
     wrong = case.system("two_modes")
