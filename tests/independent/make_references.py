@@ -75,8 +75,9 @@ def rig_curve(title: str, band: tuple[float, float], gap: float, restitution: fl
     single = Structure(Rig()).static_mode()
     frequencies = np.linspace(*band, 121)
     return Curve(
-        title=f"{title}: gap {gap} m at the sensor, R {restitution}, gamma {gain} 1/V at 0.6 V; omega {single.omega!r} rad/s, "
-        f"zeta {single.zeta!r}, contact row {single.contact!r}, base factor {single.base_factor!r}",
+        title=f"{title}: gap {gap} m at the sensor, R {restitution}, gamma {gain} 1/V at 0.6 V; "
+        f"omega {single.omega!r} rad/s, zeta {single.zeta!r}, contact row {single.contact!r}, "
+        f"base factor {single.base_factor!r}",
         system=single.modes(gap * single.contact, restitution),
         sensor=[1.0],
         amplitude=base_amplitude(Rig(), gain, 0.6),
@@ -91,8 +92,9 @@ def two_modes() -> Curve:
     restitution = modal.contact_restitution(0.72)
     frequencies = np.linspace(14, 17, 7)
     return Curve(
-        title=f"DTU beam, neutral, two modes: gap 0 m, R 0.72 of mode 1, {restitution!r} of the contact, gamma 0.000516 1/V at 0.6 V; "
-        f"omega {modal.omega.tolist()} rad/s, zeta 0.017, contact row {modal.contact.tolist()}, "
+        title=f"DTU beam, neutral, two modes: gap 0 m, R 0.72 of mode 1, {restitution!r} of the contact, "
+        f"gamma 0.000516 1/V at 0.6 V; omega {modal.omega.tolist()} rad/s, zeta 0.017, "
+        f"contact row {modal.contact.tolist()}, "
         f"sensor row {modal.sensor.tolist()}, load {modal.load.tolist()}",
         system=modal.modes(0.0, restitution),
         sensor=modal.sensor.tolist(),

@@ -22,6 +22,7 @@ from vibeam.system.state import State
 from vibeam_models.scene import SdofScene
 
 RIG = Path(__file__).parents[2] / "cases" / "dtu_neutral.toml"
+HELD_AT_CONTACT = RIG.read_text(encoding="utf-8").replace('restitution_of = "first mode"', 'restitution_of = "contact"')
 SDOF = """
 title = "one degree of freedom"
 [sdof]

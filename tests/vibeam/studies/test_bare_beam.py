@@ -7,7 +7,7 @@ from math import isfinite, pi
 
 import numpy as np
 import pytest
-from stand_in import RIG, curve
+from stand_in import HELD_AT_CONTACT, curve
 from stand_in import case as stand_in_case
 from typer.testing import CliRunner
 
@@ -24,7 +24,7 @@ from vibeam.studies.stability.study import stability
 from vibeam.system.response import Branches
 from vibeam_models.beam import assemble
 
-TEXT = RIG.read_text(encoding="utf-8").split("[reference")[0]
+TEXT = HELD_AT_CONTACT.split("[reference")[0]
 DRIVEN = {"drive.voltage": None, "drive.gain": None, "drive.amplitude": "0.05 mm"}
 BARE = {"mass": None, "stop.position": "132 mm"} | DRIVEN
 SHORT = {"sweep.frequency.points": 3, "sweep.settle": 4, "sweep.hold": 2}

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from stand_in import RIG, SDOF, curve
+from stand_in import HELD_AT_CONTACT, RIG, SDOF, curve
 from typer.testing import CliRunner
 
 import vibeam
@@ -127,7 +127,7 @@ def test_a_study_of_one_degree_of_freedom(whole: CostStudy) -> None:
 
 def test_the_work_counts_all_that_is_timed() -> None:
     """Sweep, clouds and path: on the pressed stop of the tight rig, where the motion at 14 Hz does not repeat."""
-    case = parse(RIG.read_text(encoding="utf-8").split("[reference")[0], set=BEAM | {"stop.gap": "-0.1 mm"})
+    case = parse(HELD_AT_CONTACT.split("[reference")[0], set=BEAM | {"stop.gap": "-0.1 mm"})
     plan = replace(_plan(case), omega=2 * np.pi * np.array([14.0, 15.5]))  # type: ignore[type-var]
     found, work = timed(lambda: measure(case.system("sdof"), Setting("flight"), plan), Clock(), 3, 1.0)
     assert 0 in found.clouds
@@ -201,7 +201,7 @@ def _plan(case: object) -> object:
 
 @pytest.fixture(scope="module")
 def beam() -> CostStudy:
-    return cost(parse(RIG.read_text(encoding="utf-8").split("[reference")[0], set=BEAM))
+    return cost(parse(HELD_AT_CONTACT.split("[reference")[0], set=BEAM))
 
 
 def test_the_parts_add_up_exactly(beam: CostStudy) -> None:
@@ -221,7 +221,7 @@ def test_the_parts_add_up_exactly(beam: CostStudy) -> None:
 
 def test_the_contact_laws_part_is_that_of_the_same_restitution_seen(beam: CostStudy) -> None:
     """By hand: the single degree of freedom with the R₁ of the eight-mode beam, flown."""
-    case = parse(RIG.read_text(encoding="utf-8").split("[reference")[0], set=BEAM)
+    case = parse(HELD_AT_CONTACT.split("[reference")[0], set=BEAM)
     systems = {name: case.system(name) for name in ("sdof", "beam")}
     other = with_first_mode_restitution(systems["sdof"], first_mode_restitution_of(systems["beam"]))
     assert other.restitution == pytest.approx(first_mode_restitution_of(systems["beam"]))  # of one mode, R₁ is R
@@ -243,7 +243,7 @@ def test_a_chain_telescopes_over_the_points_that_all_have() -> None:
 
 
 def test_where_no_contact_gives_that_restitution_the_part_is_left_out_with_its_reason() -> None:
-    case = parse(RIG.read_text(encoding="utf-8").split("[reference")[0], set=BEAM | {"stop.restitution": 0.05})
+    case = parse(HELD_AT_CONTACT.split("[reference")[0], set=BEAM | {"stop.restitution": 0.05})
     found, _ = models(case, ())
     top, exact = found[-1], curve([1, 2], [2.0, 2.0])
     assert first_mode_restitution_of(top.system) < 0
@@ -257,7 +257,7 @@ def test_models_of_one_system_are_one_and_modes_are_cut_below_the_finest() -> No
     found, same = models(parse(SDOF + "[fidelity.again]\nsolver = 'mapping'\n"))
     assert [model.name for model in found] == ["sdof"]
     assert same == {"again": "sdof"}
-    case = parse(RIG.read_text(encoding="utf-8").split("[reference")[0])
+    case = parse(HELD_AT_CONTACT.split("[reference")[0])
     found, _ = models(case)
     assert [(model.name, model.system.size, model.cut) for model in found] == [
         ("sdof", 1, False), ("two_modes", 2, False), ("beam", 8, False), ("modes_1", 1, True), ("modes_4", 4, True),

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from stand_in import RIG, SDOF, point, same
+from stand_in import HELD_AT_CONTACT, RIG, SDOF, point, same
 from typer.testing import CliRunner
 
 import vibeam
@@ -37,7 +37,7 @@ from vibeam.system.impact_system import Drive
 from vibeam.system.state import State
 from vibeam_models.beam import assemble
 
-BEAM = RIG.read_text(encoding="utf-8").split("[fidelity.sdof]")[0]
+BEAM = HELD_AT_CONTACT.split("[fidelity.sdof]")[0]
 FIDELITY = '[fidelity.beam]\nreduction = "modal"\nmodes = 4\n'
 ADDED = '[[added_mass]]\nmass = "2.4 g"\nposition = "90 mm"\n'
 CLAMP = '[clamp]\nstiffness = "50 N m/rad"\n'
