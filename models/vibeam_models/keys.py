@@ -12,6 +12,7 @@ class Key:
 
     ``several``: a list of numbers; ``ascending``: each above the one before. ``written``: whether the template shows
     it, else as a comment. ``missing``: what the message of a missing key says of it, its ``meaning`` where empty.
+    ``effect``: it is an effect by itself; ``of``: the key of the same table without which it means nothing.
     ``plain``: (meaning, example, ``missing``) where the case is nondimensional; None: the same without the unit.
     """
 
@@ -27,6 +28,8 @@ class Key:
     ascending: bool = False
     written: bool = True
     missing: str = ""
+    effect: bool = False
+    of: str = ""
     plain: tuple[str, Any, str] | None = None
 
 
@@ -46,8 +49,8 @@ def declared(key: Key, default: Any = MISSING) -> Any:
 
 
 def keys_of(kind: type[Any]) -> dict[str, Key]:
-    """The keys of a declaration by name, in their order; KeyError for a field without one."""
-    return {each.name: each.metadata["key"] for each in fields(kind)}
+    """The keys of a declaration by name, in their order."""
+    return {each.name: each.metadata["key"] for each in fields(kind) if "key" in each.metadata}
 
 
 def defaults_of(kind: type[Any]) -> dict[str, Any]:

@@ -6,6 +6,8 @@ from dataclasses import dataclass, replace
 from functools import reduce
 from typing import TYPE_CHECKING, Any, Literal
 
+from vibeam_models.keys import quantity
+
 if TYPE_CHECKING:
     from vibeam_models.effects import Effect
     from vibeam_models.effects.platform import Platform, Shaker
@@ -74,10 +76,47 @@ class Stop:
     gap_at: Literal["contact", "sensor"] = "contact"
     restitution_of: Literal["contact", "first mode"] = "contact"
     law: ContactLaw | None = None
-    second_gap: float | None = None
-    drift_frequency: tuple[float, ...] | None = None
-    drift: tuple[float, ...] | None = None
-    wear: float | None = None
+    second_gap: float | None = quantity(
+        "m",
+        "gap to a second stop on the other side; absent = none",
+        "1 mm",
+        None,
+        written=False,
+        effect=True,
+        plain=("gap to a second stop on the other side; absent = none", 0.01, ""),
+    )
+    drift_frequency: tuple[float, ...] | None = quantity(
+        "Hz",
+        "drive frequencies between which the gap drifts; absent = it stays",
+        ["14 Hz", "17 Hz"],
+        None,
+        above=0,
+        several=True,
+        ascending=True,
+        written=False,
+        effect=True,
+        plain=("drive frequencies between which the gap drifts; absent = it stays", ["1.5 rad/s", "2.5 rad/s"], ""),
+    )
+    drift: tuple[float, ...] | None = quantity(
+        "m",
+        "what is added to the gap at these frequencies, linear between them",
+        ["0 mm", "0.02 mm"],
+        None,
+        several=True,
+        written=False,
+        of="drift_frequency",
+        plain=("what is added to the gap at these frequencies, linear between them", [0.0, 1e-4], ""),
+    )
+    wear: float | None = quantity(
+        "m",
+        "what each impact adds to the gap at the contact, from point to point; absent = none",
+        "0.1 nm",
+        None,
+        least=0,
+        written=False,
+        effect=True,
+        plain=("what each impact adds to the gap, from point to point; absent = none", 1e-8, ""),
+    )
 
     @property
     def usual_restitution(self) -> float:

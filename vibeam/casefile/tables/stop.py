@@ -9,11 +9,9 @@ from typing import Annotated, Any
 
 from vibeam.case.faults import Complaint, as_shown_in_message
 from vibeam.casefile import quantities as units
-from vibeam.casefile.field_lists import Several
-from vibeam.casefile.fields import NOT_NEGATIVE, Quantity, Word
+from vibeam.casefile.fields import Quantity, Word
 from vibeam.casefile.inline import to_toml
 from vibeam.casefile.tables.table import (
-    Frequency,
     Place,
     Table,
     Unity,
@@ -28,6 +26,7 @@ from vibeam_models.homes import Home
 from vibeam_models.keys import Key, defaults_of, keys_of
 from vibeam_models.laws import CONSTANT, LAWS, ContactLaw, declarations
 from vibeam_models.laws.keys import RESTITUTION
+from vibeam_models.scene import Stop
 
 
 def stop_checks(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -128,41 +127,6 @@ class _AtRest(Table):
     )
 
 
-class _Further(Table):
-    second_gap: Annotated[float | None, Quantity(units.LENGTH)] = key(
-        "gap to a second stop on the other side; absent = none",
-        "1 mm",
-        None,
-        written=False,
-        effect=True,
-        plain=("gap to a second stop on the other side; absent = none", 0.01),
-    )
-    drift_frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
-        "drive frequencies between which the gap drifts; absent = it stays",
-        ["14 Hz", "17 Hz"],
-        None,
-        written=False,
-        effect=True,
-        plain=("drive frequencies between which the gap drifts; absent = it stays", ["1.5 rad/s", "2.5 rad/s"]),
-    )
-    drift: Annotated[tuple[float, ...] | None, Several(Quantity(units.LENGTH))] = key(
-        "what is added to the gap at these frequencies, linear between them",
-        ["0 mm", "0.02 mm"],
-        None,
-        written=False,
-        of="drift_frequency",
-        plain=("what is added to the gap at these frequencies, linear between them", [0.0, 1e-4]),
-    )
-    wear: Annotated[float | None, Quantity(units.LENGTH, NOT_NEGATIVE)] = key(
-        "what each impact adds to the gap at the contact, from point to point; absent = none",
-        "0.1 nm",
-        None,
-        written=False,
-        effect=True,
-        plain=("what each impact adds to the gap, from point to point; absent = none", 1e-8),
-    )
-
-
 def law_keys() -> dict[str, Key]:
     """The keys of all contact laws by name; those of stops that yield stand first."""
     laws = sorted(declarations().values(), key=lambda law: not law.compliant)
@@ -186,7 +150,8 @@ def _stop_table(laws: tuple[tuple[str, Home], ...]) -> type[Table]:
     keys = {"law": (Annotated[Any, Word(tuple(LAWS))], law)}
     keys |= {name: declared_key(each, None, "law") for name, each in law_keys().items() if name != "restitution"}
     doc = "The stop: what it is depends on its law; keys of other laws are refused."
-    made: type[Table] = table("StopTable", doc, _AtRest, keys, _Further)
+    further = {name: declared_key(each, None) for name, each in keys_of(Stop).items()}
+    made: type[Table] = table("StopTable", doc, _AtRest, keys, further)
     return made
 
 

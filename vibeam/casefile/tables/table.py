@@ -80,7 +80,9 @@ def declared_entry(declared: Key) -> Entry:
 def declared_key(declared: Key, default: Any = ..., of: str = "", effect: bool = False) -> tuple[Any, Any]:
     """The annotation and the ``key`` of a declaration's key."""
     entry, plain = declared_entry(declared), plainly(declared)[:2]
-    notes: Any = {"written": declared.written, "effect": effect, "of": of, "plain": plain}
+    notes: Any = {
+        "written": declared.written, "effect": effect or declared.effect, "of": of or declared.of, "plain": plain,
+    }  # fmt: skip
     field = key(declared.meaning, declared.example, default, **notes)
     return Annotated[Any, entry], field
 
