@@ -17,9 +17,6 @@ if TYPE_CHECKING:
 
 MOST = 5  # points listed one by one
 
-NOT_TAKEN = "too far off where it was asked, or nothing was left for it"
-
-ON_ITS_WAY = "only to find the motion that goes on in closed form"
 
 WAYS = {
     "averaging": "averaged: one impact a period",

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stand_in import one_mode
 
 import vibeam
 from vibeam.casefile.documentation import reference_table, template
@@ -21,20 +22,7 @@ from vibeam_models.scene import Base, Beam, Damping, Mass, Scene, SdofScene, Sen
 
 CASES = Path(__file__).parents[3] / "cases"
 RIG = Beam(0.18, 0.02, 0.001034, 210e9, 7850.0, Damping("constant", (0.017,)), 36)
-SDOF = """
-[sdof]
-damping_ratio = 0.015
-[stop]
-gap = 0
-restitution = 0.9
-[drive]
-amplitude = 0.5e-3
-[sweep]
-frequency = { from = "1.5 rad/s", to = "2.5 rad/s", points = 3 }
-settle = 0
-hold = 1
-[fidelity.exact]
-"""
+SDOF = one_mode('{ from = "1.5 rad/s", to = "2.5 rad/s", points = 3 }', 0, 1, "[fidelity.exact]")
 
 
 def test_the_rig_in_si_units():
