@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from importlib.metadata import version
@@ -30,24 +31,24 @@ SETTINGS = {
 
 
 def build(folder: Path) -> None:
-    """Make all libraries and their manifest in ``folder``; CalledProcessError where a group fails."""
+    """Make all libraries and their manifest in ``folder``; CalledProcessError, and no change, where a group fails."""
     made_with = {"numba": version("numba"), "llvmlite": version("llvmlite"), "linker": link.version()}
-    about: dict[str, Any] = {}
-    with TemporaryDirectory() as cache:  # an empty one: kernels that numba has cached are machine code already
-        environment = os.environ | SETTINGS | {"NUMBA_CACHE_DIR": cache}
-        for process in [_begun(group, folder, environment) for group in GROUPS]:
+    with TemporaryDirectory() as cache, TemporaryDirectory() as fresh:
+        environment = os.environ | SETTINGS | {"NUMBA_CACHE_DIR": cache}  # what numba has cached has no LLVM module
+        for process in [_begun(group, fresh, environment) for group in GROUPS]:
             if process.wait():
                 raise subprocess.CalledProcessError(process.returncode, process.args)
-    for group in GROUPS:
-        part = folder / f"{group}.json"
-        about |= json.loads(part.read_text(encoding="utf-8"))
-        part.unlink()
+        about: dict[str, Any] = {}
+        for part in [Path(fresh) / f"{group}.json" for group in GROUPS]:
+            about |= json.loads(part.read_text(encoding="utf-8"))
+            part.unlink()
+        shutil.copytree(fresh, folder, dirs_exist_ok=True)
     whole = {"made_with": made_with, "libraries": dict(sorted(about.items()))}
     (folder / "manifest.json").write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
 
 
-def _begun(group: str, folder: Path, environment: dict[str, str]) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-m", "vibeam.flight.ahead_of_time.group", group, str(folder)]
+def _begun(group: str, folder: str, environment: dict[str, str]) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-m", "vibeam.flight.ahead_of_time.group", group, folder]
     return subprocess.Popen(command, env=environment)
 
 
