@@ -30,7 +30,7 @@ def test_the_rig_in_si_units():
     assert case.scene == Scene(
         beam=RIG,
         mass=Mass(0.2, 0.132),
-        stop=Stop(0.132, 0.0, 0.72),
+        stop=Stop(0.132, 0.0, 0.72, "sensor", "first mode"),
         sensor=Sensor(0.1),
         base=Base(voltage=0.6, gain=5.16e-4),
         effects=(RotaryInertia(2.988e-5), RigidZone(0.0117)),
