@@ -5,7 +5,7 @@
 
 A table stands between ``<!-- begin: NAME -->`` and ``<!-- end: NAME -->``; everything outside these markers is kept.
 ``against_peers.py`` writes results/peers.json, ``modes.py`` writes results/modes.json, ``printed_stability.py``
-writes results/printed_stability.json.
+writes results/printed_stability.json, ``paper_methods.py --write`` writes results/paper_methods.json.
 """
 
 from __future__ import annotations
@@ -145,6 +145,22 @@ def read_table(read: dict[str, float]) -> str:
     )
 
 
+def methods_table(found: dict[str, Any]) -> str:
+    """The paper's methods: CPU time, change against direct integration here and in the paper, error."""
+    rows, base = found["rows"], found["rows"][0]["seconds"]
+    cells = (
+        [row["name"], f"{row['seconds']:.2g}", _change(row["seconds"] / base), row["paper"].replace("-", "−"),
+         power_of_ten(row["median_error"]) if row["median_error"] else "reference", str(row["evaluations"])]
+        for row in rows
+    )  # fmt: skip
+    columns = ("method", "CPU s", "against direct", "in the paper", "median error", "evaluations")
+    return markdown(columns, cells) + f"\n\nLoad average of the machine: {found['load']:.0f}, on two cores."
+
+
+def _change(ratio: float) -> str:
+    return f"{100 * (ratio - 1):+.0f} %".replace("-", "−") if ratio > 0.01 else f"1/{1 / ratio:.0f}"
+
+
 TABLES: dict[str, Callable[[dict[str, Any], list[Row]], str]] = {
     "peers": peers_table,
     "peers by modes": peers_modes_table,
@@ -161,7 +177,11 @@ def generated(results: Path = RESULTS) -> dict[str, str]:
 def generated_for_paper(results: Path = RESULTS) -> dict[str, str]:
     """The tables of the page of the paper's figures by name, from the results files in a folder."""
     found = _read(results, "printed_stability")
-    return {"printed stability": printed_table(found["rows"]), "single flights": read_table(found["read"])}
+    return {
+        "printed stability": printed_table(found["rows"]),
+        "single flights": read_table(found["read"]),
+        "methods": methods_table(_read(results, "paper_methods")),
+    }
 
 
 def _read(results: Path, name: str) -> Any:
