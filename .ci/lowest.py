@@ -14,4 +14,5 @@ def lowest(requirement: Requirement) -> str:
 
 
 project = tomllib.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))["project"]
-print("\n".join(lowest(Requirement(each)) for each in project["dependencies"]))
+compiler = project["optional-dependencies"]["jit"]
+print("\n".join(lowest(Requirement(each)) for each in (*project["dependencies"], *compiler)))

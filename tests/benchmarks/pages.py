@@ -5,7 +5,7 @@
 
 A table stands between ``<!-- begin: NAME -->`` and ``<!-- end: NAME -->``; everything outside these markers is kept.
 ``against_peers.py`` writes results/peers.json, ``modes.py`` writes results/modes.json, ``printed_stability.py``
-writes results/printed_stability.json, ``limits.py`` writes results/limits.json.
+writes results/printed_stability.json, ``paper_methods.py --write`` writes results/paper_methods.json.
 """
 
 from __future__ import annotations
@@ -145,23 +145,20 @@ def read_table(read: dict[str, float]) -> str:
     )
 
 
-def limits_table(found: dict[str, Any]) -> str:
-    """Distance of each fidelity from its own limit: true and estimated, and what the estimate costs."""
-    columns = ("case", "held", "modes", "64 modes, rms", "128 modes, rms", "estimate, rms", "within a factor 2")
-    rows = (
-        [
-            row["case"].removeprefix("dtu_"), {"contact": "R", "first mode": "R₁"}[row["held"]], str(row["modes"]),
-            *(f"{100 * row[name]:.3g} %" for name in ("true_rms_64", "true_rms_128", "estimate_rms")),
-            f"{row['good']} of {row['points'] - row['below_floor']}",
-        ]
-        for row in found["rows"]
+def methods_table(found: dict[str, Any]) -> str:
+    """The paper's methods: CPU time, change against direct integration here and in the paper, error."""
+    rows, base = found["rows"], found["rows"][0]["seconds"]
+    cells = (
+        [row["name"], f"{row['seconds']:.2g}", _change(row["seconds"] / base), row["paper"].replace("-", "−"),
+         power_of_ten(row["median_error"]) if row["median_error"] else "reference", str(row["evaluations"])]
+        for row in rows
     )  # fmt: skip
-    cost = found["cost"]
-    text = (
-        f"CPU time on the neutral case: comparison {cost['comparison']:.2f} s, sweeps {cost['sweeps']:.2f} s, the "
-        f"whole command {cost['command']:.1f} s, of which the comparison takes {100 * cost['share_of_command']:.1f} %."
-    )
-    return f"{markdown(columns, rows)}\n\n{fill(text, width=120)}"
+    columns = ("method", "CPU s", "against direct", "in the paper", "median error", "evaluations")
+    return markdown(columns, cells) + f"\n\nLoad average of the machine: {found['load']:.0f}, on two cores."
+
+
+def _change(ratio: float) -> str:
+    return f"{100 * (ratio - 1):+.0f} %".replace("-", "−") if ratio > 0.01 else f"1/{1 / ratio:.0f}"
 
 
 TABLES: dict[str, Callable[[dict[str, Any], list[Row]], str]] = {
@@ -174,14 +171,17 @@ TABLES: dict[str, Callable[[dict[str, Any], list[Row]], str]] = {
 def generated(results: Path = RESULTS) -> dict[str, str]:
     """The tables of the benchmark page by name, from the results files in a folder."""
     peers, modes = (_read(results, name) for name in ("peers", "modes"))
-    tables = {name: table(peers, modes) for name, table in TABLES.items()}
-    return tables | {"limits": limits_table(_read(results, "limits"))}
+    return {name: table(peers, modes) for name, table in TABLES.items()}
 
 
 def generated_for_paper(results: Path = RESULTS) -> dict[str, str]:
     """The tables of the page of the paper's figures by name, from the results files in a folder."""
     found = _read(results, "printed_stability")
-    return {"printed stability": printed_table(found["rows"]), "single flights": read_table(found["read"])}
+    return {
+        "printed stability": printed_table(found["rows"]),
+        "single flights": read_table(found["read"]),
+        "methods": methods_table(_read(results, "paper_methods")),
+    }
 
 
 def _read(results: Path, name: str) -> Any:

@@ -1,6 +1,8 @@
 """What the paper's coordinates save: CPU time of its methods on its nominal model, beside the exact flight solver.
 
-    python tests/benchmarks/paper_methods.py [--points 5] [--periods 250] [--repeats 3]
+    python tests/benchmarks/paper_methods.py [--points 5] [--periods 250] [--repeats 3] [--write]
+
+``--write`` makes it results/paper_methods.json, of which ``pages.py`` makes the table of cases/paper.
 
 q̈ + 2βq̇ + q = Ω²B sin Ωt, β = 0.015, B = 0.5e-3, R = 0.9, Δ = 0, Ω from 1.5 to 2.5, the state carried. Times are the
 least of the repeats; errors are those of the mean impact velocity in the last period of each point against flight.
@@ -14,6 +16,9 @@ and the other one in plain numbers.
 from __future__ import annotations
 
 import argparse
+import json
+import os
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -27,6 +32,7 @@ from vibeam.solvers.integration.moreau import MoreauSolver
 from vibeam.solvers.integration.zhuravlev import ZhuravlevSolver
 from vibeam.solvers.mapping.solver import MappingSolver
 
+RESULT = Path(__file__).parent / "results" / "paper_methods.json"
 AMPLITUDE = 0.5e-3
 AS_THE_PAPER: dict[str, Any] = {"method": "RK23", "rtol": 1e-4, "atol": 1e-8}
 ROWS: list[tuple[str, Any, dict[str, Any], str]] = [
@@ -50,13 +56,20 @@ def main() -> None:
     found = [measure(kind, options, grid, arguments.periods, arguments.repeats) for _, kind, options, _ in ROWS]
     base, exact = found[0][0], found[-1][1]
     print(f"{'':22}{'CPU s':>10}{'to direct':>11}{'paper':>8}{'median error':>14}{'largest':>10}{'evaluations':>13}")
+    rows: list[dict[str, Any]] = []
     for (name, _, _, claim), (seconds, response) in zip(ROWS, found, strict=True):
         wrong = np.abs(response.impact_velocity / exact.impact_velocity - 1)
         change = f"{seconds / base - 1:+.0%}" if seconds / base > 0.01 else f"1/{base / seconds:.0f}"
+        evaluations = int(np.sum(response.evaluations))
+        rows.append({"name": name, "seconds": seconds, "paper": claim, "median_error": float(np.nanmedian(wrong))})
+        rows[-1] |= {"largest_error": float(np.nanmax(wrong)), "evaluations": evaluations}
         print(
             f"{name:22}{seconds:10.4g}{change:>11}{claim:>8}{np.nanmedian(wrong):14.1e}{np.nanmax(wrong):10.1e}"
-            f"{int(np.sum(response.evaluations)):13d}"
+            f"{evaluations:13d}"
         )
+    if arguments.write:
+        run = {name: getattr(arguments, name) for name in ("points", "periods", "repeats")}
+        RESULT.write_text(json.dumps(run | {"load": os.getloadavg()[0], "rows": rows}, indent=1) + "\n")
 
 
 def measure(
@@ -76,6 +89,7 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--points", type=int, default=5)
     parser.add_argument("--periods", type=int, default=250)
     parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--write", action="store_true")
     return parser.parse_args()
 
 

@@ -23,22 +23,21 @@ from vibeam_models.scene import SdofScene
 
 RIG = Path(__file__).parents[2] / "cases" / "dtu_neutral.toml"
 HELD_AT_CONTACT = RIG.read_text(encoding="utf-8").replace('restitution_of = "first mode"', 'restitution_of = "contact"')
-SDOF = """
-title = "one degree of freedom"
-[sdof]
-damping_ratio = 0.015
-[stop]
-gap = 0.0
-restitution = 0.9
-[drive]
-amplitude = 0.5e-3
-[sweep]
-frequency = { from = "1.5 rad/s", to = "2.5 rad/s", points = 5 }
-direction = "both"
-settle = 20
-hold = 5
-[fidelity.sdof]
-"""
+
+
+def one_mode(
+    frequency: str, settle: int, hold: int, *further: str, gap: object = 0, loss: str = "restitution = 0.9",
+    direction: str | None = None,
+) -> str:  # fmt: skip
+    """Text of a case of one degree of freedom, the paper's nominal one; ``further``: its last lines."""
+    swept = [f"frequency = {frequency}", *([f'direction = "{direction}"'] if direction else [])]
+    stop = ["[stop]", f"gap = {gap}", loss, "[drive]", "amplitude = 0.5e-3"]
+    lines = ["[sdof]", "damping_ratio = 0.015", *stop, "[sweep]", *swept, f"settle = {settle}", f"hold = {hold}"]
+    return "\n".join([*lines, *further]) + "\n"
+
+
+GRID = '{ from = "1.5 rad/s", to = "2.5 rad/s", points = 5 }'
+SDOF = 'title = "one degree of freedom"\n' + one_mode(GRID, 20, 5, "[fidelity.sdof]", gap=0.0, direction="both")
 
 
 class Solver:

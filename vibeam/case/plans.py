@@ -139,8 +139,8 @@ class ShowPlan:
     """Plan of one [show.NAME] table: frequencies in Hz (none: the sweep's), ``periods`` after ``settle`` drive periods.
 
     ``fidelities``: their names, in order; ``quantity``: of the kinds ``curve`` and ``boundaries``; ``output``: whose
-    displacement; ``near`` (Hz): of ``ringing``; ``highest``, ``subdivision``: of ``harmonics``. ``key``: of all that
-    decides the numbers.
+    displacement; ``near`` (Hz): of ``ringing``; ``highest``, ``subdivision``: of ``harmonics``; ``start`` (m): of
+    ``decay``. ``key``: of all that decides the numbers.
     """
 
     name: str
@@ -155,3 +155,4 @@ class ShowPlan:
     near: float | None = None
     highest: int | None = None
     subdivision: int | None = None
+    start: float | None = None

@@ -191,4 +191,5 @@ def _show(case: BeamCase | SdofCase, name: str, sweep: SweepPlan, seen: Mapping[
         near=table.near,
         highest=table.highest,
         subdivision=table.subdivision,
+        start=table.start,
     )

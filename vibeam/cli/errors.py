@@ -22,11 +22,12 @@ class UsageError(Exception):
 def mistakes() -> Iterator[None]:
     """Context that turns a user's mistakes into a message on stderr and an exit code; a defect keeps its traceback."""
     from vibeam.case.faults import CaseError
+    from vibeam.flight.libraries.errors import KernelsUnavailable
     from vibeam.run.store.errors import StoreError
 
     try:
         yield
-    except (CaseError, StoreError, UsageError) as mistake:
+    except (CaseError, KernelsUnavailable, StoreError, UsageError) as mistake:
         _stop(str(mistake), WRONG)
     except BrokenPipeError:
         reader_gone()

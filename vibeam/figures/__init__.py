@@ -85,6 +85,14 @@ FIGURES = Registry(
         exact=True,
     ),
     FigureKind(
+        "decay",
+        f"{HOME}decay",
+        "free decay without drive and stop, its envelope and its spectrum",
+        ("start",),
+        ("periods", "output"),
+        {"decay_frequency": "Hz", "decay_damping": "1", "spectrum_frequency": "Hz"},
+    ),
+    FigureKind(
         "modal",
         f"{HOME}modal",
         "frequencies and damping ratios of the modes",
@@ -95,7 +103,7 @@ FIGURES = Registry(
 
 #: units of what [expect.NAME] and [measured.NAME] can read off figures
 READ = {name: unit for kind in FIGURES.values() for name, unit in kind.reads.items()}
-KEYS = ("frequency", "periods", "settle", "quantity", "output", "near", "highest", "subdivision")  # by kind
+KEYS = ("frequency", "periods", "settle", "quantity", "output", "near", "highest", "subdivision", "start")  # by kind
 
 #: of a response and its model: the reach Q = Δ − min of the sweep's output, as the paper gives it of the sensor
 OF_OUTPUT = ("output_reach",)

@@ -36,14 +36,16 @@ def gap_of_output(case: Case, fidelity: str, omega: Array) -> Array:
 
 def touching(system: ImpactSystem, output: str, gap: Array) -> Array:
     """Displacement of an output at static contact with a stop at ``gap``, under a force at the contact."""
-    row, softness = system.output(output), _softness(system)
-    place, ratio = (float(row @ softness @ each) for each in (system.static, system.contact))
-    contact = float(system.contact @ softness @ system.static)
-    return np.asarray(place + ratio / float(system.contact @ softness @ system.contact) * (gap - contact))
+    row, pushed, sagged = (
+        system.output(output),
+        static_shape(system, system.contact),
+        static_shape(system, system.static),
+    )
+    force = (gap - float(system.contact @ sagged)) / float(system.contact @ pushed)
+    return np.asarray(float(row @ sagged) + float(row @ pushed) * force)
 
 
-def _softness(system: ImpactSystem) -> Array:
-    """Static displacements for unit forces on the modes; a mode without stiffness counts as far softer than all."""
-    stiff = system.omega**2
-    least = 1e-12 * float(stiff.max())
-    return np.diag(1 / np.maximum(stiff, least))
+def static_shape(system: ImpactSystem, force: Array) -> Array:
+    """Static displacements (n,) of the modes under forces (n,); one without stiffness counts as far softer than all."""
+    stiffness = system.omega**2
+    return np.asarray(force / np.maximum(stiffness, 1e-12 * float(stiffness.max())))

@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.cover import CLAIM, CLOSES, COLUMNS, OPEN, UNPROVED, Flights, cover
+from vibeam.flight.entries import cover
 from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, DURATION, END, IMPACT, RELEASE, RESTING, WHAT
+from vibeam.flight.kernels.pieces import CLAIM, CLOSES, COLUMNS, OPEN, UNPROVED, Flights
 
 if TYPE_CHECKING:
     from vibeam.flight.event_driven import Segments

@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import size_of_motion
-from vibeam.flight.kernels.drive import FAR, FAR_DRIVEN
 from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, CHATTER, DURATION, END, IMPACT, RESTING, STUCK, WHAT
+from vibeam.flight.kernels.thresholds import FAR, FAR_DRIVEN
 from vibeam.flight.linear.propagator import propagators
 
 if TYPE_CHECKING:

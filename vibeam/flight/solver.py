@@ -5,15 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.compilation import announce
+from vibeam.flight.entries import move, poses_at
 from vibeam.flight.event_driven import EventDrivenSolver
-from vibeam.flight.kernels.entry import move, poses_at
 from vibeam.flight.kernels.layout import STATUS_ROWS, Engine, Regime
 from vibeam.flight.linear.packing import PackedSystem, pack
 from vibeam.system.impact_system import ImpactSystem
-
-announce()
-
 
 Array = NDArray[np.float64]
 

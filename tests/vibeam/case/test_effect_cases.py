@@ -82,6 +82,7 @@ def test_the_template_with_all_its_comments_opened_is_told_what_excludes_what():
         "stop.damping",
         "stop.exponent",
         "stop.hertz_stiffness",
+        "stop.restitution_of",
         "stop.restitutions",
         "stop.speeds",
         "stop.velocity",

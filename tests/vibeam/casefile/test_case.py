@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stand_in import one_mode
 
 import vibeam
 from vibeam.casefile.documentation import reference_table, template
@@ -21,20 +22,7 @@ from vibeam_models.scene import Base, Beam, Damping, Mass, Scene, SdofScene, Sen
 
 CASES = Path(__file__).parents[3] / "cases"
 RIG = Beam(0.18, 0.02, 0.001034, 210e9, 7850.0, Damping("constant", (0.017,)), 36)
-SDOF = """
-[sdof]
-damping_ratio = 0.015
-[stop]
-gap = 0
-restitution = 0.9
-[drive]
-amplitude = 0.5e-3
-[sweep]
-frequency = { from = "1.5 rad/s", to = "2.5 rad/s", points = 3 }
-settle = 0
-hold = 1
-[fidelity.exact]
-"""
+SDOF = one_mode('{ from = "1.5 rad/s", to = "2.5 rad/s", points = 3 }', 0, 1, "[fidelity.exact]")
 
 
 def test_the_rig_in_si_units():
@@ -42,7 +30,7 @@ def test_the_rig_in_si_units():
     assert case.scene == Scene(
         beam=RIG,
         mass=Mass(0.2, 0.132),
-        stop=Stop(0.132, 0.0, 0.72),
+        stop=Stop(0.132, 0.0, 0.72, "sensor", "first mode"),
         sensor=Sensor(0.1),
         base=Base(voltage=0.6, gain=5.16e-4),
         effects=(RotaryInertia(2.988e-5), RigidZone(0.0117)),

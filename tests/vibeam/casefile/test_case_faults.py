@@ -9,6 +9,7 @@ import re
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from stand_in import one_mode
 
 import vibeam
 from vibeam.case.faults import CaseError, Fault, printable
@@ -44,19 +45,7 @@ hold = 5
 [fidelity.sdof]
 reduction = "static_mode"
 """
-SDOF = """[sdof]
-damping_ratio = 0.015
-[stop]
-gap = 0
-restitution = 0.9
-[drive]
-amplitude = 0.5e-3
-[sweep]
-frequency = [0.3]
-settle = 0
-hold = 1
-[fidelity.exact]
-"""
+SDOF = one_mode("[0.3]", 0, 1, "[fidelity.exact]")
 FREQUENCY = '{ from = "14 Hz", to = "17 Hz", points = 4 }'
 REFERENCE = '[reference.exact]\nfile = "no.csv"\nfidelity = "sdof"\nquantity = "amplitude"\ntolerance = "1 %"\n'
 

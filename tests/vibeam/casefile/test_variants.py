@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from stand_in import one_mode
 
 import vibeam
 from vibeam.case.case import Case
@@ -17,20 +18,7 @@ from vibeam_models.effects.added_mass import AddedMass
 from vibeam_models.scene import Scene, SdofScene
 
 CASES = Path(__file__).parents[3] / "cases"
-SDOF = """[sdof]
-damping_ratio = 0.015
-[stop]
-gap = 0
-restitution = 0.9
-[drive]
-amplitude = 0.5e-3
-[sweep]
-frequency = ["2 rad/s"]
-direction = "up"
-settle = 100
-hold = 2
-[fidelity.plain]
-"""
+SDOF = one_mode('["2 rad/s"]', 100, 2, "[fidelity.plain]", direction="up")
 
 
 def with_lines(*lines: str) -> Case:

@@ -13,7 +13,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from stand_in import case as stand_in_case
-from stand_in import curve, plain, system
+from stand_in import curve, one_mode, plain, system
 
 import vibeam
 from vibeam.case.case import Case
@@ -33,19 +33,7 @@ from vibeam.system.response import Branches, Ended
 
 GRID = np.linspace(14.0, 17.0, 61)
 PEAK = 1e-3 / (1 + 8 * (GRID - 15.2) ** 2)
-SDOF = """[sdof]
-damping_ratio = 0.015
-[stop]
-gap = 0.0
-restitution = 0.9
-[drive]
-amplitude = 0.5e-3
-[sweep]
-frequency = ["1.8 rad/s", "2 rad/s"]
-direction = "up"
-settle = 2
-hold = 2
-"""
+SDOF = one_mode('["1.8 rad/s", "2 rad/s"]', 2, 2, direction="up")
 HERTZ = (1.8 / (2 * np.pi), 2 / (2 * np.pi))
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from stand_in import one_mode
 
 import vibeam
 from vibeam.case.case import Case
@@ -18,19 +19,7 @@ from vibeam.figures.kinds.boundaries import limits
 from vibeam.report.figures import figure, write_shown
 from vibeam.run.store.file import read
 
-SDOF = """[sdof]
-damping_ratio = 0.015
-[stop]
-gap = {gap}
-restitution = 0.9
-[drive]
-amplitude = 0.5e-3
-[sweep]
-frequency = ["1.8 rad/s", "2 rad/s"]
-direction = "up"
-settle = 150
-hold = 4
-"""
+SDOF = one_mode('["1.8 rad/s", "2 rad/s"]', 150, 4, gap="GAP", direction="up")
 EVERY = [
     '[show.history]\nkind = "history"\nfrequency = ["1.8 rad/s", "2 rad/s"]\nperiods = 3',
     '[show.portrait]\nkind = "portrait"\nfrequency = "2 rad/s"',
@@ -42,7 +31,7 @@ EVERY = [
 
 def case_of(*parts: str, gap: float = 0.0, solvers: tuple[str, ...] = ("flight",)) -> Case:
     own = [f'[fidelity.{name}]\nsolver = "{name}"' for name in solvers]
-    return parse("\n".join([SDOF.format(gap=gap), *own, *parts]) + "\n")
+    return parse("\n".join([SDOF.replace("GAP", str(gap)), *own, *parts]) + "\n")
 
 
 @pytest.mark.parametrize(

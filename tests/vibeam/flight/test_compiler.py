@@ -6,8 +6,8 @@ from pathlib import Path
 
 import vibeam.flight.kernels as kernels
 from vibeam.flight.kernels import entry
-from vibeam.flight.kernels.compiler import EVERY, FLIGHT, digest
 from vibeam.flight.kernels.regimes import entry as regimes
+from vibeam.flight.kernels.sources import EVERY, FLIGHT, digest
 
 
 def test_a_change_in_any_kernel_is_noticed_wherever_it_lies(tmp_path: Path) -> None:

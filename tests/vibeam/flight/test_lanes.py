@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 import vibeam
 from vibeam.flight.kernels.compiler import OPTIONS
-from vibeam.flight.kernels.lanes.elementary import REDUCED, exponential, sine_cosine
+from vibeam.flight.kernels.lanes.elementary import exponential, sine_cosine
 from vibeam.flight.kernels.lanes.simd import eight, load, one, store, width
+from vibeam.flight.kernels.thresholds import REDUCED
 
 Array = NDArray[np.float64]
 DRIVE = vibeam.Drive(1.9, 0.8)

@@ -69,7 +69,7 @@ def test_says_case_and_provenance(tmp_path: Path) -> None:
     with h5py.File(path) as file:
         assert file["case"].attrs["key"].decode() == CASE.key
         assert file["case/text"][()].decode() == CASE.text
-        assert {"vibeam", "numpy", "numba", "python", "platform", "time"} <= set(file["provenance"].attrs)
+        assert {"vibeam", "numpy", "numba", "kernels", "python", "platform", "time"} <= set(file["provenance"].attrs)
         assert file["provenance/continued"][0].startswith(b"vibeam ")
         assert file["provenance/continued"][1] == b""
 

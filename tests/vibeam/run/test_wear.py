@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from stand_in import one_mode
 
 import vibeam
 from vibeam.case.faults import CaseError
@@ -21,22 +22,8 @@ SYSTEM = vibeam.ImpactSystem.from_modes([1.0], 0.015, 1.0, 1.0, restitution=0.9)
 GRID = np.array([1.8, 2.0, 2.2])
 B = 0.5e-3
 PLANS: dict[str, Any] = {"amplitude": B, "settle": 30, "hold": 10}
-SDOF = """
-[sdof]
-damping_ratio = 0.015
-[stop]
-gap = 0.0
-STOP
-[drive]
-amplitude = 0.5e-3
-[sweep]
-frequency = ["1.8 rad/s", "2 rad/s", "2.2 rad/s"]
-settle = 30
-hold = 10
-direction = "both"
-[fidelity.one]
-SOLVER
-"""
+GRID_TEXT = '["1.8 rad/s", "2 rad/s", "2.2 rad/s"]'
+SDOF = one_mode(GRID_TEXT, 30, 10, "[fidelity.one]", "SOLVER", gap=0.0, loss="STOP", direction="both")
 
 
 def case(stop: str, solver: str = "") -> vibeam.Case:

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import h5py
 import numpy as np
 import pytest
-from stand_in import same
+from stand_in import one_mode, same
 from typer.testing import CliRunner
 
 import vibeam
@@ -29,21 +29,8 @@ from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.motion_curves import MotionCurves
 from vibeam.system.state import State
 
-LOOSE = """
-[sdof]
-damping_ratio = 0.015
-[stop]
-gap = 0.8e-3
-restitution = 0.9
-[drive]
-amplitude = 0.5e-3
-[sweep]
-frequency = { from = "1.6 rad/s", to = "2.8 rad/s", points = 13 }
-direction = "up"
-settle = 300
-hold = 8
-[fidelity.flown]
-"""
+GRID = '{ from = "1.6 rad/s", to = "2.8 rad/s", points = 13 }'
+LOOSE = one_mode(GRID, 300, 8, "[fidelity.flown]", gap=0.8e-3, direction="up")
 METHODS = '[fidelity.orbit]\nsolver = "orbit"\n[fidelity.averaged]\nsolver = "averaging"\n'
 MODEL = ImpactSystem.from_modes([1.0], 0.015, 1.0, 1.0, gap=0.8e-3, restitution=0.9)
 NO_METHODS = {"flight", "mapping", "direct", "zhuravlev", "ivanov", "moreau"}

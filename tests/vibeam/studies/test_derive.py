@@ -1,13 +1,16 @@
 import json
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
 from tests.models.bench import POINT_MASS, RIG, STEEL
+from vibeam import load
 from vibeam.studies.derive import derive
 from vibeam_models.scene import Base, Damping, SdofScene, Stop
 
+CASES = Path(__file__).parents[3] / "cases"
 MASSLESS, WITH_BEAM, WITH_BOTH = "massless beam", "with the beam's mass", "with beam mass and rotary inertia"
 
 
@@ -98,3 +101,24 @@ def test_the_sdof_itself_has_nothing_to_derive():
 def test_what_is_no_scene():
     with pytest.raises(TypeError, match="not int"):
         derive(3)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("shape at the mass", 1.5540324324),
+        ("stiffness", 1218.8472398),
+        ("mass, massless beam", 0.48300336021),
+        ("circular frequency, massless beam", 50.234208409),
+        ("frequency, massless beam", 7.9950225805),
+        ("damping ratio", 0.017),
+        ("gap", 5.5555555556e-4),
+        ("gain", 1.5e-3),
+        ("drive", 9e-4),
+    ],
+)
+def test_eq_44_to_46_by_hand(name: str, value: float) -> None:
+    """The case of eq. 38–47: section, static shape and integral of eq. 46 worked out in 20 digits with mpmath."""
+    row = derive(load(CASES / "paper" / "eq38.toml"))[name]
+    assert row.value == pytest.approx(value, rel=1e-9)
+    assert row.reference == pytest.approx(value, rel=1e-9)  # its finite elements make the same assumptions

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from stand_in import curve
+from stand_in import curve, one_mode
 
 from vibeam.case.faults import CaseError
 from vibeam.case.plans import Expectation
@@ -15,23 +15,8 @@ from vibeam.studies.regression.references import CheckRow
 from vibeam.system.response import Branches, Ended
 
 GRID = np.array([14.0, 15.0, 16.0])
-CASE = """[sdof]
-damping_ratio = 0.015
-[stop]
-gap = 0
-restitution = 0.9
-[drive]
-amplitude = 0.5e-3
-[sweep]
-frequency = [14.0, 15.0, 16.0]
-direction = "both"
-settle = 1
-hold = 1
-[fidelity.ours]
-[fidelity.theirs]
-[expect.it]
-fidelity = "ours"
-"""
+EXPECTING = ("[fidelity.ours]", "[fidelity.theirs]", "[expect.it]", 'fidelity = "ours"')
+CASE = one_mode("[14.0, 15.0, 16.0]", 1, 1, *EXPECTING, direction="both")
 OURS = Branches(curve(GRID, [1.0, 3.0, 2.0], [1, 1, 2]), curve(GRID[::-1], [2.0, 3.0, 1.0], [2, 1, 1]))
 THEIRS = Branches(curve(GRID, [1.0, 2.0, 2.0]), curve(GRID[::-1], [2.0, 2.0, 1.0]))
 

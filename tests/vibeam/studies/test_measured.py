@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from rich.console import Console
-from stand_in import curve
+from stand_in import curve, one_mode
 
 from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
@@ -22,21 +22,7 @@ from vibeam.studies.regression.measured import MeasuredRow, compare
 from vibeam.system.response import Branches
 
 GRID = np.array([14.0, 15.0, 16.0])
-CASE = """[sdof]
-damping_ratio = 0.015
-[stop]
-gap = 0
-restitution = 0.9
-[drive]
-amplitude = 0.5e-3
-[sweep]
-frequency = [14.0, 15.0, 16.0]
-direction = "both"
-settle = 1
-hold = 1
-[fidelity.ours]
-[fidelity.theirs]
-"""
+CASE = one_mode("[14.0, 15.0, 16.0]", 1, 1, "[fidelity.ours]", "[fidelity.theirs]", direction="both")
 MEASURED = '[measured.it]\nfidelity = "ours"\nsource = "Fig. 3"\n'
 SAME = Branches(curve(GRID, [1.0, 3.0, 2.0]), curve(GRID[::-1], [2.0, 3.0, 1.0]))
 APART = Branches(curve(GRID, [1.0, 3.0, 2.0]), curve(GRID[::-1], [2.0, 2.5, 1.0]))

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from stand_in import RIG
+from stand_in import RIG, one_mode
 from typer.testing import CliRunner
 
 import vibeam
@@ -20,23 +20,9 @@ from vibeam.cli.main import app
 from vibeam.report.stability import kinds_of_points, stability_figure
 from vibeam.studies.stability.study import stability
 
-NOMINAL = """
-title = "nominal"
-[sdof]
-damping_ratio = 0.015
-[stop]
-gap = 0.2e-3
-restitution = 0.9
-[drive]
-amplitude = 0.5e-3
-[sweep]
-frequency = { from = "1.6 rad/s", to = "2.9 rad/s", points = 5 }
-settle = 20
-hold = 5
-[fidelity.flown]
-[fidelity.averaged]
-solver = "averaging"
-"""
+FIDELITIES = ("[fidelity.flown]", "[fidelity.averaged]", 'solver = "averaging"')
+GRID = '{ from = "1.6 rad/s", to = "2.9 rad/s", points = 5 }'
+NOMINAL = 'title = "nominal"\n' + one_mode(GRID, 20, 5, *FIDELITIES, gap=0.2e-3)
 FEW = {"points": 21, "frequencies": 27}
 Command = Callable[..., Any]
 

@@ -113,7 +113,7 @@ class ShowTable(Table):
         "drive frequency, or several, a panel each", "15.3 Hz", None
     )
     periods: Annotated[int | None, Count(1, MOST_POINTS)] = key(
-        "drive periods shown; absent = as many as the kind needs", 4, None
+        "drive periods shown, of decay natural ones; absent = as many as the kind needs", 4, None
     )
     settle: Annotated[int | None, Periods] = key("drive periods left out before; absent = the sweep's", 500, None)
     quantity: Annotated[str | None, Word(QUANTITIES + OF_OUTPUT + LIMITS)] = key(
@@ -130,6 +130,12 @@ class ShowTable(Table):
     )
     subdivision: Annotated[int | None, Count(1, 64)] = key(
         "of harmonics: 2 shows orders ½, 1, 1½ …; absent = 1, whole orders", 2, None, written=False
+    )
+    start: Annotated[float | None, Length] = key(
+        "of decay: displacement of the output from which the beam, drawn aside at the contact, is let go",
+        "2 mm",
+        None,
+        written=False,
     )
 
 

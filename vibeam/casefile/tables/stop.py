@@ -110,13 +110,13 @@ class _AtRest(Table):
         plain=("gap at rest Δ, in the unit of the motion", 0.0),
     )
     gap_at: Annotated[str, Word(("contact", "sensor"))] = key(
-        "where the gap was measured: at the contact, or as grazing amplitude at the sensor", "contact", "contact"
+        "where the gap was measured: at the contact, or as grazing amplitude at the sensor", "sensor", "contact"
     )
     restitution: Annotated[float | None, Unity] = key(
         RESTITUTION.meaning, RESTITUTION.example, None, plain=RESTITUTION.plain and RESTITUTION.plain[:2]
     )
     restitution_of: Annotated[str, Word(("contact", "first mode"))] = key(
-        "whose it is: the contact's, or mode 1's (each fidelity's own is then derived)", "contact", "contact"
+        "whose it is: the contact's, or mode 1's (each fidelity's own is then derived)", "first mode", "contact"
     )
     position: Annotated[float | None, Place] = key(
         "of the contact, from the clamp; absent = at the mass, if there is one",

@@ -136,6 +136,4 @@ Within = Quantity(units.RATIO, Range(1e-4, 1))
 
 Frequency = Quantity(units.FREQUENCY, POSITIVE)
 
-Speed = Quantity(units.SPEED, POSITIVE)
-
 Periods = Count(0, MOST_POINTS)

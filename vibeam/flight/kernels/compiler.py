@@ -8,13 +8,12 @@ into them without wrappers of their own.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
-from hashlib import sha256
-from pathlib import Path
 from typing import Any, TypeVar, cast
 
 from numba import njit
 from numba.core.caching import FunctionCache
+
+from vibeam.flight.kernels.sources import digest, sources_of
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -50,18 +49,7 @@ class _Cache(FunctionCache):
 
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function)  # type: ignore[no-untyped-call]
-        self._sources = digest(EVERY if f".{REGIMES}." in function.__module__ else FLIGHT)
+        self._sources = digest(sources_of(function.__module__))
 
     def _index_key(self, signature: Any, codegen: Any) -> tuple[Any, ...]:
         return (*super()._index_key(signature, codegen), self._sources)  # type: ignore[no-untyped-call]
-
-
-@cache
-def digest(files: tuple[Path, ...]) -> str:
-    """SHA-256 of the files' contents, in hexadecimal."""
-    return sha256(b"".join(file.read_bytes() for file in files)).hexdigest()
-
-
-REGIMES = "regimes"  # the folder of the kernels that a plain system never calls
-EVERY = tuple(sorted(Path(__file__).parent.rglob("*.py")))
-FLIGHT = tuple(file for file in EVERY if REGIMES not in file.relative_to(Path(__file__).parent).parts)

@@ -5,8 +5,6 @@ The same walk as ``roots.first_root``, but along a flight whose end is known, an
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,6 +31,7 @@ from vibeam.flight.kernels.layout import (
     Engine,
 )
 from vibeam.flight.kernels.modal_flow import begin_flight
+from vibeam.flight.kernels.pieces import CLAIM, CLOSES, FLIGHT, FROM, LENGTH, OPEN, UNPROVED, Flights
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.bounds import CLEAR, MINIMUM, SPLIT
 from vibeam.flight.kernels.roots.first_root import first_level
@@ -42,21 +41,6 @@ from vibeam.flight.kernels.roots.panels import Node, accept, launching, next_nod
 from vibeam.flight.kernels.roots.signal import Start, derivatives, signal_of, to_node
 
 Array = NDArray[np.float64]
-
-FLIGHT, FROM, LENGTH, CLAIM = range(4)  # columns of a piece
-
-COLUMNS = 4
-
-OPEN, CLOSES, UNPROVED = 0.0, 1.0, 2.0  # claims
-
-
-class Flights(NamedTuple):
-    """The segments of a motion, and the root with which the gap of each starts (``roots.signal.Start``)."""
-
-    trace: Array  # (m, TRACE_COLUMNS)
-    poses: Array  # (m, 2, n)
-    orders: Array  # (m,)
-    rises: Array  # (m,)
 
 
 @entry

@@ -52,20 +52,15 @@ from vibeam.flight.kernels.layout import (
     W,
 )
 from vibeam.flight.kernels.roots.levels import same_drive, tabulate_drive
+from vibeam.flight.kernels.thresholds import FAR, FAR_DRIVEN, PANEL
 
 Array = NDArray[np.float64]
 
 NEAR_RESONANCE = 1e-3  # |ω² − Ω² + 2iσΩ| / Ω² below which a mode is attached
 
-FAR = 10.0  # distance of the equilibrium over the size of the motion beyond which taking it out loses digits
-
-FAR_DRIVEN = 1e5  # the same of a steady response, which the motion soon becomes as large as, and carrying costs more
-
 NEARLY_FREE = 0.05  # rate / Ω below which a mode under a static force is attached
 
 LOOSE = 1e-7  # share of the stiffest rate below which a held block counts as without stiffness
-
-PANEL = 2.1  # the longest panel is at most this over the drive's rate: a sixth to a third of its period
 
 
 @kernel

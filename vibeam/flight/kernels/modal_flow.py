@@ -53,12 +53,11 @@ from vibeam.flight.kernels.layout import (
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.pair import norm, propagator
 from vibeam.flight.kernels.roots.signal import signal_of, value_at
+from vibeam.flight.kernels.thresholds import SILENT
 
 Array = NDArray[np.float64]
 
 ROUND_OFF = 64.0 * 2.220446049250313e-16  # share of the parts of a sum below which it is none
-
-SILENT = 1e-100  # a contact value so small that dividing by it would lose digits; such modes are carried by themselves
 
 
 @joined

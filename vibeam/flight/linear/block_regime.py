@@ -22,9 +22,9 @@ from vibeam.flight.kernels.layout import (
     SIGNALS,
     Regime,
 )
-from vibeam.flight.kernels.roots.levels import rates, regime
 from vibeam.flight.linear.blocks import pair_constants, planes
 from vibeam.flight.linear.eigenpairs import Linear
+from vibeam.flight.linear.panel_tables import rates, regime
 
 Array = NDArray[np.float64]
 

@@ -7,8 +7,6 @@ from math import floor, inf, log2
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.drive import PANEL
-from vibeam.flight.kernels.lanes.mode_blocks import lay_out, longest_flight
 from vibeam.flight.kernels.layout import (
     ATTACHED_ROWS,
     CONTACT,
@@ -27,9 +25,11 @@ from vibeam.flight.kernels.layout import (
     Engine,
     Regime,
 )
-from vibeam.flight.kernels.roots.levels import rates, regime
+from vibeam.flight.kernels.thresholds import PANEL
 from vibeam.flight.linear.block_regime import SignalRow, held_regime, with_signals
 from vibeam.flight.linear.eigenpairs import Linear
+from vibeam.flight.linear.mode_blocks import lay_out, longest_flight
+from vibeam.flight.linear.panel_tables import rates, regime
 from vibeam.flight.per_thread import PerThread
 from vibeam.system.impact_system import ImpactSystem
 

@@ -8,7 +8,6 @@ from math import floor, inf, log2
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.drive import PANEL
 from vibeam.flight.kernels.layout import DRIVE_ROWS, MOTION, Regime
 from vibeam.flight.kernels.regimes.layout import (
     COEFFICIENT,
@@ -29,6 +28,7 @@ from vibeam.flight.kernels.regimes.layout import (
     VISCOUS,
     RegimeEngine,
 )
+from vibeam.flight.kernels.thresholds import PANEL
 from vibeam.flight.linear.block_regime import SignalRow, free_regime, held_regime, with_signals
 from vibeam.flight.linear.eigenpairs import Linear
 from vibeam.flight.linear.packing import yields

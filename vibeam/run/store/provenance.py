@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.flight.entries import origin
+
 if TYPE_CHECKING:
     import h5py
 
@@ -17,8 +19,8 @@ SESSIONS, NOTE = 32, 240  # room for this number of notes, of this number of byt
 
 
 def provenance() -> dict[str, str]:
-    """Versions of vibeam, numpy, numba and Python, platform, time (UTC)."""
-    versions = {"vibeam": _version("vibeam"), "numpy": np.__version__, "numba": _version("numba")}
+    """Versions of vibeam, numpy, numba and Python, where the compiled kernels come from, platform, time (UTC)."""
+    versions = {"vibeam": _version("vibeam"), "numpy": np.__version__, "numba": _version("numba"), "kernels": origin()}
     machine = {"python": platform.python_version(), "platform": platform.platform()}
     return versions | machine | {"time": strftime("%Y-%m-%dT%H:%M:%SZ", gmtime())}
 

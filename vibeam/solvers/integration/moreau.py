@@ -20,13 +20,11 @@ one step's acceleration, and half of it shows as flight.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, TypeVar, cast
-
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from vibeam.flight.entries import march
+from vibeam.flight.kernels.moreau_layout import HELD, IMPACTS, ROWS
 from vibeam.flight.pause import pause
 from vibeam.solvers.integration.samples import Outcome, Piece
 from vibeam.solvers.integration.stepper import NO_MARKS, Stepper, Watch, cycle, onto_stop, slack
@@ -36,68 +34,6 @@ from vibeam.system.state import State
 from vibeam_models.arguments import count, number, refuse
 
 Array = NDArray[np.float64]
-
-F = TypeVar("F", bound=Callable[..., Any])
-
-
-# rows (ROWS, n): ω², 2ζω, contact, load Ω²B, static, 1/(1 + 2ζω θh + ω²θ²h²), workspace for the free velocities
-STIFFNESS, DAMPING, CONTACT, LOAD, STATIC, INVERSE, FREE = range(7)
-
-ROWS = 7
-
-# scheme (4,): h, θ, gap, R
-STEP, THETA, GAP, RESTITUTION = range(4)
-
-# strikes (≥ count, 2): step, contact velocity before; totals (2,): impacts, steps held on the stop
-IMPACTS, HELD = range(2)
-
-
-def _compiled(function: F) -> F:
-    return cast(F, njit(cache=True, nogil=True, error_model="numpy")(function))
-
-
-@_compiled
-def march(
-    rows: Array, scheme: Array, sines: Array, pose: Array, samples: Array, pushed: Array, strikes: Array,
-    totals: NDArray[np.int64],
-) -> None:  # fmt: skip
-    """Advance ``pose`` (2, n) by len(sines) − 1 steps; ``sines``: sin Ωt at their ends.
-
-    ``samples`` (steps + 1, 2, n) and ``pushed`` (steps,) receive the states and the impulses, unless empty.
-    """
-    n, h, theta = rows.shape[1], scheme[STEP], scheme[THETA]
-    mobility = 0.0
-    for k in range(n):
-        mobility += rows[CONTACT, k] * rows[CONTACT, k] * rows[INVERSE, k]
-    watched = samples.shape[0] > 0
-    totals[IMPACTS] = totals[HELD] = 0
-    for i in range(sines.shape[0] - 1):
-        force = theta * sines[i + 1] + (1.0 - theta) * sines[i]
-        excess, before, free = -scheme[GAP], 0.0, 0.0
-        for k in range(n):
-            x, v = pose[0, k], pose[1, k]
-            pull = rows[DAMPING, k] * v + rows[STIFFNESS, k] * (x + h * theta * v)
-            rows[FREE, k] = v + h * (rows[LOAD, k] * force + rows[STATIC, k] - pull) * rows[INVERSE, k]
-            excess += rows[CONTACT, k] * x
-            before += rows[CONTACT, k] * v
-            free += rows[CONTACT, k] * rows[FREE, k]
-        impulse = 0.0
-        if excess + 0.5 * h * before >= 0.0 and free + scheme[RESTITUTION] * before > 0.0:
-            impulse = -(free + scheme[RESTITUTION] * before) / mobility
-            if before > max(0.0, free - before):
-                strikes[totals[IMPACTS], 0], strikes[totals[IMPACTS], 1] = i, before
-                totals[IMPACTS] += 1
-            else:
-                totals[HELD] += 1
-        for k in range(n):
-            after = rows[FREE, k] + rows[CONTACT, k] * rows[INVERSE, k] * impulse
-            pose[0, k] += h * (theta * after + (1.0 - theta) * pose[1, k])
-            pose[1, k] = after
-            if watched:
-                samples[i + 1, 0, k], samples[i + 1, 1, k] = pose[0, k], after
-        if watched:
-            pushed[i] = impulse
-
 
 EDGE = 1e-9  # tolerance, as a share of a step, for a span to be a whole number of steps
 

@@ -20,8 +20,6 @@ QUARTER_1, QUARTER_2 = 1.57079632673412561417e00, 6.07710050630396597660e-11  # 
 
 QUARTER_3 = 2.02226624879595063154e-21
 
-REDUCED = 1e5  # rad up to which the parts keep all digits
-
 E = [1.0 / factorial(j) for j in range(15)]
 
 E2, E3, E4, E5, E6, E7, E8, E9, E10, E11, E12, E13 = E[2:14]
@@ -47,7 +45,7 @@ def exponential(x: Lanes) -> Lanes:
 
 @joined
 def sine_cosine(x: Lanes) -> tuple[Lanes, Lanes]:
-    """sin x and cos x for |x| ≤ ``REDUCED``."""
+    """sin x and cos x for |x| ≤ ``thresholds.REDUCED``."""
     n = whole(x * PER_QUARTER)
     m = plain(n)
     r = ((x - m * QUARTER_1) - m * QUARTER_2) - m * QUARTER_3

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.kernels.compiler import joined
-from vibeam.flight.kernels.lanes import mode_blocks as row
+from vibeam.flight.kernels.lanes import layout as row
 from vibeam.flight.kernels.lanes.landing import (
     ALOFT,
     STRUCK,
@@ -24,7 +24,8 @@ from vibeam.flight.kernels.lanes.landing import (
     foretold,
     no_landing,
 )
-from vibeam.flight.kernels.lanes.mode_blocks import Panel, cell
+from vibeam.flight.kernels.lanes.layout import Panel
+from vibeam.flight.kernels.lanes.mode_blocks import cell
 from vibeam.flight.kernels.lanes.panels import OTHER, advance_panel, closer, first_panel, resolved
 from vibeam.flight.kernels.lanes.simd import Lanes, load, total, width
 from vibeam.flight.kernels.layout import LEVELS, STEP, TURN_IM, TURN_RE, Engine

@@ -9,14 +9,15 @@ from numpy.typing import NDArray
 
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import wrap
-from vibeam.flight.kernels.lanes import mode_blocks as row
-from vibeam.flight.kernels.lanes.elementary import REDUCED, exponential, sine_cosine
-from vibeam.flight.kernels.lanes.mode_blocks import Panel, cell
+from vibeam.flight.kernels.lanes import layout as row
+from vibeam.flight.kernels.lanes.elementary import exponential, sine_cosine
+from vibeam.flight.kernels.lanes.layout import Panel
+from vibeam.flight.kernels.lanes.mode_blocks import cell
 from vibeam.flight.kernels.lanes.simd import Lanes, every, load, one, smaller, store, total, width
 from vibeam.flight.kernels.layout import CONTACT_IM, CONTACT_RE, DISC, OMEGA, SIGMA, Engine, Phase, W
 from vibeam.flight.kernels.roots.newton import EPSILON
 from vibeam.flight.kernels.roots.pair import propagator
-from vibeam.flight.kernels.roots.signal import FORGOTTEN
+from vibeam.flight.kernels.thresholds import FORGOTTEN, REDUCED
 
 Array = NDArray[np.float64]
 

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.kernels.compiler import joined
-from vibeam.flight.kernels.lanes import mode_blocks as row
+from vibeam.flight.kernels.lanes import layout as row
 from vibeam.flight.kernels.lanes.landing import Forced
-from vibeam.flight.kernels.lanes.mode_blocks import Panel, cell, rung
+from vibeam.flight.kernels.lanes.layout import Panel
+from vibeam.flight.kernels.lanes.mode_blocks import cell, rung
 from vibeam.flight.kernels.lanes.simd import Lanes, every, larger, load, size, smaller, store, total, width
 from vibeam.flight.kernels.layout import FIRST_IM, FIRST_RE, SECOND_IM, SECOND_RE, STEP, Engine
 from vibeam.flight.kernels.roots.bounds import CLEAR, SPLIT, THIRD, VALUE, Bounds, Ends, verdict

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import wrap
 from vibeam.flight.kernels.impact import is_faint, put_on_stop
-from vibeam.flight.kernels.lanes import mode_blocks as row
+from vibeam.flight.kernels.lanes import layout as row
 from vibeam.flight.kernels.lanes.flight import Launch, flight
 from vibeam.flight.kernels.lanes.landing import ALOFT, STRUCK, UNUSUAL, Forced, drive_phasor, land_on, phase_at
 from vibeam.flight.kernels.lanes.mode_blocks import cell, gather, scatter

@@ -37,10 +37,9 @@ from vibeam.flight.kernels.layout import (
 )
 from vibeam.flight.kernels.roots.pair import increments, norm, phasor_increments, power, propagator
 from vibeam.flight.kernels.roots.taylor_pairs import add_derivatives, carry, growth, trial_sum
+from vibeam.flight.kernels.thresholds import FORGOTTEN
 
 Array = NDArray[np.float64]
-
-FORGOTTEN = 75.0  # decay exponents beyond this leave less than 1e-32
 
 
 class Signal(NamedTuple):

@@ -1,0 +1,65 @@
+"""``python -m vibeam.flight.ahead_of_time [FOLDER]``: make all libraries anew, in place or in another folder.
+
+Needs numba (extra ``jit``) and LLVM's linker ``ld.lld``. Each group of entry points is compiled in a process of its
+own, for x86-64-v3; what numba has optimised is emitted for every level.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from importlib.metadata import version
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Any
+
+from vibeam.flight.ahead_of_time import link
+from vibeam.flight.libraries.manifest import FOLDER
+
+GROUPS = ("regimes", "flight", "moreau")  # the longest first
+
+SETTINGS = {
+    "VIBEAM_KERNELS": "numba",
+    "NUMBA_CPU_NAME": "x86-64-v3",
+    "NUMBA_CPU_FEATURES": "",
+    "NUMBA_DISABLE_INTEL_SVML": "1",
+}
+
+
+def build(folder: Path) -> None:
+    """Make all libraries and their manifest in ``folder``; CalledProcessError, and no change, where a group fails."""
+    made_with = {"numba": version("numba"), "llvmlite": version("llvmlite"), "linker": link.version()}
+    with TemporaryDirectory() as cache, TemporaryDirectory() as fresh:
+        environment = os.environ | SETTINGS | {"NUMBA_CACHE_DIR": cache}  # what numba has cached has no LLVM module
+        for process in [_begun(group, fresh, environment) for group in GROUPS]:
+            if process.wait():
+                raise subprocess.CalledProcessError(process.returncode, process.args)
+        about: dict[str, Any] = {}
+        for part in [Path(fresh) / f"{group}.json" for group in GROUPS]:
+            about |= json.loads(part.read_text(encoding="utf-8"))
+            part.unlink()
+        shutil.copytree(fresh, folder, dirs_exist_ok=True)
+    whole = {"made_with": made_with, "libraries": dict(sorted(about.items()))}
+    (folder / "manifest.json").write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
+
+
+def _begun(group: str, folder: str, environment: dict[str, str]) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-m", "vibeam.flight.ahead_of_time.group", group, folder]
+    return subprocess.Popen(command, env=environment)
+
+
+def main() -> None:
+    """The command."""
+    begun, folder = perf_counter(), Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER
+    folder.mkdir(parents=True, exist_ok=True)
+    build(folder)
+    size = sum(file.stat().st_size for file in folder.rglob("*.xz"))
+    print(f"{folder}: {size / 1e6:.2f} MB, {perf_counter() - begun:.0f} s")
+
+
+if __name__ == "__main__":
+    main()

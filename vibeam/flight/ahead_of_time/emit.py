@@ -1,0 +1,86 @@
+"""Object code of a library for one level, from the optimised modules of its entry points."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import llvmlite.binding as llvm
+
+from vibeam.flight.ahead_of_time.modules import Compiled
+from vibeam.flight.ahead_of_time.wrapper import wrapper
+
+
+@dataclass(frozen=True)
+class Target:
+    """A processor as LLVM and the linker name it."""
+
+    triple: str
+    processor: str
+    features: str
+    emulation: str
+
+
+LINUX = "unknown-linux-gnu"
+
+TARGETS = {
+    "x86-64-v3": Target(f"x86_64-{LINUX}", "x86-64-v3", "", "elf_x86_64"),
+    "x86-64-v2": Target(f"x86_64-{LINUX}", "x86-64-v2", "", "elf_x86_64"),
+    "aarch64": Target(f"aarch64-{LINUX}", "generic", "", "aarch64linux"),
+}
+
+
+def emitted(library: str, parts: Sequence[Compiled], level: str) -> bytes:
+    """Position-independent object code with one exported function ``library_name`` for each entry point."""
+    target = TARGETS[level]
+    machine = _machine(target)
+    exported = {f"{library}_{part.entry.name}": part for part in parts}
+    whole = _parsed("", machine, target)
+    for name, part in exported.items():
+        module = _parsed(part.text, machine, target)
+        module.link_in(_parsed(wrapper(part, name), machine, target))
+        _hide(module, {name})
+        _drop_unused(module, machine)
+        whole.link_in(module)
+    return bytes(machine.emit_object(whole))
+
+
+def stand_ins(symbols: Sequence[str], level: str) -> bytes:
+    """Object code of functions that do nothing, for the linker to know their names by."""
+    target = TARGETS[level]
+    machine = _machine(target)
+    text = "\n".join(f"define void @{symbol}() {{ ret void }}" for symbol in symbols)
+    return bytes(machine.emit_object(_parsed(text, machine, target)))
+
+
+def _machine(target: Target) -> llvm.TargetMachine:
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    return llvm.Target.from_triple(target.triple).create_target_machine(
+        cpu=target.processor, features=target.features, opt=3, reloc="pic", codemodel="default"
+    )
+
+
+def _parsed(text: str, machine: llvm.TargetMachine, target: Target) -> llvm.ModuleRef:
+    """The module, for that target: attributes that bind functions to another are left out."""
+    text = re.sub(r"^target (triple|datalayout) = .*$", "", text, flags=re.MULTILINE)
+    text = text.replace("@numba_ldexp(", "@ldexp(")  # the same function under a name of numba's own
+    text = re.sub(r'"(target-cpu|target-features|tune-cpu|probe-stack)"="[^"]*"', "", text)
+    module = llvm.parse_assembly(text)
+    module.triple, module.data_layout = target.triple, str(machine.target_data)
+    module.verify()
+    return module
+
+
+def _hide(module: llvm.ModuleRef, exported: set[str]) -> None:
+    """Nothing but ``exported`` is seen from outside."""
+    for each in (*module.functions, *module.global_variables):
+        if not each.is_declaration and each.name not in exported:
+            each.linkage = "internal"
+
+
+def _drop_unused(module: llvm.ModuleRef, machine: llvm.TargetMachine) -> None:
+    passes = llvm.create_new_module_pass_manager()
+    passes.add_global_dead_code_eliminate_pass()
+    passes.run(module, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=0)))

@@ -1,0 +1,44 @@
+"""Motions that call every entry point once, so that numba compiles each for the arguments that it gets."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from vibeam.flight.entries import march
+from vibeam.flight.kernels.moreau_layout import ROWS
+from vibeam.flight.trajectory import simulate
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam_models.laws.compliant import HuntCrossley
+
+DRIVE = Drive(omega=95.0, amplitude=1e-4)
+
+PLAIN = ImpactSystem.from_modes(
+    [47.7, 635.0], 0.017, contact=[2.12, 0.31], load=[0.46, 0.09], gap=0.0, restitution=0.72
+)
+
+
+def fly() -> None:
+    """Tables, motions, poses and certificates of the plain engine."""
+    simulate(PLAIN, DRIVE, 0.1, certify=True).at(0.05)
+
+
+def fly_in_regimes() -> None:
+    """Motions and poses of the engine of any law and regime."""
+    simulate(replace(PLAIN, law=HuntCrossley(1e6)), DRIVE, 0.1).at(0.05)
+
+
+def step() -> None:
+    """No step of Moreau–Jean time stepping."""
+    march(
+        np.ones((ROWS, 1)), np.ones(4), np.zeros(1), np.zeros((2, 1)), np.zeros((0, 2, 1)), np.zeros(0),
+        np.zeros((0, 2)), np.zeros(2, dtype=np.int64),
+    )  # fmt: skip
+
+
+SCENES = {  # by group: the libraries and what calls all of their entry points
+    "flight": (("tables", "flight", "certificate"), (fly,)),
+    "regimes": (("regimes",), (fly_in_regimes,)),
+    "moreau": (("moreau",), (step,)),
+}

@@ -1,0 +1,1 @@
+"""Kernels compiled ahead of time: which library a machine takes, how it is loaded and called."""

@@ -1,0 +1,75 @@
+"""Library or numba: where the function behind an entry point comes from.
+
+A library is taken where there is one for this machine that was made from the kernels as they are; else numba compiles
+them, and one line says why. The environment variable VIBEAM_KERNELS forces one: ``numba``, ``library``, or the name of
+a level (``x86-64-v2``).
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Callable
+from functools import cache
+from importlib import import_module
+from importlib.util import find_spec
+from typing import Any
+
+from vibeam.flight.libraries.errors import KernelsUnavailable, LibraryUnavailable
+from vibeam.flight.libraries.load import function_of, level_of
+from vibeam.flight.libraries.manifest import LEVELS
+
+LOG = logging.getLogger("vibeam")
+
+VARIABLE = "VIBEAM_KERNELS"
+
+CURE = "pip install 'vibeam[jit]'"
+
+
+def chosen(library: str, module: str, name: str) -> Callable[..., Any]:
+    """The compiled function ``name`` of ``module``.
+
+    KernelsUnavailable where there is none, or for a wrong VIBEAM_KERNELS.
+    """
+    wanted = os.environ.get(VARIABLE, "")
+    if wanted not in ("", "numba", "library", *LEVELS):
+        raise KernelsUnavailable(f"{VARIABLE}: {wanted!r} is none of numba, library, {', '.join(LEVELS)}")
+    if wanted == "numba":
+        return compiled(module, name)
+    try:
+        return function_of(library, module, name, wanted if wanted in LEVELS else None)
+    except LibraryUnavailable as reason:
+        if wanted:
+            raise KernelsUnavailable(f"{VARIABLE}={wanted}: {reason}") from None
+        if find_spec("numba") is None:
+            raise KernelsUnavailable(
+                f"{reason}, and numba, which would compile the kernels here, is not installed: {CURE}"
+            ) from None
+        _tell(str(reason))
+    return compiled(module, name)
+
+
+@cache
+def _tell(reason: str) -> None:
+    LOG.warning("%s: numba compiles the kernels", reason)
+
+
+def compiled(module: str, name: str) -> Callable[..., Any]:
+    """The entry point as numba compiles it; KernelsUnavailable without numba."""
+    if find_spec("numba") is None:
+        raise KernelsUnavailable(f"numba is not installed: {CURE}")
+    from vibeam.flight.compilation import announce
+
+    announce()
+    found: Callable[..., Any] = getattr(import_module(module), name)
+    return found
+
+
+def description(library: str, module: str, name: str) -> str:
+    """Where that function comes from in this process: ``library`` and its level, or ``numba``."""
+    wanted = os.environ.get(VARIABLE, "")
+    try:
+        found = level_of(library, module, name, wanted if wanted in LEVELS else None)
+    except LibraryUnavailable:
+        return "numba"
+    return "numba" if wanted == "numba" else f"library {found}"

@@ -1,0 +1,62 @@
+"""The pairs of a linear system, and propagators and phasors tabulated over dyadic panel lengths.
+
+Panels are 2^top, 2^(top−1), … seconds long: powers of two are never an integer fraction of a drive period, so roots of
+periodic motions do not sit on panel ends, and one table serves every drive.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.entries import tabulate
+from vibeam.flight.kernels.layout import (
+    COUNT,
+    DECAY,
+    DISC,
+    INVERSE,
+    KAPPA,
+    LEVEL_ROWS,
+    LEVELS,
+    OMEGA,
+    PAIR_ROWS,
+    SIGMA,
+    STEP,
+)
+from vibeam.flight.kernels.thresholds import RESOLVED
+
+Array = NDArray[np.float64]
+
+SMALLEST = 1e-300  # rad/s: slower is as good as free
+
+
+def regime(omega: Array, sigma: Array, disc: Array, top: int) -> tuple[Array, Array, Array]:
+    """``pairs``, ``table`` (8, levels, n) and ``levels`` of pairs sorted by ``rates``; longest panel 2^top s."""
+    pairs = np.zeros((PAIR_ROWS, len(omega)))
+    over = sigma + np.sqrt(np.maximum(disc, 0.0))
+    pairs[OMEGA], pairs[SIGMA], pairs[DISC], pairs[KAPPA] = omega, sigma, disc, rates(omega, sigma)
+    pairs[INVERSE] = _inverse(omega, over, disc)
+    pairs[DECAY] = np.where(disc < 0, sigma, omega**2 / np.where(over > 0, over, 1.0))
+    levels = np.zeros((LEVEL_ROWS, LEVELS))
+    levels[STEP] = np.ldexp(1.0, top - np.arange(LEVELS))
+    levels[COUNT] = np.sum(pairs[KAPPA][None, :] * levels[STEP][:, None] <= RESOLVED, axis=1)
+    table = np.zeros((8, LEVELS, len(omega)))
+    tabulate(pairs, levels, table)
+    return pairs, table, levels
+
+
+def _inverse(omega: Array, over: Array, disc: Array) -> Array:
+    """What x' is multiplied by so that the norm of (x, x') bounds |x| for all later times.
+
+    1/ω by the energy. With decays a ≤ b, P00 lies in [0, 1] and P01 in [0, 1/b], so |x| + |x'|/b bounds it too, which
+    the octagon's norm does where x' counts 1 + √2 times; and |P01^(j)| ≤ (b^j − a^j)/(b − a) ≤ κ^j/b, so that the bound
+    holds for derivatives as the energy's does. Far beyond critical damping it is smaller by 2ζ.
+    """
+    energy = np.where(omega > SMALLEST, 1.0 / np.where(omega > SMALLEST, omega, 1.0), 0.0)
+    decay = np.where(disc > 0, (1 + np.sqrt(2)) / np.where(over > 0, over, 1.0), np.inf)
+    return np.asarray(np.minimum(energy, decay))
+
+
+def rates(omega: Array, sigma: Array) -> Array:
+    """κ = σ + √(σ² + ω²): every time derivative grows at most by it, in the energy norm (ωx, x')."""
+    return np.asarray(sigma + np.sqrt(sigma**2 + omega**2))
