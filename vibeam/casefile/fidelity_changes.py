@@ -14,14 +14,14 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest
-from vibeam.casefile.field_lists import flat
+from vibeam.casefile.field_tables import flat
 from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.toml import key_parts
 from vibeam.casefile.validation import entry_of, fields_of, is_repeated, keys_of, physics_keys, table_of
 
 OWN = ("set", "without")
 
-Judge = Callable[[dict[str, Any]], tuple[Any, list[Complaint]]]
+Validate = Callable[[dict[str, Any]], tuple[Any, list[Complaint]]]
 
 
 @dataclass(frozen=True)
@@ -33,11 +33,11 @@ class FidelityCase:
 
 
 def variants(
-    tables: dict[str, Any], model: type[BaseModel], said: list[Complaint], judge: Judge
+    tables: dict[str, Any], model: type[BaseModel], reported: list[Complaint], validate: Validate
 ) -> tuple[dict[str, FidelityCase], list[Complaint]]:
     """The variant of every fidelity that changes something, and what is wrong with the changes.
 
-    ``said``: what is wrong with the case itself, not told again; ``judge``: the verdict on other tables of this kind.
+    ``reported``: complaints about the case itself, not repeated; ``validate``: validates other tables of this kind.
     """
     found: dict[str, FidelityCase] = {}
     wrong: list[Complaint] = []
@@ -45,7 +45,7 @@ def variants(
     for name, table in fidelities.items() if isinstance(fidelities, dict) else ():
         if isinstance(table, dict) and ("set" in table or "without" in table):
             change = _Change(model, name, table)
-            own = change.judged(tables, dict(said), judge, wrong)
+            own = change.validated(tables, dict(reported), validate, wrong)
             if own is not None:
                 found[name] = FidelityCase(own, change.canonical())
     return found, wrong
@@ -60,15 +60,17 @@ class _Change:
         self.settings = dict(flat(settings)) if isinstance(settings, dict) else {}
         self.left = [each for each in left if isinstance(each, str)] if isinstance(left, list) else []
 
-    def judged(self, tables: dict[str, Any], said: dict[KeyPath, str], judge: Judge, wrong: list[Complaint]) -> Any:
+    def validated(
+        self, tables: dict[str, Any], reported: dict[KeyPath, str], validate: Validate, wrong: list[Complaint]
+    ) -> Any:
         """The changed case as declared; None where something is wrong, which joins ``wrong``."""
         before = len(wrong)
         wrong += self._key_faults()
         if len(wrong) > before:
             return None
         own, places = self._changed(tables, wrong)
-        declared, faults = judge(own)
-        wrong += self._placed(faults, places, said)
+        declared, faults = validate(own)
+        wrong += self._placed(faults, places, reported)
         return declared if len(wrong) == before else None
 
     def canonical(self) -> dict[str, Any]:
@@ -76,13 +78,13 @@ class _Change:
         return {key: self._in_si(key, value) for key, value in self.settings.items()}
 
     def _in_si(self, key: str, value: Any) -> Any:
-        field = _walk(self.model, key)[0]
+        field = _field_at(self.model, key)[0]
         entry = entry_of(field) if field is not None else None
         return value if entry is None else entry.canonical(entry.parse(value))
 
     def _key_faults(self) -> Iterator[Complaint]:
         for key in self.settings:
-            fault = _walk(self.model, key)[1]
+            fault = _field_at(self.model, key)[1]
             if fault:
                 yield self._at(key), fault
         for index, key in enumerate(self.left):
@@ -91,7 +93,7 @@ class _Change:
                 yield ("fidelity", self.name, "without", index), fault
 
     def _left_fault(self, key: str) -> str | None:
-        field, fault = _walk(self.model, key)
+        field, fault = _field_at(self.model, key)
         if fault or field is None:
             return fault or f"{as_shown_in_message(key)}: name the whole table, not one of its kind"
         if field.is_required():
@@ -111,7 +113,7 @@ class _Change:
         own = {key: deepcopy(value) for key, value in tables.items() if key not in shared}
         own["fidelity"] = {self.name: {key: each for key, each in self.table.items() if key not in OWN}}
         for key in self.left:
-            _leave(own, key_parts(key))
+            _remove(own, key_parts(key))
         places: dict[KeyPath, KeyPath] = {}
         for key, value in self.settings.items():
             try:
@@ -121,19 +123,19 @@ class _Change:
         return own, places
 
     def _placed(
-        self, faults: list[Complaint], places: Mapping[KeyPath, KeyPath], said: Mapping[KeyPath, str]
+        self, faults: list[Complaint], places: Mapping[KeyPath, KeyPath], reported: Mapping[KeyPath, str]
     ) -> Iterator[Complaint]:
         """Faults of the changed case at the place of the change, less those that the case itself has."""
         for path, message in faults:
             at = next((own for changed, own in places.items() if changed == path[: len(changed)]), None)
             if at is not None:
                 yield at, message
-            elif said.get(path) != message and path[:1] != ("fidelity",):
+            elif reported.get(path) != message and path[:1] != ("fidelity",):
                 where = ".".join(map(str, path))
                 yield ("fidelity", self.name), f"with what it changes, {where}: {message}"
 
 
-def _walk(model: type[BaseModel], key: str) -> tuple[FieldInfo | None, str | None]:
+def _field_at(model: type[BaseModel], key: str) -> tuple[FieldInfo | None, str | None]:
     """The declaration of a physics key (None: one of several tables), or what is wrong with it."""
     try:
         first, *rest = key_parts(key)
@@ -148,7 +150,7 @@ def _walk(model: type[BaseModel], key: str) -> tuple[FieldInfo | None, str | Non
 
 
 def _within(field: FieldInfo, rest: list[str], key: str) -> tuple[FieldInfo | None, str | None]:
-    """As ``_walk``, from a table on."""
+    """As ``_field_at``, from a table on."""
     table = table_of(field)
     if rest and table is not None and is_repeated(field) and rest[0].isdigit():
         rest = rest[1:]
@@ -163,7 +165,7 @@ def _within(field: FieldInfo, rest: list[str], key: str) -> tuple[FieldInfo | No
     return _within(fields_of(table)[rest[0]], rest[1:], key)
 
 
-def _leave(tables: dict[str, Any], parts: list[str]) -> None:
+def _remove(tables: dict[str, Any], parts: list[str]) -> None:
     """Take a key away where it is; a key of tables of which there are several, from each of them."""
     *above, last = parts
     places: list[Any] = [tables]

@@ -1,21 +1,15 @@
-"""Entries that hold several values in a row."""
+"""Entries that hold several values in a row, and one of several units."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
-from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import CoreSchema, core_schema
-
 from vibeam.case.faults import as_shown_in_message
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Entry, Quantity, Word
-from vibeam.casefile.inline import name_of
-from vibeam.casefile.toml import key_parts
 
 
 @dataclass(frozen=True)
@@ -106,100 +100,6 @@ def _items(entry: Entry, values: list[Any], called: str) -> Iterator[Any]:
 
 
 @dataclass(frozen=True)
-class Options(Entry):
-    """A table of names and plain values, whose meaning is another's: a solver's options."""
-
-    def parse(self, value: Any) -> dict[str, str | float]:
-        """As ``Entry.parse``."""
-        if not isinstance(value, dict):
-            raise ValueError(f"must be {self.describe()}, not {as_shown_in_message(value)}")
-        wrong = [name for name, each in value.items() if not _is_plain(each)]
-        if wrong:
-            raise ValueError(f"{', '.join(wrong)}: must be a finite number or text in quotes")
-        return dict(value)
-
-    def describe(self) -> str:
-        """As ``Entry.describe``."""
-        return "table { name = value, … }"
-
-    def schema(self) -> dict[str, Any]:
-        """As ``Entry.schema``."""
-        return {"type": "object", "additionalProperties": {"type": ["number", "string", "boolean"]}}
-
-
-def _is_plain(value: Any) -> bool:
-    try:
-        return isinstance(value, str) or (isinstance(value, int | float) and math.isfinite(value))
-    except OverflowError:  # a whole number beyond the range of doubles
-        return False
-
-
-@dataclass(frozen=True)
-class TableOr(Entry):
-    """A table of its own (a model), or a list instead."""
-
-    table: type[BaseModel]
-    several: Several
-
-    def parse(self, value: Any) -> Any:
-        """As ``Entry.parse``, of the list alone: the table is read by its model."""
-        if not isinstance(value, list):
-            raise ValueError(
-                f"must be {{ {', '.join(self._names())} }} or a {self.describe()}, not {as_shown_in_message(value)}"
-            )
-        return self.several.parse(value)
-
-    def _names(self) -> list[str]:
-        return [field.alias or name for name, field in self.table.model_fields.items()]
-
-    def describe(self) -> str:
-        """As ``Entry.describe``."""
-        return self.several.describe()
-
-    def schema(self) -> dict[str, Any]:
-        """As ``Entry.schema``, of the list alone."""
-        return self.several.schema()
-
-    def canonical(self, value: Any) -> Any:
-        """As ``Entry.canonical``."""
-        return value.model_dump(by_alias=True) if isinstance(value, BaseModel) else value
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        def either(value: Any, inner: Any) -> Any:
-            return inner(value) if isinstance(value, dict) else self._validated(value)
-
-        written = core_schema.plain_serializer_function_ser_schema(self.canonical)
-        inner = handler.generate_schema(self.table)
-        return core_schema.no_info_wrap_validator_function(either, inner, serialization=written)
-
-    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
-        inner: Any = core
-        return {"anyOf": [handler(inner["schema"]), self.schema()]}
-
-
-@dataclass(frozen=True)
-class Settings(Entry):
-    """A table of dotted keys with values as in a case; nested tables mean the same."""
-
-    def parse(self, value: Any) -> dict[str, Any]:
-        """As ``Entry.parse``: keys are flat, values as written."""
-        if not isinstance(value, dict):
-            raise ValueError(f"must be {self.describe()}, not {as_shown_in_message(value)}")
-        found = dict(flat(value))
-        if not found:
-            raise ValueError("sets nothing: name a key, or leave it away")
-        return found
-
-    def describe(self) -> str:
-        """As ``Entry.describe``."""
-        return 'table { "stop.gap" = value, … }'
-
-    def schema(self) -> dict[str, Any]:
-        """As ``Entry.schema``."""
-        return {"type": "object", "minProperties": 1}
-
-
-@dataclass(frozen=True)
 class Names(Entry):
     """A list of names, each once."""
 
@@ -246,21 +146,3 @@ class Value(Entry):
     def schema(self) -> dict[str, Any]:
         """As ``Entry.schema``."""
         return Quantity(units.RATIO).schema()
-
-
-def flat(tables: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
-    """Dotted keys and their values; a key in quotes that holds dots is the path that it spells."""
-    for name, value in tables.items():
-        key = above + _spelt(name)
-        if isinstance(value, Mapping):
-            yield from flat(value, f"{key}.")
-        else:
-            yield key, value
-
-
-def _spelt(name: str) -> str:
-    try:
-        key_parts(name)
-    except (ValueError, RecursionError):
-        return name_of(name)
-    return name

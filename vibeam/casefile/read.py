@@ -95,8 +95,8 @@ def validate(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[Decla
     tables, lines = parsed(text, file)
     faults, paths = _override(tables, overrides)
     place = _Places(str(file), lines, paths)
-    case, wrong = _judged(tables, file.parent)
-    changed, more = variants(tables, declaration(tables), wrong, lambda own: _judged(own, file.parent))
+    case, wrong = _validated(tables, file.parent)
+    changed, more = variants(tables, declaration(tables), wrong, lambda own: _validated(own, file.parent))
     faults += [place.fault(complaint) for complaint in wrong + more]
     if faults or case is None:
         raise CaseError(faults)
@@ -125,7 +125,7 @@ def _override(tables: dict[str, Any], overrides: Mapping[str, Any]) -> tuple[lis
     return faults, paths
 
 
-def _judged(tables: dict[str, Any], folder: File) -> tuple[BeamCase | SdofCase | None, list[Complaint]]:
+def _validated(tables: dict[str, Any], folder: File) -> tuple[BeamCase | SdofCase | None, list[Complaint]]:
     model = declaration(tables)
     case: BeamCase | SdofCase | None = None
     alone: list[Complaint] = []
@@ -135,15 +135,15 @@ def _judged(tables: dict[str, Any], folder: File) -> tuple[BeamCase | SdofCase |
     except ValidationError as error:
         alone, excused = complaints(error, model)
     together = list(cross_checks(readable_case(model, tables), folder))
-    return case, alone + _new(together, {path for path, _ in alone} | excused)
+    return case, alone + _unreported(together, {path for path, _ in alone} | excused)
 
 
-def _new(together: Iterable[Complaint], said: set[KeyPath]) -> list[Complaint]:
-    """Complaints across keys where nothing has been said of the key, or of the table it is in, before."""
+def _unreported(together: Iterable[Complaint], reported: set[KeyPath]) -> list[Complaint]:
+    """Complaints across keys where nothing has been reported of the key, or of the table it is in, before."""
     return [
         (path, message)
         for path, message in together
-        if not any(path[:length] in said for length in range(1, len(path) + 1))
+        if not any(path[:length] in reported for length in range(1, len(path) + 1))
     ]
 
 

@@ -9,7 +9,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest, suggestion
-from vibeam.casefile.field_lists import TableOr
+from vibeam.casefile.field_tables import TableOr
 from vibeam.casefile.fields import Entry
 from vibeam.casefile.inline import name_of, to_toml
 from vibeam.casefile.tables.cases import BeamCase, SdofCase, beam_case, sdof_case

@@ -9,7 +9,8 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from vibeam.case.faults import Complaint
-from vibeam.casefile.field_lists import Names, Options, Settings, Several, TableOr
+from vibeam.casefile.field_lists import Names, Several
+from vibeam.casefile.field_tables import Options, Settings, TableOr
 from vibeam.casefile.fields import Count, Text, Word
 from vibeam.casefile.tables.effects import effects_in, platform_output
 from vibeam.casefile.tables.table import (

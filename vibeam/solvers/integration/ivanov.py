@@ -30,8 +30,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import equilibrium
+from vibeam.solvers.integration.adaptive import AdaptiveStepper
 from vibeam.solvers.integration.coordinates import only_one_mode
-from vibeam.solvers.integration.impact_events import LONGEST, AdaptiveStepper, samples
+from vibeam.solvers.integration.impact_events import LONGEST, samples
 from vibeam.solvers.integration.samples import Outcome, Piece
 from vibeam.solvers.integration.stepper import NO_MARKS, Watch, cycle, slack
 from vibeam.solvers.integration.zhuravlev import Distance
