@@ -40,6 +40,7 @@ FIGURES = Registry(
     FigureKind("section", f"{HOME}section", "one point a drive period", ("frequency",), MOTION),
     FigureKind("curve", f"{HOME}curve", "another quantity over frequency", ("quantity",)),
     FigureKind("boundaries", f"{HOME}boundaries", "averaging's limits beside the exact ones", ("quantity",)),
+    FigureKind("period_map", f"{HOME}period_map", "period over frequency and what the fidelities set, as a map"),
     FigureKind(
         "harmonics",
         f"{HOME}harmonics",

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from vibeam.run.result import Result
 
 
-SAME = 1e-6  # relative difference of the branches that are one row
+SAME = 1e-6  # relative difference of branches that are one row, and of a difference that is just the scatter
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ def _rows(measured: Measured, result: Result) -> Iterator[MeasuredRow]:
     rows = [_row(measured, result, direction) for direction in directions(measured)]
     first, last = rows[0], rows[-1]
     same = isclose(first.model, last.model, rel_tol=SAME) or (first.notes and first.notes == last.notes)
-    yield from [replace(first, direction=measured.direction)] if same else rows
+    yield from [replace(first, direction="both" if measured.show else measured.direction)] if same else rows
 
 
 def _row(measured: Measured, result: Result, direction: str) -> MeasuredRow:
@@ -75,7 +75,7 @@ def _row(measured: Measured, result: Result, direction: str) -> MeasuredRow:
         scatter=measured.scatter,
         model=found.number,
         difference=difference,
-        within=abs(difference) <= (measured.scatter or 0.0) if known else None,
+        within=abs(difference) <= (measured.scatter or 0.0) * (1 + SAME) if known else None,
         calibrated=measured.calibrated,
         source=measured.source,
         notes=(found.fault,) if found.fault else (),
