@@ -77,6 +77,17 @@ def test_a_beam_is_let_go_from_its_static_deflection() -> None:
     assert [axes.get_xlabel() for axes in made.axes] == ["time (s)", "frequency (Hz)"]
 
 
+def test_under_its_weight_a_beam_decays_about_its_place_at_rest() -> None:
+    """A constant load moves the place at rest alone; transverse gravity sags the rig by millimetres."""
+    found = []
+    for own in ({}, {"gravity.direction": "transverse"}):
+        few = {"sweep.frequency": [7.0], "sweep.settle": 1}
+        result = vibeam.run(vibeam.load(CASES / "experiment" / "fig30.toml", set=few | own))
+        found.append(next(sheet for sheet in result.shown["decay"] if sheet.fidelity == "beam"))
+    assert np.allclose(found[1]["displacement"], found[0]["displacement"], atol=1e-11)
+    assert found[1]["decay_damping"] == pytest.approx(found[0]["decay_damping"], rel=1e-6)
+
+
 @pytest.mark.parametrize(
     ("more", "fault"), [("periods = 1", "maxima are too few"), ("periods = 2", "maxima are too few")]
 )

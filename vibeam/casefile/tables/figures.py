@@ -132,7 +132,7 @@ class ShowTable(Table):
         "of harmonics: 2 shows orders ½, 1, 1½ …; absent = 1, whole orders", 2, None, written=False
     )
     start: Annotated[float | None, Length] = key(
-        "of decay: displacement of the output from which the beam, drawn aside at the contact, is let go",
+        "of decay: how far the output is drawn aside, by a force at the contact, and let go",
         "2 mm",
         None,
         written=False,

@@ -1,8 +1,10 @@
 """Figure kind ``decay``: free motion without drive and stop, from rest in a static deflection (paper Fig. 30a–b).
 
-The beam is drawn aside at the contact until the output is at ``start``, and let go. What is read is what the paper
-reads: the damping ratio off the envelope, here the slope of the logarithms of successive maxima, and the frequency off
-the mean time between them and off the highest line of the spectrum, refined by a parabola through its neighbours.
+The beam is drawn aside at the contact until the output is by ``start`` beside its place at rest, from which
+displacements are counted, and let go. What is read is what the paper reads: the damping ratio off the envelope, here
+the slope of the logarithms of the maxima over time, and the frequency off the times of the maxima and off the highest
+line of the spectrum, refined by a parabola through its neighbours. Both slopes are weighted by the maxima's heights, so
+that noise on the low ones counts for as much as it is.
 """
 
 from __future__ import annotations
@@ -60,12 +62,13 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 def _columns(case: Case, name: str, plan: ShowPlan) -> Columns:
     record, natural = _record(case, name, plan)
     time, height = maxima(record, natural)
-    slope, level = np.polyfit(time, np.log(height), 1)
-    rate = 2 * np.pi * (len(time) - 1) / (time[-1] - time[0])
+    slope, level = np.polyfit(time, np.log(height), 1, w=height)
+    turns = np.round((time - time[0]) * natural)
+    rate = 2 * np.pi / float(np.polyfit(turns, time, 1, w=height)[0])
     spectrum = spectrum_of(record.time, record.displacement)
     return {
         "time": Column(record.time, "s", "time since the release"),
-        "displacement": Column(record.displacement, "q", "displacement of the output"),
+        "displacement": Column(record.displacement, "q", "displacement of the output from its place at rest"),
         "envelope": Column(np.exp(level + slope * record.time), "q", "fitted envelope"),
         "line": Column(spectrum.frequency, "Hz", "frequency of the line"),
         "displacement_line": Column(spectrum.amplitude, "q", "amplitude of the displacement"),
@@ -85,14 +88,15 @@ def _record(case: Case, name: str, plan: ShowPlan) -> tuple[Record, float]:
     place = shape * (plan.start or 0.0) / float(row @ shape)
     omega = float(system.omega[int(np.argmax(np.abs(row * place)))])
     span = (plan.periods or PERIODS) * 2 * np.pi / omega
-    released = State(place, np.zeros(system.size))
-    path = simulate(without_stop(system, place), Drive(omega, 0.0), span, released)
-    return measure(path, chain_or_exact(case, name, SAMPLES * omega / (2 * np.pi)), plan.output), omega / (2 * np.pi)
+    rest = static_shape(system, system.static)
+    path = simulate(without_stop(system, place, rest), Drive(omega, 0.0), span, State(rest + place, 0 * place))
+    record = measure(path, chain_or_exact(case, name, SAMPLES * omega / (2 * np.pi)), plan.output)
+    return replace(record, displacement=record.displacement - float(row @ rest)), omega / (2 * np.pi)
 
 
-def without_stop(system: ImpactSystem, place: Array) -> ImpactSystem:
-    """System whose stop is out of reach of a free motion from ``place``."""
-    far = AWAY * float(np.abs(system.contact) @ np.abs(place))
+def without_stop(system: ImpactSystem, place: Array, rest: Array) -> ImpactSystem:
+    """System whose stop is out of reach of a free motion from ``place`` beside its place at ``rest``."""
+    far = AWAY * float(np.abs(system.contact) @ (np.abs(place) + np.abs(rest)))
     return replace(system, gap=far, law=None, second_gap=None)
 
 
