@@ -41,7 +41,7 @@ SDOF = 'title = "one degree of freedom"\n' + one_mode(GRID, 20, 5, "[fidelity.sd
 
 
 class Solver:
-    """Stands in for ``fidelity_sweep.march``; ``calls`` collects the points computed, ``fail_at`` stops before one."""
+    """Stands in for ``march_blocks``; ``calls`` collects the points computed, ``fail_at`` stops before one."""
 
     def __init__(self, fail_at: int | None = None, failure: BaseException | str = "kill", pause: float = 0.0) -> None:
         self.calls: list[tuple[int, float]] = []
@@ -50,13 +50,13 @@ class Solver:
 
     def __call__(
         self, system: ImpactSystem, omega: Any, amplitude: float, *, state: State | None = None, **options: Any
-    ) -> Iterator[tuple[FrequencyResponse, State]]:
+    ) -> Iterator[tuple[FrequencyResponse, list[State]]]:
         state = state or State(np.full(system.size, 0.3), np.full(system.size, 0.1))
         for each in omega:
             time.sleep(self.pause)
             self._call(system.size, float(each))
             state = self._next(state, float(each))
-            yield point(float(each) / (2 * np.pi), system.size, amplitude=abs(float(state.displacement[0]))), state
+            yield point(float(each) / (2 * np.pi), system.size, amplitude=abs(float(state.displacement[0]))), [state]
 
     @staticmethod
     def _next(state: State, omega: float) -> State:

@@ -179,7 +179,7 @@ class EventDrivenSolver(ABC):
     def steady(
         self,
         omegas: Sequence[float] | Array,
-        amplitude: float,
+        amplitude: float | Array,
         state: State | None,
         settle: int,
         hold: int,
@@ -189,19 +189,20 @@ class EventDrivenSolver(ABC):
     ) -> tuple[FrequencyResponse, State]:
         """Steady points at ``omegas`` in turn, the state carried from each to the next; and the last state.
 
-        ``reading``: how much is read off, see ``kernels.layout``; what is not is NaN. ``states``: a list to which the
-        state after each point is added.
+        ``amplitude``: of the base, m, one for all or one each. ``reading``: how much is read off, see
+        ``kernels.layout``; what is not is NaN. ``states``: a list to which the state after each point is added.
         """
         pose, status = self.pose(state)
         trace, poses = np.zeros((ROWS, self._trace_columns)), np.zeros((ROWS, 2, self.system.size))
         room, counts = self._room(output, hold, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
         tally = PointReadout(len(omegas), self.system.size)
         engine, begun = self._engine_for(np.inf), time.thread_time()
-        for index, omega in enumerate(omegas):
+        drives = np.broadcast_to(amplitude, len(omegas)).tolist()
+        for index, (omega, drive) in enumerate(zip(omegas, drives, strict=True)):
             counts[:] = 0  # a point knows no more of the last than a State says
             self._restart(pose, status, RESTING if status[KIND] == RESTING else FREE)
             outcome, period = unpaused(
-                self._move, engine, float(omega), float(amplitude), pose, status, 0.0, settle, hold, self.limit, room,
+                self._move, engine, float(omega), drive, pose, status, 0.0, settle, hold, self.limit, room,
                 counts, LONGEST_PERIOD,
             )  # fmt: skip
             tally.note(index, outcome, int(period), room.result, room.energy, counts)

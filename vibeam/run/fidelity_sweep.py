@@ -13,7 +13,7 @@ import numpy as np
 from vibeam.flight.pause import Stopped
 from vibeam.run.recorder import Count, Recorder
 from vibeam.run.store.branch import Branch, StoredBranch
-from vibeam.run.sweep import march
+from vibeam.run.sweep import march_blocks
 from vibeam.solvers import solver
 from vibeam.system.response import Branches, FrequencyResponse
 
@@ -59,8 +59,9 @@ def sweep_branches(case: Case, job: Job, store: Store | None, count: Count, stop
         start = kept.state if kept.done else carried
         carried = start
         try:
-            for block, carried in _march(case, job, kept, start, struck):
-                recorder.add(block, carried)
+            for block, states in _march(case, job, kept, start, struck):
+                carried = states[-1]
+                recorder.add(block, states)
                 count.add(len(block))
                 if stop.is_set():
                     raise Stopped
@@ -71,7 +72,7 @@ def sweep_branches(case: Case, job: Job, store: Store | None, count: Count, stop
 
 def _march(
     case: Case, job: Job, kept: StoredBranch, state: State | None, struck: int
-) -> Iterator[tuple[FrequencyResponse, State]]:
+) -> Iterator[tuple[FrequencyResponse, list[State]]]:
     """Sweep the missing points; ``struck``: number of impacts in the branches before this one."""
     from vibeam.case.fidelity import gap_drift, gap_wear
 
@@ -79,7 +80,7 @@ def _march(
     plan, omega = case.sweep, kept.response.omega[kept.done :]
     if not len(omega):
         return iter(())
-    return march(
+    return march_blocks(
         job.system,
         omega,
         case.amplitude_of(job.name, omega),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields
 from threading import Lock
 from time import monotonic
@@ -30,16 +30,16 @@ class Recorder:
         self._states: list[State] = []
         self._due = monotonic() + WRITE_EVERY
 
-    def add(self, block: FrequencyResponse, state: State) -> None:
-        """Add the points of ``block``, and the state after the last of them."""
+    def add(self, block: FrequencyResponse, states: Sequence[State]) -> None:
+        """Add the points of ``block``, and the states after the last of them."""
         points = slice(self._done, self._done + len(block))
         for field in fields(FrequencyResponse):
             if field.name != "frequency":  # keep the grid's own value, to the last bit
                 getattr(self._response, field.name)[points] = getattr(block, field.name)
         self._done = points.stop
-        if len(block) > 1:
+        if len(states) < len(block):
             self._states.clear()  # states in between are unknown
-        self._states.append(state)
+        self._states += states
         if monotonic() >= self._due:
             self.write()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from time import monotonic
 from typing import Any, Literal
 
 import numpy as np
@@ -23,6 +24,8 @@ Array = NDArray[np.float64]
 Direction = Literal["up", "down", "both"]
 
 LONGEST = 10**9  # largest number of drive periods to settle a point: at 0.2 µs each, minutes
+
+BLOCK, MOST = 0.05, 16  # seconds and largest number of points of a block: what a run that is killed may lose
 
 HELD = 10**8  # largest number of modal states, one a drive period, held for a point: 1.6 GB
 
@@ -48,34 +51,67 @@ def march(
 
     The state is carried from point to point (displacement and velocity relative to the base; the drive's phase starts
     at 0 at every point); ``state`` None: static equilibrium. ``amplitude``: of the base, m, one number or one for each
-    frequency (they then come one at a time, whatever ``block`` is). ``slowest``: the lowest frequency of the whole
-    sweep, where ``omega`` is only its rest: numbers are then the same to the bit.
+    frequency. ``slowest``: the lowest frequency of the whole sweep, where ``omega`` is only its rest: numbers are then
+    the same to the bit.
     ``options``: the solver's own. ``drift`` (points,): growth of the gap at each point, m. ``wear``: growth of the
     gap by each impact, for the points after it, m, settling included; ``struck`` impacts came before the first.
     A point that fails is NaN with its reason, and the next one starts from equilibrium.
     ``settle`` is at most 10⁹, ``hold`` at most 10⁸ over the number of modes. ValueError for a grid, periods, solver or
     type of argument that makes no sense, KeyError for an unknown output.
     """
+    for response, states in march_blocks(
+        system, omega, amplitude, settle=settle, hold=hold, solver=solver, output=output, state=state, block=block,
+        slowest=slowest, options=options, drift=drift, wear=wear, struck=struck,
+    ):  # fmt: skip
+        yield response, states[-1]
+
+
+def march_blocks(
+    system: ImpactSystem, omega: ArrayLike, amplitude: ArrayLike, *, settle: int, hold: int, solver: str, output: str,
+    state: State | None, block: int | None = None, slowest: float | None = None,
+    options: Mapping[str, Any] | None = None, drift: ArrayLike | None = None, wear: float | None = None,
+    struck: int = 0,
+) -> Iterator[tuple[FrequencyResponse, list[State]]]:  # fmt: skip
+    """As ``march``, with the states after the last points of each block, as many as are known.
+
+    ``block`` None: as many points as take about ``BLOCK`` seconds, with the states after all of them.
+    """
     require("system", system, ImpactSystem)
     require("state", state, State, none_too=True)
     grid = np.atleast_1d(floats("omega", omega))
     if grid.ndim != 1 or not len(grid) or not np.all(np.isfinite(grid) & (grid > 0)):
         raise ValueError("omega: must be one or more positive frequencies in rad/s")
-    settle, hold, block, struck = _counts(system, settle, hold, block, struck)
+    settle, hold, size, struck = _counts(system, settle, hold, 1 if block is None else block, struck)
     drives = _amplitudes(amplitude, grid)
     system.output(output)
     rate = float(grid.min()) if slowest is None else slowest
     warm_up_once(solver, system, float(grid[0]), float(drives.flat[0]), output, options or {})
     if drift is not None or wear is not None:
         drives, changes = np.broadcast_to(drives, grid.shape), _gap_changes(grid, drift, wear, struck, solver)
-        yield from _drifting(system, grid, drives, settle, hold, solver, output, state, rate, options or {}, changes)
+        for response, after in _drifting(
+            system, grid, drives, settle, hold, solver, output, state, rate, options or {}, changes
+        ):
+            yield response, [after]
         return
-    runner = solver_named(solver, system, rate, **(options or {}))
-    step = block if drives.ndim == 0 else 1
-    for first in range(0, len(grid), step):
-        drive = float(drives if drives.ndim == 0 else drives[first])
-        response, state = runner.steady(grid[first : first + step], drive, state, settle, hold, output)
-        yield response, state
+    runner, blocks = solver_named(solver, system, rate, **(options or {})), SOLVERS[solver].blocks
+    size = 1 if drives.ndim and not blocks else size
+    first = 0
+    while first < len(grid):
+        points, states, begun = slice(first, first + size), list[State](), monotonic()
+        drive = drives[points] if drives.ndim and blocks else float(drives if drives.ndim == 0 else drives[first])
+        response, state = runner.steady(
+            grid[points], drive, state, settle, hold, output, **({"states": states} if blocks else {})
+        )
+        yield response, states or [state]
+        first += size
+        size = _next_size(size, monotonic() - begun) if block is None and blocks else size
+
+
+def _next_size(size: int, seconds: float) -> int:
+    """Number of points of the next block, after one of ``size`` points that took ``seconds``."""
+    if seconds > BLOCK:
+        return max(1, size // 2)
+    return min(MOST, 2 * size) if seconds < BLOCK / 2 else size
 
 
 def _counts(system: ImpactSystem, *given: Any) -> tuple[int, int, int, int]:

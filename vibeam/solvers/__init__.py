@@ -21,6 +21,7 @@ SOLVERS = Registry(
         "vibeam.flight.solver:FlightSolver",
         beyond_plain="vibeam.flight.regime_solver:RegimeSolver",
         motion="exact",
+        blocks=True,
         marker=("*", 9.0),
     ),
     SolverDeclaration("orbit", "vibeam.solvers.orbit:OrbitSolver", stationary=True, curves=True, marker=("P", 6.0)),

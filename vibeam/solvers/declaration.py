@@ -33,6 +33,8 @@ class SolverDeclaration:
     asked for. ``beyond_plain``: the same for systems with another contact law, coupled damping or a second stop; None
     where the solver cannot take them. ``stationary``: steady motions by formula, nothing settles. ``motion``:
     ``"exact"`` trajectories by ``simulate``, ``"samples"`` by ``motion``, or ``"none"`` beyond steady points.
+    ``blocks``: ``steady`` takes an amplitude for each frequency, and a list ``states`` to which it adds the state after
+    each point: a sweep then asks it for several points at once.
     ``curves``: it knows all motions of its kind, stable or not. ``marker``: matplotlib's, and its size in points.
     """
 
@@ -41,6 +43,7 @@ class SolverDeclaration:
     beyond_plain: str | type[Any] | None = None
     stationary: bool = False
     motion: Literal["exact", "samples", "none"] = "none"
+    blocks: bool = False
     curves: bool = False
     settings: CostSettings = field(default_factory=CostSettings)
     marker: tuple[str, float] = ("D", 4.5)

@@ -32,7 +32,7 @@ Command = Callable[..., Any]
 def command(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Command:
     """``vibeam …`` in an empty folder, with a solver that takes no time."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(fidelity_sweep, "march", Solver())
+    monkeypatch.setattr(fidelity_sweep, "march_blocks", Solver())
 
     def call(*words: object, expect: int = 0) -> Any:
         result = CliRunner().invoke(app, [str(word) for word in words])
@@ -65,11 +65,11 @@ def test_run_writes_results_and_figures_and_goes_on(command: Command, sdof: Path
 def test_run_says_that_it_continues(
     command: Command, sdof: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(fidelity_sweep, "march", Solver(fail_at=4, failure=KeyboardInterrupt()))
+    monkeypatch.setattr(fidelity_sweep, "march_blocks", Solver(fail_at=4, failure=KeyboardInterrupt()))
     stopped = command("run", sdof, expect=130)
     assert stopped.stderr == "stopped: 4 of 10 points are kept in sdof.h5: the same command goes on from there\n"
     assert stopped.stdout == ""
-    monkeypatch.setattr(fidelity_sweep, "march", Solver())
+    monkeypatch.setattr(fidelity_sweep, "march_blocks", Solver())
     assert command("run", sdof).stderr == "continuing: 4 of 10 points are there\n"
 
 
@@ -370,7 +370,7 @@ def march(*given, **options):
         if i == 3:
             os.kill(os.getpid(), signal.SIGINT)  # four points are taken by now
 
-fidelity_sweep.march = march
+fidelity_sweep.march_blocks = march
 importlib.import_module("vibeam.run.run")._warm_up = lambda case, job: None
 sys.argv = ["vibeam", "run", {case!r}, "--set", "sweep.frequency.points=100000"]
 main()

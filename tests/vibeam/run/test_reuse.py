@@ -34,7 +34,7 @@ class Run:
 
     def __call__(self, wanted: Any, fresh: bool = False, **solver: Any) -> Result:
         used = Solver(**solver)
-        self.patch.setattr(fidelity_sweep, "march", used)
+        self.patch.setattr(fidelity_sweep, "march_blocks", used)
         self.told = []
         try:
             return run(wanted, self.path, fresh=fresh, tell=self.told.append)
@@ -223,7 +223,7 @@ from vibeam.run.run import run as running
 
 CALLS = ("pwrite", "fsync", "link", "replace", "unlink")
 path, before = Path({file!r}), Path({file!r} + ".before")
-fidelity_sweep.march, recorder.WRITE_EVERY = Solver(), 0.0
+fidelity_sweep.march_blocks, recorder.WRITE_EVERY = Solver(), 0.0
 sys.modules["vibeam.run.run"].warm_up = lambda *given, **options: None
 wanted = of({{"one": 1, "two": 2}}, GRID[:3], "up") if {changed} else of({{"one": 1}}, GRID[:2])
 if {changed}:

@@ -9,7 +9,7 @@ import pytest
 from apart import run_apart
 
 import vibeam
-from vibeam.run.sweep import march
+from vibeam.run.sweep import march, march_blocks
 from vibeam.system.response import join
 
 NOMINAL = vibeam.ImpactSystem.from_modes(1.0, 0.015, 1.0, 1.0, gap=0.0, restitution=0.9)
@@ -354,3 +354,23 @@ def test_an_unknown_output_and_a_block_of_none_are_refused() -> None:
         next(march(BEAM, [1.0], B, block=0))
     with pytest.raises(ValueError, match="state"):
         vibeam.sweep(BEAM, omega=[1.0], amplitude=B, state=vibeam.State(np.zeros(2), np.zeros(2)))
+
+
+def test_blocks_by_time_are_the_points_one_by_one() -> None:
+    grid, amplitude = np.linspace(1.7, 2.3, 23), np.linspace(0.01, 0.03, 23)
+    options = {"settle": 20, "hold": 4, "solver": "flight", "output": "contact", "state": None}
+    one_by_one = list(march(BEAM, grid, amplitude, settle=20, hold=4))
+    blocks = list(march_blocks(BEAM, grid, amplitude, **options))
+    assert len(blocks) < len(grid)
+    states = [state for _, states in blocks for state in states]
+    for index, (response, state) in enumerate(one_by_one):
+        block = join([response for response, _ in blocks])
+        assert block.amplitude[index] == response.amplitude[0]
+        assert np.array_equal(states[index].displacement, state.displacement)
+        assert np.array_equal(states[index].velocity, state.velocity)
+
+
+def test_a_solver_without_blocks_gets_one_point_at_a_time() -> None:
+    options = {"settle": 2, "hold": 1, "solver": "moreau", "output": "contact", "state": None}
+    blocks = list(march_blocks(BEAM, [1.8, 1.9], 0.02, **options))
+    assert [(len(response), len(states)) for response, states in blocks] == [(1, 1), (1, 1)]
