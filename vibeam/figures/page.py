@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 
 from vibeam.case.plans import FigurePlan
 from vibeam.exchange.whole_files import write_whole
+from vibeam.figures.files import metadata
 from vibeam.figures.tick_labels import set_plain_labels
 from vibeam.figures.ticks import thin_out
 
@@ -51,17 +52,15 @@ ENTRY = 52  # largest number of letters in a line of a legend's entry
 
 COLUMNS = 4  # largest number of columns of a legend
 
-METADATA: dict[str, Any] = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 
-
-def write_page(make: Callable[[], Figure], paths: Iterable[Path], dots: int = DOTS) -> None:
-    """Make a figure and write it; the format follows each path's ending (.png, .svg, .pdf)."""
+def write_page(make: Callable[[], Figure], paths: Iterable[Path], dots: int = DOTS, mark: str | None = None) -> None:
+    """Make a figure and write it, with ``mark`` in its metadata; the format follows each path's ending."""
     with mpl.rc_context(PAGE):
         figure = composed(make)
         figure.set_layout_engine(None)  # the layout is found: keep it for all formats
         for path in paths:
             content = BytesIO()
-            options: Any = {"dpi": dots, "metadata": METADATA.get(path.suffix)}
+            options: Any = {"dpi": dots, "metadata": metadata(path, mark)}
             figure.savefig(content, format=path.suffix.removeprefix("."), **options)
             write_whole(path, content.getvalue())
 
@@ -73,11 +72,6 @@ def composed(make: Callable[[], Figure]) -> Figure:
         set_plain_labels(figure)
         thin_out(figure)
         return figure
-
-
-def paths_of(stem: Path, plan: FigurePlan) -> list[Path]:
-    """Files of a figure beside ``stem``, whose ending they replace."""
-    return [stem.with_suffix(f".{ending}") for ending in plan.format]
 
 
 def blank_page(size: tuple[float, float], plan: FigurePlan) -> Figure:

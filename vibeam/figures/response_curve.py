@@ -49,9 +49,9 @@ REFERENCES_SHOWN = 60
 FAR = 2.0  # largest grazing amplitude drawn, in multiples of the curves' height
 
 
-def write_frc(result: Comparison, *paths: Path) -> None:
+def write_frc(result: Comparison, *paths: Path, mark: str | None = None) -> None:
     """Draw amplitude against frequency; the format follows each path's ending (.png, .svg, .pdf)."""
-    write_page(lambda: frc(result), paths)
+    write_page(lambda: frc(result), paths, mark=mark)
 
 
 def frc(result: Comparison) -> Figure:

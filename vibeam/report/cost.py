@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
-from vibeam.figures.page import paths_of
+from vibeam.figures.files import paths_of
 from vibeam.figures.units import percent
 from vibeam.report.output import plain, write_rows
 from vibeam.report.table_widths import ReportTable

@@ -6,30 +6,45 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from matplotlib.figure import Figure
-
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import FIGURES
-from vibeam.figures.page import blank_page, legend, paths_of, titled, write_page
-from vibeam.figures.panels import name_faults
+from vibeam.figures.files import all_current, figure_files, paths_of, shown_paths, stamp
 from vibeam.figures.sheet import module_of
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from vibeam.figures.comparison import Comparison
 
 
-def write_shown(result: Comparison, path: Path) -> list[Path]:
+def write_figures(result: Comparison, path: Path) -> list[Path]:
+    """Draw all figures of a case beside its results file ``path``, unless they are there; return their files."""
+    files, mark = figure_files(path, result.case), stamp(path, result.case)
+    if not all_current(files, mark):
+        from vibeam.figures.response_curve import write_frc
+
+        write_frc(result, *paths_of(path, result.case.figure), mark=mark)
+        write_shown(result, path, mark)
+    return files
+
+
+def write_shown(result: Comparison, path: Path, mark: str | None = None) -> list[Path]:
     """Draw every [show.NAME] of the case as ``STEM_NAME`` beside ``path``, in the case's formats; return the files."""
+    from vibeam.figures.page import write_page
+
     written = []
     for plan in result.case.shows.values():
-        files = paths_of(path.with_name(f"{path.stem}_{plan.name}.x"), result.case.figure)
-        write_page(partial(figure, result, plan), files)
+        files = shown_paths(path, result.case, plan.name)
+        write_page(partial(figure, result, plan), files, mark=mark)
         written += files
     return written
 
 
 def figure(result: Comparison, plan: ShowPlan) -> Figure:
     """Figure of one table."""
+    from vibeam.figures.page import blank_page, legend, titled
+    from vibeam.figures.panels import name_faults
+
     made = blank_page(_size(plan), result.case.figure)
     shown = result.shown.get(plan.name, ())
     module_of(plan).draw(made, result, plan, shown)

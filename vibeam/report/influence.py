@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 from rich.text import Text
 
 from vibeam.case.plans import FigurePlan
-from vibeam.figures.page import blank_page, legend, paths_of, titled, write_page
+from vibeam.figures.files import paths_of
+from vibeam.figures.page import blank_page, legend, titled, write_page
 from vibeam.figures.style import COLOURS
 from vibeam.report.cost import signed
 from vibeam.report.output import write_rows

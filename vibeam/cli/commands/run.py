@@ -25,15 +25,12 @@ def run(
 
 
 def _report(result: Result, path: Path, as_json: bool) -> None:
-    from vibeam.figures.page import paths_of
-    from vibeam.figures.response_curve import write_frc
     from vibeam.figures.units import units_for
+    from vibeam.report.figures import write_figures
     from vibeam.run.remarks import remarks
     from vibeam.run.summary import compare
 
-    files = [path, *paths_of(path, result.case.figure)]
-    write_frc(result, *files[1:])
-    files += _shown(result, path)
+    files = [path, *write_figures(result, path)]
     rows = compare(result)
     units = units_for(result)
     notes = remarks(result)
@@ -52,12 +49,3 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
         lambda tables: [tables.responses(rows, units), accuracy_table.choices(study)],
         [*accuracy_table.sentences(study, units), *notes, *files],
     )  # fmt: skip
-
-
-def _shown(result: Result, path: Path) -> list[Path]:
-    """Draw the further figures of a case, where it asks for any."""
-    if not result.case.shows:
-        return []
-    from vibeam.report.figures import write_shown
-
-    return write_shown(result, path)

@@ -30,7 +30,7 @@ def stability(
 
     The axes are frequency and gap or drive.
     """
-    from vibeam.figures.page import paths_of
+    from vibeam.figures.files import paths_of
     from vibeam.figures.units import units_of
     from vibeam.report import output
     from vibeam.report.stability import write_stability
