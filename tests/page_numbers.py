@@ -1,19 +1,20 @@
-"""Numbers on the pages, held to what the case that they are said of states, or to committed results.
+"""Numbers on pages and in the heads of cases, held to what the case that they are said of states, or to results.
 
     python tests/page_numbers.py           # prints the numbers that nothing states
     python tests/page_numbers.py --write   # makes them the list of exceptions, page_numbers.json beside this file
 
-A block is a row of a table or a paragraph. One that names a case (`fig13`, `cases/dtu_neutral.toml`), or stands below a
-comment ``<!-- numbers: FILE … -->`` of cases or results (JSON), is checked; a row that does neither may hold no number
-with a decimal or a unit. Each number of a checked block must be
+A block is a row of a table, a paragraph, or the head of a case (its first comment). Heads are checked, and blocks that
+name a case (`fig13`, `cases/dtu_neutral.toml`) or stand below a comment ``<!-- numbers: FILE … -->`` of cases or
+results (JSON; in a head ``# numbers: FILE …``); another row may hold no number with a decimal or a unit. Each number of
+a checked block must be
 
 - an input of one of these cases, exactly, or
 - a value of an [expect], [measured] or [show] of it, rounded to the digits on the page, or
 - a number of the results file, rounded likewise; of a file of results also as a percentage.
 
 Tables between ``begin`` and ``end`` comments are held to the results by ``benchmarks/pages.py`` and left out here.
-Signs are left out of the comparison; mm, µm and % may stand for SI numbers. Numbers of figures, equations, sections and
-code are no claims.
+Signs are left out of the comparison; mm, µm and % may stand for SI numbers. The numbers of figures, equations,
+sections, periods and modes, and code, are no claims.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ import re
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
 from typing import Any
 
@@ -41,11 +43,11 @@ FENCED = re.compile(r"^(```|~~~).*?^\1[^\n]*$", re.DOTALL | re.MULTILINE)
 SOURCES = re.compile(r"^<!-- numbers: (.*?) -->$", re.MULTILINE)
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 CODE = re.compile(r"`([^`]+)`")
+HEAD, GIVEN = re.compile("#"), re.compile(r"numbers: (.*)")
 GENERATED = re.compile(r"<!-- begin: (.*?) -->.*?<!-- end: \1 -->", re.DOTALL)
 LINK = re.compile(r"\]\([^)]*\)")
-NUMBERED = re.compile(
-    r"(?:Figs?\.|[Ee]q\.|Tables?|§+|Issue)\s*\d+(?:\.\d+)*(?:\([a-z, ]+\))?(?:\s*(?:[–,]|and)\s*\d+(?:\.\d+)*)*"
-)
+FURTHER = r"(?:\([a-z, ]+\))?(?:\s*(?:[–,]|and)\s*\d+(?:\.\d+)*)*"  # (a) and (b), – 5
+NUMBERED = re.compile(r"(?:Figs?\.|[Ee]q\.|Tables?|§+|[Pp]eriods?|[Mm]odes?)\s*\d+(?:\.\d+)*" + FURTHER)
 NUMBER = re.compile(r"(?<![\w.^/])(\d+(?: \d{3})*)(\.\d+)?(?:e([−-]?\d+))?(?![\w/]|\.\d)(?:\s*(%|mm|µm))?")
 ANYWHERE = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?", re.IGNORECASE)
 SCALES = {"%": (1.0, 100.0), "mm": (1.0, 1e3), "µm": (1.0, 1e6, 1e3), "": (1.0,)}
@@ -95,6 +97,14 @@ def blocks(page: Path) -> Iterator[tuple[str, list[Path]]]:
             if files or tabular:
                 yield row, files
         given = []
+
+
+def head_of(case: Path) -> tuple[str, list[Path]]:
+    """Head of a case, and the files that it draws on."""
+    lines = [line.removeprefix("#").strip() for line in takewhile(HEAD.match, case.read_text("utf-8").splitlines())]
+    further = [name for line in lines if (found := GIVEN.match(line)) for name in found.group(1).split()]
+    text = " ".join(line for line in lines if not GIVEN.match(line))
+    return text, [case, *(_file(case, name) for name in further)]
 
 
 def named(page: Path, block: str) -> list[Path]:
@@ -167,7 +177,7 @@ def _numbers_in(value: Any) -> Iterator[float]:
 def unmatched(page: Path) -> list[str]:
     """Numbers on a page that none of the files of their block states, as ``files: number``."""
     found = []
-    for block, files in blocks(page):
+    for block, files in [head_of(page)] if page.suffix == ".toml" else blocks(page):
         if not files:
             found += [f"no source: {each.text}" for each in numbers(block) if each.unit or "." in each.text]
             continue
@@ -179,7 +189,8 @@ def unmatched(page: Path) -> list[str]:
 
 def all_unmatched() -> dict[str, list[str]]:
     """Unmatched numbers of all pages that have some."""
-    return {name: found for name in PAGES if (found := unmatched(ROOT / name))}
+    cases = (str(case.relative_to(ROOT)) for case in sorted((ROOT / "cases").rglob("*.toml")))
+    return {name: found for name in (*PAGES, *cases) if (found := unmatched(ROOT / name))}
 
 
 def main() -> None:
