@@ -15,14 +15,25 @@ if TYPE_CHECKING:
 Tables = Callable[[Any], list["ReportTable"]]
 
 
-def print_result(rows: Any, as_json: bool, tables: Tables = lambda tables: [], notes: Iterable[object] = ()) -> None:
-    """Print ``rows`` as JSON, or the ``tables`` that ``vibeam.report.tables`` makes of them and one line a note."""
+def print_result(
+    rows: Any,
+    as_json: bool,
+    tables: Tables = lambda tables: [],
+    notes: Iterable[object] = (),
+    head: Iterable[str] = (),
+) -> None:
+    """Print ``rows`` as JSON, or the ``tables`` that ``vibeam.report.tables`` makes of them.
+
+    One line each of ``head`` stands above the tables, one of each of the ``notes`` below them.
+    """
     from vibeam.report import output
     from vibeam.report import tables as table
 
     if as_json:
         put_json(output.to_json(rows))
         return
+    for first in head:
+        put(first)
     for shown in tables(table):
         try:
             table.print_table(shown)

@@ -44,6 +44,11 @@ class Comparison(Protocol):
         ...
 
     @property
+    def held(self) -> str:
+        """Restitution held equal in the fidelities, and what the other choice gives; empty without a comparison."""
+        ...
+
+    @property
     def shown(self) -> Mapping[str, tuple[Sheet, ...]]:
         """Numbers of the figures that the case asks for."""
         ...

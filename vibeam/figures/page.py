@@ -86,7 +86,7 @@ def blank_page(size: tuple[float, float], plan: FigurePlan) -> Figure:
 def titled(figure: Figure, plan: FigurePlan, title: str, shows: str) -> None:
     """Set the case's title above the caption; nothing where the plan wants none."""
     if plan.title:
-        lines = [_filled(plain(line), figure, TITLE) for line in (title, shows) if line]
+        lines = [_filled(plain(line), figure, TITLE) for line in (title, *shows.splitlines()) if line]
         figure.suptitle("\n".join(lines), fontsize=TITLE)
 
 

@@ -199,7 +199,13 @@ def _label(figure: Figure, grid: Any, result: Comparison, units: Units) -> None:
         axes.set_xlabel(frequency_label(units))
     upward = amplitude_of(result.case.sweep.output, units)
     figure.supylabel(upward, fontsize=PAGE["font.size"])
-    titled(figure, result.case.figure, result.case.title, "frequency response")
+    titled(figure, result.case.figure, result.case.title, _shows(result))
+
+
+def _shows(result: Comparison) -> str:
+    """What the figure shows, and what its fidelities hold in common."""
+    label, _, other = result.held.partition("\n")
+    return "\n".join(filter(None, [f"frequency response, {label}".removesuffix(", "), other]))
 
 
 def _ghost_called(result: Comparison, finest: Mapping[str, str]) -> str:

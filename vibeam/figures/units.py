@@ -83,5 +83,12 @@ def percent(value: float) -> str:
     return f"{100 * value:.3g} %" if isfinite(value) else "∞" if isinf(value) else "–"
 
 
+def signed(value: float) -> str:
+    """Signed share as percent, to three digits; a power of ten where it is below 10⁻⁵."""
+    if not isfinite(value):
+        return "–"
+    return f"{100 * value:+.3g} %" if abs(value) >= 1e-5 else "0" if value == 0 else f"{value:+.0e}"
+
+
 def _with_unit(value: float, unit: str) -> str:
     return f"{value:.4g} {unit}".strip() if isfinite(value) else "–"

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.figures.units import METRIC, Units, percent
+from vibeam.figures.units import METRIC, Units, percent, signed
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
+from vibeam.run.comparison.wording import both_peaks
 
 if TYPE_CHECKING:
     from vibeam.run.accuracy.study import AccuracyChoice, Chosen
+    from vibeam.run.comparison.held_comparison import HeldComparison
 
 
 MOST = 5  # points listed one by one
@@ -65,6 +67,17 @@ def sentences(study: AccuracyChoice, units: Units = METRIC) -> Iterator[str]:
         f"CPU time {study.cpu_seconds:.3g} s; {study.finest} everywhere by flight would take about "
         f"{study.finest_seconds:.3g} s: {percent(study.share)} of it"
     )
+
+
+def limits(study: AccuracyChoice, comparisons: Sequence[HeldComparison]) -> Iterator[str]:
+    """Sentences on the peaks with the other restitution held, and on the finest where it is itself less accurate."""
+    for each in comparisons:
+        yield from filter(None, [both_peaks(each)])
+        if abs(each.limit.held.worst) > study.within:
+            yield (
+                f"{percent(study.within)} is asked of {study.finest}, whose own limit is further away: "
+                f"{signed(each.limit.held.worst)} at most"
+            )
 
 
 def _verified(study: AccuracyChoice, units: Units) -> Iterator[str]:

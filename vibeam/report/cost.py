@@ -11,15 +11,16 @@ from typing import TYPE_CHECKING, Any
 from rich.text import Text
 
 from vibeam.figures.files import paths_of
-from vibeam.figures.units import percent
+from vibeam.figures.units import percent, signed
 from vibeam.report.output import plain, write_rows
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, coefficient
 from vibeam.report.work_precision import write_work_precision
+from vibeam.run.comparison.wording import notes
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.studies.cost.error_split import Split
+    from vibeam.studies.cost.error_split import Part, Split
     from vibeam.studies.cost.row import RunRow
     from vibeam.studies.cost.schedule import LeftOut
     from vibeam.studies.cost.study import CostStudy
@@ -43,10 +44,12 @@ def _flat(value: Mapping[str, Any], above: str = "") -> list[tuple[str, Any]]:
     found: list[tuple[str, Any]] = []
     for name, inner in value.items():
         if isinstance(inner, list):
-            inner = {part["name"]: {key: part[key] for key in ("mean", "rms", "worst")} for part in inner}
+            inner = {part["name"]: {key: part[key] for key in ("mean", "rms", "worst", "peak")} for part in inner}
         found += _flat(inner, f"{above}{name}.") if isinstance(inner, Mapping) else [(f"{above}{name}", inner)]
     return found
 
+
+ROUND_OFF = 1e-12  # parts that are no larger are left out
 
 RATIO = 10.0  # ratio of solver error to model error below which a sentence says so
 
@@ -93,26 +96,25 @@ def _run(row: RunRow, again: bool, best: bool, chaos: bool) -> list[str | Text]:
 
 
 def parts(study: CostStudy) -> ReportTable:
-    """Table of every fidelity's error and its parts."""
-    table = blank("Where the error comes from", "fidelity", "modes|", "R₁ seen|", "in all|")
-    shown = [
-        index for index in range(len(study.splits[0].parts)) if any(_counts(split, index) for split in study.splits)
-    ]
-    for index in shown:
-        table.add(f"{study.splits[0].parts[index].name}|")
-    table.add("by the solver|", "CPU, exact|")
+    """Table of every fidelity's error and its parts, a row each."""
+    table = blank("Where the error comes from", "fidelity", "modes|", "R₁ seen|", "part", "mean|", "rms|", "lowest|")
+    table.add("highest|", "at peak|", "by the solver|", "CPU, exact|")
     table.caption = (
-        f"signed means of amplitude over that of {study.truth}: they add up; R₁: restitution that the first mode sees"
+        f"of amplitude over that of {study.truth}: means and values at its peak add up; R₁: restitution that the first "
+        "mode sees\nby the solver: largest, against the exact motion of its own fidelity"
     )
     for split in study.splits:
-        cells = [signed(split.parts[index].mean) for index in shown]
-        first = (split.fidelity, str(split.modes), coefficient(split.restitution), signed(split.total.mean))
-        table.add_row(*first, *cells, _range(study, split), f"{split.cpu:.3g} s")
+        head = (split.fidelity, str(split.modes), coefficient(split.restitution))
+        table.add_row(*head, "in all", *_numbers(split.total), _range(study, split), f"{split.cpu:.3g} s")
+        for each in split.parts:
+            if each.worst > ROUND_OFF:
+                table.add_row("", "", "", each.name, *_numbers(each), "", "")
+        table.add_section()
     return table
 
 
-def _counts(split: Split, index: int) -> bool:
-    return split.parts[index].worst != 0
+def _numbers(part: Part) -> tuple[str, ...]:
+    return signed(part.mean), share(part.rms), signed(part.lowest), signed(part.highest), signed(part.peak)
 
 
 def _range(study: CostStudy, split: Split) -> str:
@@ -128,7 +130,8 @@ def _solvers(study: CostStudy, split: Split) -> list[tuple[float, str]]:
 
 def sentences(study: CostStudy) -> Iterator[str]:
     """Sentences that interpret the numbers, a line each."""
-    yield f"Reference: {study.finest}, {study.bound.sentence}."
+    yield f"Reference: {study.finest}. Solver error: {study.bound.sentence}."
+    yield from notes(study.comparison)
     for split in study.splits:
         if (study.reference or split.fidelity != study.finest) and split.points:
             yield _sentence(study, split)
@@ -139,9 +142,11 @@ def sentences(study: CostStudy) -> Iterator[str]:
 
 
 def _sentence(study: CostStudy, split: Split) -> str:
-    notes = [f"{signed(part.mean)} by the {part.name}" for part in split.parts if part.worst > 0]
-    notes += [f"no part for the {part.name} ({part.note})" for part in split.parts if part.note]
-    text = f"{split.fidelity}: {signed(split.total.mean)} in amplitude, {' and '.join(notes)}"
+    parts = [f"{signed(part.peak)} by the {part.name}" for part in split.parts if part.worst > ROUND_OFF]
+    parts += [f"no part for the {part.name} ({part.note})" for part in split.parts if part.note]
+    total = split.total
+    text = f"{split.fidelity}: {signed(total.peak)} in amplitude at the peak ({signed(total.mean)} in the mean)"
+    text += f", {' and '.join(parts)}" if parts else ""
     found = _solvers(study, split)
     if not found:
         return f"{text}."
@@ -179,13 +184,6 @@ def share(value: float) -> str:
     if not isfinite(value):
         return "–"
     return percent(value) if abs(value) >= 1e-3 else "0" if value == 0 else f"{value:.0e}"
-
-
-def signed(value: float) -> str:
-    """Signed share as text."""
-    if not isfinite(value):
-        return "–"
-    return f"{100 * value:+.3g} %" if abs(value) >= 1e-5 else "0" if value == 0 else f"{value:+.0e}"
 
 
 def _micro(seconds: float) -> str:

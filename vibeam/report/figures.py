@@ -48,7 +48,8 @@ def figure(result: Comparison, plan: ShowPlan) -> Figure:
     made = blank_page(_size(plan), result.case.figure)
     shown = result.shown.get(plan.name, ())
     module_of(plan).draw(made, result, plan, shown)
-    titled(made, result.case.figure, result.case.title, _caption(plan))
+    held = result.held.partition("\n")[0]
+    titled(made, result.case.figure, result.case.title, ", ".join(filter(None, [_caption(plan), held])))
     handles = _handles(made) | name_faults(result.case, plan, shown)
     legend(made, list(handles.values()), list(handles))
     return made

@@ -16,10 +16,11 @@ from vibeam.case.plans import FigurePlan
 from vibeam.figures.files import paths_of
 from vibeam.figures.page import blank_page, legend, titled, write_page
 from vibeam.figures.style import COLOURS
-from vibeam.report.cost import signed
+from vibeam.figures.units import signed
 from vibeam.report.output import write_rows
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
+from vibeam.run.comparison.wording import both_peaks, notes
 
 if TYPE_CHECKING:
     from vibeam.studies.influence.quantities import Change, Quantity
@@ -117,6 +118,8 @@ def sentences(study: InfluenceStudy) -> Iterator[str]:
     """Sentence for each effect, the remarks, and the effects the scene needs."""
     yield from (_sentence(study, row) for row in study.rows)
     yield from _remarks(study)
+    yield from filter(None, [both_peaks(study.comparison, len(study.rows))])
+    yield from notes(study.comparison)
     yield verdict(study)
 
 
@@ -254,7 +257,7 @@ def bars(study: InfluenceStudy, plan: FigurePlan = USUAL) -> Figure:
                 axes.text(MOST, place, "∞ ", ha="right", va="center", color="white", fontsize=6)
         axes.barh(places, shares, thick, left=LEAST, color=colours[quantity.name], label=label)
     _dress(axes, study)
-    titled(figure, plan, study.title, "what each effect changes")
+    titled(figure, plan, study.title, f"what each effect changes, {study.comparison.held.label}")
     legend(figure, *axes.get_legend_handles_labels())
     return figure
 

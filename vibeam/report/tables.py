@@ -12,12 +12,13 @@ from rich.console import Console
 from rich.text import Text
 
 from vibeam.figures.prefixes import FREQUENCIES, prefixed
-from vibeam.figures.units import METRIC, Units, percent
+from vibeam.figures.units import METRIC, Units, percent, signed
 from vibeam.report.measured import measurements
 from vibeam.report.table_widths import ReportTable, fitted, needed
 
 if TYPE_CHECKING:
     from vibeam.casefile.documentation import KeyRow
+    from vibeam.run.comparison.held_comparison import HeldComparison
     from vibeam.run.summary import Summary
     from vibeam.studies.derive import DerivedParameter
     from vibeam.studies.modes import ModeTable
@@ -73,16 +74,44 @@ def plain(quantity: str) -> str:
     return quantity.partition(" ")[0]
 
 
-def costs(summaries: Sequence[Summary]) -> ReportTable:
-    """Table of every fidelity's distance from the finest, and its cost."""
-    table = blank("Accuracy and cost", "fidelity", "max off|", "rms off|", "CPU|", "ratio|")
-    table.add("impacts|", "ns each|", "failed|")
-    table.caption = "off: in amplitude, where it and the finest are periodic; ratio: to the cheapest"
+def costs(summaries: Sequence[Summary], comparisons: Sequence[HeldComparison] = ()) -> ReportTable:
+    """Table of every fidelity's distance from the finest, and its cost.
+
+    With ``comparisons``: at the peak as well, with both choices of the restitution held, and in the row of the finest
+    its distance from its own limit.
+    """
+    compared = [each for each in comparisons if each.other is not None]
+    table = blank("Accuracy and cost", "fidelity", "max off|", "rms off|")
+    if compared:
+        table.add("at peak|", f"{_other_symbol(compared)} held|")
+    table.add("CPU|", "ratio|", "impacts|", "ns each|", "failed|")
+    table.caption = "off: in amplitude, where it and the finest are periodic; ratio: to the cheapest" + (
+        "\nat peak: of its height, beside it with the other choice; [ ]: the finest off its own limit"
+    ) * bool(compared)
     for row in summaries:
         per_impact = f"{row.nanoseconds_per_impact:.0f}" if row.impacts else "–"
         cost = (f"{row.cpu_seconds:.3g} s", f"{row.cost_ratio:.3g}", str(row.impacts), per_impact)
-        table.add_row(row.fidelity, *_distance(row), *cost, _failed(row))
+        table.add_row(row.fidelity, *_off(row, compared), *cost, _failed(row))
     return table
+
+
+def _other_symbol(compared: Sequence[HeldComparison]) -> str:
+    """Symbol of the coefficient that the other choice holds."""
+    symbols = {each.other.symbol for each in compared if each.other is not None}
+    return symbols.pop() if len(symbols) == 1 else "other"
+
+
+def _off(row: Summary, compared: Sequence[HeldComparison]) -> tuple[str, ...]:
+    """Cells of a fidelity's distance from the finest, of the finest from its limit."""
+    for each in compared:
+        if row.fidelity == each.finest and not each.limit.why:
+            here, there = each.limit.held, each.limit.other
+            cells = (percent(abs(here.worst)), percent(here.rms), signed(here.peak), signed(there.peak))
+            return tuple(f"[{cell}]" for cell in cells)
+        for other in each.rows:
+            if other.fidelity == row.fidelity:
+                return *_distance(row), signed(other.held.peak), signed(other.other.peak)
+    return *_distance(row), *[""] * (2 * bool(compared))
 
 
 def verdicts(rows: Sequence[CheckRow], measured: Sequence[MeasuredRow], units: Units = METRIC) -> list[ReportTable]:

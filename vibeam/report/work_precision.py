@@ -32,6 +32,8 @@ JOINED: dict[str, Any] = {"RK23": "-", "RK45": "--", "DOP853": "-.", "LSODA": ":
 
 FRONT: dict[str, Any] = {"color": "0.8", "linewidth": 5.0, "zorder": 1.0, "solid_capstyle": "round"}
 
+LIMIT: dict[str, Any] = {"color": "0.35", "linewidth": 1.0, "linestyle": (0, (1, 1)), "zorder": 1.5}
+
 FLOOR = 1e-16  # position of an error of zero
 
 WIDEST, EDGE = 6.0, 50.0  # position of larger errors and of failures
@@ -53,6 +55,7 @@ def work_precision(study: CostStudy, case: Case) -> Figure:
     colours = _colours(study, case)
     _panel(whole, study, colours, lambda row: row.total)
     _front(whole, study)
+    _own_limit(whole, study)
     _panel(own, study, colours, lambda row: row.numerical)
     whole.set_title(f"model and solver: against {study.truth}", loc="left")
     own.set_title("solver alone: against its own model, exact", loc="left")
@@ -60,7 +63,7 @@ def work_precision(study: CostStudy, case: Case) -> Figure:
     for axes in (whole, own):
         _scale(axes, study)
         axes.set_xlabel("root mean square error of amplitude")
-    titled(figure, case.figure, study.title, "what accuracy costs")
+    titled(figure, case.figure, study.title, f"what accuracy costs, {study.comparison.held.label}")
     handles = _legend(study, case, colours)
     legend(figure, handles, [str(handle.get_label()) for handle in handles])
     return figure
@@ -132,6 +135,13 @@ def _marks(axes: Axes, points: Any, solver: str, colour: Any, full: bool) -> Non
               markeredgewidth=0.7, zorder=3)  # fmt: skip
 
 
+def _own_limit(axes: Axes, study: CostStudy) -> None:
+    """Mark the distance of the reference from its own limit: smaller errors are no nearer to that."""
+    distance = study.comparison.limit.held.rms
+    if np.isfinite(distance) and distance > 0:
+        axes.axvline(distance, **LIMIT)
+
+
 def _front(axes: Axes, study: CostStudy) -> None:
     """Draw the Pareto front as a staircase: nothing lies below and left of it."""
     points = np.array([_point(study.rows[i], lambda row: row.total) for i in study.front]).reshape(-1, 2)
@@ -156,7 +166,9 @@ def _legend(study: CostStudy, case: Case, colours: dict[str, Any]) -> list[Line2
     if any(row.found < len(study.frequency) for row in study.rows):
         open_mark = grey | {"marker": "o", "markersize": 4.5, "markerfacecolor": "white"}
         handles.append(Line2D([], [], label="open: no motion found at some points", **open_mark))
-    handles.append(Line2D([], [], color="0.9", linewidth=6, label="below the reference's own bound"))
+    if np.isfinite(study.comparison.limit.held.rms):
+        handles.append(Line2D([], [], **LIMIT, label=f"{name_of(case, study.finest)} off its own limit"))
+    handles.append(Line2D([], [], color="0.9", linewidth=6, label="below the reference's solver error"))
     return handles
 
 

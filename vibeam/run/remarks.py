@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.run.comparison.wording import listed
 from vibeam.run.summary import compare
 from vibeam.system.response import complete
 
@@ -39,11 +40,6 @@ def ill_posed(first_mode: Mapping[str, float]) -> list[str]:
     """Remark on fidelities with R₁ < 0; ``first_mode``: R₁ by name, NaN where the law has no coefficient."""
     below = [f"{name} ({value:.2g})" for name, value in first_mode.items() if value < 0]
     return [f"{listed(below)}: {NEGATIVE}"] if below else []
-
-
-def listed(names: Sequence[str]) -> str:
-    """Names listed in a sentence."""
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def _stays_clear(branches: Branches) -> bool:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vibeam.case.faults import suggest
+from vibeam.case.held import held_of
+from vibeam.run.comparison.wording import both_peaks
 from vibeam.system.response import Branches, modes_of
 
 if TYPE_CHECKING:
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.figures.sheet import Sheet
     from vibeam.run.accuracy.study import AccuracyChoice
+    from vibeam.run.comparison.held_comparison import HeldComparison
     from vibeam.system.motion_curves import MotionCurves
 
 
@@ -43,7 +46,8 @@ class Result(Mapping[str, Branches]):
     """Result of a run: ``result[fidelity].up.amplitude``; ``found`` points of ``total`` were in the file already.
 
     ``shown``: the numbers of the case's [show.NAME] tables, by name. ``accuracy``: the choice of models for the case's
-    accuracy and its verification; the one entry is then ``result["accuracy"]``.
+    accuracy and its verification; the one entry is then ``result["accuracy"]``. ``comparisons``: under both choices of
+    the restitution held, one for each finest fidelity, where the run was asked for them.
     """
 
     def __init__(
@@ -54,12 +58,14 @@ class Result(Mapping[str, Branches]):
         found: int = 0,
         shown: Mapping[str, tuple[Sheet, ...]] | None = None,
         accuracy: AccuracyChoice | None = None,
+        comparisons: Sequence[HeldComparison] = (),
     ) -> None:
         self.case = case
         self.path = path
         self.found = found
         self.shown = dict(shown or {})
         self.accuracy = accuracy
+        self.comparisons = tuple(comparisons)
         self._branches = dict(branches)
 
     @property
@@ -71,6 +77,14 @@ class Result(Mapping[str, Branches]):
     def finest(self) -> dict[str, str]:
         """Reference fidelity of each fidelity: see ``finest_of``."""
         return {name: finest_of(self, name) for name in self}
+
+    @property
+    def held(self) -> str:
+        """What its comparisons hold fixed and, where known, the peaks with the other choice; empty without any."""
+        compared = [name for name, finest in self.finest.items() if name != finest]
+        compared = compared if self.accuracy is None else [self.accuracy.finest]
+        labels = dict.fromkeys(held_of(self.case.scene_of(name)).label for name in compared)
+        return "\n".join(filter(None, [", ".join(labels), *map(both_peaks, self.comparisons)]))
 
     @property
     def curves(self) -> dict[str, MotionCurves]:

@@ -45,6 +45,7 @@ def run(
     *,
     fresh: bool = False,
     tell: Tell | None = None,
+    compare: bool = False,
 ) -> Result:
     """Sweep every fidelity of ``case``; points already in the results file ``out`` are not computed again.
 
@@ -54,6 +55,8 @@ def run(
     Where the case asks for an accuracy it is one curve, ``result["accuracy"]``, in place of one for each fidelity.
     ``out=None`` keeps nothing on disk. ``progress(done, total)`` is called with the points that are there at the start
     and after each further one, from any thread. ``show``: compute the data of the case's further figures.
+    ``compare``: compare the fidelities with the finest under both choices of the restitution held, and that with its
+    own limit (``result.comparisons``); the file gets it too.
     CaseError for a fidelity that cannot be built, StoreError where ``out`` cannot be used, Interrupted on Ctrl-C.
     """
     systems = _systems(case)
@@ -61,7 +64,7 @@ def run(
     path = None if out is None else Path(out)
     if case.accuracy is not None:
         return _accurate(
-            case, case.accuracy, systems, plan, _Storage(path, fresh, tell), progress or _no_progress, show
+            case, case.accuracy, systems, plan, _Storage(path, fresh, tell), progress or _no_progress, show, compare
         )
     with _Storage(path, fresh, tell).opened(case, plan) as store:
         jobs = [job_of(case, name, systems[name], branches, store) for name, branches in plan.items()]
@@ -74,9 +77,24 @@ def run(
             run_parallel(lambda job, stop: sweep_branches(case, job, store, count, stop), costly_first)
             curves = {job.name: known_curves(case, job, store) for job in jobs if SOLVERS[job.fidelity.solver].curves}
             shown = _shown(case, store) if show else {}
+            branches = {job.name: job.gathered(curves.get(job.name)) for job in jobs}
+            result = Result(case, branches, path, found, shown)
+            return _compared(result, result.finest, systems, store) if compare else result
         except KeyboardInterrupt:
             raise Interrupted(_how_to_go_on(count, path)) from None
-    return Result(case, {job.name: job.gathered(curves.get(job.name)) for job in jobs}, path, found, shown)
+
+
+def _compared(
+    result: Result, finest: Mapping[str, str], systems: Mapping[str, ImpactSystem], store: Store | None
+) -> Result:
+    """The result with its comparisons, which the file keeps."""
+    from vibeam.run.comparison.of_case import comparisons
+
+    branches = {} if result.accuracy is not None else result
+    result.comparisons = comparisons(result.case, finest, systems, branches)
+    if store:
+        store.write_comparisons(result.comparisons)
+    return result
 
 
 def _warm_up(case: Case, job: Job) -> None:
@@ -95,7 +113,7 @@ def _no_progress(done: int, total: int) -> None:
 
 def _accurate(
     case: Case, wanted: AccuracyPlan, systems: Mapping[str, ImpactSystem], plan: Mapping[str, tuple[Branch, ...]],
-    storage: _Storage, progress: Progress, show: bool,
+    storage: _Storage, progress: Progress, show: bool, compare: bool,
 ) -> Result:  # fmt: skip
     """One curve within an accuracy instead of one for each fidelity."""
     from vibeam.run import within_accuracy as accuracy
@@ -111,10 +129,17 @@ def _accurate(
             study, found = accuracy.found_or_made(case, wanted, systems, branches, store)
             progress(total, total)
             shown = _shown(case, store) if show else {}
+            up, down = (study.curves[way].response if way in study.curves else None for way in ("up", "down"))
+            result = Result(case, {HOME: Branches(up, down)}, storage.path, found, shown, study)
+            return _compared(result, _references(case, study.finest), systems, store) if compare else result
         except KeyboardInterrupt:
             raise Interrupted(f"stopped: nothing is kept of its {total} points") from None
-    up, down = (study.curves[direction].response if direction in study.curves else None for direction in ("up", "down"))
-    return Result(case, {HOME: Branches(up, down)}, storage.path, found, shown, study)
+
+
+def _references(case: Case, finest: str) -> dict[str, str]:
+    """Reference of each fidelity: the finest where it has the same physics, else itself."""
+    own = case.fidelities
+    return {name: finest if own[name].changes == own[finest].changes else name for name in own}
 
 
 def _shown(case: Case, store: Store | None) -> dict[str, tuple[Sheet, ...]]:

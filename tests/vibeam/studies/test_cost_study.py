@@ -22,7 +22,7 @@ from vibeam.run.sweep import sweep
 from vibeam.solvers import SOLVERS, solver
 from vibeam.studies.cost import measure as measured_module
 from vibeam.studies.cost import study as study_module
-from vibeam.studies.cost.error_split import shares, split
+from vibeam.studies.cost.error_split import part, shares, split
 from vibeam.studies.cost.measure import measure
 from vibeam.studies.cost.planning import Planning
 from vibeam.studies.cost.reference import bound
@@ -229,17 +229,30 @@ def test_the_contact_laws_part_is_that_of_the_same_restitution_seen(beam: CostSt
         sweep(each, omega=2 * np.pi * np.array([15, 15.5]), amplitude=case.base_amplitude, settle=200, output="sensor")
         for each in (systems["sdof"], other, systems["beam"])
     ]
-    steps, _ = shares(amplitudes)  # type: ignore[arg-type]
-    told = {part.name: part.mean for each in beam.splits if each.fidelity == "sdof" for part in each.parts}
-    assert told["contact law"] == pytest.approx(np.mean(steps[0]), rel=1e-6)
-    assert told["reduction"] == pytest.approx(np.mean(steps[1]), rel=1e-6)
+    steps, _, top = shares(amplitudes)  # type: ignore[arg-type]
+    told = {part.name: part for each in beam.splits if each.fidelity == "sdof" for part in each.parts}
+    for name, step in zip(("contact law", "reduction"), steps, strict=False):
+        part = told[name]
+        assert part.mean == pytest.approx(np.mean(step), rel=1e-6)
+        assert part.rms == pytest.approx(np.sqrt(np.mean(step**2)), rel=1e-6)
+        assert (part.lowest, part.highest) == pytest.approx((min(step), max(step)), rel=1e-6)
+        assert part.peak == pytest.approx(step[top], rel=1e-6)
 
 
 def test_a_chain_telescopes_over_the_points_that_all_have() -> None:
     chain = [curve([1, 2, 3], a, p) for a, p in (([3, 9, 2], [1, 1, 0]), ([4, 8, 2], 1), ([2, 4, 1], 1))]
-    steps, whole = shares(chain)
+    steps, whole, top = shares(chain)
     assert [list(step) for step in steps] == [[-0.5, 0.25], [1.0, 1.0]]
     assert list(whole) == [0.5, 1.25]
+    assert top == 1  # of the two points left the second is the last one's peak
+
+
+def test_a_part_has_its_extremes_and_its_value_at_the_peak_with_their_signs() -> None:
+    found = part("reduction", np.array([-0.3, 0.1, 0.2]), 1)
+    assert (found.lowest, found.highest, found.worst, found.peak) == (-0.3, 0.2, 0.3, 0.1)
+    assert found.mean == pytest.approx(0.0, abs=1e-15)
+    assert found.rms == pytest.approx(np.sqrt(0.14 / 3))
+    assert np.isnan(part("reduction", np.array([]), -1).peak)
 
 
 def test_where_no_contact_gives_that_restitution_the_part_is_left_out_with_its_reason() -> None:
@@ -281,7 +294,7 @@ def test_a_file_is_the_truth_where_the_case_says_so(tmp_path: Path) -> None:
     assert study.rows[0].numerical.amplitude_max < 1e-8
     assert study.splits[0].parts[-1].mean == pytest.approx(1 / 1.05 - 1, rel=1e-6)
     assert sum(part.mean for part in study.splits[0].parts) == pytest.approx(study.splits[0].total.mean, rel=1e-12)
-    assert parts(study).row_count == 1
+    assert parts(study).row_count == 2  # in all, and the finest fidelity itself
     with pytest.raises(ValueError, match=r"0\.3 Hz is no point of reference 'own'"):
         cost(parse(TINY + table, tmp_path / "a.toml", set=options | {"cost.frequency": [0.3]}))
     with pytest.raises(ValueError, match=r"cost\.reference: no reference 'owm'; did you mean 'own'"):
@@ -323,9 +336,11 @@ def test_what_finds_no_motion_somewhere_is_not_on_the_front(beam: CostStudy) -> 
 
 def test_tables_and_sentences(beam: CostStudy) -> None:
     assert runs(beam).row_count == len(beam.rows)
-    assert parts(beam).row_count == len(beam.splits)
+    shown = [each for split in beam.splits for each in split.parts if each.worst > 1e-12]
+    assert parts(beam).row_count == len(beam.splits) + len(shown)
     text = "\n".join(sentences(beam))
-    assert text.startswith("Reference: beam, flight and closed-form orbits agree to ")
+    assert text.startswith("Reference: beam. Solver error: flight and closed-form orbits agree to ")
+    assert "beam is off its own limit by +6" in text
     assert "sdof: +" in text
     assert "by the contact law" in text
 

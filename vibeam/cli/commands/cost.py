@@ -26,6 +26,7 @@ def cost(
     """
     from vibeam.report import cost as cost_table
     from vibeam.report.cost import write_files
+    from vibeam.run.comparison.wording import headline
     from vibeam.studies.cost.study import cost as costs
 
     loaded = load(case, set_)
@@ -35,4 +36,5 @@ def cost(
     print_result(
         {"study": study, "files": files}, as_json,
         lambda tables: [cost_table.runs(study), cost_table.parts(study)], [*cost_table.sentences(study), *files],
+        [headline(study.comparison)],
     )  # fmt: skip

@@ -10,6 +10,7 @@ def influence(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, o
     """Measure what each effect changes, costs and is needed for."""
     from vibeam.report import influence as report
     from vibeam.report.influence import write_files
+    from vibeam.run.comparison.wording import headline
     from vibeam.studies.influence.study import influence as influences
 
     loaded = load(case, set_)
@@ -19,4 +20,5 @@ def influence(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, o
     print_result(
         {"study": study, "sentences": sentences, "files": files}, as_json,
         lambda tables: [report.taken_away(study), report.left_alone(study)], [*sentences, *files],
+        [headline(study.comparison)],
     )  # fmt: skip

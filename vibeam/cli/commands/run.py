@@ -21,25 +21,28 @@ def run(
     loaded = load(case, set_)
     require_readable(loaded)
     path = results_path(loaded, out)
-    _report(run_case(loaded, path, fresh=fresh), path, as_json)
+    _report(run_case(loaded, path, fresh=fresh, compare=True), path, as_json)
 
 
 def _report(result: Result, path: Path, as_json: bool) -> None:
     from vibeam.figures.units import units_for
     from vibeam.report.figures import write_figures
+    from vibeam.run.comparison.wording import headline, notes
     from vibeam.run.remarks import remarks
     from vibeam.run.summary import compare
 
     files = [path, *write_figures(result, path)]
     rows = compare(result)
     units = units_for(result)
-    notes = remarks(result)
-    whole = {"fidelities": rows, "remarks": notes, "found": result.found, "total": result.total, "files": files}
-    whole |= {"curves": curves} if (curves := result.curves) else {}
+    remarked, compared = remarks(result), result.comparisons
+    whole = {"fidelities": rows, "remarks": remarked, "found": result.found, "total": result.total, "files": files}
+    whole |= {"comparisons": compared} | ({"curves": curves} if (curves := result.curves) else {})
+    head = list(map(headline, compared))
+    below = [*(line for each in compared for line in notes(each)), *remarked, *files]
     study = result.accuracy
     if study is None:
         print_result(
-            whole, as_json, lambda tables: [tables.responses(rows, units), tables.costs(rows)], [*notes, *files]
+            whole, as_json, lambda tables: [tables.responses(rows, units), tables.costs(rows, compared)], below, head
         )
         return
     from vibeam.report import accuracy as accuracy_table
@@ -47,5 +50,5 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
     print_result(
         whole | {"accuracy": study}, as_json,
         lambda tables: [tables.responses(rows, units), accuracy_table.choices(study)],
-        [*accuracy_table.sentences(study, units), *notes, *files],
+        [*accuracy_table.sentences(study, units), *accuracy_table.limits(study, compared), *below], head,
     )  # fmt: skip

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vibeam.run.store.branch import Branch, lay_out, read_rows
+from vibeam.run.store.comparison import COMPARISON
 from vibeam.run.store.errors import StoreError, reading
 from vibeam.run.store.image import Image
 from vibeam.run.store.layout import fixed
@@ -86,6 +87,7 @@ def _adapt(file: h5py.File, path: Path, wanted: Wanted, reuses: list[Reuse]) -> 
         named = {branch.group for branch in wanted.branches}
         others = [name for name in groups_with_points(file) if name not in named]
         adapt(file, reuses, wanted.unit)
+        file.pop(COMPARISON, None)
         del file["case"]
         _write_case(file, wanted)
     return reported(reuses, others)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from vibeam.run.store.branch import Branch, StoredBranch, count_points, read_branch, rows_of, write_rows
 from vibeam.run.store.checksum import CHECKSUM, sign, verify
+from vibeam.run.store.comparison import COMPARISON, comparison_attributes, read_comparisons, write_comparisons
 from vibeam.run.store.errors import StoreError, reading
 from vibeam.run.store.figures import HOME, read_sheets, write_sheets
 from vibeam.run.store.layout import fixed, read_curves, write_curves
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from vibeam.case.plans import ShowPlan
     from vibeam.figures.sheet import Sheet
     from vibeam.run.accuracy.study import AccuracyChoice
+    from vibeam.run.comparison.held_comparison import HeldComparison
     from vibeam.run.store.disk import Disk
     from vibeam.run.store.image import Image
     from vibeam.system.motion_curves import MotionCurves
@@ -120,6 +122,15 @@ class Store:
             write_curves(group, curves, self._unit)
             group.attrs["key"] = fixed(key)
             sign(group)
+
+    def write_comparisons(self, found: Sequence[HeldComparison]) -> None:
+        """Replace the stored comparisons, unless they are the same."""
+        wanted = comparison_attributes(found)
+        with self._reading(f"/{COMPARISON}") as file:
+            same = read_comparisons(file) == wanted
+        if not same:
+            with self._restructuring() as file:
+                write_comparisons(file, wanted)
 
     def study(self, branches: Sequence[Branch]) -> AccuracyChoice | None:
         """Study whose ``branches`` the file holds, None where it is incomplete."""

@@ -28,16 +28,21 @@ LINKS = ("contact law", "reduction", "effects left out", "finest fidelity itself
 
 @dataclass(frozen=True)
 class Part:
-    """Contribution of one link to the amplitude's error, over the finest's amplitude: signed mean, rms, largest.
+    """Contribution of one link to the amplitude's error, over the finest's amplitude.
 
-    ``note``: reason for missing numbers (NaN); the next link then holds both contributions.
+    Signed are ``mean``, ``lowest``, ``highest`` and ``peak``, the value at the finest's largest amplitude; means and
+    values at the peak add up. ``worst``: the largest, without its sign. ``note``: reason for missing numbers (NaN); the
+    next link then holds both contributions.
     """
 
     name: str
-    mean: float
-    rms: float
-    worst: float
+    mean: float = np.nan
+    rms: float = np.nan
+    worst: float = np.nan
     note: str = ""
+    lowest: float = np.nan
+    highest: float = np.nan
+    peak: float = np.nan
 
 
 @dataclass(frozen=True)
@@ -56,19 +61,25 @@ class Split:
     cpu: float
 
 
-def shares(chain: Sequence[FrequencyResponse]) -> tuple[list[Array], Array]:
-    """Relative differences in amplitude over each link and over the chain, (points,), where all are periodic."""
+def shares(chain: Sequence[FrequencyResponse]) -> tuple[list[Array], Array, int]:
+    """Relative differences in amplitude over each link and over the chain, (points,), where all are periodic.
+
+    And which of these points has the last one's largest amplitude (−1 without any).
+    """
     last = chain[-1].amplitude
     where = np.logical_and.reduce([periodic(each) for each in chain]) & (last > 0)
     steps = [each.amplitude[where] / last[where] for each in chain]
-    return [one - other for one, other in pairwise(steps)], steps[0] - steps[-1]
+    top = int(np.argmax(last[where])) if where.any() else -1
+    return [one - other for one, other in pairwise(steps)], steps[0] - steps[-1], top
 
 
-def part(name: str, values: Array) -> Part:
-    """Part from the values of one link."""
+def part(name: str, values: Array, top: int) -> Part:
+    """Part from the values of one link, ``top`` the index of the peak's."""
     if not len(values):
-        return Part(name, np.nan, np.nan, np.nan, "no point where all of the chain repeats")
-    return Part(name, float(np.mean(values)), float(np.sqrt(np.mean(values**2))), float(np.max(np.abs(values))))
+        return Part(name, note="no point where all of the chain repeats")
+    low, high = float(np.min(values)), float(np.max(values))
+    mean, rms = float(np.mean(values)), float(np.sqrt(np.mean(values**2)))
+    return Part(name, mean, rms, max(abs(low), abs(high)), lowest=low, highest=high, peak=float(values[top]))
 
 
 Build = Callable[[Model, Model], ImpactSystem]
@@ -98,12 +109,12 @@ def split(
         chain.append(exact)
         notes[0] = str(refusal)
     chain += [_reduced_alike(model, finest, top, build, fly), top, *([] if file is None else [file])]
-    steps, whole = shares(chain)
+    steps, whole, top_point = shares(chain)
     parts = [
-        replace(part(name, values), mean=np.nan, rms=np.nan, worst=np.nan, note=note) if note else part(name, values)
+        Part(name, note=note) if note else part(name, values, top_point)
         for name, values, note in zip(LINKS, steps, notes, strict=False)
     ]
-    r1, total = first_mode_restitution_of(model.system), part("total", whole)
+    r1, total = first_mode_restitution_of(model.system), part("total", whole, top_point)
     return Split(model.name, model.system.size, r1, total, tuple(parts), len(whole), cpu)
 
 

@@ -66,8 +66,9 @@ def compared(model: Model, setting: Setting, plan: Plan, found: Measured, work: 
         return _row(model, setting, Errors(), Errors(), (), work, motions, found.failure)
     total, numerical = (errors(found, truth, plan) for truth in (references.reference, references.own))
     why = "" if total.points or np.isfinite(total.statistics) else _nothing(found)
-    steps, whole = shares([each.response for each in (found, references.short, references.own, references.reference)])
-    parts = tuple(part(name, values) for name, values in zip(PARTS, [*steps, whole], strict=True))
+    chain = (found, references.short, references.own, references.reference)
+    steps, whole, top = shares([each.response for each in chain])
+    parts = tuple(part(name, values, top) for name, values in zip(PARTS, [*steps, whole], strict=True))
     return _row(model, setting, total, numerical, parts, work, motions, why)
 
 

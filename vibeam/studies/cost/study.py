@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.fidelity import gap_drift, gap_wear
+from vibeam.run.comparison.held_comparison import HeldComparison, held_comparison
+from vibeam.run.comparison.of_case import compared_model
 from vibeam.run.models import CUT_SOLVERS, Model, built, finest, models
 from vibeam.solvers import SOLVERS
 from vibeam.studies.cost.error_split import Split, split
@@ -40,7 +42,8 @@ Progress = Callable[[str], None]
 class CostStudy:
     """Result of ``vibeam cost``.
 
-    ``finest``: the reference fidelity; ``reference``: the file that replaces it, None without one;
+    ``finest``: the reference fidelity, its solver error ``bound``; ``comparison``: with either restitution held, and
+    the finest's distance from its own limit. ``reference``: the file that replaces the finest, None without one;
     ``same``: fidelities that are another's model; ``frequency`` in Hz, ``cpu``: seconds in all.
     """
 
@@ -50,6 +53,7 @@ class CostStudy:
     bound: Bound
     rows: tuple[RunRow, ...]
     splits: tuple[Split, ...]
+    comparison: HeldComparison
     left_out: tuple[LeftOut, ...]
     refused: tuple[LeftOut, ...]
     same: dict[str, str]
@@ -143,9 +147,15 @@ class _Studied:
         grid = tuple(float(each) for each in hertz)
         spent = self.clock() - self.began
         return CostStudy(
-            self.case.title, self.finest.name, self.asked.reference, bounded, tuple(rows), splits,
+            self.case.title, self.finest.name, self.asked.reference, bounded, tuple(rows), splits, self._compared(),
             tuple(left_out), tuple(self.refused), self.same, grid, plan.settle, plan.hold, spent,
         )  # fmt: skip
+
+    def _compared(self) -> HeldComparison:
+        """All models with the finest, with either restitution held."""
+        made = [compared_model(self.case, each.name, each.system, like=each.like) for each in self.models]
+        own = self.models.index(self.finest)
+        return held_comparison(made[own], [*made[:own], *made[own + 1 :]])
 
     def _left(self) -> float:
         """Seconds left of the budget, which begins after the exact motions that every study needs."""

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.run.comparison.held_comparison import ComparedModel, HeldComparison, held_comparison
+from vibeam.run.comparison.of_case import compared_model
 from vibeam.solvers.warm_up import warm_up_once
 from vibeam.studies.influence.curve import swept
 from vibeam.studies.influence.model import Model, model
@@ -72,9 +74,10 @@ class EffectRow:
 class InfluenceStudy:
     """Result of ``vibeam influence``; ``rows`` sorted by influence, the largest first.
 
-    ``whole``, ``bare`` and ``enough``: the models with all effects, with none and with the smallest set; ``exact``:
-    True where all sets were tried; ``models``: number of sweeps; ``scatter``: s by which repeats of a sweep's CPU time
-    differed at most, below which a difference means nothing; ``seconds``: CPU time in all.
+    ``comparison``: of the complete model with those without one effect, with either restitution held, and its distance
+    from its own limit. ``whole``, ``bare`` and ``enough``: the models with all effects, with none and with the smallest
+    set; ``exact``: True where all sets were tried; ``models``: number of sweeps; ``scatter``: s by which repeats of a
+    sweep's CPU time differed at most, below which a difference means nothing; ``seconds``: CPU time in all.
     """
 
     title: str
@@ -84,6 +87,7 @@ class InfluenceStudy:
     bare: Variant
     enough: Variant
     rows: tuple[EffectRow, ...]
+    comparison: HeldComparison
     exact: bool
     models: int
     scatter: float
@@ -137,6 +141,7 @@ class _Studied:
             bare=self._variant(frozenset()),
             enough=self._variant(needed),
             rows=tuple(rows),
+            comparison=self._compared(),
             exact=exact,
             models=len(self.models),
             scatter=max(max(seconds) - min(seconds) for seconds in self.cpu.values()),
@@ -145,6 +150,21 @@ class _Studied:
             hold=plan.hold,
             seconds=time.thread_time() - begun,
         )
+
+    def _compared(self) -> HeldComparison:
+        """The complete model with those that lack one effect, with either restitution held."""
+        lacking = {name: self._model(self.all - {name}) for name in self.sets.effects}
+        built = {name: each for name, each in lacking.items() if not each.why}
+        return held_comparison(
+            self._compared_model(self.sets.fidelity, self._model(self.all)),
+            [self._compared_model(name, each) for name, each in built.items()],
+            other_physics=True,
+        )
+
+    def _compared_model(self, name: str, each: Model) -> ComparedModel:
+        assert each.case is not None
+        assert each.system is not None
+        return replace(compared_model(each.case, self.sets.fidelity, each.system), name=name)
 
     def _model(self, kept: frozenset[str]) -> Model:
         if kept not in self.models:

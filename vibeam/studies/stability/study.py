@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.orbits.orbit_map import OrbitMap, orbit_map
-from vibeam.run.remarks import ill_posed, listed
+from vibeam.run.comparison.wording import listed
+from vibeam.run.remarks import ill_posed
 from vibeam.solvers.averaging.solver import slow_flow
 from vibeam.studies.stability import axes
 from vibeam.studies.stability.axes import Axis

@@ -1,0 +1,71 @@
+"""Restitution held equal in all fidelities of a comparison: the contact's, or that which mode 1 sees."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from vibeam_models.scene import Scene, SdofScene
+
+if TYPE_CHECKING:
+    from vibeam.system.impact_system import ImpactSystem
+
+SYMBOLS = {"contact": "R", "first mode": "R₁"}
+
+PLACES = {"contact": "at the contact", "first mode": "of mode 1"}
+
+
+@dataclass(frozen=True)
+class Held:
+    """Held restitution: ``restitution_of`` as in the case file; ``coefficient`` None where the ``law`` has no one.
+
+    ``restitution_of`` is empty for a single degree of freedom given directly, where contact and mode 1 are one.
+    """
+
+    restitution_of: str
+    coefficient: float | None
+    law: str = ""
+
+    @property
+    def label(self) -> str:
+        """The held coefficient in words, as ``R = 0.72 at the contact``."""
+        if self.coefficient is None:
+            return f'contact law "{self.law}"'
+        symbol, place = SYMBOLS.get(self.restitution_of, "R"), PLACES.get(self.restitution_of, "")
+        return f"{symbol} = {self.coefficient:g} {place}".rstrip()
+
+    @property
+    def symbol(self) -> str:
+        """R or R₁."""
+        return SYMBOLS.get(self.restitution_of, "R")
+
+
+def other_choice(held: Held) -> Held | None:
+    """The other choice with the same coefficient; None where there is none."""
+    if held.coefficient is None or not held.restitution_of:
+        return None
+    return replace(held, restitution_of="first mode" if held.restitution_of == "contact" else "contact")
+
+
+def held_of(scene: Scene | SdofScene) -> Held:
+    """Restitution that a scene holds, whatever the fidelity."""
+    law = None if scene.stop is None else scene.stop.law
+    if law is not None:
+        return Held("", None, law.name)
+    if isinstance(scene, SdofScene):
+        return Held("", scene.restitution)
+    return Held(scene.stop.restitution_of, scene.stop.usual_restitution)
+
+
+def with_other_choice(scene: Scene, system: ImpactSystem) -> ImpactSystem:
+    """System of one fidelity where its scene's coefficient is that of the other choice; see ``other_choice``.
+
+    ValueError where no contact restitution in [0, 1] shows mode 1 that coefficient.
+    """
+    from vibeam_models.laws.restitution import contact_restitution
+
+    given = scene.stop.usual_restitution
+    if scene.stop.restitution_of == "first mode":
+        return replace(system, restitution=given)
+    mobility = float(system.contact @ system.contact)
+    return replace(system, restitution=contact_restitution(given, float(system.contact[0]), mobility))

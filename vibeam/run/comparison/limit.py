@@ -1,0 +1,83 @@
+"""Limit of a fidelity: the model to which it tends with more modes and finer elements.
+
+With the restitution R of the contact held, modes added one by one take their share of each impulse
+p = −(1+R) v⁻/S, S = Σ c_i², and the motion tends to its limit as S does, like 1/N: the mass at the contact makes
+1/S → 1/S∞ > 0. With the restitution R₁ of mode 1 held, the impulse is the limit's own from the first mode on, and what
+remains decays much faster. The limit is therefore computed with few modes and the impulse of infinitely many:
+
+    R' = (1+R) S/S∞ − 1 in the model of mobility S,      1 + R = (1+R₁) S∞/c₁² where R₁ is held.
+
+1/S∞ is extrapolated over two meshes: the inertia of the elements beside the contact falls linearly with their length.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from vibeam.case.fidelity import Fidelity, system
+from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.scene import Scene
+
+LEAST, MOST = 16, 32  # modes of the limit: twice the fidelity's, within these
+
+RESOLVED = 3  # elements a mode: the frequency of the highest is then within 0.1 %
+
+VANISHING = 0.5  # share of 1/S left by the extrapolation below which the contact has no inertia of its own
+
+ILL_POSED = (
+    "the contact has no mass of its own, so that with one coefficient of restitution there is no limit: with each mode "
+    "more, mode 1 has less of the impulse"
+)
+
+
+@dataclass(frozen=True)
+class Limit:
+    """Limit in so many ``modes`` on so many ``elements``; ``mobility`` S∞ of all modes, 1/kg."""
+
+    system: ImpactSystem
+    elements: int
+    mobility: float
+
+    @property
+    def modes(self) -> int:
+        """Number of modes kept."""
+        return self.system.size
+
+    def holding(self, scene: Scene, restitution_of: str) -> ImpactSystem:
+        """System with the impulse of infinitely many modes; ValueError where no restitution in [0, 1] gives that."""
+        given, first = scene.stop.usual_restitution, float(self.system.contact[0])
+        impulse = (1 + given) / self.mobility if restitution_of == "contact" else (1 + given) / first**2
+        restitution = impulse * float(self.system.contact @ self.system.contact) - 1
+        if not 0 <= restitution <= 1 or impulse * self.mobility > 2:
+            raise ValueError(
+                f"its limit would need R = {impulse * self.mobility - 1:.4g} at the contact, outside [0, 1]"
+            )
+        return replace(self.system, restitution=restitution)
+
+
+def limit(scene: Scene, modes: int) -> Limit:
+    """Limit of a fidelity of ``modes`` modes, uncoupled; ValueError where the case has none."""
+    count = min(max(LEAST, 2 * modes), MOST)
+    elements = max(scene.beam.elements, RESOLVED * count)
+    elements += elements % 2
+    fine, coarse = (_all_modes(scene, each) for each in (elements, elements // 2))
+    own, half = (float(each.contact @ each.contact) for each in (fine, coarse))
+    inertia = 2 / own - 1 / half
+    if inertia < VANISHING / own:
+        raise ValueError(ILL_POSED)
+    return Limit(_lowest(fine, count), elements, 1 / inertia)
+
+
+def _all_modes(scene: Scene, elements: int) -> ImpactSystem:
+    stop = replace(scene.stop, restitution_of="contact")
+    return system(replace(scene, beam=replace(scene.beam, elements=elements), stop=stop), Fidelity("limit", "full"))
+
+
+def _lowest(whole: ImpactSystem, count: int) -> ImpactSystem:
+    """System truncated to its lowest modes."""
+    kept = np.argsort(whole.omega, kind="stable")[:count]
+    rows = {name: getattr(whole, name)[kept] for name in ("omega", "zeta", "contact", "load", "static")}
+    outputs = {name: row[kept] for name, row in whole.outputs.items() if name != "contact"}
+    return replace(whole, outputs=outputs, **rows)
