@@ -102,8 +102,13 @@ def test_the_page_of_the_paper_s_figures_agrees_with_the_results(pages: ModuleTy
     assert pages.with_tables(page, pages.generated_for_paper()) == page, "run python tests/benchmarks/pages.py"
 
 
+def test_the_table_of_the_front_page_agrees_with_the_results(pages: ModuleType) -> None:
+    page = pages.FRONT.read_text(encoding="utf-8")
+    assert pages.with_tables(page, pages.generated_for_front()) == page, "run python tests/benchmarks/pages.py"
+
+
 def test_another_result_is_another_page(pages: ModuleType, tmp_path: Path) -> None:
-    for name in ("peers.json", "modes.json"):
+    for name in ("peers.json", "modes.json", "limits.json"):
         shutil.copy(pages.RESULTS / name, tmp_path)
     found = json.loads((tmp_path / "modes.json").read_text())
     found[0]["cost_us"] *= 2

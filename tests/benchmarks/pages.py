@@ -5,7 +5,8 @@
 
 A table stands between ``<!-- begin: NAME -->`` and ``<!-- end: NAME -->``; everything outside these markers is kept.
 ``against_peers.py`` writes results/peers.json, ``modes.py`` writes results/modes.json, ``printed_stability.py``
-writes results/printed_stability.json, ``paper_methods.py --write`` writes results/paper_methods.json.
+writes results/printed_stability.json, ``paper_methods.py --write`` writes results/paper_methods.json, ``limits.py``
+writes results/limits.json.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from typing import Any
 
 HERE = Path(__file__).parent
 PAGE, RESULTS = HERE / "README.md", HERE / "results"
+FRONT = HERE.parents[1] / "README.md"
 PAPER = HERE.parents[1] / "cases" / "paper" / "README.md"
 DAMPINGS = ("constant", "stiffness")
 Row = dict[str, Any]
@@ -161,6 +163,47 @@ def _change(ratio: float) -> str:
     return f"{100 * (ratio - 1):+.0f} %".replace("-", "−") if ratio > 0.01 else f"1/{1 / ratio:.0f}"
 
 
+def limits_table(found: dict[str, Any]) -> str:
+    """Distance of each fidelity from its own limit: true and estimated, and what the estimate costs."""
+    columns = ("case", "held", "modes", "64 modes, rms", "128 modes, rms", "estimate, rms", "within a factor 2")
+    rows = (
+        [
+            row["case"].removeprefix("dtu_"), {"contact": "R", "first mode": "R₁"}[row["held"]], str(row["modes"]),
+            *(f"{100 * row[name]:.3g} %" for name in ("true_rms_64", "true_rms_128", "estimate_rms")),
+            f"{row['good']} of {row['points'] - row['below_floor']}",
+        ]
+        for row in found["rows"]
+    )  # fmt: skip
+    cost = found["cost"]
+    text = (
+        f"CPU time on the neutral case: comparison {cost['comparison']:.2f} s, sweeps {cost['sweeps']:.2f} s, the "
+        f"whole command {cost['command']:.1f} s, of which the comparison takes {100 * cost['share_of_command']:.1f} %."
+    )
+    return f"{markdown(columns, rows)}\n\n{fill(text, width=120)}"
+
+
+def front_table(found: dict[str, Any]) -> str:
+    """Peaks of the neutral case under both choices of the restitution held."""
+    choices = {"first mode": ("R₁ held: R at the contact", "restitution"), "contact": ("R held: R₁", "first_mode")}
+    columns = ["fidelity", *(each for named, _ in choices.values() for each in (named, "peak", "against eight modes"))]
+    names = [row["name"] for row in found["contact"]["rows"]]
+    rows = [
+        [name, *(cell for choice, (_, key) in choices.items() for cell in _front_cells(found[choice]["rows"][at], key))]
+        for at, name in enumerate(names)
+    ]
+    limits = [cell for choice in choices for cell in ("", "", _off(found[choice]["limit"]))]
+    return markdown(columns, [*rows, ["its limit, estimated", *limits]])
+
+
+def _front_cells(row: dict[str, Any], key: str) -> tuple[str, str, str]:
+    return f"{row[key]:.3f}", f"{1e3 * row['peak']:.3f} mm", _off(row["off"]) if row["off"] else "finest"
+
+
+def _off(share: float) -> str:
+    digits = 1 if abs(share) >= 0.01 else 2
+    return f"{100 * share:+.{digits}f} %".replace("-", "−")
+
+
 TABLES: dict[str, Callable[[dict[str, Any], list[Row]], str]] = {
     "peers": peers_table,
     "peers by modes": peers_modes_table,
@@ -171,7 +214,8 @@ TABLES: dict[str, Callable[[dict[str, Any], list[Row]], str]] = {
 def generated(results: Path = RESULTS) -> dict[str, str]:
     """The tables of the benchmark page by name, from the results files in a folder."""
     peers, modes = (_read(results, name) for name in ("peers", "modes"))
-    return {name: table(peers, modes) for name, table in TABLES.items()}
+    tables = {name: table(peers, modes) for name, table in TABLES.items()}
+    return tables | {"limits": limits_table(_read(results, "limits"))}
 
 
 def generated_for_paper(results: Path = RESULTS) -> dict[str, str]:
@@ -182,6 +226,11 @@ def generated_for_paper(results: Path = RESULTS) -> dict[str, str]:
         "single flights": read_table(found["read"]),
         "methods": methods_table(_read(results, "paper_methods")),
     }
+
+
+def generated_for_front(results: Path = RESULTS) -> dict[str, str]:
+    """The table of the front page by name, from the results files in a folder."""
+    return {"held": front_table(_read(results, "limits")["front"])}
 
 
 def _read(results: Path, name: str) -> Any:
@@ -204,7 +253,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="change nothing; exit code 1 where the page disagrees")
     check = parser.parse_args().check
-    for place, tables in ((PAGE, generated()), (PAPER, generated_for_paper())):
+    for place, tables in ((PAGE, generated()), (PAPER, generated_for_paper()), (FRONT, generated_for_front())):
         page = place.read_text(encoding="utf-8")
         renewed = with_tables(page, tables)
         if renewed != page and check:
