@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.axes import decades
+from vibeam.figures.axes import decades, is_empty, say
 from vibeam.figures.outputs import motion_of
 from vibeam.figures.panels import labelled
 from vibeam.figures.response_quantities import static_shape
@@ -47,6 +47,8 @@ SAMPLES = 256  # samples a natural period, of a motion that is not measured
 AWAY = 1e3  # gap, in contact displacements at the start, of a stop that is not there
 
 LEAST = 3  # maxima for an envelope
+
+LEAST_LINE = 1e-7  # smallest line shown, as a share of the largest displacement
 
 SHOWN = 4  # largest frequency shown, in multiples of the mode's
 
@@ -141,7 +143,11 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     motion, spectrum = figure.subplots(1, 2)
     for sheet in there:
         _draw_one(motion, spectrum, sheet, looks[sheet.fidelity], units, name_of(case, sheet.fidelity))
-    decades(spectrum, [sheet["displacement_line"] * units.length_factor for sheet in there], least=1e-6 * largest)
+    for axes in (motion, spectrum):
+        if is_empty(axes):
+            say(axes, "no decay to show")
+    lines = [sheet["displacement_line"] * units.length_factor for sheet in there]
+    decades(spectrum, lines, least=LEAST_LINE * largest * units.length_factor)
     motion.set_xlabel("time (s)" if units.frequency else "time")
     motion.set_ylabel(motion_of(plan.output, "displacement", units))
     labelled(spectrum, "frequency", units.frequency, across=True)
