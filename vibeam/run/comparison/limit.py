@@ -24,11 +24,11 @@ LEAST, MOST = 16, 32  # modes of the limit: twice the fidelity's, within these
 
 RESOLVED = 3  # elements a mode: the frequency of the highest is then within 0.1 %
 
-VANISHING = 0.5  # share of 1/S left by the extrapolation below which the contact has no inertia of its own
+LEAST_SHARE = 0.8  # of the mobility of all modes that those kept must have
 
-ILL_POSED = (
-    "the contact has no mass of its own, so that with one coefficient of restitution there is no limit: with each mode "
-    "more, mode 1 has less of the impulse"
+FAR = (
+    "the contact has little or no mass of its own: {modes} modes have {share:.0%} of its mobility, and with one "
+    "coefficient of restitution mode 1 gets less of the impulse with each mode more"
 )
 
 
@@ -50,10 +50,10 @@ class Limit:
         given, first = scene.stop.usual_restitution, float(self.system.contact[0])
         impulse = (1 + given) / self.mobility if restitution_of == "contact" else (1 + given) / first**2
         restitution = impulse * float(self.system.contact @ self.system.contact) - 1
-        if not 0 <= restitution <= 1 or impulse * self.mobility > 2:
-            raise ValueError(
-                f"its limit would need R = {impulse * self.mobility - 1:.4g} at the contact, outside [0, 1]"
-            )
+        at_contact = impulse * self.mobility - 1
+        if not 0 <= restitution <= 1 or at_contact > 1:
+            needed = at_contact if at_contact > 1 else restitution
+            raise ValueError(f"its limit would need R = {needed:.4g} at the contact, outside [0, 1]")
         return replace(self.system, restitution=restitution)
 
 
@@ -64,10 +64,11 @@ def limit(scene: Scene, modes: int) -> Limit:
     elements += elements % 2
     fine, coarse = (_all_modes(scene, each) for each in (elements, elements // 2))
     own, half = (float(each.contact @ each.contact) for each in (fine, coarse))
-    inertia = 2 / own - 1 / half
-    if inertia < VANISHING / own:
-        raise ValueError(ILL_POSED)
-    return Limit(_lowest(fine, count), elements, 1 / inertia)
+    inertia, kept = 2 / own - 1 / half, _lowest(fine, count)
+    share = float(kept.contact @ kept.contact) * inertia
+    if share < LEAST_SHARE:
+        raise ValueError(FAR.format(modes=kept.size, share=max(share, 0.0)))
+    return Limit(kept, elements, 1 / inertia)
 
 
 def _all_modes(scene: Scene, elements: int) -> ImpactSystem:

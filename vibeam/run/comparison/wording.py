@@ -40,6 +40,7 @@ def both_peaks(found: HeldComparison, most: int = PAIRS) -> str:
 def notes(found: HeldComparison) -> Iterator[str]:
     """Sentences on the distance of the finest fidelity from its limit, and on what is not known."""
     if found.other is None:
+        yield from _own_limit(found) if found.held.law else ()
         return
     reasons: dict[str, list[str]] = {}
     for row in found.rows:
