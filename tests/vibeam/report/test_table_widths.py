@@ -98,7 +98,10 @@ def test_a_terminal_narrower_than_a_number_gets_the_number() -> None:
     pieces = fitted(TABLES["responses"](), 5)
     assert all(len(piece.columns) == 2 for piece in pieces)
     assert all(
-        column.width == len("period") + 7 for piece in pieces for column in piece.columns if "14" in str(column.cells)
+        column.width == len("period") + 7
+        for piece in pieces
+        for column in piece.columns
+        if "14" in str(list(column.cells))
     )
 
 
