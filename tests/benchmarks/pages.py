@@ -182,6 +182,24 @@ def limits_table(found: dict[str, Any]) -> str:
     return f"{markdown(columns, rows)}\n\n{fill(text, width=120)}"
 
 
+def libraries_table(found: dict[str, Any]) -> str:
+    """Cost of an impact by numba and by the libraries of each level, and what a call and loading take."""
+    levels = [level for level in found["call"] if level != "numba"]
+    over = [f"{level}, {what}" for level in levels for what in ("median ratio", "least over least")]
+    rows = (
+        [str(row["modes"]), f"{row['ns']['numba']:.0f}",
+         *(f"{row[how][level]:.2f}" for level in levels for how in ("median", "least over least"))]
+        for row in found["impact"]
+    )  # fmt: skip
+    call = ", ".join(f"{name} {value:.1f} µs" for name, value in found["call"].items())
+    text = (
+        f"A call that does nothing: {call}. Opening all libraries: {1e3 * found['ready']['open']:.0f} ms of CPU time "
+        f"in a fresh process. {found['rounds']} rounds; load average {found['machine']['load'][0]:.0f} before, "
+        f"{found['machine']['load'][1]:.0f} after, on two cores."
+    )
+    return f"{markdown(['modes', 'numba, ns an impact', *over], rows)}\n\n{fill(text, width=120)}"
+
+
 def front_table(found: dict[str, Any]) -> str:
     """Peaks of the neutral case under both choices of the restitution held."""
     choices = {"first mode": ("R₁ held: R at the contact", "restitution"), "contact": ("R held: R₁", "first_mode")}
@@ -215,7 +233,8 @@ def generated(results: Path = RESULTS) -> dict[str, str]:
     """The tables of the benchmark page by name, from the results files in a folder."""
     peers, modes = (_read(results, name) for name in ("peers", "modes"))
     tables = {name: table(peers, modes) for name, table in TABLES.items()}
-    return tables | {"limits": limits_table(_read(results, "limits"))}
+    single = {"limits": limits_table, "libraries": libraries_table}
+    return tables | {name: table(_read(results, name)) for name, table in single.items()}
 
 
 def generated_for_paper(results: Path = RESULTS) -> dict[str, str]:

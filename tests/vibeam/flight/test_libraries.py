@@ -109,7 +109,7 @@ def both(system: vibeam.ImpactSystem, monkeypatch: pytest.MonkeyPatch, one: Any,
     for function in (one, other):
         use(monkeypatch, function)
         found.append(motion(system))
-    assert len(found[0][0]) > 20
+    assert len(found[0][0]) > 10
     return zip(*found, strict=True)
 
 
