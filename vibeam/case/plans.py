@@ -140,7 +140,7 @@ class ShowPlan:
 
     ``fidelities``: their names, in order; ``quantity``: of the kinds ``curve`` and ``boundaries``; ``output``: whose
     displacement; ``near`` (Hz): of ``ringing``; ``highest``, ``subdivision``: of ``harmonics``; ``start`` (m): of
-    ``decay``. ``key``: of all that decides the numbers.
+    ``decay``; ``velocity`` (m/s): of ``impact``. ``key``: of all that decides the numbers.
     """
 
     name: str
@@ -156,3 +156,4 @@ class ShowPlan:
     highest: int | None = None
     subdivision: int | None = None
     start: float | None = None
+    velocity: tuple[float, ...] = ()

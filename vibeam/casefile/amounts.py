@@ -12,10 +12,17 @@ from vibeam.casefile.fields import NUMBER_WITH_UNIT, Entry, Range
 
 RATE = units.dimension("1/s")
 
-KINDS = (units.RATIO, units.FREQUENCY, units.LENGTH, units.SPEED, RATE)
+KINDS = (units.RATIO, units.FREQUENCY, units.LENGTH, units.SPEED, units.TIME, RATE)
 
 #: dimension of a quantity by its unit, with a beam on the bench
-DIMENSIONS = {"1": units.RATIO, "Hz": units.FREQUENCY, "q": units.LENGTH, "q/s": units.SPEED, "1/s": RATE}
+DIMENSIONS = {
+    "1": units.RATIO,
+    "Hz": units.FREQUENCY,
+    "q": units.LENGTH,
+    "q/s": units.SPEED,
+    "s": units.TIME,
+    "1/s": RATE,
+}
 
 
 @dataclass(frozen=True)
@@ -54,7 +61,7 @@ class AmountEntry(Entry):
 
     def describe(self) -> str:
         """As ``Entry.describe``."""
-        return " ".join(filter(None, ["number | % | Hz | m | m/s | 1/s", self.range.describe()]))
+        return " ".join(filter(None, ["number | % | Hz | m | m/s | s | 1/s", self.range.describe()]))
 
     def schema(self) -> dict[str, Any]:
         """As ``Entry.schema``."""

@@ -192,4 +192,5 @@ def _show(case: BeamCase | SdofCase, name: str, sweep: SweepPlan, seen: Mapping[
         highest=table.highest,
         subdivision=table.subdivision,
         start=table.start,
+        velocity=table.velocity or (),
     )

@@ -94,6 +94,22 @@ FIGURES = Registry(
         {"decay_frequency": "Hz", "decay_damping": "1", "spectrum_frequency": "Hz"},
     ),
     FigureKind(
+        "impact",
+        f"{HOME}impact",
+        "one collision at given velocities: restitution and contact time as results",
+        ("velocity",),
+        reads={
+            "first_mode_restitution": "1",
+            "true_restitution": "1",
+            "energy_restitution": "1",
+            "mode_share": "1",
+            "contact_time": "s",
+            "contact_periods": "1",
+        },
+        entries="velocity",
+        exact=True,
+    ),
+    FigureKind(
         "modal",
         f"{HOME}modal",
         "frequencies and damping ratios of the modes",
@@ -104,7 +120,9 @@ FIGURES = Registry(
 
 #: units of what [expect.NAME] and [measured.NAME] can read off figures
 READ = {name: unit for kind in FIGURES.values() for name, unit in kind.reads.items()}
-KEYS = ("frequency", "periods", "settle", "quantity", "output", "near", "highest", "subdivision", "start")  # by kind
+KEYS = (
+    *("frequency", "periods", "settle", "quantity", "output", "near", "highest", "subdivision", "start", "velocity"),
+)  # by kind
 
 #: of a response and its model: the reach Q = Δ − min of the sweep's output, as the paper gives it of the sensor
 OF_OUTPUT = ("output_reach",)

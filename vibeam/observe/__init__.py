@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from vibeam.observe.apparent_restitution import first_mode_restitution as first_mode_restitution
     from vibeam.observe.apparent_restitution import mode_restitution as mode_restitution
     from vibeam.observe.apparent_restitution import true_restitution as true_restitution
+    from vibeam.observe.collision import Collision as Collision
+    from vibeam.observe.collision import collision_of as collision_of
     from vibeam.observe.harmonics import Harmonics as Harmonics
     from vibeam.observe.harmonics import harmonic_amplitudes as harmonic_amplitudes
     from vibeam.observe.harmonics import sampled_harmonics as sampled_harmonics
@@ -55,6 +57,7 @@ _HOMES = {
         "Restitution", "adjacent_restitution", "extrapolated_restitution", "extremum_restitution",
         "first_mode_restitution", "mode_restitution", "true_restitution",
     ),
+    "collision": ("Collision", "collision_of"),
     "low_pass": ("LowPass",),
     "harmonics": ("Harmonics", "harmonic_amplitudes", "sampled_harmonics"),
     "measuring_chain": ("Chain", "Record", "measure"),

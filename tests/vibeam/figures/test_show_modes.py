@@ -20,6 +20,10 @@ CHAIN = {
     "measurement__cut_off": "500 Hz",
 }  # fmt: skip
 ELLIPTIC = CHAIN | {"measurement__low_pass": "elliptic", "measurement__order": 6}
+STEEL = {
+    "stop__law": "hunt-crossley", "stop__hertz_stiffness": 2e10, "stop__restitution": 1.0, "stop__velocity": "1 m/s",
+    "stop__restitution_of": "contact",
+}  # fmt: skip
 RING = {"near": "101 Hz", "periods": 4}
 
 
@@ -134,6 +138,25 @@ def test_a_stop_that_yields_has_no_restitution_to_read() -> None:
     assert sheet_at(case, case.shows["it"], "sdof", 15.3, ()).fault.startswith("a stop that yields")
 
 
+def test_one_impact_of_the_beam_is_newtons() -> None:
+    """R₁ = (1+R) c₁²/S − 1 at any velocity: 0.602474 for eight modes, as in tests/vibeam/observe."""
+    found = sheet(beam("impact", velocity=["20 mm/s", "0.1 m/s"], stop__restitution_of="contact"), "beam", None)
+    assert list(found["velocity"]) == [0.02, 0.1]
+    np.testing.assert_allclose(found["first_mode_restitution"], 0.602474, atol=1e-6)
+    np.testing.assert_allclose(found["true_restitution"], 0.72, rtol=1e-9)
+    assert not found["contact_time"].any()
+
+
+def test_a_yielding_stop_takes_less_from_the_first_mode_than_newtons_law() -> None:
+    """The higher modes follow a contact that lasts: with its own R, Newton's law would leave mode 1 less."""
+    case = beam("impact", velocity="50 mm/s", **STEEL)
+    found = sheet(case, "beam", None)
+    contact = case.system("beam").contact
+    newton = (1 + found["true_restitution"][0]) * contact[0] ** 2 / np.sum(contact**2) - 1
+    assert 0.02 < found["first_mode_restitution"][0] - newton < 0.05
+    assert found["contact_periods"][0] == pytest.approx(found["contact_time"][0] * 4148.2, rel=1e-3)
+
+
 def test_a_sharp_filter_overshoots() -> None:
     """PHYSICS §4: R + 0.2(1 + R) by an elliptic low-pass; a Bessel filter is unbiased."""
     reads = [
@@ -178,6 +201,7 @@ def test_a_gap_that_drifts_counts_in_figures_too() -> None:
         ("ringing", RING),
         ("ringing", RING | {"frequency": "15.3 Hz"}),
         ("restitution", {"periods": 4}),
+        ("impact", STEEL | {"velocity": ["20 mm/s", "0.1 m/s"]}),
     ],
 )
 def test_the_figures_are_drawn(kind: str, keys: dict[str, object]) -> None:

@@ -102,6 +102,9 @@ def measurement_checks(chain: SimpleNamespace | None) -> Iterator[Complaint]:
         yield (*path, "seed"), "goes with noise: leave it away"
 
 
+Speed = Quantity(units.SPEED, POSITIVE)
+
+
 class ShowTable(Table):
     """A further figure beside the frequency-response curves, one table each."""
 
@@ -136,6 +139,10 @@ class ShowTable(Table):
         "2 mm",
         None,
         written=False,
+    )
+
+    velocity: Annotated[tuple[float, ...] | None, Several(Speed, alone=True, ascending=True)] = key(
+        "of impact: the contact's at first touch", ["20 mm/s", "50 mm/s"], None, written=False
     )
 
 
