@@ -62,6 +62,28 @@ def test_json_has_the_same_as_numbers() -> None:
     assert found[0]["turning"] == ["sdof", "two_modes"]
 
 
+def test_check_says_what_is_held_where_it_compares_fidelities(tmp_path: Path) -> None:
+    expected = """
+[expect.sdof]
+fidelity = "sdof"
+against = "beam"
+quantity = "amplitude"
+frequency = "15.3 Hz"
+value = "-10 %"
+tolerance = "50 %"
+"""
+    file = tmp_path / "rig.toml"
+    settings = [word for each in SHORT[:-1] for word in ("--set", each)]
+    file.write_text(RIG.read_text(encoding="utf-8").split("[reference")[0] + expected, encoding="utf-8")
+    result = CliRunner().invoke(app, ["check", str(file), *settings])
+    assert result.stdout.splitlines()[0] == "Held: R₁ = 0.72 of mode 1."
+    alone = file.read_text(encoding="utf-8").replace('against = "beam"\n', "").replace('"-10 %"', "0.394e-3")
+    file.write_text(alone, encoding="utf-8")
+    result = CliRunner().invoke(app, ["check", str(file), *settings])
+    assert result.exit_code == 0, result.output
+    assert "Held" not in result.stdout
+
+
 def test_an_accuracy_says_that_its_reference_is_further_from_its_own_limit() -> None:
     lines = vibeam_run("--set", "accuracy=1 %").stdout.splitlines()
     assert lines[0] == TURNS

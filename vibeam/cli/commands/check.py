@@ -23,6 +23,7 @@ def check(
         say(f"{case}: a sound case, but it names no reference to check against and no measured number")
         print_result([], as_json)
         return
+    from vibeam.case.held import held_of
     from vibeam.casefile.read import without_accuracy
     from vibeam.figures.units import units_of
     from vibeam.run.remarks import remarks
@@ -36,6 +37,10 @@ def check(
     rows = checked(loaded, result, partial=bool(set_))
     measured = compare_measured(loaded, result)
     units = units_of(loaded)
-    print_result([*rows, *measured], as_json, lambda tables: tables.verdicts(rows, measured, units), remarks(result))
+    compared = any(each.against for each in loaded.expectations.values())
+    print_result(
+        [*rows, *measured], as_json, lambda tables: tables.verdicts(rows, measured, units), remarks(result),
+        [f"Held: {held_of(loaded.scene).label}."] if compared else [],
+    )  # fmt: skip
     if not all(row.passed for row in rows):
         raise typer.Exit(MISSED)
