@@ -8,6 +8,8 @@ from apart import run_apart
 
 import vibeam
 from vibeam.flight.equilibrium import equilibrium
+from vibeam.flight.kernels.layout import DURATION, END, FREE, START, WHAT
+from vibeam.flight.kernels.regimes.layout import CONTACT, PASS
 from vibeam_models.laws.compliant import Hertz, HuntCrossley, LinearStop
 
 STILL = vibeam.Drive(2.27, 0.0)
@@ -79,3 +81,20 @@ def test_a_motion_that_dies_out_on_the_stop_settles(law: object, static: float) 
     assert path.ended is vibeam.Ended.COMPLETE
     assert path.outcome is vibeam.Outcome["SETTLED_ON_STOP" if static else "SETTLED"] or static == 0.0
     np.testing.assert_allclose(path.state.displacement, equilibrium(system).displacement, atol=1e-12)
+
+
+def test_a_stop_with_much_damping_pushes_again_while_it_is_still_penetrated() -> None:
+    """Let go at k d + b d' = 0, the contact goes deeper once more before it is out: there is no pull, and no free fall.
+
+    Where the modes are off the stop by the solver, the law's own formula must give no force.
+    """
+    law = LinearStop(30.0, 40.0)
+    system = vibeam.ImpactSystem.from_modes([1.0, 9.0], 0.01, [1.0, 0.9], [1.0, 0.3], gap=0.0, law=law)
+    path = vibeam.simulate(system, vibeam.Drive(1.9, 1.0), 60.0)
+    trace = path.segments.trace
+    for start, duration in trace[(trace[:, WHAT] == FREE) & (trace[:, DURATION] > 0)][:, [START, DURATION]]:
+        modes = path.modes_at(start + duration * np.linspace(0.01, 0.99, 99))
+        deep, rate = modes[:, 0] @ system.contact - system.gap, modes[:, 1] @ system.contact
+        assert not np.any((deep > 1e-9) & (law.stiffness * deep + law.damping * rate > 1e-9))
+    again = (trace[1:, WHAT] == CONTACT) & (trace[:-1, END] == PASS)
+    assert np.sum(again & (trace[1:, DURATION] > 0)) > 0

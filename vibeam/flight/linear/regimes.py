@@ -91,11 +91,7 @@ def _at_stop(system: ImpactSystem, side: int, contact: Array, gaps: Array, top: 
         linear = replace(linear, stiffness=law.stiffness, damping=law.damping)
         pushed = system.static + contact[side] * (law.stiffness * gaps[side])
         found = free_regime(linear, pushed, system.load, top)
-        rows = [
-            SignalRow(law.stiffness * w, law.damping * w, -law.stiffness * (gap if np.isfinite(gap) else 0.0))
-            for w, gap in zip(contact, gaps, strict=True)
-        ]
-        return with_signals(found, [*_gaps(contact, gaps, found.held), *rows])
+        return with_signals(found, [*_gaps(contact, gaps, found.held), *_forces(law, contact, gaps)])
     if isinstance(law, HuntCrossley):  # integrated: nothing linear to know of it
         return _free(system, linear, contact, gaps, top)
     found, force = held_regime(replace(linear, stiffness=inf), system.static, system.load, gaps[side], top)
@@ -103,9 +99,18 @@ def _at_stop(system: ImpactSystem, side: int, contact: Array, gaps: Array, top: 
 
 
 def _free(system: ImpactSystem, linear: Linear, contact: Array, gaps: Array, top: int) -> Regime:
-    """The regime of free flight."""
+    """The regime of free flight; beside the gaps the forces with which linear stops would push where they are."""
     found = free_regime(linear, system.static, system.load, top)
-    return with_signals(found, _gaps(contact, gaps, found.held))
+    forces = _forces(system.law, contact, gaps) if isinstance(system.law, LinearStop) else []
+    return with_signals(found, [*_gaps(contact, gaps, found.held), *forces])
+
+
+def _forces(law: LinearStop, contact: Array, gaps: Array) -> list[SignalRow]:
+    """The forces of both linear stops as signals."""
+    return [
+        SignalRow(law.stiffness * w, law.damping * w, -law.stiffness * (gap if np.isfinite(gap) else 0.0))
+        for w, gap in zip(contact, gaps, strict=True)
+    ]
 
 
 def _gaps(contact: Array, gaps: Array, held: Array) -> list[SignalRow]:
