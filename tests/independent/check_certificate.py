@@ -1,176 +1,70 @@
 """A checker of certificates in interval arithmetic, from the equations of motion alone.
 
-Per flight it takes the start (doubles, to the bit) and writes every mode in closed form with ball arithmetic
-(python-flint): x(t) = particular solution + Re Σ C e^{λt}. On a piece the gap and its derivatives are enclosed by a
-Taylor polynomial about the middle with the next derivative enclosed over the whole piece; modes that are too fast for
-the piece enter by their amplitude. A piece is halved where the enclosure does not decide, at most ``DEPTH`` times.
+Per segment it takes the start (doubles, to the bit), writes the motion in closed form with ball arithmetic
+(``ball_motion``), and from it the signals that the kind of segment calls for: in flight every gap, on a stop its force,
+in retreat from it penetration and pull. All of them must be covered from the segment's start to its end; a piece is
+halved where the enclosure (``ball_signal``) does not decide, at most ``DEPTH`` times.
 
-A flight that starts on the stop has there a root of order m that is exact in the model and round-off in the doubles:
-the derivatives below m are taken as zero, after a look that they are round-off, and g(t)/t^m is what must be positive.
+A segment that starts at a root of a signal has there one of order m that is exact in the model and round-off in the
+doubles: the derivatives below m are taken as zero, after a look that they are round-off, and g(t)/t^m is what must be
+positive.
+
+Then the joins: every segment must start where the one before it ended, in time, in the drive's phase and in all modes,
+velocities changed by the law where it ended with an impact. What follows an integrated contact is taken as given.
 """
 
 from __future__ import annotations
 
-from math import factorial
-
 import flint
 import numpy as np
-from flint import acb, arb
+from ball_motion import FLIGHT, PUSH, REST, RETREAT, Equations
+from ball_tail import tail_bounds
+from flint import arb
 
-TERMS = 6
 DEPTH = 60
-ON_STOP = 2.0**-40
 OPEN, CLOSES = 0.0, 1.0
 GRANTED = 1e-12
-FASTEST = 0.7  # |λ| times half a piece up to which a mode is expanded
+JOINED = 1e-9  # share of the motion's size by which doubles may miss a join
+SPAN_END, IMPACT, RELEASE, CHATTER, STUCK, PASS = range(6)
+AFTER = {  # what may follow each kind and end
+    (FLIGHT, IMPACT): {FLIGHT, PUSH}, (FLIGHT, CHATTER): {REST}, (FLIGHT, STUCK): {REST}, (FLIGHT, PASS): {FLIGHT},
+    (REST, RELEASE): {FLIGHT}, (PUSH, RELEASE): {FLIGHT, RETREAT, PUSH}, (RETREAT, PASS): {FLIGHT, PUSH},
+}  # fmt: skip
 
 
-class Flight:
-    """The gap of one flight as a sum of exponentials, a polynomial and a harmonic, in ball arithmetic."""
-
-    def __init__(self, system, drive, pose, clock):
-        self.constant, self.slope, self.bend = arb(system.gap), arb(0), arb(0)  # gap part: a + b t + c t²
-        self.waves = []  # (coefficient, λ) with value Re(coefficient e^{λt})
-        self.ramps = []  # the same times t
-        self.phase, self.w = arb(drive.omega) * arb(clock), arb(drive.omega)
-        strength = self.w * self.w * arb(drive.amplitude)
-        rows = zip(system.omega, system.zeta, system.contact, system.load, system.static, *pose, strict=True)
-        for omega, zeta, contact, load, static, x, v in rows:
-            if contact != 0:
-                self.add(arb(omega), arb(zeta), arb(contact), arb(load) * strength, arb(static), arb(x), arb(v))
-
-    def add(self, omega, zeta, contact, force, static, x, v):
-        """One mode's part of −contact·η."""
-        x0, v0 = arb(x), arb(v)
-        if omega == 0:
-            self.bend -= contact * static / 2
-        elif static != 0:
-            self.constant -= contact * static / omega**2
-            x0 -= static / omega**2
-        sigma = zeta * omega
-        if force != 0:
-            x0, v0 = self.drive(omega, sigma, contact, force, x0, v0)
-        self.free(omega, zeta, sigma, contact, x0, v0)
-
-    def drive(self, omega, sigma, contact, force, x0, v0):
-        """The particular solution of force · sin(phase + wt), and what it leaves of the start."""
-        lam = acb(0, self.w)
-        turn = acb(self.phase.cos(), self.phase.sin()) * acb(0, -1)  # Re(turn e^{iwt}) = sin(phase + wt)
-        if sigma == 0 and omega == self.w:
-            part = turn * force / (2 * lam)  # t e^{iwt}: resonance
-            self.ramps.append((-contact * part, lam))
-            return x0, v0 - part.real
-        part = turn * force / (acb(omega**2 - self.w**2) + 2 * sigma * lam)
-        self.waves.append((-contact * part, lam))
-        return x0 - part.real, v0 - (part * lam).real
-
-    def free(self, omega, zeta, sigma, contact, x0, v0):
-        """The free motion from (x0, v0)."""
-        if omega == 0:
-            self.constant -= contact * x0
-            self.slope -= contact * v0
-        elif zeta == 1:
-            self.waves.append((acb(-contact * x0), acb(-sigma)))
-            self.ramps.append((acb(-contact * (v0 + sigma * x0)), acb(-sigma)))
-        else:
-            root = acb(omega**2 * (zeta - 1) * (zeta + 1)).sqrt()
-            first, second = -sigma + root, -sigma - root
-            share = (v0 - second * x0) / (first - second)
-            self.waves.append((-contact * share, first))
-            self.waves.append((-contact * (x0 - share), second))
-
-    def derivative(self, j, t, half=None):
-        """g^{(j)}(t); with ``half`` without the waves too fast for a piece of that half length."""
-        total = self.constant + t * (self.slope + t * self.bend) if j == 0 else arb(0)
-        total += self.slope + 2 * t * self.bend if j == 1 else 2 * self.bend if j == 2 else 0
-        for coefficient, lam in self.waves:
-            if half is None or abs(lam) * half < FASTEST:
-                total += (coefficient * lam**j * (lam * t).exp()).real
-        for coefficient, lam in self.ramps:
-            below = j * lam ** (j - 1) if j else acb(0)
-            total += (coefficient * (t * lam**j + below) * (lam * t).exp()).real
-        return total
-
-    def fast(self, order, low, half):
-        """Bound of the order-th derivative of the waves too fast for the piece, from ``low`` on."""
-        rates = [(c, lam) for c, lam in self.waves if not abs(lam) * half < FASTEST]
-        return sum((abs(c) * abs(lam) ** order * (lam.real * low).exp() for c, lam in rates), arb(0))
-
-    def enclose(self, order, low, high):
-        """A ball that holds g^{(order)} on [low, high]."""
-        middle, half = (low + high) / 2, (high - low) / 2
-        ball = ball_of(low, high)
-        step, power, value = ball_of(-half, half), arb(1), arb(0)
-        for j in range(TERMS + 1):
-            value += self.derivative(order + j, middle if j < TERMS else ball, half) * power / factorial(j)
-            power *= step
-        hidden = self.fast(order, low, half)
-        return value + ball_of(-hidden, hidden)
-
-    def lifting(self, order, high):
-        """A ball that holds g(t)/t^order on [0, high], its derivatives below ``order`` being zero."""
-        t, zero = ball_of(arb(0), high), arb(0)
-        value, power = arb(0), arb(1)
-        for j in range(order, order + TERMS + 1):
-            value += self.derivative(j, zero if j < order + TERMS else t, high) * power / factorial(j)
-            power *= t
-        hidden = self.fast(order, zero, high) / factorial(order)
-        return value + ball_of(-hidden, hidden)
-
-    def put_on_stop(self, order):
-        """Take the gap's derivatives below ``order`` at the start for zero; whether they were round-off."""
-        zero, size = arb(0), self.size()
-        below = [self.derivative(j, zero) for j in range(order)]
-        if order > 0:
-            self.constant -= below[0]
-        if order > 1:
-            self.slope -= below[1]
-        if order > 2:
-            self.bend -= below[2] / 2
-        rate = max([abs(lam) for _, lam in self.waves], key=lambda rate: rate.mid(), default=arb(1))
-        return all(abs(value) <= ON_STOP * size * rate**j for j, value in enumerate(below))
-
-    def size(self):
-        """Of the gap's parts."""
-        return abs(self.constant) + sum((abs(c) for c, _ in self.waves), arb(0))
-
-
-def ball_of(low, high):
-    """The ball from ``low`` to ``high``."""
-    return low.union(high)
-
-
-def is_open(flight, low, high, depth=DEPTH):
+def is_open(signal, low, high, depth=DEPTH):
     """Whether g > 0 is proved on [low, high]."""
-    if flight.enclose(0, low, high) > 0:
+    if signal.enclose(0, low, high) > 0:
         return True
-    if depth == 0 or flight.derivative(0, (low + high) / 2) <= 0:
+    if depth == 0 or signal.derivative(0, (low + high) / 2) <= 0:
         return False
     middle = (low + high) / 2
-    return is_open(flight, low, middle, depth - 1) and is_open(flight, middle, high, depth - 1)
+    return is_open(signal, low, middle, depth - 1) and is_open(signal, middle, high, depth - 1)
 
 
-def lifts(flight, order, high, depth=DEPTH):
+def lifts(signal, order, high, depth=DEPTH):
     """Whether g > 0 is proved on (0, high]."""
-    if flight.lifting(order, high) > 0:
+    if signal.lifting(order, high) > 0:
         return True
-    return depth > 0 and lifts(flight, order, high / 2, depth - 1) and is_open(flight, high / 2, high)
+    return depth > 0 and lifts(signal, order, high / 2, depth - 1) and is_open(signal, high / 2, high)
 
 
-def closes(flight, low, end, slack, depth=DEPTH):
+def closes(signal, low, end, slack, depth=DEPTH):
     """Whether g is proved positive on [low, end − slack] and to pass zero once within ``slack`` of ``end``."""
     after = end + slack
-    if not flight.derivative(0, after) < 0 or not flight.derivative(0, max_of(end - slack, low)) > 0:
+    if not signal.derivative(0, after) < 0 or not signal.derivative(0, max_of(end - slack, low)) > 0:
         return False
-    return falls(flight, low, end - slack, after, depth)
+    return falls(signal, low, max_of(end - slack, low), after, depth)
 
 
-def falls(flight, low, before, after, depth):
+def falls(signal, low, before, after, depth):
     """Whether g > 0 on [low, s] and g' < 0 on [s, after] for some s ≤ before."""
-    if flight.enclose(1, low, after) < 0:
+    if signal.enclose(1, low, after) < 0:
         return True
     middle = (low + before) / 2
-    return depth > 0 and is_open(flight, low, middle) and falls(flight, middle, before, after, depth - 1)
+    return (
+        depth > 0 and low < before and is_open(signal, low, middle) and falls(signal, middle, before, after, depth - 1)
+    )
 
 
 def max_of(a, b):
@@ -181,48 +75,193 @@ def max_of(a, b):
 def check(certificate, slack=1e-10, bits=200):
     """Faults found (a list of texts), and the number of pieces proved.
 
-    ``slack``: how near to its written end a flight must close, relative to the flight's length; at least ``GRANTED`` of
-    the slowest mode's time is granted to the doubles in which starts and ends are written.
+    ``slack``: how near to its written end a signal must close, relative to the segment's length; at least ``GRANTED``
+    of the slowest mode's time is granted to the doubles in which starts and ends are written.
     """
     flint.ctx.prec = bits
-    faults, proved = [], 0
-    for i in np.flatnonzero(~certificate.resting):
-        pieces = certificate.pieces[certificate.pieces[:, 0] == i]
-        if certificate.durations[i] > 0:
-            faults += [f"flight {i}: {text}" for text in check_flight(certificate, i, pieces, slack)]
-            proved += len(pieces)
+    own = Equations(certificate.system, certificate.drive)
+    faults, proved, ends = [], 0, []
+    for i in range(len(certificate.kinds)):
+        motion = None
+        if not integrated(certificate, i):
+            motion = own.motion(int(certificate.kinds[i]), side_of(certificate, i), *start_of(certificate, i))
+            if certificate.durations[i] > 0:
+                pieces = certificate.pieces[certificate.pieces[:, 0] == i]
+                faults += [f"segment {i}: {text}" for text in check_segment(certificate, own, motion, i, pieces, slack)]
+                proved += len(pieces)
+        ends.append(motion)
+    faults += [text for i in range(len(ends) - 1) for text in check_join(certificate, own, ends[i], i)]
+    faults += [text for tail in certificate.tails for text in check_tail(certificate, own, ends, tail)]
     return faults, proved
 
 
-def check_flight(certificate, i, pieces, slack):
-    """Faults of one flight."""
-    flight = Flight(certificate.system, certificate.drive, certificate.starts[i], certificate.clocks[i])
-    duration, order = certificate.durations[i], int(certificate.orders[i])
+def integrated(certificate, i):
+    """Whether a segment is contact with a law that is not linear."""
+    return certificate.kinds[i] == PUSH and hasattr(certificate.system.law, "exponent")
+
+
+def side_of(certificate, i):
+    """The stop of a segment."""
+    return int(certificate.sides[i])
+
+
+def start_of(certificate, i):
+    """State and drive time at a segment's start."""
+    return certificate.starts[i], certificate.clocks[i]
+
+
+def signals_of(certificate, own, motion, i):
+    """The signals that must stay positive over a segment, by number, and the one that must close, or None."""
+    kind, side, end = int(certificate.kinds[i]), side_of(certificate, i), int(certificate.ends[i])
+    clock = certificate.clocks[i]
+    if kind == FLIGHT:
+        found = {s: own.gap(motion, s) for s in range(len(own.stops))}
+        return found, side if end in (IMPACT, CHATTER, STUCK) else None
+    if kind in (REST, PUSH):
+        return {2 + side: own.force(motion, side, kind, clock)}, 2 + side if end == RELEASE else None
+    found = {4 + side: own.gap(motion, side), 6 + side: own.force(motion, side, kind, clock)}
+    closing = 6 + side if i + 1 < len(certificate.kinds) and certificate.kinds[i + 1] == PUSH else 4 + side
+    return {number: negative(signal) for number, signal in found.items()}, closing if end == PASS else None
+
+
+def negative(signal):
+    """−g."""
+    found = type(signal)()
+    found.add(-1, signal)
+    return found
+
+
+def check_segment(certificate, own, motion, i, pieces, slack):
+    """Faults of one segment: of every signal that it calls for."""
+    signals, closing = signals_of(certificate, own, motion, i)
+    duration, faults = certificate.durations[i], []
+    moving = certificate.system.omega[certificate.system.omega > 0]
+    least = GRANTED / min(moving) if len(moving) else 0.0
+    for number, signal in signals.items():
+        order = int(certificate.orders[i]) if certificate.roots[i] == number else 0
+        mine = pieces[pieces[:, 4] == number]
+        found = check_cover(mine, duration, closing == number)
+        if not found and not signal.put_on_root(order, scale(own, certificate, i, number)):
+            found = ["it is said to start at a root and does not"]
+        if not found:
+            found = [text for piece in mine for text in check_piece(signal, order, piece, max(slack * duration, least))]
+        faults += [f"signal {number}: {text}" for text in found]
+    return faults
+
+
+def scale(own, certificate, i, number):
+    """Size of the parts of a signal, mode by mode."""
+    pose = certificate.starts[i]
+    row, gap = own.stops[number % 2]
+    parts = [abs(c) * abs(arb(float(x))) for c, x in zip(row, pose[0], strict=True)]
+    size = abs(gap) + sum(parts, arb(0))
+    if number % 4 < 2:
+        return size
+    if certificate.kinds[i] != REST:
+        rates = sum((abs(c) * abs(arb(float(v))) for c, v in zip(row, pose[1], strict=True)), arb(0))
+        return own.spring * size + own.damping * rates
+    pushes = [abs(load) * own.strength + abs(static) for load, static in zip(own.load, own.static, strict=True)]
+    springs = [omega**2 * abs(arb(float(x))) for omega, x in zip(own.omega, pose[0], strict=True)]
+    pulls = [abs(c) * (push + pull) for c, push, pull in zip(row, pushes, springs, strict=True)]
+    return sum(pulls, arb(0)) / own.mobility
+
+
+def check_cover(pieces, duration, closing):
+    """Whether the pieces reach from 0 to the end, and the last one says how it ends."""
     if not len(pieces):
         return ["no piece covers it"]
     if pieces[0, 1] != 0 or np.any(pieces[1:, 1] != pieces[:-1, 1] + pieces[:-1, 2]):
         return ["its pieces leave a hole"]
     if abs(pieces[-1, 1] + pieces[-1, 2] - duration) > 4e-16 * duration:
         return ["its pieces do not reach its end"]
-    if not flight.put_on_stop(order):
-        return ["it is said to start on the stop and does not"]
-    moving = certificate.system.omega[certificate.system.omega > 0]
-    least = GRANTED / min(moving) if len(moving) else 0.0
-    return [text for piece in pieces for text in check_piece(flight, order, piece, max(slack * duration, least))]
+    if (pieces[-1, 3] == CLOSES) != closing or np.any(pieces[:-1, 3] == CLOSES):
+        return ["it closes where the segment does not end so, or does not where it does"]
+    return []
 
 
-def check_piece(flight, order, piece, slack):
-    """Faults of one piece; a flight closes within ``slack`` s of its written end."""
+def check_piece(signal, order, piece, slack):
+    """Faults of one piece; a signal closes within ``slack`` s of its written end."""
     low, high, claim = arb(piece[1]), arb(piece[1]) + arb(piece[2]), piece[3]
     if claim == OPEN:
-        good = lifts(flight, order, high) if order and piece[1] == 0 else is_open(flight, low, high)
+        good = lifts(signal, order, high) if order and piece[1] == 0 else is_open(signal, low, high)
         return [] if good else [f"not proved open on ({piece[1]}, {piece[1] + piece[2]}]"]
     if claim != CLOSES:
         return [f"nothing is claimed from {piece[1]} on"]
-    if order and piece[1] == 0:
-        low = high / 2
-        if not lifts(flight, order, low):
-            low = high / 1024
-            if not lifts(flight, order, low):
-                return ["not proved to lift"]
-    return [] if closes(flight, low, high, arb(slack)) else [f"not proved to close at {float(high.mid())}"]
+    begins = [low] if not order or piece[1] > 0 else [high * share for share in (0.5, 0.75, 2.0**-10)]
+    for begin in begins:
+        lifted = begin == low or lifts(signal, order, begin)
+        if lifted and closes(signal, begin, high, arb(slack)):
+            return []
+    return [f"not proved to close at {float(high.mid())}"]
+
+
+def check_join(certificate, own, motion, i):
+    """Faults of the step from segment i to the next."""
+    kind, end, after = int(certificate.kinds[i]), int(certificate.ends[i]), int(certificate.kinds[i + 1])
+    batch = integrated(certificate, i) and end == SPAN_END and after == PUSH
+    if not batch and after not in AFTER.get((kind, end), set()):
+        return [f"segment {i}: one of kind {kind} that ends with {end} cannot be followed by one of kind {after}"]
+    duration, w = certificate.durations[i], certificate.drive.omega
+    times, late = certificate.times, certificate.times[i] + duration
+    turns = (certificate.clocks[i] + duration - certificate.clocks[i + 1]) * w / (2 * np.pi)
+    faults = []
+    if abs(times[i + 1] - late) > JOINED * max(duration, 1e-5 * abs(late)):
+        faults.append(f"segment {i}: the next one starts at {times[i + 1]}, it ends at {late}")
+    if w > 0 and certificate.drive.amplitude != 0 and abs(turns - round(turns)) > JOINED:
+        faults.append(f"segment {i}: the next one starts at another phase of the drive")
+    if motion is None:
+        return faults
+    reached, velocities = state_after(certificate, own, motion, i)
+    places, speeds = np.abs(certificate.starts).max(axis=2).T
+    sizes = max(places.max(), (speeds * certificate.durations).max()), speeds.max()
+    given = certificate.starts[i + 1]
+    for name, found, start, size in zip(("places", "velocities"), (reached, velocities), given, sizes, strict=True):
+        off = max(float(abs(a - arb(float(b))).mid()) for a, b in zip(found, start, strict=True))
+        if not off <= JOINED * size:
+            faults.append(f"segment {i}: {name} at the start of the next one are off by {off:.2g}")
+    return faults
+
+
+def state_after(certificate, own, motion, i):
+    """Displacements and velocities (balls) at the end of segment i, the impact included."""
+    end, side, t = int(certificate.ends[i]), side_of(certificate, i), arb(float(certificate.durations[i]))
+    reached = [x.derivative(0, t) for x in motion]
+    velocities = [x.derivative(1, t) for x in motion]
+    hard = not hasattr(certificate.system.law, "stiffness")
+    if hard and end in (IMPACT, CHATTER, STUCK):
+        row = own.stops[side][0]
+        before = sum((c * v for c, v in zip(row, velocities, strict=True)), arb(0))
+        after = coefficient(certificate.system, before) * before if end == IMPACT else arb(0)
+        impulse = -(before + after) / own.mobility
+        velocities = [v + c * impulse for v, c in zip(velocities, row, strict=True)]
+    return reached, velocities
+
+
+def coefficient(system, speed):
+    """R at an impact velocity (a ball, whose middle is taken for a law of the velocity)."""
+    return arb(system.restitution) if system.law is None else arb(float(system.law.at(float(speed.mid()))))
+
+
+def check_tail(certificate, own, ends, tail):
+    """Faults of what is claimed of an accumulation that was completed."""
+    i, side = int(tail[0]), side_of(certificate, int(tail[0]))
+    reached, velocities = state_after_bounce(certificate, own, ends[i], i)
+    pose = np.array([[float(x.mid()) for x in reached], [float(v.mid()) for v in velocities]])
+    gap = own.gap(own.motion(FLIGHT, 0, pose, certificate.clocks[i] + certificate.durations[i]), side)
+    speed = gap.derivative(1, arb(0))
+    system = certificate.system
+    found = tail_bounds(own, system.law, system.restitution, gap, side, speed)
+    if found is None:
+        return [f"segment {i}: no bound of what the accumulation still takes"]
+    if not (arb(tail[1]) <= found[0] and found[1] <= arb(tail[2])):
+        return [f"segment {i}: the accumulation takes {found[0]} to {found[1]}, not {tail[1]} to {tail[2]}"]
+    return []
+
+
+def state_after_bounce(certificate, own, motion, i):
+    """The state just after the impact with which a completed accumulation begins to be completed."""
+    side, t = side_of(certificate, i), arb(float(certificate.durations[i]))
+    velocities, row = [x.derivative(1, t) for x in motion], own.stops[side][0]
+    before = sum((c * v for c, v in zip(row, velocities, strict=True)), arb(0))
+    impulse = -(1 + coefficient(certificate.system, before)) * before / own.mobility
+    return [x.derivative(0, t) for x in motion], [v + c * impulse for v, c in zip(velocities, row, strict=True)]

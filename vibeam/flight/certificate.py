@@ -1,115 +1,153 @@
-"""A certificate that no impact was missed: every flight covered by intervals, each with its claim.
+"""A certificate that no event was missed: every segment of a trajectory covered by intervals, each with its claim.
 
-Written down are the flights as they started, to the bit: modal displacements and velocities, the drive's time, how the
-flight began (off the stop, or on it with a root of order 1 to 3), and pieces (flight, from, length, claim). A piece
-that is ``OPEN`` claims that the gap is positive on (from, from + length]; one that ``CLOSES`` that it is positive until
-the flight's end and passes zero there, once. What the claims say can be checked without the solver, from the equations
-of ``ImpactSystem`` alone: ``tests/independent/check_certificate.py`` does so in interval arithmetic.
+Written down are the segments as they started, to the bit: what each was in (flight, rest, push of a linear stop,
+retreat from it), modal displacements and velocities, the drive's time, the order of the root with which one of the
+signals watched may start (the gap after an impact: 1), what ended it; and pieces (segment, from, length, claim,
+signal). ``watched`` says which signals those are. A piece that is ``OPEN`` claims that its signal is positive on (from,
+from + length]; one that ``CLOSES`` that it is positive until the segment's end and passes zero there, once. An
+accumulation that was completed by its limit has a line in ``tails``: bounds of what it still takes.
 
-Rests, and accumulations that are completed by their limit, are no flights: they are listed with what they span.
+What is not proved is named in ``unproved``, with its time and reason: contact that is integrated (Hertz,
+Hunt–Crossley), starts on a stop that is touched with no force beyond round-off, tails without a bound.
+
+What the claims say can be checked without the solver, from the equations of ``ImpactSystem`` alone:
+``tests/independent/check_certificate.py`` does so in interval arithmetic.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.entries import cover
-from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, DURATION, END, IMPACT, RELEASE, RESTING, WHAT
-from vibeam.flight.kernels.pieces import CLAIM, CLOSES, COLUMNS, OPEN, UNPROVED, Flights
+from vibeam.flight.chatter_tail import tails_of
+from vibeam.flight.kernels.layout import AT_CLOCK, DURATION, END, RESTING, START
+from vibeam.flight.kernels.pieces import CLAIM, CLOSES, COLUMNS, FLIGHT, FROM, LENGTH, OPEN, ORDER, UNPROVED, WATCHED
+from vibeam.flight.kernels.regimes.layout import CONTACT
+from vibeam.flight.watched import Motion, motion_of, watch_list
+from vibeam_models.laws.compliant import HuntCrossley
 
 if TYPE_CHECKING:
-    from vibeam.flight.event_driven import Segments
-    from vibeam.flight.linear.packing import PackedSystem
+    from vibeam.flight.event_driven import EventDrivenSolver, Segments
     from vibeam.system.impact_system import Drive, ImpactSystem
 
 
 Array = NDArray[np.float64]
 
-PIECES_A_FLIGHT = 24
-
-ON_STOP = 64 * float(np.finfo(float).eps)
+PIECES_A_TASK = 24
 
 
-__all__ = ["CLOSES", "OPEN", "UNPROVED", "Certificate", "certificate_of"]
+__all__ = ["CLOSES", "OPEN", "UNPROVED", "Certificate", "Stretch", "certificate_of"]
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A part of a motion that is not proved: times in s, and why."""
+
+    begin: float
+    end: float
+    reason: str
 
 
 @dataclass(frozen=True)
 class Certificate:
-    """Flights and the pieces that cover them; SI units, times within a flight count from its start."""
+    """Segments and the pieces that cover them; SI units, times within a segment count from its start."""
 
     system: ImpactSystem
     drive: Drive
+    times: Array  #: (segments,) when each begins
+    kinds: Array  #: (segments,) 0 flight, 1 rest, 2 pushed by a stop that yields, 3 in its range but not pushed
+    sides: NDArray[np.int64]  #: (segments,) the stop, 0 or 1: of a flight that ends with an impact the one that is hit
+    ends: Array  #: (segments,) what ended it, see ``kernels.layout``
     starts: Array  #: (segments, 2, n) modal displacements and velocities
     clocks: Array  #: (segments,) drive time at the start, within one period
     durations: Array  #: (segments,)
-    orders: Array  #: (segments,) order of the gap's root at the start, 0 where it starts open
-    resting: NDArray[np.bool_]  #: (segments,) rests, which no piece covers
-    pieces: Array  #: (m, 4): segment, from, length, claim
+    orders: Array  #: (segments,) order of the root with which a signal starts, 0 where all start positive
+    roots: Array  #: (segments,) which signal that is, −1: none
+    pieces: Array  #: (m, 5): segment, from, length, claim, signal: 0, 1 gaps, 2, 3 forces, 4 … 7 their negatives
+    tails: Array  #: (k, 3): segment that ends with an accumulation, least and most time that it still takes
 
     @property
     def complete(self) -> bool:
-        """Whether every piece claims something that the bounds prove."""
-        return not np.any(self.pieces[:, CLAIM] == UNPROVED)
+        """Whether the bounds prove all of the motion."""
+        return not self.unproved
+
+    @property
+    def resting(self) -> NDArray[np.bool_]:
+        """(segments,) whether it is a rest on a hard stop."""
+        return np.asarray(self.kinds == RESTING)
 
     @property
     def uncovered(self) -> NDArray[np.int64]:
-        """The segments that are rests."""
-        return np.flatnonzero(self.resting)
+        """The segments that no piece covers: contact that is integrated, and what takes no time."""
+        return np.setdiff1d(np.arange(len(self.kinds)), self.pieces[:, FLIGHT].astype(np.int64))
+
+    @property
+    def unproved(self) -> tuple[Stretch, ...]:
+        """What is not proved, in the order of time."""
+        found = [*self._integrated(), *self._undecided(), *self._unbounded()]
+        return tuple(sorted(found, key=lambda stretch: stretch.begin))
+
+    def _integrated(self) -> list[Stretch]:
+        law = self.system.law
+        which = np.flatnonzero((self.kinds == CONTACT) & (self.durations > 0))
+        if not isinstance(law, HuntCrossley) or not len(which):
+            return []
+        first = which[np.diff(which, prepend=-2) > 1]
+        last = which[np.diff(which, append=which[-1] + 2) > 1]
+        reason = f'contact by the law "{law.name}" is integrated, to 1e-12 a step'
+        ends = self.times[last] + self.durations[last]
+        return [Stretch(float(a), float(b), reason) for a, b in zip(self.times[first], ends, strict=True)]
+
+    def _undecided(self) -> list[Stretch]:
+        open_yet = self.pieces[self.pieces[:, CLAIM] == UNPROVED]
+        found: list[Stretch] = []
+        for segment, start, length in open_yet[:, [FLIGHT, FROM, LENGTH]]:
+            begin = float(self.times[int(segment)] + start)
+            if found and begin <= found[-1].end:  # goes on with the same one
+                found[-1] = replace(found[-1], end=max(begin + float(length), found[-1].end))
+            else:
+                touching = start == 0 and self.orders[int(segment)] == 0
+                found.append(Stretch(begin, begin + float(length), _TOUCHING if touching else _UNDECIDED))
+        return found
+
+    def _unbounded(self) -> list[Stretch]:
+        endless = self.tails[~np.isfinite(self.tails[:, 2])]
+        ends = (self.times + self.durations)[endless[:, 0].astype(np.int64)]
+        return [Stretch(float(end), float(end), _UNBOUNDED) for end in ends]
 
 
-def certificate_of(packed: PackedSystem, drive: Drive, segments: Segments) -> Certificate:
+_TOUCHING = "touches a stop, pushed or drawn away by no more than round-off"
+
+_UNDECIDED = "no bound excludes another root"
+
+_UNBOUNDED = "what is left of the accumulation of impacts has no bound"
+
+
+def certificate_of(solver: EventDrivenSolver, drive: Drive, segments: Segments) -> Certificate:
     """The certificate of a motion that was flown."""
-    trace = segments.trace
-    orders, rises = _beginnings(packed.system, drive, segments)
-    desk = packed.desk_for(segments.size)
-    flights = Flights(trace, packed.inward(segments.poses), orders, rises)
-    found, room, first = [], np.zeros((PIECES_A_FLIGHT * max(len(trace), 8), COLUMNS)), 0
-    while first < len(trace):
-        count, reached = cover(desk, drive.omega, drive.amplitude, flights, first, room)
+    motion = motion_of(solver.system, drive, segments.trace, segments.poses)
+    tasks, trace = watch_list(motion), segments.trace
+    orders, roots = np.zeros(len(trace)), np.full(len(trace), -1.0)
+    starting = tasks[tasks[:, ORDER] > 0]
+    which = starting[:, 0].astype(np.int64)
+    orders[which], roots[which] = starting[:, ORDER], starting[:, WATCHED]
+    return Certificate(
+        solver.system, drive, trace[:, START], motion.kinds, motion.sides, trace[:, END], segments.poses,
+        trace[:, AT_CLOCK], trace[:, DURATION], orders, roots, _pieces(solver, motion, tasks, segments.size),
+        tails_of(motion),
+    )  # fmt: skip
+
+
+def _pieces(solver: EventDrivenSolver, motion: Motion, tasks: Array, size: float) -> Array:
+    """The pieces (m, COLUMNS) that cover all tasks."""
+    found, room, first = [], np.zeros((PIECES_A_TASK * max(len(tasks), 8), COLUMNS)), 0
+    while first < len(tasks):
+        count, reached = solver.cover(motion.drive, motion.trace, motion.poses, size, tasks, first, room)
         found.append(room[:count].copy())
         if reached == first:
             room = np.zeros((2 * len(room), COLUMNS))
         first = reached
-    return Certificate(
-        packed.system, drive, segments.poses, trace[:, AT_CLOCK], trace[:, DURATION], orders,
-        trace[:, WHAT] == RESTING, np.concatenate(found),
-    )  # fmt: skip
-
-
-def _beginnings(system: ImpactSystem, drive: Drive, segments: Segments) -> tuple[Array, Array]:
-    """Order of the root with which every segment starts, and the derivative of the gap of that order."""
-    trace, poses = segments.trace, segments.poses
-    ended = np.concatenate([[float(RELEASE)], trace[:-1, END]]) if len(trace) else trace[:, END]
-    after = -poses[:, 1] @ system.contact
-    struck = np.flatnonzero(ended == IMPACT)
-    after[struck] = system.restitution * trace[struck - 1, BEFORE]
-    starts_on_stop = (trace[:, WHAT] != RESTING) & _on_stop(system, poses)
-    thrown = starts_on_stop & (after > 0) & (ended != RELEASE)
-    thrown[:1] = starts_on_stop[:1] & (after[:1] > 0)
-    orders, rises = np.where(thrown, 1.0, 0.0), np.where(thrown, after, 0.0)
-    for i in np.flatnonzero(starts_on_stop & ~thrown):
-        at_root = bool(i > 0 and ended[i] == RELEASE)
-        orders[i], rises[i] = _lift(system, drive, poses[i], trace[i, AT_CLOCK], at_root)
-    return orders, rises
-
-
-def _on_stop(system: ImpactSystem, poses: Array) -> NDArray[np.bool_]:
-    """Whether the contact is on the stop, as near as round-off can tell."""
-    parts = abs(system.gap) + np.abs(poses[:, 0]) @ np.abs(system.contact)
-    return np.asarray(np.abs(system.gap - poses[:, 0] @ system.contact) <= ON_STOP * parts)
-
-
-def _lift(system: ImpactSystem, drive: Drive, pose: Array, clock: float, at_root: bool) -> tuple[int, float]:
-    """A start without contact velocity: drawn away by its acceleration, or by its jerk where the force vanishes."""
-    damp, spring, w = 2 * system.zeta * system.omega, system.omega**2, drive.omega
-    push = system.load * w * w * drive.amplitude
-    acceleration = push * np.sin(w * clock) + system.static - damp * pose[1] - spring * pose[0]
-    jerk = push * w * np.cos(w * clock) - damp * acceleration - spring * pose[1]
-    second, third = float(system.contact @ acceleration), float(system.contact @ jerk)
-    if third < 0 and (at_root or second >= 0):
-        return 3, -third
-    return 2, -second
+    return np.concatenate(found) if found else np.zeros((0, COLUMNS))

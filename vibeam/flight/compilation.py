@@ -24,6 +24,7 @@ KERNELS = {  # by the module of the entry point: what is compiled, and about how
         "the kernels of yielding stops, R(v), second stops and coupled damping",
         "one to two minutes",
     ),
+    "vibeam.flight.kernels.regimes.cover": ("the kernels of their certificates", "about half a minute"),
 }
 
 

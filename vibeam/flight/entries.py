@@ -41,9 +41,11 @@ cover = Entry("certificate", f"{KERNELS}.cover", "cover")
 
 regimes_move, regimes_poses_at = (Entry("regimes", f"{KERNELS}.regimes.entry", name) for name in ("move", "poses_at"))
 
+regimes_cover = Entry("regimes", f"{KERNELS}.regimes.cover", "cover")
+
 march = Entry("moreau", f"{KERNELS}.moreau", "march")
 
-ENTRIES = (tabulate, move, poses_at, cover, regimes_move, regimes_poses_at, march)
+ENTRIES = (tabulate, move, poses_at, cover, regimes_move, regimes_poses_at, regimes_cover, march)
 
 
 def origin() -> str:

@@ -72,11 +72,12 @@ def impact_limit(limit: object) -> int:
 class EventDrivenSolver(ABC):
     """One system, made ready once; its methods take a state and give one back.
 
-    An engine is the kernels' arrays, ``_move`` and ``_poses_at`` their entry points.
+    An engine is the kernels' arrays, ``_move``, ``_poses_at`` and ``_cover`` their entry points.
     """
 
     _move: ClassVar[Callable[..., tuple[int, float]]]
     _poses_at: ClassVar[Callable[..., None]]
+    _cover: ClassVar[Callable[..., tuple[int, int]]]
     _status_rows: ClassVar[int] = STATUS_ROWS
     _trace_columns: ClassVar[int] = TRACE_COLUMNS
 
@@ -171,6 +172,14 @@ class EventDrivenSolver(ABC):
             self._inward(segments.poses), which, times - starts[which], *self._scratch(), out,
         )  # fmt: skip
         return self._outward(out)
+
+    def cover(
+        self, drive: Drive, trace: Array, poses: Array, size: float, tasks: Array, first: int, pieces: Array
+    ) -> tuple[int, int]:
+        """Fill ``pieces`` from task ``first`` on, see ``kernels.cover``: pieces written, first task without room."""
+        return self._cover(
+            self._engine_for(size), drive.omega, drive.amplitude, trace, self._inward(poses), tasks, first, pieces
+        )
 
     def _scratch(self) -> tuple[Array, ...]:
         """Room for a pose, and what else ``_poses_at`` needs."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.entries import regimes_move, regimes_poses_at
+from vibeam.flight.entries import regimes_cover, regimes_move, regimes_poses_at
 from vibeam.flight.event_driven import EventDrivenSolver
 from vibeam.flight.kernels.layout import MOTION, ORDER, Regime
 from vibeam.flight.kernels.regimes.layout import SIDE, STATUS_ROWS, TRACE_COLUMNS, UNKNOWN, RegimeEngine
@@ -24,7 +24,7 @@ class RegimeSolver(EventDrivenSolver):
     touched, to 1e-12 a step. ``FrequencyResponse.rest`` is the share of time in contact, resting or pushed.
     """
 
-    _move, _poses_at = staticmethod(regimes_move), staticmethod(regimes_poses_at)
+    _move, _poses_at, _cover = staticmethod(regimes_move), staticmethod(regimes_poses_at), staticmethod(regimes_cover)
     _status_rows, _trace_columns = STATUS_ROWS, TRACE_COLUMNS
 
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, limit: int = 100_000) -> None:

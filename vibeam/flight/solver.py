@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.entries import move, poses_at
+from vibeam.flight.entries import cover, move, poses_at
 from vibeam.flight.event_driven import EventDrivenSolver
 from vibeam.flight.kernels.layout import STATUS_ROWS, Engine, Regime
 from vibeam.flight.linear.packing import PackedSystem, pack
@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 class FlightSolver(EventDrivenSolver):
     """One system, packed once for drives of ``slowest`` rad/s and more; its methods take a state and give one back."""
 
-    _move, _poses_at = staticmethod(move), staticmethod(poses_at)
+    _move, _poses_at, _cover = staticmethod(move), staticmethod(poses_at), staticmethod(cover)
 
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, limit: int = 100_000) -> None:
         """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""

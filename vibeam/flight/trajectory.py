@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from vibeam.flight.certificate import Certificate
     from vibeam.flight.event_driven import EventDrivenSolver, Segments
     from vibeam.flight.round_off import Errors
-    from vibeam.flight.solver import FlightSolver
 
 
 STILL = 1e-11  # share of the motion's fastest velocity, and of ω times the static displacements, that is none
@@ -233,7 +232,7 @@ def simulate(
 
     ``state``: where it starts, static equilibrium where None. ``max_impacts``: it ends there with Ended.EVENT_LIMIT.
     ``certify``: the result carries a ``certificate`` that no impact was missed, at less than the motion's cost again
-    (restitution and uncoupled damping only).
+    (of contact that is integrated, Hertz and Hunt–Crossley, it says that it proves nothing).
     ValueError for times that do not ascend, a state of the wrong shape, an unknown solver or an argument of another
     type; a start beyond the stop ends at once with Ended.PENETRATED.
     """
@@ -243,14 +242,12 @@ def simulate(
     start, end, limit = _checked(t_start, t_end, max_impacts)
     if solver != "flight":
         raise ValueError(f"solver: {solver!r} keeps no exact path, only 'flight' does; its class has motion() instead")
-    if certify:
-        system.require_plain("a certificate")
     runner = exact_solver(system, drive.omega, end - start)
     warm_up_motion(system, drive)
     ended, last, after, segments, stats = runner.simulate(drive, state, start, end, limit)
     return Trajectory(
         system, drive, start, last, after, ended, stats, runner, segments,
-        _certificate(cast("FlightSolver", runner), drive, segments) if certify else None,
+        _certificate(runner, drive, segments) if certify else None,
     )  # fmt: skip
 
 
@@ -265,7 +262,7 @@ def _checked(t_start: Any, t_end: Any, max_impacts: Any) -> tuple[float, float, 
     return start, end, limit
 
 
-def _certificate(runner: FlightSolver, drive: Drive, segments: Segments) -> Certificate:
+def _certificate(runner: EventDrivenSolver, drive: Drive, segments: Segments) -> Certificate:
     from vibeam.flight.certificate import certificate_of
 
-    return certificate_of(runner.packed, drive, segments)
+    return certificate_of(runner, drive, segments)

@@ -25,8 +25,8 @@ def fly() -> None:
 
 
 def fly_in_regimes() -> None:
-    """Motions and poses of the engine of any law and regime."""
-    simulate(replace(PLAIN, law=HuntCrossley(1e6)), DRIVE, 0.1).at(0.05)
+    """Motions, poses and certificates of the engine of any law and regime."""
+    simulate(replace(PLAIN, law=HuntCrossley(1e6)), DRIVE, 0.1, certify=True).at(0.05)
 
 
 def step() -> None:

@@ -1,6 +1,7 @@
-"""The intervals that cover a flight: on each a bound says that the gap stays open, on the last that it closes once.
+"""The intervals that cover a segment: on each a bound says that a signal is positive, on the last that it closes once.
 
-The same walk as ``roots.first_root``, but along a flight whose end is known, and written down.
+The same walk as ``roots.first_root``, but along a segment whose end is known, and written down. A signal is a gap or a
+contact force (``layout``: ``GAP_SIGNAL``, ``FORCE_SIGNAL``, each plus the side), or its negative (plus ``NEGATIVE``).
 """
 
 from __future__ import annotations
@@ -8,76 +9,114 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.compiler import entry, kernel
+from vibeam.flight.kernels.block_flow import set_signal, to_block_coordinates
+from vibeam.flight.kernels.compiler import entry, joined, kernel
 from vibeam.flight.kernels.drive import phase, set_drive
 from vibeam.flight.kernels.layout import (
     AT_CLOCK,
     ATTACHED,
-    CHATTER,
     COARSEST,
     CONST,
     DURATION,
-    END,
     HARMONIC,
-    IMPACT,
     LEVELS,
     RESTING,
     STEP,
-    STUCK,
     WHAT,
     WHOLE,
     ZI,
     ZR,
     Engine,
+    Regime,
 )
 from vibeam.flight.kernels.modal_flow import begin_flight
-from vibeam.flight.kernels.pieces import CLAIM, CLOSES, FLIGHT, FROM, LENGTH, OPEN, UNPROVED, Flights
+from vibeam.flight.kernels.pieces import (
+    CLAIM,
+    CLOSES,
+    CLOSING,
+    FLIGHT,
+    FROM,
+    LENGTH,
+    NEGATIVE,
+    OPEN,
+    ORDER,
+    RISE,
+    SEGMENT,
+    SIGNAL,
+    UNPROVED,
+    WATCHED,
+)
 from vibeam.flight.kernels.roots import taylor_pairs as att
-from vibeam.flight.kernels.roots.bounds import CLEAR, MINIMUM, SPLIT
+from vibeam.flight.kernels.roots.bounds import CLEAR, MINIMUM, ROOT, SPLIT
 from vibeam.flight.kernels.roots.first_root import first_level
 from vibeam.flight.kernels.roots.newton import EPSILON, polish_minimum
 from vibeam.flight.kernels.roots.pair import norm
 from vibeam.flight.kernels.roots.panels import Node, accept, launching, next_node, ordinary, step_pairs
-from vibeam.flight.kernels.roots.signal import Start, derivatives, signal_of, to_node
+from vibeam.flight.kernels.roots.signal import Signal, Start, derivatives, signal_of, to_node, value_at
 
 Array = NDArray[np.float64]
 
+MOST_DOUBTS = 64  # pieces without proof after which the rest of a segment is one of them
+
+CLOSE = 1e-10  # share of the segment's length within which the signal must vanish at its end
+
 
 @entry
-def cover(desk: Engine, omega: float, amplitude: float, flights: Flights, first: int, pieces: Array) -> tuple[int, int]:
-    """Fill ``pieces`` from flight ``first`` on: pieces written, the first flight that found no room."""
+def cover(
+    desk: Engine, omega: float, amplitude: float, trace: Array, poses: Array, tasks: Array, first: int, pieces: Array
+) -> tuple[int, int]:
+    """Fill ``pieces`` from task ``first`` on: pieces written, the first task that found no room.
+
+    ``trace`` (m, TRACE_COLUMNS), ``poses`` (m, 2, n); ``tasks`` (k, 5) in the order of the segments.
+    """
     set_drive(desk, omega, amplitude)
-    count, trace = 0, flights.trace
-    for flight in range(first, trace.shape[0]):
-        if trace[flight, WHAT] == RESTING or trace[flight, DURATION] == 0.0:
-            continue
-        written = along(desk, flights, flight, pieces, count)
+    count, coarsest = 0, int(desk.drive[COARSEST])
+    for i in range(first, tasks.shape[0]):
+        segment = int(tasks[i, SEGMENT])
+        clock, pose = trace[segment, AT_CLOCK], poses[segment]
+        if trace[segment, WHAT] == RESTING:
+            to_block_coordinates(desk.rest, desk.drive, pose, clock)
+            show(desk.rest, desk.drive, clock, tasks[i])
+            written = walk(signal_of(desk.rest), coarsest, trace[segment, DURATION], tasks[i], pieces, count)
+        else:
+            cosine, sine = phase(desk.drive, clock)
+            begin_flight(desk, pose, cosine, sine)
+            written = walk(signal_of(desk), coarsest, trace[segment, DURATION], tasks[i], pieces, count)
         if written < 0:
-            return count, flight
+            return count, i
         count += written
-    return count, trace.shape[0]
+    return count, tasks.shape[0]
+
+
+@joined
+def show(regime: Regime, drive: Array, clock: float, task: Array) -> None:
+    """Make the task's signal that of the regime, whose block coordinates are set."""
+    which, sign = int(task[WATCHED]), 1.0
+    if which >= NEGATIVE:
+        which, sign = which - NEGATIVE, -1.0
+    set_signal(regime, drive, which, sign, clock)
 
 
 @kernel
-def along(desk: Engine, flights: Flights, flight: int, pieces: Array, row: int) -> int:
-    """Pieces of one flight, written from ``row`` on; −1 where there is no room for them.
+def walk(g: Signal, coarsest: int, duration: float, task: Array, pieces: Array, row: int) -> int:
+    """Pieces of one signal, just begun, over its segment, written from ``row`` on; −1 where there is no room for them.
 
-    The verdicts are those of ``bounds.verdict``. A last panel that reaches beyond the flight's end and holds one root
-    there is open up to the end, where the gap is.
+    The verdicts are those of ``bounds.verdict``. The last panel reaches beyond the segment's end. Where the signal
+    closes there, the panel must hold one root (or, where a graze leaves that in doubt, the signal must vanish at the
+    end, to ``CLOSE`` of the length); elsewhere the panel is halved until nothing of it is in doubt.
     """
-    g, trace, start = signal_of(desk), flights.trace, Start(int(flights.orders[flight]), flights.rises[flight])
     pairs, table, levels, signal, attached = g
-    cosine, sine = phase(desk.drive, trace[flight, AT_CLOCK])
-    begin_flight(desk, flights.poses[flight], cosine, sine)
+    start = Start(int(task[ORDER]), task[RISE])
     total = to_node(pairs)
     if signal[ATTACHED] > 0.0:
         att.restart(attached, signal)
     re, im = signal[ZR], signal[ZI]
     signal[HARMONIC] = norm(re, im)
-    duration, end, coarsest = trace[flight, DURATION], trace[flight, END], int(desk.drive[COARSEST])
     tolerance = 8.0 * EPSILON * (abs(signal[CONST]) + signal[HARMONIC] + total + att.swing(attached, signal, duration))
-    closes = end in (IMPACT, CHATTER, STUCK)
-    node, level, since, count = Node(0.0, re, im), coarsest, 0, 0
+    never = signal[CONST] - signal[HARMONIC] - total > tolerance and signal[ATTACHED] == 0.0
+    if never and start.order == 0 and task[CLOSING] == 0.0:
+        return note(pieces, row, task, 0.0, duration, OPEN)
+    node, level, since, count, doubts = Node(0.0, re, im), coarsest, 0, 0, 0
     if start.order > 0:
         derivatives(g, pairs.shape[1], WHOLE, start.order + 1)
         level = first_level(g, start, coarsest)
@@ -93,14 +132,21 @@ def along(desk: Engine, flights: Flights, flight: int, pieces: Array, row: int) 
             _, value = polish_minimum(g, here, time, h)
             found = CLEAR if value > 0.0 else found
         last = time + h >= duration
-        claim = OPEN if found == CLEAR or last else UNPROVED
-        if last and closes:
-            claim = CLOSES
-        if row + count >= pieces.shape[0]:
+        claim = OPEN if found == CLEAR else UNPROVED
+        if last and task[CLOSING] > 0.0:
+            claim = CLOSES if found == ROOT or vanishes(g, time, duration, tolerance) else UNPROVED
+        elif last and found != CLEAR and level < LEVELS - 1:
+            level += 1
+            since = 0
+            continue
+        doubts += 1 if claim == UNPROVED else 0
+        if doubts > MOST_DOUBTS:
+            h = duration - time
+        if note(pieces, row + count, task, time, min(h, duration - time), claim) < 0:
             return -1
-        pieces[row + count, FLIGHT], pieces[row + count, FROM] = flight, time
-        pieces[row + count, LENGTH], pieces[row + count, CLAIM] = min(h, duration - time), claim
         count += 1
+        if doubts > MOST_DOUBTS:
+            break
         if here.order > 0:
             step_pairs(pairs, table, level)
         if signal[ATTACHED] > 0.0:
@@ -112,3 +158,20 @@ def along(desk: Engine, flights: Flights, flight: int, pieces: Array, row: int) 
             level -= 1
             since = 0
     return count
+
+
+@joined
+def note(pieces: Array, row: int, task: Array, time: float, length: float, claim: float) -> int:
+    """Write a piece: how many were written, −1 where there is no room."""
+    if row >= pieces.shape[0]:
+        return -1
+    pieces[row, FLIGHT], pieces[row, FROM], pieces[row, LENGTH] = task[SEGMENT], time, length
+    pieces[row, CLAIM], pieces[row, SIGNAL] = claim, task[WATCHED]
+    return 1
+
+
+@kernel
+def vanishes(g: Signal, node: float, t: float, tolerance: float) -> bool:
+    """Whether the signal is 0 at t, or within ``CLOSE`` of it."""
+    value, slope, _ = value_at(g, node, t)
+    return abs(value) <= CLOSE * t * abs(slope) + 64.0 * tolerance

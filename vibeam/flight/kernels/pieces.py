@@ -2,24 +2,14 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+FLIGHT, FROM, LENGTH, CLAIM, SIGNAL = range(5)  # columns of a piece; the first is its segment
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
-
-FLIGHT, FROM, LENGTH, CLAIM = range(4)  # columns of a piece
-
-COLUMNS = 4
+COLUMNS = 5
 
 OPEN, CLOSES, UNPROVED = 0.0, 1.0, 2.0  # claims
 
+NEGATIVE = 4  # added to the number of a signal (``layout``: GAP_SIGNAL, FORCE_SIGNAL, each plus the side): its negative
 
-class Flights(NamedTuple):
-    """The segments of a motion, and the root with which the gap of each starts (``roots.signal.Start``)."""
+SEGMENT, WATCHED, ORDER, RISE, CLOSING = range(5)  # columns of a task: a signal over a segment, its root at the start
 
-    trace: Array  # (m, TRACE_COLUMNS)
-    poses: Array  # (m, 2, n)
-    orders: Array  # (m,)
-    rises: Array  # (m,)
+TASK_COLUMNS = 5

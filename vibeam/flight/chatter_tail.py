@@ -1,0 +1,146 @@
+"""Bounds of the time that an accumulation of impacts, completed by its limit, still takes.
+
+The last impact computed throws the contact off at u₀, with its acceleration a towards the stop. A flight that starts at
+u with a in [a⁻, a⁺] lasts 2u/a⁺ to 2u/a⁻ and comes back at u/ρ to uρ, ρ² = a⁺/a⁻. With R in [r, R], Rρ < 1:
+
+    (2u₀/a⁺) / (1 − r/ρ)  ≤  T  ≤  (2u₀/a⁻) / (1 − Rρ)
+
+Where R = 1 − κv^b, b < 1, tends to 1, ρ must do so too: a changes by J 2u/a⁻ at most over a flight, J a bound of the
+jerk, so ρ ≤ 1 + θu with θ = J/a⁻². Then launch velocities fall by κ'u^{1+b} to κ''u^{1+b}, κ', κ'' = κ ∓ θu₀^{1−b}, and
+
+    (1 − κ''u₀^b)^b u₀^{1−b}/(κ''(1 − b))  ≤  Σ u  ≤  u₀^{1−b}/(κ'(1 − b)),     2 Σu/a⁺ ≤ T ≤ 2 Σu/a⁻
+
+a stays within |j| T + ½ √S E T² of its value, j the jerk and E = √(Σ ω²η'''² + η''''²), which grows at most by the
+drive; and the impulses to come, P in all, change it by √(|Dc|² + Σ ω²c²) √S P at most, since no motion without drive
+gains in the norm √(Σ ω²x² + x'²). All of that holds by induction from impact to impact as soon as the T and P assumed
+are larger than those that follow. u₀ is known as well as doubles can tell it: bounds are wider by that.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.derivatives import FREE, Derivatives, stop_of
+from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, CHATTER, END
+from vibeam.flight.linear.regimes import damper_of
+from vibeam.flight.watched import Motion, rebound
+from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.laws.restitution import TableRestitution, ViscousRestitution
+
+Array = NDArray[np.float64]
+
+ROOM = 2.0  # times the first estimate: what T and P are assumed to be at most
+
+MARGIN = 1e-9  # for the rounding of all this
+
+DOUBTFUL = 0.5  # the largest doubt in u₀ for which its bounds mean something
+
+SLACK = 64 * float(np.finfo(float).eps)  # share of the parts of a velocity by which doubles may miss it
+
+
+class _Start(NamedTuple):
+    """What is known after the last impacts computed, (k,) each."""
+
+    speed: Array  # u₀
+    pull: Array  # a
+    jerk: Array  # |j|
+    fourth: Array  # E
+    doubt: Array  # share of u₀ that may be round-off
+
+
+class _Range(NamedTuple):
+    """What stays within bounds while an accumulation goes on, (k,) each."""
+
+    least: Array  # a⁻
+    most: Array  # a⁺
+    jerk: Array  # J
+
+
+def tails_of(motion: Motion) -> Array:
+    """(k, 3): segment that ends with an accumulation, least and most time that it still takes; inf: no bound."""
+    which = np.flatnonzero(motion.trace[:-1, END] == CHATTER)
+    found = np.zeros((len(which), 3))
+    found[:, 0] = which
+    for side in np.unique(motion.sides[which]):
+        mine = motion.sides[which] == side
+        found[mine, 1:] = np.stack(_bounds(motion, int(side), which[mine]), axis=1)
+    return found
+
+
+def _bounds(motion: Motion, side: int, which: NDArray[np.int64]) -> tuple[Array, Array]:
+    start, system = _after_impact(motion, side, which), motion.system
+    mobility = float(system.contact @ system.contact)
+    with np.errstate(all="ignore"):
+        if isinstance(system.law, ViscousRestitution):
+            share = system.law.factor * (1 - system.law.exponent) * start.speed**system.law.exponent
+        else:
+            share = 1 - _coefficients(system, start.speed)[1]
+        time = ROOM * 2 * start.speed / (start.pull * share)
+        change = ROOM * 2 * start.speed / share  # S P
+        kept = _range(motion, start, time, change / np.sqrt(mobility))
+        if isinstance(system.law, ViscousRestitution):
+            least, most, changed = _viscous(system.law, start, kept)
+        else:
+            least, most, changed = _geometric(start, kept, *_coefficients(system, start.speed))
+        sure = (kept.least > 0) & (share > 0) & (most < time) & (changed < change)
+        sure &= (least > 0) & (start.doubt < DOUBTFUL)
+        doubt = MARGIN + start.doubt
+        return np.where(sure, least * (1 - doubt), 0.0), np.where(sure, most * (1 + doubt), np.inf)
+
+
+def _after_impact(motion: Motion, side: int, which: NDArray[np.int64]) -> _Start:
+    """Taken back from the rest that follows, whose contact velocity was taken out by the least impulse."""
+    system, drive, row = motion.system, motion.drive, stop_of(motion.system, side).row
+    speed = rebound(system, motion.trace[which, BEFORE])
+    poses = motion.poses[which + 1].copy()
+    poses[:, 1] -= speed[:, None] * (row / float(row @ row))
+    found = Derivatives(system, drive, FREE, side, poses, motion.trace[which + 1, AT_CLOCK])
+    _, _, second, third = (each.value for each in found.gap(side))
+    norm = np.sqrt(np.sum((system.omega * found.known[3].value) ** 2 + found.known[4].value ** 2, axis=1))
+    parts = (np.abs(poses[:, 1]) + system.omega * np.abs(poses[:, 0])) @ np.abs(row)
+    return _Start(speed, -second, np.abs(third), norm, 2 * SLACK * parts / speed)
+
+
+def _range(motion: Motion, start: _Start, time: Array, pushed: Array) -> _Range:
+    """``pushed``: P √S, the most by which impulses may move the modes."""
+    system, w = motion.system, motion.drive.omega
+    size, damper = float(np.linalg.norm(system.contact)), damper_of(system)
+    push = float(np.linalg.norm(system.load)) * w**2 * abs(motion.drive.amplitude)
+    fourth = size * (start.fourth + time * push * w**3)
+    braked, bent = float(np.linalg.norm(damper @ system.contact)), float(np.linalg.norm(system.omega * system.contact))
+    sway = np.hypot(braked, bent) * pushed
+    rate = float(np.max(system.omega)) + float(np.sum(np.abs(damper)))
+    shift = start.jerk * time + fourth * time**2 / 2 + sway
+    return _Range(start.pull - shift, start.pull + shift, start.jerk + fourth * time + 2 * rate * sway)
+
+
+def _coefficients(system: ImpactSystem, speeds: Array) -> tuple[Array, Array]:
+    """Least and largest R at velocities up to twice ``speeds``."""
+    law, ones = system.law, np.ones(len(speeds))
+    if law is None:
+        return system.restitution * ones, system.restitution * ones
+    if not isinstance(law, TableRestitution):
+        return ones, ones
+    last = np.minimum(np.searchsorted(law.speeds, 2 * speeds), len(law.speeds) - 1)
+    values = np.array(law.coefficients)
+    return np.minimum.accumulate(values)[last], np.maximum.accumulate(values)[last]
+
+
+def _geometric(start: _Start, kept: _Range, least: Array, most: Array) -> tuple[Array, Array, Array]:
+    """Bounds of T, and of S P, with R between ``least`` and ``most``."""
+    ratio = np.sqrt(kept.most / kept.least)
+    loss = np.where((most * ratio < 1) & (ratio < 2), 1 - most * ratio, np.nan)
+    shortest = 2 * start.speed / kept.most / (1 - least / ratio)
+    return shortest, 2 * start.speed / kept.least / loss, (1 + most) * start.speed * ratio / loss
+
+
+def _viscous(law: ViscousRestitution, start: _Start, kept: _Range) -> tuple[Array, Array, Array]:
+    """The same with R = 1 − κv^b."""
+    b, u, theta = law.exponent, start.speed, kept.jerk / kept.least**2
+    weaker, stronger = law.factor - theta * u ** (1 - b), law.factor + theta * u ** (1 - b)
+    whole = np.where((weaker > 0) & (stronger * u**b < 1) & (theta * u < 1), u ** (1 - b) / (1 - b), np.nan)
+    least, most = (1 - stronger * u**b) ** b * whole / stronger, whole / weaker
+    return 2 * least / kept.most, 2 * most / kept.least, 2 * most * (1 + theta * u)

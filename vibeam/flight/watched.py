@@ -1,0 +1,199 @@
+"""Signals whose sign a trajectory rests on: in flight the gaps, on a stop its force, and how each starts and ends.
+
+In flight every gap stays open until one closes at an impact. Held by a hard stop, or pushed by a linear one, the force
+stays positive until it vanishes at the release (so penetration does too: where d = 0, F = b d' > 0 and d grows). A
+linear stop with damping lets go while it is still penetrated: then −d' b − k d and d stay positive, until the contact
+is pushed again or is out.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.derivatives import FREE as FLYING
+from vibeam.flight.derivatives import HELD, PUSHED, Derivatives, Stop, Sum, stop_of
+from vibeam.flight.kernels.layout import (
+    AT_CLOCK,
+    BEFORE,
+    CHATTER,
+    DURATION,
+    END,
+    FORCE_SIGNAL,
+    FREE,
+    GAP_SIGNAL,
+    IMPACT,
+    RELEASE,
+    RESTING,
+    STUCK,
+    TRACE_COLUMNS,
+    WHAT,
+)
+from vibeam.flight.kernels.pieces import NEGATIVE, TASK_COLUMNS
+from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT, INSIDE, PASS
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam_models.laws.compliant import HuntCrossley, LinearStop
+
+Array = NDArray[np.float64]
+
+Flags = NDArray[np.bool_]
+
+ROUND_OFF = 64 * float(np.finfo(float).eps)  # share of the parts of a sum below which it is none
+
+
+class Motion(NamedTuple):
+    """The segments of a motion, what each is in, and the stop it starts at or (a flight) ends at."""
+
+    system: ImpactSystem
+    drive: Drive
+    trace: Array  # (m, TRACE_COLUMNS)
+    poses: Array  # (m, 2, n)
+    kinds: Array  # (m,) FREE, RESTING, CONTACT or INSIDE
+    sides: NDArray[np.int64]  # (m,)
+
+    @property
+    def yields(self) -> bool:
+        """Whether the stops yield."""
+        return isinstance(self.system.law, LinearStop | HuntCrossley)
+
+    @property
+    def lasting(self) -> Flags:
+        """Which segments take time."""
+        return np.asarray(self.trace[:, DURATION] > 0)
+
+
+def motion_of(system: ImpactSystem, drive: Drive, trace: Array, poses: Array) -> Motion:
+    """The segments of a trace with what each is in."""
+    kinds, law = trace[:, WHAT].copy(), system.law
+    if isinstance(law, LinearStop) and law.damping > 0:
+        let_go = (trace[:-1, WHAT] == CONTACT) & (trace[:-1, END] == RELEASE)
+        kinds[1:][let_go & (trace[1:, WHAT] == FREE)] = INSIDE
+    sides = trace[:, AT_SIDE] if trace.shape[1] > TRACE_COLUMNS else np.zeros(len(trace))
+    return Motion(system, drive, trace, poses, kinds, sides.astype(np.int64))
+
+
+def watch_list(motion: Motion) -> Array:
+    """Tasks (k, 5) for ``kernels.cover``, in the order of the segments."""
+    every = [np.zeros((0, TASK_COLUMNS))]
+    for side in range(1 if motion.system.second_gap is None else 2):
+        every += [_gaps(motion, side), _forces(motion, side, RESTING)]
+        if isinstance(motion.system.law, LinearStop):
+            every += [_forces(motion, side, CONTACT), *_retreats(motion, side)]
+    found = [rows for rows in every if len(rows)]
+    if len(found) < 2:
+        return found[0] if found else every[0]
+    tasks = np.concatenate(found)
+    return np.ascontiguousarray(tasks[np.lexsort((tasks[:, 1], tasks[:, 0]))])
+
+
+def _rows(which: NDArray[np.int64], signal: int, starts: tuple[Array, Array], closing: Flags) -> Array:
+    rows = np.empty((len(which), TASK_COLUMNS))
+    rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3], rows[:, 4] = which, signal, *starts, closing
+    return rows
+
+
+def _gaps(motion: Motion, side: int) -> Array:
+    """The gap to one stop over every flight."""
+    which = np.flatnonzero(motion.lasting & (motion.kinds == FREE))
+    struck = np.isin(motion.trace[which, END], (IMPACT, CHATTER, STUCK)) & (motion.sides[which] == side)
+    return _rows(which, GAP_SIGNAL + side, _openings(motion, side, which), struck)
+
+
+def _forces(motion: Motion, side: int, kind: float) -> Array:
+    """The force of one stop over every rest or push; it vanishes at a release."""
+    which = np.flatnonzero(motion.lasting & (motion.kinds == kind) & (motion.sides == side))
+    if not len(which):
+        return np.zeros((0, TASK_COLUMNS))
+    law, ended = motion.system.law, _ended_before(motion)[which]
+    vanished = (ended == PASS) | ((ended == IMPACT) & isinstance(law, LinearStop) & (getattr(law, "damping", 0) == 0))
+    found = _derivatives(motion, HELD if kind == RESTING else PUSHED, side, which).force(side)
+    starts = _leading(found, 1.0, vanished & (kind == CONTACT))
+    return _rows(which, FORCE_SIGNAL + side, starts, motion.trace[which, END] == RELEASE)
+
+
+def _retreats(motion: Motion, side: int) -> list[Array]:
+    """Penetration, and what the force would pull, while a stop with damping is penetrated and does not push."""
+    which = np.flatnonzero(motion.lasting & (motion.kinds == INSIDE) & (motion.sides == side))
+    if not len(which):
+        return []
+    passed = motion.trace[which, END] == PASS
+    pushed = passed & (np.append(motion.kinds, FREE)[which + 1] == CONTACT)
+    found = _derivatives(motion, FLYING, side, which)
+    deep, pull = _leading(found.gap(side), -1.0), _leading(found.force(side), -1.0, np.ones(len(which), dtype=bool))
+    return [
+        _rows(which, NEGATIVE + GAP_SIGNAL + side, deep, passed & ~pushed),
+        _rows(which, NEGATIVE + FORCE_SIGNAL + side, pull, pushed),
+    ]
+
+
+def _ended_before(motion: Motion) -> Array:
+    """What ended the segment before each; of the first, none did: as after a release without force."""
+    return np.concatenate([[float(RELEASE)], motion.trace[:-1, END]])
+
+
+def _derivatives(motion: Motion, regime: int, side: int, which: NDArray[np.int64]) -> Derivatives:
+    poses, clocks = motion.poses[which], motion.trace[which, AT_CLOCK]
+    return Derivatives(motion.system, motion.drive, regime, side, poses, clocks)
+
+
+def _leading(found: list[Sum], sign: float, vanished: Flags | None = None) -> tuple[Array, Array]:
+    """Order and size of the first derivative beyond round-off, where it is positive; (0, 0) elsewhere.
+
+    ``vanished``: where the value is known to be 0, whatever round-off makes of it.
+    """
+    order, rise = np.zeros(len(found[0].value)), np.zeros(len(found[0].value))
+    open_yet = np.ones(len(order), dtype=bool)
+    for j, (value, size) in enumerate(found):
+        seen = open_yet & (np.abs(value) > ROUND_OFF * size)
+        if j == 0 and vanished is not None:
+            seen &= ~vanished
+        rises = seen & (sign * value > 0) & (j > 0)
+        order[rises], rise[rises] = j, np.abs(value[rises])
+        open_yet &= ~seen
+    return order, rise
+
+
+def _openings(motion: Motion, side: int, which: NDArray[np.int64]) -> tuple[Array, Array]:
+    """Order of the root with which the gap of a flight starts, and the derivative of that order; 0: it starts open."""
+    trace, system, stop = motion.trace, motion.system, stop_of(motion.system, side)
+    ended, before = _ended_before(motion)[which], np.maximum(which - 1, 0)
+    left = (which > 0) & (motion.sides[before] == side) & (motion.kinds[before] != FREE)
+    struck = ~np.bool_(motion.yields) & (ended == IMPACT) & (motion.sides[before] == side)
+    after = -motion.poses[which, 1] @ stop.row
+    thrown = after > (ROUND_OFF * (np.abs(motion.poses[which, 1]) @ np.abs(stop.row)) if motion.yields else 0)
+    after[struck] = rebound(system, trace[before[struck], BEFORE])
+    thrown[struck] = after[struck] > 0
+    known = left | _on_stop(stop, motion.poses[which])
+    thrown &= known & (motion.yields | (ended != RELEASE) | (which == 0))
+    order, rise = np.where(thrown, 1.0, 0.0), np.where(thrown, after, 0.0)
+    drawn = np.flatnonzero(known & ~thrown)
+    if len(drawn):
+        at_root = (which[drawn] > 0) & (ended[drawn] == RELEASE) & (motion.kinds[before[drawn]] == RESTING)
+        order[drawn], rise[drawn] = _lift(_derivatives(motion, FLYING, side, which[drawn]).gap(side), at_root)
+    return order, rise
+
+
+def rebound(system: ImpactSystem, speeds: Array) -> Array:
+    """Contact velocities after impacts at ``speeds``."""
+    law = system.law
+    if law is None or isinstance(law, LinearStop | HuntCrossley):
+        return np.asarray(system.restitution * speeds)
+    return np.array([law.at(float(speed)) * speed for speed in speeds])
+
+
+def _on_stop(stop: Stop, poses: Array) -> Flags:
+    """Whether the contact is on the stop, as near as round-off can tell."""
+    if not np.isfinite(stop.gap):
+        return np.zeros(len(poses), dtype=bool)
+    parts = abs(stop.gap) + np.abs(poses[:, 0]) @ np.abs(stop.row)
+    return np.asarray(np.abs(stop.gap - poses[:, 0] @ stop.row) <= ROUND_OFF * parts)
+
+
+def _lift(gap: list[Sum], at_root: Flags) -> tuple[Array, Array]:
+    """A start without velocity: drawn away by the acceleration, or by the jerk where the force vanishes; or by none."""
+    second, third = (np.where(np.abs(value) > ROUND_OFF * size, value, 0.0) for value, size in gap[2:])
+    late = (third > 0) & (at_root | (second <= 0))
+    order = np.where(late, 3.0, np.where(second > 0, 2.0, 0.0))
+    return order, np.where(late, third, np.maximum(second, 0.0))
