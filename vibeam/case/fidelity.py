@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.reduced_beam import reduced_beam
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.scene import Scene, SdofScene
 from vibeam_reductions.declaration import REDUCTIONS
@@ -91,11 +92,8 @@ def _direct(scene: SdofScene) -> ImpactSystem:
 
 
 def _of_beam(scene: Scene, fidelity: Fidelity) -> ImpactSystem:
-    from vibeam_models.beam import assemble
-
-    structure = assemble(scene)
-    factor = _gap_factor(scene, structure)
-    small, second = reduced(structure, fidelity), scene.stop.second_gap
+    small, static = reduced_beam(scene, fidelity.reduction, fidelity.modes)
+    factor, second = 1.0 if scene.stop.gap_at == "contact" else static, scene.stop.second_gap
     built = ImpactSystem.from_structure(
         small,
         gap=scene.stop.gap * factor,
@@ -117,15 +115,6 @@ def _of_beam(scene: Scene, fidelity: Fidelity) -> ImpactSystem:
     )
 
 
-def _gap_factor(scene: Scene, structure: Structure) -> float:
-    """Gap at the contact over the gap as given: one measured at the sensor is converted by the static mode."""
-    if scene.stop.gap_at == "contact":
-        return 1.0
-    from vibeam_reductions.static_mode import static_mode
-
-    return float(static_mode(structure).structure.contact[0])
-
-
 def gap_drift(scene: Scene | SdofScene, omega: ArrayLike) -> NDArray[np.float64] | None:
     """Added gap at the contact at drive frequencies ``omega`` (rad/s), m; None where the gap is constant.
 
@@ -137,9 +126,8 @@ def gap_drift(scene: Scene | SdofScene, omega: ArrayLike) -> NDArray[np.float64]
     added = np.interp(frequency, scene.stop.drift_frequency, scene.stop.drift)
     if isinstance(scene, SdofScene) or scene.stop.gap_at == "contact":
         return added
-    from vibeam_models.beam import assemble
-
-    return np.asarray(added * _gap_factor(scene, assemble(scene)))
+    _, static = reduced_beam(scene, "static_mode", None)
+    return np.asarray(added * static)
 
 
 def gap_wear(scene: Scene | SdofScene) -> float | None:
