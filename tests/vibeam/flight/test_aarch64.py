@@ -81,7 +81,7 @@ def recorded(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Entry, Any, Any, Any
     for entry in ENTRIES:
         monkeypatch.setitem(vars(entry), "function", noting(entry))
     vibeam.simulate(SYSTEM, DRIVE, 0.5, certify=True).at([0.1, 0.3])
-    vibeam.simulate(replace(SYSTEM, law=HuntCrossley(1e8, 0.4)), DRIVE, 0.3).at([0.1, 0.2])
+    vibeam.simulate(replace(SYSTEM, law=HuntCrossley(1e8, 0.4)), DRIVE, 0.3, certify=True).at([0.1, 0.2])
     vibeam.sweep(SYSTEM, omega=[95.0], amplitude=2e-4, settle=5, hold=5)
     vibeam.sweep(SYSTEM, omega=[95.0], amplitude=2e-4, settle=5, hold=5, solver="moreau")
     return calls
