@@ -23,8 +23,9 @@ class Collision:
 
     ``speed`` m/s: of the contact at first touch. ``restitution``: −v⁺/v⁻ of the contact over the first touch.
     ``mode_restitution``: −η'⁺/η'⁻ of the mode, its free motions before and after extrapolated to the middle of the
-    first touch. ``energy_restitution``: √(E⁺/E⁻) of all modes. ``mode_share``: of the energy E⁺ that is the mode's.
-    ``duration`` s and ``force`` N: of the first touch, 0 and NaN for an impact; ``touches``: their number.
+    first touch; above 1 where a touch damps less than the free motion that it replaces. ``energy_restitution``:
+    √(E⁺/E⁻) of all modes. ``mode_share``: of the energy E⁺ that is the mode's. ``duration`` s and ``force`` N: of the
+    first touch, 0 and NaN for an impact; ``touches``: their number.
     """
 
     speed: float
