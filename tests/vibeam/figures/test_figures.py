@@ -310,4 +310,6 @@ def test_axes_say_whose_motion_they_show_and_figures_what() -> None:
     drawn = shown(rig, *(motion(name, 15.0) for name in rig.fidelities))
     assert drawn.axes[0].get_xlabel() == "contact displacement (mm)"
     assert drawn.axes[0].get_ylabel() == "contact velocity (mm/s)"
-    assert drawn.get_suptitle().splitlines() == ["DTU impacting beam, neutral gap, 0.6 V", "velocity over displacement"]
+    assert drawn.get_suptitle().splitlines() == [
+        "DTU impacting beam, neutral gap, 0.6 V", "velocity over displacement, R₁ = 0.72 of mode 1",
+    ]  # fmt: skip
