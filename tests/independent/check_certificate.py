@@ -213,7 +213,9 @@ def check_join(certificate, own, motion, i):
         return faults
     reached, velocities = state_after(certificate, own, motion, i)
     places, speeds = np.abs(certificate.starts).max(axis=2).T
-    sizes = max(places.max(), (speeds * certificate.durations).max()), speeds.max()
+    moving = certificate.system.omega[certificate.system.omega > 0]
+    turned = places.max() * moving.min() if len(moving) else 0.0
+    sizes = max(places.max(), (speeds * certificate.durations).max()), max(speeds.max(), turned)
     given = certificate.starts[i + 1]
     for name, found, start, size in zip(("places", "velocities"), (reached, velocities), given, sizes, strict=True):
         off = max(float(abs(a - arb(float(b))).mid()) for a, b in zip(found, start, strict=True))

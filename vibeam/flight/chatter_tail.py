@@ -26,7 +26,8 @@ from numpy.typing import NDArray
 from vibeam.flight.derivatives import FREE, Derivatives, stop_of
 from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, CHATTER, END
 from vibeam.flight.linear.regimes import damper_of
-from vibeam.flight.watched import Motion, rebound
+from vibeam.flight.rebound import rebound
+from vibeam.flight.watched import Motion
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.laws.restitution import TableRestitution, ViscousRestitution
 

@@ -33,6 +33,7 @@ from vibeam.flight.kernels.layout import (
 )
 from vibeam.flight.kernels.pieces import NEGATIVE, TASK_COLUMNS
 from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT, INSIDE, PASS
+from vibeam.flight.rebound import rebound
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
@@ -173,14 +174,6 @@ def _openings(motion: Motion, side: int, which: NDArray[np.int64]) -> tuple[Arra
         at_root = (which[drawn] > 0) & (ended[drawn] == RELEASE) & (motion.kinds[before[drawn]] == RESTING)
         order[drawn], rise[drawn] = _lift(_derivatives(motion, FLYING, side, which[drawn]).gap(side), at_root)
     return order, rise
-
-
-def rebound(system: ImpactSystem, speeds: Array) -> Array:
-    """Contact velocities after impacts at ``speeds``."""
-    law = system.law
-    if law is None or isinstance(law, LinearStop | HuntCrossley):
-        return np.asarray(system.restitution * speeds)
-    return np.array([law.at(float(speed)) * speed for speed in speeds])
 
 
 def _on_stop(stop: Stop, poses: Array) -> Flags:

@@ -1,0 +1,35 @@
+"""Contact velocities after many impacts at once."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
+
+Array = NDArray[np.float64]
+
+
+def rebound(system: ImpactSystem, speeds: Array) -> Array:
+    """Contact velocities R(v) v off a hard stop after impacts at ``speeds`` v, m/s."""
+    law = system.law
+    if isinstance(law, TableRestitution):
+        return _tabulated(law, speeds) * speeds
+    if isinstance(law, ViscousRestitution):
+        return np.asarray(np.maximum(0.0, 1 - law.factor * speeds**law.exponent) * speeds)
+    if isinstance(law, PlasticRestitution):
+        elastic = law.velocity * law.coefficient ** (1 / law.exponent)
+        fast = np.maximum(speeds, elastic)
+        return np.where(speeds > elastic, law.coefficient * (fast / law.velocity) ** -law.exponent, 1.0) * speeds
+    return np.asarray(system.restitution * speeds)
+
+
+def _tabulated(law: TableRestitution, speeds: Array) -> Array:
+    """R by the monotone cubics of the table, constant beyond its ends."""
+    v, r, slope = np.array(law.speeds), np.array(law.coefficients), np.array(law.slopes())
+    i = np.clip(np.searchsorted(v, speeds, side="right") - 1, 0, len(v) - 2)
+    h = v[i + 1] - v[i]
+    u = np.clip((speeds - v[i]) / h, 0.0, 1.0)
+    bend = h * u * (1 - u) * ((1 - u) * slope[i] - u * slope[i + 1])
+    return np.asarray(r[i] + (r[i + 1] - r[i]) * u * u * (3 - 2 * u) + bend)
