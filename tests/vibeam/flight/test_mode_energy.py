@@ -10,7 +10,10 @@ import pytest
 from mpmath import mpf
 
 import vibeam
+from vibeam.flight.equilibrium import equilibrium
+from vibeam.flight.exact import exact_solver
 from vibeam.flight.solver import FlightSolver
+from vibeam_models.laws.compliant import LinearStop
 
 DIGITS = 1e-11
 
@@ -121,3 +124,23 @@ def test_a_period_with_chatter_rest_and_release(coupled: bool) -> None:
     else:
         found = energies(system, drive, start)
     np.testing.assert_allclose(found, quadrature(path, 12), rtol=1e-9)
+
+
+@pytest.mark.parametrize("law", [None, LinearStop(40.0, 0.05)], ids=["rest", "push"])
+@pytest.mark.parametrize("coupled", [False, True], ids=["modal", "coupled"])
+def test_a_mode_that_turns_thousands_of_times_in_contact(coupled: bool, law: LinearStop | None) -> None:
+    """In closed form, where 128 panels of quadrature do not resolve a turn: at rest, pushed, with coupled damping."""
+    omega, zeta, drive = np.array([1.0, 9.0, 2400.0]), 1e-5, vibeam.Drive(0.6, 0.3)
+    damping = np.diag(2 * zeta * omega) + 0.004 * np.outer([1.0, 2.0, -1.0], [1.0, 2.0, -1.0])
+    system = vibeam.ImpactSystem.from_modes(
+        omega, zeta, [1.0, 0.4, -0.3], [1.0, 0.3, -0.2], gap=-0.3, restitution=0.3, static=[1.0, 0.0, 0.0],
+        coupling=damping if coupled else None, law=law,
+    )  # fmt: skip
+    pressed = equilibrium(system)
+    start = vibeam.State(pressed.displacement, np.array([1e-5, 5e-5, 1e-4]), pressed.resting)  # contact at rest
+    path = vibeam.simulate(system, drive, 2 * np.pi / drive.omega, start)
+    solver = exact_solver(system, drive.omega)
+    response, _ = solver.steady([drive.omega], drive.amplitude, start, 0, 1, "contact")
+    assert response.rest[0] == 1.0
+    found = response.mode_energy[0] * 2 * np.pi / drive.omega
+    np.testing.assert_allclose(found, quadrature(path, 2000), rtol=1e-9)

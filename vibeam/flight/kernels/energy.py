@@ -15,34 +15,25 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.block_flow import advance_blocks
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import phase
 from vibeam.flight.kernels.layout import (
     AMODE,
     AOMEGA,
     ATTACHED,
-    CARRIED,
     DISC,
     DRIVE,
     IM,
-    IM1,
     KAPPA,
-    MODE,
     NODE_X,
     NODE_Y,
     OFFSET,
-    OFFSET1,
     OMEGA,
     RE,
-    RE1,
     SERIES,
     SIGMA,
     TERM,
-    Z1,
-    Z2,
     Engine,
-    Regime,
     W,
 )
 from vibeam.flight.kernels.roots import taylor_pairs as att
@@ -264,45 +255,3 @@ def energy_attached(attached: Array, signal: Array, duration: float, energy: Arr
                 energy[int(attached[AMODE, j])] += 0.5 * h * WEIGHTS[node] * density
         att.carry(attached, signal, panel * h, h)
         att.accept(attached, signal)
-
-
-@kernel
-def energy_in_blocks(
-    regime: Regime, drive: Array, own: Array, rate: float, clock: float, duration: float, scratch: Array, energy: Array
-) -> None:
-    """Add ∫ E_k dt over ``duration`` of a regime entered at ``clock`` to ``energy`` (n,).
-
-    ``own``: the modes' ω (n,); ``rate``: the fastest there is.
-    """
-    n = scratch.shape[1]
-    panels = int(min(MOST, max(1, ceil(max(drive[W], rate) * duration / PANEL))))
-    h = duration / panels
-    for panel in range(panels):
-        for node in range(8):
-            advance_blocks(regime, drive, scratch, clock, (panel + NODES[node]) * h)
-            for k in range(n):
-                energy[k] += 0.5 * h * WEIGHTS[node] * (scratch[1, k] ** 2 + (own[k] * scratch[0, k]) ** 2)
-
-
-@kernel
-def is_modal(regime: Regime) -> bool:
-    """Whether every block of a regime is one mode by itself, with a steady response."""
-    for k in range(regime.blocks.shape[1]):
-        if regime.blocks[MODE, k] < 0.0 or regime.blocks[CARRIED, k] > 0.0:
-            return False
-    return True
-
-
-@kernel
-def energy_by_mode(regime: Regime, drive: Array, clock: float, duration: float, energy: Array) -> None:
-    """The same where every block is one mode by itself, in closed form."""
-    blocks, w, n = regime.blocks, drive[W], energy.shape[0]
-    cosine, sine = phase(drive, clock)
-    turned = growth(1j * w, duration)
-    for k in range(blocks.shape[1]):
-        mode = int(blocks[MODE, k])
-        at, rate = regime.outof[mode, 2 * k], regime.outof[n + mode, 2 * k + 1]
-        re, im, offset = at * blocks[RE1, k], at * blocks[IM1, k], at * blocks[OFFSET1, k] + regime.held[mode]
-        steady = (re * sine + im * cosine) - 1j * (re * cosine - im * sine)  # Re(steady e^{iΩt})
-        x, y = at * blocks[Z1, k], rate * blocks[Z2, k]
-        energy[mode] += flight_energy(regime.pairs, k, x, y, SteadyResponse(steady, w, offset), duration, turned)

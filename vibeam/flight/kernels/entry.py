@@ -11,12 +11,13 @@ from vibeam.flight.kernels.drive import phase, set_drive
 from vibeam.flight.kernels.events import advance, piece_of
 from vibeam.flight.kernels.layout import AT_CLOCK, CLOCK, OMEGA, RESTING, WHAT, Engine, Schedule, Watch
 from vibeam.flight.kernels.modal_flow import begin_flight, end_flight
-from vibeam.flight.kernels.readout import read_off
+from vibeam.flight.kernels.readout import read_segment
+from vibeam.flight.kernels.segments import copy_pose
 from vibeam.flight.kernels.steady_point import steady_kernel
 
 Array = NDArray[np.float64]
 
-steady_point = steady_kernel(advance, read_off)
+steady_point = steady_kernel(advance, read_segment)
 
 WATCHING = 64  # panels that reading a segment off is as much work as, about
 
@@ -48,8 +49,7 @@ def poses_at(
     set_drive(desk, omega, amplitude)
     for i in range(len(which)):
         segment = which[i]
-        for k in range(pose.shape[1]):
-            pose[0, k], pose[1, k] = poses[segment, 0, k], poses[segment, 1, k]
+        copy_pose(poses[segment], pose)
         clock = trace[segment, AT_CLOCK]
         if after[i] == 0.0:
             pass
@@ -61,5 +61,4 @@ def poses_at(
             cosine, sine = phase(desk.drive, clock)
             begin_flight(desk, pose, cosine, sine)
             end_flight(desk, pose, status, after[i], False)
-        for k in range(pose.shape[1]):
-            out[i, 0, k], out[i, 1, k] = pose[0, k], pose[1, k]
+        copy_pose(pose, out[i])

@@ -1,4 +1,4 @@
-"""The motion from event to event: flight, impact, chatter, rest, release."""
+"""Event loop of a plain system, one stop and one coefficient of restitution: flight, impact, chatter, rest, release."""
 
 from __future__ import annotations
 
@@ -25,7 +25,6 @@ from vibeam.flight.kernels.layout import (
     IMPACT,
     IMPACTS,
     KIND,
-    LEFT,
     LOST,
     NOT_FINITE,
     ORDER,
@@ -34,7 +33,6 @@ from vibeam.flight.kernels.layout import (
     PENETRATED,
     PHASE_COS,
     PHASE_SIN,
-    REMAINDER,
     RESTING,
     RESTITUTION,
     RISE,
@@ -46,11 +44,11 @@ from vibeam.flight.kernels.layout import (
     Engine,
 )
 from vibeam.flight.kernels.modal_flow import ROUND_OFF, begin_flight, contact_pull, end_flight
-from vibeam.flight.kernels.rest import rest_on_stop
+from vibeam.flight.kernels.rest import lift_or_rest, rest_on_stop
 from vibeam.flight.kernels.roots.double_gap import InitialState
 from vibeam.flight.kernels.roots.first_root import first_root
 from vibeam.flight.kernels.roots.signal import Start, signal_of
-from vibeam.flight.kernels.segments import Progress, Record, add, close_segment, open_segment, work_of
+from vibeam.flight.kernels.segments import Progress, Record, add, close_segment, note_chatter, open_segment, work_of
 
 Array = NDArray[np.float64]
 
@@ -80,7 +78,7 @@ def advance(
     """
     done, lost, rows, idle = status[DONE], status[LOST], trace.shape[0], 0
     plain = desk.cells.shape[0] > 0 and desk.signal[ATTACHED] == 0.0
-    begun, piece = work_of(counts), piece_of(pose)
+    begun, piece, record = work_of(counts), piece_of(pose), Record(trace, poses, counts)
     if done == 0.0:
         status[CLOCK] = wrap(desk.drive, status[CLOCK])
         status[PHASE_COS], status[PHASE_SIN] = phase(desk.drive, status[CLOCK])
@@ -91,20 +89,18 @@ def advance(
         unusual = not plain or status[KIND] == RESTING
         if not unusual:
             upto = min(most, counts[IMPACTS] + piece)
-            what, done, lost, flown = plain_flights(
-                desk, pose, status, Progress(span, done, lost), upto, Record(trace, poses, counts)
-            )
+            what, done, lost, flown = plain_flights(desk, pose, status, Progress(span, done, lost), upto, record)
             if what == AT_STOP:
-                record_impact(desk, pose, status, flown, trace, counts)
+                record_impact(desk, pose, status, flown, record)
             unusual = what == NOT_PLAIN
         if unusual:
             struck_before = counts[IMPACTS]
             if rows > 0:
                 open_segment(trace, poses, pose, status, done, counts[SEGMENTS])
             if status[KIND] == RESTING:
-                outcome, step = rest_on_stop(desk, pose, status, span - done, trace, counts)
+                outcome, step = rest_on_stop(desk, pose, status, span - done, record)
             else:
-                outcome, step = free_flight(desk, pose, status, span - done, trace, counts)
+                outcome, step = free_flight(desk, pose, status, span - done, record)
             if outcome != COMPLETE:
                 return outcome, done
             if step >= span - done:
@@ -139,20 +135,16 @@ def plain_flights(
 
 
 @kernel
-def record_impact(
-    desk: Engine, pose: Array, status: Array, flight: float, trace: Array, counts: NDArray[np.int64]
-) -> None:
+def record_impact(desk: Engine, pose: Array, status: Array, flight: float, record: Record) -> None:
     """The impact at the end of a flight."""
-    before, end = apply_impact(desk, pose, status, trace, counts[SEGMENTS])
-    counts[IMPACTS] += 1
-    counts[CHATTERS] += 1 if end == CHATTER else 0
-    close_segment(trace, flight, end, before, counts)
+    before, end = apply_impact(desk, pose, status, record)
+    record.counts[IMPACTS] += 1
+    record.counts[CHATTERS] += 1 if end == CHATTER else 0
+    close_segment(record.trace, flight, end, before, record.counts)
 
 
 @joined
-def free_flight(
-    desk: Engine, pose: Array, status: Array, span: float, trace: Array, counts: NDArray[np.int64]
-) -> tuple[int, float]:
+def free_flight(desk: Engine, pose: Array, status: Array, span: float, record: Record) -> tuple[int, float]:
     """One flight and the impact at its end: outcome, duration."""
     value, _, size = begin_flight(desk, pose, status[PHASE_COS], status[PHASE_SIN])
     if not np.isfinite(size):
@@ -166,54 +158,42 @@ def free_flight(
             status[ORDER], status[RISE] = 1.0, -approach
         elif approach > 0.0:
             found = True
-        elif lift_or_rest(desk, pose, status) == STUCK:
-            return COMPLETE, 0.0
+        else:
+            toward, jerk = contact_pull(desk.pairs, desk.modes, desk.drive, pose, status)
+            if lift_or_rest(status, toward, jerk) == STUCK:
+                return COMPLETE, 0.0
     if not found:
         found, flight, panels = first_root(
             signal_of(desk), Start(int(status[ORDER]), status[RISE]), span, int(desk.drive[COARSEST]),
             InitialState(desk.modes, desk.drive, pose, status[CLOCK]),
         )  # fmt: skip
-        counts[PANELS] += panels
+        record.counts[PANELS] += panels
         if flight < 0.0:
             return UNRESOLVED, 0.0
         end_flight(desk, pose, status, flight, found)
     status[ORDER] = 0.0
     if found:
-        record_impact(desk, pose, status, flight, trace, counts)
+        record_impact(desk, pose, status, flight, record)
     else:
-        close_segment(trace, flight, SPAN_END, 0.0, counts)
+        close_segment(record.trace, flight, SPAN_END, 0.0, record.counts)
     return COMPLETE, flight
 
 
 @joined
-def apply_impact(desk: Engine, pose: Array, status: Array, trace: Array, row: int) -> tuple[float, int]:
+def apply_impact(desk: Engine, pose: Array, status: Array, record: Record) -> tuple[float, int]:
     """The impact: velocities through the impulse, then flight, chatter's end or rest. Velocity before, what it was."""
     before = strike(desk.modes, desk.drive, pose)
     after = desk.drive[RESTITUTION] * before
     status[SPEED] = max(status[SPEED], before)
     if after <= 0.0:
         settle_on_stop(desk.modes, desk.drive, pose)
-        return before, lift_or_rest(desk, pose, status)
+        toward, jerk = contact_pull(desk.pairs, desk.modes, desk.drive, pose, status)
+        return before, lift_or_rest(status, toward, jerk)
     left, remainder = chatter_left(desk, pose, status, after)
     if left < 0.0:
         status[ORDER], status[RISE] = 1.0, after
         return before, IMPACT
     settle_on_stop(desk.modes, desk.drive, pose)
     status[KIND], status[ORDER] = RESTING, 0.0
-    if trace.shape[0] > 0:
-        trace[row, LEFT], trace[row, REMAINDER] = left, remainder
+    note_chatter(record, left, remainder)
     return before, CHATTER
-
-
-@joined
-def lift_or_rest(desk: Engine, pose: Array, status: Array) -> int:
-    """On the stop without velocity: pressed against it (or not drawn away) it rests, drawn away it flies."""
-    toward, jerk = contact_pull(desk.pairs, desk.modes, desk.drive, pose, status)
-    if toward < 0.0:
-        status[ORDER], status[RISE] = 2.0, -toward
-        return IMPACT
-    if toward == 0.0 and jerk < 0.0:
-        status[ORDER], status[RISE] = 3.0, -jerk
-        return IMPACT
-    status[KIND], status[ORDER] = RESTING, 0.0
-    return STUCK

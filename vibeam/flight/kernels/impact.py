@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -128,27 +130,46 @@ def is_faint(after: float, top: float, toward: float, loss: float, gap: float) -
     return toward > 0.0 and loss > 0.0 and 2.0 * after * (after / top) <= NEAR * loss * (top + gap * (toward / top))
 
 
+class Accumulation(NamedTuple):
+    """An endless series of impacts from one of them on."""
+
+    after: float  # the velocity after it
+    top: float  # the largest impact velocity so far
+    toward: float  # contact acceleration toward the stop
+    restitution: float
+    loss: float  # what its time is divided by: 1 − R for a constant R
+
+
 @joined
 def chatter_left(desk: Engine, pose: Array, status: Array, after: float) -> tuple[float, float]:
+    """``time_left`` after an impact of a plain system, (−1, 0) where it is too early to complete a chatter."""
+    drive = desk.drive
+    toward, _ = contact_derivatives(desk.pairs, desk.modes, drive, pose, status)
+    rest = Accumulation(after, status[SPEED], toward, drive[RESTITUTION], 1.0 - drive[RESTITUTION])
+    if not is_faint(after, rest.top, toward, rest.loss, abs(drive[GAP])):
+        return -1.0, 0.0
+    begin_flight(desk, pose, status[PHASE_COS], status[PHASE_SIN])
+    slowest = max(drive[W], desk.pairs[KAPPA, 0])
+    return time_left(signal_of(desk), desk.modes[CONTACT], drive[GAP], pose, rest, slowest, 0.0)
+
+
+@kernel
+def time_left(
+    g: Signal, contact: Array, gap: float, pose: Array, rest: Accumulation, slowest: float, share: float
+) -> tuple[float, float]:
     """Time that the rest of an accumulation of impacts takes, and a bound of its error; (−1, 0) where it is too early.
 
     With contact acceleration a toward the stop the flights last 2v/a, 2Rv/a, …: together T = 2v / (a (1 − R)). Its
-    relative error is at most M₃T/a, M₃ bounding the jerk; and the impulses that rest leaves out move the other modes
-    by v T at most (Nordmark & Piiroinen 2009, to first order).
+    relative error is at most M₃T/a, M₃ bounding the jerk of the gap g, and ``share`` where R is not constant; and the
+    impulses that rest leaves out move the other modes by v T at most (Nordmark & Piiroinen 2009, to first order).
     """
-    drive = desk.drive
-    toward, _ = contact_derivatives(desk.pairs, desk.modes, drive, pose, status)
-    loss = 1.0 - drive[RESTITUTION]
-    if not is_faint(after, status[SPEED], toward, loss, abs(drive[GAP])):
-        return -1.0, 0.0
-    top = status[SPEED]
+    after, top, toward, restitution, loss = rest
     left, length = 2.0 * after / (toward * loss), top * (top / toward)
-    begin_flight(desk, pose, status[PHASE_COS], status[PHASE_SIN])
-    jerk = jerk_bound(signal_of(desk))
-    size = size_of_gap(signal_of(desk), desk.modes[CONTACT], drive[GAP], pose)
-    remainder, slowest = left * (jerk * left / toward), max(drive[W], desk.pairs[KAPPA, 0])
-    if remainder > FAITHFUL * drive[RESTITUTION] * 2.0 * (top / toward) / loss and after * left >= FLOOR * length:
+    jerk, size = jerk_bound(g), size_of_gap(g, contact, gap, pose)
+    remainder = left * (jerk * left / toward)
+    if remainder > FAITHFUL * restitution * 2.0 * (top / toward) / loss and after * left >= FLOOR * length:
         return -1.0, 0.0
+    remainder += share * left
     if not is_over(after, left, remainder, jerk * left / toward, length, size, pose.shape[1], slowest):
         return -1.0, 0.0
     return left, remainder

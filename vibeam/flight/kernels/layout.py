@@ -27,6 +27,7 @@ class Regime(NamedTuple):
     outof: Array  # (2n, 2m): (η − held, η') from y
     held: Array  # (n,)
     signals: Array  # (SIGNALS, 2m + 2)
+    terms: Array  # (2, 2m + 2, 2 + n) room for the exponentials that every mode is a sum of: see ``block_energy``
 
 
 class Engine(NamedTuple):

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels.block_energy import energy_in_blocks
 from vibeam.flight.kernels.block_flow import set_signal, to_block_coordinates
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.drive import phase
-from vibeam.flight.kernels.energy import energy_in_blocks, energy_in_flight
+from vibeam.flight.kernels.energy import energy_in_flight
 from vibeam.flight.kernels.extremes import ACCURACY, LIGHTLY, extremes_to
 from vibeam.flight.kernels.layout import (
     AMODE,
@@ -27,14 +28,12 @@ from vibeam.flight.kernels.layout import (
     GAP,
     HIGH,
     IM,
-    KAPPA,
     LEAST,
     OFFSET,
     OMEGA,
     OUTPUT_SIGNAL,
     RE,
     REACH_TOO,
-    REST_TIME,
     RESTING,
     SINE,
     WHAT,
@@ -48,7 +47,6 @@ from vibeam.flight.kernels.layout import (
 )
 from vibeam.flight.kernels.modal_flow import begin_flight
 from vibeam.flight.kernels.roots.signal import signal_of
-from vibeam.flight.kernels.steady_point import is_unread, note_impact
 
 Array = NDArray[np.float64]
 
@@ -76,24 +74,15 @@ def begin_output(desk: Engine, row: Array, pose: Array, clock: float) -> None:
 
 
 @kernel
-def read_off(desk: Engine, room: Watch, count: int) -> None:
-    """Read off the segments just traced."""
-    trace, frame, result = room.trace, room.frame, room.result
-    coarsest = int(desk.drive[COARSEST])
-    share = ACCURACY if room.reading >= EVERYTHING else LIGHTLY
-    for i in range(count):
-        clock, duration = trace[i, AT_CLOCK], trace[i, DURATION]
-        for k in range(frame.shape[1]):
-            frame[0, k], frame[1, k] = room.poses[i, 0, k], room.poses[i, 1, k]
-        if trace[i, WHAT] == RESTING:
-            result[REST_TIME] += duration
-            result[CONTACT_LEAST] = min(result[CONTACT_LEAST], desk.drive[GAP])
-            read_rest(desk, room, frame, clock, duration, coarsest, share)
-        elif duration > 0.0:
-            read_flight(desk, room, frame, clock, duration, coarsest, share)
-        note_impact(trace, i, result)
-        if is_unread(result):
-            return
+def read_segment(desk: Engine, room: Watch, i: int) -> None:
+    """Read off the i-th segment just traced, from its first pose in ``room.frame``."""
+    clock, duration = room.trace[i, AT_CLOCK], room.trace[i, DURATION]
+    coarsest, share = int(desk.drive[COARSEST]), ACCURACY if room.reading >= EVERYTHING else LIGHTLY
+    if room.trace[i, WHAT] == RESTING:
+        room.result[CONTACT_LEAST] = min(room.result[CONTACT_LEAST], desk.drive[GAP])
+        read_rest(desk, room, room.frame, clock, duration, coarsest, share)
+    else:
+        read_flight(desk, room, room.frame, clock, duration, coarsest, share)
 
 
 @kernel
@@ -106,8 +95,7 @@ def read_rest(
     set_signal(rest, desk.drive, OUTPUT_SIGNAL, 1.0, clock)
     result[LEAST], result[HIGH] = extremes_to(signal_of(rest), duration, coarsest, result[LEAST], result[HIGH], share)
     if room.reading >= EVERYTHING:
-        fastest = desk.pairs[KAPPA, pose.shape[1] - 1]
-        energy_in_blocks(rest, desk.drive, desk.pairs[OMEGA], fastest, clock, duration, room.scratch, room.energy)
+        energy_in_blocks(rest, desk.drive, desk.pairs[OMEGA], clock, duration, room)
 
 
 @kernel

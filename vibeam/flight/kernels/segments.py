@@ -48,8 +48,7 @@ def open_segment(trace: Array, poses: Array, pose: Array, status: Array, time: f
     """Note where a segment starts."""
     trace[row, START], trace[row, AT_CLOCK], trace[row, WHAT] = time, status[CLOCK], status[KIND]
     trace[row, LEFT], trace[row, REMAINDER] = 0.0, 0.0
-    for k in range(pose.shape[1]):
-        poses[row, 0, k], poses[row, 1, k] = pose[0, k], pose[1, k]
+    copy_pose(pose, poses[row])
 
 
 @joined
@@ -59,6 +58,21 @@ def close_segment(trace: Array, duration: float, end: int, before: float, counts
         row = counts[SEGMENTS]
         trace[row, DURATION], trace[row, END], trace[row, BEFORE] = duration, end, before
         counts[SEGMENTS] = row + 1
+
+
+@joined
+def note_chatter(record: Record, left: float, remainder: float) -> None:
+    """Note what a chatter still takes after the impact that ends this segment, and the bound of its error."""
+    if record.trace.shape[0] > 0:
+        row = record.counts[SEGMENTS]
+        record.trace[row, LEFT], record.trace[row, REMAINDER] = left, remainder
+
+
+@joined
+def copy_pose(source: Array, target: Array) -> None:
+    """Set the pose ``target`` (2, n) to ``source``."""
+    for k in range(target.shape[1]):
+        target[0, k], target[1, k] = source[0, k], source[1, k]
 
 
 @joined

@@ -1,6 +1,6 @@
 """A steady point: periods settled, periods watched, and after how many of them the motion repeats.
 
-The same for every engine: ``advance`` carries its motion on, ``read`` reads off the segments traced.
+The same for every engine: ``advance`` carries its motion on, ``read`` reads off a segment traced.
 """
 
 from __future__ import annotations
@@ -19,7 +19,9 @@ from vibeam.flight.kernels.layout import (
     COMPLETE,
     CONTACT_LEAST,
     DONE,
+    DURATION,
     END,
+    FREE,
     FULL,
     HIGH,
     IMPACT,
@@ -40,11 +42,12 @@ from vibeam.flight.kernels.layout import (
     UNSEEN,
     VELOCITY,
     WATCHED,
+    WHAT,
     Schedule,
     W,
     Watch,
 )
-from vibeam.flight.kernels.segments import work_of
+from vibeam.flight.kernels.segments import copy_pose, work_of
 
 Array = NDArray[np.float64]
 
@@ -116,8 +119,29 @@ def settling_kernel(advance: Kernel) -> Kernel:
     return settle
 
 
+def reading_kernel(read: Kernel) -> Kernel:
+    """The kernel that reads off the segments of a trace, each by ``read``."""
+
+    @kernel
+    def read_off(engine: Any, room: Watch, count: int) -> None:
+        """Read off the segments just traced."""
+        trace, result = room.trace, room.result
+        for i in range(count):
+            if trace[i, WHAT] != FREE:
+                result[REST_TIME] += trace[i, DURATION]
+            if trace[i, DURATION] > 0.0:
+                copy_pose(room.poses[i], room.frame)
+                read(engine, room, i)
+            note_impact(trace, i, result)
+            if is_unread(result):
+                return
+
+    return read_off
+
+
 def watching_kernel(advance: Kernel, read: Kernel) -> Kernel:
     """The kernel that watches."""
+    read_off = reading_kernel(read)
 
     @kernel
     def watch(engine: Any, own: Array, pose: Array, status: Array, limit: int, room: Watch, counts: Counts) -> int:
@@ -132,7 +156,7 @@ def watching_kernel(advance: Kernel, read: Kernel) -> Kernel:
         if counts[KNOWN] > 0:
             note_impacts(room, counts[SEGMENTS])
         else:
-            read(engine, room, counts[SEGMENTS])
+            read_off(engine, room, counts[SEGMENTS])
             if is_unread(room.result):
                 return UNRESOLVED
         status[UNSEEN] -= done
@@ -164,9 +188,7 @@ def start_watching(room: Watch, pose: Array) -> None:
 @kernel
 def note_strobe(strobes: Array, turn: int, pose: Array) -> None:
     """Keep the state at the end of a period."""
-    for i in range(2):
-        for k in range(pose.shape[1]):
-            strobes[turn, i, k] = pose[i, k]
+    copy_pose(pose, strobes[turn])
 
 
 @kernel

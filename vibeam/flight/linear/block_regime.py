@@ -105,6 +105,7 @@ def _in_blocks(linear: Linear, held: Array, constant: Array, load: Array, top: i
     return Regime(
         pairs, table, levels, np.zeros(SIGNAL_ROWS), np.zeros((ATTACHED_ROWS, m)), blocks,
         np.ascontiguousarray(into), np.ascontiguousarray(outof), held, np.zeros((SIGNALS, 2 * m + 2)),
+        np.zeros((2, 2 * m + 2, 2 + n)),
     )  # fmt: skip
 
 

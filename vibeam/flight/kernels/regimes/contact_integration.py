@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.extremes import hull
 from vibeam.flight.kernels.layout import STRENGTH, W
+from vibeam.flight.kernels.regimes.laws import force, force_rate
 from vibeam.flight.kernels.regimes.layout import (
     COUPLED,
-    DAMPING,
     EXPONENT,
     MOBILITY,
     PEAKED,
@@ -54,20 +54,11 @@ def depth(plan: RegimeEngine, y: Array, side: int) -> tuple[float, float]:
 
 
 @kernel
-def force(plan: RegimeEngine, value: float, rate: float) -> float:
-    """The stop's force at d, d'."""
-    if value <= 0.0:
-        return 0.0
-    law = plan.law
-    return float(max(0.0, law[STIFFNESS] * value ** law[EXPONENT] * (1.0 + law[DAMPING] * rate)))
-
-
-@kernel
 def rate_of(plan: RegimeEngine, y: Array, side: int, time: float, out: Array) -> None:
     """dy/dt of y = (η, η') into ``out``."""
     n = plan.contact.shape[1]
     value, rate = depth(plan, y, side)
-    pressed, base = force(plan, value, rate), plan.drive[STRENGTH] * sin(plan.drive[W] * time)
+    pressed, base = force(plan.law, value, rate), plan.drive[STRENGTH] * sin(plan.drive[W] * time)
     for k in range(n):
         pull = plan.load[k] * base + plan.static[k] - plan.spring[k] * y[k] - plan.contact[side, k] * pressed
         if plan.law[COUPLED] > 0.0:
@@ -209,14 +200,12 @@ def integrate_contact(
 def growth(plan: RegimeEngine, row: int, stage: int, side: int) -> tuple[float, float]:
     """F and dF/dt at state[row], whose rate is stages[stage]."""
     value, rate = depth(plan, plan.state[row], side)
-    pressed, second, n = force(plan, value, rate), 0.0, plan.contact.shape[1]
+    pressed, second, n = force(plan.law, value, rate), 0.0, plan.contact.shape[1]
     if pressed == 0.0:
         return 0.0, 0.0
     for k in range(n):
         second += plan.contact[side, k] * plan.stages[stage, n + k]
-    law = plan.law
-    by_depth = law[EXPONENT] * value ** (law[EXPONENT] - 1.0) * rate * (1.0 + law[DAMPING] * rate)
-    return pressed, float(law[STIFFNESS] * (by_depth + value ** law[EXPONENT] * law[DAMPING] * second))
+    return pressed, force_rate(plan.law, value, rate, second)
 
 
 @kernel

@@ -12,12 +12,13 @@ from vibeam.flight.kernels.regimes.contact_integration import integrated_at
 from vibeam.flight.kernels.regimes.drive import set_drive
 from vibeam.flight.kernels.regimes.events import advance, at_side, piece_of
 from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT, CURVED, FAMILY, RegimeEngine
-from vibeam.flight.kernels.regimes.readout import read_off
+from vibeam.flight.kernels.regimes.readout import read_segment
+from vibeam.flight.kernels.segments import copy_pose
 from vibeam.flight.kernels.steady_point import steady_kernel
 
 Array = NDArray[np.float64]
 
-steady_point = steady_kernel(advance, read_off)
+steady_point = steady_kernel(advance, read_segment)
 
 WATCHING = 1000  # panels that reading a segment off is as much work as, about
 
@@ -44,8 +45,7 @@ def poses_at(
     set_drive(plan, omega, amplitude)
     for i in range(len(which)):
         segment = which[i]
-        for k in range(pose.shape[1]):
-            pose[0, k], pose[1, k] = poses[segment, 0, k], poses[segment, 1, k]
+        copy_pose(poses[segment], pose)
         clock, what, side = trace[segment, AT_CLOCK], trace[segment, WHAT], int(trace[segment, AT_SIDE])
         if after[i] > 0.0 and what == CONTACT and plan.law[FAMILY] == CURVED:
             integrated_at(plan, pose, side, clock, after[i])
@@ -55,5 +55,4 @@ def poses_at(
                 regime = at_side(plan, side)
             to_block_coordinates(regime, plan.drive, pose, clock)
             advance_blocks(regime, plan.drive, pose, clock, after[i])
-        for k in range(pose.shape[1]):
-            out[i, 0, k], out[i, 1, k] = pose[0, k], pose[1, k]
+        copy_pose(pose, out[i])

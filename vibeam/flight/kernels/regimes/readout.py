@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels.block_energy import energy_by_mode, energy_in_blocks, is_modal
 from vibeam.flight.kernels.block_flow import set_signal, to_block_coordinates
 from vibeam.flight.kernels.compiler import kernel
-from vibeam.flight.kernels.energy import energy_by_mode, energy_in_blocks, is_modal
 from vibeam.flight.kernels.extremes import ACCURACY, LIGHTLY, extremes_to
 from vibeam.flight.kernels.layout import (
     AT_CLOCK,
@@ -18,11 +18,9 @@ from vibeam.flight.kernels.layout import (
     FREE,
     GAP_SIGNAL,
     HIGH,
-    KAPPA,
     LEAST,
     OUTPUT_SIGNAL,
     REACH_TOO,
-    REST_TIME,
     WHAT,
     Regime,
     Watch,
@@ -46,7 +44,6 @@ from vibeam.flight.kernels.regimes.layout import (
     RegimeEngine,
 )
 from vibeam.flight.kernels.roots.signal import signal_of
-from vibeam.flight.kernels.steady_point import is_unread, note_impact
 
 Array = NDArray[np.float64]
 
@@ -54,25 +51,17 @@ FINEST = 1e-6  # share of a segment of integrated contact below which a step is 
 
 
 @kernel
-def read_off(plan: RegimeEngine, room: Watch, count: int) -> None:
-    """Read off the segments just traced."""
-    trace, frame, result = room.trace, room.frame, room.result
-    for i in range(count):
-        duration, what = trace[i, DURATION], trace[i, WHAT]
-        for k in range(frame.shape[1]):
-            frame[0, k], frame[1, k] = room.poses[i, 0, k], room.poses[i, 1, k]
-        if what != FREE:
-            result[REST_TIME] += duration
-        if duration > 0.0 and what == CONTACT and plan.law[FAMILY] == CURVED:
-            read_integrated(plan, room, frame, trace[i, AT_CLOCK], duration, int(trace[i, AT_SIDE]))
-        elif duration > 0.0:
-            regime = plan.free
-            if what != FREE:
-                regime = at_side(plan, int(trace[i, AT_SIDE]))
-            read_regime(plan, regime, room, frame, trace[i, AT_CLOCK], duration)
-        note_impact(trace, i, result)
-        if is_unread(result):
-            return
+def read_segment(plan: RegimeEngine, room: Watch, i: int) -> None:
+    """Read off the i-th segment just traced, from its first pose in ``room.frame``."""
+    clock, duration, what, side = (
+        room.trace[i, AT_CLOCK], room.trace[i, DURATION], room.trace[i, WHAT], int(room.trace[i, AT_SIDE])
+    )  # fmt: skip
+    if what == CONTACT and plan.law[FAMILY] == CURVED:
+        read_integrated(plan, room, room.frame, clock, duration, side)
+    elif what == FREE:
+        read_regime(plan, plan.free, room, room.frame, clock, duration)
+    else:
+        read_regime(plan, at_side(plan, side), room, room.frame, clock, duration)
 
 
 @kernel
@@ -92,10 +81,7 @@ def read_regime(plan: RegimeEngine, regime: Regime, room: Watch, pose: Array, cl
     if room.reading >= EVERYTHING and is_modal(regime):
         energy_by_mode(regime, plan.drive, clock, duration, room.energy)
     elif room.reading >= EVERYTHING:
-        fastest = 0.0
-        for k in range(regime.pairs.shape[1]):
-            fastest = max(fastest, regime.pairs[KAPPA, k])
-        energy_in_blocks(regime, plan.drive, plan.omega, fastest, clock, duration, room.scratch, room.energy)
+        energy_in_blocks(regime, plan.drive, plan.omega, clock, duration, room)
 
 
 @kernel

@@ -1,0 +1,102 @@
+"""Contact laws: restitution R(v) of a stop that does not yield, force F(d, d') of one that does.
+
+A law of restitution is one function here and one line in ``restitution``, another in ``accumulation`` where its R goes
+on to change as v goes to 0. A law of force that is integrated is ``force`` and its rate, ``force_rate``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.compiler import kernel
+from vibeam.flight.kernels.regimes.layout import (
+    COEFFICIENT,
+    CURVE,
+    DAMPING,
+    EXPONENT,
+    PLASTIC,
+    SLOPE_AT,
+    SPEED_AT,
+    STIFFNESS,
+    TABLE,
+    VALUE_AT,
+    VELOCITY,
+    VISCOUS,
+)
+
+Array = NDArray[np.float64]
+
+
+@kernel
+def restitution(law: Array, curve: Array, velocity: float) -> float:
+    """R at an impact velocity ≥ 0."""
+    if law[CURVE] == TABLE:
+        return tabulated(curve, velocity)
+    if law[CURVE] == VISCOUS:
+        return viscous(law, velocity)
+    if law[CURVE] == PLASTIC:
+        return plastic(law, velocity)
+    return float(law[COEFFICIENT])
+
+
+@kernel
+def viscous(law: Array, velocity: float) -> float:
+    """R = 1 − c v^b, not below 0."""
+    return float(max(0.0, 1.0 - law[COEFFICIENT] * velocity ** law[EXPONENT]))
+
+
+@kernel
+def plastic(law: Array, velocity: float) -> float:
+    """R = c (v/v₀)^−b, not above 1."""
+    if velocity <= law[VELOCITY] * law[COEFFICIENT] ** (1.0 / law[EXPONENT]):
+        return 1.0
+    return float(law[COEFFICIENT] * (velocity / law[VELOCITY]) ** -law[EXPONENT])
+
+
+@kernel
+def tabulated(curve: Array, velocity: float) -> float:
+    """R from the table, by its cubics."""
+    last = curve.shape[1] - 1
+    if velocity <= curve[SPEED_AT, 0]:
+        return float(curve[VALUE_AT, 0])
+    if velocity >= curve[SPEED_AT, last]:
+        return float(curve[VALUE_AT, last])
+    i = 0
+    while curve[SPEED_AT, i + 1] <= velocity:
+        i += 1
+    h = curve[SPEED_AT, i + 1] - curve[SPEED_AT, i]
+    u = (velocity - curve[SPEED_AT, i]) / h
+    rise = curve[VALUE_AT, i + 1] - curve[VALUE_AT, i]
+    bend = h * u * (1.0 - u) * ((1.0 - u) * curve[SLOPE_AT, i] - u * curve[SLOPE_AT, i + 1])
+    return float(curve[VALUE_AT, i] + rise * u * u * (3.0 - 2.0 * u) + bend)
+
+
+@kernel
+def accumulation(law: Array, curve: Array, coefficient: float, velocity: float) -> tuple[float, float]:
+    """What the time of an accumulation of impacts is divided by, and the share of it that its limit may be off.
+
+    Flights of 2v/a, 2Rv/a, … take 2v/(a(1 − R)) with a constant R. With R = 1 − c v^b the sum is ∫ 2 dv/(a c v^b), that
+    over 1 − b for b < 1, but for a share of about 1 − R. A table is constant at the end.
+    """
+    loss = 1.0 - coefficient
+    if law[CURVE] == VISCOUS:
+        return loss * max(1.0 - law[EXPONENT], 0.0), 2.0 * loss
+    if law[CURVE] == TABLE and velocity > curve[SPEED_AT, 0]:
+        return loss, 1.0
+    return loss, 0.0
+
+
+@kernel
+def force(law: Array, depth: float, rate: float) -> float:
+    """F = max(0, k d^p (1 + a d')) for d > 0."""
+    if depth <= 0.0:
+        return 0.0
+    return float(max(0.0, law[STIFFNESS] * depth ** law[EXPONENT] * (1.0 + law[DAMPING] * rate)))
+
+
+@kernel
+def force_rate(law: Array, depth: float, rate: float, second: float) -> float:
+    """dF/dt where the force is not 0."""
+    by_depth = law[EXPONENT] * depth ** (law[EXPONENT] - 1.0) * rate * (1.0 + law[DAMPING] * rate)
+    return float(law[STIFFNESS] * (by_depth + depth ** law[EXPONENT] * law[DAMPING] * second))
