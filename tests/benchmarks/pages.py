@@ -182,6 +182,19 @@ def limits_table(found: dict[str, Any]) -> str:
     return f"{markdown(columns, rows)}\n\n{fill(text, width=120)}"
 
 
+def startup_table(found: dict[str, Any]) -> str:
+    """CPU and wall time of whole commands, and of small calls."""
+    whole = ([row["name"], f"{row['cpu']:.2f}", f"{row['wall']:.2f}"] for row in found["commands"])
+    small = ([row["name"], significant(1e3 * row["cpu"], 2)] for row in found["calls"])
+    load = found["load"]
+    text = (
+        f"Least of {found['rounds']} rounds of the commands and {3 * found['rounds']} of the calls; load average "
+        f"{load['before'][0]:.1f} before, {load['after'][0]:.1f} after, on {found['cores']} cores."
+    )
+    tables = [markdown(["command", "CPU s", "wall s"], whole), markdown(["call", "CPU ms"], small)]
+    return "\n\n".join([*tables, fill(text, width=120)])
+
+
 def libraries_table(found: dict[str, Any]) -> str:
     """Cost of an impact by numba and by the libraries of each level, and what a call and loading take."""
     levels = [level for level in found["call"] if level != "numba"]
@@ -233,7 +246,7 @@ def generated(results: Path = RESULTS) -> dict[str, str]:
     """The tables of the benchmark page by name, from the results files in a folder."""
     peers, modes = (_read(results, name) for name in ("peers", "modes"))
     tables = {name: table(peers, modes) for name, table in TABLES.items()}
-    single = {"limits": limits_table, "libraries": libraries_table}
+    single = {"limits": limits_table, "libraries": libraries_table, "startup": startup_table}
     return tables | {name: table(_read(results, name)) for name, table in single.items()}
 
 

@@ -7,6 +7,8 @@ from types import TracebackType
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from vibeam.run.parallel import cores
+
 
 def stderr() -> Console:
     """Console on stderr that leaves long lines to the terminal."""
@@ -18,7 +20,12 @@ class Bar:
 
     def __init__(self, console: Console | None = None) -> None:
         self._console = console or stderr()
-        columns = (TextColumn("sweeping"), BarColumn(), MofNCompleteColumn(), TextColumn("points ·"))
+        columns = (
+            TextColumn(f"sweeping on {_cores(cores())}"),
+            BarColumn(),
+            MofNCompleteColumn(),
+            TextColumn("points ·"),
+        )
         times = (TimeElapsedColumn(), TextColumn("· remaining"), TimeRemainingColumn())
         self._progress = Progress(*columns, *times, console=self._console, transient=True)
         self._task = self._progress.add_task("points", total=None)
@@ -46,3 +53,7 @@ class Bar:
             self._console.print(f"continuing: {done} of {total} points are there")
         if self._console.is_terminal:
             self._progress.start()
+
+
+def _cores(count: int) -> str:
+    return "1 core" if count == 1 else f"{count} cores"

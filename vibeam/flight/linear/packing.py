@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import lru_cache
 from math import floor, inf, log2
 
 import numpy as np
@@ -37,20 +39,19 @@ Array = NDArray[np.float64]
 
 SLOW = 1e-6  # turns within a motion below which a mode is slow, and the motion itself says how long a panel is
 
+KEPT = 16  # packed systems
+
 FASTEST = 1e36  # bounds take eighth powers of the rates
 
 
 class PackedSystem:
     """An ImpactSystem as the kernels see it: modes sorted by rate, and the way back to the user's order."""
 
-    def __init__(self, system: ImpactSystem, slowest: float) -> None:
-        """``slowest``: the lowest rate (rad/s) that panels must serve. ValueError for rates that no double can hold."""
-        fastest = float(np.max(rates(system.omega, system.zeta * system.omega)))
-        if not (fastest < FASTEST and slowest > 1 / FASTEST):
-            raise ValueError(f"rates from {slowest:g} to {fastest:g} rad/s: take another unit of time")
+    def __init__(self, system: ImpactSystem, top: int) -> None:
+        """``top``: level of the longest panels, 2**top s."""
         self.system = system
         self.order = np.argsort(rates(system.omega, system.zeta * system.omega), kind="stable")
-        self._desks = PerThread(self._desk(floor(log2(PANEL / slowest))))
+        self._desks = PerThread(self._desk(top))
 
     @property
     def desk(self) -> Engine:
@@ -109,8 +110,33 @@ def yields(omega: Array, contact: Array) -> Array:
 
 
 def pack(system: ImpactSystem, omega: float, span: float = 0.0) -> PackedSystem:
-    """The system packed for drives of ``omega`` rad/s and more; without, for the slowest mode or a time of ``span``."""
-    return PackedSystem(system, slowest_rate(system, omega, span))
+    """The system packed for drives of ``omega`` rad/s and more; without, for the slowest mode or a time of ``span``.
+
+    Systems that were packed lately are not packed again. ValueError for rates that no double can hold.
+    """
+    slowest = slowest_rate(system, omega, span)
+    fastest = float(np.max(rates(system.omega, system.zeta * system.omega)))
+    if not (fastest < FASTEST and slowest > 1 / FASTEST):
+        raise ValueError(f"rates from {slowest:g} to {fastest:g} rad/s: take another unit of time")
+    return _packed(_Same(system), floor(log2(PANEL / slowest)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Same:
+    """A system as a key: the object itself, whose arrays are read-only."""
+
+    system: ImpactSystem
+
+    def __hash__(self) -> int:
+        return id(self.system)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and self.system is other.system
+
+
+@lru_cache(maxsize=KEPT)
+def _packed(key: _Same, top: int) -> PackedSystem:
+    return PackedSystem(key.system, top)
 
 
 def slowest_rate(system: ImpactSystem, omega: float, span: float) -> float:
