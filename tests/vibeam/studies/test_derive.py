@@ -113,3 +113,12 @@ def test_eq_44_to_46_by_hand() -> None:
     for row in rows:
         assert row.value == pytest.approx(BY_HAND[row.name], rel=1e-12)
         assert row.reference == pytest.approx(BY_HAND[row.name], rel=1e-9)  # its finite elements assume the same
+
+
+def test_the_committed_table_is_that_of_the_main_case():
+    """Pages take their numbers from it: ``vibeam derive cases/dtu_neutral.toml --json`` makes it."""
+    kept = json.loads((CASES.parent / "tests" / "benchmarks" / "results" / "derive.json").read_text(encoding="utf-8"))
+    made = {row.name: row for row in derive(load(CASES / "dtu_neutral.toml").scene)}
+    assert [row["name"] for row in kept] == list(made)
+    for row in kept:
+        assert row["value"] == pytest.approx(made[row["name"]].value, rel=1e-9), row["name"]
