@@ -21,7 +21,7 @@ class Bar:
     def __init__(self, console: Console | None = None) -> None:
         self._console = console or stderr()
         columns = (
-            TextColumn(f"sweeping on {_cores(cores())}"),
+            TextColumn(f"sweeping on up to {_cores(cores())}"),
             BarColumn(),
             MofNCompleteColumn(),
             TextColumn("points ·"),

@@ -54,7 +54,7 @@ def run(
 
     Where the case asks for an accuracy it is one curve, ``result["accuracy"]``, in place of one for each fidelity.
     ``out=None`` keeps nothing on disk. ``progress(done, total)`` is called with the points that are there at the start
-    and after each further one, from any thread. ``show``: compute the data of the case's further figures.
+    and after each further block of them, from any thread. ``show``: compute the data of the case's further figures.
     ``compare``: compare the fidelities with the finest under both choices of the restitution held, and that with its
     own limit (``result.comparisons``); the file gets it too.
     CaseError for a fidelity that cannot be built, StoreError where ``out`` cannot be used, Interrupted on Ctrl-C.
