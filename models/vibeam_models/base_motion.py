@@ -1,14 +1,19 @@
-"""From the scene's platform, shaker and drive to the base motion, or to the platform that the beam pushes back."""
+"""From the scene's platform, shaker and drive to one amplitude at each frequency, or to the platform that is pushed.
+
+Every drive is b(t) = B sin Ωt with B a function of Ω: of a constant velocity V it is V/Ω, of an acceleration A/Ω², of a
+force on the beam F/Ω², for F sin Ωt = −b̈.
+"""
 
 from __future__ import annotations
 
 from math import sqrt
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam_models.scene import Base, Scene, SdofScene
+from vibeam_models.any_scene import AnyScene, RigScene
+from vibeam_models.base import Base
 
 if TYPE_CHECKING:
     from vibeam_models.effects.platform import MovingPlatform, Platform, PlatformFilter, Shaker
@@ -44,7 +49,7 @@ def moving_platform(platform: Platform, shaker: Shaker | None, carried: float) -
 
 
 def amplitude_on_platform(
-    platform: Platform, shaker: Shaker | None, base: Base, prescribed: float | None, omega: Array
+    platform: Platform, shaker: Shaker | None, base: Base, prescribed: float | Array | None, omega: Array
 ) -> Array:
     """Amplitude (points,) in m at ``omega`` (rad/s): of the base with one-way coupling, F/(m_pΩ²) with two-way.
 
@@ -52,15 +57,17 @@ def amplitude_on_platform(
     a force or a shaker's voltage.
     """
     alone = platform_filter(platform, shaker)
-    given = _input(base, shaker) if prescribed is None else prescribed / _gain(alone, platform.calibration or 0.0)
+    given = (
+        _input(base, shaker, omega) if prescribed is None else prescribed / _gain(alone, platform.calibration or 0.0)
+    )
     if platform.coupling == "one-way":
         return np.asarray(given * _gain(alone, omega))
     force = given if shaker is None else given * shaker.force_factor / shaker.resistance
     return np.asarray(force / (platform.mass * omega**2))
 
 
-def _input(base: Base, shaker: Shaker | None) -> float:
-    given = base.force if shaker is None else base.voltage
+def _input(base: Base, shaker: Shaker | None, omega: Array) -> float | Array:
+    given = level(base, "force" if shaker is None else "voltage", omega)
     if given is None:
         raise ValueError(f"base: the platform needs {'a force' if shaker is None else 'the voltage of its shaker'}")
     return given
@@ -80,38 +87,87 @@ def _damping(platform: Platform) -> float:
     return 2 * platform.damping_ratio * sqrt(platform.spring * platform.mass)
 
 
-def base_amplitude(scene: Scene | SdofScene) -> float:
+#: what a drive may be said by, without voltage, and the power of Ω by which B is less
+POWERS = {"amplitude": 0, "velocity": 1, "acceleration": 2, "force": 2, "moment": 2}
+
+NEAR = 1e-9  # share of a table's ends by which a frequency may lie outside and still be that end, rounded
+
+
+def level(base: Base, name: str, omega: Array) -> float | Array | None:
+    """The amplitude ``name`` of a drive at ``omega`` (rad/s): as given, or of its table one each, linear between.
+
+    ValueError for a frequency outside the table.
+    """
+    given = getattr(base, name)
+    if not isinstance(given, tuple):
+        return None if given is None else float(given)
+    table, frequency = np.array(base.frequency or ()), np.asarray(omega, dtype=float) / (2 * np.pi)
+    if table.shape != (len(given),):
+        raise ValueError(f"drive: {len(given)} values of {name} for {len(table)} frequencies")
+    for outside in frequency[(frequency < table[0] * (1 - NEAR)) | (frequency > table[-1] * (1 + NEAR))]:
+        raise ValueError(
+            f"drive: {outside:.6g} Hz is outside its table of {table[0]:g} … {table[-1]:g} Hz: lengthen the table"
+        )
+    return np.interp(frequency, table, given)
+
+
+def is_constant(base: Base) -> bool:
+    """Test whether B is the same at every frequency, platforms aside: a displacement, or a voltage and a gain."""
+    return base.frequency is None and not any(
+        getattr(base, name) is not None for name, power in POWERS.items() if power
+    )
+
+
+def base_amplitude(scene: AnyScene) -> float:
     """Amplitude of the base motion in m: as given, or γ V φ(L_m) L with φ of the massless beam (eq. 44, 46).
 
-    A SdofScene's own amplitude, in its own unit. ValueError where the scene gives neither, or both, and on a platform,
-    where it depends on the frequency: ``drive_amplitude`` has it there too.
+    A SdofScene's own amplitude, in its own unit. ValueError where the scene gives neither, or both, and where it
+    depends on the frequency, as on a platform: ``drive_amplitude`` has it there too.
     """
-    if isinstance(scene, SdofScene):
-        return scene.amplitude
     if scene.platform is not None:
         raise ValueError("base: on a platform the amplitude depends on the frequency")
-    return _prescribed(scene)
+    rig: Any = scene
+    if not is_constant(rig.base):
+        raise ValueError(
+            "drive: one amplitude at all frequencies is needed here, and that of the base depends on them: "
+            "write drive.amplitude"
+        )
+    return float(_prescribed(rig, np.array(1.0)))
 
 
-def drive_amplitude(scene: Scene | SdofScene, omega: Array) -> float | Array:
-    """Drive amplitude of a sweep over ``omega`` (rad/s): ``base_amplitude``, or on a platform one each, (points,).
+def drive_amplitude(scene: AnyScene, omega: Array) -> float | Array:
+    """Drive amplitude of a sweep over ``omega`` (rad/s): ``base_amplitude``, or (points,) where it depends on that.
 
-    With one-way coupling that of the base, with two-way the b₀ = F/(m_pΩ²) that ``MovingPlatform`` is loaded by.
-    ValueError as ``base_amplitude``.
+    In m; of a force on the beam F/Ω² in N s², of a moment M/Ω², which the structure's load is made for. On a platform
+    with one-way coupling that of the base, with two-way the b₀ = F/(m_pΩ²) that ``MovingPlatform`` is loaded by.
+    ValueError as ``base_amplitude``, and for a frequency outside the drive's table.
     """
-    if isinstance(scene, SdofScene) or scene.platform is None:
+    rig: Any = scene
+    if scene.platform is None and is_constant(rig.base):
         return base_amplitude(scene)
+    rates = np.asarray(omega, dtype=float)
+    if scene.platform is None:
+        return np.asarray(_prescribed(rig, rates))
+    held = scene.platform.calibration
+    given = None if held is None else _prescribed(rig, rates, held)
+    return amplitude_on_platform(scene.platform, scene.shaker, rig.base, given, rates)
 
-    given = None if scene.platform.calibrated_at is None else _prescribed(scene)
-    return amplitude_on_platform(scene.platform, scene.shaker, scene.base, given, np.asarray(omega, dtype=float))
 
-
-def _prescribed(scene: Scene) -> float:
-    amplitude, voltage, gain = scene.base.amplitude, scene.base.voltage, scene.base.gain
-    if amplitude is not None and voltage is None and gain is None:
-        return amplitude
-    if amplitude is not None or voltage is None or gain is None:
-        raise ValueError("base: give either an amplitude, or a voltage and a gain")
+def _prescribed(scene: RigScene, omega: Array, at: float | None = None) -> float | Array:
+    """B at ``omega`` (rad/s), without the platform; ``at``: the frequency at which a velocity or acceleration holds."""
+    base = scene.base
+    said = {name: power for name, power in POWERS.items() if getattr(base, name) is not None}
+    pushed = bool(said.keys() & {"force", "moment"})
+    by_voltage = base.voltage is not None or base.gain is not None
+    if len(said) + by_voltage != 1 or (base.voltage is None) != (base.gain is None) or pushed != (base.at is not None):
+        raise ValueError(
+            "base: give either an amplitude, or a voltage and a gain, or a velocity, or an acceleration, "
+            "or a force or a moment at a place of the beam"
+        )
+    for name, power in said.items():
+        value = np.asarray(level(base, name, omega))
+        return value / (omega if at is None else at) ** power if power else value
     from vibeam_models.sdof import sdof_model
 
-    return sdof_model(scene).base_per_volt(gain) * voltage
+    beam: Any = scene
+    return np.asarray(sdof_model(beam).base_per_volt(base.gain or 0.0) * np.asarray(level(base, "voltage", omega)))

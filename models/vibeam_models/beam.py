@@ -1,25 +1,39 @@
-"""Scene -> Structure: a cantilever of Hermite beam elements, its mass, stop and sensor (paper §6)."""
+"""Scene -> Structure: a beam of finite elements on its supports, with mass, stop and sensor (paper §6)."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
+from functools import lru_cache
+from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.damping import damped
 from vibeam_models.effects import EFFECTS, LAST
-from vibeam_models.scene import Beam, Scene
+from vibeam_models.hermite import HermiteElements, hermite_elements
+from vibeam_models.scene import Scene
 from vibeam_models.space import BeamSpace, nodes
-from vibeam_models.structure import Structure, with_inertia
+from vibeam_models.structure import Array, Structure, with_inertia
+
+if TYPE_CHECKING:
+    from vibeam_models.timoshenko import TimoshenkoElements
 
 NEAR = 1e-3  # share of the length: a node at the stop must be this far from those of mass and rigid zone
 
+KEPT = 16  # beams without what they carry
+
+UNDAMPED = Damping("constant", (0.0,))
+
 
 def assemble(scene: Scene) -> Structure:
-    """The finite-element structure of a scene, clamped at x = 0, its coordinates relative to the base.
+    """The finite-element structure of a scene, its coordinates relative to the base.
 
-    Outputs ``"sensor"`` and ``"tip"`` in m; the contact row reads the deflection at the stop. ValueError names what
-    stands off the beam.
+    Outputs ``"sensor"`` and ``"tip"`` in m, and those of the scene; of a velocity or acceleration the row is that of
+    the displacement. The contact row reads the deflection at the stop. The load is −M r of a base that moves, or that
+    of a force on the beam where the scene's drive is one. ValueError names what stands off the beam.
     """
     return assemble_with_space(scene)[0]
 
@@ -28,65 +42,125 @@ def assemble_with_space(scene: Scene) -> tuple[Structure, BeamSpace]:
     """``assemble`` and the finite-element space that its coordinates belong to: rows at any x, mode shapes."""
     _check_positions(scene)
     structure, space = bare_beam(scene.carrier, _concentrated(scene))
-    for effect in scene.effects:
-        if effect.on_bare_beam:
-            structure, space = effect.apply(structure, space, scene)
     structure = _observed(structure, space, scene)
     if scene.mass is not None:
         structure = with_inertia(structure, space.row(scene.mass.position), scene.mass.mass, translation=1.0)
     structure, space = _applied(structure, space, scene)
-    return damped(structure, scene.beam.damping), space
+    return damped(_driven(structure, space, scene), scene.beam.damping), space
+
+
+def _driven(structure: Structure, space: BeamSpace, scene: Scene) -> Structure:
+    """The structure under its drive: effects have taken the load as −M r, so that a force comes after all of them.
+
+    The force F sin Ωt = −b̈ with b = F/Ω² sin Ωt does on the beam what a base motion does by −M r: the load is minus
+    the row of deflection, or of slope, at its place.
+    """
+    place = scene.base.on_beam
+    if place is None:
+        return structure
+    if not scene.carrier.density and (place[1] or place[0] not in [x for _, x in scene.weights]):
+        raise ValueError("base.at: what drives a massless beam must be a force on one of its masses")
+    return structure.with_(load=-space.row(*place))
 
 
 def bare_beam(beam: Beam, inserted: Iterable[float] = ()) -> tuple[Structure, BeamSpace]:
-    """The undamped cantilever alone and its space, with extra mesh nodes at ``inserted`` (m).
+    """The undamped beam alone on its supports, and its space, with extra mesh nodes at ``inserted`` (m).
 
-    Contact and the only output, ``"tip"``, are the deflection at the free end. The load is −M r with the clamp moving
+    Contact and the only output, ``"tip"``, are the deflection at the far end. The load is −M r with the supports moving
     along: r is 1 there too.
     """
-    space = BeamSpace.clamped(nodes(beam.length, beam.elements, inserted))
-    free = space.constraint
-    mass = space.mass(beam.mass_per_length)
-    tip = space.row(beam.length)
+    return _bare_beam(replace(beam, damping=UNDAMPED), tuple(inserted))
+
+
+@lru_cache(maxsize=KEPT)  # the arrays of a Structure are never written to
+def _bare_beam(beam: Beam, inserted: tuple[float, ...]) -> tuple[Structure, BeamSpace]:
+    elements = _elements(beam, nodes(beam.length, beam.elements, (*inserted, *beam.breaks)))
+    space = BeamSpace.held(elements, _fixed(beam, elements.nodes))
+    (mass, stiffness), tip = elements.matrices(beam), space.row(beam.length)
     structure = Structure(
-        M=free.T @ mass @ free,
+        M=space.within(mass),
         C=np.zeros((space.size, space.size)),
-        K=free.T @ space.stiffness(beam.bending_stiffness) @ free,
-        load=-free.T @ mass @ space.translation(),
+        K=space.within(stiffness),
+        load=space.base_load(mass),
         static=np.zeros(space.size),
         contact=tip,
         outputs={"tip": tip},
         units={"tip": "m"},
     )
-    return structure, space
+    return _sprung(structure, space, beam), space
+
+
+def _elements(beam: Beam, places: Array) -> HermiteElements | TimoshenkoElements:
+    """Elements by the beam's theory."""
+    if not beam.shear:
+        return hermite_elements(places)
+    from vibeam_models.timoshenko import TimoshenkoElements
+
+    return TimoshenkoElements.of(beam, places)
+
+
+def _fixed(beam: Beam, places: Array) -> list[int]:
+    """Degrees of freedom that rigid supports hold: deflection 2i, slope 2i + 1 of node i."""
+    return [
+        2 * int(np.argmin(np.abs(places - support.position))) + which
+        for support in beam.held
+        for which, stiffness in enumerate(support.each)
+        if stiffness == inf
+    ]
+
+
+def _sprung(structure: Structure, space: BeamSpace, beam: Beam) -> Structure:
+    """The structure with K + k wᵀw for every spring of the supports, w its deflection or slope."""
+    stiffness = structure.K
+    for support in beam.held:
+        for derivative, spring in enumerate(support.each):
+            if 0 < spring < inf:
+                row = space.row(support.position, derivative)
+                stiffness = stiffness + spring * np.outer(row, row)
+    return structure if stiffness is structure.K else structure.with_(K=stiffness)
 
 
 def _observed(structure: Structure, space: BeamSpace, scene: Scene) -> Structure:
     outputs = {"sensor": space.row(scene.sensor.position), **structure.outputs}
     units = dict.fromkeys(outputs, "m")
+    for each in scene.outputs:
+        outputs[each.name], units[each.name] = each.row(space, scene.shaped_beam), each.kind.unit
     return structure.with_(contact=space.row(scene.stop.position), outputs=outputs, units=units)
 
 
 def _concentrated(scene: Scene) -> list[float]:
-    """Positions of concentrated loads in m: the mass, the stop, the ends of the rigid zone.
+    """Positions of concentrated loads in m: the mass, the stop, the ends of rigid zones, the drive's force.
 
-    Inside that zone, or within a thousandth of the length of these, the stop needs no node, for the cubics reach it to
-    10⁻⁹; with one the elements there would be so short and stiff that their round-off drowned the beam's stiffness.
+    Inside such a zone, or within a thousandth of the length of these or of a break of the beam, stop and force need no
+    node, for the cubics reach them to 10⁻⁹; with one the elements there would be so short and stiff that their
+    round-off drowned the beam's stiffness.
     """
-    stop = scene.stop.position
-    if scene.mass is None:
-        return [stop]
-    middle, half = scene.mass.position, scene.rigid_half_width
-    ends = [] if half == 0 else [x for x in (middle - half, middle + half) if 0 < x < scene.beam.length]
-    near = min(abs(stop - x) for x in (middle, *ends)) < NEAR * scene.beam.length
-    return [middle, *([] if near or abs(stop - middle) < half else [stop]), *ends]
+    middles = [*([] if scene.mass is None else [scene.mass.position]), *(middle for middle, _ in scene.rigid_zones)]
+    ends = [
+        x for middle, half in scene.rigid_zones for x in (middle - half, middle + half) if 0 < x < scene.beam.length
+    ]
+    breaks = scene.shaped_beam.breaks
+    others = _apart([scene.stop.position], [*middles, *ends, *breaks], scene)
+    driven = [] if scene.base.at is None else [scene.base.at]
+    return [*middles, *others, *ends, *_apart(driven, [*middles, *others, *ends, *breaks], scene)]
+
+
+def _apart(places: list[float], nodes: list[float], scene: Scene) -> list[float]:
+    """Those ``places`` that need a node of their own beside ``nodes``."""
+    near = NEAR * scene.beam.length
+    return [
+        x
+        for x in places
+        if all(abs(x - node) >= near for node in nodes)
+        and not any(abs(x - middle) < half for middle, half in scene.rigid_zones)
+    ]
 
 
 def _applied(structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
-    """With every effect on the beam but those of its support."""
+    """With every effect on the beam."""
     for name in _order(scene):
         for effect in scene.named(name):
-            if not effect.on_bare_beam:
+            if effect.carried_by == "beam":
                 structure, space = effect.apply(structure, space, scene)
     return structure, space
 
@@ -101,7 +175,14 @@ def _order(scene: Scene) -> list[str]:
 def _check_positions(scene: Scene) -> None:
     places = {} if scene.mass is None else {"mass": scene.mass.position}
     places |= {"stop": scene.stop.position, "sensor": scene.sensor.position}
+    places = {f"{name}.position": x for name, x in places.items()}
+    places |= {} if scene.base.at is None else {"base.at": scene.base.at}
     length = scene.beam.length
-    faults = [f"{name}.position: {x} m is outside (0, {length}] m" for name, x in places.items() if not 0 < x <= length]
+    faults = [f"{name}: {x} m is outside (0, {length}] m" for name, x in places.items() if not 0 < x <= length]
+    faults += [
+        f"output.{each.name}.position: {each.position} m is outside [0, {length}] m"
+        for each in scene.outputs
+        if not 0 <= each.position <= length
+    ]
     if faults:
         raise ValueError("; ".join(faults))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibeam_models.scene import Damping
+from vibeam_models.beams.beam import Damping
 from vibeam_models.structure import Array, Structure
 
 COUNTS = {"constant": 1, "stiffness": 1, "rayleigh": 2}

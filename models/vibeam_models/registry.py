@@ -39,6 +39,11 @@ class Registry(Mapping[str, Declared]):
     def __getitem__(self, name: str) -> Declared:
         return self._own[name] if name in self._own else self._added[name]
 
+    @property
+    def extended(self) -> bool:
+        """True where a program has added to it."""
+        return bool(self._added)
+
     def __iter__(self) -> Iterator[str]:
         yield from self._own
         yield from self._added

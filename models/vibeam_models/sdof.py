@@ -8,31 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import sqrt
 
-from vibeam_models.scene import Beam, Scene, SdofScene
-
-
-def static_shape(x: float, load_at: float, unit_at: float) -> float:
-    """φ(x): static deflection of a cantilever loaded at ``load_at``, 1 at ``unit_at`` (m); eq. 44 for x = L_m."""
-    return _deflection(x, load_at) / _deflection(unit_at, load_at)
-
-
-def static_slope(x: float, load_at: float, unit_at: float) -> float:
-    """φ'(x) of ``static_shape`` in 1/m."""
-    reached = min(x, load_at)
-    return 3 * reached * (2 * load_at - reached) / _deflection(unit_at, load_at)
-
-
-def static_stiffness(beam: Beam, load_at: float, unit_at: float) -> float:
-    """K_S = 3EI φ(L_m)²/L_m³ in N/m (eq. 45), lengths in m."""
-    return 3 * beam.bending_stiffness * static_shape(load_at, load_at, unit_at) ** 2 / load_at**3
-
-
-def beam_mass(beam: Beam, load_at: float, unit_at: float) -> float:
-    """∫ρAφ² dx in kg: what the beam's own mass adds to M_S when it moves by the static shape."""
-    a, rest = load_at, beam.length - load_at
-    bent = 33 * a**7 / 35
-    straight = a**4 * (4 * a**2 * rest + 6 * a * rest**2 + 3 * rest**3)
-    return beam.mass_per_length * (bent + straight) / _deflection(unit_at, load_at) ** 2
+from vibeam_models.scene import Scene, SdofScene
+from vibeam_models.static_shape import static_shape_of
 
 
 @dataclass(frozen=True)
@@ -88,27 +65,23 @@ def sdof_model(scene: Scene) -> SdofModel:
     """The paper's model of ``scene``; its effects, beam mass and further masses are what this model leaves out.
 
     β_S is the first given damping ratio, Δ = Δ_G/L with Δ_G the grazing amplitude at the sensor. ValueError where mass
-    or sensor stand at the clamp, and for a beam without an attached mass.
+    or sensor stand at the clamp, and for a beam without an attached mass. φ of eq. 44 is that of a uniform cantilever;
+    another beam's is taken from finite elements (``static_shape_of``).
     """
     if scene.mass is None:
         raise ValueError("the single degree of freedom of eq. 43-47 is that of an attached mass: the beam is bare")
-    beam, load_at, unit_at = scene.beam, scene.mass.position, scene.sensor.position
+    beam, load_at, unit_at = scene.shaped_beam, scene.mass.position, scene.sensor.position
     if not (load_at > 0 and unit_at > 0):
         raise ValueError("the static shape needs mass and sensor away from the clamp")
-    shape = static_shape(load_at, load_at, unit_at)
-    contact = static_shape(scene.stop.position, load_at, unit_at)
+    static = static_shape_of(beam, load_at, unit_at)
+    shape, contact = static.at(load_at), static.at(scene.stop.position)
     return SdofModel(
         length=beam.length,
         shape=shape,
         contact_shape=contact,
-        stiffness=static_stiffness(beam, load_at, unit_at),
+        stiffness=static.stiffness,
         mass=scene.mass.mass * shape**2,
         damping_ratio=beam.damping.ratios[0],
         gap=scene.stop.gap / beam.length / (contact if scene.stop.gap_at == "contact" else 1.0),
         restitution=scene.stop.usual_restitution,
     )
-
-
-def _deflection(x: float, load_at: float) -> float:
-    """6EI/P times the deflection at x: x²(3a − x) up to the load at a, a²(3x − a) beyond."""
-    return x**2 * (3 * load_at - x) if x <= load_at else load_at**2 * (3 * x - load_at)

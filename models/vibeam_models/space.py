@@ -1,20 +1,27 @@
-"""BeamSpace: Hermite finite elements on one mesh, with what its constraints have left free.
-
-scikit-fem is imported where a beam is assembled: commands that only read a case do without it.
-"""
+"""BeamSpace: finite elements of a beam on one mesh, with what its constraints have left free."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vibeam_models.hermite import HermiteElements
+
+if TYPE_CHECKING:
+    from vibeam_models.timoshenko import TimoshenkoElements
+
 NEAR = 0.25  # share of a uniform element within which a uniform node gives way to an inserted one
 
 SAME = 1e-9  # share of the length within which two inserted nodes are one
+
+KEPT = 256  # rows of spaces
+
+MESHES = 32  # clamped spaces, each of a mesh of its own
 
 
 def nodes(length: float, elements: int, inserted: Iterable[float] = ()) -> NDArray[np.float64]:
@@ -29,55 +36,47 @@ def nodes(length: float, elements: int, inserted: Iterable[float] = ()) -> NDArr
     for position in inserted:
         if not 0 <= position <= length:
             raise ValueError(f"no node can stand at {position} m: the beam ends at {length} m")
-        if _distance(position, kept) > SAME * length:
+        if min(abs(position - other) for other in kept) > SAME * length:
             kept.append(float(position))
     uniform = np.linspace(0.0, length, elements + 1)[1:-1]
-    kept += [float(x) for x in uniform if _distance(x, kept) > NEAR * length / elements]
-    return np.array(sorted(kept))
-
-
-def _distance(position: float, others: list[float]) -> float:
-    return float(np.min(np.abs(np.array(others) - position)))
+    clear = np.abs(uniform[:, None] - np.array(kept)).min(axis=1) > NEAR * length / elements
+    return np.sort(np.concatenate([kept, uniform[clear]]))
 
 
 Array = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class BeamSpace:
-    """Cubic Hermite elements: deflection and slope at each node, and the constraints upon them.
+    """Elements of a beam, deflection and slope at each node first, and the constraints upon them.
 
-    ``basis``: the scikit-fem basis; ``constraint`` (dofs, size): dofs = constraint @ x, x the free coordinates.
+    ``elements``: on their mesh; ``constraint`` (dofs, size): dofs = constraint @ x, x the free coordinates.
     """
 
-    basis: Any
+    elements: HermiteElements | TimoshenkoElements
     constraint: Array
 
     @classmethod
-    def clamped(cls, nodes: ArrayLike) -> BeamSpace:
-        """The space on ``nodes`` (k,) in m, ascending, clamped at the first one: 2(k−1) coordinates."""
-        from skfem import Basis, ElementLineHermite, MeshLine
-
-        element = ElementLineHermite()  # a new one for every mesh: it remembers the first mesh it met
-        basis = Basis(MeshLine(np.asarray(nodes, dtype=float)), element, intorder=6)
-        return cls(basis, np.eye(int(basis.N))[:, 2:])
+    def held(cls, elements: HermiteElements | TimoshenkoElements, fixed: Iterable[int]) -> BeamSpace:
+        """The space of ``elements`` with the degrees of freedom ``fixed`` held."""
+        return _held(elements, tuple(sorted(fixed)))
 
     @property
     def nodes(self) -> Array:
         """Node positions (k,) in m."""
-        return np.asarray(self.basis.mesh.p[0], dtype=float)
+        return self.elements.nodes
 
     @property
     def size(self) -> int:
         """Number of free coordinates."""
         return int(self.constraint.shape[1])
 
-    @property
+    @cached_property
     def free(self) -> NDArray[np.intp]:
         """The degrees of freedom, ascending, that any coordinate moves."""
         return np.flatnonzero(np.any(self.constraint, axis=1))
 
-    @property
+    @cached_property
     def is_plain(self) -> bool:
         """True where every coordinate is one degree of freedom, in their order."""
         free = self.free
@@ -93,48 +92,45 @@ class BeamSpace:
         """The same space with x = further @ y: ``further`` (size, fewer)."""
         return replace(self, constraint=self.constraint @ further)
 
-    def mass(self, per_length: float) -> Array:
-        """Consistent mass ∫ρA uv (dofs, dofs) of all degrees of freedom, the clamp's too; ``per_length`` in kg/m."""
-        return self._assembled(lambda u, v, _: per_length * u * v)
+    def within(self, matrix: Array) -> Array:
+        """A matrix (dofs, dofs) of all degrees of freedom in the free coordinates (size, size)."""
+        if self.is_plain:
+            return np.ascontiguousarray(matrix[self.free][:, self.free])
+        return np.asarray(self.constraint.T @ matrix @ self.constraint)
 
-    def stiffness(self, bending: float) -> Array:
-        """∫EI u″v″ (dofs, dofs) of all degrees of freedom, the clamp's too; ``bending`` in N m²."""
-        from skfem.helpers import dd
+    def base_load(self, mass: Array) -> Array:
+        """Force (size,) per unit acceleration of the base, −M r, of ``mass`` (dofs, dofs).
 
-        return self._assembled(lambda u, v, _: bending * dd(u)[0, 0] * dd(v)[0, 0])
-
-    def translation(self) -> Array:
-        """Unit translation (dofs,) of every degree of freedom, the clamp's too: deflections 1, slopes 0."""
-        unit = np.zeros(int(self.basis.N))
-        unit[self.basis.nodal_dofs[0]] = 1.0
-        return unit
+        The supports move along: r is 1 for the deflection of every node, 0 for all else.
+        """
+        rows = mass[self.free] if self.is_plain else self.constraint.T @ mass
+        translation = np.zeros(self.elements.count)
+        translation[: 2 * len(self.nodes) : 2] = 1.0
+        return np.asarray(-(rows @ translation))
 
     def row(self, x: float, derivative: int = 0) -> Array:
-        """Row (size,) that reads the deflection (``derivative=0``, m) or slope (1, rad) at ``x`` m, node or not."""
-        return np.asarray(self.rows([x], derivative)[0])
+        """Row (size,) that reads the deflection (``derivative`` 0, m), slope (1) or curvature (2, 1/m) at ``x`` m."""
+        return _row(self, float(x), derivative)
 
     def rows(self, positions: ArrayLike, derivative: int = 0) -> Array:
         """``row`` of many positions (k,) at once: (k, size). ValueError for a position off the beam."""
         x = np.atleast_1d(np.asarray(positions, dtype=float))
-        end = self.nodes[-1]
+        end = float(self.nodes[-1])
         if np.any((x < 0) | (x > end)):
             raise ValueError(f"positions must lie in [0, {end}] m: {x[(x < 0) | (x > end)]}")
-        if derivative not in (0, 1):
-            raise ValueError(f"derivative: {derivative}, Hermite elements offer 0 and 1")
-        cells = np.clip(np.searchsorted(self.nodes, x, side="right") - 1, 0, len(self.nodes) - 2)
-        rows = np.zeros((len(x), int(self.basis.N)))
-        for k in range(4):
-            rows[np.arange(len(x)), self.basis.element_dofs[k, cells]] = self._shape(k, x, cells, derivative)
-        return rows @ self.constraint
+        if derivative not in (0, 1, 2):
+            raise ValueError(f"derivative: {derivative}, beam elements offer 0, 1 and 2")
+        rows = self.elements.rows(x, derivative)
+        return np.ascontiguousarray(rows[:, self.free]) if self.is_plain else rows @ self.constraint
 
-    def _shape(self, k: int, x: Array, cells: NDArray[np.intp], derivative: int) -> Array:
-        mapping = self.basis.mapping
-        local = mapping.invF(x[np.newaxis, :, np.newaxis], tind=cells)
-        field = self.basis.elem.gbasis(mapping, local, k, tind=cells)[0]
-        return np.asarray(field.grad[0] if derivative else field)[:, 0]
 
-    def _assembled(self, form: Any) -> Array:
-        from skfem import BilinearForm
+@lru_cache(maxsize=MESHES)
+def _held(elements: HermiteElements | TimoshenkoElements, fixed: tuple[int, ...]) -> BeamSpace:
+    return BeamSpace(elements, np.delete(np.eye(elements.count), fixed, axis=1))
 
-        matrix: Array = BilinearForm(form).assemble(self.basis).toarray()
-        return (matrix + matrix.T) / 2
+
+@lru_cache(maxsize=KEPT)
+def _row(space: BeamSpace, x: float, derivative: int) -> Array:
+    row: Array = space.rows([x], derivative)[0]
+    row.setflags(write=False)
+    return row

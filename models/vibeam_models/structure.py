@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,17 @@ Array = NDArray[np.float64]
 
 SYMMETRIC = 1e-9  # share of a matrix's largest entry by which two entries may differ
 
+NODE = 1e-9  # share of a shape's largest value below which it is round-off
+
 STIFF = 1e-9  # share of the largest ω² by which another may be negative and still be round-off
+
+SINGULAR = 3e14  # times the deflection of the stiffest coordinate alone: round-off bounds it where nothing else does
+
+FREE = "structure: K: is singular, the body is free: no static deflection bears a load on it"
+
+MATRICES = ("M", "C", "K")
+
+FIELDS = (*MATRICES, "load", "static", "contact", "outputs")
 
 
 @dataclass(frozen=True)
@@ -38,7 +48,7 @@ class Structure:
     A finite-element beam and its one-mode model are both a Structure: whatever accepts the one accepts the other.
 
     - ``M``, ``C``, ``K``: mass, damping, stiffness (n, n), symmetric;
-    - ``load``: (n,) force per unit base acceleration, −M r;
+    - ``load``: (n,) force per unit base acceleration, −M r; minus the row of its place where a force −b̈ drives it;
     - ``static``: (n,) constant force, zero unless an effect brings one;
     - ``contact``: (n,) row w; the contact displacement is w·x, positive toward the stop;
     - ``outputs``: name → (n,) row; ``units``: name → unit of that output, metres where it is not named.
@@ -55,20 +65,22 @@ class Structure:
     contact: Array
     outputs: Mapping[str, Array] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
+    _known: dict[str, Modes] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
+        self._settle(FIELDS)
+
+    def _settle(self, names: Collection[str]) -> None:
+        """Keep the named fields as arrays of floats; ValueError with every fault among them."""
         faults: list[str] = []
-        matrices = {name: real_array(getattr(self, name)) for name in ("M", "C", "K")}
-        size = next((len(each) for each in matrices.values() if each is not None and each.ndim == 2), 0)
-        rows = {name: real_array(getattr(self, name)) for name in ("load", "static", "contact")}
-        outputs = {name: real_array(row) for name, row in self.outputs.items()}
-        for name, matrix in matrices.items():
-            _check(name, matrix, (size, size), faults)
-        for name, row in (rows | {f"outputs[{name!r}]": row for name, row in outputs.items()}).items():
-            _check(name, row, (size,), faults)
+        clean: dict[str, Any] = {name: real_array(getattr(self, name)) for name in FIELDS[:-1] if name in names}
+        outputs = {name: real_array(row) for name, row in self.outputs.items()} if "outputs" in names else {}
+        matrices = (clean.get(name, getattr(self, name)) for name in MATRICES)
+        size = next((len(each) for each in matrices if each is not None and each.ndim == 2), 0)
+        for name, value in (clean | {f"outputs[{name!r}]": row for name, row in outputs.items()}).items():
+            _check(name, value, (size, size) if name in MATRICES else (size,), faults)
         refuse("structure", faults)
-        for name, value in (matrices | rows | {"outputs": outputs}).items():
-            object.__setattr__(self, name, value)
+        self.__dict__.update(clean | {"outputs": outputs} if "outputs" in names else clean)
 
     @property
     def size(self) -> int:
@@ -77,46 +89,104 @@ class Structure:
 
     def with_(self, **changes: Any) -> Structure:
         """The same structure but for the named fields."""
-        return replace(self, **changes)
+        unknown = changes.keys() - {*FIELDS, "units"}
+        if unknown:
+            raise TypeError(f"structure: no field {', '.join(sorted(unknown))}")
+        changed = object.__new__(type(self))
+        changed.__dict__.update(self.__dict__ | changes)
+        if not changes.keys().isdisjoint(("M", "K", "contact")):
+            changed.__dict__["_known"] = {}
+        resized = "M" in changes and np.shape(changes["M"]) != self.M.shape
+        changed._settle(FIELDS if resized else changes)
+        return changed
 
     def modes(self, count: int | None = None) -> Modes:
-        """The lowest ``count`` undamped modes (all where it is None), each with a positive contact or tip value.
+        """The lowest ``count`` undamped modes (all where it is None), each positive at the contact (``signs``).
 
         ValueError where ``M`` is not positive definite or ``K`` not positive semidefinite.
         """
+        if "modes" not in self._known:
+            self._known["modes"] = self._solved()
+        every = self._known["modes"]
+        return every if count is None else Modes(every.omega[:count], every.shapes[:, :count])
 
+    def deflection(self, force: Array) -> Array:
+        """The static deflection (n,) under a ``force`` (n,) on the coordinates; ValueError where K has no inverse."""
+        try:
+            found = np.asarray(np.linalg.solve(self.K, force))
+        except np.linalg.LinAlgError:
+            raise ValueError(FREE) from None
+        if not np.abs(found).max() * np.abs(self.K).max() < SINGULAR * np.abs(force).max():
+            raise ValueError(FREE)
+        return found
+
+    def mobility(self, row: Array) -> float:
+        """w M⁻¹ wᵀ of a ``row`` w (n,): the velocity that an impulse of one on it gives it."""
+        return float(row @ np.linalg.solve(self.M, row))
+
+    def flexibility(self, row: Array) -> float:
+        """w K⁻¹ wᵀ of a ``row`` w (n,): its displacement under a steady force of one on it."""
+        return float(row @ self.deflection(row))
+
+    def congruent(self, name: str, basis: Array) -> Array:
+        """BᵀAB of the matrix ``name``, for a ``basis`` B (n, fewer)."""
+        return congruent(getattr(self, name), basis)
+
+    def _solved(self) -> Modes:
         try:
             squared, shapes = natural_modes(self.K, self.M)
         except np.linalg.LinAlgError:
             raise ValueError("structure: M: must be positive definite: every coordinate needs a mass") from None
         if squared[0] < -STIFF * abs(squared[-1]):
             raise ValueError("structure: K: must be positive semidefinite: a direction has negative stiffness")
-        squared, shapes = squared[:count], shapes[:, :count]
-        signs = np.where(self.contact @ shapes < 0, -1.0, 1.0)
-        return Modes(np.sqrt(np.maximum(squared, 0.0)), shapes * signs)
+        return Modes(np.sqrt(np.maximum(squared, 0.0)), shapes * signs(shapes, self.contact))
+
+
+def signs(shapes: Array, contact: Array) -> Array:
+    """±1 (k,) that makes shapes (n, k) positive at the ``contact`` (n,); where a node lies there, at the first motion.
+
+    A value is a node's if it is round-off beside the largest one of all shapes at that place.
+    """
+    sizes = np.abs(shapes)
+    first = np.take_along_axis(shapes, np.argmax(sizes > NODE * sizes.max(axis=0), axis=0)[None], axis=0)[0]
+    at_contact = contact @ shapes
+    node = np.abs(at_contact) <= NODE * (np.abs(contact) @ sizes.max(axis=1))
+    return np.where(np.where(node, first, at_contact) < 0, -1.0, 1.0)
 
 
 def _check(name: str, value: Array | None, shape: tuple[int, ...], faults: list[str]) -> None:
     if value is None or value.shape != shape or not value.size or not np.isfinite(value).all():
         faults.append(f"{name}: must be {' × '.join(map(str, shape)) if shape[0] else 'n × n'} finite numbers")
-    elif value.ndim == 2 and np.max(np.abs(value - value.T)) > SYMMETRIC * np.max(np.abs(value)):
+    elif value.ndim == 2 and not _symmetric(value):
         faults.append(f"{name}: must be symmetric")
 
 
-def in_coordinates(structure: Structure, basis: Array) -> Structure:
-    """The structure in coordinates y with x = basis @ y, ``basis`` (n, fewer): BᵀMB, Bᵀload, w B …"""
-    return structure.with_(
-        M=_congruent(structure.M, basis),
-        C=_congruent(structure.C, basis),
-        K=_congruent(structure.K, basis),
+def _symmetric(matrix: Array) -> bool:
+    if np.array_equal(matrix, matrix.T):
+        return True
+    return bool(np.max(np.abs(matrix - matrix.T)) <= SYMMETRIC * np.max(np.abs(matrix)))
+
+
+def in_coordinates(structure: Structure, basis: Array, **known: Array) -> Structure:
+    """The structure in coordinates y with x = basis @ y, ``basis`` (n, fewer): BᵀMB, Bᵀload, w B …
+
+    ``known``: fields that are known already.
+    """
+    matrices = {name: structure.congruent(name, basis) for name in MATRICES if name not in known}
+    return Structure(
+        units=structure.units,
         load=structure.load @ basis,
         static=structure.static @ basis,
         contact=structure.contact @ basis,
         outputs={name: row @ basis for name, row in structure.outputs.items()},
+        **(matrices | known),
     )
 
 
-def _congruent(matrix: Array, basis: Array) -> Array:
+def congruent(matrix: Array, basis: Array) -> Array:
+    """BᵀAB (fewer, fewer) of a symmetric matrix, symmetric to the bit."""
+    if not matrix.any():  # no damping yet
+        return np.zeros((basis.shape[1], basis.shape[1]))
     product = basis.T @ matrix @ basis
     return (product + product.T) / 2
 
@@ -126,20 +196,31 @@ def natural_modes(K: Array, M: Array) -> tuple[Array, Array]:
 
     Solved as it stands, the problem is exact to 10⁻¹⁶ of the *highest* ω², which leaves little or nothing of the first
     mode on a fine or light beam; so the modes below the geometric middle come from M φ = ω⁻² K φ. Where ``K`` is
-    singular, a free body, they stay as they are.
+    singular, a free body, they stay as they are. LinAlgError: ``M`` is not positive definite.
     """
-    from scipy.linalg import LinAlgError, eigh
-
-    squared, shapes = eigh(K, M)
+    squared, shapes = eigenpairs(K, M)
     try:
-        inverse, flexible = eigh(M, K)
-    except LinAlgError:
+        inverse, flexible = eigenpairs(M, K)
+    except np.linalg.LinAlgError:
         return squared, shapes
     inverse, flexible = inverse[::-1], flexible[:, ::-1]
     low = int(np.count_nonzero(inverse > 1 / np.sqrt(squared[-1] / inverse[0])))
     squared[:low] = 1 / inverse[:low]
     shapes[:, :low] = flexible[:, :low] / np.sqrt(inverse[:low])
     return squared, shapes
+
+
+def eigenpairs(A: Array, B: Array) -> tuple[Array, Array]:
+    """Eigenvalues (n,) ascending and vectors (n, n) of A x = λ B x with xᵀBx = 1, by divide and conquer.
+
+    What ``scipy.linalg.eigh`` calls, without its preparations. LinAlgError: ``B`` is not positive definite.
+    """
+    from scipy.linalg.lapack import dsygvd
+
+    values, vectors, fault = dsygvd(A, B)
+    if fault:
+        raise np.linalg.LinAlgError(f"dsygvd: {fault}")
+    return values, vectors
 
 
 def with_inertia(structure: Structure, row: Array, inertia: float, translation: float) -> Structure:

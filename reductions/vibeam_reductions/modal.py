@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
-from vibeam_models.structure import Structure
-from vibeam_reductions.projection import Reduction, projection
+from vibeam_models.structure import Structure, in_coordinates
+from vibeam_reductions.projection import Reduction
 
 
 def modal(structure: Structure, n: int) -> Reduction:
@@ -18,9 +16,8 @@ def modal(structure: Structure, n: int) -> Reduction:
     if not 1 <= n <= structure.size:
         raise ValueError(f"modes: {n}, this structure has 1 to {structure.size}")
     modes = structure.modes(n)
-    reduction = projection(structure, modes.shapes)
-    exact = reduction.structure.with_(M=np.eye(n), K=np.diag(modes.omega**2))  # free of the projection's round-off
-    return replace(reduction, structure=exact)
+    exact = in_coordinates(structure, modes.shapes, M=np.eye(n), K=np.diag(modes.omega**2))
+    return Reduction(modes.shapes, exact, structure)
 
 
 def full(structure: Structure) -> Reduction:

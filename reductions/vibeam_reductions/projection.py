@@ -24,12 +24,12 @@ class Reduction:
     @property
     def flexibility_kept(self) -> float:
         """Share in [0, 1] of the contact's static flexibility w K⁻¹ wᵀ: the rest is lost under a steady force."""
-        return _compliance(self.structure.K, self.structure.contact) / _compliance(self.full.K, self.full.contact)
+        return self.structure.flexibility(self.structure.contact) / self.full.flexibility(self.full.contact)
 
     @property
     def mobility_kept(self) -> float:
         """Share in [0, 1] of the contact's mobility w M⁻¹ wᵀ: the rest is lost in the answer to an impulse."""
-        return _compliance(self.structure.M, self.structure.contact) / _compliance(self.full.M, self.full.contact)
+        return self.structure.mobility(self.structure.contact) / self.full.mobility(self.full.contact)
 
 
 def projection(structure: Structure, basis: Array) -> Reduction:
@@ -40,7 +40,3 @@ def projection(structure: Structure, basis: Array) -> Reduction:
     if not 0 < np.linalg.matrix_rank(basis / np.linalg.norm(basis, axis=0)) == basis.shape[1]:
         raise ValueError(f"basis: its {basis.shape[1]} columns are not independent")
     return Reduction(basis, in_coordinates(structure, basis), structure)
-
-
-def _compliance(matrix: Array, row: Array) -> float:
-    return float(row @ np.linalg.solve(matrix, row))

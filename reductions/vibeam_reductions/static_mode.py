@@ -14,9 +14,14 @@ def static_mode(structure: Structure, at: Array | None = None) -> Reduction:
     Scaled so that the output ``"sensor"`` reads 1, or the row ``at`` itself where there is no such output. It keeps all
     of the contact's static flexibility. ValueError where the deflection is zero at that place.
     """
+    return projection(structure, static_shape(structure, at))
+
+
+def static_shape(structure: Structure, at: Array | None = None) -> Array:
+    """That deflection, (size, 1)."""
     row = structure.contact if at is None else np.asarray(at, dtype=float)
-    shape = np.linalg.solve(structure.K, row)
+    shape = structure.deflection(row)
     scale = float(structure.outputs.get("sensor", row) @ shape)
     if abs(scale) <= 1e-12 * np.linalg.norm(shape):
         raise ValueError("static mode: the place it is scaled at does not move")
-    return projection(structure, (shape / scale)[:, np.newaxis])
+    return np.asarray((shape / scale)[:, np.newaxis])

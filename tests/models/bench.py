@@ -7,18 +7,22 @@ from dataclasses import replace
 import mpmath as mp
 import numpy as np
 
+from vibeam_models.base import Base
+from vibeam_models.beams.beam import Beam, Damping
+from vibeam_models.beams.shapes import Rectangle
 from vibeam_models.effects import Effect
 from vibeam_models.effects.rigid_zone import RigidZone
 from vibeam_models.effects.rotary_inertia import RotaryInertia
-from vibeam_models.scene import Base, Beam, Damping, Mass, Scene, Sensor, Stop
+from vibeam_models.scene import Mass, Scene, Sensor
+from vibeam_models.stop import Stop
 
-STEEL = Beam(0.18, 0.02, 1.034e-3, 210e9, 7850.0, Damping("constant", (0.017,)))
+STEEL = Beam(0.18, Rectangle(0.02, 1.034e-3), 210e9, 7850.0, Damping("constant", (0.017,)))
 
 
 def discs() -> float:
     """J in kg m² of four 50 g discs of 7 mm × ⌀35 mm, two each side of the strip, about the strip's middle."""
     own = 4 * 0.05 * (3 * 0.0175**2 + 0.007**2) / 12
-    offsets = [STEEL.thickness / 2 + 0.0035, STEEL.thickness / 2 + 0.0105]
+    offsets = [STEEL.shape.thickness / 2 + 0.0035, STEEL.shape.thickness / 2 + 0.0105]
     return own + sum(2 * 0.05 * d**2 for d in offsets)
 
 

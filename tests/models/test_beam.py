@@ -7,7 +7,8 @@ from scipy.linalg import eigh
 from tests.models.bench import POINT_MASS, RIG, STEEL, cantilever_omega, deflection, with_effects
 from vibeam_models.beam import assemble, assemble_with_space, bare_beam
 from vibeam_models.effects.added_mass import AddedMass
-from vibeam_models.scene import Mass, Sensor, Stop
+from vibeam_models.scene import Mass, Sensor
+from vibeam_models.stop import Stop
 
 FOUR = cantilever_omega(STEEL, 4)
 
@@ -110,8 +111,8 @@ def test_rows_refuse_what_is_off_the_beam():
     _, space = bare_beam(STEEL)
     with pytest.raises(ValueError, match="positions must lie"):
         space.row(0.181)
-    with pytest.raises(ValueError, match="Hermite elements offer"):
-        space.row(0.1, 2)
+    with pytest.raises(ValueError, match="beam elements offer"):
+        space.row(0.1, 3)
 
 
 def test_the_reference_beam_of_the_rig():

@@ -5,8 +5,8 @@ import pytest
 
 from tests.models.bench import POINT_MASS, RIG, STEEL
 from vibeam_models.beam import assemble
+from vibeam_models.beams.beam import Damping
 from vibeam_models.damping import modal_ratios
-from vibeam_models.scene import Damping
 
 KINDS = [
     Damping("constant", (0.017,)),

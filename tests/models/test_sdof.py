@@ -7,35 +7,40 @@ from scipy.integrate import quad
 
 from tests.models.bench import POINT_MASS, RIG, STEEL, deflection, with_effects
 from vibeam_models.effects.added_mass import AddedMass
-from vibeam_models.scene import Mass, Stop
-from vibeam_models.sdof import beam_mass, sdof_model, static_shape, static_slope
+from vibeam_models.scene import Mass
+from vibeam_models.sdof import sdof_model
+from vibeam_models.static_shape import CantileverShape, FiniteElementShape
+from vibeam_models.stop import Stop
 
 EI = STEEL.bending_stiffness
 
 
 def test_shape_at_the_mass_is_equation_44():
     exact = Fraction(2 * 132**3, 100**2 * (3 * 132 - 100))
-    assert static_shape(0.132, 0.132, 0.1) == pytest.approx(float(exact), rel=1e-14)
+    assert CantileverShape(STEEL, 0.132, 0.1).at(0.132) == pytest.approx(float(exact), rel=1e-14)
 
 
 @pytest.mark.parametrize("x", [0.02, 0.1, 0.132, 0.15, 0.18])
 @pytest.mark.parametrize("unit_at", [0.1, 0.16])
-def test_shape_and_slope_are_the_static_deflection(x, unit_at):
+@pytest.mark.parametrize("kind", [CantileverShape, FiniteElementShape])
+def test_shape_and_slope_are_the_static_deflection(kind, x, unit_at):
     def shape(at):
         return deflection(STEEL, at, 0.132) / deflection(STEEL, unit_at, 0.132)
 
-    assert static_shape(x, 0.132, unit_at) == pytest.approx(shape(x), rel=1e-12)
+    static = kind(STEEL, 0.132, unit_at)
+    assert static.at(x) == pytest.approx(shape(x), rel=1e-9)
     step = 1e-6
     slope = (shape(x + step) - shape(x - step)) / (2 * step)
-    assert static_slope(x, 0.132, unit_at) == pytest.approx(slope, rel=1e-6)
+    assert static.slope(x) == pytest.approx(slope, rel=1e-6)
 
 
-def test_beam_mass_is_the_integral_of_the_squared_shape():
+@pytest.mark.parametrize("kind", [CantileverShape, FiniteElementShape])
+def test_beam_mass_is_the_integral_of_the_squared_shape(kind):
     def squared(x):
         return STEEL.mass_per_length * (deflection(STEEL, x, 0.132) / deflection(STEEL, 0.1, 0.132)) ** 2
 
     expected = quad(squared, 0, 0.132, epsabs=0, epsrel=1e-12)[0] + quad(squared, 0.132, 0.18, epsabs=0)[0]
-    assert beam_mass(STEEL, 0.132, 0.1) == pytest.approx(expected, rel=1e-10)
+    assert kind(STEEL, 0.132, 0.1).beam_mass(STEEL) == pytest.approx(expected, rel=1e-9)
 
 
 def test_frequency_is_that_of_a_point_mass_on_a_massless_beam():

@@ -3,6 +3,7 @@ import pytest
 
 from tests.models.bench import RIG
 from vibeam_models.beam import assemble
+from vibeam_models.structure import Structure, signs
 
 
 def test_modes_are_mass_normalised_and_push_toward_the_stop():
@@ -27,3 +28,38 @@ def test_with_changes_what_is_named():
     assert not np.any(other.C)
     with pytest.raises(AttributeError):
         structure.M = other.M
+
+
+def test_other_damping_or_load_keeps_the_modes_and_another_contact_or_mass_does_not():
+    structure = assemble(RIG)
+    before = structure.modes()
+    assert structure.with_(C=0 * structure.C, load=2 * structure.load).modes() is before
+    heavier = structure.with_(M=4 * structure.M)
+    np.testing.assert_allclose(heavier.modes(4).omega, before.omega[:4] / 2, rtol=1e-8)
+    away = structure.with_(contact=-structure.contact)
+    np.testing.assert_allclose(-away.contact @ away.modes(4).shapes, -structure.contact @ before.shapes[:, :4])
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"load": [1.0]}, "load: must be"),
+        ({"M": np.eye(3)}, "C: must be 3 × 3 finite numbers"),
+        ({"K": np.triu(np.ones((2, 2)))}, "K: must be symmetric"),
+        ({"outputs": {"tip": [np.nan, 1.0]}}, r"outputs\['tip'\]: must be 2 finite numbers"),
+    ],
+)
+def test_a_change_that_does_not_fit_is_refused(change, message):
+    two = Structure(np.eye(2), np.eye(2), np.eye(2), np.ones(2), np.zeros(2), np.ones(2))
+    with pytest.raises(ValueError, match=message):
+        two.with_(**change)
+    with pytest.raises(TypeError, match="no field stiffness"):
+        two.with_(stiffness=np.eye(2))
+
+
+def test_a_mode_with_a_node_at_the_contact_is_positive_where_it_first_moves():
+    """Round-off of either sign at the node decides nothing."""
+    shapes = np.array([[0.5, -0.6, -0.4], [0.7, 1e-17, -0.1], [-0.5, 0.6, 0.9]])
+    contact = np.array([0.0, 1.0, 0.0])
+    np.testing.assert_array_equal(signs(shapes, contact), [1, -1, -1])
+    np.testing.assert_array_equal(signs(shapes * [1, -1, 1], contact), [1, 1, -1])

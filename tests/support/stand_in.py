@@ -106,7 +106,7 @@ def case(points: int = 8, direction: str = "both", key: str = "k" * 64, **change
         "shared": f'key = "{key}"\n',
         "own": {name: f'key = "{key}"\nmodes = {each.size}\n' for name, each in systems.items()},
         "title": "a case",
-        "scene": None,
+        "scene": SimpleNamespace(natural_unit=None, outputs=()),
         "fidelities": defaultdict(plain, {name: plain(name) for name in systems}),
         "sweep": sweep,
         "references": {},

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
+from vibeam_models.beams.beam import Beam
 from vibeam_models.effects import Effect
 from vibeam_models.keys import quantity, word
-from vibeam_models.scene import Beam
 from vibeam_models.structure import Array, Structure
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(3)  # exact to degree 5: N linear, w′² of degree 4
@@ -85,7 +85,7 @@ class AxialGravity:
 
     def axial_force(self, x: Array) -> Array:
         """N (k,) in N at ``x`` (k,) m."""
-        carried = self.beam.mass_per_length * (self.beam.length - x)
+        carried = self.beam.mass_beyond(x)
         for mass, position in self.weights:
             carried = carried + mass * (x < position)
         return np.asarray(self.acceleration * carried)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -11,7 +11,8 @@ from vibeam_models.effects import LAST, Effect
 from vibeam_models.structure import Structure, in_coordinates
 
 if TYPE_CHECKING:
-    from vibeam_models.scene import Beam, Scene
+    from vibeam_models.beams.beam import Beam
+    from vibeam_models.scene import Scene
     from vibeam_models.space import BeamSpace
 
 NOTHING = 1e-12  # share of the largest 1/ω² below which a shape carries no inertia; round-off leaves 10⁻¹⁶
@@ -26,8 +27,8 @@ class MasslessBeam(Effect):
     name: ClassVar[str] = LAST
 
     def carrier(self, beam: Beam) -> Beam:
-        """As ``Effect.carrier``: without density."""
-        return replace(beam, density=0.0)
+        """As ``Effect.carrier``."""
+        return beam.massless()
 
     def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
         """Static condensation: the shapes K⁻¹f under forces on the masses are all that can move. It comes last.

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibeam_models.effects import Effect
 from vibeam_models.structure import Array, Structure, in_coordinates
@@ -16,6 +18,8 @@ if TYPE_CHECKING:
     from vibeam_models.space import BeamSpace
 
 LEAST = 1e-3  # share of the length below which the zone changes nothing, but its elements' round-off does
+
+KEPT = 16  # eliminations, each of a space of its own
 
 
 @dataclass(frozen=True)
@@ -60,23 +64,28 @@ class RigidSegment:
 
         ValueError where the zone reaches the clamp or the tip, or where the mesh has no node it needs.
         """
-        self._check(space)
-        basis = self._elimination(space)
-        return in_coordinates(structure, basis), space.constrained(basis)
+        basis, constrained = _eliminated(self, space)
+        return in_coordinates(structure, basis), constrained
 
     def _elimination(self, space: BeamSpace) -> Array:
         """x = basis @ y: free coordinates by those that are left, u_i = u_m + θ_m (x_i − x_m), θ_i = θ_m."""
-        inside = np.flatnonzero(self._within(space.nodes))
-        middle = self._node_at(space.nodes, self.position)
-        full = np.eye(int(space.basis.N))
-        for node in inside:
-            deflection, slope = space.basis.nodal_dofs[:, node]
-            full[[deflection, slope]] = 0.0
-            full[deflection, space.basis.nodal_dofs[:, middle]] = 1.0, space.nodes[node] - space.nodes[middle]
-            full[slope, space.basis.nodal_dofs[1, middle]] = 1.0
-        gone = space.basis.nodal_dofs[:, inside[inside != middle]].ravel()
-        free = space.free
-        return full[free][:, np.setdiff1d(free, gone)]
+        inside, middle = np.flatnonzero(self._within(space.nodes)), self._node_at(space.nodes, self.position)
+        deflection, slope = (self._coordinates(space, 2 * inside + which) for which in (0, 1))
+        at = int(np.flatnonzero(inside == middle)[0])
+        full = np.eye(space.size)
+        full[np.concatenate([deflection, slope])] = 0.0
+        full[deflection, deflection[at]] = 1.0
+        full[deflection, slope[at]] = space.nodes[inside] - space.nodes[middle]
+        full[slope, slope[at]] = 1.0
+        bubbles = self._coordinates(space, space.elements.inner(inside[:-1]))
+        return np.delete(full, [*np.delete(deflection, at), *np.delete(slope, at), *bubbles], axis=1)
+
+    def _coordinates(self, space: BeamSpace, dofs: NDArray[np.intp]) -> NDArray[np.intp]:
+        """The coordinates that are these degrees of freedom; ValueError where one is held or tied to others."""
+        rows = space.constraint[dofs]
+        if np.any(np.count_nonzero(rows, axis=1) != 1) or np.any(np.max(rows, axis=1, initial=1.0) != 1):
+            raise ValueError(f"rigid zone at {self.position} m: a support or another rigid zone holds part of it")
+        return np.asarray(np.argmax(rows, axis=1))
 
     def _within(self, nodes: Array) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
         return np.asarray(np.abs(nodes - self.position) <= self.half_width + self._tolerance(nodes))
@@ -94,11 +103,17 @@ class RigidSegment:
             raise ValueError(f"rigid zone [{start}, {end}] m must lie inside the beam, (0, {length}) m")
         if 0 < self.half_width < LEAST * length:
             raise ValueError(f"rigid zone: ±{self.half_width} m is below {LEAST:g} of the beam's length: leave it out")
-        if not space.is_plain:
-            raise ValueError("rigid zone: the space is constrained already; it must come first or alone")
         for x in (start, end):
             self._node_at(space.nodes, x)
 
     @staticmethod
     def _tolerance(nodes: Array) -> float:
         return float(1e-8 * nodes[-1])
+
+
+@lru_cache(maxsize=KEPT)
+def _eliminated(segment: RigidSegment, space: BeamSpace) -> tuple[Array, BeamSpace]:
+    """Basis of what is left, and the space constrained to it; ValueError where the space does not allow it."""
+    segment._check(space)
+    basis = segment._elimination(space)
+    return basis, space.constrained(basis)

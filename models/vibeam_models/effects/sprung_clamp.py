@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-
+from vibeam_models.beams.support import Support
 from vibeam_models.effects import Effect
 from vibeam_models.keys import quantity
-from vibeam_models.structure import Structure
 
 if TYPE_CHECKING:
-    from vibeam_models.scene import Beam, Scene
-    from vibeam_models.space import BeamSpace
+    from vibeam_models.beams.beam import Beam
 
 
 @dataclass(frozen=True)
@@ -23,29 +21,15 @@ class Clamp(Effect):
     stiffness: float = quantity("N m/rad", "moment per rotation of the clamp", "500 N m/rad", above=0)
 
     name: ClassVar[str] = "clamp"
-    on_bare_beam: ClassVar[bool] = True
 
-    def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
-        """The beam alone with the slope at x = 0 freed, K + k θᵀθ. It changes the beam's support and so comes first.
+    @classmethod
+    def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
+        """As ``Effect.faults``: a beam that is not clamped at x = 0."""
+        if case.beam.ends is not None and not case.beam.ends.startswith("clamped"):
+            yield "", f'goes with a beam clamped at its start, not with ends = "{case.beam.ends}": write [[support]]'
 
-        ValueError where the space is not that of a clamped beam.
-        """
-        count = int(space.basis.N)
-        if not (space.is_plain and space.size == count - 2):
-            raise ValueError("sprung clamp: the space is constrained already; it must come first")
-        sprung = replace(space, constraint=np.eye(count)[:, 1:])
-        return self._held(sprung, structure, scene.carrier), sprung
-
-    def _held(self, space: BeamSpace, structure: Structure, beam: Beam) -> Structure:
-        free, slope = space.constraint, space.row(0.0, 1)
-        mass = space.mass(beam.mass_per_length)
-        tip = space.row(beam.length)
-        return structure.with_(
-            M=free.T @ mass @ free,
-            C=np.zeros((space.size, space.size)),
-            K=free.T @ space.stiffness(beam.bending_stiffness) @ free + self.stiffness * np.outer(slope, slope),
-            load=-free.T @ mass @ space.translation(),
-            static=np.zeros(space.size),
-            contact=tip,
-            outputs={"tip": tip},
-        )
+    def carrier(self, beam: Beam) -> Beam:
+        """K + k θᵀθ with θ the slope at x = 0, which is free."""
+        far = beam.ends.split("-")[1]
+        support = Support(0.0, 0.0, self.stiffness)
+        return replace(beam, ends=f"pinned-{far}", supports=(*beam.supports, support))

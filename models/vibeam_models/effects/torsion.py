@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from vibeam_models.beams.beam import Beam
+from vibeam_models.beams.shapes import Rectangle
 from vibeam_models.effects import Effect
 from vibeam_models.keys import quantity
-from vibeam_models.scene import Beam
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Array, Structure
 
@@ -53,6 +54,8 @@ class Torsion(Effect):
         elif table.poissons_ratio is not None and table.poissons_ratio > 0.5:
             message = f"{table.poissons_ratio:g} is above 0.5, where the volume grows under pressure"
             yield "poissons_ratio", message
+        if (case.beam.shape or "rectangle") != "rectangle" or case.section or case.plate or case.beam.ends:
+            yield "", "is that of a uniform rectangular cantilever: take [torsion] out"
         width = case.beam.width
         if table.eccentricity is not None and width is not None and abs(table.eccentricity) > width / 2:
             yield "eccentricity", f"{table.eccentricity:g} m is beside the beam: beam.width is {width:g} m"
@@ -126,12 +129,20 @@ class StVenantTorsion:
     @property
     def rigidity(self) -> float:
         """GJ_t in N m²."""
-        return self.shear_modulus * torsion_constant(self.beam.width, self.beam.thickness)
+        section = self._section
+        return self.shear_modulus * torsion_constant(section.width, section.thickness)
 
     @property
     def inertia_per_length(self) -> float:
         """ρI_p in kg m: b² + t² over 12 of the mass per length."""
-        return self.beam.mass_per_length * (self.beam.width**2 + self.beam.thickness**2) / 12
+        section = self._section
+        return float(self.beam.mass_per_length * (section.width**2 + section.thickness**2) / 12)
+
+    @property
+    def _section(self) -> Rectangle:
+        if not (self.beam.is_uniform and isinstance(self.beam.shape, Rectangle)):
+            raise ValueError("torsion: is that of a uniform rectangular beam")
+        return self.beam.shape
 
     def _elimination(self, places: Array) -> Array:
         """All angles by the free ones: none at the clamp, one for the whole rigid zone."""

@@ -20,6 +20,7 @@ LAWS: Registry[Home] = Registry(
     Home("restitution", "vibeam_models.laws.constant_restitution:ConstantRestitution"),
     Home("velocity restitution", "vibeam_models.laws.velocity_restitution:VelocityDependent"),
     Home("linear", "vibeam_models.laws.linear:Linear"),
+    Home("leaf spring", "vibeam_models.laws.leaf_spring:LeafSpring"),
     Home("hertz", "vibeam_models.laws.hertz:Elastic"),
     Home("hunt-crossley", "vibeam_models.laws.hertz:Damped"),
 )

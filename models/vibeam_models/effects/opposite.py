@@ -1,0 +1,121 @@
+"""A second beam opposite the first: the two meet, and the contact is between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from vibeam_models.beams.dimensions import dimension, shape_of
+from vibeam_models.beams.rules import rigid_body_faults
+from vibeam_models.beams.shapes import SHAPES
+from vibeam_models.beams.support import CANTILEVER, PAIRS
+from vibeam_models.effects import Effect
+from vibeam_models.keys import keys_of, quantity, word
+from vibeam_models.structure import Array, Structure
+
+if TYPE_CHECKING:
+    from vibeam_models.beams.beam import Beam
+    from vibeam_models.scene import Scene
+    from vibeam_models.space import BeamSpace
+
+
+@dataclass(frozen=True)
+class Opposite(Effect):
+    """A second beam on the same base, which the first one meets; absent = the stop stands on the base.
+
+    What it does not say is as in [beam]; [[section]], [[plate]], [[support]] and [[added_mass]] are its own with
+    on = "opposite". Its modes count among the beam's, for damping ratios and for fidelities.
+    """
+
+    position: float = quantity("m", "where it is met, from its own x = 0", "380 mm", above=0)
+    arm: float = quantity(
+        "m", "the contact stands this far beyond that place, on what turns with it", "57 mm", 0.0, written=False
+    )
+    length: float | None = quantity("m", "length, from x = 0 to its tip", "392.5 mm", None, above=0, written=False)
+    shape: str | None = word(tuple(SHAPES), "of its section", "tube", None)
+    width: float | None = dimension("rectangle", "width")
+    thickness: float | None = dimension("rectangle", "thickness")
+    diameter: float | None = dimension("round", "diameter")
+    outer_diameter: float | None = dimension("tube", "outer_diameter")
+    wall: float | None = dimension("tube", "wall")
+    area: float | None = dimension("general", "area")
+    second_moment: float | None = dimension("general", "second_moment")
+    youngs_modulus: float | None = quantity("Pa", "modulus of elasticity", "210 GPa", None, above=0, written=False)
+    density: float | None = quantity("kg/m^3", "mass per volume", "7850 kg/m^3", None, above=0, written=False)
+    ends: str | None = word(PAIRS, "how its ends are held; absent = clamped-free", "clamped-free", None)
+
+    name: ClassVar[str] = "opposite"
+
+    @classmethod
+    def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
+        """As ``Effect.faults``: a place beyond its tip, dimensions of another shape, effects that know one beam."""
+        length = table.length or case.beam.length
+        if None not in (table.position, length) and table.position > length:
+            yield "position", f"{table.position:g} m is beyond its tip: it is {length:g} m long"
+        yield from rigid_body_faults(table.ends or CANTILEVER, length, case, "opposite")
+        kind = SHAPES[table.shape or case.beam.shape or "rectangle"]
+        for name in sorted({each for shape in SHAPES.values() for each in keys_of(shape)} - keys_of(kind).keys()):
+            if getattr(table, name, None) is not None:
+                yield name, f'does not go with shape = "{kind.name}": take it out'
+        if case.beam.massless or case.torsion is not None or (case.gravity and case.gravity.direction != "transverse"):
+            yield "", "does not go with a massless beam, torsion, or weight along the beam: take one of them out"
+
+    def beam(self, scene: Scene) -> Beam:
+        """The opposite beam with all that changes it."""
+        own = scene.beam
+        given = {name: getattr(self, name) for name in ("length", "youngs_modulus", "density", "ends")}
+        made = replace(own, shape=shape_of(self, own.shape), **{k: v for k, v in given.items() if v is not None})
+        for effect in scene.of("opposite"):
+            made = effect.carrier(made)
+        return made
+
+    def moving_mass(self, scene: Scene) -> float:
+        """kg: of the opposite beam with all that is on it."""
+        return self.beam(scene).mass + sum(mass for effect in scene.of("opposite") for mass, _ in effect.weights)
+
+    def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
+        """Both beams side by side; the contact reads u₁(x₁) − u₂(x₂) − a θ₂(x₂), a the arm.
+
+        Further outputs, m: ``"opposite"``, the second beam's displacement at the contact, and ``"opposite_tip"``.
+        """
+        other, at = self._other(scene)
+        met = at.row(self.position) + self.arm * at.row(self.position, 1)
+        ours, theirs = np.zeros(structure.size), np.zeros(other.size)
+        outputs = {name: _joined(row, theirs) for name, row in structure.outputs.items()}
+        outputs |= {"opposite": _joined(ours, met), "opposite_tip": _joined(ours, other.outputs["tip"])}
+        both = Structure(
+            M=_beside(structure.M, other.M),
+            C=_beside(structure.C, other.C),
+            K=_beside(structure.K, other.K),
+            load=_joined(structure.load, other.load),
+            static=_joined(structure.static, other.static),
+            contact=_joined(structure.contact, -met),
+            outputs=outputs,
+            units=dict(structure.units) | {"opposite": "m", "opposite_tip": "m"},
+        )
+        return both, space.widened(other.size)
+
+    def _other(self, scene: Scene) -> tuple[Structure, BeamSpace]:
+        """The opposite beam's structure with what it carries."""
+        from vibeam_models.beam import bare_beam
+
+        effects = scene.of("opposite")
+        zones = [zone for effect in effects for zone in effect.rigid_zones]
+        places = [x for middle, half in zones for x in (middle, middle - half, middle + half)]
+        inserted = [] if any(abs(self.position - middle) <= half for middle, half in zones) else [self.position]
+        structure, space = bare_beam(self.beam(scene), [*places, *inserted])
+        for effect in effects:
+            structure, space = effect.apply(structure, space, scene)
+        return structure, space
+
+
+def _beside(one: Array, two: Array) -> Array:
+    empty = np.zeros((len(one), len(two)))
+    return np.block([[one, empty], [empty.T, two]])
+
+
+def _joined(one: Array, two: Array) -> Array:
+    return np.concatenate([one, two])

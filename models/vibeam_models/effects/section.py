@@ -1,0 +1,107 @@
+"""A stretch of the beam with another section, material or added mass."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from vibeam_models.beams.dimensions import dimension, shape_of
+from vibeam_models.beams.rules import NO_OPPOSITE, beam_of, stretch_faults
+from vibeam_models.beams.shapes import SHAPES
+from vibeam_models.beams.stretch import Material, Stretch
+from vibeam_models.effects import OnEitherBeam
+from vibeam_models.keys import keys_of, quantity, word
+
+if TYPE_CHECKING:
+    from vibeam_models.beams.beam import Beam
+
+
+@dataclass(frozen=True)
+class Section(OnEitherBeam):
+    """A stretch with another section or material, one table for each; what is absent is as in [beam]."""
+
+    start: float = quantity("m", "where it begins, from x = 0", "0 mm", least=0)
+    end: float = quantity("m", "where it ends", "60 mm", above=0)
+    shape: str | None = word(tuple(SHAPES), "shape of the section", "tube", None)
+    width: float | None = dimension("rectangle", "width")
+    thickness: float | None = dimension("rectangle", "thickness")
+    diameter: float | None = dimension("round", "diameter")
+    outer_diameter: float | None = dimension("tube", "outer_diameter")
+    wall: float | None = dimension("tube", "wall")
+    web: float | None = dimension("I", "web")
+    flange: float | None = dimension("I", "flange")
+    area: float | None = dimension("general", "area")
+    second_moment: float | None = dimension("general", "second_moment")
+    shear_area: float | None = dimension("general", "shear_area")
+    end_width: float | None = dimension("rectangle", "width", "end")
+    end_thickness: float | None = dimension("rectangle", "thickness", "end")
+    end_diameter: float | None = dimension("round", "diameter", "end")
+    end_outer_diameter: float | None = dimension("tube", "outer_diameter", "end")
+    end_wall: float | None = dimension("tube", "wall", "end")
+    youngs_modulus: float | None = quantity("Pa", "modulus of elasticity", "70 GPa", None, above=0, written=False)
+    density: float | None = quantity("kg/m^3", "mass per volume", "2700 kg/m^3", None, above=0, written=False)
+    added_mass_per_length: float | None = quantity(
+        "kg/m", "carried along without stiffening: a fluid, a cladding", "0.1 kg/m", None, least=0, written=False
+    )
+
+    name: ClassVar[str] = "section"
+    shapes_beam: ClassVar[bool] = True
+
+    @classmethod
+    def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
+        """As ``Effect.faults``: a stretch off the beam or over another, dimensions missing or of other shapes."""
+        carrier = beam_of(table, case)
+        if carrier is None:
+            yield NO_OPPOSITE
+            return
+        yield from stretch_faults(table, carrier)
+        yield from _overlap(table, case)
+        name = table.shape or carrier.shape or "rectangle"
+        yield from _dimensions(table, carrier, name)
+
+    def carrier(self, beam: Beam) -> Beam:
+        """The beam with this stretch."""
+        material = Material(
+            self.youngs_modulus or beam.youngs_modulus, self.density or beam.density, beam.poissons_ratio
+        )
+        near = shape_of(self, beam.shape)
+        ends = {name: getattr(self, f"end_{name}", None) for name in keys_of(type(near))}
+        tapered = {name: value for name, value in ends.items() if value is not None}
+        far = replace(near, **tapered) if tapered else None
+        added = beam.added_mass_per_length if self.added_mass_per_length is None else self.added_mass_per_length
+        return replace(beam, sections=(*beam.sections, Stretch(self.start, self.end, near, material, far, added)))
+
+
+def _overlap(table: Any, case: Any) -> Iterator[tuple[str, str]]:
+    for other in case.section:
+        if other is table:
+            return
+        places = (table.start, table.end, other.start, other.end)
+        if other.on == table.on and None not in places and table.start < other.end and other.start < table.end:
+            yield "start", f"the stretch overlaps that from {other.start:g} m to {other.end:g} m: let them meet"
+
+
+def _dimensions(table: Any, beam: Any, name: str) -> Iterator[tuple[str, str]]:
+    kind = SHAPES[name]
+    own, inherits = keys_of(kind), name == (beam.shape or "rectangle")
+    named = {each for shape in SHAPES.values() for each in keys_of(shape)}
+    for each in sorted(named):
+        for key in (each, f"end_{each}"):
+            if each not in own and getattr(table, key, None) is not None:
+                yield key, f'does not go with shape = "{name}": take it out'
+    for each, declaration in own.items():
+        if getattr(table, each) is None and not inherits and each != "shear_area":
+            yield each, f'missing ({declaration.meaning}): write {each} = "{declaration.example}"'
+    if inherits:
+        both = {each: getattr(table, each) or getattr(beam, each, None) for each in own}
+        yield from kind.faults(_Values(both))
+    else:
+        yield from kind.faults(table)
+
+
+class _Values:
+    """Values by attribute."""
+
+    def __init__(self, values: dict[str, Any]) -> None:
+        self.__dict__.update(values)

@@ -1,0 +1,64 @@
+"""A scene whose structure is given, by matrices or modes of the user's own, in place of a beam."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+from vibeam_models.any_scene import RigScene
+from vibeam_models.base import Base
+from vibeam_models.beams.beam import Damping
+from vibeam_models.stop import Stop
+from vibeam_models.structure import Structure
+
+
+@dataclass(frozen=True)
+class GivenStructure:
+    """A structure from elsewhere: ``digest`` stands for its content, by which two of them are compared.
+
+    ``damping``: by modal ratios, None where C has it. ``carried``: mass in kg that a base would move with it, None
+    where that is not known. ``kind``: ``"matrices"`` or ``"modes"``.
+    """
+
+    digest: str
+    kind: str
+    structure: Structure = field(compare=False, repr=False)
+    damping: Damping | None = field(default=None, compare=False)
+    carried: float | None = field(default=None, compare=False)
+
+
+@dataclass(frozen=True)
+class GivenScene(RigScene):
+    """A given structure at a stop, on a shaken base or under a force, with the effects on its base."""
+
+    given: GivenStructure
+    stop: Stop
+    base: Base
+    effects: tuple = ()  # type: ignore[type-arg]
+
+    @property
+    def no_beam(self) -> str:
+        """As ``AnyScene.no_beam``."""
+        return f"this case gives {self.given.kind} in place of a beam, there is no beam"
+
+    @property
+    def all_modes(self) -> bool:
+        """As ``RigScene.all_modes``."""
+        return self.given.kind == "matrices"
+
+    def structure(self) -> Structure:
+        """As ``AnyScene.structure``, with its damping."""
+        from vibeam_models.damping import damped
+
+        bare, damping = self.given.structure, self.given.damping
+        return bare if damping is None else damped(bare, damping)
+
+    def structural(self) -> GivenScene:
+        """As ``RigScene.structural``: the given structure alone."""
+        return replace(self, stop=Stop(0.0, 0.0), base=Base(), effects=())
+
+    @property
+    def moving_mass(self) -> float:
+        """As ``RigScene.moving_mass``; ValueError where it is not known."""
+        if self.given.carried is None:
+            raise ValueError("platform: the mass that it carries is not known: write moving_mass")
+        return self.given.carried
