@@ -24,7 +24,19 @@ from numpy.typing import NDArray
 
 from vibeam.flight.chatter_tail import tails_of
 from vibeam.flight.kernels.layout import AT_CLOCK, DURATION, END, RESTING, START
-from vibeam.flight.kernels.pieces import CLAIM, CLOSES, COLUMNS, FLIGHT, FROM, LENGTH, OPEN, ORDER, UNPROVED, WATCHED
+from vibeam.flight.kernels.pieces import (
+    CLAIM,
+    CLOSES,
+    COLUMNS,
+    FLIGHT,
+    FROM,
+    LENGTH,
+    OPEN,
+    ORDER,
+    SEGMENT,
+    UNPROVED,
+    WATCHED,
+)
 from vibeam.flight.kernels.regimes.layout import CONTACT
 from vibeam.flight.watched import Motion, motion_of, watch_list
 from vibeam_models.laws.compliant import HuntCrossley
@@ -36,7 +48,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-PIECES_A_TASK = 24
+PIECES_A_TASK = 8
 
 
 __all__ = ["CLOSES", "OPEN", "UNPROVED", "Certificate", "Stretch", "certificate_of"]
@@ -114,14 +126,17 @@ class Certificate:
         return found
 
     def _unbounded(self) -> list[Stretch]:
-        endless = self.tails[~np.isfinite(self.tails[:, 2])]
-        ends = (self.times + self.durations)[endless[:, 0].astype(np.int64)]
-        return [Stretch(float(end), float(end), _UNBOUNDED) for end in ends]
+        open_yet = self.tails[~np.isfinite(self.tails[:, 2])]
+        ends = (self.times + self.durations)[open_yet[:, 0].astype(np.int64)]
+        reasons = np.where(np.isinf(open_yet[:, 1]), _ENDLESS, _UNBOUNDED)
+        return [Stretch(float(end), float(end), str(reason)) for end, reason in zip(ends, reasons, strict=True)]
 
 
 _TOUCHING = "touches a stop, pushed or drawn away by no more than round-off"
 
 _UNDECIDED = "no bound excludes another root"
+
+_ENDLESS = "impacts without end (R → 1) are taken as rest from here on: left_out of the motion bounds the difference"
 
 _UNBOUNDED = "what is left of the accumulation of impacts has no bound"
 
@@ -131,9 +146,9 @@ def certificate_of(solver: EventDrivenSolver, drive: Drive, segments: Segments) 
     motion = motion_of(solver.system, drive, segments.trace, segments.poses)
     tasks, trace = watch_list(motion), segments.trace
     orders, roots = np.zeros(len(trace)), np.full(len(trace), -1.0)
-    starting = tasks[tasks[:, ORDER] > 0]
-    which = starting[:, 0].astype(np.int64)
-    orders[which], roots[which] = starting[:, ORDER], starting[:, WATCHED]
+    starting = np.flatnonzero(tasks[:, ORDER] > 0)
+    which = tasks[starting, SEGMENT].astype(np.int64)
+    orders[which], roots[which] = tasks[starting, ORDER], tasks[starting, WATCHED]
     return Certificate(
         solver.system, drive, trace[:, START], motion.kinds, motion.sides, trace[:, END], segments.poses,
         trace[:, AT_CLOCK], trace[:, DURATION], orders, roots, _pieces(solver, motion, tasks, segments.size),
@@ -143,11 +158,10 @@ def certificate_of(solver: EventDrivenSolver, drive: Drive, segments: Segments) 
 
 def _pieces(solver: EventDrivenSolver, motion: Motion, tasks: Array, size: float) -> Array:
     """The pieces (m, COLUMNS) that cover all tasks."""
-    found, room, first = [], np.zeros((PIECES_A_TASK * max(len(tasks), 8), COLUMNS)), 0
+    found, first, a_task = list[Array](), 0, PIECES_A_TASK
     while first < len(tasks):
+        room = np.empty((a_task * max(len(tasks) - first, 8), COLUMNS))  # kept: what is not written costs nothing
         count, reached = solver.cover(motion.drive, motion.trace, motion.poses, size, tasks, first, room)
-        found.append(room[:count].copy())
-        if reached == first:
-            room = np.zeros((2 * len(room), COLUMNS))
-        first = reached
-    return np.concatenate(found) if found else np.zeros((0, COLUMNS))
+        found.append(room[:count])
+        first, a_task = reached, 2 * a_task
+    return found[0] if len(found) == 1 else np.concatenate([np.empty((0, COLUMNS)), *found])

@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.derivatives import FREE, Derivatives, stop_of
+from vibeam.flight.endless import endless
 from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, CHATTER, END
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.flight.rebound import rebound
@@ -61,13 +62,20 @@ class _Range(NamedTuple):
 
 
 def tails_of(motion: Motion) -> Array:
-    """(k, 3): segment that ends with an accumulation, least and most time that it still takes; inf: no bound."""
+    """(k, 3): segment that ends with an accumulation, least and most time that it still takes.
+
+    Most inf: no bound; both inf: none, as R → 1 it has no end.
+    """
     which = np.flatnonzero(motion.trace[:-1, END] == CHATTER)
     found = np.zeros((len(which), 3))
     found[:, 0] = which
+    unending = endless(motion.trace)[which]
+    found[unending, 1:] = np.inf
+    which, bounded = which[~unending], found[~unending]
     for side in np.unique(motion.sides[which]):
         mine = motion.sides[which] == side
-        found[mine, 1:] = np.stack(_bounds(motion, int(side), which[mine]), axis=1)
+        bounded[mine, 1:] = np.stack(_bounds(motion, int(side), which[mine]), axis=1)
+    found[~unending] = bounded
     return found
 
 

@@ -11,9 +11,15 @@ from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
 Array = NDArray[np.float64]
 
+LOST = 1e-14  # share of the gap by which the contact may miss the stop that it rests on
+
 SMALLEST = 1e-150  # rad/s
 
 DRIVEN = 10.0  # how much larger than the base motion times its share a driven mode is taken to be
+
+IMPOSSIBLE = 1e-12  # residual of least distance programming that is none
+
+NEAR = 1e-9  # share of the largest penetration within which a contact counts as at its stop
 
 STRONG = 1e6  # drive over start beyond which the size of the motion is that of the start
 
@@ -24,6 +30,8 @@ def equilibrium(system: ImpactSystem) -> State:
     Modes without stiffness (ω = 0) have no equilibrium of their own: they start at zero displacement, and where that
     lies beyond the stop, they alone carry the contact point back to it.
     """
+    if system.further is not None:
+        return equilibrium_on_contacts(system)
     if system.beyond_plain:
         return equilibrium_with_law(system)
     moving, free = system.omega > 0, without_stop(system)
@@ -34,6 +42,9 @@ def equilibrium(system: ImpactSystem) -> State:
     softly = system.contact / np.where(moving, system.omega, 1.0) ** 2
     shape = np.where(loose, system.contact, 0.0) if loose.any() else softly
     held = free - shape * (beyond / float(system.contact @ shape))
+    left = float(system.contact @ held) - system.gap
+    if abs(left) > LOST * abs(system.gap):  # round-off of a free displacement far beyond the stop
+        held -= shape * (left / float(system.contact @ shape))
     return State(held, np.zeros(system.size), resting=True)
 
 
@@ -77,6 +88,38 @@ def equilibrium_with_law(system: ImpactSystem) -> State:
         force = balance(system.law, beyond, float(row @ give))
         return State(free - give * force, np.zeros(system.size))
     return State(free, np.zeros(system.size))
+
+
+def equilibrium_on_contacts(system: ImpactSystem) -> State:
+    """The static equilibrium among several contacts: the least energy that the stops allow.
+
+    ValueError where no displacement is at peace with all of them. A mode without stiffness starts at zero, or where the
+    stops push it.
+    """
+    from vibeam.flight.contacts import Contacts
+    from vibeam.flight.one_sided import one_sided
+
+    contacts, free = Contacts.of(system), without_stop(system)
+    beyond = contacts.rows @ free - contacts.gaps
+    if np.all(beyond <= 0):
+        return State(free, np.zeros(system.size))
+    # Least distance programming (Lawson & Hanson 1974, ch. 23): μ ≥ 0 that minimises |Sᵀμ|² + (1 − hᵀμ)².
+    rows, size = contacts.rows * np.sqrt(contacts.yields), float(np.max(beyond))
+    scale = float(np.max(np.linalg.norm(rows, axis=1)))
+    sides = np.concatenate([-rows / scale, beyond[:, None] / size], axis=1)
+    left = np.append(np.zeros(system.size), 1.0) - one_sided(sides, np.append(np.zeros(system.size), 1.0)) @ sides
+    if left[-1] < IMPOSSIBLE:
+        raise ValueError("contacts: nothing fits between the stops")
+    at = np.flatnonzero(
+        contacts.rows @ (free + _moved(left, contacts.yields, size / scale)) - contacts.gaps > -size * NEAR
+    )
+    held = contacts.put(free, at.tolist())
+    return State(held, np.zeros(system.size), resting=True)
+
+
+def _moved(left: Array, yields: Array, unit: float) -> Array:
+    """The displacement that least distance programming finds."""
+    return np.asarray(-left[:-1] / left[-1] * np.sqrt(yields) * unit)
 
 
 def stops(system: ImpactSystem) -> list[tuple[Array, float]]:

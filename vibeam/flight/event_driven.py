@@ -93,6 +93,10 @@ class EventDrivenSolver(ABC):
     def _regimes(self) -> Sequence[Regime]:
         """Those of the calling thread's regimes that have an output."""
 
+    def _still_pose(self) -> tuple[Array, Array]:
+        """Pose and status of the equilibrium, a copy."""
+        return self._pose_of(equilibrium(self.system))
+
     def _inward(self, values: Array) -> Array:
         """Values (…, n) of the user's modes in the kernels' order, a copy."""
         return np.array(values, dtype=float, order="C")
@@ -108,9 +112,13 @@ class EventDrivenSolver(ABC):
 
     def pose(self, state: State | None) -> tuple[Array, Array]:
         """The kernels' pose and status of a state; None: equilibrium. ValueError where its shape is wrong."""
-        start = equilibrium(self.system) if state is None else state
+        if state is None:
+            return self._still_pose()
+        return self._pose_of(state)
+
+    def _pose_of(self, start: State) -> tuple[Array, Array]:
         both = np.array([start.displacement, start.velocity], dtype=float)
-        if both.shape != (2, self.system.size) or not np.all(np.isfinite(both)):
+        if both.shape != (2, self.system.size) or not np.isfinite(both).all():
             raise ValueError(f"state: displacement and velocity must be {self.system.size} finite numbers each")
         pose, status = self._inward(both), np.empty(self._status_rows)
         self._restart(pose, status, RESTING if start.resting else FREE)
@@ -119,7 +127,7 @@ class EventDrivenSolver(ABC):
     def state(self, pose: Array, status: Array) -> State:
         """The public state of a pose."""
         values = self._outward(pose)
-        return State.reached(values[0], values[1], bool(status[KIND] == RESTING))
+        return State.reached(values[0], values[1], float(status[KIND]) == RESTING)
 
     def simulate(
         self, drive: Drive, state: State | None, start: float, end: float, limit: int
@@ -206,12 +214,12 @@ class EventDrivenSolver(ABC):
         room, counts = self._room(output, hold, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
         tally = PointReadout(len(omegas), self.system.size)
         engine, begun = self._engine_for(np.inf), time.thread_time()
-        drives = np.broadcast_to(amplitude, len(omegas)).tolist()
+        drives = [amplitude] * len(omegas) if isinstance(amplitude, float) else np.broadcast_to(amplitude, len(omegas))
         for index, (omega, drive) in enumerate(zip(omegas, drives, strict=True)):
             counts[:] = 0  # a point knows no more of the last than a State says
             self._restart(pose, status, RESTING if status[KIND] == RESTING else FREE)
             outcome, period = unpaused(
-                self._move, engine, float(omega), drive, pose, status, 0.0, settle, hold, self.limit, room,
+                self._move, engine, float(omega), float(drive), pose, status, 0.0, settle, hold, self.limit, room,
                 counts, LONGEST_PERIOD,
             )  # fmt: skip
             tally.note(index, outcome, int(period), room.result, room.energy, counts)
@@ -220,7 +228,8 @@ class EventDrivenSolver(ABC):
             if states is not None:
                 states.append(self.state(pose, status))
             begun = tally.time(index, begun)
-        return self._response(np.asarray(omegas, dtype=float), tally, hold, reading), self.state(pose, status)
+        last = states[-1] if states else self.state(pose, status)
+        return self._response(np.asarray(omegas, dtype=float), tally, hold, reading), last
 
     def rounds(
         self, omegas: Array, amplitudes: Array, states: Array, output: str, reading: int = EVERYTHING
@@ -254,10 +263,15 @@ class EventDrivenSolver(ABC):
 
     def _room(self, output: str | None, hold: int, trace: Array, poses: Array, reading: int = EVERYTHING) -> Watch:
         n = self.system.size
-        row = self._inward(self.system.contact if output is None else self.system.output(output))
-        for regime in self._regimes():
-            set_output(regime, row)
+        row = self._watch(output)
         nothing, strobes = np.zeros((0, self._trace_columns)), np.zeros((hold + 1, 2, n))
         scratch, frame = np.zeros((2, n)), np.zeros((2, n))
         result, energy, share = np.zeros(RESULT_ROWS), np.zeros(n), np.zeros(n + 1)
         return Watch(row, nothing, trace, poses, strobes, scratch, frame, result, energy, share, reading)
+
+    def _watch(self, output: str | None) -> Array:
+        """Set the signal of an output (None: the contact) in every regime; its row in the kernels' order of modes."""
+        row = self._inward(self.system.contact if output is None else self.system.output(output))
+        for regime in self._regimes():
+            set_output(regime, row)
+        return row

@@ -3,30 +3,26 @@
 from __future__ import annotations
 
 import time
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.kernels.layout import (
     COMPLETE,
-    CONTACT_LEAST,
     COUNT_ROWS,
     EVENT_LIMIT,
-    HIGH,
     IMPACTS,
     KEPT,
-    LEAST,
     NOT_FINITE,
     PANELS,
     PENETRATED,
-    REST_TIME,
     RESULT_ROWS,
-    SPEED_SUM,
-    STRUCK,
     UNRESOLVED,
     VELOCITY,
 )
-from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
+from vibeam.system.response import Ended, FrequencyResponse
 
 Array = NDArray[np.float64]
 
@@ -39,6 +35,10 @@ OUTCOMES = {
 }
 
 CODES = np.array([OUTCOMES.get(outcome, Ended.NOT_RUN).code for outcome in range(max(OUTCOMES) + 1)])
+
+AGES = (np.arange(KEPT) + np.arange(KEPT)[:, None]) % KEPT  # places in a ring from the oldest on, by what it counted
+
+FIRST = KEPT - np.arange(KEPT)  # how many velocities there must have been for the first of them to stand there
 
 
 class PointReadout:
@@ -65,28 +65,43 @@ class PointReadout:
 
     def response(self, omegas: Array, hold: int, gap: float) -> FrequencyResponse:
         """The points at ``omegas``, rad/s, each read over ``hold`` periods, in the kernels' order of modes."""
-        response = FrequencyResponse.empty(omegas / (2 * np.pi), self.energy.shape[1])
-        response.ended[:], response.cpu_seconds[:] = CODES[self.ended], self.seconds
-        response.impacts[:], response.evaluations[:] = self.counts[:, IMPACTS], self.counts[:, PANELS]
+        known = {
+            "frequency": omegas / (2 * np.pi),
+            "ended": CODES[self.ended],
+            "impacts": self.counts[:, IMPACTS],
+            "evaluations": self.counts[:, PANELS],
+            "cpu_seconds": self.seconds,
+        }
+        if not self.ended.any():  # COMPLETE is 0
+            return FrequencyResponse(**known, **self._readings(slice(None), omegas, hold, gap))
         done = self.ended == COMPLETE
-        result, struck, span = self.result[done], self.result[done, STRUCK], hold * 2 * np.pi / omegas[done]
-        touched = (struck > 0) | (result[:, REST_TIME] > 0)
-        response.maximum[done], response.minimum[done] = result[:, HIGH], result[:, LEAST]
-        response.amplitude[done] = (result[:, HIGH] - result[:, LEAST]) / 2
-        response.reach[done] = gap - result[:, CONTACT_LEAST]
-        response.impacts_per_period[done] = struck / hold
-        response.impact_velocity[done] = result[:, SPEED_SUM] / np.where(struck > 0, struck, np.nan)
-        response.impact_velocities[done] = _velocities(result[:, VELOCITY:], struck.astype(int))
-        response.period[done] = np.where(touched, self.period[done], -1)
-        response.rest[done] = result[:, REST_TIME] / span
-        response.mode_energy[done] = self.energy[done] / span[:, None]
-        return response
+        response = FrequencyResponse.empty(known["frequency"], self.energy.shape[1])
+        for name, values in self._readings(done, omegas[done], hold, gap).items():
+            getattr(response, name)[done] = values
+        return replace(response, **known)
+
+    def _readings(
+        self, which: slice | NDArray[np.bool_], omegas: Array, hold: int, gap: float
+    ) -> dict[str, NDArray[Any]]:
+        """What is read off the complete points ``which`` at ``omegas`` (m,) rad/s."""
+        result, span = np.ascontiguousarray(self.result[which].T), hold * 2 * np.pi / omegas
+        high, least, lowest, struck, speeds, rest = result[:VELOCITY]
+        return {
+            "amplitude": (high - least) / 2,
+            "reach": gap - lowest,
+            "maximum": high,
+            "minimum": least,
+            "impacts_per_period": struck / hold,
+            "impact_velocity": speeds / np.where(struck > 0, struck, np.nan),
+            "impact_velocities": _velocities(result[VELOCITY:].T, struck.astype(int)),
+            "period": np.where(struck + rest > 0, self.period[which], -1),
+            "rest": rest / span,
+            "mode_energy": self.energy[which] / span[:, None],
+        }
 
 
 def _velocities(rings: Array, counts: NDArray[np.int64]) -> Array:
-    """The last velocities (points, 16) of rings (points, KEPT), oldest first, NaN in front where there are fewer."""
-    place = np.arange(KEPT)[None, :] + counts[:, None]
-    kept = np.full((len(counts), VELOCITIES_KEPT), np.nan)
-    found = np.take_along_axis(rings[:, :KEPT], place % KEPT, axis=1)
-    kept[:, VELOCITIES_KEPT - KEPT :] = np.where(place >= KEPT, found, np.nan)
-    return kept
+    """The last velocities (points, KEPT) of rings (points, KEPT), oldest first, NaN in front where there are fewer."""
+    found: Array = rings[np.arange(len(counts))[:, None], AGES[counts % KEPT]]
+    found[counts[:, None] < FIRST] = np.nan
+    return found

@@ -9,10 +9,12 @@ from vibeam.flight.entries import regimes_cover, regimes_move, regimes_poses_at
 from vibeam.flight.event_driven import EventDrivenSolver
 from vibeam.flight.kernels.layout import MOTION, ORDER, Regime
 from vibeam.flight.kernels.regimes.layout import SIDE, STATUS_ROWS, TRACE_COLUMNS, UNKNOWN, RegimeEngine
+from vibeam.flight.linear.block_regime import set_derivative
 from vibeam.flight.linear.packing import slowest_rate
 from vibeam.flight.linear.regimes import plan
 from vibeam.flight.per_thread import PerThread
 from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.laws.compliant import HuntCrossley
 
 Array = NDArray[np.float64]
 
@@ -54,3 +56,14 @@ class RegimeSolver(EventDrivenSolver):
         """The stop that is nearer."""
         place, second = float(self.system.contact @ displacement), self.system.second_gap
         return int(second is not None and place + second < self.system.gap - place)
+
+    def _watch(self, output: str | None) -> Array:
+        wanted = None if output is None else self.system.derivative(output)
+        if wanted is None:
+            return super()._watch(output)
+        if isinstance(self.system.law, HuntCrossley):
+            said = f"output {output!r}: the {wanted.called} in a contact that is integrated is not read"
+            raise ValueError(f"{said}, {self.system.law.name!r}: take a linear stop, or one with a restitution")
+        for regime in self._regimes():
+            set_derivative(regime, wanted)
+        return np.array(wanted.row)

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.endless import endless
 from vibeam.flight.equilibrium import size_of_motion
 from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, CHATTER, DURATION, END, IMPACT, RESTING, STUCK, WHAT
 from vibeam.flight.kernels.thresholds import FAR, FAR_DRIVEN
@@ -104,7 +105,7 @@ class _Walk:
         self.trace, self.poses = path.segments.trace, path.segments.poses
         last = np.stack([path.state.displacement, path.state.velocity])
         self.ends = np.concatenate([self.poses[1:], last[None]])
-        self.clocks = self.trace[:, AT_CLOCK]
+        self.clocks, self.unending = self.trace[:, AT_CLOCK], endless(self.trace)
         self.flights = propagators(self.system, self.trace[:, DURATION])
         self.rest = _constrained(self.system)
         self.far = _far(self.system, self.drive, self.poses[0])
@@ -125,6 +126,8 @@ class _Walk:
         before, speed = self._before(i), self.trace[i, BEFORE]
         error = self._impact_error(i, before, speed)
         self._carry(self._struck(i, before, speed) if end == IMPACT else self._stopped())
+        if self.unending[i]:
+            self.covariance[np.diag_indices_from(self.covariance)] += self._left_out(speed)
         return error
 
     def _carry(self, matrix: Array) -> None:
@@ -174,6 +177,12 @@ class _Walk:
         c = self.system.contact
         still = np.eye(self.system.size) - np.outer(c, c) / (c @ c)
         return np.asarray(np.kron(np.eye(2), still), dtype=float)
+
+    def _left_out(self, speed: float) -> Array:
+        """Variances (2n,) by what an endless accumulation of impacts still does: √2W₀ at most, see ``endless``."""
+        square = (self.system.restitution * speed) ** 2 / float(self.system.contact @ self.system.contact)
+        softness = np.where(self.system.omega > 0, 1 / np.where(self.system.omega > 0, self.system.omega, 1.0), 0.0)
+        return np.concatenate([square * softness**2, np.full(self.system.size, square)])
 
     def _round_off(self, pose: Array, duration: float) -> Array:
         """Variances (2n,) of what a closed-form evaluation over ``duration`` rounds off of ``pose`` and what is far."""

@@ -2,14 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.entries import cover, move, poses_at
 from vibeam.flight.event_driven import EventDrivenSolver
-from vibeam.flight.kernels.layout import STATUS_ROWS, Engine, Regime
+from vibeam.flight.kernels.layout import EVERYTHING, STATUS_ROWS, Engine, Regime
 from vibeam.flight.linear.packing import PackedSystem, pack
 from vibeam.system.impact_system import ImpactSystem
+
+if TYPE_CHECKING:
+    from vibeam.flight.regime_solver import RegimeSolver
+    from vibeam.system.response import FrequencyResponse
+    from vibeam.system.state import State
 
 Array = NDArray[np.float64]
 
@@ -22,11 +31,18 @@ class FlightSolver(EventDrivenSolver):
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, limit: int = 100_000) -> None:
         """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
         system.require_plain("the flight kernels")
+        self._made_for = slowest, span
         self.packed: PackedSystem = pack(system, slowest, span)
         super().__init__(system, limit)
 
     def _engine_for(self, size: float) -> Engine:
         return self.packed.desk_for(size)
+
+    def _still_pose(self) -> tuple[Array, Array]:
+        if self.packed.still is None:
+            self.packed.still = super()._still_pose()
+        pose, status = self.packed.still
+        return pose.copy(), status.copy()
 
     def _regimes(self) -> tuple[Regime, ...]:
         return (self.packed.desk.rest,)
@@ -39,3 +55,34 @@ class FlightSolver(EventDrivenSolver):
 
     def _outward(self, values: Array) -> Array:
         return self.packed.outward(values)
+
+    def steady(
+        self,
+        omegas: Sequence[float] | Array,
+        amplitude: float | Array,
+        state: State | None,
+        settle: int,
+        hold: int,
+        output: str,
+        reading: int = EVERYTHING,
+        states: list[State] | None = None,
+    ) -> tuple[FrequencyResponse, State]:
+        """As ``EventDrivenSolver.steady``; by the engine of regimes where the output is a velocity or acceleration."""
+        if self.system.derivative(output) is not None:
+            return self._in_regimes.steady(omegas, amplitude, state, settle, hold, output, reading, states)
+        return super().steady(omegas, amplitude, state, settle, hold, output, reading, states)
+
+    def rounds(
+        self, omegas: Array, amplitudes: Array, states: Array, output: str, reading: int = EVERYTHING
+    ) -> tuple[FrequencyResponse, Array]:
+        """As ``EventDrivenSolver.rounds``; of a velocity or acceleration as ``steady``."""
+        if self.system.derivative(output) is not None:
+            return self._in_regimes.rounds(omegas, amplitudes, states, output, reading)
+        return super().rounds(omegas, amplitudes, states, output, reading)
+
+    @cached_property
+    def _in_regimes(self) -> RegimeSolver:
+        """The solver whose kernels read derivatives too: the same motion at several times the cost an impact."""
+        from vibeam.flight.regime_solver import RegimeSolver
+
+        return RegimeSolver(self.system, *self._made_for, limit=self.limit)

@@ -26,11 +26,12 @@ from vibeam.flight.kernels.layout import (
     STUCK,
     WHAT,
 )
-from vibeam.flight.kernels.regimes.layout import CONTACT, PEAK
+from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT, PEAK
 from vibeam.flight.warm_up import warm_up_motion
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.state import State
+from vibeam.system.time_derivative import TimeDerivative
 from vibeam_models.arguments import count, counted, floats, number, refuse, require
 from vibeam_models.laws.compliant import CompliantStop
 from vibeam_models.laws.restitution import ViscousRestitution
@@ -39,6 +40,7 @@ if TYPE_CHECKING:
     from vibeam.flight.certificate import Certificate
     from vibeam.flight.event_driven import EventDrivenSolver, Segments
     from vibeam.flight.round_off import Errors
+    from vibeam.flight.several.solver import ContactsSolver
 
 
 STILL = 1e-11  # share of the motion's fastest velocity, and of ω times the static displacements, that is none
@@ -123,7 +125,7 @@ class Trajectory:
     state: State
     ended: Ended
     stats: Mapping[str, float]
-    _solver: EventDrivenSolver
+    _solver: EventDrivenSolver | ContactsSolver
     _segments: Segments
     certificate: Certificate | None = None
 
@@ -167,20 +169,54 @@ class Trajectory:
 
     @property
     def chatters(self) -> Array:
-        """(m, 2): when each accumulation of impacts was over, and a bound of the error of that time, s."""
+        """(m, 2): when each accumulation of impacts was over, and a bound of the error of that time, s.
+
+        ∞ where R → 1 and it has no end: from then on the contact is held, see ``left_out``.
+        """
         trace = self._segments.trace
         trace = trace[trace[:, END] == CHATTER]
         return np.stack([trace[:, START] + trace[:, DURATION] + trace[:, LEFT], trace[:, REMAINDER]], axis=1)
 
     @property
+    def left_out(self) -> Array:
+        """(m, 3): what endless accumulations of impacts (R → 1) that were taken as rest still did.
+
+        When, s; the energy W₀ = ½ v⁺²/S of the contact then, J; the most that W is until that rest's end: no mode's
+        velocity, nor ω times its displacement, is off by more than √2W there, nor the gap wider than W over the
+        contact force.
+        """
+        from vibeam.flight.endless import left_out_of
+
+        return left_out_of(self)
+
+    @property
     def rests(self) -> Array:
         """(m, 2): begin (an accumulation of impacts completed) and end of each rest on the stop, s."""
+        if self.system.further is not None:
+            return self.holds()
         trace = self._segments.trace
         resting = np.flatnonzero(trace[:, WHAT] == RESTING)
         before = trace[np.maximum(resting - 1, 0)]
         waited = np.where((resting > 0) & (before[:, END] == CHATTER), before[:, LEFT], 0.0)
         begin, end = trace[resting, START], np.append(trace[1:, START], self.t_end)[resting]
         return np.stack([np.minimum(begin + waited, end), end], axis=1)
+
+    @property
+    def impact_contacts(self) -> NDArray[np.int64]:
+        """Which contact (m,) is struck by each of the impacts: 0 the first stop, then as in ``gaps``."""
+        trace = self._segments.trace[self._struck()]
+        return trace[:, AT_SIDE].astype(np.int64) if trace.shape[1] > AT_SIDE else np.zeros(len(trace), dtype=np.int64)
+
+    def holds(self, contact: int | None = None) -> Array:
+        """(m, 2): begin and end of each hold of a contact, None: of any, s; with several contacts alone.
+
+        ValueError with contact in one place, which has ``rests``.
+        """
+        if self.system.further is None:
+            raise ValueError("holds: there is one place of contact: rests has its holds")
+        from vibeam.flight.several.holds import holds_of
+
+        return holds_of(self._segments.trace, self.t_end, contact)
 
     @property
     def contacts(self) -> Array:
@@ -197,12 +233,28 @@ class Trajectory:
         return np.stack([begin[first], end[last] - begin[first], peaks], axis=1)
 
     def at(self, t: ArrayLike, output: str = "contact") -> Array:
-        """The output at times t (any shape), m; ValueError outside [t_start, t_end], KeyError for an unknown name."""
-        return np.asarray(self.modes_at(t)[..., 0, :] @ self.system.output(output))
+        """The output at times t (any shape), m or what it is in; at an impact the value after it.
+
+        ValueError outside [t_start, t_end], KeyError for an unknown name.
+        """
+        wanted = self.system.derivative(output)
+        if wanted is None:
+            return np.asarray(self.modes_at(t)[..., 0, :] @ self.system.output(output))
+        return self._derivative(t, wanted, 0)
+
+    def gaps(self, t: ArrayLike) -> Array:
+        """Gap of every contact (…, k) at times t, m: the first stop, a second one on its other side, further ones."""
+        from vibeam.flight.contacts import Contacts
+
+        contacts = Contacts.of(self.system)
+        return np.asarray(contacts.gaps - self.modes_at(t)[..., 0, :] @ contacts.rows.T)
 
     def velocity_at(self, t: ArrayLike, output: str = "contact") -> Array:
-        """The output's rate at times t (any shape), m/s; at an impact the one after it."""
-        return np.asarray(self.modes_at(t)[..., 1, :] @ self.system.output(output))
+        """The output's rate at times t (any shape), m/s where it is in m; at an impact the one after it."""
+        wanted = self.system.derivative(output)
+        if wanted is None:
+            return np.asarray(self.modes_at(t)[..., 1, :] @ self.system.output(output))
+        return self._derivative(t, wanted, 1)
 
     def modes_at(self, t: ArrayLike) -> Array:
         """Modal displacements and velocities (…, 2, n) at times t of any shape; ValueError outside the motion."""
@@ -211,6 +263,18 @@ class Trajectory:
             raise ValueError(f"t: must lie in [{self.t_start}, {self.t_end}]")
         found = self._solver.poses_at(self.drive, self._segments, np.ascontiguousarray(times.ravel()))
         return np.asarray(found.reshape(*times.shape, 2, self.system.size))
+
+    def _derivative(self, t: ArrayLike, wanted: TimeDerivative, more: int) -> Array:
+        """A velocity or acceleration, or its rate, at times t of any shape."""
+        if self.system.further is None:
+            from vibeam.flight.accelerations import derivative_along
+        else:
+            from vibeam.flight.several.derivatives import derivative_along
+
+        times, poses = floats("t", t), self.modes_at(t)
+        flat, states = times.ravel(), poses.reshape(-1, 2, self.system.size)
+        found = derivative_along(self.system, self.drive, self._segments.trace, flat, states, wanted, more)
+        return np.asarray(found.reshape(times.shape))
 
     def _struck(self) -> NDArray[np.bool_]:
         """Which segments (m,) end with an impact."""
@@ -242,6 +306,8 @@ def simulate(
     start, end, limit = _checked(t_start, t_end, max_impacts)
     if solver != "flight":
         raise ValueError(f"solver: {solver!r} keeps no exact path, only 'flight' does; its class has motion() instead")
+    if certify and system.further is not None:
+        raise ValueError("certify: there is no certificate of a motion with several contacts")
     runner = exact_solver(system, drive.omega, end - start)
     warm_up_motion(system, drive)
     ended, last, after, segments, stats = runner.simulate(drive, state, start, end, limit)
@@ -262,7 +328,9 @@ def _checked(t_start: Any, t_end: Any, max_impacts: Any) -> tuple[float, float, 
     return start, end, limit
 
 
-def _certificate(runner: EventDrivenSolver, drive: Drive, segments: Segments) -> Certificate:
+def _certificate(runner: EventDrivenSolver | ContactsSolver, drive: Drive, segments: Segments) -> Certificate:
     from vibeam.flight.certificate import certificate_of
+    from vibeam.flight.event_driven import EventDrivenSolver
 
+    assert isinstance(runner, EventDrivenSolver)
     return certificate_of(runner, drive, segments)

@@ -122,7 +122,8 @@ def _retreats(motion: Motion, side: int) -> list[Array]:
     passed = motion.trace[which, END] == PASS
     pushed = passed & (np.append(motion.kinds, FREE)[which + 1] == CONTACT)
     found = _derivatives(motion, FLYING, side, which)
-    deep, pull = _leading(found.gap(side), -1.0), _leading(found.force(side), -1.0, np.ones(len(which), dtype=bool))
+    let_go = motion.lasting[which - 1]  # else it never pushed: a start in its range, already on the way out
+    deep, pull = _leading(found.gap(side), -1.0), _leading(found.force(side), -1.0, let_go)
     return [
         _rows(which, NEGATIVE + GAP_SIGNAL + side, deep, passed & ~pushed),
         _rows(which, NEGATIVE + FORCE_SIGNAL + side, pull, pushed),

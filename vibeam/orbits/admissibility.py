@@ -35,9 +35,10 @@ class AdmissibilityCheck:
     ) -> tuple[Array, Array]:
         """Times (m,), s, and velocities of the impacts harder than ``least``; empty where the motion comes to rest."""
         trace = self.flight.simulate(drive, start, begin, end, limit)[3].trace
-        if np.any((trace[:, WHAT] == RESTING) & (trace[:, DURATION] > 0)):
+        if ((trace[:, WHAT] == RESTING) & (trace[:, DURATION] > 0)).any():
             return np.zeros(0), np.zeros(0)
-        hit = trace[np.isin(trace[:, END], (IMPACT, CHATTER, STUCK)) & (trace[:, BEFORE] > least)]
+        last = trace[:, END]
+        hit = trace[((last == IMPACT) | (last == CHATTER) | (last == STUCK)) & (trace[:, BEFORE] > least)]
         return hit[:, START] + hit[:, DURATION], hit[:, BEFORE]
 
     def slack(self, drive: Drive, velocity: float, span: float) -> float:

@@ -84,7 +84,7 @@ def boundaries(
 
 def crossings(line: Line, kind: Kind, branch: int, grid: Array) -> list[Found]:
     """Parameter values on ``grid`` at which the branch's test function passes through zero."""
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore", over="ignore"):
         values = line.test(kind, branch, line.at(grid))
         steps = np.flatnonzero(values[:-1] * values[1:] < 0)
     found = [bracketed(line, kind, branch, grid[i], grid[i + 1]) for i in steps]

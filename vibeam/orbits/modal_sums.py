@@ -71,6 +71,8 @@ def fault(system: ImpactSystem) -> str:
 def resonant(system: ImpactSystem, omega: float, periods: int) -> str:
     """Reason why there is no steady response at this drive; empty where there is one."""
     undamped = (system.omega > 0) & (system.zeta == 0)
+    if not undamped.any():
+        return ""
     if np.any(undamped & (system.omega == omega) & (system.load != 0)):
         return f"drive: an undamped mode is driven at its own frequency {omega} rad/s and grows without bound"
     turns = system.omega * periods / omega
@@ -89,10 +91,13 @@ def sums(system: ImpactSystem, omega: Array, periods: int) -> Sums:
     sigma, square = zeta * natural, contact**2
     p = pairs(system.omega[moving], system.zeta[moving], span)
     unit = _total(contact * load * phasor(natural, sigma, omega))
-    g0, g1, g2 = (_total(square * each) for each in _green(natural, sigma, p, span))
-    plus, minus = ([_total(square * each) for each in _transfer(p, sigma, sign)] for sign in (1.0, -1.0))
+    rows = (*_green(natural, sigma, p, span), *_transfer(p, sigma, 1.0), *_transfer(p, sigma, -1.0))
+    if len(omega) == 1:
+        g0, g1, g2, *both = _total(square[:, :, None] * np.stack(rows, axis=1))
+    else:
+        g0, g1, g2, *both = (_total(square * each) for each in rows)
     return Sums(
-        omega, span, unit, g0, g1, g2, Transfer(*plus), Transfer(*minus),
+        omega, span, unit, g0, g1, g2, Transfer(*both[:4]), Transfer(*both[4:]),
         float(system.contact @ offsets(system)), _fixed(system, span),
     )  # fmt: skip
 
@@ -102,7 +107,7 @@ def _total(rows: NDArray[T]) -> NDArray[T]:
     return reduce(np.add, rows)
 
 
-def phasor(natural: float | Array, sigma: float | Array, omega: Array) -> Complex:
+def phasor(natural: float | Array, sigma: float | Array, omega: float | Array) -> Complex:
     """Steady response Ω²/(ω² − Ω² + 2iσΩ) of a mode to a base motion of 1 m."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(omega**2 / ((natural - omega) * (natural + omega) + 2j * sigma * omega))

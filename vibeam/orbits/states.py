@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.linear.propagator import pair, propagators
+from vibeam.flight.linear.propagator import pairs, propagators
 from vibeam.orbits.modal_sums import green, offsets, phasor
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
@@ -14,28 +17,39 @@ Array = NDArray[np.float64]
 
 Complex = NDArray[np.complex128]
 
+KEPT = 8  # responses to a drive: one motion asks for the same one several times
+
 
 def phasors(system: ImpactSystem, drive: Drive) -> Complex:
     """Phasors h (n,): the steady response to the drive alone is Im(h e^{iΩt}) plus the static displacements."""
-    unit = [
-        load * phasor(natural, zeta * natural, np.array([drive.omega]))[0] if load else 0j
-        for natural, zeta, load in zip(system.omega, system.zeta, system.load, strict=True)
-    ]
-    return np.asarray(drive.amplitude * np.array(unit, dtype=complex))
+    return _phasors(system.omega.tobytes(), system.zeta.tobytes(), system.load.tobytes(), drive)
+
+
+@lru_cache(maxsize=KEPT)
+def _phasors(*given: Any) -> Complex:
+    omega, zeta, load = (np.frombuffer(row) for row in given[:3])
+    drive, driven, found = given[3], load != 0, np.zeros(len(load), dtype=complex)
+    share = load[driven] * phasor(omega[driven], zeta[driven] * omega[driven], drive.omega)
+    found[driven] = drive.amplitude * share
+    found.setflags(write=False)
+    return found
 
 
 def state_after(system: ImpactSystem, drive: Drive, periods: int, phase: float, impulse: float) -> State:
     """State just after impact: the drive's response and the impulse train's; the contact lies at the gap."""
-    span = np.array([2 * np.pi * periods / drive.omega])
-    shapes = [
-        green(natural, zeta * natural, pair(natural, zeta, span)) if contact else (np.zeros(1), np.zeros(1))
-        for natural, zeta, contact in zip(system.omega, system.zeta, system.contact, strict=True)
-    ]
-    g = np.array(shapes)[:, :, 0]
+    g0, g1 = _green(system, np.array([2 * np.pi * periods / drive.omega]))
     turned = phasors(system, drive) * np.exp(1j * phase)
-    displacement = turned.imag + offsets(system) + impulse * system.contact * g[:, 0]
-    velocity = drive.omega * turned.real + impulse * system.contact * g[:, 1]
+    displacement = turned.imag + offsets(system) + impulse * system.contact * g0
+    velocity = drive.omega * turned.real + impulse * system.contact * g1
     return State(displacement + _rigid_displacement(system, displacement), velocity)
+
+
+def _green(system: ImpactSystem, span: Array) -> tuple[Array, Array]:
+    """Periodic Green's functions g(0), g'(0⁺) (n,) over a ``span`` (1,) s, 0 for modes not seen by the contact."""
+    natural = system.omega[:, None]
+    g0, g1 = green(natural, system.zeta[:, None] * natural, pairs(system.omega, system.zeta, span))
+    struck = system.contact != 0
+    return np.where(struck, g0[:, 0], 0.0), np.where(struck, g1[:, 0], 0.0)
 
 
 def _rigid_displacement(system: ImpactSystem, displacement: Array) -> Array:

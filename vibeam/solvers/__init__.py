@@ -20,11 +20,21 @@ SOLVERS = Registry(
         "flight",
         "vibeam.flight.solver:FlightSolver",
         beyond_plain="vibeam.flight.regime_solver:RegimeSolver",
+        several="vibeam.flight.several.solver:ContactsSolver",
         motion="exact",
         blocks=True,
+        derivatives=True,
+        harmonics=True,
         marker=("*", 9.0),
     ),
-    SolverDeclaration("orbit", "vibeam.solvers.orbit:OrbitSolver", stationary=True, curves=True, marker=("P", 6.0)),
+    SolverDeclaration(
+        "orbit",
+        "vibeam.solvers.orbit:OrbitSolver",
+        stationary=True,
+        derivatives=True,
+        curves=True,
+        marker=("P", 6.0),
+    ),
     SolverDeclaration(
         "averaging",
         "vibeam.solvers.averaging.solver:AveragingSolver",
@@ -39,6 +49,7 @@ SOLVERS = Registry(
         "direct",
         "vibeam.solvers.integration.direct:DirectSolver",
         beyond_plain="vibeam.solvers.integration.direct:DirectSolver",
+        harmonics=True,
         motion="samples",
         settings=CostSettings(methods=("RK23", "RK45", "DOP853", "LSODA"), limit=200),
         marker=("o", 4.0),
@@ -60,6 +71,7 @@ SOLVERS = Registry(
     SolverDeclaration(
         "moreau",
         "vibeam.solvers.integration.moreau:MoreauSolver",
+        harmonics=True,
         motion="samples",
         settings=CostSettings(steps=True),
         marker=("s", 3.8),
@@ -80,3 +92,11 @@ def solver(name: str, system: ImpactSystem, slowest: float, span: float = 0.0, *
     if name not in SOLVERS:
         raise ValueError(f"no solver {name!r}: there are {', '.join(SOLVERS)}")
     return SOLVERS[name].make(system, slowest, span, options)
+
+
+def require_readable(name: str, system: ImpactSystem, output: str) -> None:
+    """KeyError for an output that the system does not have, ValueError for one that the solver does not read."""
+    derivative = system.derivative(output)
+    if derivative is not None and name in SOLVERS and not SOLVERS[name].derivatives:
+        able = " and ".join(each for each, declared in SOLVERS.items() if declared.derivatives)
+        raise ValueError(f"output {output!r}: solver {name!r} reads no {derivative.called}: {able} do")

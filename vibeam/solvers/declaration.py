@@ -31,20 +31,26 @@ class SolverDeclaration:
 
     ``home``: the class ``made as Class(system, slowest, span, **options)``, or ``"module:Class"``, imported when it is
     asked for. ``beyond_plain``: the same for systems with another contact law, coupled damping or a second stop; None
-    where the solver cannot take them. ``stationary``: steady motions by formula, nothing settles. ``motion``:
+    where the solver cannot take them; ``several``: the same for systems with contacts in several places.
+    ``stationary``: steady motions by formula, nothing settles. ``motion``:
     ``"exact"`` trajectories by ``simulate``, ``"samples"`` by ``motion``, or ``"none"`` beyond steady points.
     ``blocks``: ``steady`` takes an amplitude for each frequency, and a list ``states`` to which it adds the state after
     each point: a sweep then asks it for several points at once.
-    ``curves``: it knows all motions of its kind, stable or not. ``marker``: matplotlib's, and its size in points.
+    ``derivatives``: it reads outputs that are velocities or accelerations, whose jumps it knows.
+    ``curves``: it knows all motions of its kind, stable or not. ``harmonics``: it takes the light undamped modes of
+    ``SeveralHarmonics``. ``marker``: matplotlib's, and its size in points.
     """
 
     name: str
     home: str | type[Any]
     beyond_plain: str | type[Any] | None = None
+    several: str | type[Any] | None = None
     stationary: bool = False
     motion: Literal["exact", "samples", "none"] = "none"
     blocks: bool = False
+    derivatives: bool = False
     curves: bool = False
+    harmonics: bool = False
     settings: CostSettings = field(default_factory=CostSettings)
     marker: tuple[str, float] = ("D", 4.5)
 
@@ -55,15 +61,22 @@ class SolverDeclaration:
 
     def make(self, system: Any, slowest: float, span: float, options: Mapping[str, Any]) -> Any:
         """Build the solver of one system; ValueError for what it cannot take."""
-        if system.beyond_plain and self.beyond_plain is None:
-            system.require_plain(f"solver {self.name!r}")
-        made = loaded(self.beyond_plain if system.beyond_plain and self.beyond_plain else self.home)
-        known = _options_of(made)
+        made = loaded(self._home_of(system))
+        known = _options_of(made) if options else ()
         unknown = [key for key in options if key not in known]
         if unknown:
             there = ", ".join(known) or "none"
             raise ValueError(f"solver {self.name!r} has no option {', '.join(unknown)}: there are {there}")
         return made(system, slowest, span, **options)
+
+    def _home_of(self, system: Any) -> str | type[Any]:
+        """The class for this kind of system; ValueError where there is none."""
+        if not system.beyond_plain:
+            return self.home
+        found = self.beyond_plain if system.further is None else self.several
+        if found is None:
+            system.require_plain(f"solver {self.name!r}")
+        return found or self.home
 
 
 def _options_of(made: type[Any]) -> list[str]:

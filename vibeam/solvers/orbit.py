@@ -53,7 +53,7 @@ class OrbitSolver(SteadySolver):
         """
         grid = np.asarray(omegas, dtype=float)
         base = np.broadcast_to(amplitude, grid.shape)
-        self.system.output(output)
+        self.system.derivative(output)
         found = MotionCurves.empty(grid / (2 * np.pi), self.periods)
         for index, omega in enumerate(grid):
             for branch, orbit in enumerate(self._orbits(Drive(float(omega), float(base[index])))):

@@ -38,7 +38,7 @@ class SteadySolver(ABC):
 
         ``settle`` and ``hold``: drive periods left out and read; ``state`` None: static equilibrium.
         """
-        self.system.output(output)
+        self.system.derivative(output)  # KeyError for an unknown one
         response = FrequencyResponse.empty(np.asarray(omegas, dtype=float) / (2 * np.pi), self.system.size)
         carried = self.begin(state)
         for index, omega in enumerate(omegas):

@@ -15,6 +15,8 @@ Array = NDArray[np.float64]
 
 ROWS = ("omega", "zeta", "contact", "load", "static")
 
+MOST_CONTACTS = 50  # further ones
+
 LEAST, MOST = 1e-300, 1e300  # smallest Σ contact², a divisor
 
 SYMMETRIC = 1e-9  # share of the largest damping: tolerance for asymmetry and negative eigenvalues
@@ -32,10 +34,31 @@ def checked(system: Any) -> dict[str, Any]:
     clean["gap"] = number("gap", system.gap, faults)
     if system.coupling is not None:
         clean["coupling"] = _coupling(system.coupling, np.size(clean["omega"]), faults)
+    if system.derivatives:
+        _check_derivatives(system.derivatives, outputs, np.size(clean["omega"]), faults)
     if system.second_gap is not None:
         clean["second_gap"] = _second_gap(system.gap, system.second_gap, faults)
+    if system.further is not None:
+        clean["further"] = _further(system.further, clean["law"], np.size(clean["omega"]), faults)
     refuse("", faults)
     return clean
+
+
+def _further(given: Any, law: Any, n: int, faults: list[str]) -> tuple[Any, ...] | None:
+    """Check the further contacts; none are None."""
+    from vibeam.system.contact import Contact
+
+    found = tuple(given) if isinstance(given, Sequence) else (given,)
+    for each in found:
+        if not isinstance(each, Contact):
+            faults.append(f"further: {shown(each)} is no Contact")
+        elif each.row.shape != (n,):
+            faults.append(f"further: the row of a contact must be {n} finite numbers, one a mode")
+    if found and law is not None:
+        faults.append(f'further: the contact law "{getattr(law, "name", law)}" goes with contact at one place alone')
+    if len(found) > MOST_CONTACTS:
+        faults.append(f"further: {len(found)} contacts, at most {MOST_CONTACTS}")
+    return found or None
 
 
 def _outputs(given: Any, faults: list[str]) -> dict[str, Array | None]:
@@ -46,6 +69,19 @@ def _outputs(given: Any, faults: list[str]) -> dict[str, Array | None]:
         if not isinstance(name, str):
             faults.append(f"outputs: the name {shown(name)} must be text")
     return {name: read_only(row) for name, row in given.items()}
+
+
+def _check_derivatives(given: Any, outputs: Mapping[str, Any], n: int, faults: list[str]) -> None:
+    from vibeam.system.time_derivative import TimeDerivative
+
+    if not isinstance(given, Mapping):
+        faults.append(f"derivatives: {shown(given)} must be a mapping from names to TimeDerivative")
+        return
+    for name, each in given.items():
+        if not isinstance(each, TimeDerivative) or each.row.shape != (n,):
+            faults.append(f"derivatives[{name!r}]: must be a TimeDerivative whose row is {n} numbers, one a mode")
+        if name == "contact" or name in outputs:
+            faults.append(f"derivatives[{name!r}]: is the name of another output")
 
 
 def _rows_valid(rows: Sequence[Any], outputs: Iterable[Any]) -> bool:

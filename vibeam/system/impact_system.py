@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam.system.arguments import checked
+from vibeam.system.contact import Contact
+from vibeam.system.time_derivative import TimeDerivative
 from vibeam_models.arguments import counted, number, read_only, refuse, require
 
 if TYPE_CHECKING:
@@ -53,7 +55,9 @@ class ImpactSystem:
 
     - ``law``: R(v) in place of ``restitution``, or a stop that yields and pushes with a force (``vibeam_models``);
     - ``coupling``: (n, n) modal damping matrix, symmetric, in place of 2ζω where damping couples the modes;
-    - ``second_gap``: a second stop with the same law on the other side, at Σ contact_i η_i = −second_gap.
+    - ``second_gap``: a second stop with the same law on the other side, at Σ contact_i η_i = −second_gap;
+    - ``derivatives``: outputs that are velocities or accelerations, by name;
+    - ``further``: stops elsewhere, each a ``Contact`` with row, gap and restitution of its own; no ``law`` beside it.
 
     Rows may be lists; they are kept as read-only arrays. ValueError names every argument that is wrong: a row that is
     not n finite numbers, negative ``omega`` or ``zeta``, ``contact`` all zero, ``restitution`` outside [0, 1], a
@@ -72,6 +76,8 @@ class ImpactSystem:
     law: VelocityRestitution | CompliantStop | None = None
     coupling: Array | None = None
     second_gap: float | None = None
+    derivatives: Mapping[str, TimeDerivative] = field(default_factory=dict)
+    further: tuple[Contact, ...] | None = None
 
     def __post_init__(self) -> None:
         for name, value in checked(self).items():
@@ -82,16 +88,20 @@ class ImpactSystem:
         law = f"restitution={self.restitution:g}" if self.law is None else f"law={self.law!r}"
         second = "" if self.second_gap is None else f", second_gap={self.second_gap:g}"
         coupled = "" if self.coupling is None else ", coupled damping"
-        stop, outputs = f"gap={self.gap:g}{second}, {law}{coupled}", ", ".join(self.outputs) or "none"
-        return f"ImpactSystem({counted(self.size, 'mode')}, omega {rates} rad/s, {stop}, outputs {outputs})"
+        second += "" if self.further is None else f", {counted(len(self.further), 'further contact')}"
+        stop, outputs = f"gap={self.gap:g}{second}, {law}{coupled}", ", ".join([*self.outputs, *self.derivatives])
+        return f"ImpactSystem({counted(self.size, 'mode')}, omega {rates} rad/s, {stop}, outputs {outputs or 'none'})"
 
     @property
     def beyond_plain(self) -> tuple[str, ...]:
         """Describe the features beyond a plain system (uncoupled modes, one stop, one coefficient of restitution)."""
+        if self.law is None and self.coupling is None and self.second_gap is None and self.further is None:
+            return ()
         named = {
             f'the contact law "{self.law.name if self.law else ""}"': self.law,
             "damping that couples the modes": self.coupling,
             "a second stop": self.second_gap,
+            "several contacts": self.further,
         }
         return tuple(name for name, part in named.items() if part is not None)
 
@@ -102,7 +112,7 @@ class ImpactSystem:
 
     def moves_as(self, other: ImpactSystem) -> bool:
         """Test whether two systems move identically, to the bit, whatever their outputs."""
-        names = (each.name for each in fields(self) if each.name != "outputs")
+        names = (each.name for each in fields(self) if each.name not in ("outputs", "derivatives"))
         return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in names)
 
     @property
@@ -111,13 +121,24 @@ class ImpactSystem:
         return len(self.omega)
 
     def output(self, name: str) -> Array:
-        """Row (n,) of one output; KeyError names the known outputs."""
+        """Row (n,) on η of one output; KeyError names the known outputs, ValueError one that is a derivative."""
+        derivative = self.derivative(name)
+        if derivative is not None:
+            raise ValueError(f"output {name!r} is no displacement but a derivative in time: {derivative.called}")
+        return self.contact if name == "contact" else self.outputs[name]
+
+    def row(self, name: str) -> Array:
+        """Row (n,) on η of one output, or of what it is the derivative of; KeyError names the known outputs."""
+        derivative = self.derivative(name)
+        return self.output(name) if derivative is None else np.asarray(derivative.row)
+
+    def derivative(self, name: str) -> TimeDerivative | None:
+        """An output that is a derivative in time, None of one that is a row on η; KeyError names the known outputs."""
         require("output", name, str)
-        if name == "contact":
-            return self.contact
-        if name not in self.outputs:
-            raise KeyError(f"no output {name!r}: there are {', '.join(sorted({'contact', *self.outputs}))}")
-        return self.outputs[name]
+        if name not in ("contact", *self.outputs, *self.derivatives):
+            known = sorted({"contact", *self.outputs, *self.derivatives})
+            raise KeyError(f"no output {name!r}: there are {', '.join(known)}")
+        return self.derivatives.get(name)
 
     @classmethod
     def from_modes(
@@ -134,13 +155,15 @@ class ImpactSystem:
         law: Restitution | VelocityRestitution | CompliantStop | None = None,
         coupling: ArrayLike | None = None,
         second_gap: float | None = None,
+        derivatives: Mapping[str, TimeDerivative] | None = None,
+        further: Sequence[Contact] | None = None,
     ) -> ImpactSystem:
         """Build a system from mass-normalised modes.
 
         ``omega`` rad/s and ``zeta`` ≥ 0 (zeta may be one number for all); ``contact``, ``load`` and ``static`` as in
         the class; ``gap`` m (negative: pressed against the stop); ``restitution`` in [0, 1], or any ``law``;
-        ``coupling``, which then says all damping, and ``second_gap`` m as in the class. ValueError names every
-        argument that is wrong.
+        ``coupling``, which then says all damping, ``second_gap`` m, ``derivatives`` and ``further`` contacts as in the
+        class. ValueError names every argument that is wrong.
         """
         frequencies, ratios = read_only(omega), read_only(zeta)
         n = 1 if frequencies is None else frequencies.size
@@ -153,7 +176,7 @@ class ImpactSystem:
         }
         given: dict[str, Any] = {name: _row(value, n) for name, value in rows.items()}
         given |= {"gap": gap, "restitution": restitution, "law": law, "coupling": coupling, "second_gap": second_gap}
-        given["outputs"] = {} if outputs is None else outputs
+        given |= {"outputs": {} if outputs is None else outputs, "derivatives": derivatives or {}, "further": further}
         if isinstance(outputs, Mapping):
             given["outputs"] = {name: _row(row, n) for name, row in outputs.items()}
         damper = None if coupling is None else read_only(coupling)
@@ -171,9 +194,11 @@ class ImpactSystem:
         restitution: float = 1.0,
         law: Restitution | VelocityRestitution | CompliantStop | None = None,
         second_gap: float | None = None,
+        further: Mapping[str, tuple[float, float]] | None = None,
     ) -> ImpactSystem:
         """Build the modal form of any Structure, all its modes; coupled damping is kept as ``coupling``, and so is
-        that of a mode without stiffness, which has no damping ratio.
+        that of a mode without stiffness, which has no damping ratio. ``further``: by the name of the output whose row
+        they have, gap and restitution of further contacts.
 
         ValueError as in the class, and for matrices that are no structure's. Own matrices M, C and K, here two masses
         of 1 kg and 0.2 kg in a row on a base that shakes, the second one at the stop, in their lowest mode:
@@ -197,7 +222,7 @@ class ImpactSystem:
         outputs = {name: row @ modes.shapes for name, row in structure.outputs.items()}
         return cls.from_modes(
             modes.omega,
-            np.diag(damping) / (2 * safe),
+            _without_round_off(damping) / (2 * safe),
             structure.contact @ modes.shapes,
             -(structure.load @ modes.shapes),
             gap=gap,
@@ -207,6 +232,7 @@ class ImpactSystem:
             law=law,
             coupling=(damping + damping.T) / 2 if couples else None,
             second_gap=second_gap,
+            further=None if not further else [Contact(outputs[name], *each) for name, each in further.items()],
         )
 
 
@@ -216,6 +242,13 @@ def _row(value: Any, n: int) -> Any:
     if row is None:
         return value
     return np.full(n, row.ravel()[0]) if row.size == 1 and row.ndim < 2 else row
+
+
+def _without_round_off(damping: Array) -> Array:
+    """Diagonal of a modal damping matrix, 0 where it is below that by round-off, as of a mode that K does not hold."""
+    diagonal = np.diag(damping)
+    below = (diagonal < 0) & (diagonal > -ROUND_OFF * np.max(np.abs(damping), initial=0.0))
+    return np.where(below, 0.0, diagonal)
 
 
 def _damps_rigid_mode(omega: Array, damping: Array) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.system.ended import Ended
-from vibeam.system.quantities import LAYOUT, VELOCITIES_KEPT, unit_of
+from vibeam.system.quantities import LAYOUT, METRES, VELOCITIES_KEPT, OutputUnits, unit_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -44,17 +44,17 @@ def optional(name: str, what: str) -> Any:
         raise ImportError(f"{what} needs the package {name}: pip install {name}", name=name) from missing
 
 
-def dataset(response: Values, unit: str = "m") -> Dataset:
+def dataset(response: Values, units: OutputUnits = METRES) -> Dataset:
     """Data set of a response over ``frequency`` (Hz), with dimensions ``mode`` and ``impact``, units as attributes.
 
-    ``unit``: of the output; "1" of a model without dimensions.
+    ``units``: of the output.
     """
     xarray = optional("xarray", "to_xarray")
     sizes = {"mode": response.mode_energy.shape[1], "impact": VELOCITIES_KEPT}
     coordinates: dict[str, Any] = {name: np.arange(1, size + 1) for name, size in sizes.items()}
     variables: dict[str, Any] = {}
     for name, quantity in LAYOUT.items():
-        attributes: dict[str, Any] = {"long_name": quantity.long_name, "units": unit_of(quantity, unit)}
+        attributes: dict[str, Any] = {"long_name": quantity.long_name, "units": unit_of(quantity, units)}
         if name == "ended":
             attributes |= {"flag_values": [kind.code for kind in Ended], "flag_meanings": " ".join(Ended.__members__)}
         dimensions = ("frequency",) if quantity.dimension is None else ("frequency", quantity.dimension)
@@ -78,7 +78,7 @@ def joined(parts: Mapping[str, Dataset], dimension: str) -> Dataset:
     return made
 
 
-def frame(branches: Sequence[Branch], unit: str = "m") -> DataFrame:
+def frame(branches: Sequence[Branch], units: OutputUnits = METRES) -> DataFrame:
     """Table with one row a point: labels, frequency in Hz, every quantity, ``mode_energy_1`` … as columns of their own.
 
     ``ended`` is the name of an ``Ended``; ``frame.attrs["units"]`` has the unit of each column.
@@ -86,7 +86,7 @@ def frame(branches: Sequence[Branch], unit: str = "m") -> DataFrame:
     pandas = optional("pandas", "to_dataframe")
     made: DataFrame = pandas.concat([pandas.DataFrame(_columns(*branch)) for branch in branches], ignore_index=True)
     labels = set().union(*(labels for labels, _ in branches))
-    made.attrs["units"] = {name: _unit(name, unit) for name in made.columns if name not in labels}
+    made.attrs["units"] = {name: _unit(name, units) for name in made.columns if name not in labels}
     return made
 
 
@@ -101,5 +101,5 @@ def _columns(labels: dict[str, str], response: Values) -> dict[str, Any]:
     return columns | {"ended": [Ended.of_code(int(code)).name for code in response.ended]}
 
 
-def _unit(column: str, unit: str) -> str:
-    return unit_of(LAYOUT[column if column in LAYOUT else column.rpartition("_")[0]], unit)
+def _unit(column: str, units: OutputUnits) -> str:
+    return unit_of(LAYOUT[column if column in LAYOUT else column.rpartition("_")[0]], units)

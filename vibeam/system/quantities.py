@@ -8,8 +8,21 @@ from typing import Literal
 
 VELOCITIES_KEPT = 16  # last impact velocities stored for each point
 
-#: q: unit of the outputs; q/s: unit of their velocity; E: unit of energy; anything else is the unit itself
-Unit = Literal["q", "q/s", "E", "Hz", "s", "1"]
+#: q: unit of the output; q/s: of its rate; c and c/s: of the contact's displacement and velocity; E: of energy;
+#: anything else is the unit itself
+Unit = Literal["q", "q/s", "c", "c/s", "E", "Hz", "s", "1"]
+
+
+@dataclass(frozen=True)
+class OutputUnits:
+    """Units: of displacements (``"1"`` of a model without dimensions), of the output that is read and of its rate."""
+
+    length: str = "m"
+    output: str = "m"
+    rate: str = "m s-1"
+
+
+METRES, PLAIN = OutputUnits(), OutputUnits("1", "1", "s-1")
 
 
 @dataclass(frozen=True)
@@ -24,12 +37,12 @@ class Quantity:
 LAYOUT: Mapping[str, Quantity] = {
     "frequency": Quantity("drive frequency, Ω/2π", "Hz"),
     "amplitude": Quantity("amplitude of the output, ½(max − min)", "q"),
-    "reach": Quantity("largest distance of the contact point from the stop, Q = Δ − min q", "q"),
+    "reach": Quantity("largest distance of the contact point from the stop, Q = Δ − min q", "c"),
     "maximum": Quantity("maximum of the output", "q"),
     "minimum": Quantity("minimum of the output", "q"),
     "impacts_per_period": Quantity("impacts a drive period", "1"),
-    "impact_velocity": Quantity("mean velocity just before impact, q̇₋", "q/s"),
-    "impact_velocities": Quantity("last velocities just before impact, q̇₋, oldest first", "q/s", "impact"),
+    "impact_velocity": Quantity("mean velocity just before impact, q̇₋", "c/s"),
+    "impact_velocities": Quantity("last velocities just before impact, q̇₋, oldest first", "c/s", "impact"),
     "period": Quantity("drive periods after which the motion repeats; 0: it does not; −1: no contact", "1"),
     "rest": Quantity("share of the time at rest on the stop", "1"),
     "mode_energy": Quantity("time-mean energy of each mode", "E", "mode"),
@@ -40,8 +53,14 @@ LAYOUT: Mapping[str, Quantity] = {
 }
 
 
-def unit_of(quantity: Quantity, output: str) -> str:
-    """Unit as text, for outputs in metres (``"m"``) or without dimension (``"1"``)."""
-    plain = output == "1"
-    named = {"q": output, "q/s": "s-1" if plain else f"{output} s-1", "E": "s-2" if plain else "J"}
+def unit_of(quantity: Quantity, units: OutputUnits) -> str:
+    """Unit as text."""
+    plain = units.length == "1"
+    named = {
+        "q": units.output,
+        "q/s": units.rate,
+        "c": units.length,
+        "c/s": "s-1" if plain else f"{units.length} s-1",
+        "E": "s-2" if plain else "J",
+    }
     return named.get(quantity.unit, quantity.unit)

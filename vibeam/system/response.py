@@ -76,7 +76,10 @@ class FrequencyResponse:
         return f"FrequencyResponse({', '.join(parts)}{f', {failed} not complete' if failed else ''})"
 
     def to_xarray(self) -> Dataset:
-        """Convert to a data set over ``frequency`` (Hz), units as attributes (``system.labelled``); needs xarray."""
+        """Convert to a data set over ``frequency`` (Hz), units as attributes (``system.labelled``); needs xarray.
+
+        By itself a response does not know which output it is of: that of a displacement. A ``Result`` knows its unit.
+        """
         from vibeam.system.labelled import dataset
 
         return dataset(self)
@@ -184,5 +187,7 @@ def period_one_range(response: FrequencyResponse) -> tuple[float, float] | None:
 
 def join(parts: list[FrequencyResponse]) -> FrequencyResponse:
     """Concatenate consecutive points to one response."""
+    if len(parts) == 1:
+        return parts[0]
     values = {f.name: np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(FrequencyResponse)}
     return FrequencyResponse(**values)

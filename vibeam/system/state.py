@@ -48,5 +48,4 @@ def _fit(displacement: Array, velocity: Array) -> bool:
 
 
 def _set(state: State, *values: Any) -> None:
-    for name, value in zip(("displacement", "velocity", "resting"), values, strict=True):
-        object.__setattr__(state, name, value)
+    state.__dict__.update(zip(("displacement", "velocity", "resting"), values, strict=True))

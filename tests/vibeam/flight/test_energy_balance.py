@@ -21,6 +21,7 @@ from vibeam.flight.kernels.layout import DURATION, START, WHAT
 from vibeam.flight.kernels.regimes.layout import CONTACT
 from vibeam.flight.trajectory import Trajectory
 from vibeam.observe.quadrature import integral
+from vibeam_models.base import Base
 from vibeam_models.base_motion import drive_amplitude, moving_platform
 from vibeam_models.beam import assemble
 from vibeam_models.effects.added_mass import AddedMass
@@ -31,7 +32,7 @@ from vibeam_models.effects.sprung_clamp import Clamp
 from vibeam_models.effects.torsion import Torsion
 from vibeam_models.laws.compliant import LinearStop
 from vibeam_models.laws.restitution import TableRestitution
-from vibeam_models.scene import Base, Scene
+from vibeam_models.scene import Scene
 from vibeam_models.structure import Structure
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "models"))

@@ -28,6 +28,15 @@ STAYING = 2000  # periods
 QUANTITIES = ("impact_velocity", "reach", "amplitude", "maximum", "minimum")
 
 
+WITHOUT = {
+    "paper",
+    "experiment",
+    "rigs",
+    "stuttgart",
+    "dtu_harmonic",
+}  # folders and cases that may have no closed orbit
+
+
 @cache
 def models(file: Path) -> tuple[tuple[ImpactSystem, float, tuple[float, ...]], ...]:
     """The systems of a case that differ, the base amplitude, and some of the sweep's frequencies, rad/s.
@@ -91,7 +100,9 @@ def test_every_case(file: Path) -> None:
                 assert getattr(flown, name)[0] == pytest.approx(getattr(seen, name)[0], abs=bar), (name, orbit)
     expected = sum(len(stable_orbits(*model)) for model in models(file))
     assert judged >= 0.9 * expected
-    assert expected > 0 or file.parent.name in ("paper", "experiment")
+    assert (
+        expected > 0 or file.parent.name in ("paper", "experiment", "rigs", "stuttgart") or file.stem == "dtu_harmonic"
+    )
 
 
 # published orbits

@@ -27,10 +27,8 @@ def only(found: tuple[Boundary, ...], kind: Kind, which: int = 0) -> Boundary:
     return [b for b in found if b.kind is kind and b.clear][which]
 
 
-def test_grazing_of_coco() -> None:
-    found = boundaries(COCO, (0.01, 3.0), 1.0)
-    assert only(found, Kind.GRAZING).amplitude == pytest.approx(0.1, rel=1e-13)
-    assert {b.kind for b in found} == {Kind.GRAZING, Kind.FOLD}
+def test_kinds_of_boundaries_of_coco() -> None:
+    assert {b.kind for b in boundaries(COCO, (0.01, 3.0), 1.0)} == {Kind.GRAZING, Kind.FOLD}
 
 
 def test_a_fold_in_closed_form() -> None:

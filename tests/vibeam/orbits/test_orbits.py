@@ -85,24 +85,6 @@ def test_reach_of_the_nominal_model() -> None:
     assert other.reach != pytest.approx(1.753002e-2, rel=1e-3)
 
 
-@pytest.mark.parametrize(
-    ("omega", "stop", "velocity", "bar"), [(2.0, 0.0, 20 / 3, 1e-12), (2.8, 0.1, 0.106477937315, 5e-12)]
-)
-def test_velocities_of_budd_and_dux(omega: float, stop: float, velocity: float, bar: float) -> None:
-    system = ImpactSystem.from_modes([1.0], 0.0, 1.0, 1.0, gap=stop, restitution=0.8)
-    (orbit,) = orbits(system, Drive(omega, 1 / omega**2))
-    assert orbit.velocity == pytest.approx(velocity, rel=bar)
-
-
-def test_the_impact_orbit_of_coco() -> None:
-    (orbit,) = orbits(COCO, Drive(1.0, 1.0))
-    assert orbit.phase - pi / 2 == pytest.approx(0.07595216, abs=5e-9)  # its force is a cosine
-    assert orbit.velocity == pytest.approx(1.69573294, abs=5e-9)
-    assert orbit.state.velocity[0] == pytest.approx(-1.35658635, abs=5e-9)
-    np.testing.assert_allclose(orbit.multipliers[0], -0.584295 + 0.005600j, atol=6e-7)
-    assert orbit.multipliers[1] == orbit.multipliers[0].conjugate()
-
-
 # one mode: closed forms
 
 

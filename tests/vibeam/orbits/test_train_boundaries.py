@@ -9,7 +9,8 @@ import pytest
 
 from vibeam.orbits.bifurcation_functions import Kind
 from vibeam.orbits.boundaries import boundaries
-from vibeam.orbits.train_boundaries import TrainBoundary, clearance, train_boundaries
+from vibeam.orbits.train_boundaries import TrainBoundary, train_boundaries
+from vibeam.orbits.train_branch import clearance
 from vibeam.orbits.train_orbits import TrainOrbit, settled_orbit, train_orbit
 from vibeam.orbits.trains import Train
 from vibeam.system.impact_system import Drive, ImpactSystem

@@ -16,6 +16,7 @@ from vibeam.flight.kernels.layout import (
     AT_CLOCK,
     ATTACHED,
     COARSEST,
+    COARSEST_AT_REST,
     CONST,
     DURATION,
     HARMONIC,
@@ -70,14 +71,14 @@ def cover(
     ``trace`` (m, TRACE_COLUMNS), ``poses`` (m, 2, n); ``tasks`` (k, 5) in the order of the segments.
     """
     set_drive(desk, omega, amplitude)
-    count, coarsest = 0, int(desk.drive[COARSEST])
+    count, coarsest, at_rest = 0, int(desk.drive[COARSEST]), int(desk.drive[COARSEST_AT_REST])
     for i in range(first, tasks.shape[0]):
         segment = int(tasks[i, SEGMENT])
         clock, pose = trace[segment, AT_CLOCK], poses[segment]
         if trace[segment, WHAT] == RESTING:
             to_block_coordinates(desk.rest, desk.drive, pose, clock)
             show(desk.rest, desk.drive, clock, tasks[i])
-            written = walk(signal_of(desk.rest), coarsest, trace[segment, DURATION], tasks[i], pieces, count)
+            written = walk(signal_of(desk.rest), at_rest, trace[segment, DURATION], tasks[i], pieces, count)
         else:
             cosine, sine = phase(desk.drive, clock)
             begin_flight(desk, pose, cosine, sine)

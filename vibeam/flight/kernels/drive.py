@@ -19,6 +19,7 @@ from vibeam.flight.kernels.layout import (
     CARRIED,
     CLEARANCE,
     COARSEST,
+    COARSEST_AT_REST,
     CONSTANT1,
     CONSTANT2,
     CONTACT,
@@ -44,6 +45,7 @@ from vibeam.flight.kernels.layout import (
     RE1,
     RE2,
     SIGMA,
+    SLOW,
     STATIC,
     STEP,
     STRENGTH,
@@ -52,7 +54,7 @@ from vibeam.flight.kernels.layout import (
     W,
 )
 from vibeam.flight.kernels.roots.levels import same_drive, tabulate_drive
-from vibeam.flight.kernels.thresholds import FAR, FAR_DRIVEN, PANEL
+from vibeam.flight.kernels.thresholds import BRISK, FAR, FAR_DRIVEN, PANEL
 
 Array = NDArray[np.float64]
 
@@ -76,7 +78,8 @@ def set_drive(desk: Engine, omega: float, amplitude: float) -> None:
         modes[RE, k], modes[IM, k], modes[OFFSET, k] = 0.0, 0.0, 0.0
         own, sigma = desk.pairs[OMEGA, k], desk.pairs[SIGMA, k]
         real, imaginary = (own - omega) * (own + omega), 2.0 * sigma * omega
-        far = abs(modes[STATIC, k]) > FAR * own * own * drive[MOTION]
+        worth = FAR if 2.0 * sigma <= BRISK * max(own, omega) else FAR_DRIVEN  # carrying it costs 2σ
+        far = abs(modes[STATIC, k]) > worth * own * own * drive[MOTION]
         far = far or abs(modes[LOAD, k] * strength) > FAR_DRIVEN * hypot(real, imaginary) * drive[MOTION]
         if far or is_attached(own, sigma, modes[LOAD, k] * strength, modes[STATIC, k], omega):
             desk.attached[AMODE, int(desk.signal[ATTACHED])] = k
@@ -93,8 +96,9 @@ def set_drive(desk: Engine, omega: float, amplitude: float) -> None:
     tabulate_drive(omega, desk.levels)
     same_drive(desk.levels, desk.rest.levels)
     steady_response(desk.rest, drive)
-    rate = max(rate, carried_rate(desk.rest.pairs, desk.rest.blocks))
     drive[COARSEST] = coarsest_level(desk.pairs, desk.levels, rate)
+    rate = max(rate, carried_rate(desk.rest.pairs, desk.rest.blocks))
+    drive[COARSEST_AT_REST] = coarsest_level(desk.pairs, desk.levels, rate)
 
 
 @kernel
@@ -131,7 +135,8 @@ def coarsest_level(pairs: Array, levels: Array, rate: float) -> int:
     if rate == 0.0:
         for k in range(pairs.shape[1] - 1, -1, -1):
             if pairs[OMEGA, k] > 0.0:
-                rate = pairs[KAPPA, k]
+                own = pairs[SLOW, k] if pairs[SLOW, k] > 0.0 else pairs[KAPPA, k]
+                rate = own if rate == 0.0 else min(rate, own)
     level = 0
     while level < LEVELS - 1 and levels[STEP, level] * rate > PANEL:
         level += 1

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.layout import ATTACHED, CONST, HARMONIC, LEVELS, STEP, ZI, ZR, E
+from vibeam.flight.kernels.layout import ATTACHED, CONST, CREEP, HARMONIC, LEVELS, STEP, ZI, ZR, E
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.bounds import Ends
 from vibeam.flight.kernels.roots.pair import norm
@@ -86,10 +86,10 @@ def extremes_to(g: Signal, span: float, coarsest: int, least: float, most: float
 
 @kernel
 def contained(pairs: Array, signal: Array, least: float, most: float) -> bool:
-    """Whether const ± (|z| + Σ e_k), and with it the signal from the node on, stays within [least, most]."""
+    """Whether const ± (|z| + Σ e_k + |s_k|), and with it the signal from the node on, stays within [least, most]."""
     reach = hypot(signal[ZR], signal[ZI])
     for k in range(pairs.shape[1]):
-        reach += pairs[E, k]
+        reach += pairs[E, k] + pairs[CREEP, k]
     low, high = signal[CONST] - reach, signal[CONST] + reach
     return bool(signal[ATTACHED] == 0.0 and low >= least and high <= most)
 

@@ -34,6 +34,7 @@ from vibeam.flight.kernels.modal_flow import begin_flight, contact_derivatives
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.pair import norm
 from vibeam.flight.kernels.roots.signal import Signal, magnitude, signal_of, to_node
+from vibeam.flight.kernels.thresholds import ELASTIC
 
 Array = NDArray[np.float64]
 
@@ -102,6 +103,8 @@ FAITHFUL = 1e-11  # share of the whole accumulation by which its end may be misj
 
 LATE = 1e-12  # share of the slowest time scale by which the end of the accumulation may be misjudged
 
+ENDLESS = np.inf  # bound of the error of an accumulation's end where it has none
+
 FLOOR = 1e-26  # share of the length scale below which a flight is no longer one
 
 
@@ -125,9 +128,15 @@ def strike(modes: Array, drive: Array, pose: Array) -> float:
 def is_faint(after: float, top: float, toward: float, loss: float, gap: float) -> bool:
     """Whether what is left after an impact is next to nothing, so that its accumulation may be completed.
 
-    ``top``: the largest impact velocity; ``toward``: the contact acceleration; ``loss``: 1 − R.
+    ``top``: the largest impact velocity; ``toward``: the contact acceleration; ``loss``: see ``narrowing``.
     """
     return toward > 0.0 and loss > 0.0 and 2.0 * after * (after / top) <= NEAR * loss * (top + gap * (toward / top))
+
+
+@joined
+def narrowing(loss: float) -> float:
+    """1 − R, as the flights to come take 1/(1 − R) as long as the next; 1 where they never end, which asks for that."""
+    return loss if loss >= ELASTIC else 1.0
 
 
 class Accumulation(NamedTuple):
@@ -142,12 +151,17 @@ class Accumulation(NamedTuple):
 
 @joined
 def chatter_left(desk: Engine, pose: Array, status: Array, after: float) -> tuple[float, float]:
-    """``time_left`` after an impact of a plain system, (−1, 0) where it is too early to complete a chatter."""
+    """``time_left`` after an impact of a plain system, (−1, 0) where it is too early to complete a chatter.
+
+    (0, ∞) where R is next to 1, the accumulation endless and what is left of it faint: see the page.
+    """
     drive = desk.drive
     toward, _ = contact_derivatives(desk.pairs, desk.modes, drive, pose, status)
     rest = Accumulation(after, status[SPEED], toward, drive[RESTITUTION], 1.0 - drive[RESTITUTION])
-    if not is_faint(after, rest.top, toward, rest.loss, abs(drive[GAP])):
+    if not is_faint(after, rest.top, toward, narrowing(rest.loss), abs(drive[GAP])):
         return -1.0, 0.0
+    if rest.loss < ELASTIC:
+        return 0.0, ENDLESS
     begin_flight(desk, pose, status[PHASE_COS], status[PHASE_SIN])
     slowest = max(drive[W], desk.pairs[KAPPA, 0])
     return time_left(signal_of(desk), desk.modes[CONTACT], drive[GAP], pose, rest, slowest, 0.0)

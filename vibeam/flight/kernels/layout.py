@@ -89,7 +89,17 @@ OMEGA, SIGMA, DISC, KAPPA, INVERSE, DECAY = range(6)
 
 X0, Y0, X, Y, E, X2, Y2, XT, YT = range(6, 15)
 
-PAIR_ROWS = 15
+# of a pair far beyond critical damping, whose node and trial end hold its two decays s e^{−at}, f e^{−bt} in place of
+# (x, x'): a, 1 and −b, so that x = X + JOIN·Y and x' = TILT·Y − SLOW·X, and |s|; of any other 0, 0, 1, 0
+SLOW, JOIN, TILT, CREEP = range(15, 19)
+
+PAIR_ROWS = 19
+
+
+# table (TABLE_ROWS, LEVELS, n): P00 P01 P10 P11 of (x, x') over a panel, D0 D1 V0 V1, and what carries X, Y over it
+WALK = 8
+
+TABLE_ROWS = 12
 
 
 # modes (MODE_ROWS, n): the free system's modes, one drive's steady response Im((RE + i IM) e^{iφ}) + OFFSET, and how
@@ -124,12 +134,13 @@ ATTACHED_ROWS = TERM + SERIES
 
 
 # drive (DRIVE_ROWS,): Ω, Ω²B, 2π/Ω in two parts, contact phasor, gap less the static offsets, coarsest level; the stop;
-# the size of the motion where it is known, or infinite; the longest flight that ``plain_flights_in_lanes`` takes on
+# the size of the motion where it is known, or infinite; the longest flight that ``plain_flights_in_lanes`` takes on;
+# the coarsest level at rest
 W, STRENGTH, PERIOD, PERIOD_REST, CONTACT_RE, CONTACT_IM, CLEARANCE, COARSEST = range(8)
 
-GAP, RESTITUTION, MOBILITY, AMPLITUDE, MOTION, LONGEST = range(8, 14)
+GAP, RESTITUTION, MOBILITY, AMPLITUDE, MOTION, LONGEST, COARSEST_AT_REST = range(8, 15)
 
-DRIVE_ROWS = 14
+DRIVE_ROWS = 15
 
 
 # blocks (BLOCK_ROWS, m): a regime's 2×2 blocks, inputs, steady response, what is left of them, their weights in the

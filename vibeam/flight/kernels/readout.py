@@ -19,6 +19,7 @@ from vibeam.flight.kernels.layout import (
     AX,
     AY,
     COARSEST,
+    COARSEST_AT_REST,
     CONST,
     CONTACT_LEAST,
     COSINE,
@@ -77,12 +78,12 @@ def begin_output(desk: Engine, row: Array, pose: Array, clock: float) -> None:
 def read_segment(desk: Engine, room: Watch, i: int) -> None:
     """Read off the i-th segment just traced, from its first pose in ``room.frame``."""
     clock, duration = room.trace[i, AT_CLOCK], room.trace[i, DURATION]
-    coarsest, share = int(desk.drive[COARSEST]), ACCURACY if room.reading >= EVERYTHING else LIGHTLY
+    share = ACCURACY if room.reading >= EVERYTHING else LIGHTLY
     if room.trace[i, WHAT] == RESTING:
         room.result[CONTACT_LEAST] = min(room.result[CONTACT_LEAST], desk.drive[GAP])
-        read_rest(desk, room, room.frame, clock, duration, coarsest, share)
+        read_rest(desk, room, room.frame, clock, duration, int(desk.drive[COARSEST_AT_REST]), share)
     else:
-        read_flight(desk, room, room.frame, clock, duration, coarsest, share)
+        read_flight(desk, room, room.frame, clock, duration, int(desk.drive[COARSEST]), share)
 
 
 @kernel

@@ -10,7 +10,7 @@ from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import phase, wrap
 from vibeam.flight.kernels.layout import (
     CLOCK,
-    COARSEST,
+    COARSEST_AT_REST,
     COMPLETE,
     CONST,
     CONTACT,
@@ -81,7 +81,7 @@ def rest_on_stop(desk: Engine, pose: Array, status: Array, span: float, record: 
         order = 0  # no force that can be told from none: it holds until one draws the contact away
         rest.signal[CONST] += 2.0 * none
     found, duration, panels = first_root(
-        signal_of(rest), Start(order, rate), span, int(desk.drive[COARSEST]),
+        signal_of(rest), Start(order, rate), span, int(desk.drive[COARSEST_AT_REST]),
         InitialState(desk.modes, desk.drive, pose, NO_CLOCK),
     )  # fmt: skip
     record.counts[PANELS] += panels

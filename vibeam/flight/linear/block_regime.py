@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from vibeam.flight.kernels.layout import (
     A11,
+    A12,
+    A21,
+    A22,
     ATTACHED_ROWS,
     BLOCK_ROWS,
     CONSTANT1,
@@ -25,6 +28,7 @@ from vibeam.flight.kernels.layout import (
 from vibeam.flight.linear.blocks import pair_constants, planes
 from vibeam.flight.linear.eigenpairs import Linear
 from vibeam.flight.linear.panel_tables import rates, regime
+from vibeam.system.time_derivative import TimeDerivative
 
 Array = NDArray[np.float64]
 
@@ -75,10 +79,33 @@ def with_signals(found: Regime, rows: Sequence[SignalRow]) -> Regime:
 def set_output(found: Regime, row: Array) -> None:
     """Make row·η the regime's output."""
     constant = 0.0
-    for weight, place in zip(row, found.held, strict=True):
+    for weight, place in zip(row.tolist(), found.held.tolist(), strict=True):
         constant += weight * place
     found.signals[OUTPUT_SIGNAL, :-2] = row @ found.outof[: len(row)]
     found.signals[OUTPUT_SIGNAL, -2:] = constant, 0.0
+
+
+def set_derivative(found: Regime, wanted: TimeDerivative) -> None:
+    """Make row·η', or row·η'' + base·b̈ with b̈ = −Ω²B sin φ, the regime's output.
+
+    η'' follows from the regime's own y' = Ay + constant + load Ω²B sin φ, so that it has the force of a stop that
+    holds or pushes.
+    """
+    weights, constant, load = wanted.row @ found.outof[len(wanted.row) :], 0.0, 0.0
+    if wanted.order == 2:
+        weights, constant, load = _rate(found.blocks, weights)
+    found.signals[OUTPUT_SIGNAL, :-2] = weights
+    found.signals[OUTPUT_SIGNAL, -2:] = constant, load - wanted.base
+
+
+def _rate(blocks: Array, weights: Array) -> tuple[Array, float, float]:
+    """Weights on y, constant and share of Ω²B sin φ of the rate of weights·y, ``weights`` (2m,)."""
+    first, second = weights[0::2], weights[1::2]
+    rate = np.empty(len(weights))
+    rate[0::2] = first * blocks[A11] + second * blocks[A21]
+    rate[1::2] = first * blocks[A12] + second * blocks[A22]
+    constant = first @ blocks[CONSTANT1] + second @ blocks[CONSTANT2]
+    return rate, float(constant), float(first @ blocks[LOAD1] + second @ blocks[LOAD2])
 
 
 def _in_blocks(linear: Linear, held: Array, constant: Array, load: Array, top: int) -> Regime:

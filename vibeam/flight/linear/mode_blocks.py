@@ -36,19 +36,27 @@ from vibeam.flight.kernels.layout import (
     LEVELS,
     MOBILITY,
     OMEGA,
+    RESTITUTION,
     SIGMA,
+    SLOW,
     STEP,
     YIELD,
 )
-from vibeam.flight.kernels.thresholds import FORGOTTEN, REDUCED, SILENT
+from vibeam.flight.kernels.thresholds import ELASTIC, FORGOTTEN, LINGERING, REDUCED, SILENT
 
 Array = NDArray[np.float64]
 
 
 def lay_out(pairs: Array, table: Array, levels: Array, modes: Array, drive: Array, lanes: int) -> tuple[Array, Array]:
-    """``cells`` and ``rungs`` of a packed system; empty where a mode does not take part in the contact."""
+    """``cells`` and ``rungs`` of a packed system; empty where a mode takes no part in the contact.
+
+    Or where one far beyond critical damping lingers, which the lanes bound by its fast decay; or where damped impacts
+    may go on without end: the lanes know the end of a flight to round-off of the displacement, not of the flight.
+    """
     n = pairs.shape[1]
-    if np.min(np.abs(modes[CONTACT])) < SILENT:
+    lingering = (pairs[SLOW] > 0) & (pairs[SLOW] * levels[STEP, 0] < LINGERING)
+    unending = 1.0 - drive[RESTITUTION] < ELASTIC and np.any(pairs[SIGMA] > 0)
+    if np.min(np.abs(modes[CONTACT])) < SILENT or np.any(lingering) or unending:
         return np.zeros(0), np.zeros(0)
     blocks = -(-n // lanes)
     cells, rungs = np.zeros((CELL_ROWS, blocks * lanes)), np.zeros((LEVELS, RUNG_ROWS, blocks * lanes))
@@ -66,7 +74,7 @@ def lay_out(pairs: Array, table: Array, levels: Array, modes: Array, drive: Arra
     mixed[:n] = pairs[DISC] >= 0
     cells[SLOWEST] = np.repeat(decay.reshape(blocks, lanes).min(axis=1), lanes)
     cells[MIXED] = np.repeat(mixed.reshape(blocks, lanes).max(axis=1), lanes)
-    rungs[:, :8, :n] = np.moveaxis(table, 0, 1)
+    rungs[:, :8, :n] = np.moveaxis(table[:8], 0, 1)
     low = (np.arange(n)[None, :] < levels[COUNT][:, None]).astype(float)
     h4 = levels[STEP][:, None] ** 4
     rungs[:, LOW, :n] = low

@@ -14,6 +14,7 @@ from vibeam.flight.kernels.layout import (
     CONTACT,
     DRIVE_ROWS,
     GAP,
+    LEVELS,
     LOAD,
     LONGEST,
     MOBILITY,
@@ -27,7 +28,7 @@ from vibeam.flight.kernels.layout import (
     Engine,
     Regime,
 )
-from vibeam.flight.kernels.thresholds import PANEL
+from vibeam.flight.kernels.thresholds import PANEL, RESOLVED
 from vibeam.flight.linear.block_regime import SignalRow, held_regime, with_signals
 from vibeam.flight.linear.eigenpairs import Linear
 from vibeam.flight.linear.mode_blocks import lay_out, longest_flight
@@ -41,6 +42,8 @@ SLOW = 1e-6  # turns within a motion below which a mode is slow, and the motion 
 
 KEPT = 16  # packed systems
 
+SPARE = 4  # levels of panels shorter than the fastest rate needs
+
 FASTEST = 1e36  # bounds take eighth powers of the rates
 
 
@@ -51,7 +54,9 @@ class PackedSystem:
         """``top``: level of the longest panels, 2**top s."""
         self.system = system
         self.order = np.argsort(rates(system.omega, system.zeta * system.omega), kind="stable")
+        self._in_order = bool(np.array_equal(self.order, np.arange(system.size)))
         self._desks = PerThread(self._desk(top))
+        self.still: tuple[Array, Array] | None = None  # pose and status of the equilibrium, once they were asked for
 
     @property
     def desk(self) -> Engine:
@@ -82,10 +87,14 @@ class PackedSystem:
 
     def inward(self, values: Array) -> Array:
         """Values (…, n) of the user's modes in the kernels' order."""
+        if self._in_order:
+            return np.array(values, dtype=float, order="C")
         return np.ascontiguousarray(np.asarray(values, dtype=float)[..., self.order])
 
     def outward(self, values: Array) -> Array:
         """Values (…, n) in the kernels' order as the user's modes."""
+        if self._in_order:
+            return values.copy()
         result = np.empty_like(values)
         result[..., self.order] = values
         return result
@@ -114,11 +123,17 @@ def pack(system: ImpactSystem, omega: float, span: float = 0.0) -> PackedSystem:
 
     Systems that were packed lately are not packed again. ValueError for rates that no double can hold.
     """
-    slowest = slowest_rate(system, omega, span)
-    fastest = float(np.max(rates(system.omega, system.zeta * system.omega)))
+    slowest, key = slowest_rate(system, omega, span), _Same(system)
+    fastest = _fastest_rate(key)
     if not (fastest < FASTEST and slowest > 1 / FASTEST):
         raise ValueError(f"rates from {slowest:g} to {fastest:g} rad/s: take another unit of time")
-    return _packed(_Same(system), floor(log2(PANEL / slowest)))
+    return _packed(key, top_level(slowest, fastest))
+
+
+def top_level(slowest: float, fastest: float) -> int:
+    """Level of the longest panels, 2**level s: for the slowest rate, but so that the shortest resolve the fastest."""
+    longest = floor(log2(PANEL / slowest))
+    return min(longest, floor(log2(RESOLVED / fastest)) + LEVELS - SPARE) if fastest > 0 else longest
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,15 +150,27 @@ class _Same:
 
 
 @lru_cache(maxsize=KEPT)
+def _fastest_rate(key: _Same) -> float:
+    return float(np.max(rates(key.system.omega, key.system.zeta * key.system.omega)))
+
+
+@lru_cache(maxsize=KEPT)
 def _packed(key: _Same, top: int) -> PackedSystem:
     return PackedSystem(key.system, top)
+
+
+def lasting_rates(system: ImpactSystem) -> Array:
+    """Rates of the modes with stiffness: ω, or the slow decay ω/(ζ + √(ζ² − 1)) beyond critical damping."""
+    moving = system.omega > 0
+    own, zeta = system.omega[moving], np.maximum(system.zeta[moving], 1.0)
+    return np.asarray(own / (zeta + np.sqrt((zeta - 1.0) * (zeta + 1.0))))
 
 
 def slowest_rate(system: ImpactSystem, omega: float, span: float) -> float:
     """The lowest rate (rad/s) that panels must serve."""
     if omega > 0:
         return omega
-    moving = system.omega[system.omega > 0]
+    moving = lasting_rates(system)
     once = 1.0 / span if span > 0 else 0.0
     slowest = float(moving.min(initial=np.inf))
     return slowest if SLOW * once < slowest < np.inf else once or 1.0

@@ -15,15 +15,19 @@ from vibeam.flight.kernels.layout import (
     DECAY,
     DISC,
     INVERSE,
+    JOIN,
     KAPPA,
     LEVEL_ROWS,
     LEVELS,
     OMEGA,
     PAIR_ROWS,
     SIGMA,
+    SLOW,
     STEP,
+    TABLE_ROWS,
+    TILT,
 )
-from vibeam.flight.kernels.thresholds import RESOLVED
+from vibeam.flight.kernels.thresholds import APART, RESOLVED
 
 Array = NDArray[np.float64]
 
@@ -31,16 +35,19 @@ SMALLEST = 1e-300  # rad/s: slower is as good as free
 
 
 def regime(omega: Array, sigma: Array, disc: Array, top: int) -> tuple[Array, Array, Array]:
-    """``pairs``, ``table`` (8, levels, n) and ``levels`` of pairs sorted by ``rates``; longest panel 2^top s."""
+    """``pairs``, ``table`` (TABLE_ROWS, levels, n) and ``levels`` of pairs sorted by ``rates``; panels of 2^top s."""
     pairs = np.zeros((PAIR_ROWS, len(omega)))
     over = sigma + np.sqrt(np.maximum(disc, 0.0))
     pairs[OMEGA], pairs[SIGMA], pairs[DISC], pairs[KAPPA] = omega, sigma, disc, rates(omega, sigma)
     pairs[INVERSE] = _inverse(omega, over, disc)
     pairs[DECAY] = np.where(disc < 0, sigma, omega**2 / np.where(over > 0, over, 1.0))
+    slow = omega * (omega / np.where(over > 0, over, 1.0))
+    apart = (disc > APART * sigma**2) & (slow > 0)
+    pairs[SLOW], pairs[JOIN], pairs[TILT] = np.where(apart, slow, 0.0), apart, np.where(apart, -over, 1.0)
     levels = np.zeros((LEVEL_ROWS, LEVELS))
     levels[STEP] = np.ldexp(1.0, top - np.arange(LEVELS))
     levels[COUNT] = np.sum(pairs[KAPPA][None, :] * levels[STEP][:, None] <= RESOLVED, axis=1)
-    table = np.zeros((8, LEVELS, len(omega)))
+    table = np.zeros((TABLE_ROWS, LEVELS, len(omega)))
     tabulate(pairs, levels, table)
     return pairs, table, levels
 

@@ -9,6 +9,7 @@ P = [[p00, p01], [p10, p11]] carries (η, η') over the span; with e = e^{−σt
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import sqrt
 from typing import NamedTuple
 
@@ -18,6 +19,8 @@ from numpy.typing import NDArray
 from vibeam.system.impact_system import ImpactSystem
 
 Array = NDArray[np.float64]
+
+KEPT = 8  # propagators over one span
 
 APART = 0.3  # μ/σ from which the two decays of an overdamped mode are told apart
 
@@ -45,6 +48,20 @@ def pair(omega: float, zeta: float, span: Array) -> Pair:
 
 def pairs(omega: Array, zeta: Array, span: Array) -> Pair:
     """As ``pair`` for modes (n,) over spans (points,) at once: every field (n, points)."""
+    if len(span) == 1:  # one motion asks for the same ones several times
+        return _pairs_over(omega.tobytes(), zeta.tobytes(), float(span[0]))
+    return _pairs(omega, zeta, span)
+
+
+@lru_cache(maxsize=KEPT)
+def _pairs_over(omega: bytes, zeta: bytes, span: float) -> Pair:
+    found = _pairs(np.frombuffer(omega), np.frombuffer(zeta), np.array([span]))
+    for field in found:
+        field.setflags(write=False)
+    return found
+
+
+def _pairs(omega: Array, zeta: Array, span: Array) -> Pair:
     disc = omega * omega * (zeta - 1.0) * (zeta + 1.0)
     swinging = disc < 0
     if swinging.all():

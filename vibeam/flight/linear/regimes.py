@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import floor, inf, log2
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,10 +28,10 @@ from vibeam.flight.kernels.regimes.layout import (
     VISCOUS,
     RegimeEngine,
 )
-from vibeam.flight.kernels.thresholds import PANEL
 from vibeam.flight.linear.block_regime import SignalRow, free_regime, held_regime, with_signals
 from vibeam.flight.linear.eigenpairs import Linear
-from vibeam.flight.linear.packing import yields
+from vibeam.flight.linear.packing import top_level, yields
+from vibeam.flight.linear.panel_tables import rates
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
@@ -46,7 +46,8 @@ def damper_of(system: ImpactSystem) -> Array:
 
 def plan(system: ImpactSystem, slowest: float) -> RegimeEngine:
     """The arrays for drives of ``slowest`` rad/s and more."""
-    top, n, sides = floor(log2(PANEL / slowest)), system.size, 1 if system.second_gap is None else 2
+    fastest = float(np.max(rates(system.omega, system.zeta * system.omega)))
+    top, n, sides = top_level(slowest, fastest), system.size, 1 if system.second_gap is None else 2
     contact = np.stack([system.contact, -system.contact])
     gaps = np.array([system.gap, inf if system.second_gap is None else system.second_gap])
     law, curve = law_of(system)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import wrap
-from vibeam.flight.kernels.impact import is_faint, put_on_stop
+from vibeam.flight.kernels.impact import is_faint, narrowing, put_on_stop
 from vibeam.flight.kernels.lanes import layout as row
 from vibeam.flight.kernels.lanes.flight import Launch, flight
 from vibeam.flight.kernels.lanes.landing import ALOFT, STRUCK, UNUSUAL, Forced, drive_phasor, land_on, phase_at
@@ -93,7 +93,7 @@ def plain_flights_in_lanes(
     n, rows = pose.shape[1], trace.shape[0]
     blocks = (n + width(like) - 1) // width(like)
     const, w, restitution, coarsest = drive[CLEARANCE], drive[W], drive[RESTITUTION], int(drive[COARSEST])
-    loss, gap = 1.0 - restitution, abs(drive[GAP])
+    loss, gap = narrowing(1.0 - restitution), abs(drive[GAP])
     order, rise, speed, clock = status[ORDER], status[RISE] * status[ORDER], status[SPEED], status[CLOCK]
     phase, zr, zi = Phase(status[PHASE_COS], status[PHASE_SIN]), desk.signal[ZR], desk.signal[ZI]
     forced = Forced(const, zr, zi, w, norm(zr, zi))

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from vibeam.flight.kernels.block_flow import set_signal, to_block_coordinates
 from vibeam.flight.kernels.compiler import kernel
-from vibeam.flight.kernels.impact import Accumulation, is_faint, put_contact_at, stop_contact, time_left
+from vibeam.flight.kernels.impact import ENDLESS, Accumulation, is_faint, put_contact_at, stop_contact, time_left
 from vibeam.flight.kernels.layout import (
     CHATTER,
     CLOCK,
@@ -22,7 +22,7 @@ from vibeam.flight.kernels.layout import (
     W,
 )
 from vibeam.flight.kernels.regimes.contact_motion import pull
-from vibeam.flight.kernels.regimes.laws import accumulation, restitution
+from vibeam.flight.kernels.regimes.laws import accumulation, is_endless, restitution
 from vibeam.flight.kernels.regimes.layout import LEFT_ERROR, LEFT_OVER, MOBILITY, RegimeEngine
 from vibeam.flight.kernels.rest import lift_or_rest
 from vibeam.flight.kernels.roots.signal import signal_of
@@ -73,8 +73,11 @@ def chatter_left(plan: RegimeEngine, pose: Array, status: Array, side: int, afte
     coefficient = restitution(plan.law, plan.curve, after)
     loss, share = accumulation(plan.law, plan.curve, coefficient, after)
     rest = Accumulation(after, status[SPEED], toward, coefficient, loss)
-    if not is_faint(after, rest.top, toward, loss, abs(gap)):
+    endless = is_endless(plan.law, coefficient)
+    if not is_faint(after, rest.top, toward, 1.0 if endless else loss, abs(gap)):
         return -1.0, 0.0
+    if endless:
+        return 0.0, ENDLESS
     to_block_coordinates(free, plan.drive, pose, status[CLOCK])
     set_signal(free, plan.drive, GAP_SIGNAL + side, 1.0, status[CLOCK])
     slowest = max(plan.drive[W], free.pairs[KAPPA, 0])

@@ -24,6 +24,7 @@ from vibeam.flight.kernels.regimes.layout import (
     VELOCITY,
     VISCOUS,
 )
+from vibeam.flight.kernels.thresholds import ELASTIC
 
 Array = NDArray[np.float64]
 
@@ -85,6 +86,12 @@ def accumulation(law: Array, curve: Array, coefficient: float, velocity: float) 
     if law[CURVE] == TABLE and velocity > curve[SPEED_AT, 0]:
         return loss, 1.0
     return loss, 0.0
+
+
+@kernel
+def is_endless(law: Array, coefficient: float) -> bool:
+    """Whether impacts that lose next to nothing go on for ever: not where 1 − R ~ v^b with b < 1."""
+    return bool(1.0 - coefficient < ELASTIC and not (law[CURVE] == VISCOUS and law[EXPONENT] < 1.0))
 
 
 @kernel

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.layout import ATTACHED, CONST, HARMONIC, LEVELS, P1, STEP, WHOLE, ZI, ZR
+from vibeam.flight.kernels.layout import ATTACHED, CONST, CREEP, HARMONIC, LEVELS, P1, STEP, WHOLE, ZI, ZR, E
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.bounds import CLEAR, MINIMUM, ROOT, SPLIT
 from vibeam.flight.kernels.roots.double_gap import InitialState, sharp_gap
@@ -25,6 +25,8 @@ from vibeam.flight.kernels.roots.signal import Signal, Start, derivatives, to_no
 Array = NDArray[np.float64]
 
 MOST_PANELS = 100_000  # a flight takes ten, or a few dozen where modes decay by orders faster than they are driven
+
+GLANCE = 256  # panels after which it is asked whether what is left can reach zero at all
 
 SHALLOW = 1e9  # times round-off: how far from zero a minimum is still judged, and its touch found, sharply
 
@@ -95,7 +97,18 @@ def first_root(g: Signal, start: Start, span: float, coarsest: int, initial: Ini
         if level > coarsest and since > patience:
             level -= 1
             since, lengthened = 0, True
+        if panels % GLANCE == 0 and is_out_of_reach(g, tolerance):
+            break
     return False, span, panels
+
+
+@joined
+def is_out_of_reach(g: Signal, tolerance: float) -> bool:
+    """Whether const − |z| − Σ (e_k + |s_k|), least that the signal can still be from the node on, is above zero."""
+    least = g.terms[CONST] - g.terms[HARMONIC]
+    for k in range(g.pairs.shape[1]):
+        least -= g.pairs[E, k] + g.pairs[CREEP, k]
+    return bool(g.terms[ATTACHED] == 0.0 and least > tolerance)
 
 
 @joined

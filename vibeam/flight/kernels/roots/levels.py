@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import sin
+from math import exp, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,12 @@ from vibeam.flight.kernels.layout import (
     SECOND_IM,
     SECOND_RE,
     SIGMA,
+    SLOW,
     STEP,
+    TILT,
     TURN_IM,
     TURN_RE,
+    WALK,
 )
 from vibeam.flight.kernels.roots.pair import increments, sine_rest
 
@@ -29,7 +32,7 @@ Array = NDArray[np.float64]
 
 @entry
 def tabulate(pairs: Array, levels: Array, table: Array) -> None:
-    """Fill ``table`` with P00 P01 P10 P11 D0 D1 V0 V1 of every panel length and pair."""
+    """Fill ``table``, see ``layout``, of every panel length and pair."""
     for level in range(LEVELS):
         h = levels[STEP, level]
         for k in range(pairs.shape[1]):
@@ -42,6 +45,11 @@ def tabulate(pairs: Array, levels: Array, table: Array) -> None:
             table[5, level, k] = d1
             table[6, level, k] = v0
             table[7, level, k] = v1
+            for i in range(4):
+                table[WALK + i, level, k] = table[i, level, k]
+            if pairs[SLOW, k] > 0.0:
+                table[WALK, level, k], table[WALK + 3, level, k] = exp(-pairs[SLOW, k] * h), exp(pairs[TILT, k] * h)
+                table[WALK + 1, level, k], table[WALK + 2, level, k] = 0.0, 0.0
 
 
 @kernel

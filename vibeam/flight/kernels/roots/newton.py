@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.layout import (
     ATTACHED,
+    CREEP,
     DRIVE,
     HARMONIC,
     KAPPA,
@@ -19,7 +20,9 @@ from vibeam.flight.kernels.layout import (
     S0,
     S1,
     SIGMA,
+    SLOW,
     TAYLOR,
+    TILT,
     XT,
     YT,
     ZI,
@@ -27,7 +30,7 @@ from vibeam.flight.kernels.layout import (
     E,
 )
 from vibeam.flight.kernels.roots.pair import power
-from vibeam.flight.kernels.roots.signal import Signal, Start, quotient_at, value_at
+from vibeam.flight.kernels.roots.signal import Signal, Start, decays_at, quotient_at, value_at
 
 Array = NDArray[np.float64]
 
@@ -73,6 +76,10 @@ def expand(pairs: Array, signal: Array, t: float, value: float, slope: float, cu
     re = signal[ZR] * cos(w * t) - signal[ZI] * sin(w * t)
     im = curvature
     for k in range(pairs.shape[1]):
+        if pairs[SLOW, k] > 0.0:
+            s, f = decays_at(pairs, k, t)
+            im -= pairs[SLOW, k] * pairs[SLOW, k] * s + pairs[TILT, k] * pairs[TILT, k] * f
+            continue
         im += 2.0 * pairs[SIGMA, k] * pairs[YT, k] + pairs[OMEGA, k] * pairs[OMEGA, k] * pairs[XT, k]
     im = -im  # w² times the harmonic's imaginary part
     signal[TAYLOR], signal[TAYLOR + 1], signal[TAYLOR + 2] = value, slope, curvature
@@ -82,12 +89,18 @@ def expand(pairs: Array, signal: Array, t: float, value: float, slope: float, cu
         signal[TAYLOR + j] = -w * w * signal[TAYLOR + j - 2]
     rest, factor = signal[HARMONIC] * power(w, DEGREE + 1), 1.0
     for k in range(pairs.shape[1]):
+        rest += pairs[E, k] * power(pairs[KAPPA, k], DEGREE + 1)
+        if pairs[SLOW, k] > 0.0:
+            s, f = decays_at(pairs, k, t)
+            rest += pairs[CREEP, k] * power(pairs[SLOW, k], DEGREE + 1)
+            for j in range(3, DEGREE + 1):
+                signal[TAYLOR + j] += s * power(-pairs[SLOW, k], j) + f * power(pairs[TILT, k], j)
+            continue
         damp, spring = 2.0 * pairs[SIGMA, k], pairs[OMEGA, k] * pairs[OMEGA, k]
         before, now = pairs[YT, k], -damp * pairs[YT, k] - spring * pairs[XT, k]
         for j in range(3, DEGREE + 1):
             before, now = now, -damp * now - spring * before
             signal[TAYLOR + j] += now
-        rest += pairs[E, k] * power(pairs[KAPPA, k], DEGREE + 1)
     for j in range(2, DEGREE + 1):
         factor *= RECIPROCAL[j]
         signal[TAYLOR + j] *= factor
@@ -110,9 +123,13 @@ def taylor_root(signal: Array, step: float) -> float:
 
 
 @joined
-def shift(pairs: Array, step: float) -> None:
-    """Carry XT, YT on by a short step Δ: x ← Σ x^{(j)} Δ^j/j!, j ≤ DEGREE, x'' = −2σx' − ω²x."""
+def shift(pairs: Array, t: float, step: float) -> None:
+    """Carry XT, YT on from t by a short step Δ: x ← Σ x^{(j)} Δ^j/j!, j ≤ DEGREE, x'' = −2σx' − ω²x."""
     for k in range(pairs.shape[1]):
+        if pairs[SLOW, k] > 0.0:
+            s, f = decays_at(pairs, k, t + step)
+            pairs[XT, k], pairs[YT, k] = s + f, pairs[TILT, k] * f - pairs[SLOW, k] * s
+            continue
         damp, spring = 2.0 * pairs[SIGMA, k], pairs[OMEGA, k] * pairs[OMEGA, k]
         x, y = pairs[XT, k], pairs[YT, k]
         before, now = x, y
@@ -149,7 +166,7 @@ def polish(g: Signal, start: Start, node: float, near: float, bracket: float) ->
             if low < t + ahead < high:
                 step = ahead
                 if converged(signal, rest, abs(ahead), t):
-                    shift(pairs, ahead)
+                    shift(pairs, t, ahead)
                     return t + ahead
         if abs(step) <= EPSILON * t or high - low <= EPSILON * t:
             break

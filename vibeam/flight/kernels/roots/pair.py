@@ -9,13 +9,21 @@ with C, S = cos wt, sin wt / w or their hyperbolic or confluent forms. Just afte
 g' t + O(t²), so what counts is what is left when the first terms are taken off:
 
     x(t) = x + t x' + t² (D0 x + D1 x'),     x'(t) = x' + t (V0 x + V1 x').
+
+Far beyond critical damping (ζ > 2) the decays a = ω²/b and b = σ + μ, ab = ω², are told apart:
+
+    x = s e^{−at} + f e^{−bt},     s = (b x + x')/(b − a),  f = −(a x + x')/(b − a)
+
+In P11 = (b e^{−bt} − a e^{−at})/(b − a), and in every derivative, nothing cancels then: from e^{−σt} (C − σS) the slow
+velocity −a s would come as the difference of two numbers b/a = 4ζ² times as large.
 """
 
 from __future__ import annotations
 
-from math import cos, cosh, exp, sin, sinh, sqrt
+from math import cos, cosh, exp, expm1, sin, sinh, sqrt
 
 from vibeam.flight.kernels.compiler import joined, kernel
+from vibeam.flight.kernels.thresholds import APART
 
 SERIES_BELOW = 0.7  # κt up to which the power series is used: 20 terms reach 1e-19 there
 
@@ -30,9 +38,53 @@ def propagator(sigma: float, omega: float, disc: float, t: float) -> tuple[float
         decay = exp(-sigma * t)
         s = decay * sin(w * t) / w
         c = decay * cos(w * t)
+    elif disc > APART * sigma * sigma:
+        return two_decays(sigma, omega, disc, t)
     else:
         c, s = overdamped(sigma, omega, disc, t)
     return c + sigma * s, s, -omega * omega * s, c - sigma * s
+
+
+@kernel
+def two_decays(sigma: float, omega: float, disc: float, t: float) -> tuple[float, float, float, float]:
+    """(P00, P01, P10, P11) far beyond critical damping."""
+    fast = sigma + sqrt(disc)
+    slow = omega * (omega / fast)
+    first, second, apart = exp(-slow * t), exp(-fast * t), fast - slow
+    odd = (expm1(-slow * t) - expm1(-fast * t)) / apart
+    return (
+        (fast * first - slow * second) / apart,
+        odd,
+        -omega * omega * odd,
+        (fast * second - slow * first) / apart,
+    )
+
+
+@kernel
+def growths_of_two_decays(sigma: float, omega: float, disc: float, t: float) -> tuple[float, float, float, float]:
+    """(D0, D1, V0, V1) far beyond critical damping, bt not small."""
+    fast = sigma + sqrt(disc)
+    slow = omega * (omega / fast)
+    first, second, apart = expm1(-slow * t), expm1(-fast * t), fast - slow
+    odd = (first - second) / apart
+    return (
+        (fast * first - slow * second) / apart / (t * t),
+        (odd - t) / (t * t),
+        -omega * omega * odd / t,
+        (fast * second - slow * first) / apart / t,
+    )
+
+
+@kernel
+def decay_growths(rate: float, t: float) -> tuple[float, float]:
+    """(e^{−at} − 1 + at)/t² and a (1 − e^{−at})/t, for at up to about 1.2."""
+    z, term, total = rate * t, 0.5, 0.5
+    for j in range(3, TERMS + 3):
+        term *= -z / j
+        total += term
+        if abs(term) < 1e-18:
+            break
+    return total * rate * rate, -rate * expm1(-z) / t
 
 
 @kernel
@@ -51,6 +103,8 @@ def overdamped(sigma: float, omega: float, disc: float, t: float) -> tuple[float
 def increments(sigma: float, omega: float, disc: float, t: float) -> tuple[float, float, float, float]:
     """(D0, D1, V0, V1) of one pair over t > 0, to relative round-off however small t is."""
     if (omega + 2.0 * sigma) * t > SERIES_BELOW:
+        if disc > APART * sigma * sigma:
+            return growths_of_two_decays(sigma, omega, disc, t)
         p00, p01, p10, p11 = propagator(sigma, omega, disc, t)
         return (p00 - 1.0) / (t * t), (p01 - t) / (t * t), p10 / t, (p11 - 1.0) / t
     square = omega * omega

@@ -17,11 +17,12 @@ from vibeam.flight.kernels.layout import (
     AWEIGHT,
     CONST,
     COUNT,
+    CREEP,
     DRIVE,
     FIRST_IM,
     FIRST_RE,
     HARMONIC,
-    INVERSE,
+    JOIN,
     KAPPA,
     LOW,
     NODE_X,
@@ -34,11 +35,14 @@ from vibeam.flight.kernels.layout import (
     SECOND_IM,
     SECOND_RE,
     SIGMA,
+    SLOW,
     STEP,
+    TILT,
     TRIAL_X,
     TRIAL_Y,
     TURN_IM,
     TURN_RE,
+    WALK,
     WHOLE,
     X0,
     X2,
@@ -52,8 +56,9 @@ from vibeam.flight.kernels.layout import (
 )
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.bounds import CLEAR, Bounds, Ends, verdict
-from vibeam.flight.kernels.roots.pair import norm, power
-from vibeam.flight.kernels.roots.signal import Signal, Start, derivatives, quotient
+from vibeam.flight.kernels.roots.pair import decay_growths, power
+from vibeam.flight.kernels.roots.signal import Signal, Start, decays, derivatives, quotient, set_node
+from vibeam.flight.kernels.thresholds import RESOLVED
 
 Array = NDArray[np.float64]
 
@@ -81,11 +86,11 @@ def next_node(levels: Array, level: int, node: Node) -> Node:
 
 @summing
 def step_pairs(pairs: Array, table: Array, level: int) -> None:
-    """Trial pairs one panel on from the node: x ← P00 x + P01 x', x' ← P10 x + P11 x'."""
+    """Trial pairs one panel on from the node: x ← P00 x + P01 x', x' ← P10 x + P11 x'; or their two decays."""
     for k in range(pairs.shape[1]):
         x, y = pairs[X, k], pairs[Y, k]
-        pairs[X2, k] = table[0, level, k] * x + table[1, level, k] * y
-        pairs[Y2, k] = table[2, level, k] * x + table[3, level, k] * y
+        pairs[X2, k] = table[WALK, level, k] * x + table[WALK + 1, level, k] * y
+        pairs[Y2, k] = table[WALK + 2, level, k] * x + table[WALK + 3, level, k] * y
 
 
 @joined
@@ -93,8 +98,7 @@ def accept(g: Signal) -> None:
     """The trial end becomes the node; e_k = ‖(x, x'/ω)‖ there."""
     pairs, _, _, signal, attached = g
     for k in range(pairs.shape[1]):
-        x, y = pairs[X2, k], pairs[Y2, k]
-        pairs[X, k], pairs[Y, k], pairs[E, k] = x, y, norm(x, y * pairs[INVERSE, k])
+        set_node(pairs, k, pairs[X2, k], pairs[Y2, k])
     if signal[ATTACHED] > 0.0:
         att.accept(attached, signal)
 
@@ -104,7 +108,8 @@ def measure(g: Signal, node: Node, level: int) -> tuple[Ends, Bounds, Ends]:
     """Trial pairs, and what the panel from the node shows: ends of what is interpolated, bounds, ends of the rest.
 
     Interpolated is g less the pairs with κ_k h > 1.2: p = const + Im(z e^{iΩt}) + Σ x_k, with the bound M₄ = Ω⁴|z| +
-    Σ κ_k⁴ e_k. The rest enters as slack Σ e_k, Σ κ_k e_k, Σ κ_k² e_k on value, slope and curvature.
+    Σ κ_k⁴ e_k. The rest enters as slack Σ e_k, Σ κ_k e_k, Σ κ_k² e_k on value, slope and curvature. Of a pair far
+    beyond critical damping the slow decay s e^{−at} is interpolated as long as ah ≤ 1.2, and the fast one is the rest.
     """
     pairs, table, levels, signal, attached = g
     time, re, im = node
@@ -117,20 +122,30 @@ def measure(g: Signal, node: Node, level: int) -> tuple[Ends, Bounds, Ends]:
     begin, begin_slope, end, end_slope = 0.0, 0.0, 0.0, 0.0
     for k in range(count):
         x, y = pairs[X, k], pairs[Y, k]
-        x2 = table[0, level, k] * x + table[1, level, k] * y
-        y2 = table[2, level, k] * x + table[3, level, k] * y
+        x2 = table[WALK, level, k] * x + table[WALK + 1, level, k] * y
+        y2 = table[WALK + 2, level, k] * x + table[WALK + 3, level, k] * y
         pairs[X2, k], pairs[Y2, k] = x2, y2
-        square = pairs[KAPPA, k] * pairs[KAPPA, k]
-        fourth += pairs[E, k] * square * square
-        p0 += x
-        s0 += y
-        p1 += x2
-        s1 += y2
+        square, slow = pairs[KAPPA, k] * pairs[KAPPA, k], pairs[SLOW, k] * pairs[SLOW, k]
+        fourth += pairs[E, k] * square * square + pairs[CREEP, k] * slow * slow
+        p0 += x + pairs[JOIN, k] * y
+        s0 += pairs[TILT, k] * y - pairs[SLOW, k] * x
+        p1 += x2 + pairs[JOIN, k] * y2
+        s1 += pairs[TILT, k] * y2 - pairs[SLOW, k] * x2
     for k in range(count, pairs.shape[1]):
         x, y, bound = pairs[X, k], pairs[Y, k], pairs[E, k]
-        x2 = table[0, level, k] * x + table[1, level, k] * y
-        y2 = table[2, level, k] * x + table[3, level, k] * y
+        x2 = table[WALK, level, k] * x + table[WALK + 1, level, k] * y
+        y2 = table[WALK + 2, level, k] * x + table[WALK + 3, level, k] * y
         pairs[X2, k], pairs[Y2, k] = x2, y2
+        if pairs[SLOW, k] > 0.0:
+            slow = pairs[SLOW, k]
+            if slow * levels[STEP, level] <= RESOLVED:
+                fourth += abs(x) * slow * slow * slow * slow
+                p0, s0, p1, s1 = p0 + x, s0 - slow * x, p1 + x2, s1 - slow * x2
+                x, x2 = 0.0, 0.0
+            else:
+                slack0, slack1, slack2 = slack0 + abs(x), slack1 + slow * abs(x), slack2 + slow * slow * abs(x)
+            x, y = x + y, pairs[TILT, k] * y - slow * x
+            x2, y2 = x2 + y2, pairs[TILT, k] * y2 - slow * x2
         slack0 += bound
         slack1 += bound * pairs[KAPPA, k]
         slack2 += bound * pairs[KAPPA, k] * pairs[KAPPA, k]
@@ -174,7 +189,7 @@ def launching(g: Signal, start: Start, level: int) -> int:
     derivatives(g, count, LOW, order + 1)
     m4 = signal[HARMONIC] * power(signal[DRIVE], order + 4)
     for k in range(count):
-        m4 += pairs[E, k] * power(pairs[KAPPA, k], order + 4)
+        m4 += pairs[E, k] * power(pairs[KAPPA, k], order + 4) + pairs[CREEP, k] * power(pairs[SLOW, k], order + 4)
     slack, hidden = 0.0, 0.0
     slack1, slack2 = 0.0, 0.0
     for k in range(count, pairs.shape[1]):
@@ -182,7 +197,20 @@ def launching(g: Signal, start: Start, level: int) -> int:
         slack += part
         slack1 += part * pairs[KAPPA, k]
         slack2 += part * pairs[KAPPA, k] * pairs[KAPPA, k]
-        hidden += initial_derivative(pairs, k, order)
+        if pairs[SLOW, k] == 0.0:
+            hidden += initial_derivative(pairs, k, order)
+            continue
+        hidden += pairs[Y, k] * power(pairs[TILT, k], order)
+        slow = pairs[CREEP, k] * power(pairs[SLOW, k], order)
+        if pairs[SLOW, k] * h <= RESOLVED:
+            m4 += slow * power(pairs[SLOW, k], 4)
+            for j in range(order + 2):
+                signal[LOW + j] += pairs[X, k] * power(-pairs[SLOW, k], j)
+        else:
+            hidden += pairs[X, k] * power(-pairs[SLOW, k], order)
+            slack += slow
+            slack1 += slow * pairs[SLOW, k]
+            slack2 += slow * pairs[SLOW, k] * pairs[SLOW, k]
     if signal[ATTACHED] > 0.0:
         m4 += att.bound(attached, signal, 0.0, order + 4, h)
     gamma, delta, rest_gamma, rest_delta = growths(g, count, level)
@@ -223,6 +251,12 @@ def growths(g: Signal, count: int, level: int) -> tuple[float, float, float, flo
         else:
             rest_gamma += table[4, level, k] * x + table[5, level, k] * y
             rest_delta += table[6, level, k] * x + table[7, level, k] * y
+            h, slow = levels[STEP, level], pairs[SLOW, k]
+            if slow > 0.0 and slow * h <= RESOLVED:
+                s, _ = decays(pairs, k, x, y)
+                one, two = decay_growths(slow, h)
+                gamma, rest_gamma = gamma + one * s, rest_gamma - one * s
+                delta, rest_delta = delta + two * s, rest_delta - two * s
     return gamma, delta, rest_gamma, rest_delta
 
 

@@ -6,7 +6,7 @@ x_k are what is left of each pair when its steady response is taken out.
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import cos, exp, sin
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,14 +16,18 @@ from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.layout import (
     ATTACHED,
     CONST,
+    CREEP,
     DECAY,
     DISC,
     DRIVE,
     HARMONIC,
     INVERSE,
+    JOIN,
     KAPPA,
     OMEGA,
     SIGMA,
+    SLOW,
+    TILT,
     WHOLE,
     X0,
     XT,
@@ -66,6 +70,20 @@ def signal_of(system: Any) -> Signal:
 
 
 @joined
+def decays(pairs: Array, k: int, x: float, y: float) -> tuple[float, float]:
+    """(s, f) of a pair with SLOW > 0: x = s + f, x' = −a s − b f."""
+    slow, fast = pairs[SLOW, k], -pairs[TILT, k]
+    return (fast * x + y) / (fast - slow), -(slow * x + y) / (fast - slow)
+
+
+@joined
+def decays_at(pairs: Array, k: int, t: float) -> tuple[float, float]:
+    """The same at flight time t."""
+    s, f = decays(pairs, k, pairs[X0, k], pairs[Y0, k])
+    return s * exp(-pairs[SLOW, k] * t), f * exp(pairs[TILT, k] * t)
+
+
+@joined
 def value_at(g: Signal, node: float, t: float) -> tuple[float, float, float]:
     """Value, slope and curvature at flight time t; XT, YT and the trial receive the pairs there.
 
@@ -80,6 +98,14 @@ def value_at(g: Signal, node: float, t: float) -> tuple[float, float, float]:
     curvature = -w * w * imaginary
     for k in range(pairs.shape[1]):
         x, y = 0.0, 0.0
+        if pairs[SLOW, k] > 0.0:
+            s, f = decays_at(pairs, k, t)
+            x, y = s + f, pairs[TILT, k] * f - pairs[SLOW, k] * s
+            pairs[XT, k], pairs[YT, k] = x, y
+            value += x
+            slope += y
+            curvature += pairs[SLOW, k] * pairs[SLOW, k] * s + pairs[TILT, k] * pairs[TILT, k] * f
+            continue
         if pairs[DECAY, k] * t < FORGOTTEN:
             p00, p01, p10, p11 = propagator(pairs[SIGMA, k], pairs[OMEGA, k], pairs[DISC, k], t)
             x = p00 * pairs[X0, k] + p01 * pairs[Y0, k]
@@ -164,15 +190,29 @@ def to_node(pairs: Array) -> float:
     total = 0.0
     for k in range(pairs.shape[1]):
         x, y = pairs[X0, k], pairs[Y0, k]
-        pairs[X, k], pairs[Y, k], pairs[E, k] = x, y, norm(x, y * pairs[INVERSE, k])
-        total += pairs[E, k]
+        if pairs[SLOW, k] > 0.0:
+            x, y = decays(pairs, k, x, y)
+        set_node(pairs, k, x, y)
+        total += pairs[E, k] + pairs[CREEP, k]
     return total
+
+
+@joined
+def set_node(pairs: Array, k: int, x: float, y: float) -> None:
+    """Set X, Y and the bounds e and |s|; of two decays e is |f|."""
+    pairs[X, k], pairs[Y, k] = x, y
+    apart = pairs[JOIN, k] > 0.0
+    pairs[E, k] = abs(y) if apart else norm(x, y * pairs[INVERSE, k])
+    pairs[CREEP, k] = abs(x) if apart else 0.0
 
 
 @kernel
 def magnitude(pairs: Array, signal: Array, order: int) -> float:
-    """Ω^j |z| + Σ κ_k^j e_k, j = ``order``: bound of that derivative of g from the node on (attached pairs apart)."""
+    """Ω^j |z| + Σ κ_k^j e_k + a_k^j |s_k|, j = ``order``: bound of that derivative of g from the node on.
+
+    Attached pairs apart.
+    """
     total = signal[HARMONIC] * power(signal[DRIVE], order)
     for k in range(pairs.shape[1]):
-        total += pairs[E, k] * power(pairs[KAPPA, k], order)
+        total += pairs[E, k] * power(pairs[KAPPA, k], order) + pairs[CREEP, k] * power(pairs[SLOW, k], order)
     return float(total)

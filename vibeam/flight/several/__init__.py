@@ -1,0 +1,1 @@
+"""Several contacts: a loop of its own on the closed forms of the compiled regimes."""

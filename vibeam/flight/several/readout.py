@@ -1,0 +1,132 @@
+"""What is read off the segments of a period: extremes, energies, impacts, time in contact."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.kernels.layout import (
+    AT_CLOCK,
+    BEFORE,
+    CHATTER,
+    COMPLETE,
+    CONTACT_LEAST,
+    DURATION,
+    END,
+    EVERYTHING,
+    FREE,
+    HIGH,
+    IMPACT,
+    KEPT,
+    LEAST,
+    REACH_TOO,
+    REST_TIME,
+    RESULT_ROWS,
+    SPEED_SUM,
+    STRUCK,
+    STUCK,
+    UNRESOLVED,
+    VELOCITY,
+    WHAT,
+)
+from vibeam.flight.several.held import HeldRegime, Unfollowed
+from vibeam.flight.several.holds import held_in
+from vibeam.flight.several.motion import Flights, Motion
+from vibeam.system.impact_system import Drive
+
+Array = NDArray[np.float64]
+
+SAME, REPEATS = 1e-14, 1e-5  # shares of the motion's size: see ``kernels.steady_point``
+
+NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
+
+TURN = 4.0  # radians of the fastest mode to a panel of Gauss' quadrature
+
+MOST_PANELS = 256  # a segment
+
+
+class Reading:
+    """One point of a sweep, filled period by period as ``kernels.layout`` has it."""
+
+    def __init__(self, flights: Flights, drive: Drive, row: Array, reading: int) -> None:
+        self.flights, self.drive, self.row, self.reading = flights, drive, row, reading
+        self.result, self.energy = np.zeros(RESULT_ROWS), np.zeros(len(row))
+        self.result[[HIGH, LEAST, CONTACT_LEAST]] = -np.inf, np.inf, np.inf
+        self._share: tuple[Array, float] | None = None  # of a period that the next ones repeat
+
+    def note(self, motion: Motion, strobes: list[Array]) -> int:
+        """Read off the segments of the period that ``motion`` ended, begun at the last strobe: the outcome."""
+        before, rested = self.energy.copy(), self.result[REST_TIME]
+        for segment in motion.segments:
+            self._count(segment.row)
+            if self._share is None and segment.row[DURATION] > 0:
+                try:
+                    self._read(segment.row, segment.pose)
+                except Unfollowed:
+                    return UNRESOLVED
+        if self._share is not None:
+            self.energy += self._share[0]
+            self.result[REST_TIME] += self._share[1]
+        elif _distance(self._rates, motion.pose - strobes[-1]) <= SAME * _distance(self._rates, motion.pose):
+            self._share = self.energy - before, self.result[REST_TIME] - rested
+        return COMPLETE
+
+    @property
+    def _rates(self) -> Array:
+        return np.hypot(self.flights.contacts.system.omega, self.drive.omega)
+
+    def _count(self, row: Array) -> None:
+        if row[END] not in (IMPACT, CHATTER, STUCK):
+            return
+        self.result[VELOCITY + int(self.result[STRUCK]) % KEPT] = row[BEFORE]
+        self.result[STRUCK] += 1
+        self.result[SPEED_SUM] += row[BEFORE]
+
+    def _read(self, row: Array, pose: Array) -> None:
+        duration, held = float(row[DURATION]), held_in(row, len(self.flights.contacts.gaps))
+        self.result[REST_TIME] += duration if row[WHAT] != FREE else 0.0
+        regime, clock = self.flights.regime(held), float(row[AT_CLOCK])
+        inner = regime.inward(pose)
+        after, weights = _nodes(regime, duration)
+        poses = regime.outward(regime.poses(self.drive.omega, self.drive.amplitude, inner, clock, after))
+        self._extremes(regime, inner, clock, duration, poses)
+        if self.reading >= EVERYTHING:
+            omega = self.flights.contacts.system.omega
+            self.energy += weights @ (poses[:, 1] ** 2 + (omega * poses[:, 0]) ** 2) / 2
+
+    def _extremes(self, regime: HeldRegime, inner: Array, clock: float, duration: float, poses: Array) -> None:
+        """Widen the extremes of the output, and of the first contact where they are asked for."""
+        contact, result = self.flights.contacts.system.contact, self.result
+        ask = [(self.row, HIGH, 1.0), (self.row, LEAST, -1.0)]
+        ask += [(contact, CONTACT_LEAST, -1.0)] if self.reading >= REACH_TOO else []
+        for row, place, sign in ask:
+            swing = float(np.max(np.abs(poses[:, 0]) @ np.abs(row)))
+            above = 4.0 * swing + 1e-300
+            drive = self.drive
+            top = regime.highest(drive.omega, drive.amplitude, inner, clock, duration, sign * row, above)
+            result[place] = sign * max(sign * result[place], top)
+
+
+def _nodes(regime: HeldRegime, duration: float) -> tuple[Array, Array]:
+    """Times and weights of Gauss' quadrature over a segment."""
+    fastest = float(np.max(regime.engine.omega))
+    panels = int(np.clip(np.ceil(fastest * duration / TURN), 1, MOST_PANELS))
+    width = duration / panels
+    places = (np.arange(panels)[:, None] + (NODES + 1) / 2) * width
+    return places.ravel(), np.tile(WEIGHTS * width / 2, panels)
+
+
+def _distance(rates: Array, apart: Array) -> float:
+    """Size of a difference of states in velocity units."""
+    return float(np.sqrt(np.sum(apart[1] ** 2 + (rates * apart[0]) ** 2)))
+
+
+def repetition(omega: Array, drive: float, strobes: Array, longest: int) -> int:
+    """The least k ≤ longest such that each of the last k strobes repeats the one k periods before, else 0."""
+    rates, hold = np.hypot(omega, drive), len(strobes) - 1
+    size = max(_distance(rates, each) for each in strobes)
+    for k in range(1, min(longest, hold // 2) + 1):
+        apart = (_distance(rates, strobes[turn] - strobes[turn - k]) for turn in range(hold - k + 1, hold + 1))
+        if max(apart) <= REPEATS * size:
+            return k
+    return 0

@@ -1,0 +1,176 @@
+"""The solver of systems with contacts in several places: the same calls."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.contacts import Contacts
+from vibeam.flight.equilibrium import equilibrium, size_of_motion
+from vibeam.flight.event_driven import LONGEST_PERIOD, Segments, impact_limit
+from vibeam.flight.kernels.layout import (
+    AT_CLOCK,
+    COMPLETE,
+    COUNT_ROWS,
+    EVERYTHING,
+    IMPACTS,
+    PANELS,
+    REACH_TOO,
+    START,
+)
+from vibeam.flight.linear.packing import slowest_rate
+from vibeam.flight.pause import pause
+from vibeam.flight.readout import OUTCOMES, PointReadout
+from vibeam.flight.several.holds import held_in
+from vibeam.flight.several.motion import COLUMNS, Flights, Motion
+from vibeam.flight.several.readout import Reading, repetition
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.response import Ended, FrequencyResponse
+from vibeam.system.state import State
+
+Array = NDArray[np.float64]
+
+
+class ContactsSolver:
+    """One system with contacts in several places; its methods take a state and give one back.
+
+    Flights, holds and their first roots are the closed forms of ``RegimeSolver``, between them is Python. Impacts in
+    one instant follow ``several.impact``. ``FrequencyResponse.rest`` is the share of time in which any contact is held.
+    """
+
+    def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, limit: int = 100_000) -> None:
+        """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
+        self.system, self.limit = system, impact_limit(limit)
+        self.contacts = Contacts.of(system)
+        self.flights = Flights(self.contacts, slowest_rate(system, slowest, span))
+
+    def simulate(
+        self, drive: Drive, state: State | None, start: float, end: float, limit: int
+    ) -> tuple[Ended, float, State, Segments, dict[str, float]]:
+        """The motion from time ``start`` to ``end``: why it ended, when, its last state, all segments, stats."""
+        begun, pose = time.thread_time(), self._pose(state)
+        size = size_of_motion(self.system, drive, pose)
+        self.flights.for_size(size)
+        motion, outcome = self.flights.begin(drive, pose, _clock(drive, start))
+        done = 0.0
+        if outcome == COMPLETE:
+            outcome, done = self.flights.advance(drive, motion, end - start, limit)
+        segments = _packed(motion, start, size)
+        stats = {
+            "impacts": motion.impacts,
+            "evaluations": motion.panels,
+            "cpu_seconds": time.thread_time() - begun,
+        }
+        last = end if outcome == COMPLETE else start + done
+        return OUTCOMES[outcome], last, _state(motion), segments, stats
+
+    def _pose(self, state: State | None) -> Array:
+        start = equilibrium(self.system) if state is None else state
+        pose = np.array([start.displacement, start.velocity], dtype=float)
+        if pose.shape != (2, self.system.size) or not np.isfinite(pose).all():
+            raise ValueError(f"state: displacement and velocity must be {self.system.size} finite numbers each")
+        return pose
+
+    def poses_at(self, drive: Drive, segments: Segments, times: Array) -> Array:
+        """Modal displacements and velocities (m, 2, n) at times (m,) within the segments."""
+        self.flights.for_size(segments.size)
+        starts = segments.trace[:, START]
+        which = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
+        out = np.empty((len(times), 2, self.system.size))
+        for segment in np.unique(which):
+            here, row = which == segment, segments.trace[segment]
+            out[here] = self._within(drive, row, segments.poses[segment], times[here] - row[START])
+        return out
+
+    def _within(self, drive: Drive, row: Array, pose: Array, after: Array) -> Array:
+        """Poses times ``after`` into a segment."""
+        regime = self.flights.regime(held_in(row, len(self.contacts.gaps)))
+        found = regime.poses(drive.omega, drive.amplitude, regime.inward(pose), float(row[AT_CLOCK]), after)
+        out = regime.outward(found)
+        out[after <= 0] = pose
+        return out
+
+    def steady(
+        self,
+        omegas: Sequence[float] | Array,
+        amplitude: float | Array,
+        state: State | None,
+        settle: int,
+        hold: int,
+        output: str,
+        reading: int = EVERYTHING,
+        states: list[State] | None = None,
+    ) -> tuple[FrequencyResponse, State]:
+        """Steady points at ``omegas`` in turn, the state carried from each to the next; and the last state.
+
+        As ``EventDrivenSolver.steady``.
+        """
+        if self.system.derivative(output) is not None:
+            raise ValueError(f"output {output!r}: with several contacts a sweep reads displacements alone")
+        pose, row = self._pose(state), self.system.output(output)
+        tally, after = PointReadout(len(omegas), self.system.size), list[State]()
+        self.flights.for_size(np.inf)
+        begun = time.thread_time()
+        for index, (omega, size) in enumerate(zip(omegas, np.broadcast_to(amplitude, len(omegas)), strict=True)):
+            reader = Reading(self.flights, Drive(float(omega), float(size)), row, reading)
+            motion, outcome, period = self._point(reader, pose, settle, hold)
+            counts = np.zeros(COUNT_ROWS, dtype=np.int64)
+            counts[IMPACTS], counts[PANELS] = motion.impacts, motion.panels
+            tally.note(index, outcome, period, reader.result, reader.energy, counts)
+            after.append(_state(motion) if outcome == COMPLETE else equilibrium(self.system))
+            pose = self._pose(after[-1])
+            begun = tally.time(index, begun)
+        if states is not None:
+            states.extend(after)
+        return self._response(np.asarray(omegas, dtype=float), tally, hold, reading), after[-1]
+
+    def _point(self, reader: Reading, pose: Array, settle: int, hold: int) -> tuple[Motion, int, int]:
+        """Settle and watch: the motion at the end, the outcome, the period."""
+        drive = reader.drive
+        motion, outcome = self.flights.begin(drive, pose, 0.0)
+        turn = 2 * np.pi / drive.omega
+        strobes = [motion.pose]
+        for period in range(settle + hold):
+            pause()
+            if outcome != COMPLETE:
+                return motion, outcome, 0
+            motion.segments, motion.clock = [], 0.0
+            outcome, _ = self.flights.advance(drive, motion, turn, self.limit)
+            if period >= settle and outcome == COMPLETE:
+                outcome = reader.note(motion, strobes)
+            if period + 1 == settle:
+                strobes = [motion.pose]
+            elif period >= settle:
+                strobes.append(motion.pose)
+        return motion, outcome, repetition(self.system.omega, drive.omega, np.array(strobes), LONGEST_PERIOD)
+
+    def _response(self, omegas: Array, tally: PointReadout, hold: int, reading: int) -> FrequencyResponse:
+        response = tally.response(omegas, hold, self.system.gap)
+        if reading < REACH_TOO:
+            response.reach[:] = np.nan
+        if reading < EVERYTHING:
+            response.mode_energy[:] = np.nan
+        return response
+
+
+def _clock(drive: Drive, start: float) -> float:
+    """The time within the drive's period."""
+    return start % (2 * np.pi / drive.omega) if drive.omega > 0 else start
+
+
+def _state(motion: Motion) -> State:
+    return State.reached(motion.pose[0].copy(), motion.pose[1].copy(), bool(motion.state.held))
+
+
+def _packed(motion: Motion, start: float, size: float) -> Segments:
+    """The segments traced; a motion that ended where it began is one without duration."""
+    if not motion.segments:
+        row = np.zeros((1, COLUMNS))
+        row[0, START], row[0, AT_CLOCK] = start, motion.clock
+        return Segments(row, motion.pose[None].copy(), size)
+    trace = np.array([each.row for each in motion.segments])
+    trace[:, START] += start
+    return Segments(trace, np.array([each.pose for each in motion.segments]), size)

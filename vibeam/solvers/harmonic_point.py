@@ -1,0 +1,120 @@
+"""A steady point under several harmonics: settled, then read period by period in the system's own modes.
+
+The light oscillators that carry the further harmonics are larger by far than what they carry, so that a solver that
+asks whether its state repeats sees them alone. So every period is watched by itself, and states are compared after
+the oscillators are taken out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.equilibrium import equilibrium
+from vibeam.observe.periodicity import repetition
+from vibeam.solvers import SOLVERS, solver
+from vibeam.solvers.harmonic_energy import ModeEnergies
+from vibeam.solvers.several_harmonics import SeveralHarmonics, Shares, further
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.quantities import VELOCITIES_KEPT
+from vibeam.system.response import Ended, FrequencyResponse, join
+from vibeam.system.state import State
+
+Array = NDArray[np.float64]
+
+REPEATS = 1e-5  # share of the motion's size by which states one period apart may differ, as in flight
+
+
+def several_of(system: ImpactSystem, drive: Drive, shares: Shares, solver_name: str) -> SeveralHarmonics:
+    """The system under a drive and further harmonics; ValueError for a solver that knows one harmonic alone."""
+    if solver_name in SOLVERS and not SOLVERS[solver_name].harmonics:
+        able = ", ".join(name for name, declared in SOLVERS.items() if declared.harmonics)
+        raise ValueError(f"solver {solver_name!r} knows a drive of one harmonic: {able} take several")
+    return SeveralHarmonics(system, drive, further(shares, drive))
+
+
+def started(system: ImpactSystem, drive: Drive, shares: Shares, solver_name: str) -> tuple[ImpactSystem, State]:
+    """The system that moves as this one under several harmonics, and its state at static equilibrium, phase 0."""
+    several = several_of(system, drive, shares, solver_name)
+    return several.system, several.enter(equilibrium(system))
+
+
+def steady_point(
+    several: SeveralHarmonics, state: State | None, settle: int, hold: int, *, solver_name: str, output: str,
+    slowest: float, options: Mapping[str, Any],
+) -> tuple[FrequencyResponse, State]:  # fmt: skip
+    """One steady point (a response of length 1) and the state after it, both in the modes of ``several.plain``.
+
+    ``settle`` and ``hold``: drive periods left out and read; ``state`` None: static equilibrium, where a point that
+    fails leaves it too.
+    """
+    made = solver(solver_name, several.system, slowest, **options)
+    start = equilibrium(several.plain) if state is None else state
+    states = [several.enter(start)]
+    parts: list[FrequencyResponse] = []
+    for turn in range(min(settle, 1) + hold):
+        part, after = made.steady(
+            np.array([several.drive.omega]), several.drive.amplitude, states[-1],
+            max(settle - 1, 0) if turn == 0 else 0, 1, output,
+        )  # fmt: skip
+        parts.append(part)
+        states.append(after)
+        if part.ended[0] != Ended.COMPLETE.code:
+            return _failed(several, join(parts)), equilibrium(several.plain)
+    found = join(parts)
+    response = _over(several, found, states[-hold - 1 :], getattr(made, "repeats", REPEATS))
+    energies = ModeEnergies(several, solver_name, slowest, options)
+    each = [
+        energies.of_period(free, begin, end, rest)
+        for free, begin, end, rest in zip(
+            found.mode_energy[-hold:], states[-hold - 1 : -1], states[-hold:], found.rest[-hold:].tolist(), strict=True
+        )
+    ]
+    response.mode_energy[0] = np.mean(each, axis=0)
+    return response, several.leave(states[-1])
+
+
+def _failed(several: SeveralHarmonics, parts: FrequencyResponse) -> FrequencyResponse:
+    """A point without numbers, with the reason and the work."""
+    response = FrequencyResponse.empty(parts.frequency[:1], several.plain.size)
+    response.ended[0] = parts.ended[-1]
+    _work(response, parts)
+    return response
+
+
+def _work(response: FrequencyResponse, parts: FrequencyResponse) -> None:
+    for name in ("impacts", "evaluations", "cpu_seconds"):
+        getattr(response, name)[0] = getattr(parts, name).sum()
+
+
+def _over(
+    several: SeveralHarmonics, parts: FrequencyResponse, states: list[State], repeats: float
+) -> FrequencyResponse:
+    """The point over the periods between ``states``, the last of ``parts``."""
+    response = FrequencyResponse.empty(parts.frequency[:1], several.plain.size)
+    _work(response, parts)
+    hold = len(states) - 1
+    held = slice(len(parts) - hold, None)
+    high, low = parts.maximum[held].max(), parts.minimum[held].min()
+    struck, speeds = parts.impacts_per_period[held], parts.impact_velocities[held].ravel()
+    response.ended[0] = Ended.COMPLETE.code
+    response.maximum[0], response.minimum[0], response.amplitude[0] = high, low, (high - low) / 2
+    response.reach[0], response.rest[0] = parts.reach[held].max(), parts.rest[held].mean()
+    response.impacts_per_period[0] = struck.mean()
+    if struck.any():
+        response.impact_velocity[0] = (
+            np.sum(np.where(struck > 0, struck * parts.impact_velocity[held], 0)) / struck.sum()
+        )
+        kept = speeds[np.isfinite(speeds)][-VELOCITIES_KEPT:]
+        response.impact_velocities[0, VELOCITIES_KEPT - len(kept) :] = kept
+    response.period[0] = _period(several, states, repeats) if struck.any() or response.rest[0] > 0 else -1
+    return response
+
+
+def _period(several: SeveralHarmonics, states: list[State], repeats: float) -> int:
+    own = [several.leave(state) for state in states]
+    strobes = np.array([[state.displacement, state.velocity] for state in own])
+    return repetition(strobes, several.plain.omega, several.drive.omega, repeats)

@@ -1,0 +1,57 @@
+"""TimeDerivative: an output that is a velocity or an acceleration, and jumps at impacts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam_models.arguments import number, read_only, refuse
+
+Array = NDArray[np.float64]
+
+CALLED = {1: "velocity", 2: "acceleration"}
+
+
+@dataclass(frozen=True, eq=False)
+class TimeDerivative:
+    """The output row·η' (``order`` 1, m/s) or row·η'' + base·b̈ (``order`` 2, m/s²), ``row`` (n,).
+
+    b̈ = −Ω²B sin Ωt is the acceleration of the base: with ``base`` = 1 an acceleration is absolute, as an accelerometer
+    reads it. Accelerations are those of flight, rest and lasting contact, whose force they include; the impulses of a
+    rigid stop, infinite for no time, are not among them. ValueError for another order, a row that is not finite, or
+    a ``base`` with a velocity.
+    """
+
+    row: Any
+    order: int
+    base: float = 0.0
+
+    def __post_init__(self) -> None:
+        faults: list[str] = []
+        row = read_only(self.row)
+        if row is None or row.ndim != 1 or not np.isfinite(row).all():
+            faults.append("row: must be finite numbers, one a mode")
+        if self.order not in CALLED:
+            faults.append(f"order: {self.order!r} must be 1, a velocity, or 2, an acceleration")
+        object.__setattr__(self, "row", row)
+        object.__setattr__(self, "base", number("base", self.base, faults))
+        if self.order == 1 and self.base:
+            faults.append("base: goes with an acceleration alone: velocities are relative to the base")
+        refuse("derivative", faults)
+
+    def taking(self, modes: Any) -> TimeDerivative:
+        """The same read from some of the modes, or from these in another order."""
+        return replace(self, row=self.row[modes])
+
+    def equals(self, other: TimeDerivative) -> bool:
+        """Test whether two are the same to the bit."""
+        alike = (self.order, self.base) == (other.order, other.base)
+        return alike and np.array_equal(self.row, other.row)
+
+    @property
+    def called(self) -> str:
+        """What it is, in a word."""
+        return CALLED[self.order]
