@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from vibeam.case.plans import Expectation, Measured, ShowPlan
     from vibeam.observe.measuring_chain import Chain
     from vibeam.system.impact_system import ImpactSystem
-    from vibeam_models.scene import Scene, SdofScene
+    from vibeam_models.any_scene import AnyScene
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,11 +39,11 @@ class Case:
     own: Mapping[str, str]
     title: str
     source: str
-    scene: Scene | SdofScene
+    scene: AnyScene
     fidelities: dict[str, Fidelity]
     sweep: SweepPlan
     references: dict[str, Reference]
-    scenes: Mapping[str, Scene | SdofScene] = field(default_factory=dict)
+    scenes: Mapping[str, AnyScene] = field(default_factory=dict)
     expectations: Mapping[str, Expectation] = field(default_factory=dict)
     measured: Mapping[str, Measured] = field(default_factory=dict)
     shows: Mapping[str, ShowPlan] = field(default_factory=dict)
@@ -63,19 +63,19 @@ class Case:
     def base_amplitude(self) -> float:
         """Amplitude of the base motion in m (of a SdofScene: in its own unit).
 
-        ValueError on a platform, where it depends on the frequency: ``amplitude`` has it there too.
+        ValueError where it depends on the frequency, as on a platform: ``amplitude`` has it there too.
         """
         from vibeam_models.base_motion import base_amplitude
 
         return base_amplitude(self.scene)
 
     def amplitude(self, omega: NDArray[np.float64]) -> float | NDArray[np.float64]:
-        """Drive amplitude for a sweep over ``omega`` (rad/s): one for all, or on a platform one each."""
+        """Drive amplitude for a sweep over ``omega`` (rad/s): one for all, or one each where it depends on that."""
         from vibeam_models.base_motion import drive_amplitude
 
         return drive_amplitude(self.scene, omega)
 
-    def scene_of(self, name: str) -> Scene | SdofScene:
+    def scene_of(self, name: str) -> AnyScene:
         """Scene of one fidelity, with its changes; KeyError names the known fidelities."""
         if name not in self.fidelities:
             raise KeyError(f"no fidelity {name!r}: there are {', '.join(self.fidelities)}")

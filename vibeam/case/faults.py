@@ -76,6 +76,11 @@ def as_shown_in_message(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:56]} …{text[-1]}"
 
 
+def shortened(name: str, longest: int = 40) -> str:
+    """Name as shown in a message: its beginning where it is longer than ``longest``."""
+    return name if len(name) <= longest else f"{name[: longest - 1]}…"
+
+
 KeyPath = tuple[str | int, ...]
 
 

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from math import isnan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.reduced_beam import reduced_beam
+from vibeam.case.reduced_structure import reduced_structure
 from vibeam.system.impact_system import ImpactSystem
-from vibeam_models.scene import Scene, SdofScene
+from vibeam.system.time_derivative import TimeDerivative
 from vibeam_reductions.declaration import REDUCTIONS
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from vibeam_models.any_scene import AnyScene, RigScene
+    from vibeam_models.scene import SdofScene
     from vibeam_models.structure import Structure
 
     Array = NDArray[np.float64]
@@ -53,22 +56,45 @@ def reduced(structure: Structure, fidelity: Fidelity) -> Structure:
     return REDUCTIONS[fidelity.reduction].make(structure, fidelity.modes).structure
 
 
-def system(scene: Scene | SdofScene, fidelity: Fidelity) -> ImpactSystem:
-    """Impact system of ``scene`` at ``fidelity``: SI units, output ``"sensor"`` (and ``"tip"`` of a beam).
+def system(scene: AnyScene, fidelity: Fidelity) -> ImpactSystem:
+    """Impact system of ``scene`` at ``fidelity``: SI units, output ``"sensor"`` (and ``"tip"`` of a beam), and its own.
 
-    A SdofScene is one mode whatever the reduction, in its own units. ValueError for an impossible system: a position
-    off the beam, too many modes, a first-mode restitution that no contact restitution in [0, 1] gives.
+    A scene that is one mode is that whatever the reduction, in its own units. ValueError for an impossible system: a
+    position off the beam, too many modes, a first-mode restitution that no contact restitution in [0, 1] gives.
     """
-    return _direct(scene) if isinstance(scene, SdofScene) else _of_beam(scene, fidelity)
+    rig: Any = scene
+    if scene.given_mode is not None:
+        return _direct(rig, *scene.given_mode)
+    built = _of_structure(rig, fidelity)
+    return _with_derivatives(built, rig) if any(each.kind.rate for each in scene.outputs) else built
 
 
-def restitutions(scene: Scene | SdofScene, fidelity: Fidelity) -> tuple[float, float]:
+def _with_derivatives(built: ImpactSystem, scene: RigScene) -> ImpactSystem:
+    """System whose velocities and accelerations are no longer rows of displacements.
+
+    The base of an absolute acceleration is the platform's coordinate where that moves by itself, at rest where a force
+    drives the beam, and else the motion that is prescribed.
+    """
+    rates = {each.name: each for each in scene.outputs if each.kind.rate}
+    outputs = {name: row for name, row in built.outputs.items() if name not in rates}
+    found = {}
+    for name, each in rates.items():
+        row, base = built.outputs[name], 0.0
+        if each.absolute and "platform" in outputs:
+            row = row + outputs["platform"]
+        elif each.absolute and scene.base.on_beam is None:
+            base = 1.0
+        found[name] = TimeDerivative(row, each.kind.rate, base)
+    return replace(built, outputs=outputs, derivatives=found)
+
+
+def restitutions(scene: AnyScene, fidelity: Fidelity) -> tuple[float, float]:
     """Restitution of the contact, R, and of mode 1 of the beam on a fixed base, R₁, in this model.
 
     NaN where the stop has another law, which no one number describes.
     """
-    if isinstance(scene, SdofScene):
-        return scene.restitution, scene.restitution
+    if scene.given_mode is not None:
+        return scene.held[1], scene.held[1]
     from vibeam.observe.apparent_restitution import first_mode_restitution
 
     still = system(scene.without("platform", "shaker"), fidelity)
@@ -77,10 +103,10 @@ def restitutions(scene: Scene | SdofScene, fidelity: Fidelity) -> tuple[float, f
     return still.restitution, first_mode_restitution(still)
 
 
-def _direct(scene: SdofScene) -> ImpactSystem:
+def _direct(scene: SdofScene, omega: float, zeta: float) -> ImpactSystem:
     return ImpactSystem.from_modes(
-        [scene.natural_frequency],
-        [scene.damping_ratio],
+        [omega],
+        [zeta],
         contact=[1.0],
         load=[1.0],
         gap=scene.gap,
@@ -91,14 +117,20 @@ def _direct(scene: SdofScene) -> ImpactSystem:
     )
 
 
-def _of_beam(scene: Scene, fidelity: Fidelity) -> ImpactSystem:
-    small, static = reduced_beam(scene, fidelity.reduction, fidelity.modes)
+def _of_structure(scene: RigScene, fidelity: Fidelity) -> ImpactSystem:
+    small, static = reduced_structure(scene, fidelity.reduction, fidelity.modes)
     factor, second = 1.0 if scene.stop.gap_at == "contact" else static, scene.stop.second_gap
+    if isnan(factor):
+        raise ValueError(
+            'stop: gap_at = "sensor": no static deflection of this structure carries the gap to the contact'
+        )
+    further = {each.output: (each.gap, each.restitution) for each in scene.named("further_stop")}
     built = ImpactSystem.from_structure(
         small,
         gap=scene.stop.gap * factor,
         restitution=scene.stop.usual_restitution,
         second_gap=None if second is None else second * factor,
+        further=further,
     )
     if scene.stop.law is not None:
         built = replace(built, law=scene.stop.law.contact(float(np.sum(built.contact**2))))
@@ -111,11 +143,16 @@ def _of_beam(scene: Scene, fidelity: Fidelity) -> ImpactSystem:
     # After the reduction, so that it carries the whole mass with the modes of the beam on a base held still.
     moved = moving_platform(scene.platform, scene.shaker, scene.moving_mass).under(small)
     return ImpactSystem.from_structure(
-        moved, gap=built.gap, restitution=built.restitution, law=built.law, second_gap=built.second_gap
+        moved,
+        gap=built.gap,
+        restitution=built.restitution,
+        law=built.law,
+        second_gap=built.second_gap,
+        further=further,
     )
 
 
-def gap_drift(scene: Scene | SdofScene, omega: ArrayLike) -> NDArray[np.float64] | None:
+def gap_drift(scene: AnyScene, omega: ArrayLike) -> NDArray[np.float64] | None:
     """Added gap at the contact at drive frequencies ``omega`` (rad/s), m; None where the gap is constant.
 
     Held constant beyond the first and the last frequency of the table.
@@ -124,13 +161,14 @@ def gap_drift(scene: Scene | SdofScene, omega: ArrayLike) -> NDArray[np.float64]
         return None
     frequency = np.asarray(omega, dtype=float) / (2 * np.pi)
     added = np.interp(frequency, scene.stop.drift_frequency, scene.stop.drift)
-    if isinstance(scene, SdofScene) or scene.stop.gap_at == "contact":
+    if scene.stop.gap_at == "contact":
         return added
-    _, static = reduced_beam(scene, "static_mode", None)
+    rig: Any = scene
+    _, static = reduced_structure(rig, "static_mode", None)
     return np.asarray(added * static)
 
 
-def gap_wear(scene: Scene | SdofScene) -> float | None:
+def gap_wear(scene: AnyScene) -> float | None:
     """Growth of the contact's gap by each impact, m; None without wear."""
     return None if scene.stop is None else scene.stop.wear
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from vibeam_models.scene import Scene, SdofScene
-
 if TYPE_CHECKING:
     from vibeam.system.impact_system import ImpactSystem
+    from vibeam_models.any_scene import AnyScene, RigScene
 
 SYMBOLS = {"contact": "R", "first mode": "R₁"}
 
@@ -47,17 +46,15 @@ def other_choice(held: Held) -> Held | None:
     return replace(held, restitution_of="first mode" if held.restitution_of == "contact" else "contact")
 
 
-def held_of(scene: Scene | SdofScene) -> Held:
+def held_of(scene: AnyScene) -> Held:
     """Restitution that a scene holds, whatever the fidelity."""
     law = None if scene.stop is None else scene.stop.law
     if law is not None:
         return Held("", None, law.name)
-    if isinstance(scene, SdofScene):
-        return Held("", scene.restitution)
-    return Held(scene.stop.restitution_of, scene.stop.usual_restitution)
+    return Held(*scene.held)
 
 
-def with_other_choice(scene: Scene, system: ImpactSystem) -> ImpactSystem:
+def with_other_choice(scene: RigScene, system: ImpactSystem) -> ImpactSystem:
     """System of one fidelity where its scene's coefficient is that of the other choice; see ``other_choice``.
 
     ValueError where no contact restitution in [0, 1] shows mode 1 that coefficient.

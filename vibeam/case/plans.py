@@ -140,7 +140,8 @@ class ShowPlan:
 
     ``fidelities``: their names, in order; ``quantity``: of the kinds ``curve`` and ``boundaries``; ``output``: whose
     displacement; ``near`` (Hz): of ``ringing``; ``highest``, ``subdivision``: of ``harmonics``; ``start`` (m): of
-    ``decay``; ``velocity`` (m/s): of ``impact``. ``key``: of all that decides the numbers.
+    ``decay``; ``velocity`` (m/s): of ``impact``; ``rate`` (Hz/s) and ``direction``: of ``chirp``. ``key``: of all that
+    decides the numbers.
     """
 
     name: str
@@ -157,3 +158,5 @@ class ShowPlan:
     subdivision: int | None = None
     start: float | None = None
     velocity: tuple[float, ...] = ()
+    rate: float | None = None
+    direction: Direction = "both"

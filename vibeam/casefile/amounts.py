@@ -12,14 +12,27 @@ from vibeam.casefile.fields import NUMBER_WITH_UNIT, Entry, Range
 
 RATE = units.dimension("1/s")
 
-KINDS = (units.RATIO, units.FREQUENCY, units.LENGTH, units.SPEED, units.TIME, RATE)
+ANGLE, TURNING, JERK = (units.dimension(unit) for unit in ("rad", "rad/s", "m/s^3"))
 
-#: dimension of a quantity by its unit, with a beam on the bench
+KINDS = (units.RATIO, units.FREQUENCY, units.LENGTH, units.SPEED, units.TIME, RATE, units.ACCELERATION, ANGLE)
+
+#: dimension of an output's quantity, and of its rate
+OF_OUTPUT = {
+    "displacement": (units.LENGTH, units.SPEED),
+    "velocity": (units.SPEED, units.ACCELERATION),
+    "acceleration": (units.ACCELERATION, JERK),
+    "slope": (ANGLE, TURNING),
+    "strain": (units.RATIO, RATE),
+}
+
+#: dimension of a quantity by its unit, with a beam on the bench; q and q/s of a displacement
 DIMENSIONS = {
     "1": units.RATIO,
     "Hz": units.FREQUENCY,
     "q": units.LENGTH,
     "q/s": units.SPEED,
+    "c": units.LENGTH,
+    "c/s": units.SPEED,
     "s": units.TIME,
     "1/s": RATE,
 }
@@ -33,9 +46,14 @@ class Amount:
     kind: units.Dimension | None = None
     percent: bool = False
 
-    def fault(self, quantity: str, unit: str, *, plain: bool) -> str | None:
-        """Reason why this cannot be a ``quantity`` of that unit; ``plain``: outputs have no dimension."""
-        wanted = units.RATIO if plain and unit.startswith("q") else DIMENSIONS[unit]
+    def fault(self, quantity: str, unit: str, *, plain: bool, of: str = "displacement") -> str | None:
+        """Reason why this cannot be a ``quantity`` of that unit.
+
+        ``plain``: outputs have no dimension; ``of``: what the output reads.
+        """
+        wanted = units.RATIO if plain and unit[0] in "qc" else DIMENSIONS[unit]
+        if not plain and unit.startswith("q"):
+            wanted = OF_OUTPUT[of][unit.endswith("/s")]
         if self.kind in (None, wanted):
             return None
         assert self.kind is not None
@@ -61,7 +79,7 @@ class AmountEntry(Entry):
 
     def describe(self) -> str:
         """As ``Entry.describe``."""
-        return " ".join(filter(None, ["number | % | Hz | m | m/s | s | 1/s", self.range.describe()]))
+        return " ".join(filter(None, ["number | % | Hz | m | m/s | s | 1/s | m/s^2 | rad", self.range.describe()]))
 
     def schema(self) -> dict[str, Any]:
         """As ``Entry.schema``."""

@@ -12,26 +12,29 @@ from pydantic import BaseModel
 
 from vibeam.case.plans import AccuracyPlan, Direction, Reference, SweepPlan
 from vibeam.casefile.content import content, digest
+from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.tables.effects import effects_of_scene
 from vibeam.casefile.tables.stop import contact_law
-from vibeam_models.scene import Base, Beam, Damping, Mass, Scene, SdofScene, Sensor, Stop
+from vibeam_models.base import Base
+from vibeam_models.beams.beam import Beam, Damping
+from vibeam_models.beams.shapes import SHAPES
+from vibeam_models.keys import keys_of
+from vibeam_models.outputs import Output
+from vibeam_models.scene import Mass, Scene, SdofScene, Sensor
+from vibeam_models.stop import Stop
 
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity
     from vibeam.case.plans import Expectation, Measured, ShowPlan
-    from vibeam.casefile.tables.beam import BeamTable
-    from vibeam.casefile.tables.cases import BeamCase, SdofCase
+    from vibeam.casefile.tables.cases import AnyCase, BeamCase, SdofCase
+    from vibeam.casefile.tables.given_cases import MatricesCase, ModesCase
     from vibeam.casefile.tables.sweep import SweepTable
     from vibeam.observe.measuring_chain import Chain
+    from vibeam_models.given import GivenScene, GivenStructure
 
 
-def scene_of(case: BeamCase | SdofCase) -> Scene | SdofScene:
-    """The scene that a checked case declares, SI units."""
-    declared: Any = case
-    return _scene(declared) if case.with_beam else _sdof_scene(declared)
-
-
-def _scene(case: BeamCase) -> Scene:
+def beam_scene(case: BeamCase, folder: Path) -> Scene:
+    """The scene of a beam, SI units."""
     place = 0.0 if case.mass is None else case.mass.position
     return Scene(
         beam=_beam(case.beam),
@@ -40,19 +43,60 @@ def _scene(case: BeamCase) -> Scene:
         sensor=Sensor(case.sensor.position),
         base=Base(**dict(case.drive)),
         effects=effects_of_scene(case),
+        outputs=_outputs(case.output),
     )
 
 
-def _sdof_scene(case: SdofCase) -> SdofScene:
-    stop = _stop(case.stop, 0.0)
+def _outputs(tables: Mapping[str, Any] | None) -> tuple[Output, ...]:
+    """The outputs of a case; an acceleration is absolute unless it says otherwise."""
+    return tuple(
+        Output(
+            name,
+            each.position,
+            each.quantity,
+            each.distance,
+            each.quantity == "acceleration" and each.absolute is not False,
+        )
+        for name, each in (tables or {}).items()
+    )
+
+
+def sdof_scene(case: SdofCase, folder: Path) -> SdofScene:
+    """The scene of a single degree of freedom, in its own units."""
+    stop, drive = _stop(case.stop, 0.0), case.drive
     return SdofScene(
         natural_frequency=case.sdof.natural_frequency,
         damping_ratio=case.sdof.damping_ratio,
         gap=stop.gap,
         restitution=stop.usual_restitution,
-        amplitude=case.drive.amplitude,
+        amplitude=drive.amplitude if isinstance(drive.amplitude, float) and not drive.harmonic else Base(**dict(drive)),
         stop=None if stop == Stop(0.0, stop.gap, stop.restitution) else stop,
     )
+
+
+def matrices_scene(case: MatricesCase, folder: Path) -> GivenScene:
+    """The scene of matrices of one's own, SI units."""
+    from vibeam.casefile.matrices import given_matrices
+
+    given, _ = given_matrices(case.matrices, folder)
+    return _given_scene(case, given, case.matrices.force)
+
+
+def modes_scene(case: ModesCase, folder: Path) -> GivenScene:
+    """The scene of modes of one's own, SI units."""
+    from vibeam.casefile.modes import given_modes
+
+    given, _ = given_modes(case.modes, folder)
+    return _given_scene(case, given, case.modes.force)
+
+
+def _given_scene(case: Any, given: GivenStructure | None, force: Any) -> GivenScene:
+    from vibeam_models.given import GivenScene
+
+    assert given is not None  # its rules have found nothing wrong
+    on_structure = {} if force is None else {"at": 0.0}
+    base = Base(**dict(case.drive) | on_structure)
+    return GivenScene(given, _stop(case.stop, 0.0), base, effects_of_scene(case))
 
 
 def _stop(table: Any, position: float) -> Stop:
@@ -65,10 +109,13 @@ def _own(kind: type[Any], table: BaseModel) -> dict[str, Any]:
     return {field.name: getattr(table, field.name) for field in fields(kind) if field.name in type(table).model_fields}
 
 
-def _beam(table: BeamTable) -> Beam:
+def _beam(table: Any) -> Beam:
     kind: Any = table.damping
     damping = Damping("list", kind) if isinstance(kind, tuple) else Damping(kind, table.damping_ratio or ())
-    return Beam(**_own(Beam, table) | {"damping": damping})
+    shape = SHAPES[table.shape or "rectangle"]
+    own = {name: getattr(table, name) for name in keys_of(shape)}
+    given = {name: getattr(table, name) for name in ("length", "youngs_modulus", "density", "elements")}
+    return Beam(shape=shape(**own), damping=damping, poissons_ratio=table.poissons_ratio, **given)
 
 
 RIPPLE, ATTENUATION = 0.1, 60.0  # dB, of an elliptic filter that does not say
@@ -78,21 +125,34 @@ GRID = frozenset({"frequency", "direction"})  # of a sweep
 APPLIED = frozenset({"set", "without"})  # of a fidelity: part of its scene already
 
 
-def _shared(case: BeamCase | SdofCase, sweep: SweepTable) -> dict[str, Any]:
+def numbers_of(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> dict[str, Any]:
+    """All of a case that decides numbers, with the digests of the files that it and its fidelities are made of."""
+    shared = _files(case, folder)
+    own = {name: each["files"] for name, each in ((name, _files(one, folder)) for name, one in changed.items()) if each}
+    apart = {name: files for name, files in own.items() if files != shared.get("files")}
+    return content(case, "numbers") | shared | ({"files_of": apart} if apart else {})
+
+
+def _files(case: AnyCase, folder: Path) -> dict[str, Any]:
+    found = KINDS[case.kind].digests(case, folder)
+    return {"files": dict(found)} if found else {}
+
+
+def _shared(case: AnyCase, sweep: SweepTable, folder: Path) -> dict[str, Any]:
     """The physics of a case and how it is swept, its frequencies aside."""
-    return content(case, "physics", "numbers") | {"sweep": content(sweep, without=GRID)}
+    return content(case, "physics", "numbers") | _files(case, folder) | {"sweep": content(sweep, without=GRID)}
 
 
-def _keys(case: BeamCase | SdofCase, changed: Mapping[str, BeamCase | SdofCase]) -> dict[str, str]:
+def _keys(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> dict[str, str]:
     """For each fidelity the key of its physics, how it is swept, and its table."""
     tables: Any = case.fidelity
     return {
-        name: digest(_shared(changed.get(name, case), case.sweep), content(table, "numbers", without=APPLIED))
+        name: digest(_shared(changed.get(name, case), case.sweep, folder), content(table, "numbers", without=APPLIED))
         for name, table in tables.items()
     }
 
 
-def _accuracy(case: BeamCase | SdofCase) -> AccuracyPlan | None:
+def _accuracy(case: AnyCase) -> AccuracyPlan | None:
     if case.accuracy is None:
         return None
     return AccuracyPlan(case.accuracy, case.accuracy_of or AccuracyPlan.quantities)
@@ -106,7 +166,7 @@ def _sweep(table: SweepTable) -> SweepPlan:
     return SweepPlan(points, direction, table.settle, table.hold, table.output)
 
 
-def _fidelities(case: BeamCase | SdofCase) -> dict[str, Fidelity]:
+def _fidelities(case: AnyCase) -> dict[str, Fidelity]:
     from vibeam.case.fidelity import Fidelity
 
     tables: Any = case.fidelity
@@ -116,7 +176,7 @@ def _fidelities(case: BeamCase | SdofCase) -> dict[str, Fidelity]:
     }
 
 
-def _chain(case: BeamCase | SdofCase) -> Chain | None:
+def _chain(case: AnyCase) -> Chain | None:
     table = case.measurement
     if table is None:
         return None
@@ -131,7 +191,7 @@ def _chain(case: BeamCase | SdofCase) -> Chain | None:
     return Chain(table.sampling, low_pass, table.noise, table.seed, table.quantisation)
 
 
-def _references(case: BeamCase | SdofCase, folder: Path, swept: Direction) -> dict[str, Reference]:
+def _references(case: AnyCase, folder: Path, swept: Direction) -> dict[str, Reference]:
     found = {}
     for name, table in case.reference.items():
         file = (folder / table.file).absolute()
@@ -141,7 +201,7 @@ def _references(case: BeamCase | SdofCase, folder: Path, swept: Direction) -> di
     return found
 
 
-def _expectations(case: BeamCase | SdofCase, swept: Direction) -> dict[str, Expectation]:
+def _expectations(case: AnyCase, swept: Direction) -> dict[str, Expectation]:
     if not case.expect:
         return {}
     from vibeam.case.plans import Expectation
@@ -150,34 +210,31 @@ def _expectations(case: BeamCase | SdofCase, swept: Direction) -> dict[str, Expe
     return {name: Expectation(name=name, **value) for name, value in values.items()}
 
 
-def _measurements(case: BeamCase | SdofCase, swept: Direction) -> dict[str, Measured]:
+def _measurements(case: AnyCase, swept: Direction) -> dict[str, Measured]:
     if not case.measured:
         return {}
     from vibeam.casefile.tables.measured import record
 
-    plain = not case.with_beam
-    return {name: record(name, table, swept, plain=plain) for name, table in case.measured.items()}
+    return {name: record(name, table, case, swept) for name, table in case.measured.items()}
 
 
-def _shows(
-    case: BeamCase | SdofCase, changed: Mapping[str, BeamCase | SdofCase], sweep: SweepPlan
-) -> dict[str, ShowPlan]:
-    seen = {name: (key, _measured(changed.get(name, case))) for name, key in _keys(case, changed).items()}
-    return {name: _show(case, name, sweep, seen) for name in case.show}
+def _shows(case: AnyCase, changed: Mapping[str, AnyCase], sweep: SweepPlan, folder: Path) -> dict[str, ShowPlan]:
+    seen = {name: (key, _measured(changed.get(name, case))) for name, key in _keys(case, changed, folder).items()}
+    return {name: _show(case, name, sweep, seen, folder) for name in case.show}
 
 
-def _measured(case: BeamCase | SdofCase) -> dict[str, Any] | None:
+def _measured(case: AnyCase) -> dict[str, Any] | None:
     return None if case.measurement is None else content(case.measurement)
 
 
-def _show(case: BeamCase | SdofCase, name: str, sweep: SweepPlan, seen: Mapping[str, Any]) -> ShowPlan:
+def _show(case: AnyCase, name: str, sweep: SweepPlan, seen: Mapping[str, Any], folder: Path) -> ShowPlan:
     """The plan of one table; its key hangs on the table itself and on what is ``seen`` of its fidelities."""
     from vibeam.case.plans import ShowPlan
 
     table = case.show[name]
     fidelities = table.fidelities or tuple(case.fidelity)
     frequency = tuple(sweep.frequency.tolist()) if table.frequency is None else table.frequency
-    physics = (_shared(case, case.sweep), *(seen[each] for each in fidelities))
+    physics = (_shared(case, case.sweep, folder), *(seen[each] for each in fidelities))
     return ShowPlan(
         name=name,
         kind=table.kind,
@@ -193,4 +250,6 @@ def _show(case: BeamCase | SdofCase, name: str, sweep: SweepPlan, seen: Mapping[
         subdivision=table.subdivision,
         start=table.start,
         velocity=table.velocity or (),
+        rate=table.rate,
+        direction=table.direction or ShowPlan.direction,
     )

@@ -23,7 +23,8 @@ def _outside(table: BaseModel, parts: Collection[str]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, field in type(table).model_fields.items():
         value = getattr(table, name)
-        if any(note(field, part) is False for part in parts):
+        absent = note(field, "effect") and value == ()  # a list of tables of which the case names none
+        if absent or any(note(field, part) is False for part in parts):
             found[name] = True
         elif isinstance(value, dict):
             named = {key: _outside(each, parts) for key, each in value.items() if isinstance(each, BaseModel)}

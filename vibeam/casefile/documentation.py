@@ -1,11 +1,10 @@
-"""The case file's own documentation, read off its declaration: the table of all keys and the commented template."""
+"""The case file's own documentation, read off its declaration: the table of all keys."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
-from textwrap import wrap
-from typing import Any
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -13,14 +12,11 @@ from pydantic.fields import FieldInfo
 from vibeam.case.faults import as_shown_in_message, suggest, suggestion
 from vibeam.casefile.fields import Entry
 from vibeam.casefile.inline import to_toml
-from vibeam.casefile.tables.cases import beam_case, sdof_case
-from vibeam.casefile.validation import entry_of, example_of, fields_of, is_repeated, table_of
+from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.tables.cases import beam_case
+from vibeam.casefile.validation import entry_of, fields_of, is_repeated, table_of
 
-COLUMN = 44  # where the template's comments begin
-
-WIDTH = 120
-
-WITH_SDOF = " with [sdof]"  # what marks a table in the reference that is another beside [sdof]
+_WITH = re.compile(r" with \[\w+\]$")  # what marks a table in the reference that is another beside [sdof], say
 
 SEVERAL = (
     "[[",
@@ -29,33 +25,10 @@ SEVERAL = (
     "[expect.",
     "[measured.",
     "[show.",
+    "[output.",
 )  # headings of tables of which there are several
 
-# What the template shows of the tables that have names.
-NAMED: dict[str, dict[str, dict[str, Any]]] = {
-    "fidelity": {
-        "sdof": {"reduction": "static_mode"},
-        "two_modes": {"reduction": "modal", "modes": 2},
-        "beam": {"reduction": "modal", "modes": 8},
-        "point_mass": {
-            "reduction": "static_mode",
-            "set": {"stop.restitution": 0.7},
-            "without": ["mass.rotary_inertia"],
-            "label": "point mass",
-        },
-    },
-    "reference": {"exact": {}},
-    "expect": {"two_thirds": {}},
-    "measured": {"peak": {}},
-    "show": {"motion": {}},
-}
-
-
-HEAD = """\
-# A case of vibeam: every key with what it means and, in brackets, what it may hold. Quantities are text with a unit, or
-# plain numbers in SI units (frequencies in Hz). What a case can do without is a comment here: take the "# " before the
-# key (and its table) away to use it. "effect:" marks what adds to the plain model. One key alone: vibeam keys stop.gap
-"""
+NAMED = ("fidelity", "reference", "expect", "measured", "show", "output")  # tables by name
 
 
 @dataclass(frozen=True)
@@ -71,10 +44,17 @@ class KeyRow:
 
 
 def reference_table() -> list[KeyRow]:
-    """Every key of a case, in the order of the template; those of a case with [sdof] after them, marked so."""
+    """Every key of a case, in the order of the template; those of other kinds, [sdof] say, after them, marked so."""
     rows = list(_rows(beam_case(), ""))
-    others = [row for row in _rows(sdof_case(), "") if row not in rows]
-    return rows + [row if row.table == "[sdof]" else replace(row, table=f"{row.table}{WITH_SDOF}") for row in others]
+    marked = list(rows)
+    for name in KINDS:
+        others = [row for row in _rows(KINDS[name].declaration(), "") if row not in rows]
+        marked += [row if row.table.startswith(f"[{name}") else _marked(row, name) for row in others]
+    return marked
+
+
+def _marked(row: KeyRow, kind: str) -> KeyRow:
+    return replace(row, table=f"{row.table} with [{kind}]")
 
 
 def rows_of(name: str) -> list[KeyRow]:
@@ -93,7 +73,7 @@ def rows_of(name: str) -> list[KeyRow]:
 
 def _place(heading: str) -> tuple[str, ...]:
     """The names in a heading: ``[sweep] frequency`` is sweep and frequency, ``[show.NAME] with [sdof]`` show alone."""
-    names = heading.removesuffix(WITH_SDOF).replace("[", "").replace("]", "").split()
+    names = _WITH.sub("", heading).replace("[", "").replace("]", "").split()
     return tuple(name.removesuffix(".NAME") for name in names)
 
 
@@ -146,69 +126,8 @@ def _default(entry: Entry | None, field: FieldInfo) -> str:
     return to_toml(entry.canonical(field.default))
 
 
-def template() -> str:
-    """A complete case to start from, the DTU rig, with every key explained; optional parts are comments."""
-    return HEAD + "\n".join(_template()) + "\n"
-
-
-def _template() -> Iterator[str]:
-    fields = fields_of(beam_case())
-    yield from (_line(name, field) for name, field in fields.items() if entry_of(field))
-    for name, field in fields.items():
-        table = table_of(field)
-        if table:
-            yield from _section(name, table, field)
-
-
-def _section(name: str, table: type[BaseModel], field: FieldInfo) -> Iterator[str]:
-    """A table, or one for each name that the template shows; commented out if the case does without."""
-    extra: Any = field.json_schema_extra or {}
-    aside = "" if field.is_required() or extra.get("written", False) else "# "
-    yield ""
-    yield from wrap(" ".join((table.__doc__ or "").split()), WIDTH, initial_indent="# ", subsequent_indent="# ")
-    if not is_repeated(field):
-        yield f"{aside}[{name}]"
-        yield from (_line(inner, key, aside) for inner, key in fields_of(table).items())
-    elif name not in NAMED:
-        yield f"{aside}[[{name}]]"
-        yield from (_line(inner, key, aside) for inner, key in fields_of(table).items())
-    else:
-        explained: set[str] = set()
-        for title, values in NAMED[name].items():
-            yield f"{aside}[{name}.{title}]"
-            yield from _named(table, values, aside, explained)
-
-
-def _named(table: type[BaseModel], values: dict[str, Any], aside: str, explained: set[str]) -> Iterator[str]:
-    """One of several tables: the first explains every key, those after it show what they have."""
-    first = not explained
-    for name, field in fields_of(table).items():
-        if name in values:
-            meaning = "" if name in explained else _meaning(field)
-            yield _commented(f"{aside}{name} = {to_toml(values[name])}", meaning)
-        elif first:
-            yield _line(name, field, aside or ("# " if values else ""))
-        explained.add(name)
-
-
-def _line(name: str, field: FieldInfo, aside: str = "") -> str:
-    extra: Any = field.json_schema_extra or {}
-    aside = aside or ("" if extra.get("written", True) else "# ")
-    text = _commented(f"{aside}{name} = {example_of(field)}", _meaning(field))
-    inner = table_of(field)
-    within = [f"#   {key}: {_meaning(each)}" for key, each in fields_of(inner).items()] if inner else []
-    return "\n".join([*within, text])
-
-
-def _commented(text: str, meaning: str) -> str:
-    """The key with its meaning behind it, or above it where both do not fit a line."""
-    line = f"{text.ljust(COLUMN - 2)}  # {meaning}" if meaning else text
-    if len(line) <= WIDTH:
-        return line
-    return "\n".join([*wrap(meaning, WIDTH, initial_indent="# ", subsequent_indent="# "), text])
-
-
-def _meaning(field: FieldInfo) -> str:
+def meaning_of(field: FieldInfo) -> str:
+    """What a key means and, in brackets, what it may hold."""
     entry = entry_of(field)
     kind = entry.describe() if entry and not table_of(field) else ""
     return f"{field.description} [{kind}]" if kind and kind != "text" else field.description or ""

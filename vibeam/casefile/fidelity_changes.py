@@ -17,7 +17,7 @@ from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam.casefile.field_tables import flat
 from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.toml import key_parts
-from vibeam.casefile.validation import entry_of, fields_of, is_repeated, keys_of, physics_keys, table_of
+from vibeam.casefile.validation import entry_of, fields_of, is_list, is_repeated, keys_of, physics_keys, table_of
 
 OWN = ("set", "without")
 
@@ -114,6 +114,7 @@ class _Change:
         own["fidelity"] = {self.name: {key: each for key, each in self.table.items() if key not in OWN}}
         for key in self.left:
             _remove(own, key_parts(key))
+            _remove_on(own, key)
         places: dict[KeyPath, KeyPath] = {}
         for key, value in self.settings.items():
             try:
@@ -152,7 +153,7 @@ def _field_at(model: type[BaseModel], key: str) -> tuple[FieldInfo | None, str |
 def _within(field: FieldInfo, rest: list[str], key: str) -> tuple[FieldInfo | None, str | None]:
     """As ``_field_at``, from a table on."""
     table = table_of(field)
-    if rest and table is not None and is_repeated(field) and rest[0].isdigit():
+    if rest and table is not None and is_repeated(field) and (rest[0].isdigit() or not is_list(field)):
         rest = rest[1:]
         if not rest:
             return None, None
@@ -175,3 +176,14 @@ def _remove(tables: dict[str, Any], parts: list[str]) -> None:
     for place in places:
         if isinstance(place, dict):
             place.pop(last, None)
+
+
+def _remove_on(tables: dict[str, Any], name: str) -> None:
+    """Take away what is on a beam that is left out: entries of lists of tables with ``on`` = its name."""
+    for key, value in tables.items():
+        if isinstance(value, list) and any(_is_on(each, name) for each in value):
+            tables[key] = [each for each in value if not _is_on(each, name)]
+
+
+def _is_on(table: Any, name: str) -> bool:
+    return isinstance(table, dict) and table.get("on") == name

@@ -62,6 +62,34 @@ class Several(Entry):
 
 
 @dataclass(frozen=True)
+class OneOrSeveral(Entry):
+    """A quantity, or a list of at least one."""
+
+    each: Quantity
+    limit: int = 1_000_000
+
+    @property
+    def _several(self) -> Several:
+        return Several(self.each, limit=self.limit)
+
+    def parse(self, value: Any) -> Any:
+        """As ``Entry.parse``: a number, or a tuple of numbers."""
+        return self._several.parse(value) if isinstance(value, list) else self.each.parse(value)
+
+    def nondimensional(self) -> OneOrSeveral:
+        """As ``Entry.nondimensional``."""
+        return replace(self, each=self.each.nondimensional())
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return f"{self.each.describe()} | list of them"
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"anyOf": [self.each.schema(), self._several.schema()]}
+
+
+@dataclass(frozen=True)
 class Each(Entry):
     """A list of at least one entry of a kind, each only once; also one ``alone``."""
 

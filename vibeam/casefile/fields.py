@@ -81,7 +81,7 @@ class Range:
             return ""
         if self.high == math.inf:
             return f"{'≥' if self.closed else '>'} {self.low:g}"
-        return f"[{self.low:g}, {self.high:.0f}]"
+        return f"[{self.low:g}, {self.high:.7g}]"
 
 
 ANY = Range()

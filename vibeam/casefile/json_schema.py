@@ -7,7 +7,7 @@ from typing import Any
 
 from pydantic.json_schema import models_json_schema
 
-from vibeam.casefile.tables.cases import beam_case, sdof_case
+from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.tables.table import NOTES
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -16,9 +16,10 @@ TITLE = "A case of vibeam"
 
 
 def case_schema() -> dict[str, Any]:
-    """The schema: one of the two kinds of case, each of whose tables is a definition, those of effects within it."""
-    _, declared = models_json_schema([(beam_case(), "validation"), (sdof_case(), "validation")])
-    kinds = [{"$ref": f"#/$defs/{kind.__name__}"} for kind in (beam_case(), sdof_case())]
+    """The schema: one of the kinds of case, each of whose tables is a definition, those of effects within it."""
+    models = [kind.declaration() for kind in KINDS.values()]
+    _, declared = models_json_schema([(model, "validation") for model in models])
+    kinds = [{"$ref": f"#/$defs/{model.__name__}"} for model in models]
     return {"$schema": DIALECT, "title": TITLE, "anyOf": kinds, "$defs": _plain(declared["$defs"])}
 
 

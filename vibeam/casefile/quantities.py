@@ -21,6 +21,7 @@ class Dimension:
     unit: str
     example: str
     bare: bool = True  # whether a number without a unit can only mean one thing
+    own: tuple[str, str] | None = None  # a unit that means something else elsewhere, in units of ``unit``
 
 
 LENGTH = Dimension("a length", "m", "180 mm")
@@ -47,11 +48,17 @@ FREQUENCY = Dimension("a frequency", "Hz", "15.5 Hz")
 
 ANGULAR_FREQUENCY = Dimension("a frequency", "rad/s", "1 rad/s", bare=False)
 
+ANGLE = Dimension("an angle", "rad", "30 deg")
+
+SWEEP_RATE = Dimension("a sweep rate", "Hz/s", "0.1 Hz/s")
+
 RATIO = Dimension("a plain number", "", "0.5")
 
-ACCELERATION = Dimension("an acceleration", "m/s^2", "9.81 m/s^2")
+ACCELERATION = Dimension("an acceleration", "m/s^2", "9.81 m/s^2", own=("g", "9.80665"))  # not grams
 
 FORCE = Dimension("a force", "N", "5 N")
+
+MOMENT = Dimension("a moment", "N m", "0.1 N m")
 
 STIFFNESS = Dimension("a stiffness", "N/m", "2000 N/m")
 
@@ -66,7 +73,8 @@ FORCE_FACTOR = Dimension("a force per current", "N/A", "20 N/A")
 
 _NAMED = (
     *(LENGTH, MASS, TIME, INERTIA, PRESSURE, DENSITY, VOLTAGE, PER_VOLT, SPEED, FREQUENCY, RATIO),
-    *(ACCELERATION, FORCE, STIFFNESS, VISCOUS, TURNING_STIFFNESS, RESISTANCE, INDUCTANCE, FORCE_FACTOR),
+    *(ANGLE, SWEEP_RATE, ACCELERATION, FORCE, MOMENT, STIFFNESS, VISCOUS, TURNING_STIFFNESS),
+    *(RESISTANCE, INDUCTANCE, FORCE_FACTOR),
 )
 
 
@@ -80,9 +88,9 @@ def dimension(unit: str) -> Dimension:
 
 _USUAL = ["mm", "m", "cm", "µm", "km", "kg", "g", "s", "ms", "Hz", "kHz", "rad/s", "rpm", "Pa", "kPa", "MPa", "GPa"]
 
-_USUAL += ["V", "mV", "1/V", "kg/m^3", "g/cm^3", "kg m^2", "N/m^2", "m/s", "mm/s", "N s/m", "%"]
+_USUAL += ["V", "mV", "1/V", "kg/m^3", "g/cm^3", "kg m^2", "N/m^2", "m/s", "mm/s", "N s/m", "Hz/s", "%"]
 
-_USUAL += ["m/s^2", "N", "N/m", "N m/rad", "ohm", "H", "mH", "N/A"]
+_USUAL += ["m/s^2", "N", "N m", "N/m", "N m/rad", "ohm", "H", "mH", "N/A", "rad", "deg"]
 
 # An angle is a dimension of its own here, so that 1 Hz = 2π rad/s and a bare 1/s is neither.
 _DEFINITIONS = """
@@ -122,6 +130,9 @@ _UNIT = re.compile(rf"(?:1 ?/ ?)?[A-Za-zµ%]+{_POWER}(?:(?: ?[*/·] ?| )[A-Za-z�
 _NOT_FINITE = re.compile(r"\s*[+-]?(nan|inf|infinity)\b.*", re.DOTALL | re.IGNORECASE)
 
 
+SMALLEST, LARGEST = 1e-100, 1e100  # the models multiply quantities, and square them
+
+
 class UnitError(ValueError):
     """A value that is not the quantity asked for; the text says what it is instead, or how to write it."""
 
@@ -136,6 +147,10 @@ def to_si(value: Any, kind: Dimension) -> float:
         raise UnitError(f"must be {kind.phrase} such as {_example(kind)}, not {as_shown_in_message(value)}")
     if not math.isfinite(number):
         raise UnitError(f"{as_shown_in_message(value)} is not a finite number")
+    if number and not SMALLEST <= abs(number) <= LARGEST:
+        raise UnitError(
+            f"{as_shown_in_message(value)} is beyond the range of a case, {SMALLEST:g} to {LARGEST:g} in SI units"
+        )
     return number
 
 
@@ -175,6 +190,8 @@ def _from_text(text: str, kind: Dimension) -> float:
 
 def _factor(unit: str, kind: Dimension, text: str) -> Decimal:
     """Factor from ``unit`` to the kind's unit; UnitError names what ``text`` is where there is none."""
+    if kind.own and unit == kind.own[0]:
+        return Decimal(kind.own[1])
     found = _parsed(unit)
     if found is None:
         raise UnitError(_unknown(unit, text))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -13,7 +13,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from vibeam.case.case import Case
-from vibeam.case.faults import OVERRIDE, CaseError, Complaint, Fault, KeyPath
+from vibeam.case.faults import OVERRIDE, CaseError, Complaint, Fault, KeyPath, shortened
 from vibeam.case.plans import CostPlan, FigurePlan, InfluencePlan
 from vibeam.casefile.build import (
     _accuracy,
@@ -26,13 +26,14 @@ from vibeam.casefile.build import (
     _shared,
     _shows,
     _sweep,
-    scene_of,
+    numbers_of,
 )
 from vibeam.casefile.content import content, digest, toml_text
 from vibeam.casefile.fidelity_changes import FidelityCase, variants
 from vibeam.casefile.inline import name_of
+from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.overrides import OverrideError, override
-from vibeam.casefile.tables.cases import BeamCase, SdofCase
+from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.rules import cross_checks
 from vibeam.casefile.toml import parsed
 from vibeam.casefile.validation import complaints, declaration, read, readable_case
@@ -53,24 +54,24 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
     """The case that ``text`` says, as ``load``; ``path`` is what faults call it, references lie in its folder."""
     file = Path(path)
     declared, changed = validate(text, file, set or {})
-    sweep, numbers = _sweep(declared.sweep), content(declared, "numbers")
+    sweep, numbers = _sweep(declared.sweep), numbers_of(declared, changed, file.parent)
     return Case(
         path=file,
         text=toml_text(content(declared)),
         numbers=toml_text(numbers),
         key=digest(numbers),
-        shared=toml_text(_shared(declared, declared.sweep)),
-        own=_keys(declared, changed),
+        shared=toml_text(_shared(declared, declared.sweep, file.parent)),
+        own=_keys(declared, changed, file.parent),
         title=declared.title or file.stem,
         source=declared.source,
-        scene=scene_of(declared),
+        scene=KINDS[declared.kind].scene_of(declared, file.parent),
         fidelities=_fidelities(declared),
         sweep=sweep,
         references=_references(declared, file.parent, sweep.direction),
-        scenes={name: scene_of(own) for name, own in changed.items()},
+        scenes={name: KINDS[own.kind].scene_of(own, file.parent) for name, own in changed.items()},
         expectations=_expectations(declared, sweep.direction),
         measured=_measurements(declared, sweep.direction),
-        shows=_shows(declared, changed, sweep),
+        shows=_shows(declared, changed, sweep, file.parent),
         cost=CostPlan(**dict(declared.cost)),
         influence=InfluencePlan(**dict(getattr(declared, "influence", ()))),
         figure=FigurePlan(**dict(declared.figure)),
@@ -87,10 +88,7 @@ def without_accuracy(case: Case) -> Case:
     return parse(toml_text(rest), case.path)
 
 
-Declared = BeamCase | SdofCase
-
-
-def validate(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[Declared, dict[str, Declared]]:
+def validate(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[AnyCase, dict[str, AnyCase]]:
     """The declared case in SI units, and that of each fidelity that changes it; CaseError with all faults."""
     tables, lines = parsed(text, file)
     faults, paths = _override(tables, overrides)
@@ -103,7 +101,7 @@ def validate(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[Decla
     return _settled(case, changed), {name: variant.declared for name, variant in changed.items()}
 
 
-def _settled(case: Declared, changed: Mapping[str, FidelityCase]) -> Declared:
+def _settled(case: AnyCase, changed: Mapping[str, FidelityCase]) -> AnyCase:
     """The case with what its fidelities set in SI units, so that equal cases have equal texts."""
     tables: Any = case.fidelity
     own = {name: table.model_copy(update=_own(table, changed.get(name))) for name, table in tables.items()}
@@ -121,29 +119,44 @@ def _override(tables: dict[str, Any], overrides: Mapping[str, Any]) -> tuple[lis
         try:
             paths.add(override(tables, key, value))
         except OverrideError as error:
-            faults.append(Fault(OVERRIDE, None, _short(ascii(str(key))[1:-1], 80), str(error)))
+            faults.append(Fault(OVERRIDE, None, shortened(ascii(str(key))[1:-1], 80), str(error)))
     return faults, paths
 
 
-def _validated(tables: dict[str, Any], folder: File) -> tuple[BeamCase | SdofCase | None, list[Complaint]]:
+def _validated(tables: dict[str, Any], folder: File) -> tuple[AnyCase | None, list[Complaint]]:
     model = declaration(tables)
-    case: BeamCase | SdofCase | None = None
+    case: AnyCase | None = None
     alone: list[Complaint] = []
     excused: set[KeyPath] = set()
     try:
         case = read(tables)
     except ValidationError as error:
         alone, excused = complaints(error, model)
-    together = list(cross_checks(readable_case(model, tables), folder))
+    together = tuple(cross_checks(readable_case(model, tables), folder))
     return case, alone + _unreported(together, {path for path, _ in alone} | excused)
 
 
-def _unreported(together: Iterable[Complaint], reported: set[KeyPath]) -> list[Complaint]:
-    """Complaints across keys where nothing has been reported of the key, or of the table it is in, before."""
+#: (table, key): keys that say what other keys of their table mean
+DECIDING = {("stop", "law"), *((name, "shape") for name in ("beam", "opposite", "section")), ("drive", "at"),
+            ("drive", "frequency")}  # fmt: skip
+
+
+def _unreported(together: Collection[Complaint], reported: set[KeyPath]) -> list[Complaint]:
+    """Complaints across keys where nothing has been reported of the key, or of the table it is in, before.
+
+    One about a whole table waits until its keys can be read: what it misses may be what is wrong. So do those about
+    the keys of a table beside one that says what they mean.
+    """
+    unread = {path[:1] for path in reported}
+    unclear = {path[:-1] for path in reported if (path[0], path[-1]) in DECIDING}
+    if unclear & {("beam",), ("opposite",)}:  # a section takes from its beam what it does not say
+        unclear |= {path[:-1] for path, _ in together if path[0] == "section"}
     return [
         (path, message)
         for path, message in together
-        if not any(path[:length] in reported for length in range(1, len(path) + 1))
+        if not {path, path[:-1]} & unclear
+        and path not in unread
+        and not any(path[:length] in reported for length in range(1, len(path) + 1))
     ]
 
 
@@ -157,7 +170,7 @@ class _Places:
 
     def fault(self, complaint: Complaint) -> Fault:
         path, message = complaint
-        key = ".".join(name_of(_short(str(part))) for part in path)
+        key = ".".join(name_of(shortened(str(part))) for part in path)
         places = [path[:length] for length in range(len(path), 0, -1)]
         if self.overridden.intersection(places):
             return Fault(OVERRIDE, None, key, message)
@@ -171,7 +184,3 @@ class _Places:
     def _opened(self, place: KeyPath) -> bool:
         """Test whether an override opened this table."""
         return any(path[: len(place)] == place for path in self.overridden)
-
-
-def _short(name: str, longest: int = 40) -> str:
-    return name if len(name) <= longest else f"{name[: longest - 1]}…"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Any, get_args, get_origin
 
@@ -12,18 +13,20 @@ from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest,
 from vibeam.casefile.field_tables import TableOr
 from vibeam.casefile.fields import Entry
 from vibeam.casefile.inline import name_of, to_toml
-from vibeam.casefile.tables.cases import BeamCase, SdofCase, beam_case, sdof_case
+from vibeam.casefile.kinds import KINDS, kind_of
+from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.effects import EffectTable
 from vibeam.casefile.tables.table import note
 from vibeam_models.effects import tables as effect_tables
 
 
-def declaration(tables: dict[str, Any]) -> type[BeamCase] | type[SdofCase]:
+def declaration(tables: dict[str, Any]) -> type[AnyCase]:
     """Declaration of the kind of case that the tables are."""
-    return sdof_case() if "sdof" in tables else beam_case()
+    made: type[AnyCase] = kind_of(tables).declaration()
+    return made
 
 
-def read(tables: dict[str, Any]) -> BeamCase | SdofCase:
+def read(tables: dict[str, Any]) -> AnyCase:
     """The case; pydantic's ValidationError if a key by itself is wrong."""
     return declaration(tables).model_validate(tables)
 
@@ -55,8 +58,11 @@ def _message(fault: Any, model: type[BaseModel]) -> str:
 
 def _unknown(loc: KeyPath, model: type[BaseModel]) -> str:
     name = str(loc[-1])
-    if len(loc) == 1 and "sdof" in keys_of(model) and name in ("beam", "mass", "sensor", *effect_tables()):
-        return f"[{name}] and [sdof] do not go together: keep [sdof], or the beam's tables"
+    own = next((kind for kind in KINDS if kind != "beam" and kind in keys_of(model)), None)
+    if len(loc) == 1 and own and name in ("beam", "mass", "sensor", *effect_tables()):
+        return f"[{name}] and [{own}] do not go together: keep [{own}], or the beam's tables"
+    if len(loc) == 1 and own and name in KINDS:
+        return f"[{name}] and [{own}] do not go together: keep one of the two"
     return f"unknown key; {suggest(name, keys_of(model_at(model, loc[:-1])))}"
 
 
@@ -104,8 +110,16 @@ def table_of(field: FieldInfo) -> type[BaseModel] | None:
     effect = _effect_of(field)
     if effect:
         return effect.table
-    inner = (field.annotation, *get_args(field.annotation))
-    return next((part for part in inner if isinstance(part, type) and issubclass(part, BaseModel)), None)
+    return next(
+        (part for part in _parts(field.annotation) if isinstance(part, type) and issubclass(part, BaseModel)), None
+    )
+
+
+def _parts(annotation: Any) -> Iterator[Any]:
+    """An annotation and all that it is made of, as in ``dict[str, Table] | None``."""
+    yield annotation
+    for inner in get_args(annotation):
+        yield from _parts(inner)
 
 
 def _effect_of(field: FieldInfo) -> EffectTable | None:
@@ -114,12 +128,18 @@ def _effect_of(field: FieldInfo) -> EffectTable | None:
 
 def is_repeated(field: FieldInfo) -> bool:
     """Test whether the field holds several tables."""
-    return not entry_of(field) and get_origin(field.annotation) in (dict, tuple)
+    return not entry_of(field) and _container(field) is not None
+
+
+def _container(field: FieldInfo) -> Any:
+    """``dict`` or ``tuple``, where the field is one of tables, or may be absent; None for a single one."""
+    kinds = (get_origin(each) for each in (field.annotation, *get_args(field.annotation)))
+    return next((kind for kind in kinds if kind in (dict, tuple)), None)
 
 
 def is_list(field: FieldInfo) -> bool:
     """Test whether the field holds a list of tables."""
-    return is_repeated(field) and get_origin(field.annotation) is tuple
+    return is_repeated(field) and _container(field) is tuple
 
 
 def lists_of(model: type[BaseModel]) -> list[str]:
@@ -143,9 +163,9 @@ def example_of(field: FieldInfo) -> str:
     return to_toml((field.examples or [None])[0])
 
 
-def readable_case(model: type[BeamCase] | type[SdofCase], tables: Any) -> SimpleNamespace:
-    """``readable_part`` of a whole case, and whether it is ``with_beam``."""
-    return SimpleNamespace(with_beam=model.with_beam, **vars(readable_part(model, tables)))
+def readable_case(model: type[AnyCase], tables: Any) -> SimpleNamespace:
+    """``readable_part`` of a whole case, and its ``kind``."""
+    return SimpleNamespace(kind=model.kind, **vars(readable_part(model, tables)))
 
 
 def readable_part(model: type[BaseModel], tables: Any) -> SimpleNamespace:
@@ -172,7 +192,7 @@ def _known(field: FieldInfo, value: Any) -> Any:
 def _tables(field: FieldInfo, table: type[BaseModel], value: Any) -> Any:
     if not is_repeated(field):
         return None if value is None and not field.is_required() else readable_part(table, value)
-    if get_origin(field.annotation) is dict:
+    if _container(field) is dict:
         items = value.items() if isinstance(value, dict) else ()
         return {name: readable_part(table, inner) for name, inner in items}
     return [readable_part(table, inner) for inner in value] if isinstance(value, list) else []

@@ -35,8 +35,9 @@ def shortened(file: Path, **more: object) -> Case:
 def expecting(case: Case, **more: object) -> Case:
     """The case at the frequencies where it expects something; where that is of whole branches, a small sweep at all.
 
-    A large sweep is then run near them. Integration by steps, which takes seconds a point, settles from rest at one
-    frequency in fewer periods. What is read off a figure needs no sweep; the peaks of the experiment lie anywhere in
+    A large sweep is then run near them, and so is the way up to where motions end: a long jump would carry a motion
+    that does not repeat there. Integration by steps, which takes seconds a point, settles from rest at one frequency in
+    fewer periods. What is read off a figure needs no sweep; the peaks of the experiment lie anywhere in
     it.
     """
     swept = [each for each in case.expectations.values() if each.show is None]
@@ -46,7 +47,15 @@ def expecting(case: Case, **more: object) -> Case:
         return vibeam.load(case.path, set=more if swept else {"sweep.frequency": [14.5]} | more)
     small = len(case.sweep.frequency) <= WHOLE
     near = (1.0 if small else 0.04) if whole else 1e-9  # 1: everywhere
-    grid = [f for f in case.sweep.frequency.tolist() if any(np.isclose(f, each, rtol=near) for each in wanted)]
+    swept_at = case.sweep.frequency.tolist()
+    ends = {each.frequency for each in swept if each.quantity == "period" and each.value == -1 and each.frequency}
+    grid = [
+        f
+        for f in swept_at
+        if not wanted
+        or any(np.isclose(f, each, rtol=near) for each in wanted)
+        or any(0.97 * end < f < end for end in ends)
+    ]
     stepped = any(each.solver in STEPPED for each in case.fidelities.values())
     settle = {"sweep.settle": 60, "sweep.direction": "up"} if stepped else {}
     return vibeam.load(case.path, set={"sweep.frequency": grid} | settle | more)

@@ -8,10 +8,13 @@ import pytest
 
 from tests.models.bench import POINT_MASS, RIG, STEEL
 from vibeam.case.fidelity import Fidelity, reduced, system
+from vibeam_models.base import Base
 from vibeam_models.base_motion import base_amplitude
 from vibeam_models.beam import assemble
+from vibeam_models.beams.beam import Damping
 from vibeam_models.laws.restitution import first_mode_restitution
-from vibeam_models.scene import Base, Damping, SdofScene, Stop
+from vibeam_models.scene import SdofScene
+from vibeam_models.stop import Stop
 
 SDOF = Fidelity("sdof", "static_mode")
 BEAM = Fidelity("beam", "modal", modes=8)

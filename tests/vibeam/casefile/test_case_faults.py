@@ -13,9 +13,10 @@ from stand_in import one_mode
 
 import vibeam
 from vibeam.case.faults import CaseError, Fault, printable
-from vibeam.casefile.documentation import template
 from vibeam.casefile.inline import to_toml
 from vibeam.casefile.read import parse
+from vibeam.casefile.rigs import RIGS
+from vibeam.casefile.template import template
 from vibeam.solvers import SOLVERS as DECLARED
 
 RIG = """title = "rig"
@@ -122,7 +123,7 @@ WRONG = [
     ("damping_ratio", "damping_ratoi", "8: beam.damping_ratoi: unknown key; did you mean 'damping_ratio'?"),
     ("gain = 5e-4\n", "", "18: drive.gain: missing: voltage needs it beside it"),
     ('voltage = "0.6 V"\n', "", "18: drive.voltage: missing: gain needs it beside it"),
-    ('voltage = "0.6 V"\ngain = 5e-4\n', "", "18: drive: the base motion is missing: write voltage and gain, or amplitude"),
+    ('voltage = "0.6 V"\ngain = 5e-4\n', "", "18: drive: the base motion is missing: write voltage and gain, or amplitude, velocity or acceleration; or force or moment with at"),
     ("gain = 5e-4", "amplitude = 1e-4", "20: drive.amplitude: the base motion is said twice: keep amplitude, or voltage"),
     ("static_mode", "modal", "25: fidelity.sdof.modes: missing: reduction = \"modal\" needs how many; write modes = 8"),
     ("static_mode\"", "full\"\nmodes = 3", "27: fidelity.sdof.modes: goes with reduction = \"modal\" alone, not \"full\""),
@@ -166,7 +167,7 @@ def test_references(right, wrong, message):
     [
         ("gap = 0", 'gap = "0 mm"', "4: stop.gap: '0 mm' is a length, not a plain number"),
         ("gap = 0", 'gap = 0\ngap_at = "sensor"', "5: stop.gap_at: unknown key; did you mean 'gap'?"),
-        ("amplitude = 0.5e-3", "voltage = 1\namplitude = 0", "7: drive.voltage: unknown key; known here: amplitude"),
+        ("amplitude = 0.5e-3", "voltage = 1\namplitude = 0", "7: drive.voltage: unknown key; known here: amplitude, velocity, acceleration, frequency, harmonic, harmonic_share, harmonic_phase"),
         ("[stop]", "natural_frequency = 2\n[stop]", "3: sdof.natural_frequency: 2 may be rad/s or Hz: write '2 rad/s' or '2 Hz'"),
         ("exact]", "exact]\nreduction = \"full\"", "13: fidelity.exact.reduction: 'full' is not one of \"static_mode\""),
         ("exact]", "exact]\nmodes = 2", "13: fidelity.exact.modes: unknown key; known here: reduction, solver, options, set, without, label"),
@@ -200,7 +201,7 @@ def test_all_faults_come_at_once_in_the_order_of_lines():
         ("beam.length", "1 kg", "beam.length: '1 kg' is a mass, not a length"),
         ("beam.length", "nan", "beam.length: nan is not a finite number"),
         ("beam.length.x", 1, "beam.length.x: there is no 'x' in '180 mm'"),
-        ("nothing", 1, "nothing: unknown key; known here: title, source, accuracy, accuracy_of, beam, mass, added_mass, clamp, gravity, torsion, stop, sensor, drive, platform, shaker, measurement, sweep, fidelity, reference, expect, measured, show, figure, cost, influence"),
+        ("nothing", 1, "nothing: unknown key; known here: title, source, accuracy, accuracy_of, beam, mass, added_mass, clamp, further_stop, gravity, opposite, plate, section, support, torsion, stop, sensor, output, drive, platform, shaker, measurement, sweep, fidelity, reference, expect, measured, show, figure, cost, influence"),
         ("fidelity.more.reduction", "modal", 'fidelity.more.modes: missing: reduction = "modal" needs how many; write modes = 8'),
         ("mass.rotary_inertia", None, "mass.rotary_inertia: cannot be taken away: it is not in the case"),
         ("mass.position", object(), "mass.position: a object is no value of a case"),
@@ -361,7 +362,7 @@ PIECES += ["a." * 500 + "a", "[" * 30 + "]" * 30, "{a=" * 30 + "1" + "}" * 30, '
 @settings(deadline=None)
 @given(st.data())
 def test_a_case_with_a_piece_replaced_is_a_case_or_a_case_error(data):
-    text = data.draw(st.sampled_from([RIG + REFERENCE, SDOF, template()]))
+    text = data.draw(st.sampled_from([RIG + REFERENCE, SDOF, *map(template, RIGS)]))
     start = data.draw(st.integers(0, len(text)))
     piece = data.draw(st.sampled_from(PIECES))
     survives(text[:start] + piece + text[start + data.draw(st.integers(0, 12)) :])

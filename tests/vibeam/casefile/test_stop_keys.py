@@ -97,6 +97,10 @@ def test_every_law_is_built() -> None:
         ('law = "linear"\nstiffness = "1 N"', "not a stiffness"),
         ('law = "linaer"', "linear"),
         ('restitution = 0.7\nsecond_gap = "-0.1 mm"', "stop.second_gap: must be above −gap"),
+        (
+            'restitution = 0.7\nsecond_gap = "1 mm"\ndrift = ["0 mm", "-10 mm"]\ndrift_frequency = [10, 30]',
+            "stop.second_gap: must be above −gap less the drift, -0.003 m, = 0.0029 m",
+        ),
         ('restitution = 0.7\ndrift = ["0 mm"]', "stop.drift_frequency: missing"),
         ("restitution = 0.7\ndrift = [0.0]\ndrift_frequency = [14, 16]", "stop.drift: 1 numbers for 2 frequencies"),
         (

@@ -79,6 +79,8 @@ def test_a_quantity_in_si(value, kind, expected):
         (math.nan, units.LENGTH, "nan is not a finite number"),
         (math.inf, units.LENGTH, "inf is not a finite number"),
         ("1e999 mm", units.LENGTH, "'1e999 mm' is not a finite number"),
+        ("1e101 m", units.LENGTH, "'1e101 m' is beyond the range of a case, 1e-100 to 1e+100 in SI units"),
+        (-1e-101, units.LENGTH, "-1e-101 is beyond the range of a case, 1e-100 to 1e+100 in SI units"),
         ("1e-400 mm", units.LENGTH, "'1e-400 mm' is beyond the range of numbers"),
         ("1e99999999999999999999 mm", units.LENGTH, "'1e99999999999999999999 mm' is beyond the range of numbers"),
         (10**400, units.LENGTH, "a number of more than 38 digits is not a finite number"),

@@ -3,15 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path as File
 from types import SimpleNamespace
-from typing import Annotated
+from typing import Annotated, Any
 
 from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Several
-from vibeam.casefile.fields import POSITIVE, Count, Quantity
-from vibeam.casefile.tables.effects import effects_in
-from vibeam.casefile.tables.table import MOST_ELEMENTS, Length, Place, Ratio, Table, key
+from vibeam.casefile.fields import POSITIVE, Count, Quantity, Range, Word
+from vibeam.casefile.inline import to_toml
+from vibeam.casefile.tables.drive import drive_checks
+from vibeam.casefile.tables.effects import effect_checks, effects_in
+from vibeam.casefile.tables.held_places import held_checks
+from vibeam.casefile.tables.outputs import output_checks
+from vibeam.casefile.tables.table import MOST_ELEMENTS, Length, Place, Ratio, Table, declared_key, key, table
+from vibeam_models.beams.shapes import SHAPES
+from vibeam_models.keys import defaults_of, keys_of
+
+
+def beam_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
+    """Complaints about a beam, its drive and its effects."""
+    yield from beam_checks(case)
+    yield from drive_checks(case)
+    yield from effect_checks(case)
+    yield from output_checks(case)
+    yield from held_checks(case)
 
 
 def beam_checks(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -19,16 +35,30 @@ def beam_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     yield from _positions(case)
     if case.mass is None:
         yield from _bare(case)
-    yield from _damping(case.beam)
+    yield from _shape(case.beam)
+    yield from damping_checks(case.beam, "beam")
+
+
+def _shape(beam: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about the dimensions of the section."""
+    kind = SHAPES[beam.shape or "rectangle"]
+    own = keys_of(kind)
+    for name in own.keys() - defaults_of(kind).keys():
+        if getattr(beam, name) is None:
+            yield ("beam", name), f"missing ({own[name].meaning}): write {name} = {to_toml(own[name].example)}"
+    for name in sorted({each for shape in SHAPES.values() for each in keys_of(shape)} - own.keys()):
+        if getattr(beam, name) is not None:
+            yield ("beam", name), f'does not go with shape = "{kind.name}": take it out'
+    yield from ((("beam", name), message) for name, message in kind.faults(beam))
 
 
 def _positions(case: SimpleNamespace) -> Iterator[Complaint]:
     named = {"mass": case.mass, "sensor": case.sensor, "stop": case.stop}
-    places: dict[KeyPath, SimpleNamespace] = {(name, "position"): table for name, table in named.items()}
+    places: dict[KeyPath, SimpleNamespace] = {(name, "position"): each for name, each in named.items()}
     length = case.beam.length
-    for path, table in places.items():
-        if length is not None and table is not None and table.position is not None and table.position > length:
-            yield path, f"{table.position:g} m is beyond the tip: beam.length is {length:g} m"
+    for path, each in places.items():
+        if length is not None and each is not None and each.position is not None and each.position > length:
+            yield path, f"{each.position:g} m is beyond the tip: beam.length is {length:g} m"
 
 
 def _bare(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -44,11 +74,12 @@ def _bare(case: SimpleNamespace) -> Iterator[Complaint]:
         yield ("drive", "gain"), 'is of a beam with an attached mass: write amplitude = "0.05 mm", or add [mass]'
 
 
-def _damping(beam: SimpleNamespace) -> Iterator[Complaint]:
-    path, ratios = ("beam", "damping_ratio"), beam.damping_ratio
+def damping_checks(beam: SimpleNamespace, name: str) -> Iterator[Complaint]:
+    """Complaints about the damping ratios of the table [``name``]."""
+    path, ratios = (name, "damping_ratio"), beam.damping_ratio
     if isinstance(beam.damping, tuple):
         if ratios is not None:
-            yield path, "beam.damping lists the ratios already: keep one of the two"
+            yield path, f"{name}.damping lists the ratios already: keep one of the two"
     elif beam.damping is not None and ratios is None:
         yield path, "missing (damping ratio of the first mode): write damping_ratio = 0.017"
     elif beam.damping == "rayleigh" and len(ratios) != 2:
@@ -57,14 +88,33 @@ def _damping(beam: SimpleNamespace) -> Iterator[Complaint]:
         yield path, f'damping = "{beam.damping}" needs one number; a list of ratios goes into damping'
 
 
-class BeamTable(Table):
-    """The beam: a uniform cantilever of rectangular section, clamped at 0."""
+def most_modes(case: Any, folder: File) -> tuple[int, str]:
+    """Largest number of modes of a beam's case (0: not known), and the key that sets it."""
+    effects = [effect for _, effect, _ in effects_in(case)]
+    if case.beam.massless:
+        return (case.mass is not None) + sum(effect.inertias for effect in effects), "a massless beam's inertias give"
+    each = 2 + sum(effect.modes_per_element for effect in effects)
+    return each * (case.beam.elements or 0), "beam.elements gives"
 
-    length: Annotated[float, Length] = key("free length, clamp to tip", "180 mm")
-    width: Annotated[float, Length] = key("width of the section", "20 mm")
-    thickness: Annotated[float, Length] = key("thickness of the section, in the direction of motion", "1.034 mm")
+
+def _shape_keys() -> dict[str, Any]:
+    """The keys of all shapes of a section, none of which every beam has."""
+    return {name: declared_key(each, None) for shape in SHAPES.values() for name, each in keys_of(shape).items()}
+
+
+class _Along(Table):
+    length: Annotated[float, Length] = key("length, from x = 0 to the tip", "180 mm")
+    shape: Annotated[str | None, Word(tuple(SHAPES))] = key(
+        "of the section; absent = rectangle", "tube", None, written=False
+    )
+
+
+class _Made(Table):
     youngs_modulus: Annotated[float, Quantity(units.PRESSURE, POSITIVE)] = key("modulus of elasticity", "210 GPa")
     density: Annotated[float, Quantity(units.DENSITY, POSITIVE)] = key("mass per volume", "7850 kg/m^3")
+    poissons_ratio: Annotated[float | None, Quantity(units.RATIO, Range(0, 0.5))] = key(
+        "of theory timoshenko", 0.3, None, written=False
+    )
     damping_ratio: Annotated[tuple[float, ...] | None, Several(Ratio, alone=True)] = key(
         "of the first mode; for rayleigh a list of two, of modes 1 and 2; left away where damping is a list",
         0.017,
@@ -79,23 +129,17 @@ class BeamTable(Table):
     elements: Annotated[int, Count(1, MOST_ELEMENTS)] = key("finite elements along the beam", 36, 36)
 
 
+BeamTable: Any = table("BeamTable", "The beam, clamped at 0 unless ends says otherwise.", _Along, _shape_keys(), _Made)
+
+
 class MassTable(Table):
     """The mass attached to the beam; absent = a bare beam."""
 
     mass: Annotated[float, Quantity(units.MASS, POSITIVE)] = key("attached mass", "0.2 kg")
-    position: Annotated[float, Place] = key("distance from the clamp, in (0, length]", "132 mm")
+    position: Annotated[float, Place] = key("distance from x = 0, in (0, length]", "132 mm")
 
 
 class SensorTable(Table):
     """The sensor of the displacement."""
 
-    position: Annotated[float, Place] = key("distance from the clamp, in (0, length]", "100 mm")
-
-
-class SdofTable(Table):
-    """A single degree of freedom in place of beam, mass and sensor: the paper's model, nondimensional."""
-
-    natural_frequency: Annotated[float, Quantity(units.ANGULAR_FREQUENCY, POSITIVE)] = key(
-        "of free motion, with its unit; 1 rad/s = nondimensional time", "1 rad/s", 1.0
-    )
-    damping_ratio: Annotated[float, Ratio] = key("β, of critical", 0.015)
+    position: Annotated[float, Place] = key("distance from x = 0, in (0, length]", "100 mm")

@@ -1,18 +1,20 @@
-"""The two kinds of case: a beam on the bench, and a single degree of freedom."""
+"""The tables of two kinds of case: a beam on the bench, a single degree of freedom."""
 
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from vibeam.casefile.field_lists import Each
 from vibeam.casefile.fields import Text, Word
-from vibeam.casefile.tables.beam import BeamTable, MassTable, SdofTable, SensorTable
+from vibeam.casefile.tables.beam import BeamTable, MassTable, SensorTable
 from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable
 from vibeam.casefile.tables.effects import effect_tables, with_effects
 from vibeam.casefile.tables.expectations import ExpectTable, ReferenceTable
 from vibeam.casefile.tables.figures import FigureTable, MeasurementTable, SdofMeasurementTable, ShowTable
 from vibeam.casefile.tables.measured import MeasuredTable
+from vibeam.casefile.tables.outputs import OutputTable
+from vibeam.casefile.tables.single import SdofTable
 from vibeam.casefile.tables.stop import sdof_stop_table, stop_table
 from vibeam.casefile.tables.studies import CostTable, InfluenceTable
 from vibeam.casefile.tables.sweep import FidelityTable, SdofFidelityTable, SdofSweepTable, SweepTable
@@ -24,10 +26,23 @@ from vibeam_models.laws import LAWS
 ASIDE: Any = {"physics": False, "numbers": False}  # no part of the rig, nor of what its sweeps compute
 
 
-class _Case(Table):
-    """First keys of both kinds of case."""
+class AnyCase(Table):
+    """First keys of every kind of case; ``kind``: its name among ``KINDS``."""
 
-    with_beam: ClassVar[bool] = True
+    kind: ClassVar[str] = "beam"
+
+    if TYPE_CHECKING:  # what stands further down in every kind
+        stop: Any
+        drive: Any
+        sweep: Any
+        fidelity: Any
+        show: Any
+        cost: Any
+        figure: Any
+        measurement: Any
+        reference: Any
+        expect: Any
+        measured: Any
 
     title: Annotated[str, Text()] = key(
         "what the case is; absent = the name of its file", "DTU impacting beam, neutral gap, 0.6 V", "", **ASIDE
@@ -52,12 +67,13 @@ class _Case(Table):
 
 
 class _Carrier(Table):
-    beam: BeamTable
+    beam: Any
     mass: MassTable | None
 
 
 class _Rig(Table):
     sensor: SensorTable
+    output: dict[str, OutputTable] | None = key("further outputs", None, None, written=False)
     drive: DriveTable
 
 
@@ -80,7 +96,7 @@ class _Influence(Table):
     influence: InfluenceTable = key("what vibeam influence does", None, InfluenceTable(), written=False, **ASIDE)
 
 
-class BeamCase(_Influence, _Checks, _Plan, _Rig, _Carrier, _Case):
+class BeamCase(_Influence, _Checks, _Plan, _Rig, _Carrier, AnyCase):
     """Case of a beam on the bench, without stop and effects: ``beam_case`` adds these."""
 
     stop: Any
@@ -93,7 +109,7 @@ class _Single(Table):
     source: Annotated[str, Text()] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "", **ASIDE)
     sdof: SdofTable
 
-    with_beam: ClassVar[bool] = False
+    kind: ClassVar[str] = "sdof"
 
 
 class _SinglePlan(Table):
@@ -103,7 +119,7 @@ class _SinglePlan(Table):
     fidelity: dict[str, SdofFidelityTable] = key("models of the rig", physics=False)
 
 
-class SdofCase(_Checks, _SinglePlan, _Single, _Case):
+class SdofCase(_Checks, _SinglePlan, _Single, AnyCase):
     """Case of a single degree of freedom by itself, without stop: ``sdof_case`` adds it."""
 
     stop: Any
@@ -127,13 +143,13 @@ def _beam_case(effects: Registered, laws: Registered) -> type[BeamCase]:
     stop = {"stop": (stop_table(), ...)}
     mass = with_effects("mass", MassTable) | None, key("attached to the beam; absent = a bare beam", None, None)
     carrier = {"beam": (with_effects("beam", BeamTable), ...), "mass": mass}
-    parts = (_Case, carrier, effect_tables("beam"), stop, _Rig, effect_tables("base"), _Plan, _Checks, _Influence)
+    parts = (AnyCase, carrier, effect_tables("beam"), stop, _Rig, effect_tables("base"), _Plan, _Checks, _Influence)
     made: type[BeamCase] = table("BeamCase", "A beam on the bench.", *parts)
     return made
 
 
 @lru_cache(maxsize=8)
 def _sdof_case(laws: Registered) -> type[SdofCase]:
-    parts = (_Case, _Single, {"stop": (sdof_stop_table(), ...)}, _SinglePlan, _Checks)
+    parts = (AnyCase, _Single, {"stop": (sdof_stop_table(), ...)}, _SinglePlan, _Checks)
     made: type[SdofCase] = table("SdofCase", "A single degree of freedom by itself.", *parts)
     return made

@@ -4,37 +4,103 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from types import SimpleNamespace
-from typing import Annotated
+from typing import Annotated, Any
 
 from vibeam.case.faults import Complaint
 from vibeam.casefile import quantities as units
+from vibeam.casefile.field_lists import OneOrSeveral, Several
 from vibeam.casefile.fields import NOT_NEGATIVE, POSITIVE, Quantity
-from vibeam.casefile.tables.table import Ratio, Table, key
+from vibeam.casefile.tables.harmonics import ORDERS, PHASES, SHARES, Orders, Phases, Shares
+from vibeam.casefile.tables.table import Frequency, Place, Ratio, Table, key
+
+MOTIONS = ("amplitude", "velocity", "acceleration")  # of the base
+
+LOADS = ("force", "moment")
+
+SIZES = (*MOTIONS, *LOADS, "voltage")  # what may be a list over drive.frequency
+
+NEAR = 1e-9  # share of the table's ends by which the sweep may lie outside, rounded
 
 
 def drive_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about the drive of a beam, with or without a platform."""
-    yield from (_base_motion(case.drive) if case.platform is None else _driven_platform(case))
+    yield from (_without_platform(case) if case.platform is None else _driven_platform(case))
+    yield from list_checks(case.drive, case.sweep.frequency)
 
 
-def _base_motion(drive: SimpleNamespace) -> Iterator[Complaint]:
-    shaker = [name for name in ("voltage", "gain") if getattr(drive, name) is not None]
-    if drive.force is not None:
-        yield ("drive", "force"), "acts on a platform: add [platform], or take force away"
-        return
-    if drive.amplitude is not None and shaker:
-        yield ("drive", "amplitude"), f"the base motion is said twice: keep amplitude, or {' and '.join(shaker)}"
-    elif drive.amplitude is None and not shaker:
-        yield ("drive",), "the base motion is missing: write voltage and gain, or amplitude"
-    elif len(shaker) == 1 and drive.amplitude is None:
-        other = "gain" if shaker == ["voltage"] else "voltage"
-        yield ("drive", other), f"missing: {shaker[0]} needs it beside it"
+def sdof_drive_checks(case: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about the drive of a single degree of freedom."""
+    said = [name for name in MOTIONS if getattr(case.drive, name) is not None]
+    if said:
+        yield from _said_once(case.drive, said)
+    else:
+        yield ("drive", "amplitude"), "missing (of the base B, in the unit of the motion): write amplitude = 0.0005"
+    yield from list_checks(case.drive, case.sweep.frequency)
+
+
+def _without_platform(case: SimpleNamespace) -> Iterator[Complaint]:
+    drive = case.drive
+    ways = [*(name for name in (*MOTIONS, *LOADS) if getattr(drive, name) is not None), *_by_voltage(drive)]
+    loads = [name for name in ways if name in LOADS]
+    if loads and drive.at is None:
+        yield ("drive", loads[0]), _placeless(loads[0])
+    elif drive.at is not None and ways and not loads:
+        yield ("drive", "at"), 'is where a force or a moment acts on the beam: write force = "1 N", or take at away'
+    elif len(ways) == 1 and loads:
+        yield from _place(case, loads[0])
+    else:
+        yield from _said_once(drive, ways)
+
+
+def _by_voltage(drive: SimpleNamespace) -> list[str]:
+    """The shaker's keys as one way to say the base motion."""
+    said = [name for name in ("voltage", "gain") if getattr(drive, name) is not None]
+    return [" and ".join(said)] if said else []
+
+
+def _placeless(load: str) -> str:
+    if load == "force":
+        return 'acts on the beam, or on a platform: write at = "120 mm", or add [platform]'
+    return 'acts on the beam: write at = "120 mm"'
+
+
+def _said_once(drive: SimpleNamespace, ways: list[str]) -> Iterator[Complaint]:
+    """One way to say the drive, a base motion where there is no other."""
+    if len(ways) > 1:
+        what = "drive" if set(ways) & {*LOADS} else "base motion"
+        yield ("drive", ways[0]), f"the {what} is said twice: keep {ways[0]}, or {ways[1]}"
+    elif not ways:
+        yield (
+            ("drive",),
+            "the base motion is missing: write voltage and gain, or amplitude, velocity or acceleration; "
+            "or force or moment with at",
+        )
+    elif ways[0] in ("voltage", "gain"):
+        other = "gain" if ways[0] == "voltage" else "voltage"
+        yield ("drive", other), f"missing: {ways[0]} needs it beside it"
+
+
+def _place(case: SimpleNamespace, load: str) -> Iterator[Complaint]:
+    """A place on the beam, with a mass there where the beam itself has none."""
+    at, length = case.drive.at, case.beam.length
+    if length is not None and at > length:
+        yield ("drive", "at"), f"{at:g} m is beyond the tip: beam.length is {length:g} m"
+    elif case.beam.massless and load == "moment":
+        yield ("drive", "moment"), "turns a beam without mass: take beam.massless out, or write force"
+    elif case.beam.massless:
+        carried = [case.mass, *(case.added_mass or ())]
+        if at not in [each.position for each in carried if each is not None]:
+            yield ("drive", "at"), "a massless beam has no inertia there: take the place of a mass, or massless out"
 
 
 def _driven_platform(case: SimpleNamespace) -> Iterator[Complaint]:
     """On a platform the drive is a shaker's voltage, a force, or a base motion that holds at one frequency."""
     drive, calibrated = case.drive, case.platform.calibrated_at
-    said = [name for name in ("voltage", "gain", "amplitude", "force") if getattr(drive, name) is not None]
+    names = ("voltage", "gain", *MOTIONS, "force")
+    said = [name for name in names if getattr(drive, name) is not None]
+    for name in ("at", "moment"):
+        if getattr(drive, name) is not None:
+            yield ("drive", name), f"is of a drive on the beam, and [platform] moves its base: take {name}, or it, away"
     if case.shaker is not None:
         for name in said:
             if name != "voltage":
@@ -49,7 +115,9 @@ def _driven_platform(case: SimpleNamespace) -> Iterator[Complaint]:
             if name != "force":
                 yield ("drive", name), f"the drive is said twice: keep force, or {name}"
     else:
-        yield from _base_motion(drive)
+        ways = [name for name in said if name in MOTIONS]
+        yield from _said_once(drive, [*ways, *_by_voltage(drive)])
+        yield from _measured_motion(drive, ways)
     by_itself = case.shaker is not None or "force" in said
     if calibrated is None and not by_itself:
         yield (
@@ -60,26 +128,104 @@ def _driven_platform(case: SimpleNamespace) -> Iterator[Complaint]:
         yield ("platform", "calibrated_at"), "goes with a base motion alone: a force or a shaker says the drive already"
 
 
+def _measured_motion(drive: SimpleNamespace, ways: list[str]) -> Iterator[Complaint]:
+    for name in ways:
+        if isinstance(getattr(drive, name), tuple):
+            said = "a base motion over frequency has the platform in it: take [platform] out, or give its force"
+            yield ("drive", name), said
+
+
+def list_checks(drive: SimpleNamespace, grid: Any) -> Iterator[Complaint]:
+    """Complaints about lists beside the frequencies that they are of, which the sweep does not leave."""
+    lists = {name: getattr(drive, name) for name in SIZES if isinstance(getattr(drive, name, None), tuple)}
+    if drive.frequency is None:
+        for name in lists:
+            yield ("drive", name), f'a list needs its frequencies: write frequency = ["14 Hz", …], one for each {name}'
+        return
+    if not lists:
+        if any(getattr(drive, name, None) is not None for name in SIZES):
+            yield ("drive", "frequency"), "is of a list of as many amplitudes, and there is none: take it away"
+        return
+    for name, values in lists.items():
+        if len(values) != len(drive.frequency):
+            yield ("drive", name), f"{len(values)} numbers for {len(drive.frequency)} frequencies"
+    yield from _inside(drive.frequency, _ends(grid))
+
+
+def _ends(grid: Any) -> tuple[float, ...]:
+    """First and last frequency of the sweep, those that could be read."""
+    ends = (grid[0], grid[-1]) if isinstance(grid, tuple) else (getattr(grid, "from_", None), getattr(grid, "to", None))
+    return tuple(end for end in ends if end is not None)
+
+
+def _inside(table: tuple[float, ...], ends: tuple[float, ...]) -> Iterator[Complaint]:
+    for end in ends:
+        if not table[0] * (1 - NEAR) <= end <= table[-1] * (1 + NEAR):
+            said = f"the table is of {table[0]:g} … {table[-1]:g} Hz, and the sweep has {end:g} Hz: lengthen the table"
+            yield ("drive", "frequency"), said
+            return
+
+
 class DriveTable(Table):
-    """The base motion amplitude · sin Ωt: say either voltage and gain, or amplitude; with [platform] also force, with
-    [shaker] voltage alone.
+    """The drive, harmonic: a base motion by voltage and gain, amplitude, velocity or acceleration; or a force or a
+    moment at a place of the beam. With [platform] a force on that, with [shaker] voltage alone. Any of these but gain
+    may be a list, of amplitudes at as many frequencies.
     """
 
-    voltage: Annotated[float | None, Quantity(units.VOLTAGE, NOT_NEGATIVE)] = key(
+    voltage: Annotated[Any, OneOrSeveral(Quantity(units.VOLTAGE, NOT_NEGATIVE))] = key(
         "amplitude of the shaker's voltage", "0.6 V", None
     )
     gain: Annotated[float | None, Quantity(units.PER_VOLT, POSITIVE)] = key(
         "γ of eq. 46: base amplitude over mode shape at the mass, length and voltage", 5.16e-4, None
     )
-    amplitude: Annotated[float | None, Quantity(units.LENGTH, NOT_NEGATIVE)] = key(
+    amplitude: Annotated[Any, OneOrSeveral(Quantity(units.LENGTH, NOT_NEGATIVE))] = key(
         "of the base, instead of voltage and gain", "0.05 mm", None, written=False
     )
-    force: Annotated[float | None, Quantity(units.FORCE, NOT_NEGATIVE)] = key(
-        "on the platform, instead of all of these; needs [platform]", "5 N", None, written=False
+    velocity: Annotated[Any, OneOrSeveral(Quantity(units.SPEED, NOT_NEGATIVE))] = key(
+        "of the base, its amplitude, instead", "5 mm/s", None, written=False
     )
+    acceleration: Annotated[Any, OneOrSeveral(Quantity(units.ACCELERATION, NOT_NEGATIVE))] = key(
+        "of the base, its amplitude, instead; g is 9.80665 m/s^2", "0.05 g", None, written=False
+    )
+    force: Annotated[Any, OneOrSeveral(Quantity(units.FORCE, NOT_NEGATIVE))] = key(
+        "on the beam where at says, or on the platform, instead of all of these", "5 N", None, written=False
+    )
+    moment: Annotated[Any, OneOrSeveral(Quantity(units.MOMENT, NOT_NEGATIVE))] = key(
+        "on the beam where at says, instead of all of these", "0.1 N m", None, written=False
+    )
+    at: Annotated[float | None, Place] = key(
+        "where the force or the moment acts on the beam, whose base is then at rest; from x = 0, in (0, length]",
+        "120 mm",
+        None,
+        written=False,
+    )
+    frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
+        "of a drive that is a list: one frequency for each of its numbers, linear between, none outside",
+        ["14 Hz", "17 Hz"],
+        None,
+        written=False,
+    )
+    harmonic: Annotated[tuple[int, ...] | None, Orders] = key(ORDERS, [2, 3], None, written=False)
+    harmonic_share: Annotated[tuple[float, ...] | None, Shares] = key(SHARES, ["5 %", "2 %"], None, written=False)
+    harmonic_phase: Annotated[tuple[float, ...] | None, Phases] = key(PHASES, ["30 deg", "0 deg"], None, written=False)
 
 
 class SdofDriveTable(Table):
-    """The base motion of the single degree of freedom."""
+    """The base motion of the single degree of freedom: amplitude, or velocity or acceleration, or one of these as a
+    list over frequency.
+    """
 
-    amplitude: Annotated[float, Ratio] = key("of the base B, in the unit of the motion", 0.5e-3)
+    amplitude: Annotated[Any, OneOrSeveral(Ratio)] = key("of the base B, in the unit of the motion", 0.5e-3, None)
+    velocity: Annotated[Any, OneOrSeveral(Ratio)] = key("ΩB, instead: the same at every Ω", 1e-3, None, written=False)
+    acceleration: Annotated[Any, OneOrSeveral(Ratio)] = key(
+        "Ω²B, instead: a force over the mass that is the same at every Ω", 2e-3, None, written=False
+    )
+    frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
+        "of a drive that is a list: one frequency for each of its numbers, linear between, none outside",
+        ["1.5 rad/s", "2.5 rad/s"],
+        None,
+        written=False,
+    )
+    harmonic: Annotated[tuple[int, ...] | None, Orders] = key(ORDERS, [2, 3], None, written=False)
+    harmonic_share: Annotated[tuple[float, ...] | None, Shares] = key(SHARES, ["5 %", "2 %"], None, written=False)
+    harmonic_phase: Annotated[tuple[float, ...] | None, Phases] = key(PHASES, ["30 deg", "0 deg"], None, written=False)

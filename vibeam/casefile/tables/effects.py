@@ -76,7 +76,7 @@ def effects_in(case: Any) -> Iterator[tuple[KeyPath, type[Effect], Any]]:
     """Path of each effect of a beam's case, its declaration, and the values of the table."""
     for name, home in EFFECTS.items():
         above, _, key = name.rpartition(".")
-        place = getattr(case, above) if above else case
+        place = getattr(case, above, None) if above else case
         found = getattr(place, key, None)
         if home.repeated:
             yield from (((name, index), home.load(), each) for index, each in enumerate(found or ()))

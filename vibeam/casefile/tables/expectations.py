@@ -7,12 +7,13 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated
 
-from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest
+from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, shortened, suggest
 from vibeam.case.reference_files import file_fault
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Value
 from vibeam.casefile.fields import POSITIVE, Quantity, Text, Word
 from vibeam.casefile.tables.names import NAME, named_fidelity
+from vibeam.casefile.tables.outputs import of_displacement
 from vibeam.casefile.tables.table import DIRECTIONS, EXTENTS, QUANTITIES, Frequency, Ratio, Table, key
 from vibeam.figures import FIGURES, LIMITS, OF_OUTPUT, READ
 
@@ -37,6 +38,8 @@ def reading_checks(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace
     yield from named_fidelity(case, (*path, "fidelity"), expect.fidelity)
     yield from named_fidelity(case, (*path, "against"), expect.against)
     yield from _swept(case, (*path, "direction"), expect.direction)
+    if expect.quantity in OF_OUTPUT:
+        yield from of_displacement(case, (*path, "quantity"), expect.quantity)
     if expect.show is not None or expect.number is not None or expect.quantity in READ:
         yield from _of_a_figure(case, path, expect)
     elif expect.quantity in EXTENTS and expect.frequency is not None:
@@ -54,7 +57,10 @@ def _of_a_figure(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace) 
         yield (*path, "show"), f"missing: name the {what}"
         return
     if expect.show not in case.show:
-        yield (*path, "show"), f"no [show.{expect.show}]; {suggest(expect.show, filter(NAME.fullmatch, case.show))}"
+        yield (
+            (*path, "show"),
+            f"no [show.{shortened(expect.show)}]; {suggest(expect.show, filter(NAME.fullmatch, case.show))}",
+        )
         return
     show = case.show[expect.show]
     if show.kind is None or expect.quantity is None:

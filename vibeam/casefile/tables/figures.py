@@ -11,12 +11,13 @@ from vibeam.case.plans import FigurePlan
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Each, Names, Several
 from vibeam.casefile.fields import POSITIVE, Count, Flag, Quantity, Range, Word
-from vibeam.casefile.tables.effects import platform_output
+from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.tables.names import named_fidelity
+from vibeam.casefile.tables.outputs import OutputName, shown_output
 from vibeam.casefile.tables.table import (
+    DIRECTIONS,
     FORMATS,
     MOST_POINTS,
-    OUTPUTS,
     QUANTITIES,
     Frequency,
     Length,
@@ -39,7 +40,8 @@ def figure_checks(case: SimpleNamespace) -> Iterator[Complaint]:
         if show.kind is not None:
             yield from _keys(path, show, FIGURES[show.kind])
             yield from _exact(case, path, show, FIGURES[show.kind])
-            yield from _output(case, (*path, "output"), show.output)
+            yield from KINDS[case.kind].output_complaints(case, (*path, "output"), show.output)
+            yield from shown_output(case, path, show, FIGURES[show.kind])
 
 
 def _keys(path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Complaint]:
@@ -60,6 +62,7 @@ def _keys(path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Co
 
 def _exact(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Complaint]:
     """Kinds that integrate along a motion, and the measuring chain, want one that is known at any time."""
+    yield from _transient(case, path, show, kind)
     measured = case.measurement is not None and show.kind in ("history", "portrait")
     if not (kind.exact or measured):
         return
@@ -73,11 +76,13 @@ def _exact(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace, kind: Fi
             yield (*path, "fidelities"), f'{who} needs an exact motion, "{solver}" of {name} gives samples: {cured}'
 
 
-def _output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:
-    if case.with_beam:
-        yield from platform_output(case, path, output)
-    elif output not in ("sensor", "contact", None):
-        yield path, f'a single degree of freedom has no "{output}": write "sensor"'
+def _transient(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Complaint]:
+    """A kind that flies a transient wants no solver of settled motions alone."""
+    for name in show.fidelities or tuple(case.fidelity) if kind.transient else ():
+        solver = case.fidelity[name].solver if name in case.fidelity else None
+        if solver is not None and SOLVERS[solver].stationary:
+            said = f'kind = "{show.kind}" flies a transient, "{solver}" of {name} knows settled motions alone'
+            yield (*path, "fidelities"), f"{said}: name in fidelities the others"
 
 
 def measurement_checks(chain: SimpleNamespace | None) -> Iterator[Complaint]:
@@ -122,8 +127,8 @@ class ShowTable(Table):
     quantity: Annotated[str | None, Word(QUANTITIES + OF_OUTPUT + LIMITS)] = key(
         "of a curve one of the response's, of boundaries one of the last two", "reach", None
     )
-    output: Annotated[str | None, Word(OUTPUTS)] = key(
-        "whose displacement; absent = the sweep's output", "contact", None, written=False
+    output: Annotated[str | None, OutputName()] = key(
+        "the output that is shown; absent = the sweep's output", "contact", None, written=False
     )
     near: Annotated[float | None, Frequency] = key(
         "of ringing: where it is looked for; modes below two thirds of it are taken off", "101 Hz", None, written=False
@@ -143,6 +148,12 @@ class ShowTable(Table):
 
     velocity: Annotated[tuple[float, ...] | None, Several(Speed, alone=True, ascending=True)] = key(
         "of impact: the contact's at first touch", ["20 mm/s", "50 mm/s"], None, written=False
+    )
+    rate: Annotated[float | None, Quantity(units.SWEEP_RATE, POSITIVE)] = key(
+        "of chirp: by how much the drive frequency changes a second", "0.1 Hz/s", None, written=False
+    )
+    direction: Annotated[str | None, Word(DIRECTIONS)] = key(
+        "of chirp: which way; absent = both, up and then down", "up", None, written=False
     )
 
 

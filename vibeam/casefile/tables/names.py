@@ -19,7 +19,7 @@ def name_checks(case: SimpleNamespace) -> Iterator[Complaint]:
         for name in getattr(case, kind):
             if not NAME.fullmatch(name):
                 yield (kind, name), f"the name {as_shown_in_message(name)} must be 1 to 64 letters, digits, - or _"
-    for group in {"show", "comparison"} & set(case.fidelity):
+    for group in sorted({"show", "comparison", "models"} & set(case.fidelity)):
         yield ("fidelity", group), f'the name "{group}" is that of a group of the results file: choose another'
 
 

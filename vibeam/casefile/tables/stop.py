@@ -7,10 +7,13 @@ from functools import lru_cache
 from types import SimpleNamespace
 from typing import Annotated, Any
 
+import numpy as np
+
 from vibeam.case.faults import Complaint, as_shown_in_message
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Quantity, Word
 from vibeam.casefile.inline import to_toml
+from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.tables.table import (
     Place,
     Table,
@@ -26,13 +29,14 @@ from vibeam_models.homes import Home
 from vibeam_models.keys import Key, defaults_of, keys_of
 from vibeam_models.laws import CONSTANT, LAWS, ContactLaw, declarations
 from vibeam_models.laws.keys import RESTITUTION
-from vibeam_models.scene import Stop
+from vibeam_models.stop import Stop
 
 
 def stop_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about the stop of a beam, or of a single degree of freedom, in whose units examples are then."""
-    yield from _law(case.stop, case.with_beam)
-    yield from _second(case.stop, " m" if case.with_beam else "")
+    plain = KINDS[case.kind].plain
+    yield from _law(case.stop, not plain)
+    yield from _second(case, "" if plain else " m")
     yield from _drift(case.stop)
     yield from _wear(case)
 
@@ -71,10 +75,26 @@ def _missing(name: str, declared: Key, with_units: bool) -> str:
     return f"missing ({missing or meaning}): write {name} = {short}"
 
 
-def _second(stop: SimpleNamespace, metres: str) -> Iterator[Complaint]:
-    if stop.second_gap is not None and stop.gap is not None and stop.second_gap <= -stop.gap:
-        least = 0.0 - stop.gap
-        yield ("stop", "second_gap"), f"must be above −gap = {least:g}{metres}, or nothing fits between the stops"
+def _second(case: SimpleNamespace, metres: str) -> Iterator[Complaint]:
+    stop, where = case.stop, "−gap"
+    if stop.second_gap is None or stop.gap is None:
+        return
+    drifted = _least_drift(stop, case.sweep.frequency) if stop.second_gap > -stop.gap else 0.0
+    where += f" less the drift, {drifted:g}{metres}," if drifted < 0 else ""
+    if stop.second_gap <= -(stop.gap + drifted):
+        least = 0.0 - (stop.gap + drifted)
+        yield ("stop", "second_gap"), f"must be above {where} = {least:g}{metres}, or nothing fits between the stops"
+
+
+def _least_drift(stop: SimpleNamespace, grid: SimpleNamespace | tuple[float, ...] | None) -> float:
+    """The least drift from the first to the last of the sweep's frequencies; 0 where either could not be read."""
+    ends = (grid.from_, grid.to) if isinstance(grid, SimpleNamespace) else grid or (None,)
+    given = stop.drift_frequency or ()
+    if None in ends or not given or len(given) != len(stop.drift or ()):
+        return 0.0
+    low, high = min(ends), max(ends)
+    swept = [low, high, *(each for each in given if low < each < high)]
+    return min(float(each) for each in np.interp(swept, given, stop.drift))
 
 
 def _drift(stop: SimpleNamespace) -> Iterator[Complaint]:
@@ -119,7 +139,7 @@ class _AtRest(Table):
         "whose it is: the contact's, or mode 1's (each fidelity's own is then derived)", "first mode", "contact"
     )
     position: Annotated[float | None, Place] = key(
-        "of the contact, from the clamp; absent = at the mass, if there is one",
+        "of the contact, from x = 0; absent = at the mass, if there is one",
         "132 mm",
         None,
         written=False,

@@ -26,8 +26,6 @@ def study_checks(case: SimpleNamespace) -> Iterator[Complaint]:
 def _cost(case: SimpleNamespace) -> Iterator[Complaint]:
     if case.cost is None:
         return
-    if case.cost.modes and not case.with_beam:
-        yield ("cost", "modes"), "a single degree of freedom has one mode: leave this out"
     name, path = case.cost.reference, ("cost", "reference")
     if name is None:
         return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated, Any
 
@@ -12,12 +13,12 @@ from vibeam.case.faults import Complaint
 from vibeam.casefile.field_lists import Names, Several
 from vibeam.casefile.field_tables import Options, Settings, TableOr
 from vibeam.casefile.fields import Count, Text, Word
-from vibeam.casefile.tables.effects import effects_in, platform_output
+from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.tables.outputs import OutputName
 from vibeam.casefile.tables.table import (
     DIRECTIONS,
     MOST_ELEMENTS,
     MOST_POINTS,
-    OUTPUTS,
     Frequency,
     Periods,
     Table,
@@ -27,12 +28,13 @@ from vibeam.solvers import SOLVERS
 from vibeam_reductions.declaration import REDUCTIONS
 
 
-def plan_checks(case: SimpleNamespace) -> Iterator[Complaint]:
-    """Complaints about the sweep's grid and, where there is a beam, its output and the modes that are asked for."""
+def plan_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
+    """Complaints about the sweep's grid, its output and the modes that are asked for."""
     yield from _grid(case.sweep.frequency)
-    if case.with_beam:
-        yield from platform_output(case, ("sweep", "output"), case.sweep.output)
-        yield from _modes(case)
+    kind = KINDS[case.kind]
+    yield from kind.output_complaints(case, ("sweep", "output"), case.sweep.output)
+    if not kind.one_mode:
+        yield from _modes(case, *kind.most_modes_of(case, folder))
 
 
 def _grid(grid: SimpleNamespace | tuple[float, ...] | None) -> Iterator[Complaint]:
@@ -47,8 +49,7 @@ def _grid(grid: SimpleNamespace | tuple[float, ...] | None) -> Iterator[Complain
         yield (*path, "points"), f"{grid.points} points from a frequency to itself: points = 1, or another to"
 
 
-def _modes(case: SimpleNamespace) -> Iterator[Complaint]:
-    most, gives = most_modes(case)
+def _modes(case: SimpleNamespace, most: int, gives: str) -> Iterator[Complaint]:
     for name, fidelity in case.fidelity.items():
         path = ("fidelity", name, "modes")
         declared = REDUCTIONS[fidelity.reduction] if fidelity.reduction else None
@@ -59,15 +60,6 @@ def _modes(case: SimpleNamespace) -> Iterator[Complaint]:
             yield path, f'goes with reduction = {counting} alone, not "{declared.name}"'
         elif fidelity.modes is not None and 0 < most < fidelity.modes:
             yield path, f"{fidelity.modes} are more than the model has: {gives} {most} at most"
-
-
-def most_modes(case: Any) -> tuple[int, str]:
-    """Largest number of modes of a beam's case (0: not known), and the key that sets it."""
-    effects = [effect for _, effect, _ in effects_in(case)]
-    if case.beam.massless:
-        return (case.mass is not None) + sum(effect.inertias for effect in effects), "a massless beam's inertias give"
-    each = 2 + sum(effect.modes_per_element for effect in effects)
-    return each * (case.beam.elements or 0), "beam.elements gives"
 
 
 class GridTable(Table):
@@ -91,7 +83,7 @@ class SweepTable(Table):
     direction: Annotated[str, Word(DIRECTIONS)] = key("which way the frequencies are run", "both", "both")
     settle: Annotated[int, Periods] = key("drive periods left out before the reading", 300)
     hold: Annotated[int, Count(1, MOST_POINTS)] = key("drive periods read", 50)
-    output: Annotated[str, Word(OUTPUTS)] = key("whose displacement is read", "sensor", "sensor")
+    output: Annotated[str, OutputName()] = key("the output that is read", "sensor", "sensor")
 
 
 class _Reduction(Table):

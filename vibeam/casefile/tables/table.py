@@ -54,7 +54,7 @@ def note(field: FieldInfo, name: str) -> Any:
 class Table(BaseModel):
     """Base class of all tables: frozen, without unknown keys."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, defer_build=True)
 
 
 def table(name: str, meaning: str, *parts: type[Table] | dict[str, Any]) -> Any:
@@ -105,6 +105,20 @@ def _plain(field: FieldInfo) -> tuple[Any, Any]:
     (meaning, example), default = note(field, "plain"), ... if field.is_required() else field.default
     notes = {each: note(field, each) for each in ("written", "effect", "of")}
     return Annotated[Any, entry.nondimensional()], key(meaning, example, default, **notes)
+
+
+def less(model: type[Table], name: str, meaning: str, *keys: str) -> Any:
+    """The keys of a table without some of them."""
+    fields = {each: field for each, field in model.model_fields.items() if each not in keys}
+    return table(name, meaning, {each: _same(field) for each, field in fields.items()})
+
+
+def _same(field: FieldInfo) -> tuple[Any, Any]:
+    entry = next(part for part in field.metadata if isinstance(part, Entry))
+    default: Any = ... if field.is_required() else field.default
+    more: Any = field.json_schema_extra
+    same = Field(default, description=field.description, examples=field.examples, json_schema_extra=more)
+    return Annotated[Any, entry], same
 
 
 DIRECTIONS = ("up", "down", "both")

@@ -11,7 +11,7 @@ import pytest
 from observed import NEUTRAL
 
 import vibeam
-from vibeam.case import reduced_beam
+from vibeam.case import reduced_structure
 from vibeam.case.fidelity import system
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.effects import Effect
@@ -41,9 +41,9 @@ CHANGES = [
 
 @pytest.fixture(autouse=True)
 def nothing_kept() -> Iterator[None]:
-    reduced_beam._kept.cache_clear()
+    reduced_structure._kept.cache_clear()
     yield
-    reduced_beam._kept.cache_clear()
+    reduced_structure._kept.cache_clear()
 
 
 def same(one: ImpactSystem, other: ImpactSystem) -> bool:
@@ -59,7 +59,7 @@ def test_a_kept_beam_gives_the_system_of_a_new_one(change: dict[str, object]) ->
     plain, changed = vibeam.load(NEUTRAL), vibeam.load(NEUTRAL, set=change)
     before = plain.system("two_modes")
     with_kept = changed.system("two_modes")
-    reduced_beam._kept.cache_clear()
+    reduced_structure._kept.cache_clear()
     assert same(with_kept, changed.system("two_modes"))
     assert not same(with_kept, before)
 
@@ -67,7 +67,7 @@ def test_a_kept_beam_gives_the_system_of_a_new_one(change: dict[str, object]) ->
 def test_gap_and_restitution_assemble_nothing() -> None:
     for gap in ("0 mm", "0.1 mm", "0.2 mm"):
         vibeam.load(NEUTRAL, set={"stop.gap": gap, "stop.restitution": 0.6}).system("two_modes")
-    assert reduced_beam._kept.cache_info().misses == 1
+    assert reduced_structure._kept.cache_info().misses == 1
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,51 @@
+"""Reduced structure of a scene, kept for the next case with the same one: gap, law, size of the drive are no part."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import nan
+
+from vibeam_models.any_scene import RigScene
+from vibeam_models.structure import Structure
+from vibeam_reductions.declaration import REDUCTIONS, ReductionDeclaration
+
+KEPT = 64  # reduced structures
+
+FEW = 8  # structures before their reduction, each for all of its fidelities
+
+OURS = "vibeam_models."  # effects of this package read no more of the stop than its position
+
+
+def reduced_structure(scene: RigScene, reduction: str, modes: int | None) -> tuple[Structure, float]:
+    """Reduced structure of a scene, and the deflection of its static mode at the contact, 1 at the sensor.
+
+    The latter is NaN where there is no static mode, as of a free body.
+    It is assembled anew only where beam, masses, sensor, effects or position of stop or force changed, or where an
+    effect is not of this package. ValueError for an impossible structure or more modes than it has.
+    """
+    if not all(type(effect).__module__.startswith(OURS) for effect in scene.effects):
+        return _made(scene.structure(), REDUCTIONS[reduction], modes)
+    return _kept(scene.structural(), REDUCTIONS[reduction], modes)
+
+
+@lru_cache(maxsize=KEPT)  # the arrays of a Structure are never written to
+def _kept(scene: RigScene, declared: ReductionDeclaration, modes: int | None) -> tuple[Structure, float]:
+    return _made(_kept_structure(scene), declared, modes)
+
+
+def _made(structure: Structure, declared: ReductionDeclaration, modes: int | None) -> tuple[Structure, float]:
+    return declared.make(structure, modes).structure, _at_contact(structure)
+
+
+def _at_contact(structure: Structure) -> float:
+    from vibeam_reductions.static_mode import static_shape
+
+    try:
+        return float((structure.contact @ static_shape(structure))[0])
+    except ValueError:
+        return nan
+
+
+@lru_cache(maxsize=FEW)
+def _kept_structure(scene: RigScene) -> Structure:
+    return scene.structure()

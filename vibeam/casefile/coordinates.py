@@ -1,0 +1,94 @@
+"""The coordinates of given matrices: their numbers, nodes and directions; rows over them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path as File
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.casefile.row_fields import DIRECTIONS, file_name
+from vibeam.exchange.matrices.declaration import read_matrix
+from vibeam.exchange.matrices.entries import FormatError, Label
+
+Array = NDArray[np.float64]
+
+SHOWN = 6  # nodes in a message
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """``size`` coordinates, counted from 1; ``labels``: node and direction of each, where the files say them.
+
+    ``held``: those, from 0, that are held at rest relative to the base: they are in no row.
+    """
+
+    size: int
+    labels: tuple[Label, ...] | None = None
+    held: frozenset[int] = frozenset()
+
+    def called(self, index: int) -> str:
+        """A coordinate (from 0) in words: ``coordinate 3``, or ``node 2 direction 1``."""
+        if self.labels is None:
+            return f"coordinate {index + 1}"
+        return "node {} direction {}".format(*self.labels[index])
+
+    def row(self, said: Any, folder: File, name: str = "") -> Array:
+        """The row (size,) that a case says, ``name`` being what it would be called in a file; ValueError."""
+        if isinstance(said, str):
+            return self._along(said)
+        if isinstance(said, Mapping):
+            return self._from_file(said, folder, name)
+        row = np.zeros(self.size)
+        for term in said:
+            row[self._index(term)] += float(term.get("value", 1.0))
+        return row
+
+    def _along(self, word: str) -> Array:
+        if word == "all":
+            return np.ones(self.size)
+        if self.labels is None:
+            raise ValueError(
+                f'"{word}" needs the direction of each coordinate, and the files name none: write "all", or a row'
+            )
+        return np.array([float(direction == DIRECTIONS[word]) for _, direction in self.labels])
+
+    def _index(self, term: Mapping[str, Any]) -> int:
+        index = self._place(term) if "node" in term else int(term["coordinate"]) - 1
+        if not 0 <= index < self.size:
+            raise ValueError(
+                f"coordinate {index + 1} is not there: they are 1 to {self.size}, as the rows of the matrices"
+            )
+        if index in self.held:
+            raise ValueError(f"{self.called(index)} is held by a boundary condition (1e36 on the diagonal): it rests")
+        return index
+
+    def _place(self, term: Mapping[str, Any]) -> int:
+        if self.labels is None:
+            raise ValueError("the files name no nodes: write coordinate = its row in the matrices, counted from 1")
+        wanted = int(term["node"]), DIRECTIONS.get(term["direction"], term["direction"])
+        if wanted in self.labels:
+            return self.labels.index(wanted)
+        own = sorted({direction for node, direction in self.labels if node == wanted[0]})
+        if own:
+            raise ValueError(f"node {wanted[0]} has no direction {wanted[1]}: it has {', '.join(map(str, own))}")
+        nodes = sorted({node for node, _ in self.labels})
+        some = ", ".join(map(str, nodes[:SHOWN])) + (" …" if len(nodes) > SHOWN else "")
+        raise ValueError(f"there is no node {wanted[0]}: there are {some}")
+
+    def _from_file(self, said: Mapping[str, Any], folder: File, name: str) -> Array:
+        try:
+            found = read_matrix(folder / said["file"], said.get("name", ""), name).matrix
+        except FormatError as error:
+            raise ValueError(f"{file_name(said['file'])}: {error}") from None
+        row = np.asarray(found if isinstance(found, np.ndarray) else found.toarray(), dtype=float)
+        if max(row.shape, default=0) != row.size or row.size != self.size:
+            shape = " × ".join(map(str, row.shape))
+            raise ValueError(f"{file_name(said['file'])}: is {shape}, the matrices have {self.size} coordinates")
+        bad = np.flatnonzero(~np.isfinite(row.ravel()))
+        if len(bad):
+            raise ValueError(f"{file_name(said['file'])}: its entry {bad[0] + 1} is not a finite number")
+        return row.ravel()

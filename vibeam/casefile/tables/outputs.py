@@ -1,0 +1,159 @@
+"""Tables of further outputs, sensors along the beam; rules of them and of whoever asks for an output by its name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Annotated, Any
+
+from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggestion
+from vibeam.casefile import quantities as units
+from vibeam.casefile.fields import NOT_NEGATIVE, Flag, Quantity, Text, Word
+from vibeam.casefile.tables.effects import platform_output
+from vibeam.casefile.tables.names import NAME
+from vibeam.casefile.tables.table import OUTPUTS, Table, key
+from vibeam.figures import OF_OUTPUT
+from vibeam.figures.declaration import FigureKind
+from vibeam.solvers import SOLVERS
+from vibeam_models.outputs import DISPLACEMENT, OUTPUT_QUANTITIES, OutputQuantity
+
+RESERVED = (*OUTPUTS, "opposite", "opposite_tip")
+
+INTEGRATED = ("hertz", "hunt-crossley")  # contact laws during whose contacts derivatives are not read
+
+
+@dataclass(frozen=True)
+class OutputName(Text):
+    """The name of an output that every case of the kind has, or of one of its [output.NAME]."""
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return f"{Word(OUTPUTS).describe()} | one of [output.NAME]"
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``: the words for completion, any text besides."""
+        return {"anyOf": [{"enum": list(OUTPUTS)}, {"type": "string"}]}
+
+
+class OutputTable(Table):
+    """A further output, one table each: what a sensor reads at a place, relative to the base but for absolute."""
+
+    position: Annotated[float, Quantity(units.LENGTH, NOT_NEGATIVE)] = key("from x = 0, in [0, length]", "5 mm")
+    quantity: Annotated[str, Word(tuple(OUTPUT_QUANTITIES))] = key(
+        "displacement, its rate or acceleration, the slope, or the strain: distance times curvature", "strain",
+        DISPLACEMENT.name,
+    )  # fmt: skip
+    distance: Annotated[float | None, Quantity(units.LENGTH)] = key(
+        "of a strain gauge from the neutral axis, positive on the face that a bend toward the stop stretches; absent = "
+        "half the section's height",
+        "0.517 mm",
+        None,
+        written=False,
+    )
+    absolute: Annotated[bool | None, Flag()] = key(
+        "of an acceleration: with the base's added, as an accelerometer reads; absent = true", True, None, written=False
+    )
+
+
+def output_checks(case: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about every [output.NAME]."""
+    for name, table in (case.output or {}).items():
+        path: KeyPath = ("output", name)
+        if name in RESERVED:
+            yield path, f'the name "{name}" is that of an output that cases have of themselves: choose another'
+        elif not NAME.fullmatch(name):
+            yield path, f"the name {as_shown_in_message(name)} must be 1 to 64 letters, digits, - or _"
+        length = case.beam.length
+        if None not in (length, table.position) and table.position > length:
+            yield (*path, "position"), f"{table.position:g} m is beyond the tip: beam.length is {length:g} m"
+        yield from _keys(case, path, table)
+
+
+def _keys(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace) -> Iterator[Complaint]:
+    if table.quantity == "strain":
+        unknown = "" if table.distance is not None or table.position is None else _unknown(case, table.position)
+        if unknown:
+            yield (*path, "distance"), f'missing ({unknown}): write distance = "0.5 mm"'
+        if table.distance == 0:
+            yield (*path, "distance"), "is 0: the neutral axis is not strained by bending"
+    elif table.distance is not None:
+        yield (*path, "distance"), 'is of a strain gauge: write quantity = "strain", or leave it away'
+    if table.absolute is not None and table.quantity != "acceleration":
+        yield (*path, "absolute"), 'goes with quantity = "acceleration" alone: all else is relative to the base'
+
+
+def _unknown(case: SimpleNamespace, x: float) -> str:
+    """Why the distance of the surface from the neutral axis is not known at ``x``; empty where it is."""
+    if any(plate.stiffens is not False for plate in _over(case.plate, x)):
+        return "a plate is bonded there"
+    shape = next((each.shape for each in _over(case.section, x)), None) or case.beam.shape
+    return 'shape = "general" has no height' if shape == "general" else ""
+
+
+def _over(tables: Any, x: float) -> list[Any]:
+    """Those of the beam's stretches that are over ``x``."""
+    return [
+        each
+        for each in tables or ()
+        if getattr(each, "on", None) != "opposite"
+        and None not in (each.start, each.end)
+        and each.start <= x <= each.end
+    ]
+
+
+def beam_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:
+    """A complaint where an output is asked for that the case does not have, or that cannot be read there."""
+    own: Mapping[str, Any] = case.output or {}
+    if output is not None and output not in (*OUTPUTS, *own):
+        words = (*OUTPUTS, *filter(NAME.fullmatch, own))
+        near = suggestion(output, words)
+        meant = f"; did you mean {near!r}?" if near else ""
+        yield path, f"{as_shown_in_message(output)} is not one of {Word(words).describe()}{meant}"
+    yield from platform_output(case, path, output)
+    if path == ("sweep", "output"):
+        yield from _swept(case, path, output)
+
+
+def quantity_named(case: Any, output: str | None) -> OutputQuantity:
+    """What an output of a case reads, by its name; a displacement where it is none of [output.NAME]."""
+    table = (getattr(case, "output", None) or {}).get(output)
+    return OUTPUT_QUANTITIES[(table and table.quantity) or DISPLACEMENT.name]
+
+
+def shown_output(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Complaint]:
+    """Complaints about a figure of a velocity or acceleration that it does not show."""
+    asked = "output" in kind.needs + kind.takes
+    output = show.output or case.sweep.output
+    wanted = quantity_named(case, output)
+    if show.quantity in OF_OUTPUT:
+        yield from of_displacement(case, (*path, "quantity"), show.quantity)
+    if asked and wanted.rate and not kind.derivatives:
+        said = f'kind = "{kind.name}" shows no {wanted.name}, which "{output}" is'
+        yield (*path, "output"), f'{said}: write output = "sensor"'
+    elif asked and wanted.rate and case.measurement is not None and kind.name in ("history", "portrait"):
+        said = f'[measurement] samples displacements, "{output}" is of the quantity {wanted.name}'
+        yield (*path, "output"), f'{said}: write output = "sensor", or take [measurement] out'
+
+
+def of_displacement(case: SimpleNamespace, path: KeyPath, quantity: str) -> Iterator[Complaint]:
+    """A complaint about a ``quantity`` that no velocity or acceleration has, where the sweep's output is one."""
+    wanted = quantity_named(case, case.sweep.output)
+    if wanted.rate:
+        said = f'"{quantity}" is of a displacement, sweep.output "{case.sweep.output}" is of the quantity {wanted.name}'
+        yield path, f'{said}: write quantity = "amplitude"'
+
+
+def _swept(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:
+    """Complaints about the fidelities that cannot read the sweep's output."""
+    wanted = quantity_named(case, output)
+    if not wanted.rate:
+        return
+    able = " or ".join(f'"{name}"' for name, declared in SOLVERS.items() if declared.derivatives)
+    for name, fidelity in case.fidelity.items():
+        if fidelity.solver is not None and not SOLVERS[fidelity.solver].derivatives:
+            said = f'"{fidelity.solver}" reads no {wanted.name}, which sweep.output "{output}" is'
+            yield ("fidelity", name, "solver"), f"{said}: write {able}"
+    if case.stop.law in INTEGRATED:
+        said = f'the {wanted.name} in the contacts of stop.law = "{case.stop.law}" is not read'
+        yield path, f'{said}: take another output, or law = "linear"'

@@ -1,0 +1,46 @@
+"""Consistent systems of units, by name: those that matrices of other programs are written in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class UnitSystem:
+    """A system by its units of ``length`` in m, ``force`` in N and ``time`` in s; that of mass follows.
+
+    Coordinates stay in their own unit, so that translations and rotations need not be told apart: only energies, and
+    the rows that read a displacement, become those of SI.
+    """
+
+    length: float = 1.0
+    force: float = 1.0
+    time: float = 1.0
+
+    @property
+    def stiffness(self) -> float:
+        """Factor of K: J for one unit of energy."""
+        return self.force * self.length
+
+    @property
+    def damping(self) -> float:
+        """Factor of C: J s."""
+        return self.stiffness * self.time
+
+    @property
+    def mass(self) -> float:
+        """Factor of M: J s²."""
+        return self.damping * self.time
+
+
+POUND = 4.4482216152605  # N, exactly
+
+UNIT_SYSTEMS = {
+    "SI": UnitSystem(),
+    "mm N s t": UnitSystem(length=1e-3),
+    "mm mN s kg": UnitSystem(length=1e-3, force=1e-3),
+    "mm kN ms kg": UnitSystem(length=1e-3, force=1e3, time=1e-3),
+    "µm µN s kg": UnitSystem(length=1e-6, force=1e-6),
+    "in lbf s": UnitSystem(length=0.0254, force=POUND),
+    "ft lbf s": UnitSystem(length=0.3048, force=POUND),
+}

@@ -1,0 +1,1 @@
+"""Matrices of other programs: one format a file."""

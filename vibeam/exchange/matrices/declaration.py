@@ -1,0 +1,93 @@
+"""The formats of matrices: how a file is told to be of one, and what reads it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from vibeam.exchange.matrices.entries import FileMatrix, FormatError
+from vibeam.exchange.matrices.files import State, state_of
+from vibeam_models.homes import loaded
+from vibeam_models.registry import Registry
+
+HEAD = 512  # bytes by which a format is told where the ending does not
+
+
+@dataclass(frozen=True)
+class MatrixFormat:
+    """A format: the ``endings`` of its files, ``read`` (path, name of the matrix in the file or "", what is wanted).
+
+    ``read``: the function or ``"module:function"``, imported when it is asked for; FormatError for a file that is not
+    of the format. ``starts``: what such a file begins with, where others have the same ending.
+    """
+
+    name: str
+    endings: tuple[str, ...]
+    read: str | Callable[[Path, str, str], FileMatrix]
+    starts: bytes = b""
+
+
+_HOME = "vibeam.exchange.matrices"
+
+FORMATS = Registry(
+    "format of matrices",
+    MatrixFormat("Matrix Market", (".mtx",), f"{_HOME}.matrix_market:read", b"%%MatrixMarket"),
+    MatrixFormat("Abaqus", (".mtx", ".inp"), f"{_HOME}.abaqus:read"),
+    MatrixFormat("NumPy", (".npy", ".npz"), f"{_HOME}.numpy_files:read"),
+    MatrixFormat("HDF5", (".h5", ".hdf5"), f"{_HOME}.hdf5:read"),
+    MatrixFormat("MATLAB 7.3", (".mat",), f"{_HOME}.hdf5:read", b"MATLAB 7.3"),
+    MatrixFormat("MATLAB", (".mat",), f"{_HOME}.matlab:read"),
+    MatrixFormat("Nastran", (".pch", ".bdf", ".dat", ".nas"), f"{_HOME}.nastran:read"),
+    MatrixFormat("text", (".txt", ".csv"), f"{_HOME}.text:read"),
+)
+
+ENDINGS = tuple(dict.fromkeys(ending for each in FORMATS.values() for ending in each.endings))
+
+
+def read_matrix(path: Path, name: str = "", wanted: str = "") -> FileMatrix:
+    """The matrix ``name`` of a file; with no name the one that is called ``wanted`` ("M", "K"), or the only one.
+
+    FormatError, without the file's name, for a file that is missing or holds no such thing. What was read is kept for
+    as long as the file stays as it is.
+    """
+    return _read(path, name, wanted, state_of(path))
+
+
+@lru_cache(maxsize=32)
+def _read(path: Path, name: str, wanted: str, state: State) -> FileMatrix:
+    kind = _format_of(path)
+    try:
+        found: FileMatrix = loaded(kind.read)(path, name, wanted)
+    except FormatError:
+        raise
+    except Exception as error:  # whatever numpy, scipy or h5py make of a damaged file, it cannot be read
+        raise FormatError(f"cannot be read as a file of {kind.name}: {error}") from None
+    return found
+
+
+def _format_of(path: Path) -> MatrixFormat:
+    alike = [each for each in FORMATS.values() if path.suffix.lower() in each.endings]
+    if not alike:
+        raise FormatError(f"{path.suffix or 'no ending'} is no format of matrices: there are {', '.join(ENDINGS)}")
+    try:
+        with path.open("rb") as file:
+            head = file.read(HEAD)
+    except OSError as error:
+        raise FormatError(f"cannot be read: {error.strerror}") from None
+    told = [each for each in alike if each.starts and each.starts.lower() in head.lower()]
+    return next(iter([*told, *(each for each in alike if not each.starts), *alike]))
+
+
+def chosen(names: list[str], name: str, wanted: str) -> str:
+    """Which of the ``names`` in a file is meant; FormatError names them where that is not plain."""
+    if name:
+        if name not in names:
+            raise FormatError(f"holds no {name!r}: there are {', '.join(names)}")
+        return name
+    if wanted in names or len(names) == 1:
+        return wanted if wanted in names else names[0]
+    if not names:
+        raise FormatError("holds no matrix")
+    raise FormatError(f"holds {', '.join(names)}: say which by name, {{ file = …, name = {names[0]!r} }}")

@@ -1,0 +1,122 @@
+"""Nastran's direct input matrices: DMIG cards in bulk data or a punch file.
+
+A header "DMIG, NAME, 0, IFO, TIN, TOUT, …" and columns "DMIG, NAME, GJ, CJ, , G1, C1, A1, B1, G2, …", continued on
+lines that begin with a blank, + or *; fields of 8 columns, of 16 where the card is DMIG*, or between commas (MSC
+Nastran Quick Reference Guide, DMIG). Of a symmetric matrix (IFO 6) an entry off the diagonal is there once.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from vibeam.exchange.matrices.declaration import chosen
+from vibeam.exchange.matrices.entries import FileMatrix, FormatError, Label, labelled
+from vibeam.exchange.matrices.text import text_of
+
+SQUARE, SYMMETRIC = 1, 6  # IFO
+
+REAL = (1, 2)  # TIN: single, double precision
+
+ALIKE = {"M": ("M",), "K": ("K",), "C": ("B",)}  # first letters of what Nastran calls mass, stiffness and damping
+
+_EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]+)$")  # 1.5+3 is 1.5E+3
+
+Card = tuple[int, list[str]]  # line, fields
+
+
+def read(path: Path, name: str, wanted: str) -> FileMatrix:
+    """The matrix by that name; with none, the only one that begins with K, M or B (damping)."""
+    cards: dict[str, list[Card]] = {}
+    for number, fields in _cards(text_of(path)):
+        if len(fields) < 3 or not fields[1]:
+            raise FormatError(f"line {number}: a DMIG card without a name or a column")
+        cards.setdefault(fields[1], []).append((number, fields))
+    alike = [each for each in cards if each.startswith(ALIKE.get(wanted, ()))]
+    meant = chosen(list(cards), name.upper(), alike[0] if len(alike) == 1 else "")
+    return _matrix(cards[meant])
+
+
+def _matrix(cards: list[Card]) -> FileMatrix:
+    header = [card for card in cards if card[1][2] == "0"]
+    if len(header) != 1:
+        raise FormatError(f"line {cards[0][0]}: a DMIG matrix needs one header, here there are {len(header)}")
+    number, fields = header[0]
+    form, kind = (_whole(number, field) for field in (*fields[3:5], "", "")[:2])
+    if form not in (SQUARE, SYMMETRIC):
+        raise FormatError(f"line {number}: IFO {form} is a rectangular matrix: square (1) or symmetric (6) is needed")
+    if kind not in REAL:
+        raise FormatError(f"line {number}: TIN {kind} is complex: real numbers (1 or 2) are needed")
+    rows: list[Label] = []
+    columns: list[Label] = []
+    values: list[float] = []
+    for line, card in cards:
+        if card[2] != "0":
+            for row, value in _column(line, card):
+                rows.append(row)
+                columns.append(_label(line, card[2], card[3]))
+                values.append(value)
+    if not values:
+        raise FormatError(f"line {number}: the matrix has no columns")
+    return labelled(rows, columns, np.array(values))
+
+
+def _column(line: int, card: list[str]) -> Iterator[tuple[Label, float]]:
+    for start in range(5, len(card), 4):
+        node, direction, value, _ = (*card[start : start + 4], "", "", "", "")[:4]
+        if node:
+            yield _label(line, node, direction), _real(line, value)
+
+
+def _label(line: int, node: str, direction: str) -> Label:
+    """Node and direction; of a scalar point, which has one alone, that is 1."""
+    return _whole(line, node), max(_whole(line, direction or "0"), 1)
+
+
+def _whole(line: int, field: str) -> int:
+    try:
+        return int(field)
+    except ValueError:
+        raise FormatError(f"line {line}: {field!r} is no whole number") from None
+
+
+def _real(line: int, field: str) -> float:
+    try:
+        return float(_EXPONENT.sub(r"E\1", field.upper().replace("D", "E")))
+    except ValueError:
+        raise FormatError(f"line {line}: {field!r} is no number") from None
+
+
+def _cards(text: str) -> Iterator[Card]:
+    """The DMIG cards, each with its continuations; fields 5 on are groups of four."""
+    card: Card | None = None
+    for number, line in enumerate(text.splitlines(), start=1):
+        line = line.split("$", 1)[0].rstrip().expandtabs(8)
+        if not line:
+            continue
+        if line.upper().startswith("DMIG"):
+            if card is not None:
+                yield card
+            wide = line[:8].rstrip().endswith("*")
+            card = number, ["DMIG", *_fields(line, wide)]
+        elif card is not None and line[0] in " +*,":
+            head = card[1]
+            head += [""] * (5 - len(head))
+            card[1].extend(_fields(line, line[0] == "*"))
+        elif card is not None:
+            yield card
+            card = None
+    if card is not None:
+        yield card
+
+
+def _fields(line: str, wide: bool) -> list[str]:
+    """The fields of a line after the first, without the one that names the continuation."""
+    if "," in line:
+        parts = [part.strip().upper() for part in line.split(",")[1:]]
+        return parts[:8]
+    width, count = (16, 4) if wide else (8, 8)
+    return [line[8 + width * n : 8 + width * (n + 1)].strip().upper() for n in range(count)]

@@ -1,0 +1,101 @@
+"""Modes from universal files: data at nodes (data set 55), read by pyuff, which is the extra ``lab``.
+
+Normal modes have a frequency, a modal mass and a damping ratio; complex ones (analysis types 3 and 7) an eigenvalue
+s = −ζω + iω√(1−ζ²) and a modal A, which is 2iω√(1−ζ²) m where the damping is proportional (R. J. Allemang, Vibrations:
+Analytical and Experimental Modal Analysis, UC-SDRL, 1999, §3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.exchange.matrices.entries import FormatError, Label
+from vibeam.exchange.matrices.files import State, state_of
+
+Array = NDArray[np.float64]
+
+MISSING = "pyuff reads it, and is not installed: pip install 'vibeam[lab]', or write frequencies and shapes in the case"
+
+NORMAL, COMPLEX = 2, (3, 7)  # analysis types
+
+SI = 1  # code of the units data set, 164
+
+TWISTED = 0.1  # share of a complex shape that is out of phase, up to which it is taken as real
+
+
+@dataclass(frozen=True, eq=False)
+class FileModes:
+    """Modes (n,): ``frequency`` Hz, ``damping`` ratios, ``mass`` kg (0: not said), ``shapes`` by node and direction."""
+
+    frequency: Array
+    damping: Array
+    mass: Array
+    shapes: Mapping[Label, Array]
+
+
+def read_modes(path: Path) -> FileModes:
+    """The modes of a file by ascending frequency; FormatError where there are none, or pyuff is not installed."""
+    return _read(path, state_of(path))
+
+
+@lru_cache(maxsize=8)
+def _read(path: Path, state: State) -> FileModes:
+    sets = _sets(path)
+    for each in sets:
+        if each["type"] == 164 and each["units_code"] != SI:
+            raise FormatError(f"its units have the code {each['units_code']}: export it in SI (code {SI})")
+    modes = [_mode(each) for each in sets if each["type"] == 55 and each["analysis_type"] in (NORMAL, *COMPLEX)]
+    if not modes:
+        raise FormatError("has no modes: a data set 55 of analysis type 2, 3 or 7 is needed")
+    modes.sort(key=lambda mode: float(mode[0]))
+    labels = set(modes[0][3])
+    if any(set(mode[3]) != labels for mode in modes):
+        raise FormatError("its modes are of different nodes: export them of the same")
+    frequency, damping, mass = (np.array([mode[part] for mode in modes]) for part in range(3))
+    return FileModes(
+        frequency, damping, mass, {label: np.array([mode[3][label] for mode in modes]) for label in sorted(labels)}
+    )
+
+
+def _sets(path: Path) -> list[dict[str, Any]]:
+    try:
+        import pyuff
+    except ImportError:
+        raise FormatError(MISSING) from None
+    try:
+        found: Any = pyuff.UFF(str(path)).read_sets()
+    except Exception as error:  # whatever the reader makes of another file, it is not one of these
+        raise FormatError(f"is no universal file that can be read: {error}") from None
+    return found if isinstance(found, list) else [found]
+
+
+def _mode(data: dict[str, Any]) -> tuple[float, float, float, dict[Label, float]]:
+    """Frequency, damping ratio, modal mass, shape."""
+    shape = {
+        (int(node), direction): value
+        for direction in range(1, 7)
+        for node, value in zip(data["node_nums"], data.get(f"r{direction}", ()), strict=False)
+    }
+    if data["analysis_type"] == NORMAL:
+        damping = data["modal_damp_vis"] or data["modal_damp_his"] / 2
+        return float(data["freq"]), float(damping), float(data["modal_m"]), _real(shape)
+    eigenvalue = complex(data["eig"])
+    mass = complex(data["modal_a"]) / (2j * eigenvalue.imag) if eigenvalue.imag else 0j
+    return abs(eigenvalue) / (2 * np.pi), -eigenvalue.real / abs(eigenvalue), abs(mass), _real(shape)
+
+
+def _real(shape: Mapping[Label, Any]) -> dict[Label, float]:
+    """A shape turned into phase; FormatError where it is too far from being real."""
+    values = np.array(list(shape.values()), dtype=complex)
+    turned = values * np.exp(-0.5j * np.angle(np.sum(values**2)))
+    if np.linalg.norm(turned.imag) > TWISTED * np.linalg.norm(turned):
+        share = np.linalg.norm(turned.imag) / np.linalg.norm(turned)
+        raise FormatError(f"a shape is complex, {100 * share:.2g} % of it out of phase: real modes are needed")
+    return dict(zip(shape, turned.real.tolist(), strict=True))
