@@ -1,6 +1,6 @@
 """Random systems of 1 to 30 modes under all laws, burst by burst against arbitrary precision.
 
-``python tests/hard/exhaustive.py --systems 10000`` is the same for as many as there is time for.
+``python tests/hard/torture.py impacts`` is the same for as many as there is time for.
 """
 
 from __future__ import annotations
