@@ -24,6 +24,8 @@ from flint import arb
 DEPTH = 60
 OPEN, CLOSES = 0.0, 1.0
 GRANTED = 1e-12
+ROUND_OFF = 2.0**-48  # share of a signal's parts to which doubles write it
+MOST = 0.01  # share of a segment's length that is granted for that
 JOINED = 1e-9  # share of the motion's size by which doubles may miss a join
 SPAN_END, IMPACT, RELEASE, CHATTER, STUCK, PASS = range(6)
 AFTER = {  # what may follow each kind and end
@@ -76,23 +78,55 @@ def check(certificate, slack=1e-10, bits=200):
     """Faults found (a list of texts), and the number of pieces proved.
 
     ``slack``: how near to its written end a signal must close, relative to the segment's length; at least ``GRANTED``
-    of the slowest mode's time is granted to the doubles in which starts and ends are written.
+    of the slowest mode's time is granted to the doubles in which starts and ends are written, and the time in which the
+    signal passes ``ROUND_OFF`` of its parts (weak impacts of a chatter are not located better).
     """
     flint.ctx.prec = bits
-    own = Equations(certificate.system, certificate.drive)
-    faults, proved, ends = [], 0, []
-    for i in range(len(certificate.kinds)):
-        motion = None
-        if not integrated(certificate, i):
-            motion = own.motion(int(certificate.kinds[i]), side_of(certificate, i), *start_of(certificate, i))
-            if certificate.durations[i] > 0:
-                pieces = certificate.pieces[certificate.pieces[:, 0] == i]
-                faults += [f"segment {i}: {text}" for text in check_segment(certificate, own, motion, i, pieces, slack)]
-                proved += len(pieces)
-        ends.append(motion)
-    faults += [text for i in range(len(ends) - 1) for text in check_join(certificate, own, ends[i], i)]
+    own, sizes = Equations(certificate.system, certificate.drive), sizes_of(certificate)
+    keys = [key_of(certificate, i) for i in range(len(certificate.kinds))]
+    motions, segments, joins, faults = {}, {}, {}, []
+    for i, key in enumerate(keys):
+        if key not in segments:
+            motions[key] = motion_of(certificate, own, i)
+            pieces = certificate.pieces[certificate.pieces[:, 0] == i]
+            checked = motions[key] is not None and certificate.durations[i] > 0
+            segments[key] = check_segment(certificate, own, motions[key], i, pieces, slack) if checked else []
+        found = list(segments[key])
+        if i + 1 < len(keys):
+            if (key, keys[i + 1]) not in joins:
+                joins[key, keys[i + 1]] = check_join(certificate, own, motions[key], i, sizes)
+            found += check_time(certificate, i) + joins[key, keys[i + 1]]
+        faults += [f"segment {i}: {text}" for text in found]
+    ends = [motions[key] for key in keys]
     faults += [text for tail in certificate.tails for text in check_tail(certificate, own, ends, tail)]
+    proved = sum(ends[int(i)] is not None for i in certificate.pieces[:, 0])
     return faults, proved
+
+
+def key_of(certificate, i):
+    """All that is claimed of a segment but its time: of two that are the same to the bit one proof does.
+
+    What follows a retreat decides which of its signals closes.
+    """
+    names = ("kinds", "sides", "ends", "clocks", "durations", "orders", "roots")
+    mine = certificate.pieces[certificate.pieces[:, 0] == i][:, 1:]
+    numbers = tuple(float(getattr(certificate, name)[i]) for name in names)
+    return numbers, *map(float, certificate.kinds[i + 1 : i + 2]), certificate.starts[i].tobytes(), mine.tobytes()
+
+
+def motion_of(certificate, own, i):
+    """The modal signals of a segment; None of contact that is integrated."""
+    if integrated(certificate, i):
+        return None
+    return own.motion(int(certificate.kinds[i]), side_of(certificate, i), *start_of(certificate, i))
+
+
+def sizes_of(certificate):
+    """Largest displacement of any mode, or way within a segment, and largest velocity, over all segments."""
+    places, speeds = np.abs(certificate.starts).max(axis=2).T
+    moving = certificate.system.omega[certificate.system.omega > 0]
+    turned = places.max() * moving.min() if len(moving) else 0.0
+    return max(places.max(), (speeds * certificate.durations).max()), max(speeds.max(), turned)
 
 
 def integrated(certificate, i):
@@ -144,9 +178,17 @@ def check_segment(certificate, own, motion, i, pieces, slack):
         if not found and not signal.put_on_root(order, scale(own, certificate, i, number)):
             found = ["it is said to start at a root and does not"]
         if not found:
-            found = [text for piece in mine for text in check_piece(signal, order, piece, max(slack * duration, least))]
+            size = scale(own, certificate, i, number) + signal.size()
+            near = max(slack * duration, least, min(blurred(signal, duration, size), MOST * duration))
+            found = [text for piece in mine for text in check_piece(signal, order, piece, near)]
         faults += [f"signal {number}: {text}" for text in found]
     return faults
+
+
+def blurred(signal, duration, size):
+    """Time in which a signal passes the round-off of its parts at the end of a segment; 0 where it stands still."""
+    rate = abs(signal.derivative(1, arb(float(duration))))
+    return float((ROUND_OFF * size / rate).mid()) if rate > 0 else 0.0
 
 
 def scale(own, certificate, i, number):
@@ -195,32 +237,36 @@ def check_piece(signal, order, piece, slack):
     return [f"not proved to close at {float(high.mid())}"]
 
 
-def check_join(certificate, own, motion, i):
-    """Faults of the step from segment i to the next."""
+def check_time(certificate, i):
+    """Faults of the time at which the next segment begins."""
+    duration, times = certificate.durations[i], certificate.times
+    late = times[i] + duration
+    if abs(times[i + 1] - late) > JOINED * max(duration, 1e-5 * abs(late)):
+        return [f"the next one starts at {times[i + 1]}, it ends at {late}"]
+    return []
+
+
+def check_join(certificate, own, motion, i, sizes):
+    """Faults of the step from segment i to the next, its time apart."""
     kind, end, after = int(certificate.kinds[i]), int(certificate.ends[i]), int(certificate.kinds[i + 1])
     batch = integrated(certificate, i) and end == SPAN_END and after == PUSH
     if not batch and after not in AFTER.get((kind, end), set()):
-        return [f"segment {i}: one of kind {kind} that ends with {end} cannot be followed by one of kind {after}"]
+        return [f"one of kind {kind} that ends with {end} cannot be followed by one of kind {after}"]
     duration, w = certificate.durations[i], certificate.drive.omega
-    times, late = certificate.times, certificate.times[i] + duration
     turns = (certificate.clocks[i] + duration - certificate.clocks[i + 1]) * w / (2 * np.pi)
     faults = []
-    if abs(times[i + 1] - late) > JOINED * max(duration, 1e-5 * abs(late)):
-        faults.append(f"segment {i}: the next one starts at {times[i + 1]}, it ends at {late}")
     if w > 0 and certificate.drive.amplitude != 0 and abs(turns - round(turns)) > JOINED:
-        faults.append(f"segment {i}: the next one starts at another phase of the drive")
+        faults.append("the next one starts at another phase of the drive")
     if motion is None:
         return faults
     reached, velocities = state_after(certificate, own, motion, i)
-    places, speeds = np.abs(certificate.starts).max(axis=2).T
-    moving = certificate.system.omega[certificate.system.omega > 0]
-    turned = places.max() * moving.min() if len(moving) else 0.0
-    sizes = max(places.max(), (speeds * certificate.durations).max()), max(speeds.max(), turned)
-    given = certificate.starts[i + 1]
-    for name, found, start, size in zip(("places", "velocities"), (reached, velocities), given, sizes, strict=True):
+    # in a motion that always starts from rest at 0 only the ends of its segments have a size
+    fastest = max(float(abs(x.derivative(1, arb(float(duration)))).mid()) for x in motion)
+    given, scales = certificate.starts[i + 1], (max(sizes[0], fastest * duration), max(sizes[1], fastest))
+    for name, found, start, size in zip(("places", "velocities"), (reached, velocities), given, scales, strict=True):
         off = max(float(abs(a - arb(float(b))).mid()) for a, b in zip(found, start, strict=True))
         if not off <= JOINED * size:
-            faults.append(f"segment {i}: {name} at the start of the next one are off by {off:.2g}")
+            faults.append(f"{name} at the start of the next one are off by {off:.2g}")
     return faults
 
 

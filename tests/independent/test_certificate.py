@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from check_certificate import check
+from prove_certificates import CASES, entries, stored, stretch, sweeps
 from random_rigs import KINDS, rig
 
 import vibeam
@@ -108,6 +109,52 @@ def test_all_of_a_random_motion_is_proved(kind: str, seed: int) -> None:
     assert len(certificate.unproved) == integrated
 
 
+GAPS = ("tight", "neutral", "loose")
+
+ON_STOPS = {"dtu_tight": 1, "experiment/fig18a": 1, "experiment/fig28": 3, "experiment/table1": 1}
+
+
+@pytest.mark.parametrize("name", ON_STOPS)
+def test_a_point_of_a_case_is_proved(name: str) -> None:
+    """A gap that presses, a platform that couples the modes, R of the velocity: ``prove_certificates`` in small."""
+    for own in list(sweeps(vibeam.load(CASES / f"{name}.toml")))[: ON_STOPS[name]]:
+        place, path = next(replace(own, branches=[own.branches[0][-1:]], settle=40, hold=10).motions())
+        part = stretch(path.certificate, 0.9 * path.t_end, np.inf)
+        assert path.certificate.complete
+        assert 5 <= len(part.kinds) < len(path.certificate.kinds) / 5
+        assert check(part)[0] == [], place
+
+
+def test_a_stretch_is_what_the_whole_says_of_it() -> None:
+    """Cut in two it is all proved, and a hole in the second half shows there alone."""
+    whole = certified(THREE, vibeam.Drive(1.9, 1.0), 20.0).certificate
+    broken = replace(whole, pieces=whole.pieces[:-1])
+    middle = float(whole.times[len(whole.times) // 2])
+    (first, last), halves = [(0.0, middle), (middle, np.inf)], []
+    for cut in (first, last):
+        faults, proved = check(stretch(whole, *cut))
+        halves.append(proved)
+        assert faults == []
+        assert bool(check(stretch(broken, *cut))[0]) == (cut == last)
+    assert sum(halves) == len(whole.pieces)
+
+
+def test_the_report_has_no_fault() -> None:
+    held, laws = stored(), [name for name in entries() if not name.startswith("cases/")]
+    assert [name for name in [*laws, *(f"cases/dtu_{gap}.toml" for gap in GAPS)] if name not in held] == []
+    for name, found in held.items():
+        assert found["faults"] == [], name
+        assert found["pieces_proved"] == found["pieces_checked"], name
+        assert found["motions"] > 0, name
+        assert all("is integrated" in reason for reason in found["unproved"]), name
+
+
+@pytest.mark.slow
+def test_the_report_holds_every_case_of_the_rig() -> None:
+    """Else: python tests/independent/prove_certificates.py."""
+    assert [name for name in entries() if ("dtu_" in name or "experiment/" in name) and name not in stored()] == []
+
+
 TAMPERED = [
     "one stop",
     "two stops",
@@ -167,3 +214,15 @@ def test_bounds_of_a_tail_hold_for_the_impacts_themselves() -> None:
 
 def test_without_asking_there_is_none() -> None:
     assert vibeam.simulate(ONE, vibeam.Drive(2.0, 0.5e-3), 3.0).certificate is None
+
+
+@pytest.mark.parametrize("speed", [-0.5, -2.0])
+def test_a_start_within_a_linear_stop_that_does_not_push_is_proved(speed: float) -> None:
+    """It leaves faster than the stop follows: k d < c |d'|, so that there is no force whose root it could start at."""
+    law = LinearStop(100.0, 8.0)
+    system = vibeam.ImpactSystem.from_modes(1.0, 0.3, 1.0, 1.0, gap=-0.05, law=law)
+    path = certified(system, vibeam.Drive(0.7, 0.1), 6.0, vibeam.State(np.array([-0.03]), np.array([speed])))
+    assert law.stiffness * 0.02 + law.damping * speed < 0
+    faults, proved = check(path.certificate)
+    assert faults == []
+    assert proved > 1
