@@ -40,21 +40,26 @@ if TYPE_CHECKING:
     from vibeam.solvers import register_solver as register_solver
     from vibeam.solvers.declaration import CostSettings as CostSettings
     from vibeam.solvers.declaration import SolverDeclaration as SolverDeclaration
+    from vibeam.solvers.several_harmonics import Harmonic as Harmonic
+    from vibeam.solvers.several_harmonics import SeveralHarmonics as SeveralHarmonics
     from vibeam.studies.cost.study import cost as cost
     from vibeam.studies.declaration import StudyDeclaration as StudyDeclaration
     from vibeam.studies.declaration import register_study as register_study
     from vibeam.studies.derive import derive as derive
+    from vibeam.studies.export_matrices import export_matrices as export_matrices
     from vibeam.studies.influence.study import influence as influence
     from vibeam.studies.modes import modes as modes
     from vibeam.studies.regression.check import check as check
     from vibeam.studies.regression.check import compare_measured as compare_measured
     from vibeam.studies.stability.study import stability as stability
+    from vibeam.system.contact import Contact as Contact
     from vibeam.system.impact_system import Drive as Drive
     from vibeam.system.impact_system import ImpactSystem as ImpactSystem
     from vibeam.system.response import Branches as Branches
     from vibeam.system.response import Ended as Ended
     from vibeam.system.response import FrequencyResponse as FrequencyResponse
     from vibeam.system.state import State as State
+    from vibeam.system.time_derivative import TimeDerivative as TimeDerivative
     from vibeam_models.structure import Structure as Structure
     from vibeam_reductions.declaration import ReductionDeclaration as ReductionDeclaration
     from vibeam_reductions.declaration import register_reduction as register_reduction
@@ -69,8 +74,10 @@ _HOMES = {
     "run": "vibeam.run.run",
     "derive": "vibeam.studies.derive",
     "ImpactSystem": "vibeam.system.impact_system",
+    "Contact": "vibeam.system.contact",
     "Drive": "vibeam.system.impact_system",
     "State": "vibeam.system.state",
+    "TimeDerivative": "vibeam.system.time_derivative",
     "simulate": "vibeam.flight.trajectory",
     "sweep": "vibeam.run.sweep",
     "orbits": "vibeam.orbits.orbit",
@@ -92,6 +99,7 @@ _HOMES = {
     "check": "vibeam.studies.regression.check",
     "compare_measured": "vibeam.studies.regression.check",
     "modes": "vibeam.studies.modes",
+    "export_matrices": "vibeam.studies.export_matrices",
     "plot": "vibeam.report.plot",
     "Case": "vibeam.case.case",
     "CaseError": "vibeam.case.faults",
@@ -106,6 +114,8 @@ _HOMES = {
     "register_figure": "vibeam.figures",
     "SolverDeclaration": "vibeam.solvers.declaration",
     "register_solver": "vibeam.solvers",
+    "Harmonic": "vibeam.solvers.several_harmonics",
+    "SeveralHarmonics": "vibeam.solvers.several_harmonics",
     "StudyDeclaration": "vibeam.studies.declaration",
     "register_study": "vibeam.studies.declaration",
     "ReductionDeclaration": "vibeam_reductions.declaration",

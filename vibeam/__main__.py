@@ -2,6 +2,18 @@
 
 from __future__ import annotations
 
-from vibeam.cli.main import main
+INTERRUPTED = 130
 
-main()
+
+def main() -> None:
+    """The entry point; Ctrl-C while the command is being imported ends it like one later."""
+    try:
+        from vibeam.cli.main import main as command
+
+        command()
+    except KeyboardInterrupt:
+        raise SystemExit(INTERRUPTED) from None
+
+
+if __name__ == "__main__":
+    main()

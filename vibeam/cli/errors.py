@@ -13,6 +13,8 @@ from vibeam.cli.streams import STOPPED, WRONG, reader_gone, say
 
 Made = TypeVar("Made")
 
+UNMAPPED = ("failed to map segment", "cannot allocate memory", "Cannot allocate memory")  # the loader's words
+
 
 class UsageError(Exception):
     """Faulty argument: one line for stderr."""
@@ -35,6 +37,10 @@ def mistakes() -> Iterator[None]:
         _stop(f"{error.filename or 'file'}: {(error.strerror or str(error)).lower()}", WRONG)
     except MemoryError:
         _stop("there is not enough memory: take fewer points, periods, modes or elements", WRONG)
+    except ImportError as error:
+        if not any(said in str(error) for said in UNMAPPED):
+            raise
+        _stop(f"there is not enough memory to load what is needed (ulimit -v): {error}", WRONG)
     except KeyboardInterrupt as interrupt:
         _stop(str(interrupt) or "stopped", STOPPED)
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from types import TracebackType
+from typing import TYPE_CHECKING
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-from vibeam.run.parallel import cores
+if TYPE_CHECKING:
+    from rich.progress import Progress
 
 
 def stderr() -> Console:
@@ -20,22 +21,14 @@ class Bar:
 
     def __init__(self, console: Console | None = None) -> None:
         self._console = console or stderr()
-        columns = (
-            TextColumn(f"sweeping on up to {_cores(cores())}"),
-            BarColumn(),
-            MofNCompleteColumn(),
-            TextColumn("points ·"),
-        )
-        times = (TimeElapsedColumn(), TextColumn("· remaining"), TimeRemainingColumn())
-        self._progress = Progress(*columns, *times, console=self._console, transient=True)
-        self._task = self._progress.add_task("points", total=None)
+        self._progress: Progress | None = None
         self._began = False
 
     def __enter__(self) -> Bar:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        if self._progress.live.is_started:
+        if self._progress is not None:
             self._progress.stop()
 
     def __call__(self, done: int, total: int) -> None:
@@ -43,7 +36,8 @@ class Bar:
         if not self._began:
             self._began = True
             self._begin(done, total)
-        self._progress.update(self._task, completed=done, total=total)
+        if self._progress is not None:
+            self._progress.update(self._progress.task_ids[0], completed=done, total=total)
 
     def _begin(self, done: int, total: int) -> None:
         if done == total:
@@ -52,7 +46,21 @@ class Bar:
         if done:
             self._console.print(f"continuing: {done} of {total} points are there")
         if self._console.is_terminal:
+            self._progress = _bar(self._console)
             self._progress.start()
+
+
+def _bar(console: Console) -> Progress:
+    from rich import progress
+
+    from vibeam.run.parallel import cores
+
+    text = progress.TextColumn
+    columns = text(f"sweeping on up to {_cores(cores())}"), progress.BarColumn(), progress.MofNCompleteColumn()
+    times = text("points ·"), progress.TimeElapsedColumn(), text("· remaining"), progress.TimeRemainingColumn()
+    bar = progress.Progress(*columns, *times, console=console, transient=True)
+    bar.add_task("points", total=None)
+    return bar
 
 
 def _cores(count: int) -> str:

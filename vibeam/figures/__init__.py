@@ -26,9 +26,15 @@ RESTITUTIONS = tuple(f"{how}_restitution" for how in ("true", "adjacent", "extre
 FIGURES = Registry(
     "kind of figure",
     FigureKind(
-        "history", f"{HOME}history", "displacement and velocity over time", ("frequency",), MOTION, {"jump": "q/s"}
+        "history",
+        f"{HOME}history",
+        "displacement and velocity over time",
+        ("frequency",),
+        MOTION,
+        {"jump": "q/s"},
+        derivatives=True,
     ),
-    FigureKind("portrait", f"{HOME}portrait", "velocity over displacement", ("frequency",), MOTION),
+    FigureKind("portrait", f"{HOME}portrait", "velocity over displacement", ("frequency",), MOTION, derivatives=True),
     FigureKind(
         "coordinates",
         f"{HOME}coordinates",
@@ -36,11 +42,21 @@ FIGURES = Registry(
         ("frequency",),
         ("periods", "settle"),
         {"physical_jump": "1", "unfolded_jump": "1"},
+        one_harmonic=True,
     ),
     FigureKind("section", f"{HOME}section", "one point a drive period", ("frequency",), MOTION),
-    FigureKind("curve", f"{HOME}curve", "another quantity over frequency", ("quantity",)),
-    FigureKind("boundaries", f"{HOME}boundaries", "averaging's limits beside the exact ones", ("quantity",)),
-    FigureKind("period_map", f"{HOME}period_map", "period over frequency and what the fidelities set, as a map"),
+    FigureKind("curve", f"{HOME}curve", "another quantity over frequency", ("quantity",), swept=True),
+    FigureKind(
+        "boundaries",
+        f"{HOME}boundaries",
+        "averaging's limits beside the exact ones",
+        ("quantity",),
+        swept=True,
+        one_harmonic=True,
+    ),
+    FigureKind(
+        "period_map", f"{HOME}period_map", "period over frequency and what the fidelities set, as a map", swept=True
+    ),
     FigureKind(
         "harmonics",
         f"{HOME}harmonics",
@@ -49,6 +65,7 @@ FIGURES = Registry(
         reads={"harmonic": "q"},
         entries="order",
         exact=True,
+        derivatives=True,
     ),
     FigureKind(
         "spectrum",
@@ -67,6 +84,7 @@ FIGURES = Registry(
         SHARES,
         "mode",
         exact=True,
+        one_harmonic=True,
     ),
     FigureKind(
         "ringing",
@@ -76,6 +94,7 @@ FIGURES = Registry(
         OVER,
         RINGING,
         exact=True,
+        one_harmonic=True,
     ),
     FigureKind(
         "restitution",
@@ -84,6 +103,7 @@ FIGURES = Registry(
         takes=OVER,
         reads=dict.fromkeys(RESTITUTIONS, "1"),
         exact=True,
+        one_harmonic=True,
     ),
     FigureKind(
         "decay",
@@ -110,6 +130,17 @@ FIGURES = Registry(
         exact=True,
     ),
     FigureKind(
+        "chirp",
+        f"{HOME}chirp",
+        "a swept-sine test, the drive frequency changing at a rate, beside the sweep's settled points",
+        ("rate",),
+        ("direction", *MOTION),
+        {"swept_peak": "q", "swept_peak_frequency": "Hz"},
+        transient=True,
+        derivatives=True,
+        one_harmonic=True,
+    ),
+    FigureKind(
         "modal",
         f"{HOME}modal",
         "frequencies and damping ratios of the modes",
@@ -122,6 +153,7 @@ FIGURES = Registry(
 READ = {name: unit for kind in FIGURES.values() for name, unit in kind.reads.items()}
 KEYS = (
     *("frequency", "periods", "settle", "quantity", "output", "near", "highest", "subdivision", "start", "velocity"),
+    *("rate", "direction"),
 )  # by kind
 
 #: of a response and its model: the reach Q = Δ − min of the sweep's output, as the paper gives it of the sensor

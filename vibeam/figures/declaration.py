@@ -18,7 +18,10 @@ class FigureKind:
     ``needs`` and ``takes``: keys of the table that it must and may have. ``reads``: its columns that [expect.NAME] and
     [measured.NAME] compare with a number, and their units (q, q/s: of the output and its rate), ``entries``: the column
     by which one of them is chosen (none: their mean is meant). ``exact``:
-    True where the motion must be exact between events.
+    True where the motion must be exact between events. ``derivatives``: it shows outputs that are velocities or
+    accelerations too. ``transient``: True where no settled motion will do. ``swept``: True where it is drawn of each
+    fidelity's own sweep, which a case with an accuracy does not run.
+    ``one_harmonic``: True where it knows a drive of one harmonic alone.
     """
 
     name: str
@@ -29,3 +32,7 @@ class FigureKind:
     reads: Mapping[str, str] = field(default_factory=dict)
     entries: str = ""
     exact: bool = False
+    transient: bool = False
+    swept: bool = False
+    derivatives: bool = False
+    one_harmonic: bool = False

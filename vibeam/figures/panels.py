@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from vibeam.case.outputs import quantity_of
 from vibeam.figures.axes import is_empty, say
 from vibeam.figures.outputs import frequency_label, with_unit
 from vibeam.figures.sheet import Sheet
@@ -103,7 +104,7 @@ def name_faults(case: Case, plan: ShowPlan, shown: Sequence[Sheet]) -> dict[str,
 def stop_at(case: Case, plan: ShowPlan) -> list[float]:
     """Output displacement at contact with the stop, each value once; none where modes leave it undetermined."""
     found = set()
-    for name in plan.fidelities:
+    for name in plan.fidelities if not quantity_of(case, plan.output).rate else ():
         system = case.system(name)
         row = system.output(plan.output)
         if system.size == 1:

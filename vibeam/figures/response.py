@@ -19,7 +19,7 @@ from vibeam.system.response import SINGLE, FrequencyResponse
 
 SHOWN = (*SINGLE, "period", "impacts", "evaluations")  # quantities with one number a point
 
-PREFIXED = {"q": "m", "q/s": "m/s", "s": "s"}  # units that take a prefix
+PREFIXED = {"q": "m", "c": "m", "c/s": "m/s", "s": "s"}  # units that take a prefix
 
 
 def response_figure(branches: Mapping[str, FrequencyResponse], quantity: str) -> Figure:

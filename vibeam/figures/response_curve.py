@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from vibeam.case.outputs import quantity_of
 from vibeam.case.reference_curves import reference_points
 from vibeam.figures.axes import from_zero, is_empty, mark_failed, say
 from vibeam.figures.branches import MotionClass, motion_pieces, pieces
@@ -175,6 +176,8 @@ class _Panel:
     def limit(self, highest: float) -> None:
         """Draw the amplitude at which the first mode alone reaches the stop, unless it is far above the curves."""
         case, study = self.result.case, self.result.accuracy
+        if quantity_of(case, case.sweep.output).rate:
+            return  # where mode 1 grazes depends on the frequency
         height = grazing(case.system(self.name if study is None else study.finest), case.sweep.output)
         if 0 < height <= FAR * highest or (height > 0 and highest == 0):
             self.drawn.add("gap")

@@ -39,7 +39,10 @@ class NoMotion(Exception):
 
 @dataclass(frozen=True)
 class Settled:
-    """Fidelity after its transient at one drive: ``state`` at the drive's phase 0 (None: ``fault`` says why)."""
+    """Fidelity after its transient at one drive: ``state`` at the drive's phase 0 (None: ``fault`` says why).
+
+    Under several harmonics ``system`` has the modes of ``SeveralHarmonics``: its outputs are the motion's, modes not.
+    """
 
     system: ImpactSystem
     drive: Drive
@@ -70,10 +73,15 @@ def settled(case: Case, name: str, frequency: float, plan: ShowPlan) -> Settled:
     omega, fidelity = np.array([2 * np.pi * frequency]), case.fidelities[name]
     system = _drifted(_system(case, name), gap_drift(case.scene_of(name), omega))
     drive = Drive(float(omega[0]), float(np.ravel(case.amplitude_of(name, omega))[0]))
+    start, harmonics = None, case.scene_of(name).harmonics
+    if harmonics:
+        from vibeam.solvers.harmonic_point import started
+
+        system, start = started(system, drive, harmonics, fidelity.solver)
     made = solver_named(fidelity.solver, system, drive.omega, 0.0, **fidelity.options)
-    if plan.output not in ("contact", *system.outputs):
+    if plan.output not in ("contact", *system.outputs, *system.derivatives):
         return Settled(system, drive, made, None, f"there is no {plan.output} in this model")
-    response, state = made.steady(omega, drive.amplitude, None, max(plan.settle - 1, 0), 1, plan.output)
+    response, state = made.steady(omega, drive.amplitude, start, max(plan.settle - 1, 0), 1, plan.output)
     ended = Ended.of_code(int(response.ended[0]))
     if ended is not Ended.COMPLETE:
         return Settled(system, drive, made, None, ended.value)
@@ -150,7 +158,7 @@ def _columns(
         "displacement": Column(displacement, "q", "displacement of the output"),
         "velocity": Column(velocity, "q/s", "velocity of the output"),
         "impact_time": Column(struck, "s", "times of the impacts"),
-        "impact_velocity": Column(velocities, "q/s", "velocity of the contact just before impact, q̇₋"),
+        "impact_velocity": Column(velocities, "c/s", "velocity of the contact just before impact, q̇₋"),
     }
     if jumps is not None:
         columns["jump"] = Column(jumps, "q/s", "by how much the impacts change the output's velocity")

@@ -11,8 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.outputs import quantity_of
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import FIGURES
+from vibeam.figures.quantity_names import named_of
+from vibeam_models.outputs import DISPLACEMENT
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -61,8 +64,18 @@ def module_of(plan: ShowPlan) -> Any:
 
 def sheets(case: Case, plan: ShowPlan) -> tuple[Sheet, ...]:
     """Sheets of all fidelities of a plan, in order."""
-    made = module_of(plan).sheets
-    return tuple(sheet for name in plan.fidelities for sheet in made(case, name, plan))
+    made, quantity = module_of(plan).sheets, quantity_of(case, plan.output)
+    found = tuple(sheet for name in plan.fidelities for sheet in made(case, name, plan))
+    return found if quantity is DISPLACEMENT else tuple(_named(sheet, quantity.name) for sheet in found)
+
+
+def _named(sheet: Sheet, quantity: str) -> Sheet:
+    """The sheet whose columns of an output and its rate are said to be of its ``quantity``."""
+    columns = {
+        name: replace(column, long_name=named_of(column.long_name, quantity)) if column.unit in ("q", "q/s") else column
+        for name, column in sheet.columns.items()
+    }
+    return replace(sheet, columns=columns)
 
 
 def sheet_at(case: Case, plan: ShowPlan, fidelity: str, frequency: float | None, stored: tuple[Sheet, ...]) -> Sheet:

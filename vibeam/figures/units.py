@@ -2,22 +2,49 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite, isinf, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.figures.prefixes import FREQUENCIES, LENGTHS, SPEEDS, prefixed
+from vibeam.case.outputs import quantity_of
+from vibeam.figures.prefixes import (
+    ACCELERATIONS,
+    ANGLES,
+    FREQUENCIES,
+    JERKS,
+    LENGTHS,
+    SPEEDS,
+    STRAINING,
+    STRAINS,
+    TURNING,
+    Steps,
+    prefixed,
+)
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.figures.comparison import Comparison
 
 
+#: prefixes of an output's quantity and of its rate
+PREFIXES: Mapping[str, tuple[Steps, Steps]] = {
+    "displacement": (LENGTHS, SPEEDS),
+    "velocity": (SPEEDS, ACCELERATIONS),
+    "acceleration": (ACCELERATIONS, JERKS),
+    "slope": (ANGLES, TURNING),
+    "strain": (STRAINS, STRAINING),
+}
+
+
 @dataclass(frozen=True)
 class Units:
-    """Factors from SI (or the case's own unit) to the displayed unit, and its name (empty: no unit)."""
+    """Factors from SI (or the case's own unit) to the displayed unit, and its name (empty: no unit).
+
+    ``length`` and ``speed`` are of an output and its rate, ``quantity`` is what it reads.
+    """
 
     length: str
     length_factor: float
@@ -25,6 +52,7 @@ class Units:
     frequency_factor: float
     speed: str = "mm/s"
     speed_factor: float = 1e3
+    quantity: str = "displacement"
 
     def lengths(self, value: float) -> str:
         """Length with its unit, to four digits; a dash for NaN."""
@@ -49,29 +77,45 @@ class Units:
 METRIC = Units("mm", 1e3, "Hz", 1.0)
 
 
-def units_of(case: Case, length: float = float("nan"), speed: float = float("nan")) -> Units:
+def units_of(
+    case: Case, length: float = float("nan"), speed: float = float("nan"), quantity: str = "displacement"
+) -> Units:
     """Units by the sweep's frequencies, the largest ``length`` (m) and ``speed`` (m/s) to be shown; NaN: mm, mm/s.
+
+    Of another ``quantity`` than a displacement these are its and its rate's.
 
     Of a model given without dimensions they are q, Ω/ω and dq/d(ω t).
     """
-    from vibeam_models.scene import SdofScene
-
-    scene = case.scene
-    if isinstance(scene, SdofScene):
-        return Units("", 1.0, "", 2 * pi / scene.natural_frequency, "", 1 / scene.natural_frequency)
+    own = case.scene.natural_unit
+    if own is not None:
+        return Units("", 1.0, "", 2 * pi / own, "", 1 / own)
     frequency = prefixed(FREQUENCIES, float(np.max(case.sweep.frequency, initial=0.0)), usual=-1)
-    return Units(*prefixed(LENGTHS, length), *frequency, *prefixed(SPEEDS, speed))
+    steps, rates = PREFIXES[quantity]
+    own_units, speeds = prefixed(steps, length, _usual(steps)), prefixed(rates, speed, _usual(rates))
+    return Units(*own_units, *frequency, *speeds, quantity)
 
 
-def units_for(result: Comparison) -> Units:
-    """Units of all figures and tables of a result: by its largest amplitude and the corresponding speed."""
+def _usual(steps: Steps) -> int:
+    """The step of millimetres, mm/s, m/s², mrad, µε."""
+    return 0 if steps is ACCELERATIONS else min(1, len(steps) - 1)
+
+
+def units_for(result: Comparison, output: str | None = None) -> Units:
+    """Units of all figures and tables of a result: by its largest amplitude and the corresponding speed.
+
+    ``output``: which is shown, None: the sweep's; of another quantity than that of the sweep's the sizes are not known.
+    """
+    swept = quantity_of(result.case, result.case.sweep.output)
+    wanted = swept if output is None else quantity_of(result.case, output)
+    if wanted is not swept:
+        return units_of(result.case, quantity=wanted.name)
     sizes = [
         (response.amplitude, 2 * pi * response.frequency * response.amplitude)
         for branches in result.values()
         for _, response in branches.items()
     ]
     length, speed = (max((_largest(size[index]) for size in sizes), default=0.0) for index in (0, 1))
-    return units_of(result.case, length, speed)
+    return units_of(result.case, length, speed, wanted.name)
 
 
 def _largest(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:

@@ -58,7 +58,7 @@ def harmonic_amplitudes(
     order = _orders(highest, subdivision)
     if periods % subdivision:
         raise ValueError(f"periods: {periods} are no multiple of the subdivision {subdivision}")
-    path.system.output(output)
+    path.system.derivative(output)  # KeyError for an unknown one
     begin, end = last_periods(path, periods)
     omega = path.drive.omega
 

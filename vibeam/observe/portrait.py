@@ -11,6 +11,8 @@ from vibeam.observe.motion import Path, drive_period, impacts_within, last_perio
 
 Array = NDArray[np.float64]
 
+JUST = 1e-9  # share of the drive's period
+
 
 @dataclass(frozen=True)
 class Portrait:
@@ -33,8 +35,10 @@ def phase_portrait(path: Path, output: str = "sensor", *, periods: int, points: 
     if points < 2:
         raise ValueError(f"points: {points} a period, there must be 2 or more")
     begin, end = last_periods(path, periods)
-    row = path.system.output(output)
     hits = impacts_within(path, begin, end)
+    if path.system.derivative(output) is not None:
+        return _of_derivative(path, output, begin, end, hits[:, 0], points)
+    row = path.system.output(output)
     even = np.linspace(begin, end, round((end - begin) / drive_period(path) * points) + 1)
     even = even[~np.isin(even, hits[:, 0])]
     before, after = modes_around_impacts(path, hits)
@@ -44,3 +48,14 @@ def phase_portrait(path: Path, output: str = "sensor", *, periods: int, points: 
     order = np.lexsort((rank, times))
     jumps = np.flatnonzero(rank[order] == 1) - 1
     return Portrait(times[order], values[order, 0], values[order, 1], jumps)
+
+
+def _of_derivative(path: Path, output: str, begin: float, end: float, hits: Array, points: int) -> Portrait:
+    """Portrait of a velocity or acceleration; the value before an impact is that a billionth of a period earlier."""
+    period = drive_period(path)
+    even = np.linspace(begin, end, round((end - begin) / period * points) + 1)
+    times = np.concatenate([even[~np.isin(even, hits)], np.maximum(hits - JUST * period, begin), hits])
+    order = np.argsort(times, kind="stable")
+    seen = np.concatenate([times[: -len(hits) or None], hits])[order] if len(hits) else times
+    first = np.flatnonzero(order >= len(times) - len(hits)) - 1 if len(hits) else np.zeros(0, dtype=np.int64)
+    return Portrait(np.sort(seen), path.at(times[order], output), path.velocity_at(times[order], output), first)

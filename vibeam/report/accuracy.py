@@ -14,7 +14,7 @@ from vibeam.run.comparison.wording import both_peaks
 
 if TYPE_CHECKING:
     from vibeam.run.accuracy.study import AccuracyChoice, Chosen
-    from vibeam.run.comparison.held_comparison import HeldComparison
+    from vibeam.run.comparison.differences import HeldComparison
 
 
 MOST = 5  # points listed one by one

@@ -6,14 +6,17 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from vibeam.case.outputs import quantity_of
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import FIGURES
 from vibeam.figures.files import all_current, figure_files, paths_of, shown_paths, stamp
+from vibeam.figures.quantity_names import named_of
 from vibeam.figures.sheet import module_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from vibeam.case.case import Case
     from vibeam.figures.comparison import Comparison
 
 
@@ -42,23 +45,28 @@ def write_shown(result: Comparison, path: Path, mark: str | None = None) -> list
 
 def figure(result: Comparison, plan: ShowPlan) -> Figure:
     """Figure of one table."""
+    from vibeam.figures.axes import say
     from vibeam.figures.page import blank_page, legend, titled
     from vibeam.figures.panels import name_faults
 
     made = blank_page(_size(plan), result.case.figure)
     shown = result.shown.get(plan.name, ())
-    module_of(plan).draw(made, result, plan, shown)
+    if FIGURES[plan.kind].swept and result.accuracy is not None:
+        say(made.subplots(), "of each fidelity's own sweep, and accuracy makes one curve of all")
+    else:
+        module_of(plan).draw(made, result, plan, shown)
     held = result.held.partition("\n")[0]
-    titled(made, result.case.figure, result.case.title, ", ".join(filter(None, [_caption(plan), held])))
+    titled(made, result.case.figure, result.case.title, ", ".join(filter(None, [_caption(result.case, plan), held])))
     handles = _handles(made) | name_faults(result.case, plan, shown)
     legend(made, list(handles.values()), list(handles))
     return made
 
 
-def _caption(plan: ShowPlan) -> str:
+def _caption(case: Case, plan: ShowPlan) -> str:
     """Title of the figure."""
     own = getattr(module_of(plan), "caption", None)
-    return str(own(plan)) if own is not None else FIGURES[plan.kind].meaning
+    usual = str(own(plan)) if own is not None else FIGURES[plan.kind].meaning
+    return named_of(usual, quantity_of(case, plan.output).name)
 
 
 def _handles(made: Figure) -> dict[str, Any]:

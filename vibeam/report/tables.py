@@ -18,7 +18,7 @@ from vibeam.report.table_widths import ReportTable, fitted, needed
 
 if TYPE_CHECKING:
     from vibeam.casefile.documentation import KeyRow
-    from vibeam.run.comparison.held_comparison import HeldComparison
+    from vibeam.run.comparison.differences import HeldComparison
     from vibeam.run.summary import Summary
     from vibeam.studies.derive import DerivedParameter
     from vibeam.studies.modes import ModeTable
@@ -160,16 +160,18 @@ def derivation(rows: Iterable[DerivedParameter]) -> ReportTable:
 def modal(modes: ModeTable) -> ReportTable:
     """Modal table: participation of each mode at contact, sensor and drive, and the remaining restitution."""
     unit, factor = prefixed(FREQUENCIES, min((row.frequency for row in modes.rows), default=0.0), usual=-1)
-    table = blank("Modes of the finite-element beam", "mode|", f"{unit}|", "damping|")
-    table.add("contact|", "sensor|", "load|", "Σ share|", "R₁ seen|", "R|")
+    of = "finite elements" if len(modes.positions) else "structure"
+    table = blank(f"Modes of the {of}", "mode|", f"{unit}|", "damping|")
+    impulsive = any(isfinite(row.contact_restitution) for row in modes.rows)
+    table.add("contact|", "sensor|", "load|", "Σ share|", *(["R₁ seen|", "R|"] * impulsive))
     for row in modes.rows:
         values = (f"{value:.4g}" for value in (row.contact, row.sensor, row.load))
-        restitutions = (f"{row.first_mode_restitution:.4f}", f"{row.contact_restitution:.4f}")
+        restitutions = [f"{row.first_mode_restitution:.4f}", f"{row.contact_restitution:.4f}"] * impulsive
         first = (str(row.number), f"{row.frequency * factor:.5g}", percent(row.damping_ratio))
         table.add_row(*first, *values, percent(row.share), *restitutions)
     table.caption = (
-        "contact, sensor: kg^-½; load: kg^½; Σ share: of the contact mobility w M⁻¹ wᵀ, up to this mode\n"
-        "R: of the contact; R₁: what mode 1 sees of it where the model is cut off after this mode"
+        f"contact, sensor: kg^-½; load: {modes.load_unit}; Σ share: of the contact mobility w M⁻¹ wᵀ, up to this mode"
+        + "\nR: of the contact; R₁: what mode 1 sees of it where the model is cut off after this mode" * impulsive
     )
     return table
 

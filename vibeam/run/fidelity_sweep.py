@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from threading import Event
@@ -31,19 +31,31 @@ class Job:
     """Branches of one fidelity in the order swept, each with its stored points."""
 
     name: str
-    system: ImpactSystem
+    systems: Mapping[str, ImpactSystem]
     fidelity: Fidelity
     branches: tuple[tuple[Branch, StoredBranch], ...]
+
+    @property
+    def system(self) -> ImpactSystem:
+        """System of the fidelity, built where something is missing."""
+        return self.systems[self.name]
+
+    @property
+    def missing(self) -> bool:
+        """True where points are missing."""
+        return any(kept.done < len(kept.response) for _, kept in self.branches)
 
     def gathered(self, curves: MotionCurves | None) -> Branches:
         """Responses of all branches."""
         return Branches(**{branch.direction: kept.response for branch, kept in self.branches}, curves=curves)
 
 
-def job_of(case: Case, name: str, system: ImpactSystem, branches: tuple[Branch, ...], store: Store | None) -> Job:
+def job_of(
+    case: Case, name: str, systems: Mapping[str, ImpactSystem], branches: tuple[Branch, ...], store: Store | None
+) -> Job:
     """Job of the fidelity ``name``, with the stored points of its branches."""
     kept = tuple((branch, store.restore(branch) if store else _nothing(branch)) for branch in branches)
-    return Job(name, system, case.fidelities[name], kept)
+    return Job(name, systems, case.fidelities[name], kept)
 
 
 def _nothing(branch: Branch) -> StoredBranch:
@@ -93,6 +105,7 @@ def _march(
         slowest=float(kept.response.omega.min()),
         drift=gap_drift(scene, omega),
         wear=gap_wear(scene),
+        harmonics=scene.harmonics,
         struck=struck + int(kept.response.impacts[: kept.done].sum()),
     )
 

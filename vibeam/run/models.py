@@ -9,7 +9,6 @@ import numpy as np
 
 from vibeam.case.fidelity import Fidelity, system
 from vibeam_models.laws.restitution import contact_restitution, first_mode_restitution
-from vibeam_models.scene import SdofScene
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -45,7 +44,7 @@ def models(case: Case, counts: tuple[int, ...] | None = None) -> tuple[list[Mode
     same: dict[str, str] = {}
     for name, fidelity in case.fidelities.items():
         _add(found, same, Model(name, fidelity, case.system(name), like=name))
-    if isinstance(case.scene, SdofScene):
+    if case.scene.given_mode is not None:
         return found, same
     top = finest(found)
     for count in [n for n in COUNTS if n < top.system.size] if counts is None else counts:
@@ -74,7 +73,10 @@ def _add(found: list[Model], same: dict[str, str], new: Model) -> None:
 
 def equal(one: ImpactSystem, other: ImpactSystem) -> bool:
     """Test whether two systems are the same to the bit, outputs included."""
-    if one.outputs.keys() != other.outputs.keys() or not one.moves_as(other):
+    names = ((each.outputs.keys(), each.derivatives.keys()) for each in (one, other))
+    if next(names) != next(names) or not one.moves_as(other):
+        return False
+    if not all(each.equals(other.derivatives[name]) for name, each in one.derivatives.items()):
         return False
     return all(np.array_equal(row, other.outputs[name]) for name, row in one.outputs.items())
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from threading import Event
 from typing import TypeVar
 
@@ -23,6 +22,8 @@ def run_parallel(task: Callable[[Item, Event], Made], items: Sequence[Item], wor
     The first failure, or Ctrl-C, sets ``stop``, waits until the running tasks have left (by raising ``Stopped``, as
     solvers do within a fraction of a second), and is raised.
     """
+    from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+
     stop = Event()
 
     def stoppable(item: Item) -> Made:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from vibeam.case.faults import suggest
 from vibeam.case.held import held_of
+from vibeam.case.outputs import units_of_output
 from vibeam.run.comparison.wording import both_peaks
 from vibeam.system.response import Branches, modes_of
 
@@ -19,8 +20,10 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.figures.sheet import Sheet
     from vibeam.run.accuracy.study import AccuracyChoice
-    from vibeam.run.comparison.held_comparison import HeldComparison
+    from vibeam.run.comparison.differences import HeldComparison
+    from vibeam.run.systems import ModelProperties
     from vibeam.system.motion_curves import MotionCurves
+    from vibeam.system.quantities import OutputUnits
 
 
 def finest_of(result: Result, beside: str | None = None) -> str:
@@ -35,11 +38,9 @@ def finest_of(result: Result, beside: str | None = None) -> str:
     return max(alike, key=lambda name: modes_of(result[name]))
 
 
-def output_unit(case: Case) -> str:
-    """Unit of the outputs of a case: metres, or "1" for a model without dimensions."""
-    from vibeam_models.scene import SdofScene
-
-    return "1" if isinstance(case.scene, SdofScene) else "m"
+def output_units(case: Case) -> OutputUnits:
+    """Units of the sweep's output of a case."""
+    return units_of_output(case, case.sweep.output)
 
 
 class Result(Mapping[str, Branches]):
@@ -47,7 +48,8 @@ class Result(Mapping[str, Branches]):
 
     ``shown``: the numbers of the case's [show.NAME] tables, by name. ``accuracy``: the choice of models for the case's
     accuracy and its verification; the one entry is then ``result["accuracy"]``. ``comparisons``: under both choices of
-    the restitution held, one for each finest fidelity, where the run was asked for them.
+    the restitution held, one for each finest fidelity, where the run was asked for them. ``models``: properties of the
+    fidelities' models, where they are known already.
     """
 
     def __init__(
@@ -59,6 +61,7 @@ class Result(Mapping[str, Branches]):
         shown: Mapping[str, tuple[Sheet, ...]] | None = None,
         accuracy: AccuracyChoice | None = None,
         comparisons: Sequence[HeldComparison] = (),
+        models: Mapping[str, ModelProperties] | None = None,
     ) -> None:
         self.case = case
         self.path = path
@@ -67,6 +70,7 @@ class Result(Mapping[str, Branches]):
         self.accuracy = accuracy
         self.comparisons = tuple(comparisons)
         self._branches = dict(branches)
+        self._models = dict(models or {})
 
     @property
     def total(self) -> int:
@@ -85,6 +89,16 @@ class Result(Mapping[str, Branches]):
         compared = compared if self.accuracy is None else [self.accuracy.finest]
         labels = dict.fromkeys(held_of(self.case.scene_of(name)).label for name in compared)
         return "\n".join(filter(None, [", ".join(labels), *map(both_peaks, self.comparisons)]))
+
+    def restitutions(self, fidelity: str) -> tuple[float, float]:
+        """Restitution R of the contact and R₁ of mode 1 in one fidelity, in an accuracy's choice in the finest."""
+        from vibeam.case.fidelity import restitutions
+
+        name = fidelity if self.accuracy is None else self.accuracy.finest
+        known = self._models.get(name)
+        if known is None:
+            return restitutions(self.case.scene_of(name), self.case.fidelities[name])
+        return known.restitution, known.first_mode_restitution
 
     @property
     def curves(self) -> dict[str, MotionCurves]:
@@ -108,9 +122,9 @@ class Result(Mapping[str, Branches]):
         """
         from vibeam.system.labelled import dataset, joined
 
-        unit = output_unit(self.case)
+        units = output_units(self.case)
         parts = {
-            name: {direction: dataset(one, unit) for direction, one in branches.items()}
+            name: {direction: dataset(one, units) for direction, one in branches.items()}
             for name, branches in self.items()
         }
         return joined({name: joined(parts, "direction") for name, parts in parts.items()}, "fidelity")
@@ -124,7 +138,7 @@ class Result(Mapping[str, Branches]):
             for name, branches in self.items()
             for direction, response in branches.items()
         ]
-        return frame(rows, output_unit(self.case))
+        return frame(rows, output_units(self.case))
 
     def plot(self, *paths: str | Path) -> Figure:
         """Figure of ``vibeam run``; written to ``paths`` (.png, .svg, .pdf) where given."""

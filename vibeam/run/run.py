@@ -3,26 +3,27 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
-from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from vibeam.case.faults import CaseError, Fault
+from vibeam.case.outputs import units_of_output
 from vibeam.run.fidelity_sweep import Job, job_of, known_curves, sweep_branches
+from vibeam.run.keys import branch_key, comparison_key, model_key
 from vibeam.run.parallel import run_parallel
 from vibeam.run.recorder import Count, Progress
-from vibeam.run.result import Result, output_unit
+from vibeam.run.result import Result, output_units
 from vibeam.run.store.branch import Branch
 from vibeam.run.store.file import Tell, opened
+from vibeam.run.store.models import Keyed
 from vibeam.run.store.reuse import Wanted
 from vibeam.run.store.store import Store
-from vibeam.solvers import SOLVERS, solver
+from vibeam.run.systems import ModelProperties, Systems, properties_of
+from vibeam.solvers import SOLVERS
 from vibeam.solvers.warm_up import warm_up
 from vibeam.system.response import Branches
 
@@ -59,48 +60,67 @@ def run(
     own limit (``result.comparisons``); the file gets it too.
     CaseError for a fidelity that cannot be built, StoreError where ``out`` cannot be used, Interrupted on Ctrl-C.
     """
-    systems = _systems(case)
-    plan = {name: _branches(case, name, system.size) for name, system in systems.items()}
-    path = None if out is None else Path(out)
+    systems, storage = Systems(case), _Storage(None if out is None else Path(out), fresh, tell)
     if case.accuracy is not None:
-        return _accurate(
-            case, case.accuracy, systems, plan, _Storage(path, fresh, tell), progress or _no_progress, show, compare
-        )
-    with _Storage(path, fresh, tell).opened(case, plan) as store:
-        jobs = [job_of(case, name, systems[name], branches, store) for name, branches in plan.items()]
+        return _accurate(case, case.accuracy, systems, storage, progress or _no_progress, show, compare)
+    with storage.opened(case, systems, _all_branches) as (store, plan):
+        jobs = [job_of(case, name, systems, branches, store) for name, branches in plan.branches.items()]
         count = Count((kept for job in jobs for _, kept in job.branches), progress or _no_progress)
         found = count.done
         try:
-            for job in jobs:
-                _warm_up(case, job)
-            costly_first = sorted(jobs, key=lambda job: -job.system.size)
-            run_parallel(lambda job, stop: sweep_branches(case, job, store, count, stop), costly_first)
+            _sweep(case, [job for job in jobs if job.missing], store, count)
             curves = {job.name: known_curves(case, job, store) for job in jobs if SOLVERS[job.fidelity.solver].curves}
             shown = _shown(case, store) if show else {}
             branches = {job.name: job.gathered(curves.get(job.name)) for job in jobs}
-            result = Result(case, branches, path, found, shown)
+            models = _models(case, systems, plan, store)
+            result = Result(case, branches, storage.path, found, shown, models=models)
             return _compared(result, result.finest, systems, store) if compare else result
         except KeyboardInterrupt:
-            raise Interrupted(_how_to_go_on(count, path)) from None
+            raise Interrupted(_how_to_go_on(count, storage.path)) from None
+
+
+def _sweep(case: Case, jobs: Sequence[Job], store: Store | None, count: Count) -> None:
+    """Sweep the missing points of ``jobs``, several at once."""
+    for job in jobs:
+        _warm_up(case, job)
+    if jobs:
+        costly_first = sorted(jobs, key=lambda job: -job.system.size)
+        run_parallel(lambda job, stop: sweep_branches(case, job, store, count, stop), costly_first)
+
+
+def _models(
+    case: Case, systems: Mapping[str, ImpactSystem], plan: _Plan, store: Store | None
+) -> Mapping[str, ModelProperties]:
+    """Properties of all models, which the file keeps."""
+    models = plan.models or {name: properties_of(case, name, system.size) for name, system in systems.items()}
+    keys = {name: model_key(case, name) for name in models}
+    if store and all(keys.values()):
+        store.write_models({name: (keys[name], properties) for name, properties in models.items()})
+    return models
 
 
 def _compared(
     result: Result, finest: Mapping[str, str], systems: Mapping[str, ImpactSystem], store: Store | None
 ) -> Result:
     """The result with its comparisons, which the file keeps."""
+    branches = {} if result.accuracy is not None else result
+    if all(name == top for name, top in finest.items()):
+        return result
+    key = comparison_key(result.case, finest, branches) if store else ""
+    stored = store.comparisons(key) if store else None
+    if stored is not None:
+        result.comparisons = stored
+        return result
     from vibeam.run.comparison.of_case import comparisons
 
-    branches = {} if result.accuracy is not None else result
     result.comparisons = comparisons(result.case, finest, systems, branches)
     if store:
-        store.write_comparisons(result.comparisons)
+        store.write_comparisons(key, result.comparisons)
     return result
 
 
 def _warm_up(case: Case, job: Job) -> None:
     """Run the solver of a fidelity with missing points once, unmeasured: here Ctrl-C can stop a compilation."""
-    if all(kept.done == len(kept.response) for _, kept in job.branches):
-        return
     omega = job.branches[0][1].response.omega[:1]
     base = float(np.ravel(case.amplitude_of(job.name, omega))[0])
     fidelity = job.fidelity
@@ -112,17 +132,16 @@ def _no_progress(done: int, total: int) -> None:
 
 
 def _accurate(
-    case: Case, wanted: AccuracyPlan, systems: Mapping[str, ImpactSystem], plan: Mapping[str, tuple[Branch, ...]],
-    storage: _Storage, progress: Progress, show: bool, compare: bool,
+    case: Case, wanted: AccuracyPlan, systems: Mapping[str, ImpactSystem], storage: _Storage, progress: Progress,
+    show: bool, compare: bool,
 ) -> Result:  # fmt: skip
     """One curve within an accuracy instead of one for each fidelity."""
     from vibeam.run import within_accuracy as accuracy
     from vibeam.run.store.accuracy import HOME
 
-    accuracy.refuse_beyond(case, systems)
-    branches = accuracy.branches_of(case, plan)
-    total = sum(len(branch.frequency) for branch in branches)
-    with storage.opened(case, {HOME: branches}) as store:
+    with storage.opened(case, systems, accuracy.branches_of) as (store, plan):
+        branches = accuracy.branches_of(case, plan.branches)
+        total = sum(len(branch.frequency) for branch in branches)
         try:
             kept = [store.restore(branch).done for branch in branches] if store else [0]
             progress(total if sum(kept) == total else 0, total)
@@ -130,7 +149,8 @@ def _accurate(
             progress(total, total)
             shown = _shown(case, store) if show else {}
             up, down = (study.curves[way].response if way in study.curves else None for way in ("up", "down"))
-            result = Result(case, {HOME: Branches(up, down)}, storage.path, found, shown, study)
+            models = _models(case, systems, plan, store)
+            result = Result(case, {HOME: Branches(up, down)}, storage.path, found, shown, study, models=models)
             return _compared(result, _references(case, study.finest), systems, store) if compare else result
         except KeyboardInterrupt:
             raise Interrupted(f"stopped: nothing is kept of its {total} points") from None
@@ -151,42 +171,40 @@ def _shown(case: Case, store: Store | None) -> dict[str, tuple[Sheet, ...]]:
         kept = store.shown(plan) if store else None
         found[name] = sheets(case, plan) if kept is None else kept
         if store and kept is None:
-            store.show(plan, found[name])
+            store.show(plan, found[name], units_of_output(case, plan.output))
     return found
 
 
-def _systems(case: Case) -> dict[str, ImpactSystem]:
-    """System of every fidelity; CaseError names all that cannot be built or that their solver cannot take."""
-    systems, faults = {}, []
-    slowest = 2 * np.pi * float(np.min(case.sweep.frequency))
-    for name, fidelity in case.fidelities.items():
-        try:
-            systems[name] = case.system(name)
-            solver(fidelity.solver, systems[name], slowest, 0.0, **fidelity.options)
-        except ValueError as error:
-            faults.append(Fault(str(case.path), None, f"fidelity.{name}", str(error)))
-    for name in case.fidelities:
-        try:
-            case.amplitude_of(name, 2 * np.pi * case.sweep.frequency)
-        except ValueError as error:
-            faults.append(Fault(str(case.path), None, "platform", str(error)))
-    if faults:
-        raise CaseError(faults)
-    return systems
+@dataclass(frozen=True)
+class _Plan:
+    """Branches of every fidelity; properties of their ``models`` where the file has them of this case and code."""
+
+    branches: Mapping[str, tuple[Branch, ...]]
+    models: Mapping[str, ModelProperties]
+
+
+def _plan(case: Case, systems: Mapping[str, ImpactSystem], stored: Keyed) -> _Plan:
+    """Plan of a run by what the file has ``stored`` of its models, else by their systems."""
+    keys = {name: model_key(case, name) for name in case.fidelities}
+    fit = all(key and stored.get(name, ("", None))[0] == key for name, key in keys.items())
+    models = {name: stored[name][1] for name in keys} if fit else {}
+    sizes = {name: models[name].modes if fit else systems[name].size for name in keys}
+    return _Plan({name: _branches(case, name, modes) for name, modes in sizes.items()}, models)
 
 
 def _branches(case: Case, name: str, modes: int) -> tuple[Branch, ...]:
     up = np.sort(case.sweep.frequency)
     grids = {"up": up, "down": up[::-1].copy()}
     wanted = ("up", "down") if case.sweep.direction == "both" else (case.sweep.direction,)
-    keys = {direction: _key(case.own[name], direction, up, after_up=len(wanted) > 1) for direction in wanted}
+    keys = {direction: branch_key(case.own[name], direction, up, after_up=len(wanted) > 1) for direction in wanted}
     return tuple(Branch(name, direction, grids[direction], modes, keys[direction]) for direction in wanted)
 
 
-def _key(own: str, direction: str, up: NDArray[np.float64], after_up: bool) -> str:
-    """Key of all numbers of a branch beside the frequencies, the sweep's lowest frequency included."""
-    start = up.tobytes() if direction == "down" and after_up else b"equilibrium"
-    return sha256(b"\n".join((own.encode(), direction.encode(), up[:1].tobytes(), start))).hexdigest()
+def _all_branches(case: Case, branches: Mapping[str, tuple[Branch, ...]]) -> tuple[Branch, ...]:
+    return tuple(branch for several in branches.values() for branch in several)
+
+
+Select = Callable[["Case", Mapping[str, tuple[Branch, ...]]], tuple[Branch, ...]]
 
 
 @dataclass(frozen=True)
@@ -197,12 +215,21 @@ class _Storage:
     fresh: bool
     tell: Tell | None
 
-    def opened(self, case: Case, plan: Mapping[str, tuple[Branch, ...]]) -> AbstractContextManager[Store | None]:
+    @contextmanager
+    def opened(
+        self, case: Case, systems: Mapping[str, ImpactSystem], select: Select
+    ) -> Iterator[tuple[Store | None, _Plan]]:
+        """Open the file for the branches that ``select`` takes of the plan, and make the plan."""
         if self.path is None:
-            return nullcontext()
-        branches = [branch for several in plan.values() for branch in several]
-        wanted = Wanted(case.numbers, case.key, case.shared, branches, output_unit(case))
-        return opened(self.path, wanted, fresh=self.fresh, tell=self.tell or _warn)
+            yield None, _plan(case, systems, {})
+            return
+
+        def wanted(stored: Keyed) -> Wanted:
+            branches = select(case, _plan(case, systems, stored).branches)
+            return Wanted(case.numbers, case.key, case.shared, branches, output_units(case))
+
+        with opened(self.path, wanted, fresh=self.fresh, tell=self.tell or _warn) as store:
+            yield store, _plan(case, systems, store.models)
 
 
 def _warn(line: str) -> None:

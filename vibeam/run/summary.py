@@ -65,11 +65,8 @@ def compare(result: Result) -> list[Summary]:
 
 
 def _summary(result: Result, name: str, finest: Branches | None, cheapest: float) -> Summary:
-    from vibeam.case.fidelity import restitutions
-
-    branches, case = result[name], result.case
-    own = name if result.accuracy is None else result.accuracy.finest
-    contact, first = restitutions(case.scene_of(own), case.fidelities[own])
+    branches = result[name]
+    contact, first = result.restitutions(name)
     amplitude, frequency, direction = _peak(branches)
     cpu = _total(branches, "cpu_seconds")
     return Summary(

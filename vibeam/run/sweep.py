@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from math import isfinite
 from time import monotonic
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.solvers import SOLVERS
+from vibeam.solvers import SOLVERS, require_readable
 from vibeam.solvers import solver as solver_named
 from vibeam.solvers.warm_up import warm_up_once
-from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Branches, FrequencyResponse, join
 from vibeam.system.state import State
 from vibeam_models.arguments import count, floats, number, refuse, require
 from vibeam_models.laws.compliant import CompliantStop
+
+if TYPE_CHECKING:
+    from vibeam.solvers.several_harmonics import Shares
 
 Array = NDArray[np.float64]
 
@@ -46,6 +50,7 @@ def march(
     drift: ArrayLike | None = None,
     wear: float | None = None,
     struck: int = 0,
+    harmonics: Shares = (),
 ) -> Iterator[tuple[FrequencyResponse, State]]:
     """Steady points in the order of ``omega`` (rad/s), ``block`` at a time, each with the state after it.
 
@@ -56,12 +61,13 @@ def march(
     ``options``: the solver's own. ``drift`` (points,): growth of the gap at each point, m. ``wear``: growth of the
     gap by each impact, for the points after it, m, settling included; ``struck`` impacts came before the first.
     A point that fails is NaN with its reason, and the next one starts from equilibrium.
+    ``harmonics``: further ones of the drive, each (order, share of the first's Ω²B, phase in rad).
     ``settle`` is at most 10⁹, ``hold`` at most 10⁸ over the number of modes. ValueError for a grid, periods, solver or
-    type of argument that makes no sense, KeyError for an unknown output.
+    type of argument that makes no sense, or an output that the solver does not read; KeyError for an unknown output.
     """
     for response, states in march_blocks(
         system, omega, amplitude, settle=settle, hold=hold, solver=solver, output=output, state=state, block=block,
-        slowest=slowest, options=options, drift=drift, wear=wear, struck=struck,
+        slowest=slowest, options=options, drift=drift, wear=wear, struck=struck, harmonics=harmonics,
     ):  # fmt: skip
         yield response, states[-1]
 
@@ -70,7 +76,7 @@ def march_blocks(
     system: ImpactSystem, omega: ArrayLike, amplitude: ArrayLike, *, settle: int, hold: int, solver: str, output: str,
     state: State | None, block: int | None = None, slowest: float | None = None,
     options: Mapping[str, Any] | None = None, drift: ArrayLike | None = None, wear: float | None = None,
-    struck: int = 0,
+    struck: int = 0, harmonics: Shares = (),
 ) -> Iterator[tuple[FrequencyResponse, list[State]]]:  # fmt: skip
     """As ``march``, with the states after the last points of each block, as many as are known.
 
@@ -79,17 +85,18 @@ def march_blocks(
     require("system", system, ImpactSystem)
     require("state", state, State, none_too=True)
     grid = np.atleast_1d(floats("omega", omega))
-    if grid.ndim != 1 or not len(grid) or not np.all(np.isfinite(grid) & (grid > 0)):
+    if grid.ndim != 1 or not len(grid) or not ((least := float(grid.min())) > 0 and grid.max() < np.inf):
         raise ValueError("omega: must be one or more positive frequencies in rad/s")
     settle, hold, size, struck = _counts(system, settle, hold, 1 if block is None else block, struck)
     drives = _amplitudes(amplitude, grid)
-    system.output(output)
-    rate = float(grid.min()) if slowest is None else slowest
+    require_readable(solver, system, output)
+    rate = least if slowest is None else slowest
     warm_up_once(solver, system, float(grid[0]), float(drives.flat[0]), output, options or {})
-    if drift is not None or wear is not None:
+    further = tuple(harmonics)
+    if drift is not None or wear is not None or further:
         drives, changes = np.broadcast_to(drives, grid.shape), _gap_changes(grid, drift, wear, struck, solver)
         for response, after in _drifting(
-            system, grid, drives, settle, hold, solver, output, state, rate, options or {}, changes
+            system, grid, drives, settle, hold, solver, output, state, rate, options or {}, changes, further
         ):
             yield response, [after]
         return
@@ -131,6 +138,8 @@ def _counts(system: ImpactSystem, *given: Any) -> tuple[int, int, int, int]:
 def _amplitudes(amplitude: ArrayLike, grid: Array) -> Array:
     """Return one number, or one for each frequency; ValueError for anything else."""
     drives = floats("amplitude", amplitude)
+    if drives.ndim == 0 and isfinite(drives):
+        return drives
     if drives.shape not in ((), grid.shape):
         raise ValueError(f"amplitude: must be one number or one for each of the {len(grid)} frequencies")
     if not np.all(np.isfinite(drives)):
@@ -161,16 +170,24 @@ def _gap_changes(grid: Array, drift: ArrayLike | None, wear: float | None, struc
 
 def _drifting(
     system: ImpactSystem, grid: Array, drives: Array, settle: int, hold: int, solver: str, output: str,
-    state: State | None, rate: float, options: Mapping[str, Any], changes: _GapChanges,
+    state: State | None, rate: float, options: Mapping[str, Any], changes: _GapChanges, harmonics: Shares,
 ) -> Iterator[tuple[FrequencyResponse, State]]:  # fmt: skip
-    """Sweep point by point, each with its own gap; a state beyond the moved stop is put back onto it."""
+    """Sweep point by point, each with its own gap and harmonics; a state beyond the stop is put back onto it."""
     struck = changes.struck
     for omega, drive, more in zip(grid, drives, changes.drift, strict=True):
         moved = replace(system, gap=system.gap + float(more) + changes.wear * struck)
         start = None if state is None else _onto_stop(moved, state)
-        response, state = solver_named(solver, moved, rate, **options).steady(
-            np.array([omega]), float(drive), start, settle, hold, output
-        )
+        if harmonics:
+            from vibeam.solvers.harmonic_point import several_of, steady_point
+
+            several = several_of(moved, Drive(float(omega), float(drive)), harmonics, solver)
+            response, state = steady_point(
+                several, start, settle, hold, solver_name=solver, output=output, slowest=rate, options=options
+            )
+        else:
+            response, state = solver_named(solver, moved, rate, **options).steady(
+                np.array([omega]), float(drive), start, settle, hold, output
+            )
         struck += int(response.impacts[0])
         yield response, state
 
@@ -200,6 +217,7 @@ def sweep(
     options: Mapping[str, Any] | None = None,
     drift: Callable[[Array], Array] | None = None,
     wear: float | None = None,
+    harmonics: Shares = (),
 ) -> FrequencyResponse | Branches:
     """Sweep over ``omega`` (rad/s): the frequency-response curve in the order swept, or Branches(up, down) for "both".
 
@@ -209,7 +227,7 @@ def sweep(
     """
     if direction not in ("up", "down", "both"):
         raise ValueError(f"direction: {direction!r} is none of 'up', 'down', 'both'")
-    given = np.atleast_1d(floats("omega", omega))
+    given, further = np.atleast_1d(floats("omega", omega)), tuple(harmonics)
     drives = _amplitudes(amplitude, given)
     order = np.argsort(given, kind="stable") if given.ndim == 1 else np.arange(len(given))
     legs = {"up": [order], "down": [order[::-1]], "both": [order, order[::-1]]}[direction]
@@ -220,7 +238,7 @@ def sweep(
                 system, given[leg], drives if drives.ndim == 0 else drives[leg], settle=settle, hold=hold,
                 solver=solver, output=output, state=state, block=len(leg), options=options,
                 drift=None if drift is None else drift(given[leg]), wear=wear,
-                struck=sum(int(response.impacts.sum()) for response in found),
+                struck=sum(int(response.impacts.sum()) for response in found), harmonics=further,
             )
         )  # fmt: skip
         found.append(join([response for response, _ in blocks]))

@@ -48,6 +48,7 @@ def found_or_made(
     stored = store.study(branches) if store else None
     if stored is not None:
         return stored, stored.points
+    refuse_beyond(case, systems)
     made = study(case, plan.within, plan.quantities, systems)
     if store:
         for branch in branches:

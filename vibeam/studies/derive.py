@@ -7,7 +7,9 @@ from dataclasses import asdict, dataclass, replace
 from math import pi, sqrt
 from typing import TYPE_CHECKING, Any
 
-from vibeam_models.scene import Mass, Scene, SdofScene
+from vibeam_models.any_scene import AnyScene
+from vibeam_models.base import Base
+from vibeam_models.scene import Mass, Scene
 
 if TYPE_CHECKING:
     from vibeam_models.sdof import SdofModel
@@ -79,18 +81,20 @@ def derive(case_or_scene: Any) -> Table:
 
     The reference is the first mode of bending of the finite-element model with all effects of the scene, on a base held
     still and scaled to 1 at the sensor. Mass and frequency come in steps: massless beam, with the beam's mass, and
-    with the mass's rotary inertia where the scene gives one. On a platform there is no one drive to be derived. A bare
-    beam has the rows that no attached mass comes into, in its static deflection under a load at the contact; and where
-    the beam outweighs the mass by far, those that neglect the beam have no meaning and are left out, as ``notes`` says.
+    with the mass's rotary inertia where the scene gives one. On a platform, or where the base amplitude depends on the
+    frequency otherwise, there is no one drive to be derived. A bare beam has the rows that no attached mass comes into,
+    in its static deflection under a load at the contact; and where the beam outweighs the mass by far, those that
+    neglect the beam have no meaning and are left out, as ``notes`` says.
     TypeError for another object; ValueError for a SdofScene: it *is* the SDOF model.
     """
     scene = getattr(case_or_scene, "scene", case_or_scene)
-    if isinstance(scene, SdofScene):
-        raise ValueError("nothing to derive: this case gives the SDOF directly, there is no beam to derive it from")
+    if isinstance(scene, AnyScene) and scene.no_beam:
+        raise ValueError(f"nothing to derive: {scene.no_beam} to derive it from")
     if not isinstance(scene, Scene):
         raise TypeError(f"derive takes a case or a scene, not {type(scene).__name__}")
     exact = _first_mode(scene)
-    return _bare(scene, exact) if scene.mass is None else _loaded(scene, scene.mass, exact)
+    table = _bare(scene, exact) if scene.mass is None else _loaded(scene, scene.mass, exact)
+    return replace(table, rows=tuple(_explained(row, scene) for row in table))
 
 
 def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> Table:
@@ -110,11 +114,11 @@ def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> Table:
 
 def _bare(scene: Scene, exact: _FirstMode) -> Table:
     """Table of a beam without an attached mass."""
-    from vibeam_models.sdof import beam_mass, static_shape, static_stiffness
+    from vibeam_models.static_shape import static_shape_of
 
     load_at, unit_at = scene.stop.position, scene.sensor.position
-    stiffness = static_stiffness(scene.beam, load_at, unit_at)
-    mass = {WITH_BEAM: beam_mass(scene.carrier, load_at, unit_at)}
+    static = static_shape_of(scene.shaped_beam, load_at, unit_at)
+    stiffness, mass = static.stiffness, {WITH_BEAM: static.beam_mass(scene.carrier)}
     notes = [f"{OF_A_MASS}: there is no attached mass"]
     if not mass[WITH_BEAM]:
         return Table(
@@ -122,7 +126,7 @@ def _bare(scene: Scene, exact: _FirstMode) -> Table:
         )
     gap = scene.stop.gap / scene.beam.length
     if scene.stop.gap_at == "contact":
-        gap /= static_shape(load_at, load_at, unit_at)
+        gap /= static.at(load_at)
     rows = [
         DerivedParameter("stiffness", "K_S", "N/m", stiffness, exact.stiffness, STATIC_SHAPE),
         *(replace(row, assumption=STATIC_SHAPE) for row in _mass_rows(mass, exact)),
@@ -149,13 +153,12 @@ MASSLESS, WITH_BEAM, WITH_INERTIA = "massless beam", "with the beam's mass", "wi
 
 def _masses(scene: Scene, mass: Mass, paper: SdofModel) -> dict[str, float]:
     """Equivalent mass M_S in kg, by the number of mass terms kept."""
-    from vibeam_models.sdof import beam_mass, static_slope
+    from vibeam_models.static_shape import static_shape_of
 
-    load_at, unit_at = mass.position, scene.sensor.position
-    masses = {MASSLESS: paper.mass}
-    masses[WITH_BEAM] = paper.mass + beam_mass(scene.carrier, load_at, unit_at)
+    static = static_shape_of(scene.shaped_beam, mass.position, scene.sensor.position)
+    masses = {MASSLESS: paper.mass, WITH_BEAM: paper.mass + static.beam_mass(scene.carrier)}
     for effect in scene.named("mass.rotary_inertia"):
-        turning = effect.rotary_inertia * static_slope(load_at, load_at, unit_at) ** 2
+        turning = effect.rotary_inertia * static.slope(mass.position) ** 2
         masses[WITH_INERTIA] = masses[WITH_BEAM] + turning
     return masses
 
@@ -166,7 +169,7 @@ def _first_mode(scene: Scene) -> _FirstMode:
     from vibeam_models.beam import assemble_with_space
     from vibeam_reductions.static_mode import static_mode
 
-    structure, space = assemble_with_space(scene)
+    structure, space = assemble_with_space(replace(scene, base=Base()))  # the base factor is of a base that moves
     modes = structure.modes()
     observed = np.abs(structure.outputs["sensor"] @ modes.shapes)
     first = int(np.argmax(observed > 1e-9 * np.max(observed)))  # a beam that twists first has its bending after that
@@ -184,6 +187,23 @@ def _first_mode(scene: Scene) -> _FirstMode:
 
 
 STATIC_SHAPE = "the static deflection of a uniform strip as mode shape"
+
+
+BARE_SHAPE = "the static deflection of the bare beam as mode shape"
+
+ADDED = "added masses left out"
+
+
+def _explained(row: DerivedParameter, scene: Scene) -> DerivedParameter:
+    """The row with the cause that holds for this beam: not every one is a strip, and one may carry added masses."""
+    from vibeam_models.beams.shapes import Rectangle
+
+    beam = scene.shaped_beam
+    strip = beam.is_uniform_cantilever and isinstance(beam.shape, Rectangle)
+    said = row.assumption if strip else row.assumption.replace(STATIC_SHAPE, BARE_SHAPE)
+    lacks = row.symbol in ("M_S", "ω_n", "f_n") and not row.name.startswith("error of")
+    added = any(effect.carried_by == "beam" for effect in scene.named("added_mass"))
+    return replace(row, assumption=f"{said}, {ADDED}" if lacks and added else said)
 
 
 def _static_rows(paper: SdofModel, exact: _FirstMode) -> list[DerivedParameter]:
@@ -254,13 +274,15 @@ def _gap_row(scene: Scene, gap: float, exact: _FirstMode) -> DerivedParameter:
 
 
 def _drive_rows(scene: Scene, paper: SdofModel, exact: _FirstMode) -> list[DerivedParameter]:
-    from vibeam_models.base_motion import base_amplitude
+    from vibeam_models.base_motion import base_amplitude, is_constant
 
-    span, why = scene.beam.length, "massless beam, point mass"
+    span, why, gain = scene.beam.length, "massless beam, point mass", scene.base.gain
     if scene.platform is not None:
         return []  # the base motion depends on the frequency there
-    amplitude, gain = base_amplitude(scene), scene.base.gain
-    rows = [DerivedParameter("drive", "B", "1", paper.gain(amplitude), amplitude * exact.base_factor / span, why)]
+    rows = []
+    if is_constant(scene.base):
+        amplitude = base_amplitude(scene)
+        rows = [DerivedParameter("drive", "B", "1", paper.gain(amplitude), amplitude * exact.base_factor / span, why)]
     if gain is not None:
         base = paper.base_per_volt(gain)
         rows.append(DerivedParameter("gain", "γ", "1/V", gain, base * exact.base_factor / span, why))

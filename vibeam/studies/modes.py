@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from math import nan
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.exchange.whole_files import write_whole
+from vibeam_models.any_scene import AnyScene, RigScene
 from vibeam_models.arguments import whole
 from vibeam_models.beam import assemble_with_space
 from vibeam_models.laws.restitution import first_mode_restitution
-from vibeam_models.scene import Scene, SdofScene
+from vibeam_models.scene import Scene
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Modes
 
@@ -28,11 +30,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ModeRow:
-    """One mass-normalised mode: Hz; ``contact``, ``sensor`` in kg^-½; ``load`` in kg^½.
+    """One mass-normalised mode: Hz; ``contact``, ``sensor`` in kg^-½; ``load`` in the table's unit.
 
     ``share``: part of w M⁻¹ wᵀ carried by the modes up to this one. Truncated after this mode, mode 1 has
     ``first_mode_restitution`` and the contact has ``contact_restitution``: the case gives one of them, the other
-    follows (above 1: no contact can do that).
+    follows (above 1: no contact can do that). Both are NaN of a stop that yields, which has no coefficient.
     """
 
     number: int
@@ -50,13 +52,20 @@ class ModeRow:
 class ModeTable:
     """First modes of a beam, and their shapes: deflections (points, modes) at ``positions`` (points,) in m.
 
-    ``notes``: limits of the numbers, in sentences.
+    Of a given structure no places are known: ``positions`` and ``shapes`` are empty.
+
+    ``load_unit``: that of the rows' loads, per base acceleration, or per force or moment on the beam. ``notes``:
+    limits of the numbers, in sentences.
     """
 
     rows: tuple[ModeRow, ...]
     positions: Array
     shapes: Array
     notes: tuple[str, ...] = ()
+    load_unit: str = "kg^½"
+
+
+LOAD_UNITS = {None: "kg^½", 0: "kg^-½", 1: "kg^-½ m^-1"}  #: of a base that moves, of a force, of a moment
 
 
 def modes(case: Case, count: int = 10) -> ModeTable:
@@ -64,22 +73,23 @@ def modes(case: Case, count: int = 10) -> ModeTable:
     return mode_table(case.scene, count)
 
 
-def mode_table(scene: Scene | SdofScene, count: int = 10) -> ModeTable:
+def mode_table(scene: AnyScene, count: int = 10) -> ModeTable:
     """Compute the first ``count`` modes (all, if there are fewer) of the finite-element model with all effects.
 
     The base is fixed: a platform's own mode is not among them, because restitution refers to the beam's.
 
     ValueError for a SdofScene, which has no beam, or ``count`` < 1.
     """
-    if isinstance(scene, SdofScene):
-        raise ValueError("no modes to show: this case gives the SDOF model directly, there is no beam")
+    if scene.given_mode is not None:
+        raise ValueError(f"no modes to show: {scene.no_beam}")
     if (whole(count) or 0) < 1:
         raise ValueError(f"count: {count!r}, there is a table from 1 mode on")
-    structure, space = assemble_with_space(scene)
+    rig: Any = scene
+    structure, space = assemble_with_space(scene) if isinstance(scene, Scene) else (rig.structure(), None)
     modes = structure.modes(min(int(count), structure.size))
-    damping = np.einsum("ni,nm,mi->i", modes.shapes, structure.C, modes.shapes) / (2 * modes.omega)
+    damping = np.diag(structure.congruent("C", modes.shapes)) / (2 * np.where(modes.omega > 0, modes.omega, np.inf))
     contact, sensor = structure.contact @ modes.shapes, structure.outputs["sensor"] @ modes.shapes
-    mobility = float(structure.contact @ np.linalg.solve(structure.M, structure.contact))
+    mobility = structure.mobility(structure.contact)
     cut = np.cumsum(contact**2)
     rows = [
         ModeRow(
@@ -90,15 +100,20 @@ def mode_table(scene: Scene | SdofScene, count: int = 10) -> ModeTable:
             sensor=float(sensor[i]),
             load=float(-structure.load @ modes.shapes[:, i]),
             share=float(cut[i]) / mobility,
-            first_mode_restitution=_restitutions(scene, contact, cut[i])[0],
-            contact_restitution=_restitutions(scene, contact, cut[i])[1],
+            first_mode_restitution=_restitutions(rig, contact, cut[i])[0],
+            contact_restitution=_restitutions(rig, contact, cut[i])[1],
         )
         for i in range(len(modes.omega))
     ]
-    return ModeTable(tuple(rows), *_drawn(space, modes), _notes(scene, rows))
+    unit = LOAD_UNITS[None if rig.base.on_beam is None else rig.base.on_beam[1]]
+    drawn = _NOWHERE if space is None else _drawn(space, modes)
+    return ModeTable(tuple(rows), *drawn, _notes(rig, rows), unit)
 
 
-def _notes(scene: Scene, rows: list[ModeRow]) -> tuple[str, ...]:
+_NOWHERE = np.zeros(0), np.zeros((0, 0))  # shapes of a structure whose coordinates have no places
+
+
+def _notes(scene: RigScene, rows: list[ModeRow]) -> tuple[str, ...]:
     """Notes on an impossible restitution at the end of the table."""
     from vibeam.run.remarks import ill_posed
 
@@ -108,8 +123,10 @@ def _notes(scene: Scene, rows: list[ModeRow]) -> tuple[str, ...]:
     return tuple(ill_posed({f"from {below.number} modes on": below.first_mode_restitution})) if below else ()
 
 
-def _restitutions(scene: Scene, contact: Array, mobility: float) -> tuple[float, float]:
-    """First mode's and contact's coefficient, whichever of them is given."""
+def _restitutions(scene: RigScene, contact: Array, mobility: float) -> tuple[float, float]:
+    """First mode's and contact's coefficient, whichever of them is given; NaN of a stop that yields."""
+    if scene.stop.law is not None and scene.stop.law.compliant:
+        return nan, nan
     given, first = scene.stop.usual_restitution, float(contact[0])
     if scene.stop.restitution_of == "contact":
         return float(first_mode_restitution(given, first, mobility)), given
@@ -125,10 +142,15 @@ def _drawn(space: BeamSpace, modes: Modes) -> tuple[Array, Array]:
 
 
 def write_shapes(table: ModeTable, path: Path) -> None:
-    """Write the beam's centre line as line cells to a VTU file, one vector field (deflection along z) a mode."""
+    """Write the beam's centre line as line cells to a VTU file, one vector field (deflection along z) a mode.
+
+    ValueError where there is no beam: the coordinates of given matrices have no places.
+    """
+    count = len(table.positions)
+    if not count:
+        raise ValueError("no shapes to draw: the case gives no places of its coordinates")
     import meshio
 
-    count = len(table.positions)
     points = np.column_stack((table.positions, np.zeros((count, 2))))
     lines = np.column_stack((np.arange(count - 1), np.arange(1, count)))
     names = [f"mode {row.number:02} ({row.frequency:.4g} Hz)" for row in table.rows]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -10,6 +10,9 @@ from vibeam.cli.arguments import AsJson, CaseFile, Overrides, load, output_path
 from vibeam.cli.errors import of_case
 from vibeam.cli.output import print_result
 from vibeam.cli.streams import say
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
 
 
 def modes(
@@ -19,9 +22,15 @@ def modes(
     out: Annotated[
         str | None, typer.Option("--out", metavar="FILE", help="The VTU file of the mode shapes, or the folder for it.")
     ] = None,
+    matrices: Annotated[
+        str | None,
+        typer.Option(
+            "--matrices", metavar="FILE", help="Write M, C, K and the rows too: .npz, .h5, .mat, .mtx or .npy."
+        ),
+    ] = None,
     count: Annotated[int, typer.Option("--count", min=1, help="How many modes.")] = 10,
 ) -> None:
-    """Tabulate the modes of the finite-element beam.
+    """Tabulate the modes of the finite-element beam, or of given matrices or modes.
 
     Each stands with the restitution of mode 1 in a model that is cut off after it.
     """
@@ -32,7 +41,18 @@ def modes(
         None if out is None else output_path(out, f"{loaded.path.stem}_modes.vtu", (".vtu",), "a file of mode shapes")
     )
     table = of_case(case, lambda: mode_table(loaded.scene, count))
+    if matrices is not None:
+        export(loaded, matrices)
     if path is not None:
-        write_shapes(table, path)
+        of_case(case, lambda: write_shapes(table, path))
         say(f"wrote {path}")
     print_result(table.rows, as_json, lambda tables: [tables.modal(table)], table.notes)
+
+
+def export(case: Case, out: str) -> None:
+    """Write the matrices of the whole model, and say which table reads them."""
+    from vibeam.exchange.matrices.write import ENDINGS
+    from vibeam.studies.export_matrices import export_matrices
+
+    path = output_path(out, f"{case.path.stem}.npz", ENDINGS, "a file of matrices")
+    say(f"wrote {path}; to read it as a case:\n{of_case(case.path, lambda: export_matrices(case, path))}")

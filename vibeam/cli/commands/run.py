@@ -16,9 +16,9 @@ def run(
     case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: ResultsFile = None, fresh: Fresh = False
 ) -> None:
     """Sweep every fidelity of a case, or continue a results file."""
+    loaded = load(case, set_)
     from vibeam.studies.regression.references import require_readable
 
-    loaded = load(case, set_)
     require_readable(loaded)
     path = results_path(loaded, out)
     _report(run_case(loaded, path, fresh=fresh, compare=True), path, as_json)

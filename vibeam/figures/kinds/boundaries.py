@@ -51,7 +51,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     frequency, quantity = np.array(plan.frequency), plan.quantity or ""
     columns = {
         "frequency": Column(frequency, "Hz", "drive frequency, Ω/2π"),
-        "value": Column(limits(case, fidelity, frequency, quantity), "q", CALLED[quantity]),
+        "value": Column(limits(case, fidelity, frequency, quantity), "c", CALLED[quantity]),
     }
     return [Sheet(fidelity, float("nan"), columns)]
 
@@ -67,7 +67,7 @@ def limits(case: Case, fidelity: str, frequency: Array, quantity: str) -> Array:
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Draw the limit over frequency."""
-    case, units, axes = result.case, units_for(result), figure.subplots()
+    case, units, axes = result.case, units_for(result, "contact"), figure.subplots()
     looks = looks_of(case, plan.fidelities)
     for sheet in shown:
         averaged = case.fidelities[sheet.fidelity].solver == "averaging"

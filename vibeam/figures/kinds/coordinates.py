@@ -61,8 +61,8 @@ def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns
     struck = np.abs(columns["impact_velocity"].values)
     inside = first < len(rows["time"])
     return dict(columns) | {
-        "unfolded": Column(place, "q", "unfolded displacement z"),
-        "unfolded_velocity": Column(rate, "q/s", "Zhuravlev's ż, or Ivanov's s"),
+        "unfolded": Column(place, "c", "unfolded displacement z"),
+        "unfolded_velocity": Column(rate, "c/s", "Zhuravlev's ż, or Ivanov's s"),
         "physical_jump": Column(_jumps(rows["velocity"], first, inside) / struck[inside], "1", "jump of q̇ over |q̇₋|"),
         "unfolded_jump": Column(_jumps(rate, first, inside) / struck[inside], "1", "jump of ż or s over |q̇₋|"),
     }
@@ -97,7 +97,7 @@ def size(plan: ShowPlan) -> tuple[float, float]:
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Draw displacement and velocity over time above the portrait, a column a frequency."""
-    case, units = result.case, units_for(result)
+    case, units = result.case, units_for(result, "contact")
     rows, contact = {"height_ratios": (1.0, 1.0, 1.6)}, replace(plan, output="contact")
     grid = figure.subplots(3, len(plan.frequency), sharey="row", squeeze=False, gridspec_kw=rows)
     for column, frequency in enumerate(plan.frequency):

@@ -18,6 +18,7 @@ from vibeam.figures.sheet import Sheet
 from vibeam.figures.style import KEY, LINES, line, looks_of, name_of
 from vibeam.figures.units import Units, units_for
 from vibeam.system.response import complete
+from vibeam_models.outputs import DISPLACEMENT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 
 
 LENGTHS = ("amplitude", "reach", "output_reach", "maximum", "minimum")
+
+OF_CONTACT = ("reach", "impact_velocity")
 
 OF_OUTPUT = {
     "amplitude": "amplitude ½(max − min)",
@@ -53,7 +56,8 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Draw all fidelities on the same axes, as in the frequency-response curve."""
-    case, units, name = result.case, units_for(result), plan.quantity or "amplitude"
+    case, name = result.case, plan.quantity or "amplitude"
+    units = units_for(result, "contact" if name in OF_CONTACT else None)
     unit, factor = (units.length, units.length_factor) if name in LENGTHS else ("", 1.0)
     unit, factor = (units.speed, units.speed_factor) if name == "impact_velocity" else (unit, factor)
     axes, failed = figure.subplots(), False
@@ -90,4 +94,5 @@ def caption(plan: ShowPlan) -> str:
 
 def _called(name: str, output: str, units: Units) -> str:
     whose = f"{output} " if units.frequency else ""
+    whose += f"{units.quantity} " if units.quantity != DISPLACEMENT.name else ""
     return f"{whose}{OF_OUTPUT[name]}" if name in OF_OUTPUT else CALLED[name]

@@ -67,7 +67,7 @@ def size(plan: ShowPlan) -> tuple[float, float]:
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Draw bars at few frequencies, lines over many; the mean (order 0) is in the numbers alone."""
-    units = units_for(result)
+    units = units_for(result, plan.output)
     grid = (_bar_panels if _few(plan) else _line_panels)(figure, result, plan, shown, units)
     heights = [sheet["harmonic"][sheet["order"] > 0] * units.length_factor for sheet in shown if not sheet.fault]
     decades(grid[0], heights)

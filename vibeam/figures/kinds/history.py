@@ -33,7 +33,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Draw displacement above velocity, a column a frequency; of coinciding motions the first is the widest line."""
-    case, units = result.case, units_for(result)
+    case, units = result.case, units_for(result, plan.output)
     grid = figure.subplots(2, len(plan.frequency), sharex=True, sharey="row", squeeze=False)
     for column, frequency in enumerate(plan.frequency):
         upper, lower = grid[:, column]

@@ -50,7 +50,7 @@ def _columns(system: ImpactSystem, velocity: Array) -> Columns:
     highest = float(np.max(system.omega)) / (2 * np.pi)
     time = np.array([each.duration for each in found])
     return {
-        "velocity": Column(velocity, "q/s", "velocity of the contact at first touch"),
+        "velocity": Column(velocity, "c/s", "velocity of the contact at first touch"),
         "true_restitution": Column(_all(found, "restitution"), "1", "−v⁺/v⁻ of the contact"),
         "first_mode_restitution": Column(_all(found, "mode_restitution"), "1", "−η'⁺/η'⁻ of the mode that struck"),
         "energy_restitution": Column(_all(found, "energy_restitution"), "1", "√(E⁺/E⁻) of all modes"),
@@ -87,7 +87,7 @@ def size(plan: ShowPlan) -> tuple[float, float]:
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Draw restitution and contact time over velocity, and restitution over the number of modes where they differ."""
-    case, units = result.case, units_for(result)
+    case, units = result.case, units_for(result, "contact")
     there = [sheet for sheet in shown if not sheet.fault]
     numbers = {float(sheet["modes"][0]) for sheet in there}
     kept, lasted, *counted = figure.subplots(1, 3 if len(numbers) > 1 else 2)

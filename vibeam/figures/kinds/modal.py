@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,16 +26,26 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     """One sheet, by frequency."""
     system = case.system(fidelity)
     order = np.argsort(system.omega)
-    row = system.output(case.sweep.output)
+    row = system.row(case.sweep.output)
     columns = {
         "mode": Column(np.arange(1.0, system.size + 1), "1", "number of the mode, by frequency"),
         "mode_frequency": Column(system.omega[order] / (2 * np.pi), "Hz", "natural frequency of the mode"),
         "mode_damping": Column(system.zeta[order], "1", "damping ratio of the mode"),
         "contact_value": Column(system.contact[order], "kg(-1/2)", "mass-normalised shape at the contact"),
         "output_value": Column(row[order], "kg(-1/2)", "mass-normalised shape at the output"),
-        "load": Column(system.load[order], "kg(1/2)", "force per base acceleration"),
+        "load": Column(system.load[order], *_load(case.scene_of(fidelity))),
     }
     return [Sheet(fidelity, float("nan"), columns)]
+
+
+def _load(scene: Any) -> tuple[str, str]:
+    """Unit and name of the loads: what the base, a force or a moment does to each mode."""
+    base = getattr(scene, "base", None)
+    if base is None or base.on_beam is None:
+        return "kg(1/2)", "force per base acceleration"
+    if base.on_beam[1]:
+        return "kg(-1/2) m(-1)", "modal force per moment"
+    return "kg(-1/2)", "modal force per force"
 
 
 def size(plan: ShowPlan) -> tuple[float, float]:

@@ -65,7 +65,7 @@ def size(plan: ShowPlan) -> tuple[float, float]:
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Draw bars side by side for the fidelities, on a logarithmic scale."""
-    case, units = result.case, units_for(result)
+    case, units = result.case, units_for(result, plan.output)
     grid = figure.subplots(len(SHARES), len(plan.frequency), sharex=True, sharey=True, squeeze=False)
     width = 0.8 / len(plan.fidelities)
     for column, frequency in enumerate(plan.frequency):

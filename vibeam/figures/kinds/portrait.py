@@ -45,7 +45,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Draw a panel a frequency."""
-    case, units = result.case, units_for(result)
+    case, units = result.case, units_for(result, plan.output)
     grid = figure.subplots(1, len(plan.frequency), sharex=True, sharey=True, squeeze=False)[0]
     for axes, frequency in zip(grid, plan.frequency, strict=True):
         titled(axes, units, frequency)

@@ -119,7 +119,7 @@ def size(plan: ShowPlan) -> tuple[float, float]:
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Draw all readings over frequency, a panel a fidelity; a band is the spread between impacts."""
-    case, units = result.case, units_for(result)
+    case, units = result.case, units_for(result, plan.output)
     grid = figure.subplots(1, len(plan.fidelities), sharex=True, sharey=True, squeeze=False)[0]
     for axes, name in zip(grid, plan.fidelities, strict=True):
         own = [sheet for sheet in shown if sheet.fidelity == name]
@@ -130,9 +130,15 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
             drawn(axes, own, kind, 1.0, units.frequency_factor, label=label, **keys)
         across_frequency(axes, units)
         if is_empty(axes):
-            say(axes, "no impact at any frequency")
+            say(axes, _nothing(own))
     low, high = grid[0].get_ylim()
     beyond = low < SHOWN[0] or high > SHOWN[1]
     grid[0].set_ylim(max(low, SHOWN[0]), min(high, SHOWN[1]))
     cut = f"apparent restitution, drawn from {SHOWN[0]:g} to {SHOWN[1]:g}".replace("-", "−")
     labelled(grid[0], cut if beyond else "apparent restitution", "")
+
+
+def _nothing(own: list[Sheet]) -> str:
+    """Why a panel is empty: the one reason of all frequencies, if there is one."""
+    faults = {sheet.fault for sheet in own}
+    return faults.pop() if len(faults) == 1 else "no restitution to read at any frequency"

@@ -125,7 +125,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
 
 def _draw_interval(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Draw the velocity less its slow part over the first interval, a dot at each counted peak."""
-    case, units, axes = result.case, units_for(result), figure.subplots()
+    case, units, axes = result.case, units_for(result, plan.output), figure.subplots()
     titled(axes, units, plan.frequency[0])
     for sheet, look in sheets_at(case, plan.frequency[0], plan, shown):
         lines = {"fast": look.keys(1.0) | {"label": name_of(case, sheet.fidelity)}}
@@ -141,7 +141,7 @@ def _draw_interval(figure: Figure, result: Comparison, plan: ShowPlan, shown: tu
 
 def _draw_frequencies(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Draw frequency above, peak velocity below, on the right as displacement; fitted solid, counted dashed."""
-    case, units = result.case, units_for(result)
+    case, units = result.case, units_for(result, plan.output)
     upper, lower = figure.subplots(2, 1, sharex=True)
     right = lower.twinx()
     factor, speed = units.frequency_factor, units.speed_factor

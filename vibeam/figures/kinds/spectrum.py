@@ -46,7 +46,7 @@ def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
     """Draw displacement above velocity, a column a frequency."""
-    case, units = result.case, units_for(result)
+    case, units = result.case, units_for(result, plan.output)
     rows = (("displacement", units.length_factor), ("velocity", units.speed_factor))
     grid = figure.subplots(2, len(plan.frequency), sharex="col", sharey="row", squeeze=False)
     heights: dict[str, list[Array]] = {name: [] for name, _ in rows}

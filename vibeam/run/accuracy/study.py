@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.one_harmonic import require_one_harmonic
 from vibeam.run.accuracy.candidates import Candidate, candidates_of
 from vibeam.run.accuracy.choice import Choice
 from vibeam.run.accuracy.choices import BranchChoice
@@ -104,6 +105,7 @@ def study(
     ``systems`` of the fidelities, where built already; ``checks``: number of random points to verify.
     ValueError for a fidelity that cannot be built, or that knows more than modes, one stop and one restitution.
     """
+    require_one_harmonic(case, "a choice within an accuracy")
     omega = 2 * np.pi * np.sort(case.sweep.frequency)
     models = ordered_models(case, systems)
     offered = [_candidates(case, model, omega, quantities) for model in models]

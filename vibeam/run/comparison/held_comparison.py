@@ -4,42 +4,27 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.held import Held, held_of, other_choice, with_other_choice
+from vibeam.case.held import held_of, other_choice, with_other_choice
 from vibeam.run.comparison.closed_curve import ClosedCurve, closed_curve
+from vibeam.run.comparison.differences import NAN, BothChoices, Difference, HeldComparison, OwnLimit
 from vibeam.run.comparison.limit import Limit, limit
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse, complete, periodic
-from vibeam_models.scene import Scene, SdofScene
+from vibeam_models.any_scene import AnyScene, RigScene
 
 Array = NDArray[np.float64]
-
-NAN = float("nan")
 
 SAME = 0.01  # share by which the amplitude of a run and that of the closed form of its motion may differ
 
 SURE = 1e-4  # differences smaller than this share have no sign
 
 SMALL = 0.1  # largest share of a difference that the finest's distance from its limit may be
-
-
-@dataclass(frozen=True)
-class Difference:
-    """Relative difference in amplitude: of the ``peak``'s height, and over ``points`` of ``total`` frequencies.
-
-    NaN where unknown; ``peak`` and ``worst`` are signed.
-    """
-
-    peak: float = NAN
-    rms: float = NAN
-    worst: float = NAN
-    points: int = 0
-    total: int = 0
 
 
 @dataclass(frozen=True)
@@ -51,62 +36,13 @@ class ComparedModel:
     """
 
     name: str
-    scene: Scene | SdofScene
+    scene: AnyScene
     system: ImpactSystem
     omega: Array
     base: Array
     output: str
     responses: Sequence[FrequencyResponse] = ()
     why: str = ""
-
-
-@dataclass(frozen=True)
-class OwnLimit:
-    """Distance of a fidelity from its own limit, ``held`` and with the ``other`` choice; ``why``: it is not known.
-
-    Computed with ``modes`` modes on ``elements`` elements.
-    """
-
-    held: Difference = field(default_factory=Difference)
-    other: Difference = field(default_factory=Difference)
-    modes: int = 0
-    elements: int = 0
-    why: str = ""
-
-
-@dataclass(frozen=True)
-class BothChoices:
-    """Difference of a fidelity from the finest as ``held`` and with the ``other`` choice; ``why``: it is not known.
-
-    ``uncertainty`` of the peak's (of the rms without one), held and other: the share that the finest's distance from
-    its limit has in it, NaN where unknown. ``turns``: the peaks differ in opposite directions under the two choices,
-    in each by more than that. ``small``: it is small against the difference held.
-    """
-
-    fidelity: str
-    held: Difference
-    other: Difference
-    uncertainty: tuple[float, float] = (NAN, NAN)
-    turns: bool = False
-    small: bool = True
-    why: str = ""
-
-
-@dataclass(frozen=True)
-class HeldComparison:
-    """Comparison with the fidelity ``finest``: what is ``held``, the ``other`` choice (None: there is none)."""
-
-    finest: str
-    held: Held
-    other: Held | None
-    rows: tuple[BothChoices, ...]
-    limit: OwnLimit
-    cpu_seconds: float
-
-    @property
-    def turning(self) -> tuple[str, ...]:
-        """Fidelities whose verdict turns with the choice."""
-        return tuple(row.fidelity for row in self.rows if row.turns)
 
 
 Closed = ClosedCurve | str  #: or the reason why there is none
@@ -133,24 +69,30 @@ def _both(model: ComparedModel) -> tuple[Closed, Closed]:
         return why, why
     here = _curve(model, model.system)
     try:
-        return here, _curve(model, with_other_choice(_beam(model), model.system))
+        return here, _curve(model, with_other_choice(_rig(model), model.system))
     except ValueError as refusal:
         return here, str(refusal)
 
 
 def _excluded(model: ComparedModel) -> str:
     """Reason why a model has no closed-form motions or no other choice; empty where it has both."""
-    if isinstance(model.scene, SdofScene):
+    if model.scene.given_mode is not None:
         return "a single degree of freedom given directly has no more modes"
     if model.system.beyond_plain:
-        return f"no closed-form motions with {' or '.join(model.system.beyond_plain)}"
+        return f"no closed-form motions with {_as_written(model, ' or '.join(model.system.beyond_plain))}"
     if model.scene.platform is not None and model.scene.platform.coupling == "two-way":
         return "no closed-form motions on a platform that is pushed back"
     return model.why
 
 
-def _beam(model: ComparedModel) -> Scene:
-    assert isinstance(model.scene, Scene)
+def _as_written(model: ComparedModel, features: str) -> str:
+    """Features with the contact law by the case's name: a leaf spring is a linear stop to the system."""
+    law, built = getattr(model.scene.stop, "law", None), model.system.law
+    return features if law is None or built is None else features.replace(f'"{built.name}"', f'"{law.name}"')
+
+
+def _rig(model: ComparedModel) -> RigScene:
+    assert isinstance(model.scene, RigScene)
     return model.scene
 
 
@@ -161,7 +103,7 @@ def _curve(model: ComparedModel, system: ImpactSystem) -> ClosedCurve:
 def _own_limit(finest: ComparedModel, here: Closed, there: Closed) -> OwnLimit:
     if isinstance(here, str):
         return OwnLimit(why=here)
-    scene = _beam(finest)
+    scene = _rig(finest)
     try:
         own = limit(scene, finest.system.size)
     except ValueError as refusal:
@@ -179,7 +121,7 @@ def _own_limit(finest: ComparedModel, here: Closed, there: Closed) -> OwnLimit:
     return OwnLimit(distance, _difference(there, by_other), own.modes, own.elements, why)
 
 
-def _limit_curve(finest: ComparedModel, own: Limit, scene: Scene, choice: str) -> Closed:
+def _limit_curve(finest: ComparedModel, own: Limit, scene: RigScene, choice: str) -> Closed:
     try:
         return _curve(finest, own.holding(scene, choice))
     except ValueError as refusal:

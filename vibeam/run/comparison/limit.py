@@ -13,11 +13,13 @@ remains decays much faster. The limit is therefore computed with few modes and t
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.any_scene import RigScene
 from vibeam_models.scene import Scene
 
 LEAST, MOST = 16, 32  # modes of the limit: twice the fidelity's, within these
@@ -34,7 +36,7 @@ FAR = (
 
 @dataclass(frozen=True)
 class Limit:
-    """Limit in so many ``modes`` on so many ``elements``; ``mobility`` S∞ of all modes, 1/kg."""
+    """Limit in so many ``modes`` on so many ``elements`` (0: of given matrices); ``mobility`` S∞ of all modes, 1/kg."""
 
     system: ImpactSystem
     elements: int
@@ -45,7 +47,7 @@ class Limit:
         """Number of modes kept."""
         return self.system.size
 
-    def holding(self, scene: Scene, restitution_of: str) -> ImpactSystem:
+    def holding(self, scene: RigScene, restitution_of: str) -> ImpactSystem:
         """System with the impulse of infinitely many modes; ValueError where no restitution in [0, 1] gives that."""
         given, first = scene.stop.usual_restitution, float(self.system.contact[0])
         impulse = (1 + given) / self.mobility if restitution_of == "contact" else (1 + given) / first**2
@@ -57,9 +59,14 @@ class Limit:
         return replace(self.system, restitution=restitution)
 
 
-def limit(scene: Scene, modes: int) -> Limit:
-    """Limit of a fidelity of ``modes`` modes, uncoupled; ValueError where the case has none."""
+def limit(scene: RigScene, modes: int) -> Limit:
+    """Limit of a fidelity of ``modes`` modes, uncoupled; ValueError where the case has none.
+
+    Of given matrices it is that of all of their modes: their own mesh cannot be refined.
+    """
     count = min(max(LEAST, 2 * modes), MOST)
+    if not isinstance(scene, Scene):
+        return _of_matrices(scene, count)
     elements = max(scene.beam.elements, RESOLVED * count)
     elements += elements % 2
     fine, coarse = (_all_modes(scene, each) for each in (elements, elements // 2))
@@ -69,6 +76,21 @@ def limit(scene: Scene, modes: int) -> Limit:
     if share < LEAST_SHARE:
         raise ValueError(FAR.format(modes=kept.size, share=max(share, 0.0)))
     return Limit(kept, elements, 1 / inertia)
+
+
+def _of_matrices(scene: RigScene, count: int) -> Limit:
+    if not scene.all_modes:
+        raise ValueError(f"{scene.no_beam} to be refined")
+    structure = scene.structure()
+    stop = replace(scene.stop, restitution_of="contact")
+    given: Any = scene
+    plain = replace(given, stop=stop)
+    kept = system(plain, Fidelity("limit", "modal", min(count, structure.size)))
+    mobility = structure.mobility(structure.contact)
+    share = float(kept.contact @ kept.contact) / mobility
+    if share < LEAST_SHARE:
+        raise ValueError(FAR.format(modes=kept.size, share=share))
+    return Limit(kept, 0, mobility)
 
 
 def _all_modes(scene: Scene, elements: int) -> ImpactSystem:
@@ -81,4 +103,5 @@ def _lowest(whole: ImpactSystem, count: int) -> ImpactSystem:
     kept = np.argsort(whole.omega, kind="stable")[:count]
     rows = {name: getattr(whole, name)[kept] for name in ("omega", "zeta", "contact", "load", "static")}
     outputs = {name: row[kept] for name, row in whole.outputs.items() if name != "contact"}
-    return replace(whole, outputs=outputs, **rows)
+    derivatives = {name: each.taking(kept) for name, each in whole.derivatives.items()}
+    return replace(whole, outputs=outputs, derivatives=derivatives, **rows)

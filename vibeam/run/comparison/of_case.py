@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.fidelity import gap_drift, gap_wear
-from vibeam.run.comparison.held_comparison import ComparedModel, HeldComparison, held_comparison
+from vibeam.run.comparison.differences import HeldComparison
+from vibeam.run.comparison.held_comparison import ComparedModel, held_comparison
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from vibeam.system.response import Branches
 
 MOVING = "the gap changes along the sweep, which no closed form follows"
+
+SEVERAL = "no closed-form motions under several harmonics"
 
 
 def comparisons(
@@ -38,4 +41,5 @@ def compared_model(
     base = np.broadcast_to(np.asarray(case.amplitude_of(like or name, omega), dtype=float), omega.shape)
     moves = gap_wear(scene) is not None or gap_drift(scene, omega) is not None
     responses = () if branches is None else tuple(response for _, response in branches.items())
-    return ComparedModel(name, scene, system, omega, base, case.sweep.output, responses, MOVING if moves else "")
+    why = SEVERAL if scene.harmonics else MOVING if moves else ""
+    return ComparedModel(name, scene, system, omega, base, case.sweep.output, responses, why)

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from math import isfinite
 
 from vibeam.figures.units import percent, signed
-from vibeam.run.comparison.held_comparison import BothChoices, HeldComparison, OwnLimit
+from vibeam.run.comparison.differences import BothChoices, HeldComparison, OwnLimit
 
 PAIRS = 3  # largest number of fidelities whose differences stand in one line
 

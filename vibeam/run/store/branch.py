@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vibeam.run.store.checksum import CHECKSUM, of_rows
 from vibeam.run.store.layout import STATES, fixed, write_branch
-from vibeam.system.quantities import LAYOUT
+from vibeam.system.quantities import LAYOUT, OutputUnits
 from vibeam.system.response import Array, FrequencyResponse
 from vibeam.system.state import State
 
@@ -53,10 +53,10 @@ class StoredBranch:
     state: State | None
 
 
-def lay_out(parent: h5py.Group, branch: Branch, unit: str) -> h5py.Group:
-    """Create the group of ``branch``, without points; ``unit``: of the outputs."""
+def lay_out(parent: h5py.Group, branch: Branch, units: OutputUnits) -> h5py.Group:
+    """Create the group of ``branch``, without points; ``units``: of the output."""
     group = parent.create_group(branch.group)
-    write_branch(group, branch.frequency, branch.modes, unit)
+    write_branch(group, branch.frequency, branch.modes, units)
     group.attrs["key"] = fixed(branch.key or " ")
     return group
 

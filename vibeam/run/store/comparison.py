@@ -1,17 +1,28 @@
-"""Comparisons of fidelities in the file: what is held, the differences with both choices, the finest one's limit."""
+"""Comparisons of fidelities in the file: what is held, the differences with both choices, the finest one's limit.
+
+The attributes of ``/comparison/FIDELITY`` are for other programs; a dataset beside them has all of it as JSON, and the
+group the key of what it was computed from.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from vibeam.case.held import Held
+from vibeam.run.comparison.differences import BothChoices, Difference, HeldComparison, OwnLimit
+from vibeam.run.store.checksum import sign, verify
+from vibeam.run.store.layout import fixed
 
 if TYPE_CHECKING:
     import h5py
 
-    from vibeam.run.comparison.held_comparison import HeldComparison
-
 
 COMPARISON = "comparison"  # group of the file, one group in it for each fidelity
+
+WHOLE = "whole.json"  # dataset in it, by a name that no fidelity can have
 
 Attributes = Mapping[str, Mapping[str, str | float]]
 
@@ -37,16 +48,40 @@ def _known(**values: str | float) -> dict[str, str | float]:
     return {name: value for name, value in values.items() if value == value and value != ""}  # NaN is not itself
 
 
-def write_comparisons(file: h5py.File, groups: Attributes) -> None:
-    """Replace the group of comparisons."""
+def write_comparisons(file: h5py.File, key: str, found: Sequence[HeldComparison]) -> None:
+    """Replace the stored comparisons, none of them included; ``key``: of what they were computed from."""
     if COMPARISON in file:
         del file[COMPARISON]
-    for name, attributes in groups.items():
-        file.create_group(f"{COMPARISON}/{name}").attrs.update(attributes)
+    if not found:
+        return
+    home = file.create_group(COMPARISON)
+    for name, attributes in comparison_attributes(found).items():
+        home.create_group(name).attrs.update(attributes)
+    home.attrs["key"] = fixed(key or " ")
+    home.create_dataset(WHOLE, data=fixed(json.dumps([asdict(each) for each in found])))
+    sign(home)
 
 
-def read_comparisons(file: h5py.File) -> Attributes:
-    """Read the attributes of every fidelity; empty without comparisons."""
-    if COMPARISON not in file:
-        return {}
-    return {name: dict(group.attrs) for name, group in file[COMPARISON].items()}
+def key_of_comparisons(file: h5py.File) -> str:
+    """Key of the stored comparisons; empty without any."""
+    return file[COMPARISON].attrs.get("key", b"").decode() if COMPARISON in file else ""
+
+
+def read_comparisons(file: h5py.File) -> tuple[HeldComparison, ...]:
+    """Read the stored comparisons; ValueError if damaged."""
+    verify(file[COMPARISON])
+    return tuple(map(_comparison, json.loads(file[COMPARISON][WHOLE][()].decode())))
+
+
+def _comparison(values: dict[str, Any]) -> HeldComparison:
+    other = None if values["other"] is None else Held(**values["other"])
+    rows, limit = tuple(map(_choices, values["rows"])), OwnLimit(**_with_differences(values["limit"]))
+    return HeldComparison(**values | {"held": Held(**values["held"]), "other": other, "rows": rows, "limit": limit})
+
+
+def _choices(values: dict[str, Any]) -> BothChoices:
+    return BothChoices(**_with_differences(values) | {"uncertainty": tuple(values["uncertainty"])})
+
+
+def _with_differences(values: dict[str, Any]) -> dict[str, Any]:
+    return values | {name: Difference(**values[name]) for name in ("held", "other")}

@@ -46,7 +46,7 @@ def blank(wanted: Wanted) -> Image:
         _write_case(file, wanted)
         write_provenance(file.create_group("provenance"))
         for branch in wanted.branches:
-            lay_out(file, branch, wanted.unit)
+            lay_out(file, branch, wanted.units)
     return image
 
 
@@ -71,7 +71,7 @@ def adapted(file: h5py.File, path: Path, wanted: Wanted) -> str | None:
         with reading(path, "its groups"):
             _convert(file, wanted)
     reuses = [_reuse(file, path, branch) for branch in wanted.branches]
-    if all(reuse.fits for reuse in reuses) and _text(file, path, "text") == wanted.text:
+    if all(reuse.fits for reuse in reuses) and _says(file, path, wanted):
         return "brought to the present format" if older else None
     if _text(file, path, "shared") != wanted.shared and lost_with(file, reuses):
         raise _another_case(path, _values(file, path, "shared"), _flat(wanted.shared))
@@ -86,7 +86,7 @@ def _adapt(file: h5py.File, path: Path, wanted: Wanted, reuses: list[Reuse]) -> 
     with reading(path, "its groups"):
         named = {branch.group for branch in wanted.branches}
         others = [name for name in groups_with_points(file) if name not in named]
-        adapt(file, reuses, wanted.unit)
+        adapt(file, reuses, wanted.units)
         file.pop(COMPARISON, None)
         del file["case"]
         _write_case(file, wanted)
@@ -95,9 +95,10 @@ def _adapt(file: h5py.File, path: Path, wanted: Wanted, reuses: list[Reuse]) -> 
 
 def _reuse(file: h5py.File, path: Path, branch: Branch) -> Reuse:
     with reading(path, f"/{branch.group}"):
-        if branch.group in file:
+        reuse = reuse_of(file, branch)
+        if not reuse.fits and branch.group in file:
             read_rows(file[branch.group])  # damage is reported as such, not as another case
-        return reuse_of(file, branch)
+        return reuse
 
 
 def _another_case(path: Path, stored: Values, present: Values) -> StoreError:
@@ -117,7 +118,7 @@ def _refuse_another(file: h5py.File, path: Path, wanted: Wanted) -> None:
 def _convert(file: h5py.File, wanted: Wanted) -> None:
     """Convert every branch of an older file; curves, figures and studies are computed again."""
     for branch in wanted.branches:
-        lay_out_anew(file, branch, wanted.unit, signed=format_of(file) != UNSIGNED)
+        lay_out_anew(file, branch, wanted.units, signed=format_of(file) != UNSIGNED)
     del file["case"]
     _write_case(file, wanted)
     file.attrs["format"] = fixed(FORMAT)
@@ -132,6 +133,14 @@ def _write_case(file: h5py.File, wanted: Wanted) -> None:
 def _text(file: h5py.File, path: Path, name: str) -> str:
     with reading(path, f"/case/{name}"):
         return str(file["case"][name][()].decode())
+
+
+def _says(file: h5py.File, path: Path, wanted: Wanted) -> bool:
+    """Test whether the file says of its case what ``wanted`` says."""
+    with reading(path, "/case"):
+        key = file["case"].attrs["key"].decode()
+    found = (key, _text(file, path, "text"), _text(file, path, "shared"))
+    return found == (wanted.key, wanted.text, wanted.shared)
 
 
 def _values(file: h5py.File, path: Path, name: str) -> Values:

@@ -11,7 +11,7 @@ from vibeam.case.plans import ShowPlan
 from vibeam.figures.sheet import Column, Sheet
 from vibeam.run.store.checksum import CHECKSUM, sign, verify
 from vibeam.run.store.layout import fixed
-from vibeam.system.quantities import Quantity, unit_of
+from vibeam.system.quantities import OutputUnits, Quantity, unit_of
 
 if TYPE_CHECKING:
     import h5py
@@ -43,8 +43,8 @@ def _sheet(group: h5py.Group) -> Sheet:
     return Sheet(fidelity, float(group.attrs["frequency"]), columns, group.attrs["fault"].decode().strip())
 
 
-def write_sheets(file: h5py.File, plan: ShowPlan, sheets: tuple[Sheet, ...], unit: str) -> None:
-    """Replace the stored data by ``sheets``; ``unit``: of the outputs."""
+def write_sheets(file: h5py.File, plan: ShowPlan, sheets: tuple[Sheet, ...], units: OutputUnits) -> None:
+    """Replace the stored data by ``sheets``; ``units``: of the output."""
     place = f"{HOME}/{plan.name}"
     if place in file:
         del file[place]
@@ -52,7 +52,7 @@ def write_sheets(file: h5py.File, plan: ShowPlan, sheets: tuple[Sheet, ...], uni
     group.attrs["kind"] = fixed(plan.kind)
     for name in plan.fidelities:
         for index, sheet in enumerate(_of(sheets, name)):
-            _write(group.create_group(f"{name}/{index}"), sheet, unit)
+            _write(group.create_group(f"{name}/{index}"), sheet, units)
     group.attrs["key"] = fixed(plan.key)
     sign(group)
 
@@ -61,7 +61,7 @@ def _of(sheets: tuple[Sheet, ...], name: str) -> Iterator[Sheet]:
     return (sheet for sheet in sheets if sheet.fidelity == name)
 
 
-def _write(group: h5py.Group, sheet: Sheet, unit: str) -> None:
+def _write(group: h5py.Group, sheet: Sheet, units: OutputUnits) -> None:
     group.attrs["frequency"] = np.float64(sheet.frequency)
     group.attrs["fault"] = fixed(sheet.fault or " ")
     for name, column in sheet.columns.items():
@@ -69,4 +69,4 @@ def _write(group: h5py.Group, sheet: Sheet, unit: str) -> None:
         dataset.attrs["kind"] = fixed(column.unit)
         dataset.attrs["long_name"] = column.long_name
         kind: Any = column.unit
-        dataset.attrs["units"] = unit_of(Quantity(column.long_name, kind), unit)
+        dataset.attrs["units"] = unit_of(Quantity(column.long_name, kind), units)

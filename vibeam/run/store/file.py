@@ -13,8 +13,10 @@ from vibeam.run.store.branch import Values, read_rows
 from vibeam.run.store.content import FORMAT, OLDER, SIGNATURE, UNSIGNED, adapted, blank, format_of, is_ours
 from vibeam.run.store.disk import Disk
 from vibeam.run.store.errors import CURE, FAULTS, StoreError, damaged, reading, reason
+from vibeam.run.store.heap import heaps_are_whole
 from vibeam.run.store.image import Image
 from vibeam.run.store.lock import locked
+from vibeam.run.store.models import MODELS, Keyed, read_models
 from vibeam.run.store.reuse import Wanted, branch_names
 from vibeam.run.store.store import Store
 from vibeam.run.store.structure import refuse_foreign
@@ -27,11 +29,14 @@ if TYPE_CHECKING:
 
 Tell = Callable[[str], None]
 
+Plan = Callable[[Keyed], Wanted]
+
 
 @contextmanager
-def opened(path: Path, wanted: Wanted, *, fresh: bool = False, tell: Tell = lambda line: None) -> Iterator[Store]:
+def opened(path: Path, wanted: Plan, *, fresh: bool = False, tell: Tell = lambda line: None) -> Iterator[Store]:
     """Open the results file of one case, created where there is none; locked against other processes.
 
+    ``wanted``: what the case wants of it, called with what the file has of its models, before anything is changed.
     A file of a changed case keeps the branches whose numbers are the same; ``tell`` gets one line on that. ``fresh``:
     a new file replaces the old one with its first point. StoreError where ``path`` is something else,
     belongs to another case, is damaged, locked or cannot be written. A file created here that gets no point is deleted
@@ -42,7 +47,7 @@ def opened(path: Path, wanted: Wanted, *, fresh: bool = False, tell: Tell = lamb
         disk = Disk(path, target)
         try:
             with _begun(disk, wanted, target.exists(), fresh, tell) as begun:
-                yield from _used(begun, disk, wanted)
+                yield from _used(begun, disk)
         finally:
             disk.close()
 
@@ -53,13 +58,15 @@ class _Begun:
 
     image: Image
     file: h5py.File
+    wanted: Wanted
+    models: Keyed
     new: bool
     made: bool = False
     changed: bool = False
 
 
-def _used(begun: _Begun, disk: Disk, wanted: Wanted) -> Iterator[Store]:
-    store = Store(begun.file, begun.image, disk, wanted.unit, noted=begun.new)
+def _used(begun: _Begun, disk: Disk) -> Iterator[Store]:
+    store = Store(begun.file, begun.image, disk, begun.wanted.units, begun.models, noted=begun.new)
     try:
         yield store
     finally:
@@ -70,32 +77,36 @@ def _used(begun: _Begun, disk: Disk, wanted: Wanted) -> Iterator[Store]:
 
 
 @contextmanager
-def _begun(disk: Disk, wanted: Wanted, exists: bool, fresh: bool, tell: Tell) -> Iterator[_Begun]:
+def _begun(disk: Disk, plan: Plan, exists: bool, fresh: bool, tell: Tell) -> Iterator[_Begun]:
     import h5py
 
     if exists and not fresh:
-        with _continued(disk, wanted, tell) as begun:
+        with _continued(disk, plan, tell) as begun:
             yield begun
         return
     if exists and not is_ours(disk.read()):
         raise no_result(disk.path)
+    wanted = plan({})
     image = blank(wanted)
     put = disk.stage if exists else disk.create
     put(image.getvalue())
     with h5py.File(image, "r+") as file:
-        yield _Begun(image, file, new=True, made=not exists)
+        yield _Begun(image, file, wanted, {}, new=True, made=not exists)
 
 
 @contextmanager
-def _continued(disk: Disk, wanted: Wanted, tell: Tell) -> Iterator[_Begun]:
+def _continued(disk: Disk, plan: Plan, tell: Tell) -> Iterator[_Begun]:
     image = Image(disk.read())
     with _open(image, disk.path) as file:
+        with reading(disk.path, f"/{MODELS}"):
+            models = read_models(file)
+        wanted = plan(models)
         line = adapted(file, disk.path, wanted)
         if line is not None:
             file.flush()
             disk.stage(image.getvalue())
             tell(f"{disk.path}: {line}")
-        yield _Begun(image, file, new=False, changed=line is not None)
+        yield _Begun(image, file, wanted, models, new=False, changed=line is not None)
 
 
 def read(path: Path) -> dict[tuple[str, str], FrequencyResponse]:
@@ -120,6 +131,8 @@ def _open(image: Image, path: Path) -> Iterator[h5py.File]:
 
     if image.read(len(SIGNATURE)) != SIGNATURE:  # h5py would take an empty file for a new one
         raise no_result(path)
+    if not heaps_are_whole(image.getvalue()):
+        raise damaged(path, "it", ValueError("a heap of its texts is broken"))
     try:
         file = h5py.File(image, "r+")
     except FAULTS as fault:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vibeam.run.store.checksum import CHECKSUM
 from vibeam.system.motion_curves import BRANCHES, MotionCurves
-from vibeam.system.quantities import LAYOUT, Quantity, unit_of
+from vibeam.system.quantities import LAYOUT, OutputUnits, Quantity, unit_of
 from vibeam.system.response import VELOCITIES_KEPT, Array, Ended, FrequencyResponse
 
 if TYPE_CHECKING:
@@ -22,8 +22,8 @@ Values = NDArray[Any]
 CURVES: Mapping[str, Quantity] = {
     "frequency": LAYOUT["frequency"],
     "amplitude": Quantity(LAYOUT["amplitude"].long_name, "q", "branch"),
-    "reach": Quantity(LAYOUT["reach"].long_name, "q", "branch"),
-    "velocity": Quantity("velocity just before impact, q̇₋", "q/s", "branch"),
+    "reach": Quantity(LAYOUT["reach"].long_name, "c", "branch"),
+    "velocity": Quantity("velocity just before impact, q̇₋", "c/s", "branch"),
     "stable": Quantity("all Floquet multipliers within the unit circle (1: yes)", "1", "branch"),
     "admissible": Quantity("clear of the stop between its impacts (1: yes)", "1", "branch"),
 }
@@ -46,17 +46,17 @@ def fixed(text: str) -> NDArray[np.bytes_]:
     return np.array(encoded, dtype=h5py.string_dtype("utf-8", len(encoded)))
 
 
-def write_branch(group: h5py.Group, frequency: Array, modes: int, unit: str) -> None:
+def write_branch(group: h5py.Group, frequency: Array, modes: int, units: OutputUnits) -> None:
     """Lay out one branch, all its points not run yet; datasets are allocated, so that no later write moves one."""
     blank = FrequencyResponse.empty(frequency, modes)
     scales: dict[str, Values] = {"impact": np.arange(1, VELOCITIES_KEPT + 1), "mode": np.arange(1, modes + 1)}
     for name, values in scales.items():
         _scale(group.create_dataset(name, data=values), f"{name} number", "1")
     for name, quantity in LAYOUT.items():
-        _quantity(group, name, quantity, getattr(blank, name), unit_of(quantity, unit))
+        _quantity(group, name, quantity, getattr(blank, name), unit_of(quantity, units))
     rows = np.full((len(frequency), modes), np.nan)
     blanks: tuple[Values, ...] = (rows, rows, np.zeros(len(frequency), dtype=np.int64))
-    for (name, quantity), values, text in zip(STATES.items(), blanks, (*MODAL_UNITS[unit], "1"), strict=True):
+    for (name, quantity), values, text in zip(STATES.items(), blanks, (*MODAL_UNITS[units.length], "1"), strict=True):
         _quantity(group, name, quantity, values, text)
     checksums = Quantity("CRC-32 of all values of the point, its branch and what decides them", "1")
     _quantity(group, CHECKSUM, checksums, np.zeros(len(frequency), dtype=np.uint32), "1")
@@ -64,14 +64,14 @@ def write_branch(group: h5py.Group, frequency: Array, modes: int, unit: str) -> 
     group.attrs["done"] = np.int64(0)
 
 
-def write_curves(group: h5py.Group, curves: MotionCurves, unit: str) -> None:
+def write_curves(group: h5py.Group, curves: MotionCurves, units: OutputUnits) -> None:
     """Write all motions known to a solver; flags as 0 and 1."""
     group.attrs["periods"] = np.int64(curves.periods)
     _scale(group.create_dataset("branch", data=np.arange(1, BRANCHES + 1)), "branch number, the larger first", "1")
     for name, quantity in CURVES.items():
         values: Values = getattr(curves, name)
         values = values.astype(np.int64) if values.dtype == bool else values
-        _quantity(group, name, quantity, values, unit_of(quantity, unit))
+        _quantity(group, name, quantity, values, unit_of(quantity, units))
 
 
 def read_curves(group: h5py.Group) -> MotionCurves:

@@ -10,8 +10,10 @@ from vibeam.run.store.checksum import CHECKSUM
 if TYPE_CHECKING:
     import h5py
 
+    from vibeam.system.quantities import OutputUnits
 
-def lay_out_anew(file: h5py.File, branch: Branch, unit: str, *, signed: bool) -> None:
+
+def lay_out_anew(file: h5py.File, branch: Branch, units: OutputUnits, *, signed: bool) -> None:
     """Convert an older branch of the same case to the present layout, with its points.
 
     ``signed``: its points have checksums; ValueError where one does not fit.
@@ -22,7 +24,7 @@ def lay_out_anew(file: h5py.File, branch: Branch, unit: str, *, signed: bool) ->
     values = {name: rows[name][:done] for name in ROWS}
     del file[branch.group]
     file[branch.fidelity].attrs.pop(CHECKSUM, None)  # data beside the branch no longer fit it
-    present = lay_out(file, branch, unit)
+    present = lay_out(file, branch, units)
     if done:
         write_rows(present, 0, values)
         count_points(present, done)

@@ -19,6 +19,7 @@ from vibeam.run.store.branch import (
     write_rows,
 )
 from vibeam.run.store.checksum import CHECKSUM
+from vibeam.system.quantities import METRES, OutputUnits
 from vibeam.system.response import Array
 
 if TYPE_CHECKING:
@@ -29,15 +30,15 @@ if TYPE_CHECKING:
 class Wanted:
     """Requirements of a case on its results file.
 
-    ``text``: the case, ``key``: of all of it; ``shared``: the part of it common to all fidelities; ``unit``: of
-    the outputs.
+    ``text``: the case, ``key``: of all of it; ``shared``: the part of it common to all fidelities; ``units``: of
+    the output.
     """
 
     text: str
     key: str
     shared: str
     branches: Sequence[Branch]
-    unit: str = "m"
+    units: OutputUnits = METRES
 
 
 @dataclass(frozen=True)
@@ -77,7 +78,7 @@ def reuse_of(file: h5py.File, branch: Branch) -> Reuse:
     return Reuse(branch, stored, kept, common == len(frequency) == len(branch.frequency))
 
 
-def adapt(file: h5py.File, reuses: Iterable[Reuse], unit: str) -> None:
+def adapt(file: h5py.File, reuses: Iterable[Reuse], units: OutputUnits) -> None:
     """Lay out anew the branches that do not fit, with the points that they keep."""
     for reuse in reuses:
         if reuse.fits:
@@ -87,7 +88,7 @@ def adapt(file: h5py.File, reuses: Iterable[Reuse], unit: str) -> None:
             values = {key: column[: reuse.kept] for key, column in read_rows(file[name]).items()}
             del file[name]
             file[reuse.branch.fidelity].attrs.pop(CHECKSUM, None)  # data beside the branch no longer fit it
-        group = lay_out(file, reuse.branch, unit)
+        group = lay_out(file, reuse.branch, units)
         if values is not None and reuse.kept:
             write_rows(group, 0, values)
             count_points(group, reuse.kept)

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 
 from vibeam.run.store.branch import Branch, StoredBranch, count_points, read_branch, rows_of, write_rows
 from vibeam.run.store.checksum import CHECKSUM, sign, verify
-from vibeam.run.store.comparison import COMPARISON, comparison_attributes, read_comparisons, write_comparisons
+from vibeam.run.store.comparison import COMPARISON, key_of_comparisons, read_comparisons, write_comparisons
 from vibeam.run.store.errors import StoreError, reading
 from vibeam.run.store.figures import HOME, read_sheets, write_sheets
 from vibeam.run.store.layout import fixed, read_curves, write_curves
+from vibeam.run.store.models import Keyed, write_models
 from vibeam.run.store.provenance import note_continued
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
@@ -23,10 +24,11 @@ if TYPE_CHECKING:
     from vibeam.case.plans import ShowPlan
     from vibeam.figures.sheet import Sheet
     from vibeam.run.accuracy.study import AccuracyChoice
-    from vibeam.run.comparison.held_comparison import HeldComparison
+    from vibeam.run.comparison.differences import HeldComparison
     from vibeam.run.store.disk import Disk
     from vibeam.run.store.image import Image
     from vibeam.system.motion_curves import MotionCurves
+    from vibeam.system.quantities import OutputUnits
 
 
 CURVES = "curves"  # group of all motions known to a solver, beside those of the directions
@@ -35,17 +37,20 @@ CURVES = "curves"  # group of all motions known to a solver, beside those of the
 class Store:
     """Open results file, safe to write from several threads; made by ``vibeam.run.store.file.opened``.
 
-    ``file`` is open on its ``image`` in memory, from where all changes go to ``disk``; ``unit``: of the outputs.
+    ``file`` is open on its ``image`` in memory, from where all changes go to ``disk``; ``units``: of the output;
+    ``models``: what the file had of its models when it was opened.
     Every method: StoreError where the file is damaged or cannot be written.
     """
 
-    def __init__(self, file: h5py.File, image: Image, disk: Disk, unit: str, *, noted: bool) -> None:
+    def __init__(
+        self, file: h5py.File, image: Image, disk: Disk, units: OutputUnits, models: Keyed, *, noted: bool
+    ) -> None:
         self._file, self._image, self._disk = file, image, disk
         self._lock = threading.Lock()
         self._noted = noted
-        self._unit = unit
+        self._units = units
         self._failure: StoreError | None = None
-        self.path = disk.path
+        self.path, self.models = disk.path, models
         self.written = 0
 
     @contextmanager
@@ -119,18 +124,26 @@ class Store:
             if place in file:
                 del file[place]
             group = file.create_group(place)
-            write_curves(group, curves, self._unit)
+            write_curves(group, curves, self._units)
             group.attrs["key"] = fixed(key)
             sign(group)
 
-    def write_comparisons(self, found: Sequence[HeldComparison]) -> None:
-        """Replace the stored comparisons, unless they are the same."""
-        wanted = comparison_attributes(found)
+    def comparisons(self, key: str) -> tuple[HeldComparison, ...] | None:
+        """Comparisons stored for ``key``, of all that decides them; None without any."""
         with self._reading(f"/{COMPARISON}") as file:
-            same = read_comparisons(file) == wanted
-        if not same:
+            return read_comparisons(file) if key and key_of_comparisons(file) == key else None
+
+    def write_comparisons(self, key: str, found: Sequence[HeldComparison]) -> None:
+        """Replace the stored comparisons."""
+        with self._restructuring() as file:
+            write_comparisons(file, key, found)
+
+    def write_models(self, models: Keyed) -> None:
+        """Replace the properties of all models, unless they are the same."""
+        before, now = ({name: repr(each) for name, each in some.items()} for some in (self.models, models))
+        if before != now:  # as text: NaN is not itself
             with self._restructuring() as file:
-                write_comparisons(file, wanted)
+                write_models(file, models)
 
     def study(self, branches: Sequence[Branch]) -> AccuracyChoice | None:
         """Study whose ``branches`` the file holds, None where it is incomplete."""
@@ -158,7 +171,7 @@ class Store:
         with self._reading(f"/{HOME}/{plan.name}") as file:
             return read_sheets(file, plan)
 
-    def show(self, plan: ShowPlan, sheets: tuple[Sheet, ...]) -> None:
-        """Store ``sheets``."""
+    def show(self, plan: ShowPlan, sheets: tuple[Sheet, ...], units: OutputUnits) -> None:
+        """Store ``sheets``; ``units``: of the output that they show."""
         with self._restructuring() as file:
-            write_sheets(file, plan, sheets, self._unit)
+            write_sheets(file, plan, sheets, units)

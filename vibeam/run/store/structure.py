@@ -9,7 +9,8 @@ if TYPE_CHECKING:
 
 
 def refuse_foreign(file: h5py.File) -> None:
-    """Raise ValueError for a soft or external link, data outside the file or not stored contiguously.
+    """Raise ValueError for a soft or external link, data outside the file or not stored contiguously; RuntimeError for
+    attributes that cannot be gone through.
 
     An accepted file is no larger on reading than on disk, and reading it touches nothing else.
     """
@@ -25,10 +26,15 @@ def refuse_foreign(file: h5py.File) -> None:
                 raise ValueError(f"{place} is a link to another place")
             item = group[name]
             _refuse_twice(item, place, seen)
+            h5py.h5a.iterate(item.id, _read)
             if isinstance(item, h5py.Group):
                 waiting.append(item)
             elif not isinstance(item, h5py.Dataset) or not _plain(item):
                 raise ValueError(f"{place} holds no values of its own")
+
+
+def _read(name: bytes) -> None:
+    """An attribute whose record can be read."""
 
 
 def _refuse_twice(item: Any, place: str, seen: set[int]) -> None:

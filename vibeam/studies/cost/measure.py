@@ -123,4 +123,7 @@ def _cloud(watched: FrequencyResponse) -> AperiodicSample:
 
 def _path(runner: object, motion: str, system: ImpactSystem, plan: Plan) -> ComparedPath | None:
     end = plan.window * 2 * np.pi / plan.drive.omega
-    return path_of(runner, motion, plan.drive, released(system, plan.size), end, plan.output)
+    try:
+        return path_of(runner, motion, plan.drive, released(system, plan.size), end, plan.output)
+    except ValueError:  # averaging has no motion at this frequency: no path to be compared
+        return None

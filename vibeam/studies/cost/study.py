@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.fidelity import gap_drift, gap_wear
-from vibeam.run.comparison.held_comparison import HeldComparison, held_comparison
+from vibeam.case.one_harmonic import require_one_harmonic
+from vibeam.run.comparison.differences import HeldComparison
+from vibeam.run.comparison.held_comparison import held_comparison
 from vibeam.run.comparison.of_case import compared_model
 from vibeam.run.models import CUT_SOLVERS, Model, built, finest, models
 from vibeam.solvers import SOLVERS
@@ -86,6 +88,7 @@ def cost(case: Case, progress: Progress = lambda line: None, clock: Clock = time
 
     ValueError for a fidelity that cannot be built, or whose gap changes during the sweep: no point then stands alone.
     """
+    require_one_harmonic(case, "the cost study")
     moving = [name for name in case.fidelities if _gap_changes(case, name)]
     if moving:
         names = ", ".join(moving)

@@ -71,6 +71,7 @@ class Curve:
             self.system, omega, self.case.amplitude_of(self.fidelity, omega), settle=plan.settle, hold=plan.hold,
             solver=own.solver, options=own.options, output=plan.output, state=state,
             slowest=2 * np.pi * float(plan.frequency.min()), drift=gap_drift(self.case.scene, omega),
+            harmonics=self.case.scene_of(self.fidelity).harmonics,
         )  # fmt: skip
         return [Step(response, after) for response, after in points]
 

@@ -25,13 +25,28 @@ def is_effect(field: FieldInfo) -> bool:
 
 
 def companions(declared: BaseModel, name: str) -> tuple[str, ...]:
-    """Keys of a declared case that are meaningless without an effect, which is a key beside them."""
+    """Keys of a declared case that are meaningless without an effect: beside it, or tables that are on it."""
     table, _, key = name.partition(".")
+    carried = () if key else tuple(_on(declared, name))
+    if carried:
+        return carried
     inner = getattr(declared, table, None)
     if not (key and isinstance(inner, BaseModel)):
         return ()
     beside = [other for other, field in fields_of(type(inner)).items() if note(field, "of") == key]
     return tuple(f"{table}.{each}" for each in beside if getattr(inner, each) is not None)
+
+
+def _on(declared: BaseModel, name: str) -> Iterator[str]:
+    """Effects, tables of which there are several, with ``on`` = ``name``: that beam carries them."""
+    for field in physics_keys(type(declared)):
+        if is_repeated(fields_of(type(declared))[field]):
+            carried = [getattr(each, "on", None) == name for each in _tables(getattr(declared, field))]
+            yield from (effect for effect, is_on in zip(_named(declared, field), carried, strict=False) if is_on)
+
+
+def _tables(value: object) -> tuple[object, ...]:
+    return value if isinstance(value, tuple) else ()
 
 
 def _named(declared: BaseModel, name: str) -> Iterator[str]:

@@ -75,10 +75,8 @@ def _in_motion(curve: Curve, top: Peak, frequency: float | None) -> dict[str, Va
 
 def _coordinates(scene: Any) -> int:
     """Coordinates of the finite elements, and of a platform that is pushed back."""
-    from vibeam_models.beam import assemble
-
     moves = scene.platform is not None and scene.platform.coupling == "two-way"
-    return assemble(scene).size + moves
+    return int(scene.structure().size) + moves
 
 
 def _reason(refusal: ValueError) -> str:

@@ -31,6 +31,8 @@ FITTED = 10  # largest number of faster modes in the fit: still faster ones have
 
 GUARD = 0.02  # share of a drive period left out next to impacts where there are still faster modes
 
+RINGING = ("ringing", "ringing_frequency", "apparent_restitution")
+
 UNSEEN = 1e-9  # share of the sensor's row below which a mode is not observable
 
 
@@ -40,6 +42,8 @@ def observed_ringing(curve: Curve, frequency: float, near: Step) -> dict[str, Va
     Read at the case's output of the motion at ``frequency`` (Hz), started from ``near``. Ringing is the slowest mode
     above twice the drive's frequency that the output sees; apparent restitution is that of the slower ones.
     """
+    if curve.case.scene_of(curve.fidelity).harmonics:
+        return dict.fromkeys(RINGING, Value(NAN, "the fit knows one harmonic of the drive"))
     settled = curve.on(np.array([frequency]), near.state)[0]
     omega = 2 * np.pi * frequency
     amplitude = float(np.ravel(curve.case.amplitude_of(curve.fidelity, np.array([omega])))[0])
@@ -49,9 +53,7 @@ def observed_ringing(curve: Curve, frequency: float, near: Step) -> dict[str, Va
     system = curve.system if drift is None else replace(curve.system, gap=curve.system.gap + float(drift[0]))
     path = simulate(system, Drive(omega, amplitude), periods / frequency, settled.state)
     if len(_contacts(path)) < 2:
-        return dict.fromkeys(
-            ("ringing", "ringing_frequency", "apparent_restitution"), Value(NAN, "no impacts to read it from")
-        )
+        return dict.fromkeys(RINGING, Value(NAN, "no impacts to read it from"))
     return _read(path, curve.case.sweep.output, frequency)
 
 

@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.run.comparison.held_comparison import ComparedModel, HeldComparison, held_comparison
+from vibeam.case.outputs import require_displacement
+from vibeam.run.comparison.differences import HeldComparison
+from vibeam.run.comparison.held_comparison import ComparedModel, held_comparison
 from vibeam.run.comparison.of_case import compared_model
 from vibeam.solvers.warm_up import warm_up_once
 from vibeam.studies.influence.curve import swept
@@ -100,8 +102,9 @@ class InfluenceStudy:
 def influence(case: Case, progress: Progress = lambda line: None) -> InfluenceStudy:
     """Remove each effect alone, keep each alone, and find the smallest set within the tolerances.
 
-    ValueError where the case names no effect, or its complete model cannot be built.
+    ValueError where the case names no effect, its sweep reads no displacement, or its complete model cannot be built.
     """
+    require_displacement(case, "influence")
     sets = subsets(case)
     _warm_up(case, sets.fidelity)
     begun = time.thread_time()

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from vibeam.case.case import Case
 from vibeam.casefile.content import content, toml_text
+from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.read import parse, validate
-from vibeam.casefile.tables.sweep import most_modes
 from vibeam.studies.influence.effects import companions, effects_of
-from vibeam_models.scene import Scene
 
 Array = NDArray[np.float64]
 
@@ -47,7 +46,8 @@ class Subsets:
         """
         away = [name for name in self.effects if name not in kept]
         beside = [key for name in away for key in self.companions.get(name, ())]
-        settings: dict[str, Any] = dict.fromkeys([*reversed(away), *beside])  # the last of several tables first
+        last_first = [name for name in reversed(self.effects) if name in away or name in beside]
+        settings: dict[str, Any] = dict.fromkeys([*last_first, *beside])  # the last of several tables first
         lost = sum(self.own_modes.get(name, 0) for name in away)
         if self.modes is not None and away:
             settings[self._modes_key] = self._modes_without(settings, max(self.modes - lost, 1))
@@ -56,7 +56,7 @@ class Subsets:
     def _modes_without(self, settings: dict[str, Any], wanted: int) -> int:
         """Number of modes wanted, or that of the model where it has fewer."""
         declared, _ = validate(self.text, self.path, settings | {self._modes_key: 1})
-        return min(wanted, most_modes(declared)[0])
+        return min(wanted, KINDS[declared.kind].most_modes_of(declared, self.path.parent)[0])
 
     @property
     def _modes_key(self) -> str:
@@ -65,7 +65,7 @@ class Subsets:
 
 def subsets(case: Case) -> Subsets:
     """Subsets of a case's effects; ValueError where there is none."""
-    if not isinstance(case.scene, Scene):
+    if case.scene.given_mode is not None:
         raise ValueError("a single degree of freedom by itself has no effects: influence needs a beam")
     name = case.influence.fidelity or finest(case)
     declared, changed = validate(case.text, case.path, {})
@@ -123,7 +123,4 @@ def _shared(whole: Array, left: Array) -> int:
 
 
 def _frequencies(case: Case, modes: int) -> Array:
-    from vibeam_models.beam import assemble
-
-    scene: Any = case.scene
-    return assemble(scene).modes().omega[:modes]
+    return case.scene.structure().modes(modes).omega

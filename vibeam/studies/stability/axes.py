@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from vibeam.casefile.quantities import LENGTH, RATIO, VOLTAGE, Dimension, UnitError, to_si
 from vibeam.figures.prefixes import LENGTHS, prefixed
 from vibeam.orbits.bifurcation_functions import motions
-from vibeam_models.scene import SdofScene
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -80,20 +79,21 @@ def _value(flag: str, given: str | float, kind: Dimension) -> float:
 
 
 def _gap_unit(case: Case) -> tuple[str, Dimension, float]:
-    if isinstance(case.scene, SdofScene):
+    if case.scene.natural_unit is not None:
         return "gap Δ", RATIO, 1.0
     return "gap at the contact", LENGTH, 1.0
 
 
 def _drive_unit(case: Case) -> tuple[str, Dimension, float]:
     """Unit of the drive: volts where the case drives by voltage; SI amplitude for one of them."""
-    if isinstance(case.scene, SdofScene):
+    scene: Any = case.scene
+    if scene.natural_unit is not None:
         return "base amplitude B", RATIO, 1.0
-    if case.scene.base.voltage is None:
+    if scene.base.voltage is None:
         return "base amplitude", LENGTH, 1.0
     from vibeam_models.base_motion import base_amplitude
 
-    volt = replace(case.scene, base=replace(case.scene.base, voltage=1.0))
+    volt = replace(scene, base=replace(scene.base, voltage=1.0))
     return "drive voltage", VOLTAGE, base_amplitude(volt)
 
 

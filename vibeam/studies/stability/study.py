@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.one_harmonic import require_one_harmonic
 from vibeam.orbits.orbit_map import OrbitMap, orbit_map
 from vibeam.run.comparison.wording import listed
 from vibeam.run.remarks import ill_posed
@@ -92,6 +93,7 @@ def stability(
     """
     if fidelity is not None and fidelity not in case.fidelities:
         raise ValueError(f"no fidelity {fidelity!r}: there are {', '.join(case.fidelities)}")
+    require_one_harmonic(case, "a stability map")
     models, refused = _models(case, fidelity)
     axis = axes.second_axis(case, over, low, high, next(iter(models.values()))[0])
     grid, values = axes.frequencies(case, frequencies), axis.factor * np.linspace(axis.low, axis.high, points)

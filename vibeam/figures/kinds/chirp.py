@@ -1,0 +1,181 @@
+"""Figure kind ``chirp``: a swept-sine test beside the sweep's settled points.
+
+The drive frequency runs over the sweep's range at a constant rate, from the motion settled at its begin; "both" goes up
+and then down from where it came. An amplitude is ½(max − min) over ``periods`` drive periods. How far the pieces leave
+the chirp is in ``vibeam.solvers.chirp``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibeam.case.fidelity import gap_drift, gap_wear
+from vibeam.case.plans import ShowPlan
+from vibeam.figures.axes import from_zero, is_empty, say
+from vibeam.figures.branches import MotionClass, pieces
+from vibeam.figures.outputs import amplitude_of
+from vibeam.figures.panels import across_frequency
+from vibeam.figures.sheet import Column, Columns, Sheet
+from vibeam.figures.style import line, looks_of, name_of
+from vibeam.figures.units import Units, percent, units_for
+from vibeam.solvers.chirp import Chirp, linear_chirp, swept
+from vibeam.system.response import Ended, FrequencyResponse
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from vibeam.case.case import Case
+    from vibeam.figures.comparison import Comparison
+    from vibeam.figures.style import Look
+
+
+Array = NDArray[np.float64]
+
+SWEPT = {"up": 0.9, "down": 0.5}  # opacity of the line of a chirp
+
+
+def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
+    """One sheet a direction; one alone with the reason where there is no such motion."""
+    try:
+        return [Sheet(fidelity, float("nan"), columns) for columns in _flown(case, fidelity, plan)]
+    except ValueError as reason:
+        return [Sheet(fidelity, float("nan"), fault=str(reason))]
+
+
+def _flown(case: Case, name: str, plan: ShowPlan) -> Iterator[Columns]:
+    scene, fidelity = case.scene_of(name), case.fidelities[name]
+    if gap_drift(scene, [1.0]) is not None or gap_wear(scene) is not None:
+        raise ValueError("a gap that drifts or wears is of settled points: a chirp has one gap")
+    system, state = case.system(name), None
+    if plan.output not in ("contact", *system.outputs, *system.derivatives):
+        raise ValueError(f"there is no {plan.output} in this model")
+    law = _Law(case, name)
+    for chirp in _legs(plan):
+        response, state = swept(
+            system, chirp, law, settle=plan.settle, solver_name=fidelity.solver, output=plan.output, state=state,
+            options=fidelity.options,
+        )  # fmt: skip
+        broken = np.flatnonzero(response.ended != Ended.COMPLETE.code)
+        if len(broken):
+            ended = Ended.of_code(int(response.ended[broken[0]])).value
+            raise ValueError(f"at {response.frequency[broken[0]]:.5g} Hz: {ended}")
+        yield _columns(chirp, law, response, plan.periods or 1)
+
+
+@dataclass(frozen=True)
+class _Law:
+    """Drive amplitude of a fidelity over frequency."""
+
+    case: Case
+    name: str
+
+    def __call__(self, omega: Array) -> ArrayLike:
+        return self.case.amplitude_of(self.name, omega)
+
+
+def _legs(plan: ShowPlan) -> Iterator[Chirp]:
+    """Chirps of the plan's directions; the way down begins where that up ends."""
+    low, high = (2 * np.pi * edge(plan.frequency) for edge in (min, max))
+    rate = 2 * np.pi * (plan.rate or 0.0)
+    if low == high:
+        raise ValueError("a chirp needs a range of frequencies, there is one")
+    if plan.direction in ("up", "both"):
+        up = linear_chirp(low, high, rate)
+        yield up
+        high = float(up.edges[-1]) if plan.direction == "both" else high
+    if plan.direction in ("down", "both"):
+        yield linear_chirp(high, low, rate)
+
+
+def _columns(chirp: Chirp, law: _Law, response: FrequencyResponse, periods: int) -> Columns:
+    """Extremes over ``periods`` pieces each, the last incomplete ones left out."""
+    count = len(response) // periods
+    if not count:
+        raise ValueError(f"the chirp lasts {len(response)} drive periods, fewer than the {periods} of one amplitude")
+    rows = [each[: count * periods].reshape(count, periods) for each in (
+        response.frequency, response.maximum, response.minimum, response.impacts_per_period, chirp.phase_error,
+        chirp.size_error(law),
+    )]  # fmt: skip
+    frequency, highest, lowest = rows[0].mean(1), rows[1].max(1), rows[2].min(1)
+    amplitude = (highest - lowest) / 2
+    top = [int(np.argmax(amplitude))]
+    return {
+        "time": Column(chirp.times[: count * periods : periods], "s", "begin of the drive periods read"),
+        "frequency": Column(frequency, "Hz", "drive frequency, their mean"),
+        "amplitude": Column(amplitude, "q", "½(max − min) of the output over them, swept, not settled"),
+        "maximum": Column(highest, "q", "max of the output"),
+        "minimum": Column(lowest, "q", "min of the output"),
+        "impacts": Column(rows[3].mean(1), "1", "impacts a drive period"),
+        "phase_error": Column(rows[4].max(1), "1", "rad, by which the pieces leave the phase of the chirp at most"),
+        "size_error": Column(rows[5].max(1), "1", "share by which they leave its acceleration amplitude at most"),
+        "swept_peak": Column(amplitude[top], "q", "largest amplitude"),
+        "swept_peak_frequency": Column(frequency[top], "Hz", "drive frequency of the largest amplitude"),
+    }
+
+
+def size(plan: ShowPlan) -> tuple[float, float]:
+    """One panel."""
+    return (5.8, 4.2)
+
+
+def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:
+    """Draw settled points, where they are of this output, as in the response curve, and the chirps as thin lines."""
+    case, units, axes = result.case, units_for(result, plan.output), figure.subplots()
+    for name, look in looks_of(case, plan.fidelities).items():
+        if _has_settled(result, plan, name):
+            _settled(axes, result, name, look, units)
+    for sheet in shown:
+        if not sheet.fault:
+            _swept(axes, result, plan, sheet, units)
+    from_zero(axes)
+    if is_empty(axes):
+        say(axes, "no motion at any frequency")
+    across_frequency(axes, units)
+    axes.set_ylabel(amplitude_of(plan.output, units))
+
+
+def _has_settled(result: Comparison, plan: ShowPlan, name: str) -> bool:
+    """Whether the sweep has points of this fidelity and output: within an accuracy it has one curve of no one's."""
+    return name in set(result) and plan.output == result.case.sweep.output
+
+
+def _settled(axes: Axes, result: Comparison, name: str, look: Look, units: Units) -> None:
+    axes.plot([], [], label=f"{name_of(result.case, name)}, settled", **look.keys())
+    for direction, response in result[name].items():
+        for piece in pieces(response):
+            if piece.kind is not MotionClass.FAILED:
+                keys = line(piece.kind, direction, look, len(piece.frequency), len(response))
+                axes.plot(piece.frequency * units.frequency_factor, piece.amplitude * units.length_factor, **keys)
+
+
+def _swept(axes: Axes, result: Comparison, plan: ShowPlan, sheet: Sheet, units: Units) -> None:
+    case, colour = result.case, looks_of(result.case, plan.fidelities)[sheet.fidelity].colour
+    direction = "up" if sheet["frequency"][-1] > sheet["frequency"][0] else "down"
+    across, upward = sheet["frequency"] * units.frequency_factor, sheet["amplitude"] * units.length_factor
+    label = f"{name_of(case, sheet.fidelity)}, swept {direction}{_beside(result, plan, sheet, direction, units)}"
+    axes.plot(across, upward, color=colour, linewidth=0.6, alpha=SWEPT[direction], zorder=4, label=label)
+
+
+def _beside(result: Comparison, plan: ShowPlan, sheet: Sheet, direction: str, units: Units) -> str:
+    """How far the peak of a chirp is from the settled one of the same way; empty where that was not swept."""
+    if not _has_settled(result, plan, sheet.fidelity):
+        return ""
+    settled = dict(result[sheet.fidelity].items()).get(direction)
+    if settled is None or not np.isfinite(settled.amplitude).any():
+        return ""
+    top = int(np.nanargmax(settled.amplitude))
+    higher = float(sheet["swept_peak"][0] / settled.amplitude[top] - 1) if settled.amplitude[top] else 0.0
+    further = float(sheet["swept_peak_frequency"][0] - settled.frequency[top]) * units.frequency_factor
+    shift = f"{further:+.2g} {units.frequency}".replace("-", "−").rstrip()
+    return f": peak {'+' if higher >= 0 else '−'}{percent(abs(higher))}, {shift}"
+
+
+def caption(plan: ShowPlan) -> str:
+    """Caption of the figure."""
+    return f"a swept-sine test at {plan.rate:g} Hz/s, not settled, beside settled points"

@@ -1,0 +1,82 @@
+"""Systems of a case's fidelities, and what a report needs of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.case.faults import CaseError, Fault
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.system.impact_system import ImpactSystem
+
+
+@dataclass(frozen=True)
+class ModelProperties:
+    """Number of modes of a fidelity, restitution R of its contact and R₁ of its mode 1 (NaN: the law has no one)."""
+
+    modes: int
+    restitution: float
+    first_mode_restitution: float
+
+
+class Systems(Mapping[str, "ImpactSystem"]):
+    """System of every fidelity of a case by name, all built when the first is asked for.
+
+    CaseError then names all that cannot be built or that their solver cannot take.
+    """
+
+    def __init__(self, case: Case) -> None:
+        self._case = case
+
+    @cached_property
+    def _built(self) -> dict[str, ImpactSystem]:
+        return _systems(self._case)
+
+    def __getitem__(self, name: str) -> ImpactSystem:
+        return self._built[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._case.fidelities)
+
+    def __len__(self) -> int:
+        return len(self._case.fidelities)
+
+
+def properties_of(case: Case, name: str, modes: int) -> ModelProperties:
+    """Properties of one fidelity's model, which has so many ``modes``."""
+    from vibeam.case.fidelity import restitutions
+
+    return ModelProperties(modes, *restitutions(case.scene_of(name), case.fidelities[name]))
+
+
+def _systems(case: Case) -> dict[str, ImpactSystem]:
+    from vibeam.solvers import solver
+    from vibeam.system.impact_system import Drive
+
+    systems, faults = {}, []
+    slowest = 2 * np.pi * float(np.min(case.sweep.frequency))
+    for name, fidelity in case.fidelities.items():
+        try:
+            systems[name] = case.system(name)
+            solver(fidelity.solver, systems[name], slowest, 0.0, **fidelity.options)
+            if harmonics := case.scene_of(name).harmonics:
+                from vibeam.solvers.harmonic_point import several_of
+
+                several_of(systems[name], Drive(slowest, 0.0), harmonics, fidelity.solver)
+        except ValueError as error:
+            faults.append(Fault(str(case.path), None, f"fidelity.{name}", str(error)))
+    for name in case.fidelities:
+        try:
+            case.amplitude_of(name, 2 * np.pi * case.sweep.frequency)
+        except ValueError as error:
+            where = "drive" if getattr(case.scene_of(name), "platform", None) is None else "platform"
+            faults.append(Fault(str(case.path), None, where, str(error)))
+    if faults:
+        raise CaseError(faults)
+    return systems
