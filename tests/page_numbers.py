@@ -36,6 +36,9 @@ PAGES = (
     "cases/README.md",
     "cases/paper/README.md",
     "cases/experiment/README.md",
+    "cases/stuttgart/README.md",
+    "cases/rigs/README.md",
+    "cases/matrices/README.md",
     "vibeam/studies/README.md",
 )
 

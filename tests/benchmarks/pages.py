@@ -186,10 +186,11 @@ def startup_table(found: dict[str, Any]) -> str:
     """CPU and wall time of whole commands, and of small calls."""
     whole = ([row["name"], f"{row['cpu']:.2f}", f"{row['wall']:.2f}"] for row in found["commands"])
     small = ([row["name"], significant(1e3 * row["cpu"], 2)] for row in found["calls"])
-    load = found["load"]
+    first, then = found["load"], found["load_of_calls"]
     text = (
-        f"Least of {found['rounds']} rounds of the commands and {3 * found['rounds']} of the calls; load average "
-        f"{load['before'][0]:.1f} before, {load['after'][0]:.1f} after, on {found['cores']} cores."
+        f"Least of {found['rounds']} rounds of the commands (load average {first['before'][0]:.1f} before, "
+        f"{first['after'][0]:.1f} after) and {found['rounds_of_calls']} of the calls ({then['before'][0]:.1f} and "
+        f"{then['after'][0]:.1f}), on {found['cores']} cores."
     )
     tables = [markdown(["command", "CPU s", "wall s"], whole), markdown(["call", "CPU ms"], small)]
     return "\n\n".join([*tables, fill(text, width=120)])
@@ -211,6 +212,18 @@ def libraries_table(found: dict[str, Any]) -> str:
         f"{found['machine']['load'][1]:.0f} after, on two cores."
     )
     return f"{markdown(['modes', 'numba, ns an impact', *over], rows)}\n\n{fill(text, width=120)}"
+
+
+def sparse_table(found: dict[str, Any]) -> str:
+    """CPU time of reading sparse matrices and reducing them."""
+    rows = (
+        [row["name"], *(f"{row[part]:.2f}" for part in ("read", "modes", "static")), f"{row['megabytes']:.0f}",
+         f"{row['error']:.0e}"]
+        for row in found["rows"]
+    )  # fmt: skip
+    columns = ["coordinates", "read, s", "20 modes, s", "static mode, s", "memory, MB", "error of ω²"]
+    load = f"Load average {found['load']['before'][0]:.0f} before, {found['load']['after'][0]:.0f} after."
+    return f"{markdown(columns, rows)}\n\n{load}"
 
 
 def front_table(found: dict[str, Any]) -> str:
@@ -246,7 +259,7 @@ def generated(results: Path = RESULTS) -> dict[str, str]:
     """The tables of the benchmark page by name, from the results files in a folder."""
     peers, modes = (_read(results, name) for name in ("peers", "modes"))
     tables = {name: table(peers, modes) for name, table in TABLES.items()}
-    single = {"limits": limits_table, "libraries": libraries_table, "startup": startup_table}
+    single = {"limits": limits_table, "libraries": libraries_table, "startup": startup_table, "sparse": sparse_table}
     return tables | {name: table(_read(results, name)) for name, table in single.items()}
 
 

@@ -101,3 +101,23 @@ def test_commands_without_a_solver_load_none(command: str, tmp_path: Path, monke
     code = f"import contextlib\nfrom vibeam.cli.main import main\nsys.argv = {words!r}\n"
     code += "with contextlib.suppress(SystemExit):\n    main()"
     assert loaded(code) == []
+
+
+@pytest.mark.parametrize("command", ["run", "check"])
+def test_a_finished_run_builds_nothing(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    short = ["--set", "sweep.frequency.points=2", "--set", "sweep.settle=2", "--set", "sweep.hold=2"]
+    words = ["vibeam", command, str(ROOT / "cases" / "dtu_neutral.toml"), "--out", "short.h5", *short]
+    code = f"import contextlib\nfrom vibeam.cli.main import main\nsys.argv = {words!r}\n"
+    code += "with contextlib.suppress(SystemExit):\n    main()"
+    assert "scipy" in loaded(code)
+    assert loaded(code) == ["h5py"]
+
+
+def test_the_case_of_a_beam_loads_nothing_of_given_matrices_or_modes() -> None:
+    case = Path(__file__).parents[2] / "cases" / "dtu_neutral.toml"
+    code = (
+        f"import sys, vibeam; vibeam.load({str(case)!r});"
+        "assert not [name for name in sys.modules if 'matrices' in name or 'tables.given' in name], sys.modules"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, env={"PYTHONPATH": ":".join(sys.path)})

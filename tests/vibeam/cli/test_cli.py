@@ -14,11 +14,13 @@ from typing import Any
 import meshio
 import numpy as np
 import pytest
+import typer
 from stand_in import RIG, SDOF, Solver
 from typer.testing import CliRunner
 
 from vibeam import __version__
 from vibeam.casefile.read import parse
+from vibeam.cli.errors import mistakes
 from vibeam.cli.main import app
 from vibeam.run import fidelity_sweep
 from vibeam.run.run import run
@@ -210,6 +212,31 @@ def test_new_writes_a_sound_case_once(command: Command, tmp_path: Path) -> None:
     assert ".toml, or a folder" in command("new", "case.tml", expect=2).stderr
 
 
+@pytest.mark.parametrize("rig", ["cantilever", "matrices", "modes"])
+def test_new_writes_a_case_of_each_rig_that_runs(rig: str, command: Command, tmp_path: Path) -> None:
+    command("new", f"{rig}/", "--rig", rig)
+    before = {file: file.read_bytes() for file in (tmp_path / rig).iterdir()}
+    assert "is there already" in command("new", f"{rig}/", "--rig", rig, expect=2).stderr
+    assert {file: file.read_bytes() for file in (tmp_path / rig).iterdir()} == before
+    assert json.loads(command("modes", f"{rig}/case.toml", "--json").stdout)[0]["frequency"] > 1
+    assert command("run", f"{rig}/case.toml").stdout.endswith("case.svg\n")
+
+
+def test_new_knows_its_rigs(command: Command) -> None:
+    assert "--rig matrix: no such rig; did you mean 'matrices'?" in command("new", "--rig", "matrix", expect=2).stderr
+
+
+def test_modes_writes_the_matrices_and_the_table_that_reads_them(command: Command, tmp_path: Path) -> None:
+    said = command("modes", RIG, "--matrices", "rig.npz").stderr
+    assert 'mass = { file = "rig.npz", name = "M" }' in said
+    assert (tmp_path / "rig.npz").exists()
+    assert "ends in .npz or .h5" in command("modes", RIG, "--matrices", "rig.xyz", expect=2).stderr
+    command("new", "--rig", "matrices")
+    refused = command("modes", "case.toml", "--out", "shapes.vtu", expect=2).stderr
+    assert "no shapes to draw: the case gives no places of its coordinates" in refused
+    assert command("derive", "case.toml", expect=2).stderr.startswith("case.toml: nothing to derive: this case gives")
+
+
 def test_keys_lists_every_key(command: Command) -> None:
     assert "youngs_modulus" in command("keys").stdout
     assert {"table", "key", "unit", "default", "meaning"} <= set(json.loads(command("keys", "--json").stdout)[0])
@@ -227,7 +254,7 @@ def test_keys_lists_every_key(command: Command) -> None:
         ("fidelity.beam.modes", {"modes"}),
         ("fidelity.modes", {"modes"}),
         ("added_mass.0.mass", {"mass"}),
-        ("added_mass", {"mass", "position"}),
+        ("added_mass", {"mass", "position", "rotary_inertia", "rigid_half_width", "on"}),
         ("title", {"title"}),
         ("sdof", {"natural_frequency", "damping_ratio"}),
     ],
@@ -387,6 +414,36 @@ def test_ctrl_c_stops_keeps_and_says_how_to_go_on(sdof: Path, tmp_path: Path) ->
     assert kept
     assert int(kept[1]) >= 4
     assert "Traceback" not in done.stderr
+
+
+IMPORTING = """
+import sys
+class Interrupted:
+    def find_spec(self, name, *given):
+        if name == {at!r}:
+            raise KeyboardInterrupt
+sys.meta_path.insert(0, Interrupted())
+sys.argv = ["vibeam", "keys"]
+from vibeam.__main__ import main
+main()
+"""
+
+
+@pytest.mark.parametrize("at", ["vibeam.cli.streams", "typer", "vibeam.casefile.documentation"])
+def test_ctrl_c_while_the_command_is_imported_is_no_traceback(tmp_path: Path, at: str) -> None:
+    script = f"import sys\nsys.path[:0] = {sys.path!r}\n{IMPORTING.format(at=at)}"
+    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 130
+    assert "Traceback" not in done.stderr
+
+
+def test_libraries_without_room_are_a_message_and_other_imports_a_defect(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(typer.Exit) as end, mistakes():
+        raise ImportError("/a/_x.so: failed to map segment from shared object")
+    assert end.value.exit_code == 2
+    assert "not enough memory to load" in capsys.readouterr().err
+    with pytest.raises(ImportError, match="no name"), mistakes():
+        raise ImportError("no name x in y")
 
 
 def test_the_module_is_the_command(tmp_path: Path) -> None:

@@ -182,9 +182,10 @@ def test_wrong_tables_are_told(lines: str, fault: str) -> None:
     assert [str(each).split(": ", 1)[1] for each in caught.value.faults] == [f"show.it.{fault}"]
 
 
-def test_no_fidelity_takes_the_place_of_what_is_shown() -> None:
-    with pytest.raises(CaseError, match='the name "show" is that of a group'):
-        case_of("[fidelity.show]")
+@pytest.mark.parametrize("group", ["show", "comparison", "models"])
+def test_no_fidelity_takes_the_place_of_another_group(group: str) -> None:
+    with pytest.raises(CaseError, match=f'the name "{group}" is that of a group'):
+        case_of(f"[fidelity.{group}]")
 
 
 def test_a_show_changes_no_sweep() -> None:

@@ -124,6 +124,15 @@ def test_restitution_of_one_mode_is_read_right_in_every_way() -> None:
         np.testing.assert_allclose(found[kind], 0.72, atol=5e-3 if kind.startswith(("adj", "extremum")) else 1e-6)
 
 
+def test_no_restitution_is_read_of_a_stop_that_yields_and_the_panel_says_why() -> None:
+    case = beam("restitution", frequency="15.3 Hz", **STEEL)
+    plan = case.shows["it"]
+    shown = sheets(case, plan)
+    made = figure(Result(case, {}, shown={"it": shown}), plan)
+    said = [text.get_text() for axes in made.axes for text in axes.texts]
+    assert said == ["a stop that yields has no instant of impact to read restitution at"] * len(plan.fidelities)
+
+
 def test_restitution_of_the_beam_is_the_first_modes_and_not_the_contacts() -> None:
     found = sheet(beam("restitution", **CHAIN), "beam", 15.3)
     path = settled("beam", 15.3, periods=4.4)[1]

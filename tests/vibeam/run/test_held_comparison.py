@@ -20,7 +20,7 @@ import vibeam
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.casefile.read import load, parse
 from vibeam.run.comparison import held_comparison
-from vibeam.run.comparison.held_comparison import HeldComparison
+from vibeam.run.comparison.differences import HeldComparison
 from vibeam.run.comparison.limit import limit
 from vibeam.run.comparison.wording import headline, notes
 from vibeam.run.run import run
@@ -197,3 +197,14 @@ def test_the_file_keeps_the_comparison_and_drops_it_with_the_case(tmp_path: Path
     with h5py.File(out) as file:
         assert "comparison" not in file
     json.dumps(kept["sdof"], default=float)
+
+
+def test_a_leaf_spring_is_called_by_its_name() -> None:
+    """To the system it is a linear stop."""
+    leaf = {"leaf_length": "57 mm", "leaf_width": "40 mm", "leaf_thickness": "1 mm", "leaf_modulus": "210 GPa"}
+    case = load(RIG, set={"stop.law": "leaf spring", "stop.restitution_of": "contact",
+                                      **{f"stop.{key}": value for key, value in leaf.items()}})  # fmt: skip
+    model = held_comparison.ComparedModel("beam", case.scene, case.system("beam"), np.ones(1), np.ones(1), "sensor")
+    other = replace(model, name="other")
+    said = held_comparison.held_comparison(model, [other]).limit.why
+    assert said == 'no closed-form motions with the contact law "leaf spring"'

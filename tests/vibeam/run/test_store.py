@@ -8,9 +8,10 @@ import platform
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import fields, replace
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -18,20 +19,29 @@ import pytest
 import xarray
 from stand_in import point, same
 
+from vibeam.run.store import file as store_file
 from vibeam.run.store.branch import Branch
 from vibeam.run.store.disk import NO_LINKS, Disk
 from vibeam.run.store.errors import StoreError
-from vibeam.run.store.file import opened, read
+from vibeam.run.store.file import read
+from vibeam.run.store.heap import SIGNATURE, heaps_are_whole
 from vibeam.run.store.layout import STATES
 from vibeam.run.store.reuse import Wanted
+from vibeam.run.store.store import Store
 from vibeam.system.motion_curves import MotionCurves
+from vibeam.system.quantities import PLAIN
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State
 
 GRID = np.linspace(14.0, 17.0, 6)
 UP, DOWN = Branch("beam", "up", GRID, 3, "u" * 64), Branch("beam", "down", GRID[::-1].copy(), 3, "d" * 64)
 CASE = Wanted('title = "a"\nsettle = 300\n', "a" * 64, "settle = 300\n", (UP, DOWN))
+CHANGED = replace(CASE, branches=(replace(UP, key="v" * 64), DOWN))  # sweeps up anew
 STATE = State(np.array([1 / 3, 1e-300, -0.0]), np.array([np.pi, 2.0, -1e300]), resting=True)
+
+
+def opened(path: Path, wanted: Wanted, **how: Any) -> AbstractContextManager[Store]:
+    return store_file.opened(path, lambda models: wanted, **how)
 
 
 def written(path: Path, points: int = 2) -> Path:
@@ -75,7 +85,7 @@ def test_says_case_and_provenance(tmp_path: Path) -> None:
 
 
 def test_nondimensional_results_say_so(tmp_path: Path) -> None:
-    with opened(tmp_path / "a.h5", replace(CASE, unit="1")) as store:
+    with opened(tmp_path / "a.h5", replace(CASE, units=PLAIN)) as store:
         store.write(UP, 0, point(GRID[0], 3), [STATE])
     with xarray.open_dataset(tmp_path / "a.h5", group="beam/up", engine="h5netcdf") as up:
         assert (up.reach.attrs["units"], up.impact_velocity.attrs["units"]) == ("1", "s-1")
@@ -149,6 +159,37 @@ def test_damage_anywhere_is_an_error_or_harmless(tmp_path: Path) -> None:
         except StoreError:
             refused += 1
     assert refused
+
+
+def test_a_heap_without_an_end_is_refused_before_it_is_searched(tmp_path: Path) -> None:
+    """An object of no size in a heap of texts has no next one: HDF5 looks for it forever."""
+    path = written(tmp_path / "a.h5")
+    whole = path.read_bytes()
+    first = whole.index(SIGNATURE)
+    assert heaps_are_whole(whole)
+    for start, end in ((first + 16, first + 80), (first + 48, first + 400), (first + 8, first + 16)):
+        content = whole[:start] + bytes(end - start) + whole[end:]
+        assert not heaps_are_whole(content)
+        path.write_bytes(content)
+        with pytest.raises(StoreError, match="damaged: start over with --fresh"), opened(path, CASE):
+            pass
+        with pytest.raises(StoreError, match="damaged"):
+            read(path)
+    assert not heaps_are_whole(whole[: first + 100])
+
+
+@pytest.mark.parametrize("place", ["text", "shared"])
+def test_what_a_file_says_of_its_case_is_put_right(tmp_path: Path, place: str) -> None:
+    path = written(tmp_path / "a.h5")
+    with h5py.File(path, "r+") as file:
+        file["case"][place][...] = file["case"][place][()].replace(b"settle", b"sottle")
+    lines: list[str] = []
+    with opened(path, CASE, tell=lines.append) as store:
+        assert store.restore(UP).done == 2
+    with h5py.File(path) as file:
+        assert file["case/text"][()].decode() == CASE.text
+        assert file["case/shared"][()].decode() == CASE.shared
+    assert len(lines) == 1
 
 
 def test_a_start_that_fails_leaves_nothing(tmp_path: Path) -> None:
@@ -229,7 +270,12 @@ def test_every_value_of_a_point_has_a_part_in_its_checksum(tmp_path: Path, name:
     content = bytearray(path.read_bytes())
     content[place] ^= 1
     path.write_bytes(content)
-    for use in (lambda: opened(path, CASE).__enter__(), lambda: read(path)):
+
+    def restored() -> None:
+        with opened(path, CASE) as store:
+            store.restore(UP)
+
+    for use in (restored, lambda: read(path), lambda: opened(path, CHANGED).__enter__()):
         with pytest.raises(StoreError, match=rf"^{path}: .*checksum of its point 1 .*damaged"):
             use()
 

@@ -14,11 +14,13 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam.case.case import Case
 from vibeam.case.faults import CaseError
-from vibeam.casefile.documentation import template
 from vibeam.casefile.read import parse
+from vibeam.casefile.template import template
 from vibeam.cli.main import app
+from vibeam.report.tables import modal
 from vibeam.run.remarks import ill_posed, remarks
 from vibeam.run.result import Result
+from vibeam.studies.derive import derive
 from vibeam.studies.modes import mode_table
 from vibeam.studies.stability.study import stability
 from vibeam.system.response import Branches
@@ -163,3 +165,21 @@ def test_the_commands_say_it(tmp_path, monkeypatch) -> None:  # type: ignore[no-
         assert done.exit_code == 0, done.output
         assert ("no impact at any frequency" in done.output) is (command == "run")
         assert "ill-posed" in done.output
+
+
+def test_a_stop_that_yields_has_no_coefficient_in_the_table_of_modes() -> None:
+    yields = {"stop.law": "linear", "stop.stiffness": 1e6, "stop.restitution_of": "contact"}
+    table = mode_table(bare(**yields).scene, 3)
+    assert not any(isfinite(row.first_mode_restitution) or isfinite(row.contact_restitution) for row in table.rows)
+    assert [column.header for column in modal(table).columns][-1] == "Σ share"
+    struck = mode_table(bare(**{"stop.restitution_of": "contact"}).scene, 3)
+    assert [column.header for column in modal(struck).columns][-1] == "R"
+
+
+def test_derive_names_the_causes_that_hold_for_the_beam() -> None:
+    row = "mass, with the beam's mass"
+    assert derive(bare().scene)[row].assumption == "the static deflection of a uniform strip as mode shape"
+    added = derive(bare(**{"added_mass": [{"mass": "1 g", "position": "90 mm"}], "beam.ends": "clamped-pinned"}).scene)
+    cause = "the static deflection of the bare beam as mode shape"
+    assert added[row].assumption == f"{cause}, added masses left out"
+    assert added["stiffness"].assumption == cause

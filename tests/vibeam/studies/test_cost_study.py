@@ -390,3 +390,12 @@ def test_a_stop_that_yields_is_studied_with_the_solvers_that_take_it() -> None:
     assert 'no closed-form orbits with the contact law "hertz"' in told
     assert "HuntCrossley" not in told
     assert parts(study).row_count == runs(study).row_count == 1
+
+
+def test_a_frequency_without_averaged_motion_has_no_path_of_averaging() -> None:
+    """Above its resonance the beam stays clear of a stop at 0.3 mm: averaging over impacts finds nothing there."""
+    frequency = {"from": "4 Hz", "to": "8 Hz", "points": 9}
+    plan = {"cost.solvers": ["flight", "averaging"], "cost.budget": "1 s", "cost.modes": [1]}
+    changed = {"stop.restitution_of": "contact", "stop.gap": "0.3 mm", "sweep.frequency": frequency}
+    study = vibeam.cost(vibeam.load(Path(__file__).parents[3] / "cases" / "dtu_neutral.toml", set=changed | plan))
+    assert {row.solver for row in study.rows} >= {"flight", "averaging"}

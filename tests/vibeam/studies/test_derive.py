@@ -8,7 +8,10 @@ import pytest
 from tests.models.bench import POINT_MASS, RIG, STEEL
 from vibeam import load
 from vibeam.studies.derive import derive
-from vibeam_models.scene import Base, Damping, SdofScene, Stop
+from vibeam_models.base import Base
+from vibeam_models.beams.beam import Damping
+from vibeam_models.scene import SdofScene
+from vibeam_models.stop import Stop
 
 CASES = Path(__file__).parents[3] / "cases"
 MASSLESS, WITH_BEAM, WITH_BOTH = "massless beam", "with the beam's mass", "with beam mass and rotary inertia"
@@ -94,7 +97,7 @@ def test_the_table_is_json(table):
 
 
 def test_the_sdof_itself_has_nothing_to_derive():
-    with pytest.raises(ValueError, match="gives the SDOF directly"):
+    with pytest.raises(ValueError, match="gives the SDOF model directly"):
         derive(SdofScene(1.0, 0.015, 0.0, 0.9, 5e-4))
 
 
@@ -111,7 +114,7 @@ def test_eq_44_to_46_by_hand() -> None:
     rows = [row for row in derive(load(CASES / "paper" / "eq38.toml")) if row.name in BY_HAND]
     assert len(rows) == 9
     for row in rows:
-        assert row.value == pytest.approx(BY_HAND[row.name], rel=1e-12)
+        assert row.value == pytest.approx(BY_HAND[row.name], rel=1e-9)
         assert row.reference == pytest.approx(BY_HAND[row.name], rel=1e-9)  # its finite elements assume the same
 
 
