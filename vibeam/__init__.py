@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from vibeam import observe as observe
+    from vibeam.batch.batch import batch as batch
+    from vibeam.batch.response import BatchResponse as BatchResponse
     from vibeam.case.case import Case as Case
     from vibeam.case.faults import CaseError as CaseError
     from vibeam.casefile.read import load as load
@@ -80,6 +82,8 @@ _HOMES = {
     "TimeDerivative": "vibeam.system.time_derivative",
     "simulate": "vibeam.flight.trajectory",
     "sweep": "vibeam.run.sweep",
+    "batch": "vibeam.batch.batch",
+    "BatchResponse": "vibeam.batch.response",
     "orbits": "vibeam.orbits.orbit",
     "Orbit": "vibeam.orbits.orbit",
     "orbit_curve": "vibeam.orbits.orbit_curve",

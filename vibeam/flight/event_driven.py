@@ -203,11 +203,13 @@ class EventDrivenSolver(ABC):
         output: str,
         reading: int = EVERYTHING,
         states: list[State] | None = None,
+        strobes: list[Array] | None = None,
     ) -> tuple[FrequencyResponse, State]:
         """Steady points at ``omegas`` in turn, the state carried from each to the next; and the last state.
 
         ``amplitude``: of the base, m, one for all or one each. ``reading``: how much is read off, see
-        ``kernels.layout``; what is not is NaN. ``states``: a list to which the state after each point is added.
+        ``kernels.layout``; what is not is NaN. ``states``: a list to which the state after each point is added;
+        ``strobes``: its states (hold + 1, 2, n) at the ends of the periods, from the end of the settling on.
         """
         pose, status = self.pose(state)
         trace, poses = np.zeros((ROWS, self._trace_columns)), np.zeros((ROWS, 2, self.system.size))
@@ -227,6 +229,8 @@ class EventDrivenSolver(ABC):
                 pose, status = self.pose(None)
             if states is not None:
                 states.append(self.state(pose, status))
+            if strobes is not None:
+                strobes.append(self._outward(room.strobes))
             begun = tally.time(index, begun)
         last = states[-1] if states else self.state(pose, status)
         return self._response(np.asarray(omegas, dtype=float), tally, hold, reading), last

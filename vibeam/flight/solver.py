@@ -66,11 +66,12 @@ class FlightSolver(EventDrivenSolver):
         output: str,
         reading: int = EVERYTHING,
         states: list[State] | None = None,
+        strobes: list[Array] | None = None,
     ) -> tuple[FrequencyResponse, State]:
         """As ``EventDrivenSolver.steady``; by the engine of regimes where the output is a velocity or acceleration."""
         if self.system.derivative(output) is not None:
-            return self._in_regimes.steady(omegas, amplitude, state, settle, hold, output, reading, states)
-        return super().steady(omegas, amplitude, state, settle, hold, output, reading, states)
+            return self._in_regimes.steady(omegas, amplitude, state, settle, hold, output, reading, states, strobes)
+        return super().steady(omegas, amplitude, state, settle, hold, output, reading, states, strobes)
 
     def rounds(
         self, omegas: Array, amplitudes: Array, states: Array, output: str, reading: int = EVERYTHING

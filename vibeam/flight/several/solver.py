@@ -103,6 +103,7 @@ class ContactsSolver:
         output: str,
         reading: int = EVERYTHING,
         states: list[State] | None = None,
+        strobes: list[Array] | None = None,
     ) -> tuple[FrequencyResponse, State]:
         """Steady points at ``omegas`` in turn, the state carried from each to the next; and the last state.
 
@@ -116,19 +117,21 @@ class ContactsSolver:
         begun = time.thread_time()
         for index, (omega, size) in enumerate(zip(omegas, np.broadcast_to(amplitude, len(omegas)), strict=True)):
             reader = Reading(self.flights, Drive(float(omega), float(size)), row, reading)
-            motion, outcome, period = self._point(reader, pose, settle, hold)
+            motion, outcome, period, passed = self._point(reader, pose, settle, hold)
             counts = np.zeros(COUNT_ROWS, dtype=np.int64)
             counts[IMPACTS], counts[PANELS] = motion.impacts, motion.panels
             tally.note(index, outcome, period, reader.result, reader.energy, counts)
             after.append(_state(motion) if outcome == COMPLETE else equilibrium(self.system))
             pose = self._pose(after[-1])
+            if strobes is not None:
+                strobes.append(passed)
             begun = tally.time(index, begun)
         if states is not None:
             states.extend(after)
         return self._response(np.asarray(omegas, dtype=float), tally, hold, reading), after[-1]
 
-    def _point(self, reader: Reading, pose: Array, settle: int, hold: int) -> tuple[Motion, int, int]:
-        """Settle and watch: the motion at the end, the outcome, the period."""
+    def _point(self, reader: Reading, pose: Array, settle: int, hold: int) -> tuple[Motion, int, int, Array]:
+        """Settle and watch: the motion at the end, the outcome, the period, the states at the ends of periods."""
         drive = reader.drive
         motion, outcome = self.flights.begin(drive, pose, 0.0)
         turn = 2 * np.pi / drive.omega
@@ -136,7 +139,7 @@ class ContactsSolver:
         for period in range(settle + hold):
             pause()
             if outcome != COMPLETE:
-                return motion, outcome, 0
+                return motion, outcome, 0, np.array(strobes)
             motion.segments, motion.clock = [], 0.0
             outcome, _ = self.flights.advance(drive, motion, turn, self.limit)
             if period >= settle and outcome == COMPLETE:
@@ -145,7 +148,8 @@ class ContactsSolver:
                 strobes = [motion.pose]
             elif period >= settle:
                 strobes.append(motion.pose)
-        return motion, outcome, repetition(self.system.omega, drive.omega, np.array(strobes), LONGEST_PERIOD)
+        passed = np.array(strobes)
+        return motion, outcome, repetition(self.system.omega, drive.omega, passed, LONGEST_PERIOD), passed
 
     def _response(self, omegas: Array, tally: PointReadout, hold: int, reading: int) -> FrequencyResponse:
         response = tally.response(omegas, hold, self.system.gap)

@@ -1,0 +1,1 @@
+"""Many independent steady points at once: arrays in, arrays out."""

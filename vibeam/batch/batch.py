@@ -1,0 +1,85 @@
+"""Batch of steady points: arrays of systems, drives and starts in, arrays of results out."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibeam.batch.one_by_one import run_points
+from vibeam.batch.points import Points, Systems, points_of
+from vibeam.batch.record import Plan, Record
+from vibeam.run.parallel import run_parallel
+from vibeam.run.sweep import HELD, LONGEST
+from vibeam.solvers.warm_up import warm_up_once
+from vibeam_models.arguments import count, refuse
+
+if TYPE_CHECKING:
+    from threading import Event
+
+    from vibeam.batch.response import BatchResponse
+
+TASK = 64  # points of one task of a thread
+
+
+def batch(
+    systems: Systems,
+    omega: ArrayLike,
+    amplitude: ArrayLike,
+    *,
+    gap: ArrayLike | None = None,
+    restitution: ArrayLike | None = None,
+    damping: ArrayLike | None = None,
+    state: ArrayLike | BatchResponse | None = None,
+    settle: int = 200,
+    hold: int = 50,
+    output: str | None = None,
+    strobes: int = 0,
+    threads: int | None = None,
+) -> BatchResponse:
+    """Steady points of the exact flow, each on its own, in threads; all arrays broadcast to one shape.
+
+    ``systems``: one ImpactSystem or an array of them, with the same number of modes; ``omega`` rad/s and ``amplitude``
+    m of the base motion. ``gap`` (m) and ``restitution`` in place of the systems' own; ``damping``: factor on all
+    their damping ratios. ``state``: starts (…, 2n), modal displacements, then velocities, or the BatchResponse that
+    ended there; None: static equilibrium. The drive's phase is 0 at the start. ``settle`` and ``hold`` drive periods;
+    ``output``: None for the contact. ``strobes``: how many values of the output at the ends of the last periods held
+    are kept, at most ``hold``. ``threads``: None for one a core; results are the same to the bit for any number.
+
+    A point is that of ``vibeam.sweep`` at one frequency. One that fails is NaN with its reason in ``ended``.
+    ValueError names every argument that is wrong, KeyError an unknown output.
+    """
+    points = points_of(systems, omega, amplitude, gap, restitution, damping, state)
+    plan = _plan(points, settle, hold, output, strobes)
+    workers = None if threads is None else _count("threads", threads, least=1)
+    for base in points.bases:
+        warm_up_once("flight", base, float(points.omega[0]), float(points.amplitude[0]), plan.output, {})
+    record = Record(len(points.base), points.size, plan.strobes)
+
+    def task(which: NDArray[np.int64], stop: Event) -> None:
+        run_points(points, which, plan, record)
+
+    order = np.lexsort((points.omega, points.restitution, points.damping, points.gap, points.base))
+    run_parallel(task, [order[first : first + TASK] for first in range(0, len(order), TASK)], workers)
+    return record.response(points.shape)
+
+
+def _plan(points: Points, settle: int, hold: int, output: str | None, strobes: int) -> Plan:
+    faults: list[str] = []
+    settle = count("settle", settle, faults, most=LONGEST)
+    hold = count("hold", hold, faults, least=1, most=HELD // points.size)
+    strobes = count("strobes", strobes, faults, most=hold)
+    name = "contact" if output is None else output
+    derivatives = [base.derivative(name) for base in points.bases]
+    if strobes and any(each is not None and each.order == 2 for each in derivatives):
+        faults.append("strobes: an acceleration is not read at the ends of periods: take its displacement or velocity")
+    refuse("batch", faults)
+    return Plan(settle, hold, name, strobes)
+
+
+def _count(name: str, value: int, least: int) -> int:
+    faults: list[str] = []
+    found = count(name, value, faults, least=least)
+    refuse("batch", faults)
+    return found
