@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from vibeam.flight.trajectory import Outcome as Outcome
     from vibeam.flight.trajectory import Trajectory as Trajectory
     from vibeam.flight.trajectory import simulate as simulate
+    from vibeam.maps.evaluate import GridResponse as GridResponse
+    from vibeam.maps.evaluate import evaluate as evaluate
+    from vibeam.maps.starts import Starts as Starts
     from vibeam.orbits.bifurcation_functions import Kind as Kind
     from vibeam.orbits.boundaries import boundaries as boundaries
     from vibeam.orbits.continuation import follow as follow
@@ -81,6 +84,9 @@ _HOMES = {
     "State": "vibeam.system.state",
     "TimeDerivative": "vibeam.system.time_derivative",
     "simulate": "vibeam.flight.trajectory",
+    "evaluate": "vibeam.maps.evaluate",
+    "GridResponse": "vibeam.maps.evaluate",
+    "Starts": "vibeam.maps.starts",
     "sweep": "vibeam.run.sweep",
     "batch": "vibeam.batch.batch",
     "BatchResponse": "vibeam.batch.response",

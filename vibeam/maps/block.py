@@ -1,0 +1,172 @@
+"""One block of lines of a grid: a description that can be sent anywhere, and its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.maps.axes import DISPLACEMENT, STARTS, VELOCITY, Axis, lines_of, shape_of, values_at
+from vibeam.maps.points import GridPoints, grid_points
+from vibeam.maps.starts import Starts, random_starts, start_states
+
+if TYPE_CHECKING:
+    from vibeam.batch.response import BatchResponse
+
+Array = NDArray[np.float64]
+
+Values = dict[str, NDArray[Any]]
+
+Way = Literal["up", "down"]
+
+DTYPES: Mapping[str, type] = {"period": np.int16, "ended": np.int16}
+
+QUANTITIES = (
+    "amplitude", "reach", "maximum", "minimum", "impacts_per_period", "impact_velocity", "period", "rest", "energy",
+    "strobes", "ended",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Grid:
+    """What is evaluated over a grid, as plain data: equal grids give equal numbers, to the bit.
+
+    ``text``: a narrowed case, ``path``: where its files are looked for from, ``fidelity``: its model. The last of the
+    ``axes`` is swept: with ``ways`` (up, down or first up, then down) the state is carried from point to point along
+    it, and every line begins at equilibrium; without any, every point starts from equilibrium, from where the axes say,
+    or from ``starts``. ``frequency`` in Hz, where that is no axis; ``settle`` and ``hold`` in drive periods;
+    ``strobes``: how many values of the output at the end of a period are read.
+    """
+
+    text: str
+    path: str
+    fidelity: str
+    axes: tuple[Axis, ...]
+    ways: tuple[Way, ...]
+    settle: int
+    hold: int
+    output: str
+    quantities: tuple[str, ...]
+    frequency: float | None = None
+    strobes: int = 0
+    starts: Starts | None = None
+
+    @property
+    def lines(self) -> int:
+        """Number of lines."""
+        return lines_of(self.axes)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Points of a line of one quantity of one number: ways (one where there is none), last axis, starts."""
+        starts = () if self.starts is None else (self.starts.count,)
+        return (max(len(self.ways), 1), shape_of(self.axes)[-1], *starts)
+
+
+@dataclass(frozen=True)
+class Block:
+    """Lines ``first`` to ``last`` (not itself) of a grid."""
+
+    grid: Grid
+    first: int
+    last: int
+
+
+def evaluate_block(block: Block, threads: int | None = None) -> Values:
+    """Every quantity of a block, (lines, ways, points of the last axis, starts …): a function of the block alone.
+
+    The same to the bit wherever and in however many threads. ``Stopped`` or KeyboardInterrupt pass through.
+    """
+    grid = block.grid
+    points = grid_points(
+        grid.text, grid.path, grid.fidelity, grid.axes, grid.frequency, np.arange(block.first, block.last)
+    )
+    if grid.ways:
+        return _carried(grid, points, threads)
+    return _apart(grid, points, block.first, threads)
+
+
+def _carried(grid: Grid, points: GridPoints, threads: int | None) -> Values:
+    """Column by column, the state carried; all lines side by side."""
+    columns = points.omega.shape[1]
+    found = [dict[int, Values]() for _ in grid.ways]
+    before: BatchResponse | None = None
+    for way, columns_of_way in zip(grid.ways, found, strict=True):
+        for column in range(columns) if way == "up" else range(columns - 1, -1, -1):
+            before = _flown(grid, points, np.s_[:, column], _back_on_stop(points, column, before), threads)
+            columns_of_way[column] = read(before, grid.quantities)
+    return {
+        name: np.stack([np.stack([way[at][name] for at in range(columns)], axis=1) for way in found], axis=1)
+        for name in grid.quantities
+    }
+
+
+def _back_on_stop(points: GridPoints, column: int, before: BatchResponse | None) -> BatchResponse | None:
+    """States admissible to the stops of the next column: one beyond its stop, or that rested on it, is put onto it."""
+    if before is None or np.array_equal(points.gap[:, column], points.gap[:, column - 1]) or _yields(points):
+        return before
+    contacts = np.array([system.contact for system in points.systems])[points.which[:, column]]
+    n = contacts.shape[1]
+    beyond = np.sum(before.state[:, :n] * contacts, axis=1) - points.gap[:, column]
+    moved = np.where((beyond > 0) | before.resting, beyond, 0.0) / np.sum(contacts**2, axis=1)
+    state = before.state.copy()
+    state[:, :n] -= moved[:, None] * contacts
+    return replace(before, state=state)
+
+
+def _yields(points: GridPoints) -> bool:
+    """Test whether a stop yields, so that a contact may lie beyond it."""
+    from vibeam_models.laws.compliant import CompliantStop
+
+    return any(isinstance(system.law, CompliantStop) for system in points.systems)
+
+
+def _apart(grid: Grid, points: GridPoints, first: int, threads: int | None) -> Values:
+    """Every point by itself, from its own start or starts."""
+    state: Array | None = None
+    if grid.starts is not None:
+        state = start_states(points, *random_starts(points, first, grid.starts))
+    elif any(axis.key in STARTS for axis in grid.axes):
+        place = [values_at(grid.axes, points.index, key) for key in (DISPLACEMENT, VELOCITY)]
+        given = [np.zeros(points.omega.shape) if each is None else each for each in place]
+        state = start_states(points, given[0][..., None], given[1][..., None])[..., 0, :]
+    found: Values = {}
+    for part in _of_one_size(points):
+        response = _flown(grid, points, part, None if state is None else state[part], threads)
+        for name, values in read(response, grid.quantities).items():
+            shape = (*points.omega.shape, *values.shape[1:])
+            found.setdefault(name, np.empty(shape, dtype=values.dtype))[part] = values
+    return {name: values[:, None] for name, values in found.items()}
+
+
+def _of_one_size(points: GridPoints) -> list[Any]:
+    """Masks of the points whose systems have the same number of modes."""
+    modes = np.array([system.size for system in points.systems])[points.which]
+    return [modes == size for size in np.unique(modes)]
+
+
+def _flown(
+    grid: Grid, points: GridPoints, part: Any, state: Array | BatchResponse | None, threads: int | None
+) -> BatchResponse:
+    from vibeam.batch.batch import batch
+
+    wide = isinstance(state, np.ndarray) and state.ndim == 3  # several starts a point
+
+    def rows(values: Any) -> Any:
+        return values[part][:, None] if wide else values[part]
+
+    system = points.systems[0] if len(points.systems) == 1 else rows(points.system)
+    restitution = None if points.restitution is None else rows(points.restitution)
+    return batch(
+        system, rows(points.omega), rows(points.amplitude), gap=rows(points.gap), restitution=restitution, state=state,
+        settle=grid.settle, hold=grid.hold, output=grid.output, strobes=grid.strobes, threads=threads,
+    )  # fmt: skip
+
+
+def read(response: BatchResponse, quantities: tuple[str, ...]) -> Values:
+    """Quantities of a batch by name."""
+    every: Mapping[str, Any] = vars(response) | {"energy": np.sum(response.mode_energy, axis=-1)}
+    return {name: np.asarray(every[name], dtype=DTYPES.get(name, float)) for name in quantities}

@@ -1,0 +1,183 @@
+"""Quantities of one fidelity over a grid of case keys, in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibeam.case.faults import CaseError, Fault
+from vibeam.maps.axes import FREQUENCY, STARTS, Axis, shape_of
+from vibeam.maps.block import QUANTITIES, Block, Grid, Values, Way, evaluate_block
+from vibeam.maps.starts import Starts
+from vibeam.maps.variation import narrowed, varied
+from vibeam_models.arguments import floats
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+
+Run = Literal["up", "down", "both", "apart"]
+
+WAYS: Mapping[Run, tuple[Way, ...]] = {"up": ("up",), "down": ("down",), "both": ("up", "down"), "apart": ()}
+
+AT_ONCE = 20_000  # points in memory beside the result
+
+
+@dataclass(frozen=True)
+class GridResponse:
+    """Quantities over a grid: ``values`` by name, (ways, axis 1, axis 2, …) each, SI units.
+
+    A point that failed is NaN, its reason in ``ended``. ``strobes`` have one dimension more: output at the end of the
+    last periods, the latest last; random starts come before that. ``ways``: ("apart",) where nothing is carried.
+    """
+
+    fidelity: str
+    axes: Mapping[str, NDArray[np.float64]]
+    ways: tuple[str, ...]
+    values: Mapping[str, NDArray[Any]]
+
+    def __getitem__(self, quantity: str) -> NDArray[Any]:
+        """One quantity over the axes (of several ways, with these first)."""
+        values = self.values[quantity]
+        return values[0] if len(self.ways) == 1 else values
+
+    def way(self, way: str) -> Mapping[str, NDArray[Any]]:
+        """All quantities of one way over the axes; KeyError names the ways."""
+        if way not in self.ways:
+            raise KeyError(f"no way {way!r}: there are {', '.join(self.ways)}")
+        return {name: values[self.ways.index(way)] for name, values in self.values.items()}
+
+
+def evaluate(
+    case: Case,
+    fidelity: str,
+    axes: Mapping[str, ArrayLike],
+    *,
+    quantities: Sequence[str] = ("amplitude", "period"),
+    direction: Run = "up",
+    frequency: float | None = None,
+    settle: int | None = None,
+    hold: int | None = None,
+    output: str | None = None,
+    strobes: int = 0,
+    starts: Starts | None = None,
+    threads: int | None = None,
+) -> GridResponse:
+    """Evaluate a fidelity of a case over the grid of ``axes``: dotted keys and their values in SI.
+
+    ``"sweep.frequency"`` (Hz) is the drive's; ``"start.displacement"`` (m) and ``"start.velocity"`` (m/s) of the
+    contact are where each motion starts. The last axis is swept ``direction`` "up", "down" or "both", the state carried
+    along it and every line begun at equilibrium; "apart": every point by itself, from equilibrium, from where the
+    axes say or, ``starts`` times, at random. ``frequency``: in Hz, where it is no axis. ``settle``, ``hold`` and
+    ``output``: None as in the case's sweep. ``quantities``: of ``QUANTITIES``; ``strobes`` and ``threads`` as in
+    ``vibeam.batch``.
+
+    KeyError for an unknown fidelity or quantity, CaseError for a value that the case may not have, ValueError for axes
+    or a case that a grid cannot take.
+    """
+    grid = grid_of(
+        case, fidelity, axes, quantities=quantities, direction=direction, frequency=frequency, settle=settle,
+        hold=hold, output=output, strobes=strobes, starts=starts,
+    )  # fmt: skip
+    size = max(1, AT_ONCE // int(np.prod(grid.shape)))
+    parts = [
+        evaluate_block(Block(grid, first, min(first + size, grid.lines)), threads)
+        for first in range(0, grid.lines, size)
+    ]
+    known = {axis.key: np.array(axis.values) for axis in grid.axes}
+    return GridResponse(fidelity, known, grid.ways or ("apart",), over_axes(grid, parts))
+
+
+def over_axes(grid: Grid, parts: Sequence[Values]) -> Values:
+    """Values of all lines, (lines, ways, …), over the axes: (ways, axis 1, axis 2, …)."""
+    above = shape_of(grid.axes)[:-1]
+    found = {name: np.concatenate([part[name] for part in parts]) for name in grid.quantities}
+    return {
+        name: np.moveaxis(each, 1, 0).reshape(each.shape[1], *above, *each.shape[2:]) for name, each in found.items()
+    }
+
+
+def grid_of(
+    case: Case, fidelity: str, axes: Mapping[str, ArrayLike], *, quantities: Sequence[str], direction: Run,
+    frequency: float | None, settle: int | None, hold: int | None, output: str | None, strobes: int,
+    starts: Starts | None,
+) -> Grid:  # fmt: skip
+    """The grid that ``evaluate`` is asked for; errors as there."""
+    unknown = [name for name in quantities if name not in QUANTITIES]
+    if unknown:
+        raise KeyError(f"no quantity {', '.join(map(repr, unknown))}: there are {', '.join(QUANTITIES)}")
+    plan, text = case.sweep, narrowed(case, fidelity)
+    made = tuple(_axis(key, values) for key, values in axes.items())
+    _require_keys(text, case, fidelity, made)
+    grid = Grid(
+        text,
+        str(case.path),
+        fidelity,
+        made,
+        WAYS[direction],
+        plan.settle if settle is None else settle,
+        plan.hold if hold is None else hold,
+        plan.output if output is None else output,
+        tuple(dict.fromkeys((*quantities, "ended"))),
+        _frequency(case, axes, frequency),
+        strobes,
+        starts,
+    )
+    faults = faults_of(grid)
+    if faults:
+        raise ValueError("; ".join(faults))
+    return grid
+
+
+def _axis(key: str, values: ArrayLike) -> Axis:
+    return Axis(key, tuple(np.atleast_1d(floats(key, values)).tolist()))
+
+
+def _require_keys(text: str, case: Case, fidelity: str, axes: Sequence[Axis]) -> None:
+    """CaseError with every fault of the keys and of their first and last values."""
+    faults: list[Fault] = []
+    for axis in axes:
+        for value in {axis.values[0], axis.values[-1]} if axis.values and axis.key not in (FREQUENCY, *STARTS) else ():
+            try:
+                varied(text, str(case.path), fidelity, ((axis.key, value),))
+            except CaseError as error:
+                faults += error.faults
+    if faults:
+        raise CaseError(faults)
+
+
+def _frequency(case: Case, axes: Mapping[str, ArrayLike], given: float | None) -> float | None:
+    """The drive frequency where it is no axis: as given, or the one of the case's sweep."""
+    if FREQUENCY in axes or given is not None:
+        return given
+    return float(case.sweep.frequency[0]) if len(case.sweep.frequency) == 1 else None
+
+
+def faults_of(grid: Grid) -> list[str]:
+    """What is wrong with the axes of a grid, each with its cure."""
+    keys = [axis.key for axis in grid.axes]
+    found = [] if keys else ["a grid has at least one axis"]
+    found += [f"{key}: is an axis twice" for key in dict.fromkeys(keys) if keys.count(key) > 1]
+    found += [f"{axis.key}: has no value" for axis in grid.axes if not axis.values]
+    if FREQUENCY in keys and grid.frequency is not None:
+        found.append(f"frequency: {FREQUENCY} is an axis already: leave one of the two away")
+    elif FREQUENCY not in keys and grid.frequency is None:
+        found.append(f"frequency: missing where {FREQUENCY} is no axis: say at which drive frequency")
+    if not keys:
+        return found
+    if grid.ways and grid.axes[-1].structural:
+        found.append(f"{keys[-1]}: changes the modes, so no state is carried along it: put another axis last")
+    given = [key for key in keys if key in STARTS]
+    if grid.ways and (given or grid.starts is not None):
+        what = given[0] if given else "starts"
+        found.append(f'{what}: where each motion starts apart nothing is carried: take direction = "apart"')
+    if given and grid.starts is not None:
+        found.append(f"starts: {given[0]} says already where motions start: leave one of the two away")
+    if grid.strobes > grid.hold:
+        found.append(f"strobes: {grid.strobes} values need as many periods held: hold is {grid.hold}")
+    if ("strobes" in grid.quantities) != (grid.strobes > 0):
+        found.append("strobes: the quantity and how many of it go together")
+    return found

@@ -1,0 +1,118 @@
+"""The points of some lines of a grid as arrays: systems, drive, gap, restitution."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.maps.axes import (
+    FREQUENCY,
+    GAP,
+    LEVELS,
+    RESTITUTION,
+    Axis,
+    Combinations,
+    Indices,
+    combinations,
+    indices,
+    values_at,
+)
+from vibeam.maps.variation import Settings, varied
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.system.impact_system import ImpactSystem
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class GridPoints:
+    """Points of some lines, (lines, points of the last axis) each; None: as the system has it.
+
+    ``systems``: of the same number of modes each, ``which`` of them a point has. Frequencies in rad/s, lengths in m.
+    """
+
+    systems: tuple[ImpactSystem, ...]
+    which: NDArray[np.int64]
+    omega: Array
+    amplitude: Array
+    gap: Array
+    restitution: Array | None
+    index: Indices
+
+    @property
+    def system(self) -> ImpactSystem | NDArray[np.object_]:
+        """The one system, or that of each point."""
+        return self.systems[0] if len(self.systems) == 1 else _objects(self.systems)[self.which]
+
+
+def grid_points(
+    text: str, path: str, fidelity: str, axes: Sequence[Axis], frequency: float | None, lines: NDArray[np.int64]
+) -> GridPoints:
+    """Points of ``lines`` of the grid over a narrowed case; ``frequency`` (Hz) where that is no axis.
+
+    A key is looked at in the case as it would be written there, so that every rule between keys holds. CaseError for
+    a value that the case may not have, ValueError for a case that a grid cannot take.
+    """
+    index = indices(axes, lines)
+    along = values_at(axes, index, FREQUENCY)
+    size = (len(lines), len(axes[-1].values))
+    omega = 2 * np.pi * (np.full(size, frequency) if along is None else along)
+    structural = [axis.key for axis in axes if axis.structural]
+
+    def case(settings: Settings) -> Case:
+        return varied(text, path, fidelity, settings)
+
+    structures = combinations(axes, index, structural)
+    cases = [case(each) for each in structures.settings]
+    for each in cases:
+        _require_known(each, fidelity)
+    systems = tuple(each.system(fidelity) for each in cases)
+    gaps = combinations(axes, index, [*structural, GAP])
+    laws = combinations(axes, index, [*structural, RESTITUTION])
+    rebounds = any(axis.key == RESTITUTION for axis in axes)
+    return GridPoints(
+        systems,
+        structures.which,
+        omega,
+        _amplitudes(combinations(axes, index, [*structural, *LEVELS]), omega, case, fidelity),
+        _looked_up(gaps, lambda settings: case(settings).system(fidelity).gap),
+        _looked_up(laws, lambda settings: case(settings).system(fidelity).restitution) if rebounds else None,
+        index,
+    )
+
+
+def _looked_up(found: Combinations, value: Callable[[Settings], float]) -> Array:
+    return np.array([value(settings) for settings in found.settings])[found.which]
+
+
+def _amplitudes(found: Combinations, omega: Array, case: Callable[[Settings], Case], fidelity: str) -> Array:
+    amplitude = np.empty(omega.size)
+    order = np.argsort(found.which, axis=None, kind="stable")
+    parts = np.split(order, np.cumsum(np.bincount(found.which.ravel()))[:-1])
+    for settings, mine in zip(found.settings, parts, strict=True):
+        amplitude[mine] = case(settings).amplitude_of(fidelity, omega.ravel()[mine])
+    return amplitude.reshape(omega.shape)
+
+
+def _require_known(case: Case, fidelity: str) -> None:
+    """ValueError for what a grid cannot take: a gap that changes along a sweep, harmonics, another solver."""
+    scene = case.scene_of(fidelity)
+    found = ["a gap that drifts"] if scene.stop is not None and scene.stop.drift is not None else []
+    found += ["a gap that wears"] if scene.stop is not None and scene.stop.wear is not None else []
+    found += ["a drive of several harmonics"] if scene.harmonics else []
+    solver = case.fidelities[fidelity].solver
+    found += [f'the solver "{solver}"'] if solver != "flight" else []
+    if found:
+        raise ValueError(f"fidelity {fidelity}: a map cannot take {' or '.join(found)}")
+
+
+def _objects(systems: Sequence[ImpactSystem]) -> NDArray[np.object_]:
+    found = np.empty(len(systems), dtype=object)
+    found[:] = systems
+    return found
