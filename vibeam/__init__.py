@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     from vibeam.orbits.bifurcation_functions import Kind as Kind
     from vibeam.orbits.boundaries import boundaries as boundaries
     from vibeam.orbits.continuation import follow as follow
+    from vibeam.orbits.lyapunov import LyapunovSpectrum as LyapunovSpectrum
+    from vibeam.orbits.lyapunov import lyapunov as lyapunov
     from vibeam.orbits.orbit import Orbit as Orbit
     from vibeam.orbits.orbit import orbits as orbits
     from vibeam.orbits.orbit_curve import orbit_curve as orbit_curve
@@ -92,6 +94,8 @@ _HOMES = {
     "BatchResponse": "vibeam.batch.response",
     "orbits": "vibeam.orbits.orbit",
     "Orbit": "vibeam.orbits.orbit",
+    "lyapunov": "vibeam.orbits.lyapunov",
+    "LyapunovSpectrum": "vibeam.orbits.lyapunov",
     "orbit_curve": "vibeam.orbits.orbit_curve",
     "boundaries": "vibeam.orbits.boundaries",
     "orbit_map": "vibeam.orbits.orbit_map",

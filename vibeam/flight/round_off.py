@@ -1,10 +1,9 @@
 """How far round-off has grown along a motion: from which impact on a single trajectory means nothing.
 
-Disturbances of the state are carried along exactly to first order, over a flight by the modes' propagator, through an
-impact by its saltation matrix (``orbits.multipliers``), over a rest by the constrained system, and what is round-off
-of the numbers at hand is added at every event. The covariance P of the error of (η, η') so obeys P⁺ = D P Dᵀ + Q with
-D the disturbance's matrix over the segment and Q the round-off of its end. With contact velocity v and acceleration a
-before it, the impact's own errors follow from
+Disturbances of the state are carried along exactly to first order by the motion's tangent maps (``tangent``), and what
+is round-off of the numbers at hand is added at every event. The covariance P of the error of (η, η') so obeys
+P⁺ = D P Dᵀ + Q with D the tangent map of the segment and Q the round-off of its end. With contact velocity v and
+acceleration a before it, the impact's own errors follow from
 
     δt = −(c·δη)/v,     δv = c·δη' + a δt.
 
@@ -20,16 +19,14 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight import tangent
 from vibeam.flight.endless import endless
 from vibeam.flight.equilibrium import size_of_motion
-from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, CHATTER, DURATION, END, IMPACT, RESTING, STUCK, WHAT
+from vibeam.flight.kernels.layout import BEFORE, CHATTER, DURATION, END, IMPACT, STUCK
 from vibeam.flight.kernels.thresholds import FAR, FAR_DRIVEN
-from vibeam.flight.linear.propagator import propagators
 
 if TYPE_CHECKING:
-    from vibeam.flight.event_driven import Segments
     from vibeam.system.impact_system import Drive, ImpactSystem
-    from vibeam.system.state import State
 
 
 Array = NDArray[np.float64]
@@ -41,28 +38,8 @@ LOST = 0.1  # error of an impact's velocity, as a share of what is usual, from w
 STRUCK = (IMPACT, CHATTER, STUCK)
 
 
-class ExactMotion(Protocol):
+class ExactMotion(tangent.ExactMotion, Protocol):
     """What the estimate needs of a trajectory."""
-
-    @property
-    def system(self) -> ImpactSystem:
-        """Whose motion it is."""
-        ...
-
-    @property
-    def drive(self) -> Drive:
-        """Under which."""
-        ...
-
-    @property
-    def segments(self) -> Segments:
-        """Flights and rests, one after another."""
-        ...
-
-    @property
-    def state(self) -> State:
-        """At the end."""
-        ...
 
     @property
     def impact_velocities(self) -> Array:
@@ -101,15 +78,10 @@ class _Walk:
     """The covariance carried along a trajectory, segment by segment."""
 
     def __init__(self, path: ExactMotion, start: Array | None) -> None:
-        self.system, self.drive = path.system, path.drive
-        self.trace, self.poses = path.segments.trace, path.segments.poses
-        last = np.stack([path.state.displacement, path.state.velocity])
-        self.ends = np.concatenate([self.poses[1:], last[None]])
-        self.clocks, self.unending = self.trace[:, AT_CLOCK], endless(self.trace)
-        self.flights = propagators(self.system, self.trace[:, DURATION])
-        self.rest = _constrained(self.system)
-        self.far = _far(self.system, self.drive, self.poses[0])
-        self.covariance = np.diag(self._round_off(self.poses[0], 0.0)) if start is None else np.array(start)
+        self.system, self.drive, self.maps = path.system, path.drive, tangent.TangentMaps(path)
+        self.trace, self.unending = self.maps.trace, endless(self.maps.trace)
+        self.far = _far(self.system, path.drive, self.maps.poses[0])
+        self.covariance = np.diag(self._round_off(self.maps.poses[0], 0.0)) if start is None else np.array(start)
 
     def impacts(self) -> list[tuple[float, float] | None]:
         """(time, velocity) error at the end of every segment that an impact ended, None for the others."""
@@ -117,66 +89,29 @@ class _Walk:
             return [self._segment(i) for i in range(len(self.trace))]
 
     def _segment(self, i: int) -> tuple[float, float] | None:
-        duration, end = self.trace[i, DURATION], int(self.trace[i, END])
-        resting = self.trace[i, WHAT] == RESTING
-        self._carry(self._held(duration) if resting else self._flown(i))
-        self.covariance[np.diag_indices_from(self.covariance)] += self._round_off(self.ends[i], duration)
-        if end not in STRUCK:
+        self._carry(self.maps.flow(i))
+        self._add(self._round_off(self.maps.ends[i], self.trace[i, DURATION]))
+        if int(self.trace[i, END]) not in STRUCK:
             return None
-        before, speed = self._before(i), self.trace[i, BEFORE]
-        error = self._impact_error(i, before, speed)
-        self._carry(self._struck(i, before, speed) if end == IMPACT else self._stopped())
+        error, jump = self._impact_error(i, self.trace[i, BEFORE]), self.maps.jump(i)
+        if jump is not None:
+            self._carry(jump)
         if self.unending[i]:
-            self.covariance[np.diag_indices_from(self.covariance)] += self._left_out(speed)
+            self._add(self._left_out(self.trace[i, BEFORE]))
         return error
 
     def _carry(self, matrix: Array) -> None:
         self.covariance = matrix @ self.covariance @ matrix.T
 
-    def _before(self, i: int) -> Array:
-        """The pose (2, n) just before the impact that ends segment i."""
-        system, pose = self.system, self.ends[i].copy()
-        v = self.trace[i, BEFORE]
-        lost = v - system.contact @ pose[1]  # the velocity that the impulse took
-        pose[1] += system.contact * lost / (system.contact @ system.contact)
-        return np.asarray(pose)
+    def _add(self, variances: Array) -> None:
+        self.covariance[np.diag_indices_from(self.covariance)] += variances
 
-    def _acceleration(self, i: int, pose: Array) -> float:
-        phase = self.drive.omega * (self.clocks[i] + self.trace[i, DURATION])
-        return float(self.system.contact @ _acceleration(self.system, self.drive, pose, phase))
-
-    def _impact_error(self, i: int, before: Array, speed: float) -> tuple[float, float]:
+    def _impact_error(self, i: int, speed: float) -> tuple[float, float]:
         n, c = self.system.size, self.system.contact
         late = np.concatenate([-c / speed, np.zeros(n)]) if speed > 0 else np.zeros(2 * n)  # 0: it was there already
-        change = np.concatenate([np.zeros(n), c]) + self._acceleration(i, before) * late
+        change = np.concatenate([np.zeros(n), c]) + self.maps.acceleration(i) * late
         time, velocity = (float(abs(row @ self.covariance @ row)) ** 0.5 for row in (late, change))
         return time, velocity
-
-    def _flown(self, i: int) -> Array:
-        flights = self.flights
-        blocks = [np.diag(part[i]) for part in (flights.p00, flights.p01, flights.p10, flights.p11)]
-        return np.asarray(np.block([blocks[:2], blocks[2:]]))
-
-    def _held(self, duration: float) -> Array:
-        from scipy.linalg import expm
-
-        return np.asarray(expm(self.rest * duration)) @ self._stopped()
-
-    def _struck(self, i: int, before: Array, speed: float) -> Array:
-        n, c, system = self.system.size, self.system.contact, self.system
-        s = (1 + system.restitution) / float(c @ c)
-        matrix = np.eye(2 * n)
-        matrix[:n, :n] -= s * np.outer(c, c)
-        matrix[n:, n:] -= s * np.outer(c, c)
-        lean = self._acceleration(i, before) / speed if speed > 0 else np.inf
-        matrix[n:, :n] = s * np.outer((2 * system.zeta * system.omega + lean) * c, c)
-        return matrix
-
-    def _stopped(self) -> Array:
-        """Displacement and velocity of the contact point taken out."""
-        c = self.system.contact
-        still = np.eye(self.system.size) - np.outer(c, c) / (c @ c)
-        return np.asarray(np.kron(np.eye(2), still), dtype=float)
 
     def _left_out(self, speed: float) -> Array:
         """Variances (2n,) by what an endless accumulation of impacts still does: √2W₀ at most, see ``endless``."""
@@ -193,17 +128,6 @@ class _Walk:
         return np.asarray(np.concatenate([turns * x, turns * v]) ** 2)
 
 
-def _constrained(system: ImpactSystem) -> Array:
-    """State matrix of the modes while the contact is held: accelerations without their part along the contact row."""
-    n, c = system.size, system.contact
-    still = np.eye(n) - np.outer(c, c) / (c @ c)
-    matrix = np.zeros((2 * n, 2 * n))
-    matrix[:n, n:] = np.eye(n)
-    matrix[n:, :n] = -still * system.omega**2
-    matrix[n:, n:] = -still * (2 * system.zeta * system.omega)
-    return matrix
-
-
 def _far(system: ImpactSystem, drive: Drive, pose: Array) -> Array:
     """Size (n,) of what closed forms take out of the modes and put back: steady response and static displacement.
 
@@ -217,9 +141,3 @@ def _far(system: ImpactSystem, drive: Drive, pose: Array) -> Array:
     static = np.abs(system.static) / np.where(square > 0, square, np.inf)
     size = size_of_motion(system, drive, pose)
     return np.asarray(np.where((driven > FAR_DRIVEN * size) | (static > FAR * size), 0.0, driven + static))
-
-
-def _acceleration(system: ImpactSystem, drive: Drive, pose: Array, phase: float) -> Array:
-    """η'' (n,) of the free system."""
-    push = system.load * drive.omega**2 * drive.amplitude * np.sin(phase) + system.static
-    return np.asarray(push - 2 * system.zeta * system.omega * pose[1] - system.omega**2 * pose[0])

@@ -1,0 +1,236 @@
+"""Tangent maps of a motion: how a small disturbance of (η, η') goes along it, segment by segment.
+
+Over a segment a disturbance obeys the segment's own linear system: the free modes, the modes with the contact held, or
+with a linear stop in touch. At the event that ends it, it passes a saltation matrix (Aizerman & Gantmakher 1958; Leine
+& Nijmeijer 2004, eq. 7.54). With c the contact's row, S = c·c, D the modal damping, v and a the contact's velocity and
+acceleration before an impact, and ρ(v) = R(v) v the velocity after it:
+
+    δη⁺  = δη⁻ − c (1 + R)/S (c·δη⁻)
+    δη'⁺ = δη'⁻ − c (1 + ρ')/S (c·δη'⁻) + [(1 + R)/S Dc + (1 + ρ')/S (a/v) c] (c·δη⁻)
+
+- entry of a linear stop with damping b, where the force jumps by b v: δη'⁺ = δη'⁻ − b c (c·δη⁻); at its release the
+  force is zero and nothing jumps;
+- a completed accumulation of impacts, which ends at rest on the stop: whatever the contact point's disturbance was,
+  its displacement and velocity end at the stop's, while impulses along c leave all that is orthogonal to c alone:
+  δη⁺ = (1 − c cᵀ/S) δη⁻, δη'⁺ likewise, to the order of the last impact velocity computed. Two directions are lost.
+- release from rest, where the force is zero: nothing jumps.
+
+An impact with R = 0 loses one direction: the contact point leaves from the stop, whatever came before.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.derivatives import stop_of
+from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, CHATTER, DURATION, END, IMPACT, RESTING, STUCK, WHAT
+from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT
+from vibeam.flight.linear.propagator import Pair, propagators
+from vibeam.flight.linear.regimes import damper_of
+from vibeam.flight.rebound import rebound, rebound_slope
+from vibeam_models.laws.compliant import HuntCrossley, LinearStop
+
+if TYPE_CHECKING:
+    from vibeam.flight.event_driven import Segments
+    from vibeam.system.impact_system import Drive, ImpactSystem
+    from vibeam.system.state import State
+
+Array = NDArray[np.float64]
+
+LOST_AT_REST = 2  # directions: displacement and velocity of the contact point
+
+
+class ExactMotion(Protocol):
+    """What tangent maps need of a trajectory."""
+
+    @property
+    def system(self) -> ImpactSystem:
+        """Whose motion it is."""
+        ...
+
+    @property
+    def drive(self) -> Drive:
+        """Under which."""
+        ...
+
+    @property
+    def segments(self) -> Segments:
+        """Flights, rests and contacts, one after another."""
+        ...
+
+    @property
+    def state(self) -> State:
+        """At the end."""
+        ...
+
+
+def tangent_fault(system: ImpactSystem) -> str:
+    """Reason why the tangent maps of a system's motions are not known; empty where they are."""
+    if system.further is not None:
+        return "several contacts: an impact of one may release another, and the saltation of that is not known here"
+    if isinstance(system.law, HuntCrossley):
+        return f'the contact law "{system.law.name}": its contact is integrated, and disturbances are not carried along'
+    return ""
+
+
+class TangentMaps:
+    """Tangent maps (2n, 2n) on (η, η') of the segments of a motion."""
+
+    def __init__(self, path: ExactMotion) -> None:
+        """ValueError where they are not known, see ``tangent_fault``."""
+        if reason := tangent_fault(path.system):
+            raise ValueError(f"tangent maps are not known for {reason}")
+        self.system, self.drive = path.system, path.drive
+        self.trace, self.poses = path.segments.trace, path.segments.poses
+        last = np.stack([path.state.displacement, path.state.velocity])
+        self.ends = np.concatenate([self.poses[1:], last[None]])
+
+    def __len__(self) -> int:
+        return len(self.trace)
+
+    def flow(self, i: int, parts: int = 1) -> Array:
+        """Map over segment i, its end left out; or over each of so many equal ``parts`` of it."""
+        what, duration = self.trace[i, WHAT], float(self.trace[i, DURATION]) / parts
+        if what == RESTING:
+            return np.asarray(_exponential(self._held * duration)) @ self.projection()
+        if what == CONTACT:
+            return _exponential(self._pushed(self.side(i)) * duration)
+        return self._free(i, duration, parts)
+
+    def over(self, i: int) -> Array:
+        """Map over segment i and its end."""
+        flow, jump = self.flow(i), self.jump(i)
+        return flow if jump is None else np.asarray(jump @ flow)
+
+    def steps(self, i: int, rate: float, decay: float) -> list[Array]:
+        """The same in factors, over none of which anything that decays at ``rate`` 1/s loses more than ``decay``."""
+        parts = max(1, int(np.ceil(rate * float(self.trace[i, DURATION]) / decay)))
+        flow, jump = self.flow(i, parts), self.jump(i)
+        return [flow] * (parts - 1) + [flow if jump is None else np.asarray(jump @ flow)]
+
+    @cached_property
+    def fastest(self) -> float:
+        """Fastest decay of the free modes, 1/s."""
+        return float(-np.linalg.eigvals(state_matrix(self.system)).real.min())
+
+    def jump(self, i: int) -> Array | None:
+        """Map over the event that ends segment i; None where that is the identity."""
+        end = int(self.trace[i, END])
+        if end in (CHATTER, STUCK):
+            return self.projection()
+        if end != IMPACT or not self.trace[i, BEFORE] > 0:
+            return None
+        return self._entry(i) if isinstance(self.system.law, LinearStop) else self._saltation(i)
+
+    def lost(self, i: int) -> int:
+        """How many directions are lost, at least, in segment i and at its end."""
+        if self.trace[i, WHAT] == RESTING or self.trace[i, END] in (CHATTER, STUCK):
+            return LOST_AT_REST
+        hard = not isinstance(self.system.law, LinearStop)
+        speed = self.trace[i, BEFORE]
+        return int(hard and self.trace[i, END] == IMPACT and speed > 0 and rebound(self.system, speed[None])[0] == 0)
+
+    def kept(self, i: int) -> Array:
+        """Basis (2n, 2n − lost) of the disturbances that are left after segment i and its end."""
+        n, c, lost = self.system.size, self.system.contact, self.lost(i)
+        across = np.linalg.svd(c[None, :])[2][1:].T
+        whole = across if lost == LOST_AT_REST else np.eye(n)
+        if not lost:
+            return np.eye(2 * n)
+        none = np.zeros((n, whole.shape[1]))
+        return np.block([[across, none], [np.zeros((n, n - 1)), whole]])
+
+    def side(self, i: int) -> int:
+        """The stop struck or touched: 0 the first, 1 the second."""
+        return int(self.trace[i, AT_SIDE]) if self.trace.shape[1] > AT_SIDE else 0
+
+    def before(self, i: int) -> Array:
+        """The pose (2, n) just before the event that ends segment i."""
+        pose, row = self.ends[i].copy(), stop_of(self.system, self.side(i)).row
+        pose[1] += row * ((self.trace[i, BEFORE] - row @ pose[1]) / (row @ row))
+        return np.asarray(pose)
+
+    def acceleration(self, i: int) -> float:
+        """The contact's acceleration towards the stop just before the event that ends segment i."""
+        system, pose = self.system, self.before(i)
+        phase = self.drive.omega * (self.trace[i, AT_CLOCK] + self.trace[i, DURATION])
+        push = system.load * (self.drive.omega**2 * self.drive.amplitude * np.sin(phase)) + system.static
+        free = push - self._damped(pose[1]) - system.omega**2 * pose[0]
+        return float(stop_of(system, self.side(i)).row @ free)
+
+    def projection(self) -> Array:
+        """Displacement and velocity of the contact point taken out."""
+        c = self.system.contact
+        still = np.eye(self.system.size) - np.outer(c, c) / (c @ c)
+        return np.asarray(np.kron(np.eye(2), still), dtype=float)
+
+    def _damped(self, velocity: Array) -> Array:
+        if self.system.coupling is None:
+            return np.asarray(2 * self.system.zeta * self.system.omega * velocity)
+        return np.asarray(self.system.coupling @ velocity)
+
+    def _free(self, i: int, duration: float, parts: int) -> Array:
+        if self.system.coupling is not None:
+            return _exponential(state_matrix(self.system) * duration)
+        p, i = (self._flights, i) if parts == 1 else (propagators(self.system, np.array([duration])), 0)
+        return np.asarray(np.block([[np.diag(p.p00[i]), np.diag(p.p01[i])], [np.diag(p.p10[i]), np.diag(p.p11[i])]]))
+
+    @cached_property
+    def _flights(self) -> Pair:
+        return propagators(self.system, np.ascontiguousarray(self.trace[:, DURATION]))
+
+    @cached_property
+    def _held(self) -> Array:
+        """State matrix of the modes while the contact is held: accelerations without their part along the row."""
+        n, c = self.system.size, self.system.contact
+        matrix = state_matrix(self.system)
+        matrix[n:] -= np.outer(c, c @ matrix[n:]) / (c @ c)
+        return matrix
+
+    def _pushed(self, side: int) -> Array:
+        """State matrix while a linear stop pushes."""
+        law, n, row = self.system.law, self.system.size, stop_of(self.system, side).row
+        assert isinstance(law, LinearStop)
+        matrix = state_matrix(self.system)
+        matrix[n:, :n] -= law.stiffness * np.outer(row, row)
+        matrix[n:, n:] -= law.damping * np.outer(row, row)
+        return matrix
+
+    def _entry(self, i: int) -> Array:
+        law, n, row = self.system.law, self.system.size, stop_of(self.system, self.side(i)).row
+        assert isinstance(law, LinearStop)
+        matrix = np.eye(2 * n)
+        matrix[n:, :n] -= law.damping * np.outer(row, row)
+        return matrix
+
+    def _saltation(self, i: int) -> Array:
+        n, row, speed = self.system.size, stop_of(self.system, self.side(i)).row, self.trace[i, BEFORE]
+        mobility = float(row @ row)
+        turned = (1 + float(rebound(self.system, speed[None])[0]) / speed) / mobility
+        struck = (1 + float(rebound_slope(self.system, speed[None])[0])) / mobility
+        matrix = np.eye(2 * n)
+        matrix[:n, :n] -= turned * np.outer(row, row)
+        matrix[n:, n:] -= struck * np.outer(row, row)
+        lean = self.acceleration(i) / speed
+        matrix[n:, :n] = np.outer(turned * self._damped(row) + struck * lean * row, row)
+        return matrix
+
+
+def state_matrix(system: ImpactSystem) -> Array:
+    """State matrix (2n, 2n) of the free modes, coupled by damping or not."""
+    n = system.size
+    matrix = np.zeros((2 * n, 2 * n))
+    matrix[:n, n:] = np.eye(n)
+    matrix[n:, :n] = -np.diag(system.omega**2)
+    matrix[n:, n:] = -damper_of(system)
+    return matrix
+
+
+def _exponential(matrix: Array) -> Array:
+    from scipy.linalg import expm
+
+    return np.asarray(expm(matrix))
