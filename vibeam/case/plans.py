@@ -140,7 +140,8 @@ class ShowPlan:
 
     ``fidelities``: their names, in order; ``quantity``: of the kinds ``curve`` and ``boundaries``; ``output``: whose
     displacement; ``near`` (Hz): of ``ringing``; ``highest``, ``subdivision``: of ``harmonics``; ``start`` (m): of
-    ``decay``; ``velocity`` (m/s): of ``impact``; ``rate`` (Hz/s) and ``direction``: of ``chirp``. ``key``: of all that
+    ``decay``; ``velocity`` (m/s): of ``impact``; ``rate`` (Hz/s) and ``direction``: of ``chirp``, and the branch of
+    ``animation`` (both: from rest), ``frames`` a drive period and files' ``format`` of that. ``key``: of all that
     decides the numbers.
     """
 
@@ -160,3 +161,5 @@ class ShowPlan:
     velocity: tuple[float, ...] = ()
     rate: float | None = None
     direction: Direction = "both"
+    frames: int | None = None
+    format: tuple[str, ...] = ()

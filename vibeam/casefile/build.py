@@ -15,6 +15,7 @@ from vibeam.casefile.content import content, digest
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.tables.effects import effects_of_scene
 from vibeam.casefile.tables.stop import contact_law
+from vibeam.figures import FIGURES
 from vibeam_models.base import Base
 from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.beams.shapes import SHAPES
@@ -235,6 +236,7 @@ def _show(case: AnyCase, name: str, sweep: SweepPlan, seen: Mapping[str, Any], f
     fidelities = table.fidelities or tuple(case.fidelity)
     frequency = tuple(sweep.frequency.tolist()) if table.frequency is None else table.frequency
     physics = (_shared(case, case.sweep, folder), *(seen[each] for each in fidelities))
+    followed = (sweep.frequency.tolist(), sweep.direction) if FIGURES[table.kind].of_beam and table.direction else ()
     return ShowPlan(
         name=name,
         kind=table.kind,
@@ -243,7 +245,7 @@ def _show(case: AnyCase, name: str, sweep: SweepPlan, seen: Mapping[str, Any], f
         periods=table.periods,
         settle=sweep.settle if table.settle is None else table.settle,
         quantity=table.quantity,
-        key=digest(physics, content(table), fidelities, frequency),
+        key=digest(physics, content(table), fidelities, frequency, *followed),
         output=table.output or sweep.output,
         near=table.near,
         highest=table.highest,
@@ -252,4 +254,6 @@ def _show(case: AnyCase, name: str, sweep: SweepPlan, seen: Mapping[str, Any], f
         velocity=table.velocity or (),
         rate=table.rate,
         direction=table.direction or ShowPlan.direction,
+        frames=table.frames,
+        format=table.format or FIGURES[table.kind].formats,
     )

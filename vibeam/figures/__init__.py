@@ -141,6 +141,16 @@ FIGURES = Registry(
         one_harmonic=True,
     ),
     FigureKind(
+        "animation",
+        f"{HOME}animation",
+        "the beam and the stop in motion beside the frequency response: GIF, MP4, or VTU files for ParaView",
+        ("frequency",),
+        ("direction", "frames", "format", "periods", "settle"),
+        derivatives=True,
+        formats=("gif",),
+        of_beam=True,
+    ),
+    FigureKind(
         "modal",
         f"{HOME}modal",
         "frequencies and damping ratios of the modes",
@@ -153,7 +163,7 @@ FIGURES = Registry(
 READ = {name: unit for kind in FIGURES.values() for name, unit in kind.reads.items()}
 KEYS = (
     *("frequency", "periods", "settle", "quantity", "output", "near", "highest", "subdivision", "start", "velocity"),
-    *("rate", "direction"),
+    *("rate", "direction", "frames", "format"),
 )  # by kind
 
 #: of a response and its model: the reach Q = Δ − min of the sweep's output, as the paper gives it of the sensor

@@ -21,7 +21,9 @@ class FigureKind:
     True where the motion must be exact between events. ``derivatives``: it shows outputs that are velocities or
     accelerations too. ``transient``: True where no settled motion will do. ``swept``: True where it is drawn of each
     fidelity's own sweep, which a case with an accuracy does not run.
-    ``one_harmonic``: True where it knows a drive of one harmonic alone.
+    ``one_harmonic``: True where it knows a drive of one harmonic alone. ``formats``: of one that moves, in place of the
+    case's: ``draw`` then returns its ``Moving``, and other formats than pictures are by ``write(path, plan, sheets,
+    mark)``. ``of_beam``: True where it draws the beam itself.
     """
 
     name: str
@@ -36,3 +38,5 @@ class FigureKind:
     swept: bool = False
     derivatives: bool = False
     one_harmonic: bool = False
+    formats: tuple[str, ...] = ()
+    of_beam: bool = False

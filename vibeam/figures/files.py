@@ -6,6 +6,7 @@ Nothing here needs matplotlib, which is imported only where something is drawn.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
@@ -27,7 +28,8 @@ def paths_of(stem: Path, plan: FigurePlan) -> list[Path]:
 
 def shown_paths(path: Path, case: Case, name: str) -> list[Path]:
     """Files of the figure [show.``name``] beside the results file ``path``."""
-    return paths_of(path.with_name(f"{path.stem}_{name}.x"), case.figure)
+    stem, own = path.with_name(f"{path.stem}_{name}.x"), case.shows[name].format
+    return paths_of(stem, replace(case.figure, format=own) if own else case.figure)
 
 
 def figure_files(path: Path, case: Case) -> list[Path]:

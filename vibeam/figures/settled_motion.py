@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil
@@ -68,12 +68,29 @@ def _drifted(system: ImpactSystem, drift: Array | None) -> ImpactSystem:
     return system if drift is None else replace(system, gap=system.gap + float(drift[0]))
 
 
-def settled(case: Case, name: str, frequency: float, plan: ShowPlan) -> Settled:
-    """Settle the fidelity for the plan's periods at ``frequency`` Hz, from static equilibrium."""
+def settled(
+    case: Case, name: str, frequency: float, plan: ShowPlan, *, system: ImpactSystem | None = None,
+    before: Sequence[float] = (),
+) -> Settled:  # fmt: skip
+    """Settle the fidelity for the plan's periods at ``frequency`` Hz, from static equilibrium.
+
+    ``before``: frequencies (Hz) at which it settles first, the state carried on, as along a branch of a sweep.
+    ``system``: one that moves alike, in place of the case's.
+    """
+    model, state = _system(case, name) if system is None else system, None
+    for each in (*before, frequency):
+        begin = _settled(case, name, each, plan, model, state)
+        state = begin.state
+    return begin
+
+
+def _settled(
+    case: Case, name: str, frequency: float, plan: ShowPlan, model: ImpactSystem, start: State | None
+) -> Settled:
     omega, fidelity = np.array([2 * np.pi * frequency]), case.fidelities[name]
-    system = _drifted(_system(case, name), gap_drift(case.scene_of(name), omega))
+    system = _drifted(model, gap_drift(case.scene_of(name), omega))
     drive = Drive(float(omega[0]), float(np.ravel(case.amplitude_of(name, omega))[0]))
-    start, harmonics = None, case.scene_of(name).harmonics
+    harmonics = case.scene_of(name).harmonics
     if harmonics:
         from vibeam.solvers.harmonic_point import started
 

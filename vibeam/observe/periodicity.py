@@ -35,16 +35,19 @@ def rhythm(path: Path, *, periods: int, tolerance: float = 1e-6) -> Rhythm:
 
     begin, end = last_periods(path, periods)
     hits, rest = impacts_within(path, begin, end), _overlap(path.rests, begin, end)
-    strobes = path.modes_at(_strobe(path, hits[:, 0], begin) + drive_period(path) * np.arange(periods))
+    span = drive_period(path)
+    strobes = path.modes_at(strobe_time(hits[:, 0], begin, span) + span * np.arange(periods))
     found = repetition(strobes, path.system.omega, path.drive.omega, tolerance)
-    seconds = found * drive_period(path) if found else float("nan")
+    seconds = found * span if found else float("nan")
     touched = len(hits) > 0 or rest > 0
     return Rhythm(found if touched else -1, seconds, len(hits) / periods, rest / periods)
 
 
-def _strobe(path: Path, hits: Array, begin: float) -> float:
-    """Strobe time in the first period, as far as possible from all impacts, where round-off would matter most."""
-    span = drive_period(path)
+def strobe_time(hits: Array, begin: float, span: float) -> float:
+    """Time in the first drive period, of ``span`` s from ``begin`` on, as far as possible from the impacts ``hits``.
+
+    At an impact round-off would matter most.
+    """
     if not len(hits):
         return begin
     phases = np.sort(np.mod(hits - begin, span))

@@ -38,13 +38,33 @@ def write_shown(result: Comparison, path: Path, mark: str | None = None) -> list
     written = []
     for plan in result.case.shows.values():
         files = shown_paths(path, result.case, plan.name)
-        write_page(partial(figure, result, plan), files, mark=mark)
+        if plan.format:
+            _write_moving(result, plan, files, mark)
+        else:
+            write_page(partial(figure, result, plan), files, mark=mark)
         written += files
     return written
 
 
+def _write_moving(result: Comparison, plan: ShowPlan, files: list[Path], mark: str | None) -> None:
+    """Write a figure that moves, as pictures and as its kind's own files."""
+    from vibeam.figures.moving import PICTURES, write_moving
+
+    drawn = [file for file in files if file.suffix in PICTURES]
+    if drawn:
+        write_moving(partial(_composed, result, plan), drawn, mark)
+    for file in files:
+        if file not in drawn:
+            module_of(plan).write(file, plan, result.shown.get(plan.name, ()), mark)
+
+
 def figure(result: Comparison, plan: ShowPlan) -> Figure:
-    """Figure of one table."""
+    """Figure of one table, of one that moves its first frame."""
+    return _composed(result, plan)[0]
+
+
+def _composed(result: Comparison, plan: ShowPlan) -> tuple[Figure, Any]:
+    """Figure of one table, and what the kind's ``draw`` returns."""
     from vibeam.figures.axes import say
     from vibeam.figures.page import blank_page, legend, titled
     from vibeam.figures.panels import name_faults
@@ -53,13 +73,14 @@ def figure(result: Comparison, plan: ShowPlan) -> Figure:
     shown = result.shown.get(plan.name, ())
     if FIGURES[plan.kind].swept and result.accuracy is not None:
         say(made.subplots(), "of each fidelity's own sweep, and accuracy makes one curve of all")
+        moving = None
     else:
-        module_of(plan).draw(made, result, plan, shown)
+        moving = module_of(plan).draw(made, result, plan, shown)
     held = result.held.partition("\n")[0]
     titled(made, result.case.figure, result.case.title, ", ".join(filter(None, [_caption(result.case, plan), held])))
     handles = _handles(made) | name_faults(result.case, plan, shown)
     legend(made, list(handles.values()), list(handles))
-    return made
+    return made, moving
 
 
 def _caption(case: Case, plan: ShowPlan) -> str:

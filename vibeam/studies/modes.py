@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import pairwise
+from dataclasses import dataclass, field, replace
 from math import nan
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.exchange.whole_files import write_whole
+from vibeam.case.beam_field import BeamField, Fields, fields, with_points
+from vibeam.exchange.vtu import Piece, Step, centre_line, write_series, write_vtu
 from vibeam_models.any_scene import AnyScene, RigScene
 from vibeam_models.arguments import whole
-from vibeam_models.beam import assemble_with_space
 from vibeam_models.laws.restitution import first_mode_restitution
 from vibeam_models.scene import Scene
-from vibeam_models.space import BeamSpace
-from vibeam_models.structure import Modes
+from vibeam_models.structure import Modes, Structure
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -55,7 +52,7 @@ class ModeTable:
     Of a given structure no places are known: ``positions`` and ``shapes`` are empty.
 
     ``load_unit``: that of the rows' loads, per base acceleration, or per force or moment on the beam. ``notes``:
-    limits of the numbers, in sentences.
+    limits of the numbers, in sentences. ``beams``: shapes of all beams by name, deflections and slopes (points, modes).
     """
 
     rows: tuple[ModeRow, ...]
@@ -63,6 +60,7 @@ class ModeTable:
     shapes: Array
     notes: tuple[str, ...] = ()
     load_unit: str = "kg^½"
+    beams: Fields = field(default_factory=dict)
 
 
 LOAD_UNITS = {None: "kg^½", 0: "kg^-½", 1: "kg^-½ m^-1"}  #: of a base that moves, of a force, of a moment
@@ -85,7 +83,8 @@ def mode_table(scene: AnyScene, count: int = 10) -> ModeTable:
     if (whole(count) or 0) < 1:
         raise ValueError(f"count: {count!r}, there is a table from 1 mode on")
     rig: Any = scene
-    structure, space = assemble_with_space(scene) if isinstance(scene, Scene) else (rig.structure(), None)
+    pointed = with_points(scene) if isinstance(scene, Scene) else None
+    structure: Structure = (rig if pointed is None else pointed).structure()
     modes = structure.modes(min(int(count), structure.size))
     damping = np.diag(structure.congruent("C", modes.shapes)) / (2 * np.where(modes.omega > 0, modes.omega, np.inf))
     contact, sensor = structure.contact @ modes.shapes, structure.outputs["sensor"] @ modes.shapes
@@ -106,11 +105,16 @@ def mode_table(scene: AnyScene, count: int = 10) -> ModeTable:
         for i in range(len(modes.omega))
     ]
     unit = LOAD_UNITS[None if rig.base.on_beam is None else rig.base.on_beam[1]]
-    drawn = _NOWHERE if space is None else _drawn(space, modes)
-    return ModeTable(tuple(rows), *drawn, _notes(rig, rows), unit)
+    if pointed is None:  # the coordinates have no places
+        return ModeTable(tuple(rows), np.zeros(0), np.zeros((0, 0)), _notes(rig, rows), unit)
+    beams = {name: _shaped(rows_of, modes) for name, rows_of in fields(pointed, structure).items()}
+    first = beams["beam"]
+    return ModeTable(tuple(rows), first.positions, first.deflection, _notes(rig, rows), unit, beams)
 
 
-_NOWHERE = np.zeros(0), np.zeros((0, 0))  # shapes of a structure whose coordinates have no places
+def _shaped(beam: BeamField, modes: Modes) -> BeamField:
+    """The deflections and slopes (points, modes) of a beam's modes, from rows on its coordinates."""
+    return replace(beam, deflection=beam.deflection @ modes.shapes, slope=beam.slope @ modes.shapes)
 
 
 def _notes(scene: RigScene, rows: list[ModeRow]) -> tuple[str, ...]:
@@ -133,35 +137,51 @@ def _restitutions(scene: RigScene, contact: Array, mobility: float) -> tuple[flo
     return given, float((1 + given) * mobility / first**2 - 1)
 
 
-def _drawn(space: BeamSpace, modes: Modes) -> tuple[Array, Array]:
-    """Positions along the beam: four an element, so that a shape looks as smooth as its cubics are."""
-    nodes = space.nodes
-    parts = [np.linspace(a, b, 4, endpoint=False) for a, b in pairwise(nodes)]
-    positions = np.concatenate([*parts, nodes[-1:]])
-    return positions, space.rows(positions) @ modes.shapes
-
-
 def write_shapes(table: ModeTable, path: Path) -> None:
-    """Write the beam's centre line as line cells to a VTU file, one vector field (deflection along z) a mode.
+    """Write the modes' shapes as lines along x that bend along z, the largest deflection of each mode 1 m.
+
+    A ``.vtu`` file has the first beam, with a vector field of each mode; a ``.pvd`` file is a series with a step for
+    each mode, every beam a piece, with the fields of ``shape_steps``.
 
     ValueError where there is no beam: the coordinates of given matrices have no places.
     """
-    count = len(table.positions)
-    if not count:
+    if not table.beams:
         raise ValueError("no shapes to draw: the case gives no places of its coordinates")
-    import meshio
+    if path.suffix == ".pvd":
+        write_series(shape_steps(table), path)
+        return
+    beam, data = table.beams["beam"], dict[str, Array]()
+    for index, row in enumerate(table.rows):
+        name = f"mode {row.number:02} ({row.frequency:.4g} Hz)"
+        drawn = _fields(table, "beam", index)
+        data |= {name: drawn["displacement"], f"{name}, rotation": drawn["rotation"]}
+    write_vtu(Piece(_line(beam), data), path)
 
-    points = np.column_stack((table.positions, np.zeros((count, 2))))
-    lines = np.column_stack((np.arange(count - 1), np.arange(1, count)))
-    names = [f"mode {row.number:02} ({row.frequency:.4g} Hz)" for row in table.rows]
-    fields = {name: _vector(table.shapes[:, i]) for i, name in enumerate(names)}
-    with TemporaryDirectory() as folder:  # meshio writes to a path alone
-        place = Path(folder) / "shapes.vtu"
-        meshio.Mesh(points, [("line", lines)], point_data=fields).write(place)
-        write_whole(path, place.read_bytes())
+
+def shape_steps(table: ModeTable) -> list[Step]:
+    """A step for each mode, its time the mode's number: ``displacement`` and ``rotation`` (k, 3), ``thickness``,
+    ``frequency`` (Hz) and ``damping_ratio`` (k,) of every beam."""
+    steps: list[Step] = []
+    for index, row in enumerate(table.rows):
+        pieces = {}
+        for name, beam in table.beams.items():
+            count = len(beam.positions)
+            data = _fields(table, name, index) | {
+                "thickness": beam.height,
+                "frequency": np.full(count, row.frequency),
+                "damping_ratio": np.full(count, row.damping_ratio),
+            }
+            pieces[name] = Piece(_line(beam), data)
+        steps.append((float(row.number), pieces))
+    return steps
 
 
-def _vector(shape: Array) -> Array:
-    largest = np.abs(shape).max()
-    deflection = shape / largest if largest > 0 else shape  # a mode of torsion does not bend
-    return np.column_stack((np.zeros_like(shape), np.zeros_like(shape), deflection))
+def _line(beam: BeamField) -> Array:
+    return np.column_stack((beam.positions, np.zeros((len(beam.positions), 2))))
+
+
+def _fields(table: ModeTable, name: str, index: int) -> dict[str, Array]:
+    """Fields of one mode of a beam, over the largest deflection of all beams."""
+    largest = max(float(np.abs(beam.deflection[:, index]).max()) for beam in table.beams.values())
+    beam, scale = table.beams[name], largest or 1.0  # a mode of torsion does not bend
+    return centre_line(beam.positions, 0.0, beam.deflection[:, index] / scale, beam.slope[:, index] / scale)

@@ -81,7 +81,7 @@ class Opposite(Effect):
 
         Further outputs, m: ``"opposite"``, the second beam's displacement at the contact, and ``"opposite_tip"``.
         """
-        other, at = self._other(scene)
+        other, at = self.other_beam(scene)
         met = at.row(self.position) + self.arm * at.row(self.position, 1)
         ours, theirs = np.zeros(structure.size), np.zeros(other.size)
         outputs = {name: _joined(row, theirs) for name, row in structure.outputs.items()}
@@ -98,8 +98,8 @@ class Opposite(Effect):
         )
         return both, space.widened(other.size)
 
-    def _other(self, scene: Scene) -> tuple[Structure, BeamSpace]:
-        """The opposite beam's structure with what it carries."""
+    def other_beam(self, scene: Scene) -> tuple[Structure, BeamSpace]:
+        """The structure of the opposite beam alone with what it carries, and its space."""
         from vibeam_models.beam import bare_beam
 
         effects = scene.of("opposite")

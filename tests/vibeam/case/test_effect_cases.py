@@ -369,7 +369,7 @@ def test_a_mode_of_torsion_has_a_shape_file_too(tmp_path):
     table = mode_table(parse(TEXT + TORSION).scene, 3)
     write_shapes(table, tmp_path / "a.vtu")
     shapes = list(meshio.read(tmp_path / "a.vtu").point_data.values())
-    assert len(shapes) == 3
+    assert len(shapes) == 6
     assert np.isfinite(shapes).all()
 
 

@@ -181,8 +181,10 @@ def test_modes_prints_its_table_and_writes_shapes(command: Command, tmp_path: Pa
     assert [round(rows[n - 1]["first_mode_restitution"], 2) for n in (1, 2)] == [0.72, 0.68]
     mesh = meshio.read(tmp_path / "a.vtu")
     assert mesh.cells[0].type == "line"
-    assert len(mesh.point_data) == 4
-    for field in mesh.point_data.values():
+    assert len(mesh.point_data) == 8
+    shapes = {name: field for name, field in mesh.point_data.items() if not name.endswith("rotation")}
+    assert len(shapes) == 4
+    for field in shapes.values():
         assert np.abs(field[:, 2]).max() == 1.0
         assert not field[:, :2].any()
     assert mesh.points[:, 0].max() == pytest.approx(0.18)

@@ -18,6 +18,7 @@ from vibeam.casefile.tables.table import (
     DIRECTIONS,
     FORMATS,
     MOST_POINTS,
+    MOVING_FORMATS,
     QUANTITIES,
     Frequency,
     Length,
@@ -40,6 +41,8 @@ def figure_checks(case: SimpleNamespace) -> Iterator[Complaint]:
         if show.kind is not None:
             yield from _keys(path, show, FIGURES[show.kind])
             yield from _exact(case, path, show, FIGURES[show.kind])
+            if FIGURES[show.kind].of_beam:
+                yield from _of_beam(case, path, show)
             yield from KINDS[case.kind].output_complaints(case, (*path, "output"), show.output)
             yield from shown_output(case, path, show, FIGURES[show.kind])
 
@@ -58,6 +61,17 @@ def _keys(path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Co
     if show.periods and show.subdivision and show.periods % show.subdivision:
         multiple = f"write a multiple of subdivision = {show.subdivision}"
         yield (*path, "periods"), f"{show.periods} drive periods hold no whole number of the longest ones: {multiple}"
+
+
+def _of_beam(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace) -> Iterator[Complaint]:
+    """A kind that draws the beam at one frequency, on one branch."""
+    if case.kind != "beam":
+        yield (*path, "kind"), f'"{show.kind}" draws a beam, and this case has none: leave the table away'
+    if show.frequency is not None and len(show.frequency) > 1:
+        said = f"{len(show.frequency)} frequencies, and an {show.kind} shows one: write a table for each"
+        yield (*path, "frequency"), said
+    if show.direction == "both":
+        yield (*path, "direction"), f'an {show.kind} shows one motion: write "up" or "down", or leave it away'
 
 
 def _exact(case: SimpleNamespace, path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Complaint]:
@@ -153,7 +167,20 @@ class ShowTable(Table):
         "of chirp: by how much the drive frequency changes a second", "0.1 Hz/s", None, written=False
     )
     direction: Annotated[str | None, Word(DIRECTIONS)] = key(
-        "of chirp: which way; absent = both, up and then down", "up", None, written=False
+        "of chirp: which way, absent = both, up and then down; of animation: on which branch of the sweep, absent = "
+        "that reached from rest",
+        "up",
+        None,
+        written=False,
+    )
+    frames: Annotated[int | None, Count(4, 1000)] = key(
+        "of animation: pictures a drive period; absent = 36, fewer of a long period", 36, None, written=False
+    )
+    format: Annotated[tuple[str, ...] | None, Each(Word(MOVING_FORMATS), alone=True)] = key(
+        "of animation: gif, mp4 (needs ffmpeg), pvd (VTU files for ParaView), or several; absent = gif",
+        ["gif", "pvd"],
+        None,
+        written=False,
     )
 
 

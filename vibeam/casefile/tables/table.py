@@ -135,6 +135,8 @@ ACCURATE = ("amplitude", "reach", "maximum", "minimum", "impact_velocity")  # wh
 
 FORMATS = ("png", "svg", "pdf")  # of figures
 
+MOVING_FORMATS = ("gif", "mp4", "pvd")  # of an animation
+
 MOST_ELEMENTS = 2000
 
 MOST_POINTS = 1_000_000

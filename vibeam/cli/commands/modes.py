@@ -20,7 +20,8 @@ def modes(
     set_: Overrides = None,
     as_json: AsJson = False,
     out: Annotated[
-        str | None, typer.Option("--out", metavar="FILE", help="The VTU file of the mode shapes, or the folder for it.")
+        str | None,
+        typer.Option("--out", metavar="FILE", help="The mode shapes: .vtu, or .pvd with a step for each; or a folder."),
     ] = None,
     matrices: Annotated[
         str | None,
@@ -38,7 +39,9 @@ def modes(
 
     loaded = load(case, set_)
     path = (
-        None if out is None else output_path(out, f"{loaded.path.stem}_modes.vtu", (".vtu",), "a file of mode shapes")
+        None
+        if out is None
+        else output_path(out, f"{loaded.path.stem}_modes.vtu", (".vtu", ".pvd"), "a file of mode shapes")
     )
     table = of_case(case, lambda: mode_table(loaded.scene, count))
     if matrices is not None:

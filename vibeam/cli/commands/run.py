@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vibeam.cli.arguments import AsJson, CaseFile, Fresh, Overrides, ResultsFile, load, results_path, run_case
+from vibeam.cli.errors import of_case
 from vibeam.cli.output import print_result
 
 if TYPE_CHECKING:
@@ -20,6 +21,10 @@ def run(
     from vibeam.studies.regression.references import require_readable
 
     require_readable(loaded)
+    if any(plan.format for plan in loaded.shows.values()):
+        from vibeam.figures.moving import require_programs
+
+        of_case(loaded.path, lambda: require_programs(loaded))
     path = results_path(loaded, out)
     _report(run_case(loaded, path, fresh=fresh, compare=True), path, as_json)
 

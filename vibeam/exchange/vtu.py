@@ -1,0 +1,85 @@
+"""VTU files of lines and points, and PVD collections of them over time, for ParaView.
+
+meshio writes the VTU files; a PVD file is a list of their names, one for each step and piece.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from xml.etree import ElementTree
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.exchange.whole_files import write_whole
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """Chain of ``points`` (k, 3) in m, joined by lines unless it is one point, with ``data`` (k,) or (k, 3) at each."""
+
+    points: Array
+    data: Mapping[str, Array]
+
+
+Step = tuple[float, Mapping[str, Piece]]  # time, and the pieces by name
+
+
+def write_vtu(piece: Piece, path: Path) -> None:
+    """Write one piece to a VTU file; OSError as of ``write_whole``."""
+    import meshio
+
+    count = len(piece.points)
+    ends = np.arange(count)
+    cells = ("line", np.column_stack((ends[:-1], ends[1:]))) if count > 1 else ("vertex", ends[:, None])
+    with TemporaryDirectory() as folder:  # meshio writes to a path alone
+        place = Path(folder) / "piece.vtu"
+        meshio.Mesh(piece.points, [cells], point_data=dict(piece.data)).write(place)
+        write_whole(path, place.read_bytes())
+
+
+def write_series(steps: Sequence[Step], path: Path, comment: str = "") -> None:
+    """Write ``path``, a PVD file, and the VTU files of its steps into the folder of the same name beside it.
+
+    The PVD file comes last, so that it never names a file that is not whole. A piece that is the same object at several
+    steps is one file. OSError as of ``write_whole``.
+    """
+    folder = path.with_suffix("")
+    folder.mkdir(exist_ok=True)
+    written: dict[int, str] = {}
+    root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
+    if comment:
+        root.append(ElementTree.Comment(comment))
+    listed = ElementTree.SubElement(root, "Collection")
+    for index, (time, pieces) in enumerate(steps):
+        for part, (name, piece) in enumerate(pieces.items()):
+            if id(piece) not in written:
+                written[id(piece)] = f"{folder.name}/{_file_name(name)}_{index:04}.vtu"
+                write_vtu(piece, path.parent / written[id(piece)])
+            file = written[id(piece)]
+            ElementTree.SubElement(
+                listed, "DataSet", timestep=f"{time:.17g}", part=str(part), name=name, file=file
+            )  # fmt: skip
+    ElementTree.indent(root)
+    write_whole(path, ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
+
+
+def _file_name(name: str) -> str:
+    return "".join(each if each.isalnum() or each in "-." else "_" for each in name)
+
+
+def centre_line(positions: Array, along: float, deflection: Array, slope: Array) -> dict[str, Array]:
+    """Fields of a beam along x that moves along z: ``displacement`` (k, 3) m and ``rotation`` (k, 3) rad.
+
+    ``along``: what is added to the deflection as a rigid shift, m. The rotation vector of dw/dx is (0, −dw/dx, 0).
+    """
+    nothing = np.zeros_like(positions)
+    return {
+        "displacement": np.column_stack((nothing, nothing, deflection + along)),
+        "rotation": np.column_stack((nothing, -slope, nothing)),
+    }

@@ -1,0 +1,183 @@
+"""One loop of a settled motion of the whole beam: equally spaced frames that begin again where they end.
+
+Frame k of m a drive period T is at t = kT/m from the drive's phase 0; a motion of period n has nm frames, and the one
+after the last is the first. All is seen from the base, as the beam's coordinates are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.beam_field import Fields, field_system, fields
+from vibeam.case.outputs import quantity_of
+from vibeam.case.plans import ShowPlan
+from vibeam.figures.settled_motion import NoMotion, Settled, exact_motion, settled
+from vibeam.figures.sheet import Column, Columns
+from vibeam.flight.trajectory import Trajectory
+from vibeam.observe.periodicity import repetition, strobe_time
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.system.impact_system import ImpactSystem
+    from vibeam_models.scene import Scene
+
+Array = NDArray[np.float64]
+
+LONGEST = 8  # longest period, in drive periods, that a loop follows
+
+ENDLESS = 4  # drive periods shown of a motion that does not repeat
+
+REPEATS = 1e-3  # share of the motion by which it may miss its begin at the loop's end: less than a dot of a picture
+
+FRAMES, MOST = 36, 144  # frames a drive period, and most in all, where the table does not say
+
+MET = "where the opposite beam is met, and its arm"
+
+FINE = 400  # samples a drive period of the contact's history
+
+
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """Motion over the first drive periods: ``values`` (…, 2, n) at any times, its impacts and contacts struck."""
+
+    begin: Settled
+    path: Trajectory | None
+    times: Array
+    samples: Array
+    hits: Array
+    struck: NDArray[np.int64]
+
+    def at(self, t: NDArray[Any]) -> Array:
+        """Modal displacements and velocities (m, 2, n); of samples interpolated linearly between them."""
+        if self.path is not None:
+            return self.path.modes_at(t)
+        rows = self.samples.reshape(len(self.times), -1)
+        found = np.stack([np.interp(t, self.times, row) for row in rows.T], axis=1)
+        return found.reshape(len(t), *self.samples.shape[1:])
+
+
+def loop_columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+    """Columns of one loop; NoMotion or ValueError, with the reason, where there is none or no beam."""
+    system, pointed = _field_system(case, name)
+    begin = settled(case, name, frequency, plan, system=system, before=branch(case, name, frequency, plan))
+    motion = _recorded(begin, 2 * max(LONGEST, plan.periods or 0) + 1)
+    repeats = _period(motion)
+    periods = plan.periods or repeats or ENDLESS
+    seamless = bool(repeats) and periods % repeats == 0
+    return {
+        **_frames(motion, fields(pointed, begin.system), periods, plan.frames or _frames_for(periods)),
+        **_contact(motion, case, periods),
+        **_stops(pointed, begin.system),
+        "periods": Column(np.array([float(periods)]), "1", "drive periods of the loop"),
+        "seamless": Column(np.array([float(seamless)]), "1", "1: the motion repeats after the loop, 0: it does not"),
+    }  # fmt: skip
+
+
+def branch(case: Case, name: str, frequency: float, plan: ShowPlan) -> list[float]:
+    """Frequencies (Hz) of the sweep before ``frequency`` on the plan's branch; none: it begins at rest.
+
+    A sweep down comes from where that up ended, if the case sweeps both.
+    """
+    if plan.direction == "both":
+        return []
+    if case.scene_of(name).harmonics:
+        raise NoMotion("under several harmonics no branch is followed: leave direction out")
+    grid = case.sweep.frequency
+    if plan.direction == "up":
+        return [float(each) for each in grid[grid < frequency]]
+    before = grid if case.sweep.direction == "both" else grid[:0]
+    return [float(each) for each in (*before, *grid[grid > frequency][::-1])]
+
+
+@lru_cache(maxsize=8)
+def _field_system(case: Case, name: str) -> tuple[ImpactSystem, Scene]:
+    return field_system(case.scene_of(name), case.fidelities[name])
+
+
+def _frames_for(periods: int) -> int:
+    """Frames a drive period: a divisor of the usual number, so that all fidelities share times."""
+    return next((n for n in range(FRAMES, 3, -1) if FRAMES % n == 0 and n * periods <= MOST), 4)
+
+
+def _recorded(begin: Settled, periods: int) -> Recorded:
+    if begin.state is None:
+        raise NoMotion(begin.fault)
+    if begin.samples:
+        found = begin.solver.motion(begin.drive, begin.state, 0.0, periods * begin.period)
+        hits = np.stack((found.impact_times, found.impact_velocities), axis=1)
+        return Recorded(begin, None, found.times, found.values, hits, np.zeros(len(hits), dtype=np.int64))
+    path = exact_motion(begin, periods)
+    hits = np.stack((path.impact_times, path.impact_velocities), axis=1)
+    return Recorded(begin, path, np.zeros(0), np.zeros(0), hits, path.impact_contacts)
+
+
+def _period(motion: Recorded) -> int:
+    """Drive periods after which the motion repeats, 0 where it does not within ``LONGEST``."""
+    span = motion.begin.period
+    hits = motion.hits[:, 0]
+    strobes = motion.at(strobe_time(hits[hits < span], 0.0, span) + span * np.arange(2 * LONGEST))
+    return repetition(strobes, motion.begin.system.omega, motion.begin.drive.omega, REPEATS, LONGEST)
+
+
+def _frames(motion: Recorded, shapes: Fields, periods: int, each: int) -> Columns:
+    """Deflection, slope and velocity of every beam at each frame (frames, points)."""
+    times: Array = motion.begin.period / each * np.arange(periods * each, dtype=np.float64)
+    poses = motion.at(times)
+    found = {"time": Column(times, "s", "time of the frames from the drive's phase 0")}
+    for beam, shape in shapes.items():
+        found |= {
+            f"{beam}_position": Column(shape.positions, "m", f"points along the {_called(beam)}"),
+            f"{beam}_height": Column(shape.height, "m", "of the section in the direction of motion"),
+            f"{beam}_deflection": Column(poses[:, 0] @ shape.deflection.T, "m", f"of the {_called(beam)}"),
+            f"{beam}_slope": Column(poses[:, 0] @ shape.slope.T, "1", f"of the {_called(beam)}, rad"),
+            f"{beam}_velocity": Column(poses[:, 1] @ shape.deflection.T, "m s-1", "after impacts"),
+        }
+    if "opposite" in shapes:
+        met = poses[:, 0] @ motion.begin.system.output("opposite")
+        found["met"] = Column(met, "m", "displacement of the opposite beam where it is met")
+    return found
+
+
+def _called(beam: str) -> str:
+    return "beam" if beam == "beam" else "opposite beam"
+
+
+def _contact(motion: Recorded, case: Case, periods: int) -> Columns:
+    """The contact's displacement over the loop, its impacts, and the amplitude of the sweep's output."""
+    span, system = periods * motion.begin.period, motion.begin.system
+    inside = motion.hits[:, 0] < span
+    fine = np.union1d(np.linspace(0.0, span, FINE * periods + 1), motion.hits[inside, 0])
+    values, output = motion.at(fine)[:, 0], case.sweep.output
+    known = quantity_of(case, output).rate == 0 and output in ("contact", *system.outputs)
+    amplitude = np.ptp(values @ system.output(output)) / 2 if known else np.nan
+    return {
+        "history_time": Column(fine, "s", "times of the contact's displacement"),
+        "contact": Column(values @ system.contact, "m", "displacement at the contact toward the stop"),
+        "impact_time": Column(motion.hits[inside, 0], "s", "impacts"),
+        "impact_velocity": Column(motion.hits[inside, 1], "m s-1", "just before"),
+        "impact_contact": Column(motion.struck[inside].astype(float), "1", "which stop is struck, from 0 on"),
+        "amplitude": Column(np.array([amplitude]), "q", "½(max − min) of the sweep's output"),
+    }
+
+
+def _stops(scene: Scene, system: ImpactSystem) -> Columns:
+    """Places of all stops, in the order of the contacts struck: along the beam, and across it."""
+    first = scene.stop.position
+    found = [(first, system.gap)] + ([] if system.second_gap is None else [(first, -system.second_gap)])
+    for own, contact in zip(scene.named("further_stop"), system.further or (), strict=True):
+        found.append((own.position, contact.gap if own.side == "above" else -contact.gap))
+    side = [1.0, *([-1.0] * (system.second_gap is not None))]
+    side += [1.0 if own.side == "above" else -1.0 for own in scene.named("further_stop")]
+    along, across = np.array(found).T
+    met = [(each.position, each.arm) for each in scene.named("opposite")]
+    return {
+        "stop_position": Column(along, "m", "of the stops along the beam"),
+        "stop_height": Column(across, "m", "deflection at which the beam touches them"),
+        "stop_side": Column(np.array(side), "1", "1: above the beam, −1: below"),
+        **({"met_position": Column(np.array(met[0]), "m", MET)} if met else {}),
+    }  # fmt: skip
