@@ -68,9 +68,15 @@ if TYPE_CHECKING:
     from vibeam.system.state import State as State
     from vibeam.system.time_derivative import TimeDerivative as TimeDerivative
     from vibeam_models.structure import Structure as Structure
+    from vibeam_reductions.craig_bampton import craig_bampton as craig_bampton
     from vibeam_reductions.declaration import ReductionDeclaration as ReductionDeclaration
     from vibeam_reductions.declaration import register_reduction as register_reduction
+    from vibeam_reductions.krylov import krylov as krylov
+    from vibeam_reductions.massless_boundary import massless_boundary as massless_boundary
     from vibeam_reductions.modal import modal as modal
+    from vibeam_reductions.residual_flexibility import residual_flexibility as residual_flexibility
+    from vibeam_reductions.static_correction import static_correction as static_correction
+    from vibeam_reductions.static_shapes import static_shapes as static_shapes
 
 __version__ = "0.1.0"
 
@@ -123,6 +129,12 @@ _HOMES = {
     "Trajectory": "vibeam.flight.trajectory",
     "Structure": "vibeam_models.structure",
     "modal": "vibeam_reductions.modal",
+    "craig_bampton": "vibeam_reductions.craig_bampton",
+    "krylov": "vibeam_reductions.krylov",
+    "massless_boundary": "vibeam_reductions.massless_boundary",
+    "residual_flexibility": "vibeam_reductions.residual_flexibility",
+    "static_correction": "vibeam_reductions.static_correction",
+    "static_shapes": "vibeam_reductions.static_shapes",
     "CostSettings": "vibeam.solvers.declaration",
     "FigureKind": "vibeam.figures.declaration",
     "register_figure": "vibeam.figures",

@@ -46,6 +46,11 @@ class SparseStructure(Structure):
         """The factors of K."""
         return factor(self.K)
 
+    @cached_property
+    def mass_factor(self) -> SymmetricFactor:
+        """The factors of M."""
+        return factor(self.M)
+
     def modes(self, count: int | None = None) -> Modes:
         """As ``Structure.modes``; ValueError where so many are asked for that their shapes would be a dense matrix."""
         wanted = self.size if count is None else count
@@ -70,7 +75,16 @@ class SparseStructure(Structure):
 
     def mobility(self, row: Array) -> float:
         """As ``Structure.mobility``."""
-        return float(row @ factor(self.M).solve(row))
+        return float(row @ self.mass_factor.solve(row))
+
+    def held(self, rows: Array) -> tuple[Structure, Any]:
+        """As ``Structure.held``, sparse."""
+        from vibeam_models.elimination import elimination
+
+        basis = elimination(rows)
+        M, K = (basis.T @ matrix @ basis for matrix in (self.M, self.K))
+        load, static, contact = (row @ basis for row in (self.load, self.static, self.contact))
+        return SparseStructure(M, 0 * M, K, load, static, contact), basis
 
     def congruent(self, name: str, basis: Array) -> Array:
         """As ``Structure.congruent``, C with the damping by modal ratios."""

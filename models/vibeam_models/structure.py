@@ -27,6 +27,8 @@ MATRICES = ("M", "C", "K")
 
 FIELDS = (*MATRICES, "load", "static", "contact", "outputs")
 
+ASIDE = ("units", "attached", "contact_flexibility")  # fields that need no check
+
 
 @dataclass(frozen=True)
 class Modes:
@@ -51,7 +53,10 @@ class Structure:
     - ``load``: (n,) force per unit base acceleration, −M r; minus the row of its place where a force −b̈ drives it;
     - ``static``: (n,) constant force, zero unless an effect brings one;
     - ``contact``: (n,) row w; the contact displacement is w·x, positive toward the stop;
-    - ``outputs``: name → (n,) row; ``units``: name → unit of that output, metres where it is not named.
+    - ``outputs``: name → (n,) row; ``units``: name → unit of that output, metres where it is not named;
+    - ``attached``: (n,) rows of the places that carry a mass or a moment of inertia of their own, in their order;
+    - ``contact_flexibility``: m/N, a spring without mass between the coordinates and the contact: the contact is at w·x
+      plus this times the force on it. 0 but of a reduction that leaves the contact without mass.
 
     Lists are kept as arrays of floats. ValueError names every field whose shape is wrong, that is not finite, or, of
     the matrices, not symmetric. An example with own matrices is in ``vibeam.ImpactSystem.from_structure``.
@@ -65,6 +70,8 @@ class Structure:
     contact: Array
     outputs: Mapping[str, Array] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
+    attached: tuple[Array, ...] = ()
+    contact_flexibility: float = 0.0
     _known: dict[str, Modes] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -89,7 +96,7 @@ class Structure:
 
     def with_(self, **changes: Any) -> Structure:
         """The same structure but for the named fields."""
-        unknown = changes.keys() - {*FIELDS, "units"}
+        unknown = changes.keys() - {*FIELDS, *ASIDE}
         if unknown:
             raise TypeError(f"structure: no field {', '.join(sorted(unknown))}")
         changed = object.__new__(type(self))
@@ -127,6 +134,13 @@ class Structure:
     def flexibility(self, row: Array) -> float:
         """w K⁻¹ wᵀ of a ``row`` w (n,): its displacement under a steady force of one on it."""
         return float(row @ self.deflection(row))
+
+    def held(self, rows: Array) -> tuple[Structure, Any]:
+        """The undamped structure whose ``rows`` (k, n) do not move, and its coordinates Z (n, n − k): x = Z y."""
+        from vibeam_models.elimination import elimination
+
+        basis = elimination(rows).toarray()
+        return in_coordinates(self, basis, C=np.zeros((basis.shape[1],) * 2)), basis
 
     def congruent(self, name: str, basis: Array) -> Array:
         """BᵀAB of the matrix ``name``, for a ``basis`` B (n, fewer)."""
@@ -179,6 +193,8 @@ def in_coordinates(structure: Structure, basis: Array, **known: Array) -> Struct
         static=structure.static @ basis,
         contact=structure.contact @ basis,
         outputs={name: row @ basis for name, row in structure.outputs.items()},
+        attached=tuple(row @ basis for row in structure.attached),
+        contact_flexibility=structure.contact_flexibility,
         **(matrices | known),
     )
 
@@ -229,4 +245,5 @@ def with_inertia(structure: Structure, row: Array, inertia: float, translation: 
     ``translation``: what the coordinate reads when the base moves by 1 m: 1 for a deflection, 0 for a slope.
     """
     mass = structure.M + inertia * np.outer(row, row)
-    return structure.with_(M=mass, load=structure.load - inertia * translation * row)
+    attached = (*structure.attached, np.asarray(row, dtype=float))
+    return structure.with_(M=mass, load=structure.load - inertia * translation * row, attached=attached)

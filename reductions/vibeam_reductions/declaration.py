@@ -11,23 +11,32 @@ from vibeam_models.registry import Registry
 from vibeam_models.structure import Structure
 from vibeam_reductions.projection import Reduction
 
+PARAMETERS = ("boundary", "frequency", "periods", "inner_product")  # keys of a fidelity that a reduction may take
+
 
 @dataclass(frozen=True)
 class ReductionDeclaration:
     """A reduction: ``home`` makes it of a structure and, where it ``counts``, of a fidelity's number of modes.
 
     ``home``: the function, or ``"module:function"``, imported when it is asked for. ``meaning``: in a few words, for
-    the reference of keys.
+    the reference of keys. ``takes``: those of ``PARAMETERS`` that it has, handed
+    on by name where they are written; ``needs``: of these, the ones that must be.
+    ``flown``: it is made of a flight of the full model, at "frequency" over "periods", which it gets as ``snapshots``.
+    ``massless``: it leaves the contact without mass, so that the stop must be a linear spring.
     """
 
     name: str
     home: str | Callable[..., Reduction]
     meaning: str
     counts: bool = False
+    takes: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ()
+    flown: bool = False
+    massless: bool = False
 
-    def make(self, structure: Structure, modes: int | None) -> Reduction:
+    def make(self, structure: Structure, modes: int | None, **parameters: Any) -> Reduction:
         """The reduction of ``structure``; ValueError for more modes than it has."""
-        made: Reduction = _function(self.home)(structure, *([modes] if self.counts else []))
+        made: Reduction = _function(self.home)(structure, *([modes] if self.counts else []), **parameters)
         return made
 
 
@@ -38,11 +47,28 @@ def _function(home: str | Callable[..., Reduction]) -> Callable[..., Any]:
     return getattr(import_module(module), name)  # type: ignore[no-any-return]
 
 
+def _counting(name: str, meaning: str, **more: Any) -> ReductionDeclaration:
+    return ReductionDeclaration(name, f"vibeam_reductions.{name}:{name}", meaning, counts=True, **more)
+
+
 REDUCTIONS = Registry(
     "reduction",
     ReductionDeclaration("static_mode", "vibeam_reductions.static_mode:static_mode", "the static deflection alone"),
-    ReductionDeclaration("modal", "vibeam_reductions.modal:modal", "so many modes", counts=True),
+    _counting("modal", "so many modes"),
     ReductionDeclaration("full", "vibeam_reductions.modal:full", "all of the finite elements"),
+    _counting("static_shapes", "static deflections under loads at contact, base, masses, sensors"),
+    _counting("static_correction", "modes, and what they leave out under the loads"),
+    _counting("residual_flexibility", "modes, and the flexibility that they leave out at the contact"),
+    _counting("massless_boundary", "the same without the mass of that flexibility", massless=True),
+    _counting("craig_bampton", "modes with the boundary held, and its constraint modes", takes=("boundary",)),
+    _counting("krylov", "transfer functions matched about a frequency", takes=("frequency",)),
+    _counting(
+        "pod",
+        "what a flight of the full model consists of",
+        takes=("frequency", "periods", "inner_product"),
+        needs=("frequency",),
+        flown=True,
+    ),
 )
 
 

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 class Fidelity:
     """Model fidelity: a ``reduction`` (to ``modes``, where it counts them) and its ``solver`` with ``options``.
 
+    ``parameters``: of the reduction, by name, as its declaration ``takes`` them.
     ``changes``: physics keys of its own, applied to its scene already; ``without``: keys left out. ``label``:
     its name in figures, None for ``name``.
 
@@ -42,6 +43,7 @@ class Fidelity:
     changes: Mapping[str, Any] = field(default_factory=dict)
     without: tuple[str, ...] = ()
     label: str | None = None
+    parameters: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.reduction not in REDUCTIONS:
@@ -53,7 +55,8 @@ class Fidelity:
 
 def reduced(structure: Structure, fidelity: Fidelity) -> Structure:
     """Reduce ``structure`` as ``fidelity`` says; ValueError for more modes than it has."""
-    return REDUCTIONS[fidelity.reduction].make(structure, fidelity.modes).structure
+    made = REDUCTIONS[fidelity.reduction].make(structure, fidelity.modes, **fidelity.parameters)
+    return made.structure
 
 
 def system(scene: AnyScene, fidelity: Fidelity) -> ImpactSystem:
@@ -118,15 +121,16 @@ def _direct(scene: SdofScene, omega: float, zeta: float) -> ImpactSystem:
 
 
 def _of_structure(scene: RigScene, fidelity: Fidelity) -> ImpactSystem:
-    small, static = reduced_structure(scene, fidelity.reduction, fidelity.modes)
+    small, static = reduced_structure(scene, fidelity.reduction, fidelity.modes, _parameters(scene, fidelity))
     factor, second = 1.0 if scene.stop.gap_at == "contact" else static, scene.stop.second_gap
     if isnan(factor):
         raise ValueError(
             'stop: gap_at = "sensor": no static deflection of this structure carries the gap to the contact'
         )
     further = {each.output: (each.gap, each.restitution) for each in scene.named("further_stop")}
+    bare = small.with_(contact_flexibility=0.0) if small.contact_flexibility else small
     built = ImpactSystem.from_structure(
-        small,
+        bare,
         gap=scene.stop.gap * factor,
         restitution=scene.stop.usual_restitution,
         second_gap=None if second is None else second * factor,
@@ -136,12 +140,16 @@ def _of_structure(scene: RigScene, fidelity: Fidelity) -> ImpactSystem:
         built = replace(built, law=scene.stop.law.contact(float(np.sum(built.contact**2))))
     elif scene.stop.restitution_of != "contact":
         built = _seen_by_first_mode(built)
+    if small.contact_flexibility:
+        from vibeam_models.laws.series import in_series
+
+        built = replace(built, law=in_series(built.law, small.contact_flexibility))
     if scene.platform is None or scene.platform.coupling == "one-way":
         return built
     from vibeam_models.base_motion import moving_platform
 
     # After the reduction, so that it carries the whole mass with the modes of the beam on a base held still.
-    moved = moving_platform(scene.platform, scene.shaker, scene.moving_mass).under(small)
+    moved = moving_platform(scene.platform, scene.shaker, scene.moving_mass).under(bare)
     return ImpactSystem.from_structure(
         moved,
         gap=built.gap,
@@ -150,6 +158,19 @@ def _of_structure(scene: RigScene, fidelity: Fidelity) -> ImpactSystem:
         second_gap=built.second_gap,
         further=further,
     )
+
+
+def _parameters(scene: RigScene, fidelity: Fidelity) -> Mapping[str, Any]:
+    """Parameters of a reduction, with the flight of the full model that some are made of."""
+    if not REDUCTIONS[fidelity.reduction].flown:
+        return fidelity.parameters
+    from vibeam.case.flown import with_snapshots
+
+    return with_snapshots(scene, fidelity.parameters, _full)
+
+
+def _full(scene: RigScene) -> ImpactSystem:
+    return system(scene, Fidelity("full", "full"))
 
 
 def gap_drift(scene: AnyScene, omega: ArrayLike) -> NDArray[np.float64] | None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
 from math import nan
+from typing import Any
 
 from vibeam_models.any_scene import RigScene
 from vibeam_models.structure import Structure
@@ -16,25 +18,36 @@ FEW = 8  # structures before their reduction, each for all of its fidelities
 OURS = "vibeam_models."  # effects of this package read no more of the stop than its position
 
 
-def reduced_structure(scene: RigScene, reduction: str, modes: int | None) -> tuple[Structure, float]:
+Parameters = tuple[tuple[str, Any], ...]  # of a reduction, by name
+
+
+def reduced_structure(
+    scene: RigScene, reduction: str, modes: int | None, parameters: Mapping[str, Any] | None = None
+) -> tuple[Structure, float]:
     """Reduced structure of a scene, and the deflection of its static mode at the contact, 1 at the sensor.
 
     The latter is NaN where there is no static mode, as of a free body.
-    It is assembled anew only where beam, masses, sensor, effects or position of stop or force changed, or where an
-    effect is not of this package. ValueError for an impossible structure or more modes than it has.
+    ``parameters``: of the reduction, by name. It is assembled anew only where beam, masses, sensor, effects or position
+    of stop or force changed, or where an effect is not of this package. ValueError for an impossible structure or more
+    modes than it has.
     """
+    declared, further = REDUCTIONS[reduction], tuple(sorted((parameters or {}).items()))
     if not all(type(effect).__module__.startswith(OURS) for effect in scene.effects):
-        return _made(scene.structure(), REDUCTIONS[reduction], modes)
-    return _kept(scene.structural(), REDUCTIONS[reduction], modes)
+        return _made(scene.structure(), declared, modes, further)
+    return _kept(scene.structural(), declared, modes, further)
 
 
 @lru_cache(maxsize=KEPT)  # the arrays of a Structure are never written to
-def _kept(scene: RigScene, declared: ReductionDeclaration, modes: int | None) -> tuple[Structure, float]:
-    return _made(_kept_structure(scene), declared, modes)
+def _kept(
+    scene: RigScene, declared: ReductionDeclaration, modes: int | None, parameters: Parameters
+) -> tuple[Structure, float]:
+    return _made(_kept_structure(scene), declared, modes, parameters)
 
 
-def _made(structure: Structure, declared: ReductionDeclaration, modes: int | None) -> tuple[Structure, float]:
-    return declared.make(structure, modes).structure, _at_contact(structure)
+def _made(
+    structure: Structure, declared: ReductionDeclaration, modes: int | None, parameters: Parameters
+) -> tuple[Structure, float]:
+    return declared.make(structure, modes, **dict(parameters)).structure, _at_contact(structure)
 
 
 def _at_contact(structure: Structure) -> float:

@@ -23,6 +23,7 @@ from vibeam_models.keys import keys_of
 from vibeam_models.outputs import Output
 from vibeam_models.scene import Mass, Scene, SdofScene, Sensor
 from vibeam_models.stop import Stop
+from vibeam_reductions.declaration import PARAMETERS, REDUCTIONS
 
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity
@@ -123,6 +124,7 @@ RIPPLE, ATTENUATION = 0.1, 60.0  # dB, of an elliptic filter that does not say
 
 GRID = frozenset({"frequency", "direction"})  # of a sweep
 
+
 APPLIED = frozenset({"set", "without"})  # of a fidelity: part of its scene already
 
 
@@ -172,9 +174,21 @@ def _fidelities(case: AnyCase) -> dict[str, Fidelity]:
 
     tables: Any = case.fidelity
     return {
-        name: Fidelity(name, changes=table.set or {}, without=table.without or (), **content(table, without=APPLIED))
+        name: Fidelity(
+            name,
+            changes=table.set or {},
+            without=table.without or (),
+            parameters=_parameters(table),
+            **content(table, without={*APPLIED, *PARAMETERS}),
+        )
         for name, table in tables.items()
     }
+
+
+def _parameters(table: Any) -> dict[str, Any]:
+    """Keys of a fidelity that are its reduction's, where they are written."""
+    named = {name: getattr(table, name) for name in REDUCTIONS[table.reduction].takes}
+    return {name: value for name, value in named.items() if value is not None}
 
 
 def _chain(case: AnyCase) -> Chain | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -48,7 +48,8 @@ def models(case: Case, counts: tuple[int, ...] | None = None) -> tuple[list[Mode
         return found, same
     top = finest(found)
     for count in [n for n in COUNTS if n < top.system.size] if counts is None else counts:
-        fidelity = replace(top.fidelity, name=f"modes_{count}", reduction="modal", modes=count)
+        cut: dict[str, Any] = {"reduction": "modal", "modes": count, "parameters": {}}
+        fidelity = replace(top.fidelity, name=f"modes_{count}", **cut)
         _add(found, {}, Model(fidelity.name, fidelity, built(case, fidelity, top.name), True, top.name))
     return found, same
 

@@ -200,7 +200,8 @@ class ImpactSystem:
         that of a mode without stiffness, which has no damping ratio. ``further``: by the name of the output whose row
         they have, gap and restitution of further contacts.
 
-        ValueError as in the class, and for matrices that are no structure's. Own matrices M, C and K, here two masses
+        ValueError as in the class, for matrices that are no structure's, and for a contact without mass at a stop that
+        is no spring. Own matrices M, C and K, here two masses
         of 1 kg and 0.2 kg in a row on a base that shakes, the second one at the stop, in their lowest mode:
 
         >>> import vibeam
@@ -215,6 +216,10 @@ class ImpactSystem:
         >>> vibeam.simulate(system, vibeam.Drive(omega=50.0, amplitude=1e-4), t_end=2.0)
         Trajectory(0 … 2 s, 1 mode, 10 impacts, 0 rests, COMPLETE)
         """
+        if structure.contact_flexibility:
+            from vibeam_models.laws.series import in_series
+
+            law = in_series(law, structure.contact_flexibility)
         modes = structure.modes()
         damping = modes.shapes.T @ structure.C @ modes.shapes
         couples = _off_diagonal(damping) > DIAGONAL or _damps_rigid_mode(modes.omega, damping)

@@ -95,6 +95,10 @@ class Opposite(Effect):
             contact=_joined(structure.contact, -met),
             outputs=outputs,
             units=dict(structure.units) | {"opposite": "m", "opposite_tip": "m"},
+            attached=(
+                *(_joined(row, theirs) for row in structure.attached),
+                *(_joined(ours, row) for row in other.attached),
+            ),
         )
         return both, space.widened(other.size)
 

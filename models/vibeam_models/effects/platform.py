@@ -146,6 +146,7 @@ class MovingPlatform:
             outputs={name: np.concatenate([row, own]) for name, row in structure.outputs.items()}
             | {"platform": np.concatenate([0 * structure.contact, [1.0]])},
             units={**structure.units, "platform": "m"},
+            attached=tuple(np.concatenate([row, own]) for row in structure.attached),
         )
 
 

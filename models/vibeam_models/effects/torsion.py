@@ -109,6 +109,7 @@ class StVenantTorsion:
             contact=_longer(structure.contact, self.eccentricity * angle),
             outputs=_all_longer(structure.outputs, count),
             units=structure.units,
+            attached=tuple(_longer(row, np.zeros(count)) for row in structure.attached),
         )
         return wider, space.widened(count)
 

@@ -116,6 +116,7 @@ def test_the_template_with_all_its_comments_opened_is_told_what_excludes_what():
         "drive.frequency",
         "fidelity.beam.modes",
         "fidelity.sdof.modes",
+        *(f"fidelity.sdof.{name}" for name in ("boundary", "frequency", "periods", "inner_product")),
     }
 
 

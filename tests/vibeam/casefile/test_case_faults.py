@@ -18,6 +18,7 @@ from vibeam.casefile.read import parse
 from vibeam.casefile.rigs import RIGS
 from vibeam.casefile.template import template
 from vibeam.solvers import SOLVERS as DECLARED
+from vibeam_reductions.declaration import REDUCTIONS
 
 RIG = """title = "rig"
 [beam]
@@ -63,6 +64,8 @@ def test_the_text_that_the_wrong_ones_start_from_is_right():
     assert parse(SDOF)
 
 
+BASES = " | ".join(f'"{name}"' for name in REDUCTIONS)
+
 SOLVERS = " | ".join(f'"{name}"' for name in DECLARED)
 WRONG = [
     # keys
@@ -102,7 +105,7 @@ WRONG = [
     ("points = 4", "points = 1000001", "22: sweep.frequency.points: 1000001 is outside [1, 1000000]"),
     ('"14 Hz"', '"0 Hz"', "22: sweep.frequency.from: '0 Hz' must be > 0"),
     ("hold = 5", 'direction = "upp"\nhold = 5', "24: sweep.direction: 'upp' is not one of \"up\" | \"down\" | \"both\"; did you mean 'up'?"),
-    ("static_mode", "nothing", "26: fidelity.sdof.reduction: 'nothing' is not one of \"static_mode\" | \"modal\" | \"full\""),
+    ("static_mode", "nothing", f"26: fidelity.sdof.reduction: 'nothing' is not one of {BASES}"),
     ("static_mode\"", "full\"\nsolver = \"ode\"", f"27: fidelity.sdof.solver: 'ode' is not one of {SOLVERS}"),
     ('{ from = "14 Hz", to = "17 Hz", points = 4 }', '"14 Hz"', "22: sweep.frequency: must be { from, to, points } or a list of Hz > 0, not '14 Hz'"),
     ('{ from = "14 Hz", to = "17 Hz", points = 4 }', "[14, -1]", "22: sweep.frequency: number 2 of the list: -1 must be > 0"),
@@ -126,7 +129,7 @@ WRONG = [
     ('voltage = "0.6 V"\ngain = 5e-4\n', "", "18: drive: the base motion is missing: write voltage and gain, or amplitude, velocity or acceleration; or force or moment with at"),
     ("gain = 5e-4", "amplitude = 1e-4", "20: drive.amplitude: the base motion is said twice: keep amplitude, or voltage"),
     ("static_mode", "modal", "25: fidelity.sdof.modes: missing: reduction = \"modal\" needs how many; write modes = 8"),
-    ("static_mode\"", "full\"\nmodes = 3", "27: fidelity.sdof.modes: goes with reduction = \"modal\" alone, not \"full\""),
+    ("static_mode\"", "full\"\nmodes = 3", "27: fidelity.sdof.modes: reduction = \"full\" counts none: take it out, or write reduction = \"modal\""),
     ("static_mode\"", "modal\"\nmodes = 73", "27: fidelity.sdof.modes: 73 are more than the model has: beam.elements gives 72 at most"),
     ('"17 Hz"', '"13 Hz"', "22: sweep.frequency.to: is below from; to sweep downwards write direction = \"down\""),
     ("points = 4", "points = 1", "22: sweep.frequency.points: 1 point does not span from … to: make them equal, or take more points"),

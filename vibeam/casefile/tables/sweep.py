@@ -9,11 +9,12 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from vibeam.case.faults import Complaint
+from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile.field_lists import Names, Several
 from vibeam.casefile.field_tables import Options, Settings, TableOr
-from vibeam.casefile.fields import Count, Text, Word
+from vibeam.casefile.fields import NOT_NEGATIVE, Count, Quantity, Text, Word
 from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.quantities import FREQUENCY
 from vibeam.casefile.tables.outputs import OutputName
 from vibeam.casefile.tables.table import (
     DIRECTIONS,
@@ -25,7 +26,9 @@ from vibeam.casefile.tables.table import (
     key,
 )
 from vibeam.solvers import SOLVERS
-from vibeam_reductions.declaration import REDUCTIONS
+from vibeam_reductions.declaration import PARAMETERS, REDUCTIONS, ReductionDeclaration
+
+EXAMPLES = {"boundary": '["contact"]', "frequency": '"15 Hz"', "periods": "50", "inner_product": '"mass"'}
 
 
 def plan_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
@@ -56,10 +59,24 @@ def _modes(case: SimpleNamespace, most: int, gives: str) -> Iterator[Complaint]:
         if declared and declared.counts and fidelity.modes is None:
             yield path, f'missing: reduction = "{declared.name}" needs how many; write modes = 8'
         elif declared and not declared.counts and fidelity.modes is not None:
-            counting = " or ".join(f'"{each.name}"' for each in REDUCTIONS.values() if each.counts)
-            yield path, f'goes with reduction = {counting} alone, not "{declared.name}"'
+            yield path, f'reduction = "{declared.name}" counts none: take it out, or write reduction = "modal"'
         elif fidelity.modes is not None and 0 < most < fidelity.modes:
             yield path, f"{fidelity.modes} are more than the model has: {gives} {most} at most"
+        if declared:
+            yield from _parameters(("fidelity", name), fidelity, declared)
+
+
+def _parameters(path: KeyPath, fidelity: Any, declared: ReductionDeclaration) -> Iterator[Complaint]:
+    """Complaints about the keys of a reduction."""
+    for name in PARAMETERS:
+        written = getattr(fidelity, name) is not None
+        if written and name not in declared.takes:
+            takers = " or ".join(f'"{each.name}"' for each in REDUCTIONS.values() if name in each.takes)
+            yield (*path, name), f'goes with reduction = {takers} alone, not "{declared.name}"'
+        elif not written and name in declared.needs:
+            yield (*path, name), f'missing: reduction = "{declared.name}" needs it; write {name} = {EXAMPLES[name]}'
+    if declared.flown and fidelity.frequency == 0:
+        yield (*path, "frequency"), "must be > 0: it is that of the drive"
 
 
 class GridTable(Table):
@@ -88,9 +105,30 @@ class SweepTable(Table):
 
 class _Reduction(Table):
     reduction: Annotated[str, Word(REDUCTIONS)] = key(
-        "one mode, the static deflection; or the first few modes; or all of the finite elements", "static_mode"
+        "what of the structure is kept: one static deflection, the first few modes, all of the finite elements, …",
+        "static_mode",
     )
-    modes: Annotated[int | None, Count(1, 2 * MOST_ELEMENTS)] = key("how many modes, for modal alone", 8, None)
+    modes: Annotated[int | None, Count(1, 2 * MOST_ELEMENTS)] = key(
+        "how many modes, or coordinates of another reduction that counts them", 8, None
+    )
+    boundary: Annotated[tuple[str, ...] | None, Names("names")] = key(
+        "of craig_bampton: contact, masses, outputs by name; absent = contact, masses, sensor",
+        ["contact", "sensor"],
+        None,
+        written=False,
+    )
+    frequency: Annotated[float | None, Quantity(FREQUENCY, NOT_NEGATIVE)] = key(
+        "of krylov: about which transfer functions are matched, absent = 0; of pod: of the drive that is flown",
+        "15 Hz",
+        None,
+        written=False,
+    )
+    periods: Annotated[int | None, Count(1, MOST_POINTS)] = key(
+        "of pod: drive periods that are flown from rest, absent = 50", 50, None, written=False
+    )
+    inner_product: Annotated[str | None, Word(("mass", "energy"))] = key(
+        "of pod: by which it measures, absent = mass", "mass", None, written=False
+    )
 
 
 class _Solution(Table):

@@ -173,7 +173,8 @@ class _Studied:
         def build(one: Model, other: Model) -> ImpactSystem:
             if one is other:
                 return other.system
-            alike = replace(one.fidelity, reduction=other.fidelity.reduction, modes=other.fidelity.modes)
+            kept = {name: getattr(other.fidelity, name) for name in ("reduction", "modes", "parameters")}
+            alike = replace(one.fidelity, **kept)
             return built(self.case, alike, one.like)
 
         def fly(system: ImpactSystem) -> Any:
