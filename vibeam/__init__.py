@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from vibeam.studies.regression.check import check as check
     from vibeam.studies.regression.check import compare_measured as compare_measured
     from vibeam.studies.stability.study import stability as stability
+    from vibeam.studies.stored import read as read
     from vibeam.system.contact import Contact as Contact
     from vibeam.system.impact_system import Drive as Drive
     from vibeam.system.impact_system import ImpactSystem as ImpactSystem
@@ -106,6 +107,7 @@ _HOMES = {
     "boundaries": "vibeam.orbits.boundaries",
     "orbit_map": "vibeam.orbits.orbit_map",
     "stability": "vibeam.studies.stability.study",
+    "read": "vibeam.studies.stored",
     "influence": "vibeam.studies.influence.study",
     "Kind": "vibeam.orbits.bifurcation_functions",
     "follow": "vibeam.orbits.continuation",

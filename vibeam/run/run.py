@@ -226,7 +226,7 @@ class _Storage:
 
         def wanted(stored: Keyed) -> Wanted:
             branches = select(case, _plan(case, systems, stored).branches)
-            return Wanted(case.numbers, case.key, case.shared, branches, output_units(case))
+            return Wanted(case.numbers, case.key, case.shared, branches, output_units(case), case.text)
 
         with opened(self.path, wanted, fresh=self.fresh, tell=self.tell or _warn) as store:
             yield store, _plan(case, systems, store.models)

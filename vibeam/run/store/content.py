@@ -72,7 +72,7 @@ def adapted(file: h5py.File, path: Path, wanted: Wanted) -> str | None:
             _convert(file, wanted)
     reuses = [_reuse(file, path, branch) for branch in wanted.branches]
     if all(reuse.fits for reuse in reuses) and _says(file, path, wanted):
-        return "brought to the present format" if older else None
+        return "brought to the present format" if older else _renewed(file, path, wanted)
     if _text(file, path, "shared") != wanted.shared and lost_with(file, reuses):
         raise _another_case(path, _values(file, path, "shared"), _flat(wanted.shared))
     for reuse in reuses:
@@ -91,6 +91,22 @@ def _adapt(file: h5py.File, path: Path, wanted: Wanted, reuses: list[Reuse]) -> 
         del file["case"]
         _write_case(file, wanted)
     return reported(reuses, others)
+
+
+def _renewed(file: h5py.File, path: Path, wanted: Wanted) -> str | None:
+    """Bring title, checks and figures of the case up to date, which decide no number of a branch."""
+    if wanted.whole in ("", whole_case(file, path)):
+        return None
+    with reading(path, "/case"):
+        del file["case"]
+        _write_case(file, wanted)
+    return "its case has another title, checks or figures now"
+
+
+def whole_case(file: h5py.File, path: Path) -> str:
+    """The case of the file as TOML; of a file that does not hold it, what decides its numbers."""
+    with reading(path, "/case"):
+        return _text(file, path, "whole" if "whole" in file["case"] else "text")
 
 
 def _reuse(file: h5py.File, path: Path, branch: Branch) -> Reuse:
@@ -128,6 +144,8 @@ def _write_case(file: h5py.File, wanted: Wanted) -> None:
     group = file.create_group("case")
     group.attrs["key"] = fixed(wanted.key)
     group["text"], group["shared"] = fixed(wanted.text), fixed(wanted.shared)
+    if wanted.whole:
+        group["whole"] = fixed(wanted.whole)
 
 
 def _text(file: h5py.File, path: Path, name: str) -> str:

@@ -109,13 +109,22 @@ def _continued(disk: Disk, plan: Plan, tell: Tell) -> Iterator[_Begun]:
         yield _Begun(image, file, wanted, models, new=False, changed=line is not None)
 
 
-def read(path: Path) -> dict[tuple[str, str], FrequencyResponse]:
-    """Read every branch of a results file, by fidelity and direction; points that were not run are NaN."""
+@contextmanager
+def opened_to_read(path: Path) -> Iterator[h5py.File]:
+    """Open a copy in memory of a results file; StoreError where it is none, or is damaged."""
     try:
         content = _regular(path).read_bytes()
     except OSError as fault:
         raise StoreError(f"{path}: cannot be opened ({reason(fault)})") from None
-    with _open(Image(content), path) as file, reading(path, "its groups"):
+    if not is_ours(content):
+        raise StoreError(f"{path}: is no results file: name one that vibeam run has written")
+    with _open(Image(content), path) as file:
+        yield file
+
+
+def read(path: Path) -> dict[tuple[str, str], FrequencyResponse]:
+    """Read every branch of a results file, by fidelity and direction; points that were not run are NaN."""
+    with opened_to_read(path) as file, reading(path, "its groups"):
         rows = _unsigned_rows if format_of(file) == UNSIGNED else read_rows
         found = {(fidelity, direction): rows(file[fidelity][direction]) for fidelity, direction in branch_names(file)}
         return {at: FrequencyResponse(**{name: values[name] for name in LAYOUT}) for at, values in found.items()}

@@ -30,8 +30,8 @@ if TYPE_CHECKING:
 class Wanted:
     """Requirements of a case on its results file.
 
-    ``text``: the case, ``key``: of all of it; ``shared``: the part of it common to all fidelities; ``units``: of
-    the output.
+    ``text``: what decides the numbers of the case, ``key``: of all of it; ``shared``: the part of it common to all
+    fidelities; ``units``: of the output; ``whole``: the case as TOML, titles, checks and figures included.
     """
 
     text: str
@@ -39,6 +39,7 @@ class Wanted:
     shared: str
     branches: Sequence[Branch]
     units: OutputUnits = METRES
+    whole: str = ""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,232 @@
+"""The page of a results file: what it says, what it asks of nobody, and how it takes hostile texts."""
+
+import base64
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+import vibeam
+from vibeam.report.page.drawing import LEFT, drawing
+from vibeam.report.page.encoding import as_json, packed
+from vibeam.report.page.page import page
+from vibeam.run.store.errors import StoreError
+from vibeam.studies.stored import stored
+
+HOSTILE = "</script><img src=x onerror=alert(1)> & {{ 7 * 7 }}"
+
+CASE = """
+title = 'TITLE'
+[beam]
+length = "180 mm"
+width = "20 mm"
+thickness = "3 mm"
+youngs_modulus = "210 GPa"
+density = "7850 kg/m^3"
+damping_ratio = 0.02
+elements = 12
+[mass]
+mass = "0.2 kg"
+position = "132 mm"
+[stop]
+gap = "0.1 mm"
+restitution = 0.7
+[sensor]
+position = "100 mm"
+[drive]
+amplitude = "0.02 mm"
+[sweep]
+frequency = { from = "30 Hz", to = "60 Hz", points = 7 }
+direction = "up"
+settle = 400
+hold = 20
+[fidelity.sdof]
+reduction = "static_mode"
+[fidelity.beam]
+reduction = "modal"
+modes = 4
+label = "four </b> modes"
+"""
+
+
+LAB = """
+[reference.lab]
+file = "lab.csv"
+fidelity = "beam"
+quantity = "amplitude"
+tolerance = "1 %"
+"""
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("page")
+    file = folder / "case.toml"
+    file.write_text(CASE.replace("TITLE", HOSTILE), encoding="utf-8")
+    vibeam.run(vibeam.load(file), out=folder / "case.h5", compare=True)
+    return folder / "case.h5"
+
+
+@pytest.fixture(scope="module")
+def text(results):
+    return page(stored(results))
+
+
+@pytest.fixture(scope="module")
+def data(text):
+    found = re.search(r'<script id="data" type="application/json">(.*?)</script>', text, re.DOTALL)
+    return json.loads(found[1])
+
+
+def decoded(packed_values):
+    whole = np.frombuffer(base64.b64decode(packed_values["data"]), dtype="<u2")
+    return packed_values["low"] + packed_values["step"] * whole
+
+
+class Elements(HTMLParser):
+    def __init__(self):
+        super().__init__()
+        self.found = []
+        self.words = []
+
+    def handle_starttag(self, tag, attrs):
+        self.found.append((tag, dict(attrs)))
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+def elements(text):
+    parser = Elements()
+    parser.feed(text)
+    return parser
+
+
+def test_a_result_is_read_from_its_file_to_the_bit_and_the_file_stays(results):
+    before = results.read_bytes()
+    found = vibeam.read(results)
+    again = vibeam.run(found.case)
+    assert found.case.title == HOSTILE
+    for name in again:
+        for field in ("amplitude", "impact_velocity", "period", "mode_energy"):
+            np.testing.assert_array_equal(getattr(found[name].up, field), getattr(again[name].up, field))
+    assert results.read_bytes() == before
+    assert found.comparisons
+    assert found.restitutions("beam")[0] == 0.7
+
+
+def test_hostile_texts_are_shown_as_texts(text):
+    parsed = elements(text)
+    assert not [1 for tag, attributes in parsed.found if any(key.startswith("on") for key in attributes)]
+    assert [attributes["alt"] for tag, attributes in parsed.found if tag == "img"]
+    assert all(attributes["src"].startswith("data:image/png;") for tag, attributes in parsed.found if tag == "img")
+    assert HOSTILE in "".join(parsed.words)
+    assert "49" not in re.search(r"<h1>(.*?)</h1>", text)[1]
+
+
+def test_the_page_asks_nothing_of_any_network_and_is_small(text):
+    parsed = elements(text)
+    asked = [attributes for tag, attributes in parsed.found for key in ("src", "href", "action") if key in attributes]
+    assert all(attributes.get("src", "data:").startswith("data:") for attributes in asked)
+    assert all(attributes.get("href", "#").startswith("#") for attributes in asked)
+    policy = next(each["content"] for _, each in parsed.found if each.get("http-equiv") == "Content-Security-Policy")
+    assert policy.startswith("default-src 'none'")
+    assert "connect-src" not in policy
+    assert len(text.encode()) < 1.6e6
+
+
+def test_curves_on_the_page_are_those_of_the_file(results, data):
+    result = vibeam.read(results)
+    assert [each["label"] for each in data["fidelities"]] == ["sdof", "four </b> modes"]
+    for curve in data["curves"]:
+        response = result[curve["fidelity"]].up
+        np.testing.assert_allclose(curve["frequency"], response.frequency, rtol=1e-5)
+        unit = next(each for each in data["quantities"] if each["name"] == "amplitude")
+        factor = {"mm": 1e3, "µm": 1e6}[unit["unit"]]
+        np.testing.assert_allclose(curve["values"]["amplitude"], factor * response.amplitude, rtol=1e-5)
+        np.testing.assert_allclose(np.sum(curve["shares"], axis=0), 1, atol=1e-3)
+
+
+def test_motions_have_the_amplitude_and_the_impacts_of_their_points(results, data):
+    result = vibeam.read(results)
+    for motion in data["motions"]:
+        response = result[motion["fidelity"]].up
+        at = int(np.argmin(np.abs(response.frequency - motion["frequency"])))
+        if response.period[at] not in (1, -1):
+            continue
+        x, impacts = decoded(motion["x"]), np.array(motion["impacts"]).reshape(-1, 2)
+        assert np.ptp(x) / 2 == pytest.approx(response.amplitude[at], rel=2e-3)
+        assert len(impacts) == response.impacts_per_period[at]
+        if len(impacts):
+            assert impacts[:, 1].mean() == pytest.approx(response.impact_velocity[at], rel=1e-4)
+    struck = [len(motion["impacts"]) for motion in data["motions"]]
+    assert min(struck) == 0 < max(struck)
+
+
+def test_the_beam_on_the_page_never_passes_the_stop(data):
+    """Deflection at the stop's place is at most the gap, and reaches it in a motion with impacts."""
+    places = data["fidelities"][1]["places"]
+    shapes = [
+        (decoded(each["beam"]).reshape(data["frames"], -1), each["impacts"])
+        for each in data["motions"]
+        if each["fidelity"] == "beam"
+    ]
+    for shape, _ in shapes:
+        at_stop = [np.interp(0.132, places, [0.0, *row]) for row in shape]
+        assert max(at_stop) < 1.01e-4
+    nearest = max(np.interp(0.132, places, [0.0, *row]) for shape, hits in shapes if hits for row in shape)
+    assert nearest > 0.8e-4
+
+
+def test_the_drawing_has_one_scale(results):
+    found = drawing(vibeam.read(results).case.scene)
+    points = [tuple(map(float, each.split(","))) for each in re.search(r'points="([^"]+)"', found)[1].split()]
+    x, y = zip(*points, strict=True)
+    assert (max(y) - min(y)) / (max(x) - min(x)) == pytest.approx(3 / 180, rel=1e-2)
+    stop = float(re.search(r'class="stop" d="M([\d.]+)', found)[1])
+    assert (stop - LEFT) / (max(x) - min(x)) == pytest.approx(132 / 180, rel=1e-3)
+
+
+def test_points_that_were_not_run_and_references_that_are_not_there_are_said(tmp_path):
+    case = CASE.replace("TITLE", "partial") + LAB
+    (tmp_path / "lab.csv").write_text("frequency,amplitude,direction\n30,1e-5,up\n", encoding="utf-8")
+    (tmp_path / "case.toml").write_text(case, encoding="utf-8")
+    loaded = vibeam.load(tmp_path / "case.toml")
+
+    class Enough(Exception):
+        pass
+
+    def stop(done, total):
+        if done >= 1:
+            raise Enough
+
+    with pytest.raises(Enough):
+        vibeam.run(loaded, out=tmp_path / "case.h5", progress=stop)
+    (tmp_path / "lab.csv").unlink()
+    found = stored(tmp_path / "case.h5")
+    assert 0 < found.missing < found.result.total
+    text = page(found)
+    assert f"{found.missing} of 14 points were not run yet" in text
+    assert "Not checked against lab" in text
+
+
+def test_what_is_no_result_is_refused_in_one_line(tmp_path, results):
+    (tmp_path / "other.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
+    with pytest.raises(StoreError, match="is no results file: name one that vibeam run has written"):
+        vibeam.read(tmp_path / "other.h5")
+    with pytest.raises(StoreError, match="cannot be opened"):
+        vibeam.read(tmp_path / "none.h5")
+    other = tmp_path / "other.toml"
+    other.write_text(CASE.replace("0.2 kg", "0.3 kg"), encoding="utf-8")
+    with pytest.raises(StoreError, match=r"is not of .*other\.toml"):
+        stored(results, vibeam.load(other))
+
+
+def test_numbers_come_back_within_half_a_step():
+    values = np.random.default_rng(3).standard_normal(500)
+    np.testing.assert_allclose(decoded(packed(values)), values, atol=0.51 * np.ptp(values) / 65535)
+    assert decoded(packed(np.full(3, 2.5))) == pytest.approx(2.5)
+    assert json.loads(as_json({"a": "</script><!--\u2028&"})) == {"a": "</script><!--\u2028&"}
+    assert "<" not in as_json({"a": "</script><!--"})

@@ -1,0 +1,166 @@
+"""Numbers of the page's charts: curves over frequency, motions at stored points, participation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.case.faults import CaseError
+from vibeam.case.reference_curves import reference_points
+from vibeam.figures.style import DASHES, looks_of, name_of
+from vibeam.figures.units import Units, units_for
+from vibeam.report.page.encoding import packed, rounded
+from vibeam.run.summary import compare
+from vibeam.studies.stored_motions import FRAMES, LINES, StoredMotion, StoredMotions, stations
+from vibeam.system.response import Ended, FrequencyResponse, complete
+
+if TYPE_CHECKING:
+    from vibeam.run.result import Result
+    from vibeam.run.stored_result import StoredResult
+    from vibeam.run.summary import Summary
+
+MOTION_BYTES, MOTIONS_BYTES = 8000, 750_000  # of one motion on the page, and of all of them
+
+FEWEST, MOST = 3, 41  # frequencies at which motions are kept
+
+
+@dataclass(frozen=True)
+class ChartQuantity:
+    """A quantity that may be drawn over frequency, with the factor to its unit."""
+
+    name: str
+    label: str
+    unit: str
+    factor: float
+
+
+def chart_quantities(units: Units) -> list[ChartQuantity]:
+    """Quantities of the chart over frequency, the amplitude first."""
+    length = units.length, units.length_factor
+    return [
+        ChartQuantity("amplitude", "Amplitude ½(max − min) of the output", *length),
+        ChartQuantity("maximum", "Maximum of the output", *length),
+        ChartQuantity("minimum", "Minimum of the output", *length),
+        ChartQuantity("impact_velocity", "Mean velocity before impact", *_contact_speed(units)),
+        ChartQuantity("impacts_per_period", "Impacts a drive period", "", 1.0),
+        ChartQuantity("period", "Period of the motion in drive periods (0: does not repeat, −1: no contact)", "", 1.0),
+        ChartQuantity("rest", "Share of the time at rest on the stop", "", 1.0),
+    ]
+
+
+def _contact_speed(units: Units) -> tuple[str, float]:
+    """Unit of the contact's velocity, which is no output, and the factor to it."""
+    return ("mm/s", 1e3) if units.frequency else ("", units.speed_factor)
+
+
+def chart_data(stored: StoredResult) -> dict[str, Any]:
+    """All numbers of the page's charts, as plain lists."""
+    result = stored.result
+    units = units_for(result)
+    quantities = chart_quantities(units)
+    return {
+        "frequency": {"unit": units.frequency, "factor": units.frequency_factor},
+        "output": {"unit": units.length, "factor": units.length_factor, "name": result.case.sweep.output},
+        "speed": {"unit": units.speed, "factor": units.speed_factor},
+        "quantities": [asdict(each) for each in quantities],
+        "fidelities": _fidelities(result),
+        "curves": [
+            _curve(name, way, response, quantities)
+            for name, branches in result.items()
+            for way, response in branches.items()
+        ],
+        "references": list(_references(result)),
+        "cost": [_cost(row) for row in compare(result)],
+        "motions": [_motion(each) for each in StoredMotions(stored, motion_frequencies(result))],
+        "frames": FRAMES,
+        "lines": LINES,
+    }
+
+
+def motion_frequencies(result: Result) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """Frequencies (Hz) of the motions on the page: evenly among the points, as many as there is room for, and peaks."""
+    branches = sum(len(list(each.items())) for each in result.values())
+    room = int(np.clip(MOTIONS_BYTES // (MOTION_BYTES * max(branches, 1)), FEWEST, MOST))
+    grid = np.unique(np.concatenate([each.frequency for several in result.values() for _, each in several.items()]))
+    chosen = grid[np.unique(np.linspace(0, len(grid) - 1, room).astype(int))]
+    return np.unique(np.append(chosen, list(_peaks(result))))
+
+
+def _peaks(result: Result) -> Iterator[float]:
+    for branches in result.values():
+        for _, response in branches.items():
+            if complete(response).any():
+                yield float(response.frequency[np.nanargmax(np.where(complete(response), response.amplitude, np.nan))])
+            break
+
+
+def _fidelities(result: Result) -> list[dict[str, Any]]:
+    case = result.case
+    looks = looks_of(case, result)
+    return [
+        {
+            "name": name,
+            "label": name_of(case, name),
+            "colour": looks[name].colour,
+            "dash": [] if looks[name].dash == DASHES[0] else [3 * each for each in looks[name].dash[1]],
+            "places": [0.0, *stations(case, name).values()] if name in case.fidelities else [],
+        }
+        for name in result
+    ]
+
+
+def _curve(name: str, way: str, response: FrequencyResponse, quantities: list[ChartQuantity]) -> dict[str, Any]:
+    done = complete(response)
+    values = {each.name: getattr(response, each.name) * each.factor for each in quantities}
+    energy = response.mode_energy
+    total = np.nansum(energy, axis=1, keepdims=True)
+    shares = np.divide(energy, total, out=np.full_like(energy, np.nan), where=total > 0)[:, :8]
+    return {
+        "fidelity": name,
+        "way": way,
+        "frequency": rounded(response.frequency),
+        "values": {key: rounded(np.where(done, value, np.nan)) for key, value in values.items()},
+        "ended": {str(i): Ended.of_code(int(response.ended[i])).value for i in np.flatnonzero(~done)},
+        "shares": [rounded(column, 4) for column in shares.T],
+    }
+
+
+def _references(result: Result) -> Iterator[dict[str, Any]]:
+    for reference in result.case.references.values():
+        try:
+            points = [each for each in reference_points(reference) if each.value is not None]
+        except CaseError:
+            continue
+        yield {
+            "name": reference.name,
+            "fidelity": reference.fidelity,
+            "quantity": reference.quantity,
+            "frequency": rounded([each.frequency for each in points]),
+            "value": rounded([each.value or 0.0 for each in points]),
+        }
+
+
+def _cost(row: Summary) -> dict[str, Any]:
+    off = np.nan if row.distance is None else row.distance.worst
+    return {"fidelity": row.fidelity, "seconds": row.cpu_seconds, "off": rounded([off])[0]}
+
+
+def _motion(each: StoredMotion) -> dict[str, Any]:
+    head = {"fidelity": each.fidelity, "way": each.direction, "frequency": float(f"{each.frequency:.6g}")}
+    if each.fault:
+        return head | {"fault": each.fault}
+    floor = max(float(each.lines.max(initial=0.0)) * 1e-6, 1e-300)
+    return head | {
+        "window": each.window,
+        "time": packed(each.time),
+        "x": packed(each.displacement),
+        "v": packed(each.velocity),
+        "impacts": [rounded(row) for row in each.impacts[:64]],
+        "section": [packed(column) for column in each.section.T],
+        "spectrum": packed(np.log10(np.maximum(each.lines, floor))),
+        "shares": rounded(each.shares[:12], 4),
+        "beam": packed(each.deflection) if each.deflection.size else None,
+    }

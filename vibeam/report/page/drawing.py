@@ -1,0 +1,179 @@
+"""Drawing of a scene to scale, as SVG: the beam as it lies, its supports, masses, stop, sensors and drive."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from html import escape
+from math import isinf
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam_models.scene import Scene
+
+if TYPE_CHECKING:
+    from vibeam_models.any_scene import AnyScene
+    from vibeam_models.beams.beam import Beam
+
+
+WIDTH, HEIGHT = 960, 250  # px of the drawing
+
+LEFT, RIGHT, AXIS = 70.0, 50.0, 135.0  # px to the first end of the beam, beyond its other end, down to its axis
+
+THIN = 1.5  # px: least height of a beam that is drawn
+
+POINTS = 8  # of the outline on each stretch
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """Pixels of a place along the beam, and of a height."""
+
+    length: float
+
+    @property
+    def scale(self) -> float:
+        return (WIDTH - LEFT - RIGHT) / self.length
+
+    def x(self, place: float) -> float:
+        return LEFT + self.scale * place
+
+
+def drawing(scene: AnyScene) -> str:
+    """SVG of a rig to one scale in both directions; empty where a scene has no beam.
+
+    Masses have no known shape: a box over their rigid zone, or a small one. A gap that is less than a pixel is said.
+    """
+    if not isinstance(scene, Scene):
+        return ""
+    frame = _Frame(scene.beam.length)
+    parts = [*_base(scene, frame), *_beam(scene.shaped_beam, frame), *_held(scene, frame), *_masses(scene, frame)]
+    parts += [*_stop(scene, frame), *_sensors(scene, frame), *_drive(scene, frame), *_ruler(frame)]
+    head = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
+        f'aria-label="{escape(_spoken(scene), quote=True)}" class="scene">'
+    )
+    return head + "".join(parts) + "</svg>"
+
+
+def _spoken(scene: Scene) -> str:
+    mass = "no attached mass" if scene.mass is None else f"a mass of {scene.mass.mass:.4g} kg"
+    return (
+        f"Side view to scale: a {scene.beam.ends} beam of {_length(scene.beam.length)}, {mass}, "
+        f"a stop at {_length(scene.stop.position)} with a gap of {_length(scene.stop.gap)}"
+    )
+
+
+def _beam(beam: Beam, frame: _Frame) -> Iterator[str]:
+    for piece in beam.stretches:
+        x = np.linspace(piece.start, piece.end, POINTS)
+        height = piece.section(x).height
+        known = height is not None
+        half = np.broadcast_to(0.0 if height is None else np.asarray(height, dtype=float), x.shape) / 2 * frame.scale
+        half = np.maximum(half, THIN / 2)
+        upper = [f"{frame.x(a):.2f},{AXIS - b:.2f}" for a, b in zip(x, half, strict=True)]
+        lower = [f"{frame.x(a):.2f},{AXIS + b:.2f}" for a, b in zip(x[::-1], half[::-1], strict=True)]
+        yield f'<polygon class="beam{"" if known else " unknown"}" points="{" ".join(upper + lower)}"/>'
+
+
+def _held(scene: Scene, frame: _Frame) -> Iterator[str]:
+    for each in scene.shaped_beam.held:
+        x = frame.x(each.position)
+        if isinf(each.stiffness) and isinf(each.rotational_stiffness):
+            left = x if each.position else x - 16
+            yield f'<rect class="wall" x="{left:.1f}" y="{AXIS - 40}" width="16" height="80"/>'
+        elif isinf(each.stiffness):
+            yield f'<path class="part" d="M{x:.1f} {AXIS + 3} l-9 16 h18 z"/>'
+        else:
+            yield _spring(x, AXIS + 3)
+            yield _text(x, AXIS + 62, f"{each.stiffness:.4g} N/m" if each.stiffness else "turns stiffly")
+
+
+def _masses(scene: Scene, frame: _Frame) -> Iterator[str]:
+    zones = dict(scene.rigid_zones)
+    for mass, position in scene.weights:
+        half = max(zones.get(position, 0.0) * frame.scale, 5.0)
+        x = frame.x(position)
+        yield f'<rect class="mass" x="{x - half:.1f}" y="{AXIS - 18}" width="{2 * half:.1f}" height="36" rx="2"/>'
+        yield _text(x, AXIS + 34, _prefixed(mass * 1e3, "g"))
+
+
+def _stop(scene: Scene, frame: _Frame) -> Iterator[str]:
+    stop, x = scene.stop, frame.x(scene.stop.position)
+    yield from _tip(x, AXIS - _reach(scene, stop.position, frame) - max(stop.gap, 0.0) * frame.scale, -1)
+    yield _text(x, AXIS - 82, f"stop, gap {_length(stop.gap)}")
+    if stop.second_gap is not None:
+        yield from _tip(x, AXIS + _reach(scene, stop.position, frame) + stop.second_gap * frame.scale, 1)
+        yield _text(x, AXIS + 90, f"second stop, gap {_length(stop.second_gap)}")
+    if scene.named("opposite"):
+        yield _text(x + 90, AXIS - 66, "on the opposite beam")
+
+
+def _tip(x: float, y: float, way: int) -> Iterator[str]:
+    yield f'<path class="stop" d="M{x:.1f} {y:.2f} l-7 {14 * way} v{16 * way} h14 v{-16 * way} z"/>'
+
+
+def _reach(scene: Scene, position: float, frame: _Frame) -> float:
+    """Pixels from the axis to the surface that the stop meets: of the mass where one is there."""
+    zones = dict(scene.rigid_zones)
+    near = (abs(position - at) <= max(zones.get(at, 0.0), 5 / frame.scale) for _, at in scene.weights)
+    return 18.0 if any(near) else THIN
+
+
+def _sensors(scene: Scene, frame: _Frame) -> Iterator[str]:
+    places = [("sensor", scene.sensor.position), *((each.name, each.position) for each in scene.outputs)]
+    for number, (name, position) in enumerate(places):
+        x = frame.x(position)
+        yield f'<path class="sensor" d="M{x:.1f} {AXIS + 24} v18 m-4 -12 l4 -6 l4 6"/>'
+        yield _text(x, AXIS + 56 + 13 * (number % 2), name)
+
+
+def _base(scene: Scene, frame: _Frame) -> Iterator[str]:
+    if scene.platform is None:
+        return
+    yield f'<rect class="platform" x="{LEFT - 24}" y="{AXIS + 78}" width="{WIDTH - LEFT - RIGHT + 40}" height="12"/>'
+    yield f'<path class="platform" d="M{LEFT - 16} {AXIS - 40} V{AXIS + 78}"/>'
+    yield _spring(LEFT + 20, AXIS + 90, 20) + _spring(WIDTH - RIGHT, AXIS + 90, 20)
+    yield _text(WIDTH / 2, AXIS + 104, f"platform, {scene.platform.coupling}, {scene.platform.mass:.4g} kg")
+
+
+def _drive(scene: Scene, frame: _Frame) -> Iterator[str]:
+    on = scene.base.on_beam
+    if on is None:
+        yield '<path class="drive" d="M22 95 v80 m-5 -72 l5 -8 l5 8 m-10 64 l5 8 l5 -8"/>' + _text(22, 195, "drive")
+        return
+    x, what = frame.x(on[0]), "moment" if on[1] else "force"
+    yield f'<path class="drive" d="M{x:.1f} {AXIS + 60} v-34 m-5 8 l5 -8 l5 8"/>' + _text(x, AXIS + 74, what)
+
+
+def _ruler(frame: _Frame) -> Iterator[str]:
+    y = HEIGHT - 8
+    step = 10.0 ** np.floor(np.log10(frame.length))
+    step = step / 2 if 2 * step > frame.length else step
+    yield f'<path class="ruler" d="M{LEFT} {y} h{step * frame.scale:.2f} m0 -4 v8 M{LEFT} {y - 4} v8"/>'
+    yield f'<text class="small" x="{LEFT + step * frame.scale + 8:.1f}" y="{y + 4}">{_length(step)}, to scale</text>'
+
+
+def _spring(x: float, y: float, length: float = 40) -> str:
+    turn = length / 8
+    zigzag = " ".join(f"l{way * 7} {turn:.2f}" for way in (1, -2, 2, -2, 2, -2, 1))
+    return f'<path class="part line" d="M{x:.1f} {y:.1f} v{turn:.2f} {zigzag} m-10 0 h20"/>'
+
+
+def _text(x: float, y: float, text: Any) -> str:
+    return f'<text x="{x:.1f}" y="{y:.1f}">{escape(str(text))}</text>' if text else ""
+
+
+def _length(metres: float) -> str:
+    return _prefixed(metres * 1e3, "m", ("m", "µ", "n")) if metres else "0"
+
+
+def _prefixed(thousandths: float, unit: str, prefixes: tuple[str, ...] = ("", "m", "µ")) -> str:
+    """A number given in the first prefix, in one that suits its size."""
+    value = thousandths
+    for prefix in prefixes:
+        if abs(value) >= 0.1 or prefix == prefixes[-1]:
+            return f"{value:.4g} {prefix}{unit}"
+        value *= 1e3
+    raise AssertionError

@@ -1,0 +1,162 @@
+"""One self-contained HTML page of a results file: pictures, tables and charts that ask nothing of any network."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from dataclasses import dataclass
+from functools import partial
+from importlib.resources import files
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
+
+from vibeam.report.page.charts import chart_data
+from vibeam.report.page.drawing import drawing
+from vibeam.report.page.encoding import as_json
+from vibeam.report.page.tables_of_page import PageTable, of_report, scene_table
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from matplotlib.figure import Figure
+
+    from vibeam.run.result import Result
+    from vibeam.run.stored_result import StoredResult
+
+
+DOTS = 110  # dots an inch of a static picture
+
+PICTURES_BYTES = 420_000  # of all static pictures together
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A static picture as PNG in base64, with what it shows in words."""
+
+    name: str
+    words: str
+    data: str
+
+
+def page(stored: StoredResult) -> str:
+    """The page as HTML; CaseError where a model of the case cannot be built any more."""
+    from jinja2 import Environment
+
+    result = stored.result
+    room = files(__package__)
+    template = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True).from_string(
+        (room / "page.html").read_text(encoding="utf-8")
+    )
+    return template.render(
+        result=result,
+        case=result.case,
+        missing=stored.missing,
+        headlines=_headlines(result),
+        sentences=_sentences(result),
+        scene=drawing(result.case.scene),
+        scene_keys=scene_table(result.case.text),
+        no_beam=result.case.scene.no_beam,
+        tables=_tables(result),
+        checks=_checks(result, stored.left_out),
+        pictures=_pictures(result),
+        provenance=sorted(stored.provenance.items()),
+        data=as_json(chart_data(stored)),
+        script=(room / "page.js").read_text(encoding="utf-8"),
+        style=(room / "page.css").read_text(encoding="utf-8"),
+        plot_script=(room / "vendor" / "uPlot.iife.min.js").read_text(encoding="utf-8"),
+        plot_style=(room / "vendor" / "uPlot.min.css").read_text(encoding="utf-8"),
+        plot_licence=(room / "vendor" / "uPlot.LICENSE").read_text(encoding="utf-8"),
+    )
+
+
+def _headlines(result: Result) -> list[str]:
+    from vibeam.run.comparison.wording import headline
+
+    return [headline(each) for each in result.comparisons]
+
+
+def _sentences(result: Result) -> list[str]:
+    from vibeam.figures.units import units_for
+    from vibeam.run.comparison.wording import notes
+    from vibeam.run.remarks import remarks
+
+    below = [line for each in result.comparisons for line in notes(each)]
+    if result.accuracy is not None:
+        from vibeam.report import accuracy
+
+        below = [*accuracy.sentences(result.accuracy, units_for(result)), *below]
+    return [*below, *remarks(result)]
+
+
+def _tables(result: Result) -> list[PageTable]:
+    from vibeam.figures.units import units_for
+    from vibeam.report import tables
+    from vibeam.run.summary import compare
+
+    rows = compare(result)
+    if result.accuracy is not None:
+        from vibeam.report import accuracy
+
+        return [of_report(tables.responses(rows, units_for(result))), of_report(accuracy.choices(result.accuracy))]
+    return [of_report(tables.responses(rows, units_for(result))), of_report(tables.costs(rows, result.comparisons))]
+
+
+@dataclass(frozen=True)
+class Checks:
+    """Checks of the case as tables; ``why``: the reason for none."""
+
+    tables: list[PageTable]
+    passed: int = 0
+    missed: int = 0
+    why: str = ""
+
+
+def _checks(result: Result, left_out: tuple[str, ...]) -> Checks:
+    """References, regression values and measured numbers of the case, where each fidelity was run by itself."""
+    case = result.case
+    lost = f"Not checked against {', '.join(left_out)}: no such files beside the results; name the case with --case."
+    if left_out and not (case.references or case.expectations or case.measured):
+        return Checks([], why=lost)
+    if not (case.references or case.expectations or case.measured):
+        return Checks([], why="The case names no reference to check against and no measured number.")
+    if result.accuracy is not None:
+        return Checks([], why="Checked by vibeam check, which runs each fidelity by itself.")
+    from vibeam.case.faults import CaseError
+    from vibeam.figures.units import units_of
+    from vibeam.report.tables import verdicts
+    from vibeam.studies.regression.check import check, compare_measured
+
+    try:
+        rows, measured = check(case, result), compare_measured(case, result)
+    except CaseError as fault:
+        return Checks([], why=f"Not checked: {fault}")
+    passed = sum(row.passed for row in rows)
+    made = [of_report(each) for each in verdicts(rows, measured, units_of(case))]
+    return Checks(made, passed, len(rows) - passed, lost if left_out else "")
+
+
+def _pictures(result: Result) -> list[Picture]:
+    """The figure of the run, and further figures of the case as far as there is room."""
+    from vibeam.figures.response_curve import frc
+    from vibeam.report.figures import figure
+
+    found = [_picture("response", "Amplitude against frequency of all fidelities", lambda: frc(result))]
+    room = PICTURES_BYTES - len(found[0].data)
+    for name, plan in result.case.shows.items():
+        if name not in result.shown:
+            continue
+        made = _picture(name, f"Figure {name}: {plan.kind}", partial(figure, result, plan))
+        if len(made.data) < room:
+            found.append(made)
+            room -= len(made.data)
+    return found
+
+
+def _picture(name: str, words: str, make: Callable[[], Figure]) -> Picture:
+    import matplotlib as mpl
+
+    from vibeam.figures.page import PAGE, composed
+
+    keys: dict[str, Any] = {"format": "png", "dpi": DOTS}
+    with mpl.rc_context(PAGE), BytesIO() as content:
+        composed(make).savefig(content, **keys)
+        return Picture(name, words, b64encode(content.getvalue()).decode())

@@ -1,0 +1,70 @@
+"""Results of earlier runs: the file alone says what was run."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vibeam.case.faults import CaseError, Fault
+from vibeam.casefile.content import toml_text
+from vibeam.run.store.errors import StoreError
+from vibeam.run.stored_result import StoredResult, read_result
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.run.result import Result
+
+
+def read(path: str | Path) -> Result:
+    """Result in a results file, complete or not: ``vibeam.read("dtu_neutral.h5")["beam"].up.amplitude``.
+
+    Nothing is computed or written. StoreError where it is no results file, and where its case names files, of matrices
+    say, that are not in its folder.
+    """
+    return stored(path).result
+
+
+def stored(path: str | Path, case: Case | None = None) -> StoredResult:
+    """All that a results file holds; ``case``: in place of the one in the file, whose numbers must be the same.
+
+    References whose files are not beside the results file are left out. StoreError as ``read``, where the ``case`` is
+    another one, and where the case names other files that are not there.
+    """
+    file, lost = Path(path), []
+
+    def own(text: str) -> Case:
+        made, left_out = _parsed(text, file)
+        lost.extend(left_out)
+        return made
+
+    if case is None:
+        found = read_result(file, own)
+        return replace(found, left_out=tuple(lost))
+    found = read_result(file, lambda text: case)
+    if case.numbers != found.numbers:
+        raise StoreError(f"{file}: is not of {case.path}: its case decides other numbers")
+    return found
+
+
+def _parsed(text: str, results: Path) -> tuple[Case, list[str]]:
+    """The case of a results file, and the references left out of it."""
+    from vibeam.casefile.read import parse
+
+    place = results.with_suffix(".toml")
+    try:
+        return parse(text, place), []
+    except CaseError as wrong:
+        names = list(dict.fromkeys(fault.key.split(".")[1] for fault in wrong.faults if _of_reference(fault)))
+        if not all(map(_of_reference, wrong.faults)):
+            raise StoreError(
+                f"{results}: its case needs files of its own folder: name it with --case\n{wrong}"
+            ) from None
+    tables = tomllib.loads(text)
+    tables["reference"] = {name: value for name, value in tables["reference"].items() if name not in names}
+    return parse(toml_text(tables), place), names
+
+
+def _of_reference(fault: Fault) -> bool:
+    return fault.key.startswith("reference.") and fault.key.endswith(".file")
