@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from vibeam.batch.response import BatchResponse as BatchResponse
     from vibeam.case.case import Case as Case
     from vibeam.case.faults import CaseError as CaseError
+    from vibeam.case.reference_curves import read_curve as read_curve
+    from vibeam.case.reference_form import ReferenceForm as ReferenceForm
+    from vibeam.case.reference_record import ReferenceCurve as ReferenceCurve
     from vibeam.casefile.read import load as load
     from vibeam.casefile.registration import register_effect as register_effect
     from vibeam.casefile.registration import register_law as register_law
@@ -118,6 +121,9 @@ _HOMES = {
     "Outcome": "vibeam.flight.trajectory",
     "FrequencyResponse": "vibeam.system.response",
     "cost": "vibeam.studies.cost.study",
+    "ReferenceCurve": "vibeam.case.reference_record",
+    "ReferenceForm": "vibeam.case.reference_form",
+    "read_curve": "vibeam.case.reference_curves",
     "check": "vibeam.studies.regression.check",
     "compare_measured": "vibeam.studies.regression.check",
     "modes": "vibeam.studies.modes",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from vibeam.case.plans import AccuracyPlan, CostPlan, FigurePlan, InfluencePlan,
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity
     from vibeam.case.plans import Expectation, Measured, ShowPlan
+    from vibeam.case.reference_record import ReferenceCurve
     from vibeam.observe.measuring_chain import Chain
     from vibeam.system.impact_system import ImpactSystem
     from vibeam_models.any_scene import AnyScene
@@ -91,6 +92,15 @@ class Case:
 
         scene = self.scene_of(name)
         return base_amplitude(scene) if omega is None else drive_amplitude(scene, omega)
+
+    def with_reference(self, name: str, curve: ReferenceCurve, fidelity: str, tolerance: float | None = None) -> Case:
+        """Same case with a reference ``curve`` of ``fidelity``; ``tolerance`` None: compared without a verdict.
+
+        KeyError names the known fidelities.
+        """
+        self.scene_of(fidelity)
+        given = Reference(name, Path(curve.source), fidelity, curve.quantity, tolerance, "both", curve=curve)
+        return replace(self, references=self.references | {name: replace(given, measured=tolerance is None)})
 
     def system(self, name: str) -> ImpactSystem:
         """Impact system of one fidelity; KeyError names the known fidelities."""

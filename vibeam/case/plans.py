@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+
+from vibeam.case.reference_form import ReferenceForm
+
+if TYPE_CHECKING:
+    from vibeam.case.reference_record import ReferenceCurve
 
 Direction = Literal["up", "down", "both"]
 
@@ -75,6 +80,9 @@ class SweepPlan:
 class Reference:
     """Reference curve: ``quantity`` of ``fidelity``, within a relative ``tolerance``; ``file`` is absolute.
 
+    ``tolerance`` None: compared without a verdict, as ``measured`` curves may be. ``form``: columns, units,
+    scale of the file; ``curve``: the curve itself, in place of the file.
+
     ``quote``: messages may quote the file's content; False where it lies outside the case's folder.
     """
 
@@ -82,9 +90,13 @@ class Reference:
     file: Path
     fidelity: str
     quantity: str
-    tolerance: float
+    tolerance: float | None
     direction: Direction
     quote: bool = True
+    form: ReferenceForm = field(default_factory=ReferenceForm)
+    measured: bool = False
+    source: str = ""
+    curve: ReferenceCurve | None = None
 
 
 @dataclass(frozen=True)

@@ -207,13 +207,11 @@ def _chain(case: AnyCase) -> Chain | None:
 
 
 def _references(case: AnyCase, folder: Path, swept: Direction) -> dict[str, Reference]:
-    found = {}
-    for name, table in case.reference.items():
-        file = (folder / table.file).absolute()
-        values = table.model_dump() | {"file": file, "direction": table.direction or swept}
-        values["quote"] = file.resolve().is_relative_to(folder.resolve())
-        found[name] = Reference(name=name, **values)
-    return found
+    if not case.reference:
+        return {}
+    from vibeam.casefile.tables.references import record
+
+    return {name: record(name, table, case, folder, swept) for name, table in case.reference.items()}
 
 
 def _expectations(case: AnyCase, swept: Direction) -> dict[str, Expectation]:

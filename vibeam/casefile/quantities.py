@@ -6,11 +6,10 @@ import math
 import re
 from dataclasses import dataclass
 from decimal import Decimal, DecimalException
-from functools import cache
 from typing import Any
 
 from vibeam.case.faults import as_shown_in_message, suggest
-from vibeam.casefile.common_units import common_unit
+from vibeam.case.units import unit_size
 
 
 @dataclass(frozen=True)
@@ -80,7 +79,7 @@ _NAMED = (
 
 def dimension(unit: str) -> Dimension:
     """The kind of quantity whose SI unit is ``unit``; UnitError for a unit that is not known."""
-    if _parsed(unit) is None and unit:
+    if unit_size(unit) is None and unit:
         raise UnitError(_unknown(unit, unit))
     named = (kind for kind in _NAMED if kind.unit == unit)
     return next(named, Dimension(f"a quantity in {unit}", unit, f"1 {unit}"))
@@ -92,40 +91,7 @@ _USUAL += ["V", "mV", "1/V", "kg/m^3", "g/cm^3", "kg m^2", "N/m^2", "m/s", "mm/s
 
 _USUAL += ["m/s^2", "N", "N m", "N/m", "N m/rad", "ohm", "H", "mH", "N/A", "rad", "deg"]
 
-# An angle is a dimension of its own here, so that 1 Hz = 2π rad/s and a bare 1/s is neither.
-_DEFINITIONS = """
-nano- = 1e-9 = n-
-micro- = 1e-6 = µ- = u-
-milli- = 1e-3 = m-
-centi- = 1e-2 = c-
-kilo- = 1e3 = k-
-mega- = 1e6 = M-
-giga- = 1e9 = G-
-meter = [length] = m = metre
-inch = 0.0254 * meter = in
-gram = [mass] = g
-tonne = 1000 * kilogram = t
-second = [time] = s
-minute = 60 * second = min
-radian = [angle] = rad
-turn = 6.283185307179586476925286766559 * radian = rev
-degree = turn / 360 = deg
-hertz = turn / second = Hz
-rpm = turn / minute
-newton = kilogram * meter / second ** 2 = N
-pascal = newton / meter ** 2 = Pa
-volt = [voltage] = V
-ampere = newton * meter / second / volt = A
-ohm = volt / ampere
-henry = ohm * second = H
-percent = 0.01
-"""
-
 _QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)
-
-_POWER = r"(?: ?(?:\^|\*\*) ?-?[0-9]|⁻?[¹²³])?"
-
-_UNIT = re.compile(rf"(?:1 ?/ ?)?[A-Za-zµ%]+{_POWER}(?:(?: ?[*/·] ?| )[A-Za-zµ%]+{_POWER}){{0,5}}")
 
 _NOT_FINITE = re.compile(r"\s*[+-]?(nan|inf|infinity)\b.*", re.DOTALL | re.IGNORECASE)
 
@@ -192,11 +158,11 @@ def _factor(unit: str, kind: Dimension, text: str) -> Decimal:
     """Factor from ``unit`` to the kind's unit; UnitError names what ``text`` is where there is none."""
     if kind.own and unit == kind.own[0]:
         return Decimal(kind.own[1])
-    found = _parsed(unit)
+    found = unit_size(unit)
     if found is None:
         raise UnitError(_unknown(unit, text))
     factor, dimension = found
-    wanted_factor, wanted = _parsed(kind.unit) or (Decimal(1), {})
+    wanted_factor, wanted = unit_size(kind.unit) or (Decimal(1), {})
     if dimension != wanted:
         raise UnitError(
             f"{as_shown_in_message(text)} is {_phrase(dimension)}, not {kind.phrase}{_hint(dimension, kind)}"
@@ -212,7 +178,7 @@ def _unknown(unit: str, text: str) -> str:
 
 def _phrase(dimension: dict[str, float]) -> str:
     for kind in _NAMED:
-        if (_parsed(kind.unit) or (1, {}))[1] == dimension:
+        if (unit_size(kind.unit) or (1, {}))[1] == dimension:
             return kind.phrase
     powers = (f"{name.strip('[]')}^{power:g}" for name, power in sorted(dimension.items()))
     return f"a quantity of dimension {' '.join(powers)}"
@@ -222,29 +188,3 @@ def _hint(dimension: dict[str, float], kind: Dimension) -> str:
     if kind.phrase == FREQUENCY.phrase and dimension == {"[time]": -1}:
         return ": write Hz or rad/s"
     return ""
-
-
-@cache
-def _parsed(unit: str) -> tuple[Decimal, dict[str, float]] | None:
-    """Size in base units and dimension of a unit, or None; pint reads plain products of units that are not common."""
-    if len(unit) > 40 or not _UNIT.fullmatch(unit):
-        return None
-    if (common := common_unit(unit)) is not None:
-        return common
-    registry = _registry()
-    try:
-        one = registry.Quantity(Decimal(1), registry.parse_units(unit.replace("%", "percent")))
-        base = one.to_base_units()
-        return Decimal(base.magnitude), {str(name): float(power) for name, power in base.dimensionality.items()}
-    except Exception:  # whatever pint's parser makes of rubbish, it is not a unit
-        return None
-
-
-@cache
-def _registry() -> Any:
-    """Pint with the few units of this bench: its own thousand take ten times as long to read."""
-    import pint
-
-    registry: Any = pint.UnitRegistry(None, non_int_type=Decimal)
-    registry.load_definitions(_DEFINITIONS.strip().splitlines())
-    return registry

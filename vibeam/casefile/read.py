@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from pathlib import Path
 from pathlib import Path as File
@@ -85,7 +85,7 @@ def without_accuracy(case: Case) -> Case:
     """Same case without its ``accuracy``: every fidelity at every frequency."""
     tables = tomllib.loads(case.text)
     rest = {key: value for key, value in tables.items() if key not in ("accuracy", "accuracy_of")}
-    return parse(toml_text(rest), case.path)
+    return replace(parse(toml_text(rest), case.path), references=case.references)
 
 
 def validate(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[AnyCase, dict[str, AnyCase]]:

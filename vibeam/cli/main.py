@@ -12,6 +12,7 @@ import typer
 
 from vibeam.cli.commands.keys import keys
 from vibeam.cli.commands.new import new
+from vibeam.cli.commands.record import record
 from vibeam.cli.commands.report import report
 from vibeam.cli.commands.run import run
 from vibeam.cli.commands.study import study
@@ -56,5 +57,13 @@ def _options(
         raise typer.Exit
 
 
-for command in (run, *(loaded(each.command) for each in STUDIES.values() if each.command), report, study, new, keys):
+for command in (
+    run,
+    *(loaded(each.command) for each in STUDIES.values() if each.command),
+    report,
+    study,
+    record,
+    new,
+    keys,
+):
     app.command()(mistakes()(command))

@@ -116,8 +116,8 @@ def _off(row: Summary, compared: Sequence[HeldComparison]) -> tuple[str, ...]:
 
 def verdicts(rows: Sequence[CheckRow], measured: Sequence[MeasuredRow], units: Units = METRIC) -> list[ReportTable]:
     """Tables of references, of regression values and of measured numbers, those that there are."""
-    kinds = ("reference", "regression value")
-    found = [checks(own, units, kind) for kind in kinds if (own := [row for row in rows if row.kind == kind])]
+    kinds = {"reference": "reference", "regression value": "regression value", "measured": "measured curve"}
+    found = [checks(own, units, kinds[kind]) for kind in kinds if (own := [row for row in rows if row.kind == kind])]
     return [*found, measurements(measured, units)] if measured else found
 
 
@@ -126,11 +126,17 @@ def checks(rows: Iterable[CheckRow], units: Units = METRIC, kind: str = "referen
     names = ("", kind, "fidelity", "quantity", "points|", "worst|", "at|", "allowed|", "why")
     table = blank(f"{kind.capitalize()}s", *names, heads=2)
     for row in rows:
-        mark = Text("passed", style="green") if row.passed else Text("missed", style="bold red")
+        mark = _verdict(row.passed)
         points = str(row.points) if row.points == row.total else f"{row.points} of {row.total}"
         numbers = (points, percent(row.worst), units.frequencies(row.frequency), percent(row.tolerance))
         table.add_row(mark, row.reference, row.fidelity, row.quantity, *numbers, _why(row))
     return table
+
+
+def _verdict(passed: bool | None) -> Text:
+    if passed is None:
+        return Text("compared")
+    return Text("passed", style="green") if passed else Text("missed", style="bold red")
 
 
 def crossings(rows: Sequence[Crossing], own: str, units: Units = METRIC) -> ReportTable:
@@ -232,4 +238,4 @@ def _signed(error: float) -> str:
 def _why(row: CheckRow) -> str:
     if row.notes:
         return "; ".join(row.notes)
-    return "" if row.passed else "off by more than allowed"
+    return "off by more than allowed" if row.passed is False else ""

@@ -5,8 +5,8 @@ from itertools import product
 
 import pytest
 
-from vibeam.casefile.common_units import SYMBOLS, common_unit
-from vibeam.casefile.quantities import _registry
+from vibeam.case.common_units import SYMBOLS, common_unit
+from vibeam.case.units import _registry
 
 PRODUCTS = [
     *SYMBOLS,

@@ -10,10 +10,11 @@ from vibeam.casefile.fields import Text, Word
 from vibeam.casefile.tables.beam import BeamTable, MassTable, SensorTable
 from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable
 from vibeam.casefile.tables.effects import effect_tables, with_effects
-from vibeam.casefile.tables.expectations import ExpectTable, ReferenceTable
+from vibeam.casefile.tables.expectations import ExpectTable
 from vibeam.casefile.tables.figures import FigureTable, MeasurementTable, SdofMeasurementTable, ShowTable
 from vibeam.casefile.tables.measured import MeasuredTable
 from vibeam.casefile.tables.outputs import OutputTable
+from vibeam.casefile.tables.references import ReferenceTable
 from vibeam.casefile.tables.single import SdofTable
 from vibeam.casefile.tables.stop import sdof_stop_table, stop_table
 from vibeam.casefile.tables.studies import CostTable, InfluenceTable

@@ -1,14 +1,12 @@
-"""Tables of reference curves and expected numbers; rules between them and what the case sweeps and shows."""
+"""Tables of expected numbers; rules between them and what the case sweeps and shows."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated
 
 from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, shortened, suggest
-from vibeam.case.reference_files import file_fault
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Value
 from vibeam.casefile.fields import POSITIVE, Quantity, Text, Word
@@ -16,15 +14,6 @@ from vibeam.casefile.tables.names import NAME, named_fidelity
 from vibeam.casefile.tables.outputs import of_displacement
 from vibeam.casefile.tables.table import DIRECTIONS, EXTENTS, QUANTITIES, Frequency, Ratio, Table, key
 from vibeam.figures import FIGURES, LIMITS, OF_OUTPUT, READ
-
-
-def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
-    """Complaints about every [reference.NAME]; files are looked for from ``folder``."""
-    for name, reference in case.reference.items():
-        yield from named_fidelity(case, ("reference", name, "fidelity"), reference.fidelity)
-        if reference.file is not None and (fault := _file_fault(folder, reference.file)):
-            yield ("reference", name, "file"), fault
-        yield from _swept(case, ("reference", name, "direction"), reference.direction)
 
 
 def expectation_checks(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -37,7 +26,7 @@ def reading_checks(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace
     """Complaints about where an [expect.NAME] or [measured.NAME] finds its number."""
     yield from named_fidelity(case, (*path, "fidelity"), expect.fidelity)
     yield from named_fidelity(case, (*path, "against"), expect.against)
-    yield from _swept(case, (*path, "direction"), expect.direction)
+    yield from swept_checks(case, (*path, "direction"), expect.direction)
     if expect.quantity in OF_OUTPUT:
         yield from of_displacement(case, (*path, "quantity"), expect.quantity)
     if expect.show is not None or expect.number is not None or expect.quantity in READ:
@@ -80,29 +69,11 @@ def _of_a_figure(case: SimpleNamespace, path: KeyPath, expect: SimpleNamespace) 
         yield (*path, "frequency"), f'kind = "{show.kind}" has no use for it: leave it away'
 
 
-def _swept(case: SimpleNamespace, path: KeyPath, way: str | None) -> Iterator[Complaint]:
+def swept_checks(case: SimpleNamespace, path: KeyPath, way: str | None) -> Iterator[Complaint]:
+    """A complaint about a direction that is not swept."""
     swept = case.sweep.direction
     if way and swept and swept not in ("both", way):
         yield path, f'"{way}" is not swept: sweep.direction is "{swept}"'
-
-
-def _file_fault(folder: File, name: str) -> str | None:
-    fault = file_fault(folder / name)
-    if fault == "no such file" or "\0" in name:
-        return f"no file {as_shown_in_message(name)} in the case file's folder"
-    return fault and f"{as_shown_in_message(name)} {fault}"
-
-
-class ReferenceTable(Table):
-    """A curve that a fidelity is checked against, one table each."""
-
-    file: Annotated[str, Text()] = key("CSV file, from the case file's folder", "references/dtu_neutral_sdof.csv")
-    fidelity: Annotated[str, Text()] = key("the fidelity that must meet it", "sdof")
-    quantity: Annotated[str, Word(QUANTITIES)] = key("the column compared", "amplitude")
-    tolerance: Annotated[float, Quantity(units.RATIO, POSITIVE)] = key("largest relative difference", "0.0001 %")
-    direction: Annotated[str | None, Word(DIRECTIONS)] = key(
-        "the branches compared; absent = all that are swept", "both", None, written=False
-    )
 
 
 class ReadingTable(Table):

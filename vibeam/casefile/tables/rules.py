@@ -11,11 +11,12 @@ from types import SimpleNamespace
 
 from vibeam.case.faults import Complaint
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.tables.expectations import expectation_checks, reference_checks
+from vibeam.casefile.tables.expectations import expectation_checks
 from vibeam.casefile.tables.figures import figure_checks, measurement_checks
 from vibeam.casefile.tables.harmonics import harmonic_checks
 from vibeam.casefile.tables.measured import measured_checks
 from vibeam.casefile.tables.names import name_checks
+from vibeam.casefile.tables.references import reference_checks
 from vibeam.casefile.tables.stop import stop_checks
 from vibeam.casefile.tables.studies import study_checks
 from vibeam.casefile.tables.sweep import plan_checks

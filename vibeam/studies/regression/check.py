@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from vibeam.studies.regression import expectations as expect
 from vibeam.studies.regression import measured, references
+from vibeam.studies.regression.flown import at_references
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -17,11 +18,13 @@ if TYPE_CHECKING:
 def check(case: Case, result: Result | None = None, *, partial: bool = False) -> list[CheckRow]:
     """Compare a case with its references and expectations, one row each; ``row.passed`` is the verdict.
 
-    ``result`` None: the case is run, every fidelity by itself. ``partial`` forgives frequencies that the sweep does not
-    have. CaseError for a reference file that cannot be read.
+    ``result`` None: the case is run, every fidelity by itself. References are compared at their own frequencies: what
+    the sweep does not have between its ends is flown. ``partial`` forgives frequencies that it does not have. CaseError
+    for a reference file that cannot be read.
     """
     result = _result(case) if result is None else result
-    return references.check(case, result, partial=partial) + expect.check(case, result, partial=partial)
+    at = at_references(case, result, partial=partial)
+    return references.check(case, result, partial=partial, at=at) + expect.check(case, result, partial=partial)
 
 
 def compare_measured(case: Case, result: Result | None = None) -> list[MeasuredRow]:

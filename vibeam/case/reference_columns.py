@@ -1,0 +1,131 @@
+"""Reference points from files of others: columns by their heads, values in SI."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from re import fullmatch
+
+import numpy as np
+
+from vibeam.case.faults import CaseError, as_shown_in_message
+from vibeam.case.reference_files import fault_in, file_fault
+from vibeam.case.reference_form import ReferenceForm, factor
+from vibeam.case.reference_record import Array, Point, given
+from vibeam.exchange.curves.columns import SHOWN, Column, Columns, CurveError, HeadError, Wanted
+from vibeam.exchange.curves.read import read_columns
+from vibeam.exchange.curves.text import TextForm
+
+NO_COLUMNS = "does not begin with the names of its columns: write {}"
+
+FREQUENCY_HEADS = ("frequency", "freq", "f")
+
+WAYS = {
+    "up": "up", "down": "down", "forward": "up", "backward": "down", "increasing": "up", "decreasing": "down",
+}  # fmt: skip
+
+ANONYMOUS = "cannot be read as a curve; its lines are not shown, since it lies outside the case's folder"
+
+
+def read_points(path: Path, quantity: str, form: ReferenceForm, quote: bool) -> list[Point]:
+    """Read the points of a file of any form; CaseError with the place and the cure."""
+    if fault := file_fault(path):
+        raise CaseError([fault_in(path, None, fault)])
+    try:
+        found = read_columns(path, _wanted(quantity, form), TextForm(form.separator, form.decimal))
+        return _points(found, quantity, form)
+    except CurveError as wrong:
+        raise CaseError([fault_in(path, wrong.line, _told(wrong, quantity, form, quote))]) from None
+
+
+def _told(wrong: CurveError, quantity: str, form: ReferenceForm, quote: bool) -> str:
+    """Message of a fault; what the file holds is in it where it may be quoted."""
+    if isinstance(wrong, HeadError) and not form.columns:
+        heads = ", ".join(map(as_shown_in_message, wrong.heads[:SHOWN])) if quote else ""
+        there = f": there are {heads}" if heads else ""
+        cure = f'columns = {{ frequency = "…", {quantity} = "…" }}'
+        return f"{NO_COLUMNS.format(heading_of(quantity))}, or name its own in the case, {cure}{there}"
+    return wrong.message.replace("value = ", f"{quantity} = ") if quote else ANONYMOUS
+
+
+def _wanted(quantity: str, form: ReferenceForm) -> dict[str, Wanted]:
+    """Columns by role: those that the case names, or the usual heads."""
+    columns = dict(form.columns)
+    found = {
+        "frequency": Wanted(_names(columns, "frequency", FREQUENCY_HEADS)),
+        "value": Wanted(_names(columns, quantity, (quantity,))),
+    }
+    for role, words in (("uncertainty", False), ("direction", True), ("period", True)):
+        if role in columns or role != "period":
+            found[role] = Wanted(_names(columns, role, (role,)), needed=role in columns, words=words)
+    return found
+
+
+def _names(columns: dict[str, str | int], role: str, usual: tuple[str, ...]) -> tuple[str | int, ...]:
+    return (columns[role],) if role in columns else usual
+
+
+def _points(found: Columns, quantity: str, form: ReferenceForm) -> list[Point]:
+    columns = found.columns
+    frequency = _in_si(columns["frequency"], "frequency", "Hz", form.units.get("frequency"), "")
+    column = columns["value"]
+    value = _in_si(column, quantity, form.unit, form.units.get(quantity), form.scale_unit)
+    uncertainty = _uncertainty(columns.get("uncertainty"), column, value, quantity, form)
+    points = []
+    for row, line in enumerate(found.lines):
+        at = float(frequency[row])
+        if np.isnan(at) and np.isnan(value[row]):
+            continue
+        if not at > 0:
+            raise CurveError(
+                "the frequency is missing" if np.isnan(at) else f"the frequency {at:g} Hz is not above 0", line
+            )
+        way, period = _way(columns.get("direction"), row, line), _period(columns.get("period"), row, line)
+        points.append(Point(line, at, way, given(value[row]), period, given(uncertainty[row])))
+    return points
+
+
+def _in_si(column: Column, role: str, wanted: str, said: str | None, scale_unit: str) -> Array:
+    """Values of a column in SI; the case's unit goes before the file's."""
+    unit = column.unit if said is None else said
+    try:
+        return column.values * factor(unit, wanted, scale_unit)
+    except ValueError as fault:
+        raise CurveError(f'column {column.head!r}: {fault}; say it in the case: units = {{ {role} = "…" }}') from None
+
+
+def _uncertainty(column: Column | None, of: Column, value: Array, quantity: str, form: ReferenceForm) -> Array:
+    """Standard uncertainties before the scale: in the unit of the value, its own, or a percentage of the value."""
+    if column is None:
+        return np.full(len(value), np.nan)
+    unit = form.units.get("uncertainty", column.unit)
+    if unit == "%":
+        return np.abs(value) * column.values / 100
+    return np.abs(_in_si(column, "uncertainty", form.unit, unit or form.units.get(quantity, of.unit), form.scale_unit))
+
+
+def _way(column: Column | None, row: int, line: int) -> str | None:
+    if column is None or not column.words[row]:
+        return None
+    word = column.words[row].casefold()
+    if word not in WAYS:
+        raise CurveError(f"direction {as_shown_in_message(column.words[row])} is neither up nor down", line)
+    return WAYS[word]
+
+
+def _period(column: Column | None, row: int, line: int) -> int | None:
+    try:
+        return None if column is None else period_of(column.words[row].removesuffix(".0"))
+    except ValueError as fault:
+        raise CurveError(str(fault), line) from None
+
+
+def heading_of(quantity: str) -> str:
+    """First line of a file of vibeam's own form."""
+    return f"frequency_hz,direction,{quantity}"
+
+
+def period_of(text: str | None) -> int | None:
+    """Period as a whole number, None where empty; ValueError for anything else."""
+    if text and not fullmatch("[+-]?[0-9]{1,9}", text):
+        raise ValueError(f"the period {as_shown_in_message(text)} is not a whole number")
+    return int(text) if text else None

@@ -1,0 +1,160 @@
+"""Table [reference.NAME]: a curve that a fidelity is compared with; rules between its keys; its record."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path as File
+from types import SimpleNamespace
+from typing import Annotated, Any, cast
+
+from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message
+from vibeam.case.plans import Direction, Reference
+from vibeam.case.reference_files import file_fault
+from vibeam.case.reference_form import ROLES, ReferenceForm
+from vibeam.casefile.amounts import Amount, AmountEntry
+from vibeam.casefile.field_lists import Several
+from vibeam.casefile.fields import ANY, POSITIVE, Flag, Quantity, Text, Word
+from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.quantities import RATIO
+from vibeam.casefile.reference_fields import Heads, Scale, Units
+from vibeam.casefile.tables.expectations import swept_checks
+from vibeam.casefile.tables.measured import unit_of_reading
+from vibeam.casefile.tables.names import named_fidelity
+from vibeam.casefile.tables.outputs import quantity_named
+from vibeam.casefile.tables.table import DIRECTIONS, QUANTITIES, Frequency, Table, key
+
+SIGNS = {"semicolon": ";", "comma": ",", "tab": "\t", "bar": "|", "blank": " "}
+
+SI = {
+    "displacement": ("m", "m/s"), "velocity": ("m/s", "m/s^2"), "acceleration": ("m/s^2", "m/s^3"),
+    "slope": ("rad", "rad/s"), "strain": ("1", "1/s"),
+}  # fmt: skip
+
+
+class ReferenceTable(Table):
+    """A curve that a fidelity is checked against, one table each."""
+
+    file: Annotated[str, Text()] = key(
+        "from the case file's folder: CSV or other text, MATLAB (.mat), HDF5 (.h5), universal file (.uff, .unv)",
+        "references/dtu_neutral_sdof.csv",
+    )
+    fidelity: Annotated[str, Text()] = key("the fidelity that must meet it", "sdof")
+    quantity: Annotated[str, Word(QUANTITIES)] = key("the column compared", "amplitude")
+    tolerance: Annotated[float | None, Quantity(RATIO, POSITIVE)] = key(
+        "largest relative difference; may be absent where measured = true: then without a verdict", "0.0001 %", None
+    )
+    direction: Annotated[str | None, Word(DIRECTIONS)] = key(
+        "the branches compared; absent = all that are swept", "both", None, written=False
+    )
+    columns: Annotated[dict[str, Any] | None, Heads()] = key(
+        "heads of the file's columns, or their numbers from 1; variables, datasets, number of the data set 58",
+        {"frequency": "f [Hz]", "amplitude": "x [mm]", "uncertainty": "u [mm]"}, None, written=False,
+    )  # fmt: skip
+    units: Annotated[dict[str, str] | None, Units()] = key(
+        "units of columns whose heads do not say them; absent = SI", {"amplitude": "mm"}, None, written=False
+    )
+    separator: Annotated[str | None, Word(tuple(SIGNS))] = key(
+        "between the cells of a line of text; absent = found out", "semicolon", None, written=False
+    )
+    decimal: Annotated[str | None, Word((".", ","))] = key(
+        "decimal sign in text; absent = found out", ",", None, written=False
+    )
+    scale: Annotated[tuple[float, str] | None, Scale()] = key(
+        "factor of the values, with a unit where it is a sensor's", "2 mm/V", None, written=False
+    )
+    offset: Annotated[Amount | None, AmountEntry(ANY)] = key(
+        "added to the values after scale", "0.05 mm", None, written=False
+    )
+    window: Annotated[tuple[float, ...] | None, Several(Frequency, limit=2, ascending=True)] = key(
+        "lowest and highest frequency compared; absent = all", ["14 Hz", "17 Hz"], None, written=False
+    )
+    uncertainty: Annotated[Amount | None, AmountEntry(POSITIVE)] = key(
+        "standard uncertainty of every value, in its unit or as a percentage of it, where no column gives it", "2 %",
+        None, written=False,
+    )  # fmt: skip
+    measured: Annotated[bool, Flag()] = key("whether the curve was measured", True, False, written=False)
+    source: Annotated[str, Text()] = key("where the curve comes from", "Fig. 31(b)", "", written=False)
+
+
+def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
+    """Complaints about every [reference.NAME]; files are looked for from ``folder``."""
+    for name, reference in case.reference.items():
+        path: KeyPath = ("reference", name)
+        yield from named_fidelity(case, (*path, "fidelity"), reference.fidelity)
+        if reference.file is not None and (fault := _file_fault(folder, reference.file)):
+            yield (*path, "file"), fault
+        yield from swept_checks(case, (*path, "direction"), reference.direction)
+        if reference.tolerance is None and not reference.measured:
+            yield (*path, "tolerance"), 'missing: write tolerance = "1 %", or measured = true for no verdict'
+        if reference.window is not None and len(reference.window) != 2:
+            yield (*path, "window"), 'must be two frequencies: write window = ["14 Hz", "17 Hz"]'
+        if reference.quantity is not None:
+            yield from _column_checks(path, reference)
+            yield from _unit_checks(case, path, reference)
+
+
+def _column_checks(path: KeyPath, reference: SimpleNamespace) -> Iterator[Complaint]:
+    for table in ("columns", "units"):
+        for name in getattr(reference, table) or ():
+            if name not in (*ROLES, reference.quantity):
+                yield (*path, table), f'{name} is not compared: quantity = "{reference.quantity}"'
+
+
+def _unit_checks(case: SimpleNamespace, path: KeyPath, reference: SimpleNamespace) -> Iterator[Complaint]:
+    unit, of = unit_of_reading(reference.quantity, None), quantity_named(case, case.sweep.output).name
+    for name in ("offset", "uncertainty"):
+        amount: Amount | None = getattr(reference, name)
+        if amount is None or (name == "uncertainty" and amount.percent):
+            continue
+        if fault := amount.fault(reference.quantity, unit, plain=KINDS[case.kind].plain, of=of):
+            yield (*path, name), fault
+
+
+def _file_fault(folder: File, name: str) -> str | None:
+    fault = file_fault(folder / name)
+    if fault == "no such file" or "\0" in name:
+        return f"no file {as_shown_in_message(name)} in the case file's folder"
+    return fault and f"{as_shown_in_message(name)} {fault}"
+
+
+def record(name: str, table: ReferenceTable, case: Any, folder: File, swept: Direction) -> Reference:
+    """Record of a table of a case."""
+    file, direction = (folder / table.file).absolute(), _direction(table, swept)
+    quote = file.resolve().is_relative_to(folder.resolve())
+    form = _form(table, si_unit(case, table.quantity))
+    return Reference(
+        name=name, file=file, fidelity=table.fidelity, quantity=table.quantity, tolerance=table.tolerance,
+        direction=direction, quote=quote, form=form, measured=table.measured, source=table.source,
+    )  # fmt: skip
+
+
+def _direction(table: ReferenceTable, swept: Direction) -> Direction:
+    direction: Any = table.direction or swept
+    return cast(Direction, direction)
+
+
+def _form(table: ReferenceTable, unit: str) -> ReferenceForm:
+    scale, scale_unit = table.scale or (1.0, "")
+    lowest, highest = table.window or (None, None)
+    return ReferenceForm(
+        columns=table.columns or {},
+        units=table.units or {},
+        unit=unit,
+        scale=scale,
+        scale_unit=scale_unit,
+        offset=0.0 if table.offset is None else table.offset.number,
+        window=None if lowest is None or highest is None else (lowest, highest),
+        uncertainty=None if table.uncertainty is None else table.uncertainty.number,
+        relative=table.uncertainty is not None and table.uncertainty.percent,
+        separator=SIGNS.get(table.separator or "", ""),
+        decimal=table.decimal or "",
+    )
+
+
+def si_unit(case: Any, quantity: str) -> str:
+    """SI unit of a quantity of the sweep's output; ``"1"`` of a length in a case without units."""
+    unit = unit_of_reading(quantity, None)
+    si = {"c": "m", "c/s": "m/s"} | dict(
+        zip(("q", "q/s"), SI[quantity_named(case, case.sweep.output).name], strict=True)
+    )
+    return "1" if KINDS[case.kind].plain and unit in si else si.get(unit, unit)

@@ -1,0 +1,129 @@
+"""Curves in MATLAB's files and in HDF5: variables by name, or a column as ``name:2``; moduli of complex ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vibeam.exchange.curves.columns import Array, Column, Columns, CurveError, Wanted, missing, split_head
+
+
+def read_matlab(path: Path, wanted: Mapping[str, Wanted]) -> Columns:
+    """The variables wanted of a .mat file, by scipy up to version 7, by h5py of version 7.3; CurveError as ``of``."""
+    import h5py
+
+    if h5py.is_hdf5(path):
+        return read_hdf5(path, wanted)
+    from scipy.io import loadmat
+
+    try:
+        held = loadmat(path, simplify_cells=True)
+    except Exception as error:  # whatever the reader makes of another file, it is not one of these
+        raise CurveError(f"is no MATLAB file that can be read: {error}") from None
+    variables = {name: (np.asarray(value), "") for name, value in _flat(held) if not name.startswith("__")}
+    return of(variables, wanted)
+
+
+def _flat(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """Variables and the fields of structs, as ``data.f``."""
+    for name, value in held.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{above}{name}.")
+        else:
+            yield above + name, value
+
+
+def read_hdf5(path: Path, wanted: Mapping[str, Wanted]) -> Columns:
+    """The datasets wanted, by their paths; their attributes ``units`` or ``unit`` are their units."""
+    import h5py
+
+    found: dict[str, tuple[Any, str]] = {}
+
+    def visit(name: str, each: Any) -> None:
+        if isinstance(each, h5py.Dataset) and each.ndim <= 2:
+            unit = each.attrs.get("units", each.attrs.get("unit", ""))
+            value = _plain(each[()])
+            found[name] = value, (unit.decode() if isinstance(unit, bytes) else str(unit))
+
+    try:
+        with h5py.File(path, "r") as file:
+            file.visititems(visit)
+    except OSError as error:
+        raise CurveError(f"is no HDF5 file that can be read: {error}") from None
+    return of(found, wanted)
+
+
+def _plain(value: Any) -> Any:
+    """MATLAB 7.3 keeps complex numbers as pairs of fields."""
+    array = np.asarray(value)
+    fields = array.dtype.names
+    if fields and {"real", "imag"} <= set(fields):
+        return array["real"] + 1j * array["imag"]
+    return array
+
+
+def of(variables: Mapping[str, tuple[Any, str]], wanted: Mapping[str, Wanted]) -> Columns:
+    """Columns of variables with their units; CurveError where one is missing, no numbers, or of another length."""
+    names = list(variables)
+    places = {role: _place(names, each) for role, each in wanted.items()}
+    if fault := missing(names, wanted, {role: place and place[0] + 1 for role, place in places.items()}):
+        raise fault
+    columns = {}
+    for role, place in places.items():
+        if place is not None:
+            name, column = place[1], place[2]
+            value, unit = variables[name]
+            columns[role] = _column(name, unit or split_head(name.rpartition("/")[2])[1], value, column, wanted[role])
+    lengths = {role: len(column.words or column.values) for role, column in columns.items()}
+    if len(set(lengths.values())) > 1:
+        told = ", ".join(f"{columns[role].head!r} has {length}" for role, length in lengths.items())
+        raise CurveError(f"its columns are of different lengths: {told}")
+    return Columns(columns, tuple(range(1, next(iter(lengths.values())) + 1)))
+
+
+def _place(names: list[str], wanted: Wanted) -> tuple[int, str, int | None] | None:
+    """Index, name and column of the variable wanted: by its path, by its last part, or as ``name:2``."""
+    last = [name.replace(".", "/").rpartition("/")[2] for name in names]
+    for text in wanted.names:
+        if isinstance(text, int):
+            continue
+        name, colon, number = text.strip("/").rpartition(":")
+        name, column = (name, int(number)) if colon and number.isdigit() else (text.strip("/"), None)
+        for heads in (names, last):
+            places = [place for place, head in enumerate(heads) if head.casefold() == name.casefold()]
+            if len(places) > 1:
+                raise CurveError(
+                    f"has several {name!r}: {', '.join(names[each] for each in places)}; say the whole path"
+                )
+            if places:
+                return places[0], names[places[0]], column
+    return None
+
+
+def _column(name: str, unit: str, value: Any, column: int | None, wanted: Wanted) -> Column:
+    array = np.asarray(value)
+    if column is not None:
+        if array.ndim != 2 or not 0 < column <= array.shape[1]:
+            raise CurveError(f"{name!r} has the shape {array.shape}: it has no column {column}")
+        array = array[:, column - 1]
+    if array.ndim > 1 and sorted(array.shape)[:-1] != [1] * (array.ndim - 1):
+        raise CurveError(f'{name!r} has the shape {array.shape}: say which column, "{name}:2"')
+    array = array.reshape(-1)
+    if wanted.words:
+        words = tuple(each.decode() if isinstance(each, bytes) else str(each).strip() for each in array)
+        return Column(name, "", np.full(len(words), np.nan), words)
+    return Column(name, unit, _numbers(name, array))
+
+
+def _numbers(name: str, array: Any) -> Array:
+    if array.dtype.kind == "c":
+        return np.asarray(np.abs(array), dtype=float)
+    if array.dtype.kind not in "fiub":
+        raise CurveError(f"{name!r} holds no numbers")
+    numbers = np.asarray(array, dtype=float)
+    if np.isinf(numbers).any():
+        raise CurveError(f"{name!r} holds an infinite number, at row {int(np.flatnonzero(np.isinf(numbers))[0]) + 1}")
+    return numbers

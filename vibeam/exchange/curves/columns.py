@@ -1,0 +1,110 @@
+"""Columns of a file of measured curves: those that are wanted, by their heads, and how a head says its unit."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+SHOWN = 12  # heads named in a message
+
+
+class CurveError(ValueError):
+    """File that is no curve; the message has the cure, ``line`` is where (None: the whole file)."""
+
+    def __init__(self, message: str, line: int | None = None) -> None:
+        self.message, self.line = message, line
+        super().__init__(message)
+
+
+class HeadError(CurveError):
+    """File without a column that is wanted; ``heads``: those that it has."""
+
+    def __init__(self, message: str, heads: Sequence[str], line: int | None = None) -> None:
+        self.heads = tuple(heads)
+        super().__init__(message, line)
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Column that is wanted: its head or number from 1 (any of ``names``), whether ``needed``, whether of ``words``."""
+
+    names: tuple[str | int, ...]
+    needed: bool = True
+    words: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """Column that was found: its head, its unit (empty: not said), its values, NaN where empty; or its ``words``."""
+
+    head: str
+    unit: str
+    values: Array
+    words: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """Columns by role, of equal length, and the line or row of each entry."""
+
+    columns: Mapping[str, Column]
+    lines: tuple[int, ...]
+
+
+_UNIT = r"[A-Za-zµμ%][\w%µμ²³⁻¹*/·^ -]{0,39}|1 ?/ ?[A-Za-z]+"
+
+_HEADS = (
+    re.compile(r"(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\[\]()]*?)\s*[\])]\s*", re.DOTALL),
+    re.compile(rf"(?P<name>[^/]*?)\s*[/,]\s*(?P<unit>{_UNIT})\s*"),
+    re.compile(r"(?P<name>.*?)_(?P<unit>k?[Hh]z|[muµ]?m)"),
+)
+
+
+def split_head(head: str) -> tuple[str, str]:
+    """Name and unit of a head: ``f [Hz]``, ``x (mm)``, ``x / mm``, ``f, Hz``, ``frequency_hz``; unit empty if none."""
+    for form in _HEADS:
+        if found := form.fullmatch(head.strip()):
+            return found["name"].strip(), found["unit"].replace("μ", "µ").replace("hz", "Hz")
+    return head.strip(), ""
+
+
+def find(heads: Sequence[str], wanted: Wanted) -> int | None:
+    """Place of the head that is wanted, by its whole text or by its name without unit; CurveError where it is twice."""
+    for name in wanted.names:
+        if isinstance(name, int):
+            return name - 1 if 0 < name <= len(heads) else None
+        for known in (_whole, _named):
+            places = [place for place, head in enumerate(heads) if known(head) == _whole(name)]
+            if len(places) > 1:
+                raise CurveError(f"has {len(places)} columns {name!r}: say which by its number, from 1")
+            if places:
+                return places[0]
+    return None
+
+
+def _whole(head: str) -> str:
+    return " ".join(head.split()).casefold()
+
+
+def _named(head: str) -> str:
+    return _whole(split_head(head)[0])
+
+
+def missing(heads: Iterable[str], wanted: Mapping[str, Wanted], found: Mapping[str, int | None]) -> HeadError | None:
+    """What to say of columns that are needed and not there."""
+    absent = [role for role, each in wanted.items() if each.needed and found.get(role) is None]
+    if not absent:
+        return None
+    names = list(heads)
+    there = ", ".join(map(repr, names[:SHOWN])) + (" …" if len(names) > SHOWN else "")
+    first = wanted[absent[0]].names[0]
+    what = f"number {first}" if isinstance(first, int) else repr(first)
+    cure = ", ".join(f'{role} = "…"' for role in absent)
+    told = f"has no column {what}: there are {there or 'none'}"
+    return HeadError(f"{told}; say which in the case: columns = {{ {cure} }}", names)

@@ -1,0 +1,203 @@
+"""Curves in text: CSV and the tables of instruments, any heads, separators, decimal signs, line ends."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from vibeam.exchange.curves.columns import Column, Columns, CurveError, HeadError, Wanted, find, missing, split_head
+from vibeam.exchange.curves.numbers import decimal_sign, number
+
+SEPARATORS = (";", "\t", ",", "|", " ")
+
+LONGEST_HEAD = 500  # lines before the table begins
+
+_ENDS = re.compile("\r\r\n|\r\n|\n|\r")
+
+_FREQUENCY_UNIT = re.compile(r"[\[(]?\s*(k?hz|rad/s|rpm|1/min)\s*[\])]?", re.IGNORECASE)
+
+Row = tuple[int, list[str]]  # line, cells
+
+
+@dataclass(frozen=True)
+class TextForm:
+    """How a text file is written; empty: found out from the file."""
+
+    separator: str = ""
+    decimal: str = ""
+
+
+def read(path: Path, wanted: Mapping[str, Wanted], form: TextForm | None = None) -> Columns:
+    """The columns wanted; CurveError, with the line, where one is missing or a cell is no number."""
+    form = form or TextForm()
+    lines = list(_lines(path))
+    place, heads, separator = _head(lines, wanted, form)
+    rows = list(_rows(lines[place:], heads, separator, form))
+    places = {role: found for role, each in wanted.items() if (found := find(heads, each)) is not None}
+    units, rows = _units_line(rows, places, wanted)
+    kept = [row for row in rows if any(row[1][places[role]].strip() for role in places if wanted[role].needed)]
+    if not kept:
+        raise CurveError("has no line of numbers below its heads")
+    decimal = form.decimal or decimal_sign(_cells(kept, [places[role] for role in places if not wanted[role].words]))
+    columns = {}
+    for role, column in places.items():
+        name, unit = split_head(heads[column])
+        own = [(line, cells[column]) for line, cells in kept]
+        if wanted[role].words:
+            columns[role] = Column(name, "", np.full(len(own), np.nan), tuple(cell.strip() for _, cell in own))
+        else:
+            columns[role] = Column(name, units.get(role, unit), np.array([number(each, decimal) for each in own]))
+    return Columns(columns, tuple(line for line, _ in kept))
+
+
+def _lines(path: Path) -> Iterator[tuple[int, str]]:
+    """Lines that are not empty, by number."""
+    for count, line in enumerate(_ENDS.split(text_of(path)), 1):
+        if line.strip():
+            yield count, line
+
+
+def text_of(path: Path) -> str:
+    """The text of a file in UTF-8, UTF-16 with its mark, or Windows' Latin; CurveError where it is no text."""
+    try:
+        raw = path.read_bytes()
+    except OSError as error:
+        raise CurveError(f"cannot be read: {error.strerror or error}") from None
+    if raw.startswith(b"PK\x03\x04"):
+        raise CurveError("is a workbook, not text: save the sheet as CSV")
+    encodings = ("utf-16",) if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8-sig", "cp1252")
+    for encoding in encodings:
+        try:
+            text = raw.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        if "\0" not in text:
+            return text
+    raise CurveError("cannot be read: it is not UTF-8 text")
+
+
+def split(line: str, separator: str) -> list[str]:
+    """Cells of a line; blanks in any number are one separator."""
+    if separator == " ":
+        return line.split()
+    try:
+        return [cell.strip() for cell in next(csv.reader([line.strip("\r\n")], delimiter=separator))]
+    except csv.Error as error:
+        raise CurveError(f"is no line of a table: {error}") from None
+
+
+def _head(lines: list[tuple[int, str]], wanted: Mapping[str, Wanted], form: TextForm) -> tuple[int, list[str], str]:
+    """Index of the first line below the heads, the heads, the separator between them."""
+    if all(isinstance(name, int) for each in wanted.values() for name in each.names if each.needed):
+        return _without_head(lines, wanted, form)
+    separators = (form.separator,) if form.separator else SEPARATORS
+    best: tuple[int, list[str], str] | None = None
+    for place, (line, text) in enumerate(lines[:LONGEST_HEAD]):
+        for separator in separators:
+            heads = _heads_of(line, text, separator)
+            if best and (separator == " " or len(heads) <= len(best[1])):
+                continue
+            if all(find(heads, each) is not None for each in wanted.values() if each.needed):
+                best = place + 1, heads, separator
+        if best:
+            return best[0], _trimmed(best[1]), best[2]
+    raise _no_heads(lines, wanted, separators)
+
+
+def _heads_of(line: int, text: str, separator: str) -> list[str]:
+    """Heads of a line, which may be a comment; a unit in brackets belongs to the word before it."""
+    shown = text.lstrip("#%").strip() if text[0] in "#%" else text
+    return re.split(r"\s+(?![\[(])", shown.strip()) if separator == " " else _cells_of(line, shown, separator)
+
+
+def _no_heads(lines: list[tuple[int, str]], wanted: Mapping[str, Wanted], separators: tuple[str, ...]) -> HeadError:
+    """The message for a file whose heads are other ones: those of the line that looks most like heads."""
+    likely, line = list[str](), None
+    for count, text in lines[:LONGEST_HEAD]:
+        heads = max((_cells_of(count, text, each) for each in separators[:-1] or separators), key=len)
+        if len(heads) > len(likely) and not any(re.fullmatch(r"[+-]?[0-9.,eE+-]+", each) for each in heads if each):
+            likely, line = heads, count
+    found = {role: find(likely, each) for role, each in wanted.items()}
+    fault = missing(likely, wanted, found)
+    assert fault is not None  # or it would have been the head
+    return HeadError(fault.message, likely, line or (lines[0][0] if lines else None))
+
+
+def _cells_of(line: int, text: str, separator: str) -> list[str]:
+    try:
+        return split(text, separator)
+    except CurveError as fault:
+        raise CurveError(fault.message, line) from None
+
+
+def _trimmed(cells: list[str]) -> list[str]:
+    """Cells without empty ones at the end: a line may end with separators."""
+    while cells and not cells[-1]:
+        cells = cells[:-1]
+    return cells
+
+
+def _without_head(
+    lines: list[tuple[int, str]], wanted: Mapping[str, Wanted], form: TextForm
+) -> tuple[int, list[str], str]:
+    """As ``_head`` of a file whose columns are told by number: numbers begin where all of these are numbers."""
+    needed = [name for each in wanted.values() if each.needed for name in each.names if isinstance(name, int)]
+    for place, (line, text) in enumerate(lines[:LONGEST_HEAD]):
+        for separator in (form.separator,) if form.separator else SEPARATORS:
+            cells = _cells_of(line, text, separator)
+            if len(cells) >= max(needed) and all(_numeric(cells[each - 1]) for each in needed):
+                heads = _cells_of(*lines[place - 1], separator) if place else []
+                named = len(heads) == len(cells)
+                return place, heads if named else [f"column {each + 1}" for each in range(len(cells))], separator
+    raise CurveError(f"has no line with numbers in the columns {' and '.join(map(str, needed))}")
+
+
+def _numeric(text: str) -> bool:
+    return bool(re.fullmatch(r"\s*[+-]?[0-9.,'  ]*[0-9][0-9.,]*([eEdD][+-]?[0-9]+)?\s*", text))
+
+
+def _rows(lines: list[tuple[int, str]], heads: list[str], separator: str, form: TextForm) -> Iterator[Row]:
+    """Rows of cells, as many as heads; CurveError where a row has more."""
+    chosen = separator
+    for index, (line, text) in enumerate(lines):
+        if text.lstrip()[0] in "#%":
+            continue
+        if index == 0 and not form.separator:
+            chosen = _of_rows(line, text, len(heads), separator)
+        cells = _trimmed(_cells_of(line, text, chosen))
+        if not cells:
+            continue
+        if len(cells) > len(heads):
+            why = ": decimal commas between commas? Export with semicolons" if chosen == "," else ""
+            raise CurveError(f"{len(cells)} cells for {len(heads)} columns{why}", line)
+        yield line, cells + [""] * (len(heads) - len(cells))
+
+
+def _of_rows(line: int, text: str, count: int, separator: str) -> str:
+    """Separator of the rows: the heads', unless they have none of it and another gives as many cells as heads."""
+    if count == 1 or len(_cells_of(line, text, separator)) > 1:
+        return separator
+    fitting = [each for each in SEPARATORS if len(_trimmed(_cells_of(line, text, each))) == count]
+    return fitting[0] if fitting else separator
+
+
+def _units_line(
+    rows: list[Row], places: Mapping[str, int], wanted: Mapping[str, Wanted]
+) -> tuple[dict[str, str], list[Row]]:
+    """Units from a line of their own below the heads, and the rows after it."""
+    if not rows or not _FREQUENCY_UNIT.fullmatch(rows[0][1][places["frequency"]].strip()):
+        return {}, rows
+    cells = rows[0][1]
+    units = {role: cells[place].strip().strip("[]()").strip() for role, place in places.items()}
+    return {role: unit for role, unit in units.items() if not wanted[role].words}, rows[1:]
+
+
+def _cells(rows: list[Row], places: list[int]) -> Iterator[tuple[int, str]]:
+    for line, cells in rows:
+        for place in places:
+            yield line, cells[place]

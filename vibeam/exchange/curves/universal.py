@@ -1,0 +1,93 @@
+"""Curves in universal files: functions at nodal degrees of freedom (data set 58), read by pyuff, the extra ``lab``."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from vibeam.exchange.curves.columns import Column, Columns, CurveError, Wanted
+
+MISSING = "pyuff reads it, and is not installed: pip install 'vibeam[lab]', or export the curve as CSV"
+
+FREQUENCY = 18  # specific data type of an abscissa in Hz
+
+SI = 1  # code of the units data set, 164
+
+UNITS = {8: "m", 11: "m/s", 12: "m/s^2"}  # specific data types of an ordinate
+
+AXES = {1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
+
+
+def read(path: Path, wanted: Mapping[str, Wanted]) -> Columns:
+    """Frequency and modulus of one data set 58, the one that ``wanted["value"]`` numbers where there are several."""
+    sets = _sets(path)
+    units = [each for each in sets if each["type"] == 164]
+    if units and units[0]["units_code"] != SI:
+        raise CurveError(f"its units have the code {units[0]['units_code']}: export it in SI (code {SI})")
+    curves = [each for each in sets if each["type"] == 58]
+    one = curves[_chosen(curves, wanted["value"])]
+    frequency, ordinate = np.asarray(one["x"], dtype=float), np.asarray(one["data"])
+    if one.get("abscissa_spec_data_type") != FREQUENCY:
+        raise CurveError("its data set 58 is not over frequency: export a frequency response or an order")
+    if not len(frequency) == len(ordinate) == int(one.get("num_pts") or len(ordinate)) > 0:
+        told = f"{len(frequency)} frequencies and {len(ordinate)} values for {one.get('num_pts')} points"
+        raise CurveError(f"its data set 58 has {told}: blanks are missing between numbers, or lines?")
+    values = np.abs(ordinate) if np.iscomplexobj(ordinate) else np.asarray(ordinate, dtype=float)
+    if not (np.isfinite(frequency).all() and np.isfinite(values).all()):
+        raise CurveError("its data set 58 has entries that are no numbers: blanks are missing between numbers?")
+    columns = {"frequency": Column("abscissa", "Hz", frequency), "value": Column(_called(one), _unit(one), values)}
+    return Columns(columns, tuple(range(1, len(frequency) + 1)))
+
+
+def _sets(path: Path) -> list[dict[str, Any]]:
+    try:
+        import pyuff
+    except ImportError:
+        raise CurveError(MISSING) from None
+    try:
+        with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            found: Any = pyuff.UFF(str(path)).read_sets()
+    except Exception as error:  # whatever the reader makes of another file, it is not one of these
+        raise CurveError(f"is no universal file that can be read: {error or type(error).__name__}") from None
+    return found if isinstance(found, list) else [found]
+
+
+def _chosen(curves: list[dict[str, Any]], wanted: Wanted) -> int:
+    if not curves:
+        raise CurveError("has no curve: a data set 58 is needed")
+    if isinstance(wanted.names[0], int):
+        number = wanted.names[0]
+        if not 0 < number <= len(curves):
+            raise CurveError(f"has {len(curves)} data sets 58: there is no number {number}")
+        return number - 1
+    if len(curves) > 1:
+        told = ", ".join(f"{number}: {_called(each)}" for number, each in enumerate(curves[:8], 1))
+        raise CurveError(f"has {len(curves)} data sets 58, {told}: say which by its number, columns = {{ value = 1 }}")
+    return 0
+
+
+def _called(one: Mapping[str, Any]) -> str:
+    """Response and reference degree of freedom: ``2Z/1Z``."""
+    parts = []
+    for part in ("rsp", "ref"):
+        direction = int(one.get(f"{part}_dir") or 0)
+        sign = "-" if direction < 0 else ""
+        parts.append(f"{one.get(f'{part}_node', 0)}{sign}{AXES.get(abs(direction), '')}")
+    return "/".join(parts)
+
+
+def _unit(one: Mapping[str, Any]) -> str:
+    """Unit of the ordinate: its label, or by its type; of a ratio over a denominator, empty where it is not said."""
+    label = str(one.get("ordinate_axis_units_lab") or "").strip()
+    if label and label.upper() != "NONE":
+        return label
+    if int(one.get("orddenom_spec_data_type") or 0):
+        return ""
+    return UNITS.get(int(one.get("ordinate_spec_data_type") or 0), "")
