@@ -129,9 +129,9 @@ def _checks(result: Result, left_out: tuple[str, ...]) -> Checks:
         rows, measured = check(case, result), compare_measured(case, result)
     except CaseError as fault:
         return Checks([], why=f"Not checked: {fault}")
-    passed = sum(row.passed for row in rows)
+    passed, missed = (sum(row.passed is verdict for row in rows) for verdict in (True, False))
     made = [of_report(each) for each in verdicts(rows, measured, units_of(case))]
-    return Checks(made, passed, len(rows) - passed, lost if left_out else "")
+    return Checks(made, passed, missed, lost if left_out else "")
 
 
 def _pictures(result: Result) -> list[Picture]:
