@@ -10,6 +10,7 @@ from typing import Annotated
 
 import typer
 
+from vibeam.cli.commands.doctor import doctor
 from vibeam.cli.commands.keys import keys
 from vibeam.cli.commands.new import new
 from vibeam.cli.commands.record import record
@@ -65,5 +66,6 @@ for command in (
     record,
     new,
     keys,
+    doctor,
 ):
     app.command()(mistakes()(command))

@@ -291,7 +291,7 @@ def test_keys_prints_the_schema_of_a_case(command: Command) -> None:
 def test_version_and_help(command: Command) -> None:
     assert command("--version").stdout == f"vibeam {__version__}\n"
     text = command("--help").stdout
-    assert all(name in text for name in ("run", "derive", "check", "modes", "new", "keys"))
+    assert all(name in text for name in ("run", "derive", "check", "modes", "new", "keys", "doctor"))
 
 
 def write(folder: Path, text: str) -> Path:

@@ -1,0 +1,150 @@
+"""The check of an installation: right where it is, and each kind of fault is seen, with its cure."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from vibeam.flight import trajectory
+from vibeam.studies.doctor import Finding, State
+from vibeam.studies.doctor.machine import _folder, processor
+from vibeam.studies.doctor.packages import Requirement, numbers, optional, parsed, required, requirements
+from vibeam.studies.doctor.self_check import CHECKS, checked, reason, self_check
+
+DOCTOR = "from vibeam.cli.main import main; main()"
+
+BLOCKED = "import sys; sys.modules.update(dict.fromkeys(sys.argv.pop().split(',')))\n" + DOCTOR
+
+
+def doctor(code: str = DOCTOR, *words: str, **variables: str) -> tuple[int, dict[str, dict[str, str]], str]:
+    """Exit code, findings by name, stderr."""
+    asked = [sys.executable, "-c", code, "doctor", "--json", *words]
+    done = subprocess.run(asked, capture_output=True, encoding="utf-8", env=os.environ | variables, check=False)
+    answer = json.loads(done.stdout)
+    found = {each["name"]: each for each in answer["findings"]}
+    assert answer["faults"] == sum(each["state"] == "fault" for each in answer["findings"])
+    return done.returncode, found, done.stderr
+
+
+def test_a_whole_installation_has_no_fault() -> None:
+    code, found, stderr = doctor()
+    assert (code, [name for name, each in found.items() if each["state"] == "fault"], stderr) == (0, [], "")
+    assert found["Python"]["value"].startswith(".".join(map(str, sys.version_info[:3])))
+    assert {"numpy", "scipy", "pillow", "numba", "kernels", "cores", "temporary files"} <= set(found)
+    assert {found[name]["state"] for name in CHECKS} == {"ok"}
+
+
+def test_packages_that_cannot_be_imported_are_named_and_the_rest_is_examined() -> None:
+    blocked = ("h5py", "rich", "pint", "matplotlib", "meshio", "pyuff", "tomli_w")
+    code, found, _ = doctor(BLOCKED, ",".join(blocked))
+    assert code == 1
+    for name in ("h5py", "rich", "pint", "matplotlib", "meshio", "tomli-w"):
+        assert found[name]["state"] == "fault"
+        assert "cannot be imported" in found[name]["value"]
+        assert found[name]["cure"].startswith(f"pip install --force-reinstall '{name}>=")
+    assert found["orbit of period 1 by flight"]["state"] == "ok"
+    assert found["results file"]["state"] == "fault"
+    assert found["numpy"]["state"] == "ok"
+
+
+def test_kernels_that_are_not_there_are_one_fault() -> None:
+    code, found, _ = doctor(VIBEAM_KERNELS="none of them")
+    assert code == 1
+    assert found["kernels"]["state"] == "fault"
+    assert "VIBEAM_KERNELS" in found["kernels"]["cure"]
+    assert found["environment"]["value"].count("VIBEAM_KERNELS=none of them") == 1
+    assert found["impacts of an oscillator"]["state"] == "note"
+    assert found["frequency of a cantilever"]["state"] == "ok"
+
+
+def test_why_numba_compiles_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("VIBEAM_KERNELS", "numba")
+    assert reason() == "VIBEAM_KERNELS=numba"
+
+
+@pytest.mark.parametrize(
+    "name", ["impacts of an oscillator", "rest after endless impacts", "orbit of period 1 by flight"]
+)
+def test_a_motion_that_is_a_little_off_is_a_fault(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """By a restitution that is wrong by 10⁻⁸."""
+    from dataclasses import replace
+
+    right = trajectory.simulate
+
+    def wrong(system: Any, *given: Any, **further: Any) -> Any:
+        return right(replace(system, restitution=system.restitution * (1 + 1e-8)), *given, **further)
+
+    monkeypatch.setattr(trajectory, "simulate", wrong)
+    found = {each.name: each for each in self_check()}
+    assert found[name].state is State.FAULT
+    assert "is allowed" in found[name].value
+    assert found["frequency of a cantilever"].state is State.GOOD
+
+
+@pytest.mark.parametrize("off", [float("nan"), 1e-3])
+def test_a_deviation_beyond_what_is_allowed_is_a_fault(off: float) -> None:
+    found = checked("it", lambda: off, 1e-6)
+    assert (found.state, bool(found.cure)) == (State.FAULT, True)
+    assert checked("it", lambda: 1e-7, 1e-6).state is State.GOOD
+    assert checked("it", lambda: 1 / 0, 1e-6).value == "ZeroDivisionError: division by zero"
+
+
+def test_requirements_are_those_of_the_project() -> None:
+    found = {each.name: each for each in requirements()}
+    assert found["numpy"].extra == ""
+    assert numbers(found["scipy"].least) >= (1,)
+    assert (found["numba"].extra, found["pyuff"].extra) == ("jit", "lab")
+
+
+@pytest.mark.parametrize(
+    ("entry", "wanted"),
+    [
+        ("scikit-fem>=10", Requirement("scikit-fem", "10")),
+        ('numba>=0.60; extra == "jit"', Requirement("numba", "0.60", "jit")),
+        ("Pint >= 0.23 ; extra == 'x'", Requirement("pint", "0.23", "x")),
+        ("dask[distributed]>=2024.1,<2030", Requirement("dask", "2024.1")),
+        ("rich", Requirement("rich", "")),
+    ],
+)
+def test_entries_of_requirements_are_read(entry: str, wanted: Requirement) -> None:
+    assert parsed(entry) == wanted
+
+
+@pytest.mark.parametrize(
+    ("one", "other"), [("1.9", "1.10"), ("1.26", "1.26.1"), ("0.5", "1"), ("9.1.0rc1", "10"), ("2.0.dev1", "2.0.1")]
+)
+def test_versions_are_compared_by_their_numbers(one: str, other: str) -> None:
+    assert numbers(one) < numbers(other)
+    assert numbers("1.15.0") == numbers("1.15")
+
+
+def test_a_package_that_is_absent_or_old_has_its_cure() -> None:
+    assert required(Requirement("no-such-package", "2")) == Finding(
+        "packages", "no-such-package", State.FAULT, "not installed", "pip install 'no-such-package>=2'"
+    )
+    old = required(Requirement("numpy", "999"))
+    assert (old.state, old.cure) == (State.FAULT, "pip install --upgrade 'numpy>=999'")
+    extra = optional(Requirement("no-such-package", "2", "lab"))
+    assert (extra.state, extra.cure) == (State.ABSENT, "to have it: pip install 'vibeam[lab]'")
+
+
+def test_a_folder_that_is_not_writable_is_seen(tmp_path: Path) -> None:
+    taken = tmp_path / "file"
+    taken.touch()
+    found = _folder("cache", lambda: str(taken / "below"), State.NOTE, "set X")
+    assert (found.state, found.cure) == (State.NOTE, "set X")
+    assert _folder("cache", lambda: str(tmp_path / "new"), State.NOTE, "").state is State.GOOD
+
+
+def test_a_processor_without_a_name_has_its_architecture(tmp_path: Path) -> None:
+    import platform
+
+    assert processor(tmp_path / "none").endswith(platform.machine())
+    (tmp_path / "cpuinfo").write_text("flags : a\nmodel name\t: Some One 9\n")
+    assert processor(tmp_path / "cpuinfo").startswith("Some One 9, ")

@@ -1,0 +1,30 @@
+"""Check of an installation: versions, extras, machine, kernels, places, and closed forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from vibeam.studies.doctor.finding import Finding, State
+
+__all__ = ["Finding", "State", "examine"]
+
+
+def examine() -> tuple[Finding, ...]:
+    """Examine the installation; a fault in one part leaves the others as they are."""
+    return tuple(finding for part in _parts() for finding in _within(part))
+
+
+def _within(part: Callable[[], Iterator[Finding]]) -> Iterator[Finding]:
+    try:
+        yield from part()
+    except Exception as fault:  # of a package that is missing or broken, which has its own line
+        name = part.__name__.replace("_", " ")
+        yield Finding(name, name, State.FAULT, f"not examined: {type(fault).__name__}: {fault}")
+
+
+def _parts() -> tuple[Callable[[], Iterator[Finding]], ...]:
+    from vibeam.studies.doctor.machine import machine, places
+    from vibeam.studies.doctor.packages import packages
+    from vibeam.studies.doctor.self_check import kernels, self_check
+
+    return packages, machine, places, kernels, self_check

@@ -1,0 +1,95 @@
+"""Platform, processor, cores, environment variables, and the folders for caches and configuration."""
+
+from __future__ import annotations
+
+import os
+import platform
+import shutil
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from vibeam.studies.doctor.finding import Finding, State
+
+MACHINE, PLACES = "machine", "places"
+
+#: of the kernels, threads of linear algebra, caches, what is imported
+VARIABLES = (
+    *("VIBEAM_KERNELS", "OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"),
+    *("NUMBA_CACHE_DIR", "MPLCONFIGDIR", "MPLBACKEND", "TMPDIR", "PYTHONPATH"),
+)
+
+
+def machine() -> Iterator[Finding]:
+    """Findings about what the program runs on: facts, nothing to judge."""
+    yield _fact("platform", platform.platform())
+    yield _fact("processor", processor())
+    yield _fact("cores", _cores())
+    yield _fact("linear algebra", _linear_algebra())
+    given = [f"{name}={os.environ[name]}" for name in VARIABLES if name in os.environ]
+    yield _fact("environment", ", ".join(given) or "none of the variables that matter is set")
+
+
+def _fact(name: str, value: str) -> Finding:
+    return Finding(MACHINE, name, State.FACT, value)
+
+
+def processor(cpuinfo: Path = Path("/proc/cpuinfo")) -> str:
+    """Name of the processor, else its architecture."""
+    try:
+        lines = cpuinfo.read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        lines = []
+    named = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return f"{next(named, platform.processor() or 'unnamed')}, {platform.machine()}"
+
+
+def _cores() -> str:
+    from vibeam.run.parallel import cores
+
+    usable, there = cores(), os.cpu_count() or 1
+    return f"{usable} usable" + (f" of {there}" if usable != there else "")
+
+
+def _linear_algebra() -> str:
+    import numpy as np
+
+    try:
+        built = np.show_config(mode="dicts")["Build Dependencies"]["blas"]
+        return f"{built['name']} {built['version']}"
+    except (KeyError, TypeError):
+        return "not known"
+
+
+def places() -> Iterator[Finding]:
+    """Findings about folders that must be writable, and about ffmpeg."""
+    yield _folder("temporary files", tempfile.gettempdir, State.FAULT, "set TMPDIR to a folder that is")
+    yield _folder("matplotlib's cache", _of_matplotlib, State.NOTE, "set MPLCONFIGDIR to one: starts are quicker")
+    yield _folder(
+        "numba's cache", _of_numba, State.NOTE, "set NUMBA_CACHE_DIR to one, or kernels are compiled at each start"
+    )
+    found = shutil.which("ffmpeg")
+    cure = "" if found else "if you need that: install it (apt install ffmpeg)"
+    yield Finding(PLACES, "ffmpeg", State.GOOD if found else State.ABSENT, found or "not found (mp4 files)", cure)
+
+
+def _of_matplotlib() -> str:
+    import matplotlib as mpl
+
+    return mpl.get_cachedir()
+
+
+def _of_numba() -> str:
+    """Folder of numba's cache: its variable, else beside the kernels."""
+    return os.environ.get("NUMBA_CACHE_DIR") or str(Path(__file__).parents[2] / "flight" / "kernels")
+
+
+def _folder(name: str, where: object, otherwise: State, cure: str) -> Finding:
+    assert callable(where)
+    try:
+        folder = str(where())
+        os.makedirs(folder, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return Finding(PLACES, name, State.GOOD, folder)
+    except Exception as fault:
+        return Finding(PLACES, name, otherwise, f"no folder that is writable: {fault}", cure)

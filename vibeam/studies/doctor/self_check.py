@@ -1,0 +1,199 @@
+"""Where the kernels come from, and a check of about a second of what the program computes against closed forms.
+
+**Impacts of an oscillator at its stop.** η̈ + ω²η = 0 with the stop at η = 0, thrown off by v: impact k is at kπ/ω with
+R^(k−1) v.
+
+**A ball that comes to rest.** η̈ = g toward a stop at η = 0, thrown off by v: it rests from 2v/(g(1 − R)) on.
+
+**An orbit at twice the natural frequency.** η̈ + ω²η = Ω²B sin Ωt with Ω = 2ω and the stop at η = 0, one impact a drive
+period π/ω. The free part changes its sign from impact to impact, so that both parts vanish there. With p = (4/3)ΩB, the
+driven part's velocity then, and h that of the free part just after, p + h = −R(p − h): h = −p(1 + R)/(1 − R), and it
+strikes with p − h = (8/3)ΩB/(1 − R).
+
+**Frequency of a cantilever.** βL = 1.8751040687119611 of cosh cos = −1, ω = (βL)² √(EI/(ρA))/L².
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import pi, sqrt
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.studies.doctor.finding import Finding, State
+
+if TYPE_CHECKING:
+    from vibeam.system.state import State as Motion
+
+TOPIC, KERNELS = "self-check", "kernels"
+
+CURE = "the installation computes wrongly: install vibeam anew, and report this output"
+
+EXACT, MESH = 1e-10, 1e-6  # allowed relative errors: of round-off, and of a mesh of 24 elements
+
+ROOT = 1.8751040687119611
+
+
+def kernels() -> Iterator[Finding]:
+    """Finding about where the kernels come from, and why from there."""
+    from vibeam.flight.entries import move, origin
+    from vibeam.flight.libraries.choice import CURE as INSTALL
+    from vibeam.flight.libraries.choice import VARIABLE
+    from vibeam.flight.libraries.errors import KernelsUnavailable
+    from vibeam.flight.libraries.processor import level
+
+    try:
+        move.function  # noqa: B018  found, or compiled, when it is asked for
+    except KernelsUnavailable as fault:
+        yield Finding(KERNELS, "kernels", State.FAULT, str(fault), f"{INSTALL}, or unset {VARIABLE}")
+        return
+    came = origin()
+    if came == "numba":
+        yield Finding(KERNELS, "kernels", State.NOTE, f"compiled by numba: {reason()}", "the first use takes minutes")
+    else:
+        yield Finding(KERNELS, "kernels", State.GOOD, f"{came}; the processor takes {level()}")
+
+
+def reason() -> str:
+    """Why numba compiles the kernels and no library is taken."""
+    import os
+
+    from vibeam.flight.entries import move
+    from vibeam.flight.libraries.choice import VARIABLE
+    from vibeam.flight.libraries.errors import LibraryUnavailable
+    from vibeam.flight.libraries.load import level_of
+
+    if os.environ.get(VARIABLE) == "numba":
+        return f"{VARIABLE}=numba"
+    try:
+        level_of(move.library, move.module, move.name)
+    except LibraryUnavailable as found:
+        return str(found)
+    return "the library cannot be loaded"
+
+
+def self_check() -> Iterator[Finding]:
+    """Findings about each closed form, and about a results file; a check that fails does not stop the others."""
+    begun = perf_counter()
+    for name, (deviation, allowed) in CHECKS.items():
+        yield checked(name, deviation, allowed)
+    yield Finding(TOPIC, "time", State.FACT, f"{perf_counter() - begun:.2g} s")
+
+
+def checked(name: str, deviation: Callable[[], float], allowed: float) -> Finding:
+    """Finding about one check, by its relative ``deviation`` from what is known."""
+    from vibeam.flight.libraries.errors import KernelsUnavailable
+
+    try:
+        off = deviation()
+    except KernelsUnavailable:
+        return Finding(TOPIC, name, State.NOTE, "not computed: there are no kernels")
+    except Exception as fault:
+        return Finding(TOPIC, name, State.FAULT, f"{type(fault).__name__}: {fault}", CURE)
+    if not off <= allowed:  # NaN is none
+        return Finding(TOPIC, name, State.FAULT, f"off by {off:.1e}, and {allowed:.0e} is allowed", CURE)
+    return Finding(TOPIC, name, State.GOOD, f"off by {off:.1e}" if allowed else "written and read")
+
+
+def oscillator() -> float:
+    """Largest relative error of ten impacts, times and velocities, with a certificate that none was missed."""
+    from vibeam.flight.trajectory import simulate
+    from vibeam.system.impact_system import Drive, ImpactSystem
+
+    rate, kept = 7.0, 0.8
+    system = ImpactSystem.from_modes([rate], 0.0, [1.0], [1.0], gap=0.0, restitution=kept)
+    path = simulate(system, Drive(1.0, 0.0), 10.5 * pi / rate, _thrown(1.0), certify=True)
+    if len(path.impact_times) != 10 or path.certificate is None or not path.certificate.complete:
+        raise ValueError(f"{len(path.impact_times)} impacts of 10, or no proof of them")
+    number = np.arange(1, 11)
+    return _largest(path.impact_times / (number * pi / rate), path.impact_velocities / kept ** (number - 1.0))
+
+
+def ball() -> float:
+    """Relative error of the time at which the ball comes to rest."""
+    from vibeam.flight.trajectory import simulate
+    from vibeam.system.impact_system import Drive, ImpactSystem
+
+    fall, kept = 9.81, 0.5
+    system = ImpactSystem.from_modes([0.0], 0.0, [1.0], [1.0], static=[fall], restitution=kept)
+    path = simulate(system, Drive(1.0, 0.0), 1.0, _thrown(1.0))
+    return _largest(path.rests[:1, 0] * fall * (1 - kept) / 2)
+
+
+def orbit() -> float:
+    """Largest relative error of the impact velocities along the orbit, flown from just after an impact."""
+    from vibeam.flight.trajectory import simulate
+    from vibeam.system.impact_system import Drive, ImpactSystem
+
+    rate, kept, size = 50.0, 0.7, 1e-4
+    system = ImpactSystem.from_modes([rate], 0.0, [1.0], [1.0], gap=0.0, restitution=kept)
+    velocity = 8 / 3 * 2 * rate * size / (1 - kept)
+    begin = pi / (2 * rate)  # Ωt = π: the driven part passes the stop from outside
+    start = _thrown(kept * velocity)
+    path = simulate(system, Drive(2 * rate, size), begin + 5.5 * pi / rate, start, t_start=begin, certify=True)
+    if len(path.impact_times) != 5 or path.certificate is None or not path.certificate.complete:
+        raise ValueError(f"{len(path.impact_times)} impacts of 5, or no proof of them")
+    times = begin + np.arange(1, 6) * pi / rate
+    return _largest(path.impact_times / times, path.impact_velocities / velocity)
+
+
+def closed_orbit() -> float:
+    """Relative error of the velocity of the same orbit, as the equations of periodic motions give it."""
+    from vibeam.orbits.orbit import orbits
+    from vibeam.system.impact_system import Drive, ImpactSystem
+
+    rate, kept, size = 50.0, 0.7, 1e-4
+    system = ImpactSystem.from_modes([rate], 0.0, [1.0], [1.0], gap=0.0, restitution=kept)
+    found = [each.velocity for each in orbits(system, Drive(2 * rate, size)) if each.admissible]
+    return _largest(np.array(found[:1]) / (8 / 3 * 2 * rate * size / (1 - kept)))
+
+
+def cantilever() -> float:
+    """Relative error of the first frequency of 24 elements."""
+    from vibeam_models.beam import bare_beam
+    from vibeam_models.beams.beam import Beam, Damping
+    from vibeam_models.beams.shapes import Rectangle
+
+    beam = Beam(0.3, Rectangle(0.02, 0.002), 70e9, 2700.0, Damping("constant", (0.0,)), elements=24)
+    known = ROOT**2 / 0.3**2 * sqrt(70e9 * 0.002**2 / 12 / 2700)
+    return _largest(bare_beam(beam)[0].modes(1).omega / known)
+
+
+def results_file() -> float:
+    """Number of values that an HDF5 file does not give back as they were written."""
+    import h5py
+
+    values = np.linspace(0.0, 1.0, 100)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "a.h5"
+        with h5py.File(path, "w") as file:
+            file["values"] = values
+        with h5py.File(path) as file:
+            return float(np.count_nonzero(file["values"][()] != values))
+
+
+def _thrown(velocity: float) -> Motion:
+    """One mode at its stop, thrown off it (m/s)."""
+    from vibeam.system.state import State
+
+    return State(np.zeros(1), np.array([-velocity]))
+
+
+def _largest(*ratios: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
+    """Largest distance from 1; NaN where there is nothing."""
+    values = np.concatenate([np.asarray(each, dtype=float).ravel() for each in ratios])
+    return float(np.max(np.abs(values - 1))) if len(values) else float("nan")
+
+
+CHECKS: dict[str, tuple[Callable[[], float], float]] = {
+    "impacts of an oscillator": (oscillator, EXACT),
+    "rest after endless impacts": (ball, EXACT),
+    "orbit of period 1 by flight": (orbit, EXACT),
+    "the same orbit in closed form": (closed_orbit, EXACT),
+    "frequency of a cantilever": (cantilever, MESH),
+    "results file": (results_file, 0.0),
+}
