@@ -111,9 +111,10 @@ class BeamPanel:
         low, high = self.range
         wide = self.ends[1] - self.ends[0]
         middle, half = (low + high) / 2, wide / scale * room[1] / room[0] / 2
-        self.axes.set_xlim(*(self.along[1] * end for end in self.ends))
+        first, last = (self.along[1] * end for end in self.ends)
+        self.axes.set_xlim(first, last, auto=True)
         low, high = ((middle + side * half) * self.across[1] for side in (-1, 1))
-        self.axes.set_ylim(low, high, auto=True)  # about: the aspect, which is exact, sets them
+        self.axes.set_ylim(low, high, auto=True)  # about: the aspect, which is kept, sets them
         self.axes.set_aspect(scale * self.along[1] / self.across[1], adjustable="datalim")
         self.axes.text(0.02, 0.04, f"deflection × {scale:g}", transform=self.axes.transAxes)
 
