@@ -63,6 +63,8 @@ if TYPE_CHECKING:
     from vibeam.studies.regression.check import compare_measured as compare_measured
     from vibeam.studies.stability.study import stability as stability
     from vibeam.studies.stored import read as read
+    from vibeam.studies.verdict.study import Verdict as Verdict
+    from vibeam.studies.verdict.study import verdict as verdict
     from vibeam.system.contact import Contact as Contact
     from vibeam.system.impact_system import Drive as Drive
     from vibeam.system.impact_system import ImpactSystem as ImpactSystem
@@ -112,6 +114,8 @@ _HOMES = {
     "stability": "vibeam.studies.stability.study",
     "read": "vibeam.studies.stored",
     "influence": "vibeam.studies.influence.study",
+    "verdict": "vibeam.studies.verdict.study",
+    "Verdict": "vibeam.studies.verdict.study",
     "Kind": "vibeam.orbits.bifurcation_functions",
     "follow": "vibeam.orbits.continuation",
     "settled_orbit": "vibeam.orbits.train_orbits",

@@ -185,11 +185,7 @@ class TangentMaps:
 
     @cached_property
     def _held(self) -> Array:
-        """State matrix of the modes while the contact is held: accelerations without their part along the row."""
-        n, c = self.system.size, self.system.contact
-        matrix = state_matrix(self.system)
-        matrix[n:] -= np.outer(c, c @ matrix[n:]) / (c @ c)
-        return matrix
+        return held_matrix(self.system)
 
     def _pushed(self, side: int) -> Array:
         """State matrix while a linear stop pushes."""
@@ -227,6 +223,14 @@ def state_matrix(system: ImpactSystem) -> Array:
     matrix[:n, n:] = np.eye(n)
     matrix[n:, :n] = -np.diag(system.omega**2)
     matrix[n:, n:] = -damper_of(system)
+    return matrix
+
+
+def held_matrix(system: ImpactSystem) -> Array:
+    """State matrix (2n, 2n) while the contact is held: accelerations without their part along its row."""
+    n, c = system.size, system.contact
+    matrix = state_matrix(system)
+    matrix[n:] -= np.outer(c, c @ matrix[n:]) / (c @ c)
     return matrix
 
 

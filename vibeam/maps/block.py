@@ -26,7 +26,7 @@ DTYPES: Mapping[str, type] = {"period": np.int16, "ended": np.int16}
 
 QUANTITIES = (
     "amplitude", "reach", "maximum", "minimum", "impacts_per_period", "impact_velocity", "period", "rest", "energy",
-    "strobes", "ended",
+    "strobes", "ended", "state", "resting", "cpu_seconds",
 )  # fmt: skip
 
 

@@ -62,17 +62,19 @@ class Cycle:
 class StroboscopicMap:
     """Stroboscopic map of one system and drive; ValueError where its tangent maps are not known, or without a period.
 
-    ``time``: of the drive at which states are taken, s.
+    ``time``: of the drive at which states are taken, s; ``runner``: the system's solver, made already.
     """
 
-    def __init__(self, system: ImpactSystem, drive: Drive, time: float = 0.0) -> None:
+    def __init__(
+        self, system: ImpactSystem, drive: Drive, time: float = 0.0, runner: EventDrivenSolver | None = None
+    ) -> None:
         if reason := tangent_fault(system):
             raise ValueError(f"system: Lyapunov exponents are not known for {reason}")
         if not drive.omega > 0:
             raise ValueError("drive: omega must be > 0: without a drive period there is no stroboscopic map")
-        runner = exact_solver(system, drive.omega)
-        assert isinstance(runner, EventDrivenSolver)
-        self.system, self.drive, self.runner, self.time = system, drive, runner, time
+        made = exact_solver(system, drive.omega) if runner is None else runner
+        assert isinstance(made, EventDrivenSolver)
+        self.system, self.drive, self.runner, self.time = system, drive, made, time
         self.period = 2 * np.pi / drive.omega
         self.units = np.concatenate([np.where(system.omega > 0, system.omega, drive.omega), np.ones(system.size)])
 
@@ -122,7 +124,10 @@ class StroboscopicMap:
     def _newton(self, state: State, periods: int, size: float) -> Cycle | None:
         last, floor = np.inf, np.finfo(float).tiny
         for _ in range(NEWTON):
-            flown = self.flown(state, periods)
+            try:
+                flown = self.flown(state, periods)
+            except ArithmeticError:  # the step led beyond the stop
+                return None
             maps = TangentMaps(flown)
             step = self._step(state, flown.state, jacobian(maps))
             length = float(np.linalg.norm(step)) / max(size, floor)

@@ -1,0 +1,242 @@
+"""Fidelity map: against sweeps of each model on their own, constructed motions, and the variance it promises."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import vibeam
+from vibeam.cli.main import app
+from vibeam.orbits.largest_exponents import largest_exponents
+from vibeam.studies.verdict import judgement
+from vibeam.studies.verdict.boundaries import joined
+from vibeam.studies.verdict.motions import CHAOTIC, IRREGULAR, NO_CONTACT, Motions
+from vibeam.studies.verdict.rows import control_variate_gain, correlation
+
+CASES = Path(__file__).parents[3] / "cases"
+QUICK = {"sweep.settle": 120, "sweep.hold": 40, "beam.elements": 8, "fidelity.beam.modes": 3}
+GAPS = {"low": "-0.02 mm", "high": "0.1 mm"}
+
+
+@pytest.fixture(scope="module")
+def case() -> vibeam.Case:
+    return vibeam.load(CASES / "dtu_neutral.toml", QUICK)
+
+
+@pytest.fixture(scope="module")
+def found(case: vibeam.Case) -> vibeam.Verdict:
+    return vibeam.verdict(case, "frequency,gap", points=5, frequencies=13, accuracy="2 %", **GAPS)
+
+
+def swept(case: vibeam.Case, name: str, gap: float) -> vibeam.Branches:
+    """The sweep of ``vibeam run`` at one gap, by another way than the map's."""
+    own = vibeam.load(CASES / "dtu_neutral.toml", QUICK | {"stop.gap": gap})
+    frequencies = np.linspace(own.sweep.frequency.min(), own.sweep.frequency.max(), 13)
+    both = vibeam.sweep(
+        own.system(name), omega=2 * np.pi * frequencies, amplitude=own.base_amplitude, direction="both", settle=120,
+        hold=40, output="sensor",
+    )  # fmt: skip
+    assert isinstance(both, vibeam.Branches)
+    return both
+
+
+def test_the_label_is_the_cheapest_within_the_accuracy(case: vibeam.Case, found: vibeam.Verdict) -> None:
+    """Where all is periodic: kinds and amplitudes of plain sweeps give the same regions."""
+    judged = 0
+    for row, gap in enumerate(found.axis.values):
+        curves = {model.name: swept(case, model.name, float(gap)) for model in found.models}
+        for column in range(13):
+            want, periodic = len(found.models) - 1, True
+            for index in (1, 0):
+                fits = True
+                for way in ("up", "down"):
+                    mine, best = (getattr(curves[name], way) for name in (found.models[index].name, "beam"))
+                    at = column if way == "up" else 12 - column
+                    periodic &= mine.period[at] != 0 and best.period[at] != 0
+                    near = abs(mine.amplitude[at] - best.amplitude[at]) <= 0.02 * best.amplitude[at]
+                    fits &= bool(near) and mine.period[at] == best.period[at]
+                want = index if fits else want
+            if periodic:
+                assert found.label[row, column] == want
+                judged += 1
+    assert judged >= 50
+    assert len(np.unique(found.label)) >= 2
+
+
+def test_shares_add_up_and_rows_say_where(found: vibeam.Verdict) -> None:
+    assert [model.name for model in found.models] == ["sdof", "two_modes", "beam"]
+    assert sum(found.shares.values()) == pytest.approx(1.0)
+    sdof, _, beam = found.rows
+    assert (beam.use_it_for, beam.within, beam.wrong_frequency) == ("the reference", 1.0, None)
+    wrong = ~judgement.within(found.models[0], found.finest, 0.02)
+    columns = found.frequency[wrong.any(axis=0)]
+    assert sdof.wrong_frequency == (columns.min(), columns.max())
+    assert sdof.within == pytest.approx(1 - wrong.mean())
+    alike = found.models[0].kind == found.finest.kind
+    shares = (found.models[0].value / found.finest.value)[alike] - 1
+    assert sdof.bias == pytest.approx(shares.mean())
+
+
+def test_boundaries_have_other_motions_on_either_side(case: vibeam.Case, found: vibeam.Verdict) -> None:
+    """A thousandth of a row or column off each point the closed-form motions are not what they are on the other."""
+    system, factor = case.system("beam"), found.finest.points.gap[-1, 0] / found.axis.values[-1]
+    curves = [curve for curve in found.boundaries if curve.fidelity == "beam"]
+    steps = 2 * np.pi * 1e-3 * np.ptp(found.frequency) / 12, 1e-3 * factor * np.ptp(found.axis.values) / 4
+    for curve in curves:
+        at = len(curve.frequency) // 2
+        omega, gap = 2 * np.pi * curve.frequency[at], factor * curve.value[at]
+        around = [
+            tuple((orbit.admissible, orbit.stable) for orbit in vibeam.orbits(
+                replace(system, gap=gap + up * steps[1]), vibeam.Drive(omega + across * steps[0], case.base_amplitude)
+            ))
+            for across, up in ((1, 0), (-1, 0), (0, 1), (0, -1))
+        ]  # fmt: skip
+        assert len(set(around)) > 1, curve
+    assert len(curves) >= 2
+
+
+def test_over_a_key_that_changes_the_structure(case: vibeam.Case) -> None:
+    """Rows of their own systems: the boundaries of each row are those of its case."""
+    found = vibeam.verdict(case, "mass.mass,frequency", "0.19 kg", "0.21 kg", 3, 7)
+    assert found.axis.unit == "kg"
+    assert found.label.shape == (3, 7)
+    heavy = vibeam.load(CASES / "dtu_neutral.toml", QUICK | {"mass.mass": "0.21 kg"})
+    frequencies = 2 * np.pi * np.linspace(14, 17, 7)
+    curve = vibeam.sweep(
+        heavy.system("sdof"), omega=frequencies, amplitude=heavy.base_amplitude, settle=120, hold=40, output="sensor"
+    )
+    assert isinstance(curve, vibeam.FrequencyResponse)
+    np.testing.assert_array_equal(found.models[0].value[0, 2], curve.amplitude)
+
+
+def test_chaos_is_told_by_the_sign_of_the_exponent() -> None:
+    tight = vibeam.load(CASES / "dtu_neutral.toml", QUICK)
+    found = vibeam.verdict(tight, "frequency,gap", "-0.14 mm", "-0.13 mm", 2, 3)
+    beam = found.finest
+    assert (beam.kind == CHAOTIC).sum() >= 3
+    assert np.all(beam.exponent[beam.kind == CHAOTIC] > 0)
+    assert np.all(beam.error[beam.kind == CHAOTIC] > 0)
+    assert np.all(np.isnan(beam.exponent[beam.kind > 0]))
+
+
+def motions(kind: Any, value: Any, count: Any, error: float = 0.0) -> Motions:
+    kinds, values = np.array(kind)[:, None, :], np.array(value, dtype=float)[:, None, :]
+    blank: Any = None
+    return Motions(
+        "one", 1, values, np.full(values.shape, error), kinds, np.full(values.shape, np.nan),
+        np.array(count)[None, :], blank, blank, blank, 1e-3,
+    )  # fmt: skip
+
+
+def test_differences_in_kind_the_gravest_first() -> None:
+    finest = motions([[1, 1, 1, CHAOTIC, IRREGULAR, 2]] * 2, [[1.0] * 6] * 2, [1, 1, 1, 1, 1, 1])
+    other = motions([[1, 2, 1, 1, IRREGULAR, NO_CONTACT]] * 2, [[1.0] * 6] * 2, [1, 1, 2, 2, 1, 2])
+    want = [judgement.SAME, judgement.IN_PERIOD, judgement.IN_NUMBER, judgement.IN_CHAOS, judgement.SAME]
+    assert judgement.difference(other, finest)[0].tolist() == [*want, judgement.IN_NUMBER]
+
+
+def test_both_ways_must_be_within_the_accuracy() -> None:
+    finest = motions([[1, 1, 1, CHAOTIC]] * 2, [[1.0, 1.0, 1.0, 1.0], [2.0, 2.0, 2.0, 2.0]], [2] * 4, error=0.01)
+    other = motions([[1, 1, 1, CHAOTIC]] * 2, [[1.009, 1.05, 1.0, 1.029], [2.0, 2.0, 2.5, 2.0]], [2] * 4)
+    exact = replace(finest, error=np.zeros(finest.error.shape))
+    assert judgement.within(other, exact, 0.01)[0].tolist() == [True, False, False, False]
+    assert judgement.within(other, finest, 0.01)[0].tolist() == [True, False, False, True]  # 0.029 < 0.01 + 2 · 0.01
+
+
+@pytest.mark.parametrize(("rho", "ratio"), [(0.95, 10.0), (0.99, 3.0), (0.7, 100.0), (0.3, 2.0), (0.999, 1.5)])
+def test_the_gain_is_the_least_variance_at_equal_cost(rho: float, ratio: float) -> None:
+    """Var = (1 − (1 − 1/r) ρ²)/m with m expensive and r m cheap runs, m (1 + r/ratio) = 1: by trying every r."""
+    r = np.geomspace(1.0, 1e5, 200_001)
+    variance = (1 - (1 - 1 / r) * rho**2) * (1 + r / ratio)
+    best = max(1.0, 1 / variance.min())  # 1: without a control variate
+    assert control_variate_gain(rho, ratio) == pytest.approx(best, rel=1e-6)
+
+
+def test_what_does_not_vary_has_no_correlation() -> None:
+    assert np.isnan(correlation(np.ones(4), np.arange(4.0)))
+    assert correlation(np.arange(4.0), np.array([1.0, 3.0, 5.0, np.nan])) == pytest.approx(1.0)
+    assert control_variate_gain(float("nan"), 10.0) == 1.0
+
+
+def test_places_are_joined_from_row_to_row() -> None:
+    rows = [[1.0, 5.0], [1.1, 5.2], [1.2], [1.3, 9.0]]
+    assert joined(rows, 0.5) == [[(0, 5.0), (1, 5.2)], [(0, 1.0), (1, 1.1), (2, 1.2), (3, 1.3)], [(3, 9.0)]]
+
+
+THREE = vibeam.ImpactSystem.from_modes(
+    [1.0, 2.6, 7.1], [0.02, 0.05, 1.3], [1.0, 0.6, -0.4], [1.0, 0.3, 0.1], gap=0.3, restitution=0.7
+)
+
+
+@pytest.mark.parametrize(
+    "system",
+    [
+        THREE,
+        replace(THREE, gap=0.0, restitution=0.3, static=np.array([1.5, 0.0, 0.0])),
+        replace(THREE, second_gap=2.5),
+    ],
+    ids=["impacts", "rests", "two stops"],
+)
+def test_many_exponents_at_once_are_those_of_each(system: vibeam.ImpactSystem) -> None:
+    drives = [vibeam.Drive(omega, 1.0) for omega in (1.3, 2.05, 3.9)]
+    states = [vibeam.simulate(system, drive, 300 * 2 * np.pi / drive.omega).state for drive in drives]
+    many = largest_exponents([system] * 3, drives, states, 300)
+    for drive, state, exponent, error in zip(drives, states, many.exponents, many.errors, strict=True):
+        one = vibeam.lyapunov(system, drive, state, settle=0, count=1)
+        if one.period:
+            assert abs(exponent - one.largest) < 0.02 * abs(one.largest) + 5 * error
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"over": "gap"}, "--over: write frequency and one more key"),
+        ({"over": "frequency,colour"}, "no key of the case"),
+        ({"over": "frequency,mass.mass"}, "--from: missing"),
+        ({"low": "1 kg"}, "--from: '1 kg' is a mass"),
+        ({"low": "1 mm", "high": "0 mm"}, "must ascend"),
+        ({"accuracy": "2 m"}, "--accuracy"),
+        ({"accuracy": 1.5}, "--accuracy: must lie between"),
+        ({"quantity": "colour"}, "--quantity"),
+    ],
+)
+def test_faults_say_which_argument(case: vibeam.Case, given: dict[str, Any], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        vibeam.verdict(case, **given)
+
+
+def test_one_model_alone_has_no_verdict() -> None:
+    alone = vibeam.load(CASES / "sdof_nominal.toml")
+    with pytest.raises(ValueError, match="compares two models"):
+        vibeam.verdict(alone)
+
+
+@pytest.mark.parametrize("as_json", [False, True], ids=["tables", "json"])
+def test_the_command_prints_a_verdict_and_writes_its_files(tmp_path: Path, as_json: bool) -> None:
+    asked = ["verdict", str(CASES / "dtu_neutral.toml"), "--points", "2", "--frequencies", "3", "--out", f"{tmp_path}/"]
+    asked += [word for key, value in QUICK.items() for word in ("--set", f"{key}={value}")]
+    asked += ["--from", "0 mm", "--to", "0.1 mm", "--accuracy", "2 %", *(["--json"] if as_json else [])]
+    printed = CliRunner().invoke(app, asked)
+    assert printed.exit_code == 0, printed.output
+    assert "To 2 % of the amplitude at the sensor" in printed.stdout
+    assert {path.name for path in tmp_path.iterdir()} >= {"dtu_neutral_verdict.csv", "dtu_neutral_verdict.png"}
+    lines = (tmp_path / "dtu_neutral_verdict.csv").read_text().splitlines()
+    assert len(lines) == 1 + 2 * 3 * 3 * 2
+    if as_json:
+        told = json.loads(printed.stdout)
+        assert [row["fidelity"] for row in told["fidelities"]] == ["sdof", "two_modes", "beam"]
+        assert sum(told["shares"].values()) == pytest.approx(1)
+
+
+def test_a_mistake_leaves_no_file(tmp_path: Path) -> None:
+    asked = ["verdict", str(CASES / "dtu_neutral.toml"), "--over", "gap", "--out", f"{tmp_path}/"]
+    printed = CliRunner().invoke(app, asked)
+    assert printed.exit_code == 2
+    assert "--over" in printed.stderr
+    assert not list(tmp_path.iterdir())

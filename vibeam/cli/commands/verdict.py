@@ -1,0 +1,51 @@
+"""``vibeam verdict``: the fidelity map, its table, and the verdict in plain words."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, run_study, table_path
+from vibeam.cli.output import print_result
+
+Over = Annotated[str, typer.Option("--over", help="frequency and gap, drive, restitution or any dotted key.")]
+
+
+def verdict(
+    case: CaseFile,
+    set_: Overrides = None,
+    as_json: AsJson = False,
+    out: TableFile = None,
+    over: Over = "frequency,gap",
+    low: Annotated[str | None, typer.Option("--from", help="First value, with unit.", show_default=False)] = None,
+    high: Annotated[str | None, typer.Option("--to", help="Last value, with unit.", show_default=False)] = None,
+    points: Annotated[int, typer.Option("--points", min=2, help="How many values of it.")] = 61,
+    frequencies: Annotated[int, typer.Option("--frequencies", min=2, help="How many drive frequencies.")] = 61,
+    accuracy: Annotated[str, typer.Option("--accuracy", help="How near the finest model.")] = "1 %",
+    quantity: Annotated[str, typer.Option("--quantity", help="Of what: amplitude or reach.")] = "amplitude",
+) -> None:
+    """Map the cheapest model that suffices, and where models differ in kind.
+
+    The axes are frequency and another key of the case. Kinds: period, coexisting motions, chaos.
+    """
+    from vibeam.figures.files import paths_of
+    from vibeam.report import output
+    from vibeam.report.verdict import sentences, table_of
+    from vibeam.report.verdict_figure import write_verdict
+    from vibeam.studies.verdict.study import verdict as judge
+
+    loaded = load(case, set_)
+    path = table_path(loaded, out, "verdict")
+    found = run_study(
+        case, loaded, lambda own, tell: judge(own, over, low, high, points, frequencies, accuracy, quantity, tell)
+    )
+    figures, words = paths_of(path, loaded.figure), list(sentences(found))
+    write_verdict(found, *figures)
+    output.write_csv(found.points, path)
+    files = [path, *figures]
+    print_result(
+        {"fidelities": found.rows, "shares": found.shares, "boundaries": found.boundaries, "sentences": words,
+         "files": files},
+        as_json, lambda tables: [table_of(found)], [*words, *files],
+    )  # fmt: skip

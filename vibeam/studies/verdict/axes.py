@@ -1,0 +1,137 @@
+"""Axes of the fidelity map: the drive frequency and another key of the case."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.casefile.fields import Entry, Quantity
+from vibeam.casefile.quantities import to_si
+from vibeam.casefile.validation import declaration, entry_of, fields_of, table_of
+from vibeam.maps.axes import FREQUENCY, GAP, LEVELS, RESTITUTION
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.system.impact_system import ImpactSystem
+
+Array = NDArray[np.float64]
+
+SHORT = {"frequency": FREQUENCY, "gap": GAP, "restitution": RESTITUTION}  #: "drive" is whichever the case has
+
+DRIVEN = (0.2, 2.0)  # default range of a drive, in its own value
+
+WIDE = 2.0  # default gaps, in amplitudes of the motion without stop
+
+
+@dataclass(frozen=True)
+class VerdictAxis:
+    """The second key: its name, values in ``unit`` (SI), and the case's own value (NaN: not in the case)."""
+
+    key: str
+    name: str
+    unit: str
+    values: Array
+    own: float
+
+
+def keys_of(case: Case, over: str) -> str:
+    """The second key of ``over``, which names the frequency and one more; ValueError for anything else."""
+    names = [part.strip() for part in over.split(",")]
+    keys = [_drive_key(case) if name == "drive" else SHORT.get(name, name) for name in names]
+    others = [key for key in keys if key != FREQUENCY]
+    if len(keys) != 2 or len(others) != 1:
+        raise ValueError(f"--over: write frequency and one more key, as in frequency,gap, not {over!r}")
+    return others[0]
+
+
+def second_axis(
+    case: Case, key: str, low: str | float | None, high: str | float | None, points: int, system: ImpactSystem
+) -> VerdictAxis:
+    """Values of ``key`` from ``low`` to ``high`` (with unit); None: around the case's own, for gap and drive alone."""
+    entry, own = _entry(case, key), _own(case, key)
+    usual = _usual(case, key, own, system)
+    ends = []
+    for flag, given, default in (("--from", low, usual[0]), ("--to", high, usual[1])):
+        if given is None and np.isnan(default):
+            raise ValueError(f"{flag}: missing, for {key} has no usual range: write {flag} with its unit")
+        ends.append(default if given is None else _value(flag, given, entry))
+    if not ends[0] < ends[1]:
+        raise ValueError(f"--from, --to: {key} must ascend, not go from {ends[0]:.4g} to {ends[1]:.4g}")
+    unit = entry.kind.unit if isinstance(entry, Quantity) else ""
+    return VerdictAxis(key, _name(case, key), unit, np.linspace(ends[0], ends[1], points), own)
+
+
+def _drive_key(case: Case) -> str:
+    table = tomllib.loads(case.text).get("drive", {})
+    order = sorted(LEVELS, key=lambda key: key == "drive.gain")  # a gain beside a voltage is no level of its own
+    found = [key for key in order if key.removeprefix("drive.") in table]
+    if not found:
+        raise ValueError("--over: the case has no drive that could vary: name a key of it")
+    return found[0]
+
+
+def _entry(case: Case, key: str) -> Entry:
+    """What reads the values of a key; ValueError where the case can have no such number."""
+    model: Any = declaration(tomllib.loads(case.text))
+    *tables, last = key.split(".")
+    for name in tables:
+        field = fields_of(model).get(name) if model is not None else None
+        model = None if field is None else table_of(field)
+    field = None if model is None else fields_of(model).get(last)
+    entry = None if field is None else entry_of(field)
+    if entry is None:
+        raise ValueError(f"--over: {key!r} is no key of the case that holds a number: vibeam keys lists them")
+    return entry
+
+
+def _value(flag: str, given: str | float, entry: Entry) -> float:
+    try:
+        return float(to_si(given, entry.kind)) if isinstance(entry, Quantity) else float(given)
+    except ValueError as fault:
+        raise ValueError(f"{flag}: {fault}") from None
+
+
+def _own(case: Case, key: str) -> float:
+    tables: Any = tomllib.loads(case.text)
+    for name in key.split("."):
+        tables = tables.get(name) if isinstance(tables, dict) else None
+    return float(tables) if isinstance(tables, int | float) else float("nan")
+
+
+def _usual(case: Case, key: str, own: float, system: ImpactSystem) -> tuple[float, float]:
+    if key in LEVELS and own > 0:
+        return own * DRIVEN[0], own * DRIVEN[1]
+    if key != GAP:
+        return float("nan"), float("nan")
+    half = max(WIDE * _swing(case, system) / _at_contact(case), 2 * abs(own))
+    return -half, half
+
+
+def _swing(case: Case, system: ImpactSystem) -> float:
+    """Median amplitude of the contact without the stop over the case's frequencies, m."""
+    from vibeam.orbits.modal_sums import sums
+
+    omega = 2 * np.pi * np.linspace(case.sweep.frequency.min(), case.sweep.frequency.max(), 101)
+    amplitude = case.amplitude_of(next(iter(case.fidelities)), omega)
+    return float(np.median(np.abs(sums(system, omega, 1).unit) * amplitude))
+
+
+def _at_contact(case: Case) -> float:
+    """The contact's gap over the case's, which may be at the sensor."""
+    from vibeam.case.reduced_structure import reduced_structure
+
+    scene: Any = case.scene
+    if scene.given_mode is not None or scene.stop.gap_at == "contact":
+        return 1.0
+    return float(reduced_structure(scene, "static_mode", None)[1])
+
+
+def _name(case: Case, key: str) -> str:
+    if key == GAP:
+        place = getattr(case.scene.stop, "gap_at", "contact")
+        return f"gap at the {place}"
+    return key.replace(".", " ").replace("_", " ")

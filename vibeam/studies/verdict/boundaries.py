@@ -1,0 +1,108 @@
+"""Exact boundaries of motions with one impact a drive period over the plane.
+
+Over gap and drive they are contours of exact test functions (``orbits.orbit_map``); over any other key, which changes
+the structure, they are located to round-off along each row and joined from row to row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.maps.axes import GAP, LEVELS
+from vibeam.orbits.bifurcation_functions import Kind
+from vibeam.orbits.boundaries import boundaries
+from vibeam.orbits.orbit_map import orbit_map
+from vibeam.studies.stability.rows import NAMES
+from vibeam.studies.verdict.axes import VerdictAxis
+from vibeam.studies.verdict.motions import Motions
+
+Array = NDArray[np.float64]
+
+PLACES = 121  # looked at along a row before each change of sign is bracketed
+
+STEP = 3.0  # columns by which a boundary may move from row to row and still be one curve
+
+
+@dataclass(frozen=True)
+class ExactBoundary:
+    """A boundary curve of motions that keep clear of the stop between impacts: Hz and the key's SI value, (points,).
+
+    ``branch``: 0 the harder impact, 1 the softer.
+    """
+
+    fidelity: str
+    boundary: str
+    branch: int
+    frequency: Array
+    value: Array
+
+
+def exact_boundaries(model: Motions, axis: VerdictAxis, frequency: Array) -> Iterator[ExactBoundary]:
+    """The boundaries of a model; none beyond plain systems, and where the drive depends on the frequency."""
+    points = model.points
+    if points.systems[0].beyond_plain or np.any(np.ptp(points.amplitude, axis=1)) or not points.amplitude.all():
+        return
+    if axis.key == GAP or axis.key in LEVELS:
+        yield from _contours(model, axis)
+    else:
+        yield from _rows(model, axis, STEP * float(frequency[1] - frequency[0]))
+
+
+def _contours(model: Motions, axis: VerdictAxis) -> Iterator[ExactBoundary]:
+    points = model.points
+    up = points.gap[:, 0] if axis.key == GAP else points.amplitude[:, 0]
+    gap, amplitude = (up, points.amplitude[0, 0]) if axis.key == GAP else (points.gap[0, 0], up)
+    if not np.all(np.diff(up) > 0):
+        return
+    found = orbit_map(points.systems[0], points.omega[0], amplitude, 1, gap)
+    for curve in found.curves:
+        values = np.interp(curve.gap if axis.key == GAP else curve.amplitude, up, axis.values)
+        for part in np.split(np.arange(len(curve)), np.flatnonzero(np.diff(curve.clear)) + 1):
+            if curve.clear[part[0]]:
+                hertz = curve.omega[part] / (2 * np.pi)
+                yield ExactBoundary(model.name, NAMES[curve.kind], curve.branch, hertz, values[part])
+
+
+def _rows(model: Motions, axis: VerdictAxis, width: float) -> Iterator[ExactBoundary]:
+    """``width``: Hz by which a boundary may move from row to row."""
+    points, known = model.points, dict[tuple[Kind, int], list[list[float]]]()
+    for row in range(len(axis.values)):
+        system = points.systems[int(points.which[row, 0])]
+        if points.restitution is not None:
+            system = replace(system, restitution=float(points.restitution[row, 0]))
+        omega, gap = points.omega[row], float(points.gap[row, 0])
+        found = boundaries(
+            system, float(points.amplitude[row, 0]), (float(omega.min()), float(omega.max())), 1, gap=gap,
+            points=PLACES, kinds=tuple(NAMES),
+        )  # fmt: skip
+        for each in found:
+            rows = known.setdefault((each.kind, each.branch), [[] for _ in axis.values])
+            if each.clear:
+                rows[row].append(each.omega / (2 * np.pi))
+    for (kind, branch), rows in known.items():
+        for curve in joined(rows, width):
+            at, hertz = np.array(curve).T
+            yield ExactBoundary(model.name, NAMES[kind], branch, hertz, axis.values[at.astype(int)])
+
+
+def joined(rows: Sequence[Sequence[float]], width: float) -> list[list[tuple[int, float]]]:
+    """Places (row, frequency) joined to curves: each to the nearest in the next row that is within ``width``."""
+    open_: list[list[tuple[int, float]]] = []
+    done: list[list[tuple[int, float]]] = []
+    for row, places in enumerate(rows):
+        here, following = list(places), []
+        for curve in open_:
+            last = curve[-1][1]
+            near = min(here, key=lambda each: abs(each - last), default=np.inf)
+            if abs(near - last) <= width:
+                here.remove(near)
+                curve.append((row, near))
+                following.append(curve)
+            else:
+                done.append(curve)
+        open_ = [*following, *([(row, each)] for each in here)]
+    return [*done, *open_]

@@ -1,0 +1,178 @@
+"""Verdict study (``vibeam verdict``): over frequency and another key, the cheapest model that is good enough."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.casefile.quantities import RATIO, UnitError, to_si
+from vibeam.flight.tangent import tangent_fault
+from vibeam.run.comparison.wording import listed
+from vibeam.run.systems import Systems
+from vibeam.studies.verdict import axes
+from vibeam.studies.verdict.axes import VerdictAxis
+from vibeam.studies.verdict.boundaries import ExactBoundary, exact_boundaries
+from vibeam.studies.verdict.judgement import cheapest, difference, relative
+from vibeam.studies.verdict.motions import Motions, motions
+from vibeam.studies.verdict.rows import FidelityRow, fidelity_row
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.system.impact_system import ImpactSystem
+
+Array = NDArray[np.float64]
+
+Codes = NDArray[np.int64]
+
+QUANTITIES = ("amplitude", "reach")
+
+
+@dataclass(frozen=True)
+class PlacePoint:
+    """One place of the map: Hz, SI value of the key, model that suffices, and of each way and model kind and value."""
+
+    frequency: float
+    key: float
+    suffices: str
+    fidelity: str
+    way: str
+    kind: int
+    value: float
+    error: float
+    exponent: float
+    coexist: int
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Fidelity map of a case: ``models`` by their modes, cheapest first, the finest last; arrays (rows, columns).
+
+    ``label``: index of the cheapest model that suffices; ``differences``: of each model in kind (``judgement``);
+    ``relative``: of each model in value, the way where it is larger. ``frequency`` (columns,) Hz.
+    """
+
+    case: Case
+    axis: VerdictAxis
+    frequency: Array
+    accuracy: float
+    quantity: str
+    models: tuple[Motions, ...]
+    label: Codes
+    differences: tuple[Codes, ...]
+    relative: tuple[Array, ...]
+    rows: tuple[FidelityRow, ...]
+    boundaries: tuple[ExactBoundary, ...]
+    refused: tuple[str, ...] = ()
+
+    @property
+    def finest(self) -> Motions:
+        """The model that the others are judged by."""
+        return self.models[-1]
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Share of the map where each model is the cheapest that suffices."""
+        return {model.name: float((self.label == index).mean()) for index, model in enumerate(self.models)}
+
+    @property
+    def points(self) -> list[PlacePoint]:
+        """All motions of all models, place by place."""
+        return [
+            PlacePoint(
+                float(self.frequency[column]), float(self.axis.values[row]), self.models[self.label[row, column]].name,
+                model.name, way, int(model.kind[at, row, column]), float(model.value[at, row, column]),
+                float(model.error[at, row, column]), float(model.exponent[at, row, column]),
+                int(model.count[row, column]),
+            )
+            for row, column in np.ndindex(self.label.shape) for model in self.models
+            for at, way in enumerate(("up", "down"))
+        ]  # fmt: skip
+
+
+def verdict(
+    case: Case,
+    over: str = "frequency,gap",
+    low: str | float | None = None,
+    high: str | float | None = None,
+    points: int = 61,
+    frequencies: int = 61,
+    accuracy: str | float = "1 %",
+    quantity: str = "amplitude",
+    tell: Callable[[str], None] | None = None,
+) -> Verdict:
+    """Compute the fidelity map of a case over its frequencies and another of its keys.
+
+    ``over``: "frequency," and "gap", "drive", "restitution" or any dotted key; ``low``, ``high``: its range, as a case
+    has it, with unit (None: chosen, for gap and drive). ``accuracy`` of ``quantity`` ("amplitude" of the sweep's output
+    or "reach" of the contact) against the fidelity with most modes. ``tell``: hears which model is flown. ValueError
+    for arguments or a case that make no sense, fewer than two models included; CaseError for values of the key that
+    the case may not have.
+    """
+    share = _accuracy(accuracy)
+    if quantity not in QUANTITIES:
+        raise ValueError(f"--quantity: {quantity!r} is none of {', '.join(QUANTITIES)}")
+    grid = case.sweep.frequency
+    if not grid.min() < grid.max():
+        raise ValueError("sweep.frequency: a map needs a range of frequencies, there is one")
+    key = axes.keys_of(case, over)
+    systems, refused = _models(case)
+    axis = axes.second_axis(case, key, low, high, points, next(iter(systems.values())))
+    hertz = np.linspace(grid.min(), grid.max(), frequencies)
+    flown = []
+    for name in systems:
+        if tell is not None:
+            tell(f"{name}: {points} × {frequencies} points up and down")
+        flown.append(motions(case, name, hertz, axis, quantity))
+    return _judged(case, axis, hertz, share, quantity, flown, refused)
+
+
+def _judged(
+    case: Case, axis: VerdictAxis, hertz: Array, accuracy: float, quantity: str, flown: list[Motions],
+    refused: tuple[str, ...],
+) -> Verdict:  # fmt: skip
+    models = tuple(sorted(flown, key=lambda model: model.modes))  # the cost grows with them; measured, it is noisy
+    finest = models[-1]
+    rows = tuple(fidelity_row(model, finest, hertz, axis, accuracy) for model in models)
+    known = [boundary for model in models for boundary in exact_boundaries(model, axis, hertz)]
+    return Verdict(
+        case, axis, hertz, accuracy, quantity, models, cheapest(models, accuracy),
+        tuple(difference(model, finest) for model in models), tuple(relative(model, finest) for model in models),
+        rows, tuple(known), refused,
+    )  # fmt: skip
+
+
+def _accuracy(given: str | float) -> float:
+    try:
+        share = to_si(given, RATIO)
+    except UnitError as fault:
+        raise ValueError(f"--accuracy: {fault}") from None
+    if not 0 < share < 1:
+        raise ValueError(f"--accuracy: must lie between 0 and 100 %, not {given}")
+    return float(share)
+
+
+def _models(case: Case) -> tuple[dict[str, ImpactSystem], tuple[str, ...]]:
+    """Distinct systems by name, and sentences on the fidelities left out; ValueError where fewer than two remain."""
+    built, found, notes = Systems(case), dict[str, "ImpactSystem"](), list[str]()
+    usual = min((len(case.fidelities[name].changes) for name in case.fidelities), default=0)
+    for name, fidelity in case.fidelities.items():
+        twin = next((other for other, system in found.items() if built[name].moves_as(system)), None)
+        if twin is not None:
+            notes.append(f"{name}: the same model as {twin}")
+        elif fidelity.solver != "flight":
+            notes.append(f'{name}: left out, for its solver is "{fidelity.solver}" and not flight')
+        elif len(fidelity.changes) > usual:
+            notes.append(f"{name}: left out, for it changes the rig: {', '.join(fidelity.changes)}")
+        else:
+            found[name] = built[name]
+    if len(found) < 2:
+        raise ValueError(f"a verdict compares two models or more, and the case has {len(found)}: {'; '.join(notes)}")
+    unknown = [name for name, system in found.items() if tangent_fault(system)]
+    if unknown:
+        reason = tangent_fault(found[unknown[0]])
+        notes.append(f"{listed(unknown)}: chaos is not told from other motions that do not repeat, for {reason}")
+    return found, tuple(notes)
