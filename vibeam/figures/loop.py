@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.beam_field import Fields, field_system, fields
-from vibeam.case.outputs import quantity_of
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.settled_motion import NoMotion, Settled, exact_motion, settled
 from vibeam.figures.sheet import Column, Columns
@@ -152,17 +151,24 @@ def _contact(motion: Recorded, case: Case, periods: int) -> Columns:
     span, system = periods * motion.begin.period, motion.begin.system
     inside = motion.hits[:, 0] < span
     fine = np.union1d(np.linspace(0.0, span, FINE * periods + 1), motion.hits[inside, 0])
-    values, output = motion.at(fine)[:, 0], case.sweep.output
-    known = quantity_of(case, output).rate == 0 and output in ("contact", *system.outputs)
-    amplitude = np.ptp(values @ system.output(output)) / 2 if known else np.nan
+    values = motion.at(fine)[:, 0]
     return {
         "history_time": Column(fine, "s", "times of the contact's displacement"),
         "contact": Column(values @ system.contact, "m", "displacement at the contact toward the stop"),
         "impact_time": Column(motion.hits[inside, 0], "s", "impacts"),
         "impact_velocity": Column(motion.hits[inside, 1], "m s-1", "just before"),
         "impact_contact": Column(motion.struck[inside].astype(float), "1", "which stop is struck, from 0 on"),
-        "amplitude": Column(np.array([amplitude]), "q", "½(max − min) of the sweep's output"),
+        "amplitude": Column(_amplitude(motion.begin, case, periods), "q", "½(max − min) of the sweep's output"),
     }
+
+
+def _amplitude(begin: Settled, case: Case, periods: int) -> Array:
+    """½(max − min) (1,) of the sweep's output over the loop, as the solver reads it: between all samples."""
+    drive = begin.drive
+    response, _ = begin.solver.steady(
+        np.array([drive.omega]), drive.amplitude, begin.state, 0, periods, case.sweep.output
+    )
+    return np.array(response.amplitude)
 
 
 def _stops(scene: Scene, system: ImpactSystem) -> Columns:

@@ -83,7 +83,7 @@ def test_a_loop_is_the_settled_motion_of_the_same_model(fidelity: str) -> None:
     assert sheet["beam_position"][at] == pytest.approx(0.24)
     assert np.allclose(sheet["beam_deflection"][:, at], path.at(times - 1e-12), atol=1e-5 * scale)
     assert (sheet["periods"], sheet["seamless"]) == (1.0, 1.0)
-    assert sheet["amplitude"][0] == pytest.approx(result[fidelity].up.amplitude[0], rel=1e-4)
+    assert sheet["amplitude"][0] == pytest.approx(result[fidelity].up.amplitude[0], rel=1e-7)
     assert len(sheet["time"]) == 36
     hits = path.impact_times[path.impact_times > 19.9] - 19.9
     assert np.allclose(sheet["impact_time"], hits, atol=1e-6)
