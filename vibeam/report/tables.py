@@ -19,6 +19,7 @@ from vibeam.report.table_widths import ReportTable, fitted, needed
 if TYPE_CHECKING:
     from vibeam.casefile.documentation import KeyRow
     from vibeam.run.comparison.differences import HeldComparison
+    from vibeam.run.estimate.summary import EstimateSummary
     from vibeam.run.summary import Summary
     from vibeam.studies.derive import DerivedParameter
     from vibeam.studies.modes import ModeTable
@@ -27,6 +28,10 @@ if TYPE_CHECKING:
     from vibeam.studies.stability.rows import Crossing
 
 WIDEST = 160
+
+ARROWS = {"up": " ↑", "down": " ↓"}  # way of the sweep
+
+WHOLE = "it is the full model"  # why a fidelity has no error against it
 
 
 def print_table(table: ReportTable) -> None:
@@ -46,26 +51,34 @@ def print_table(table: ReportTable) -> None:
     console.print()
 
 
-def responses(summaries: Sequence[Summary], units: Units = METRIC) -> ReportTable:
-    """Table of every fidelity's peak and period-1 range."""
+def responses(
+    summaries: Sequence[Summary], units: Units = METRIC, estimates: Sequence[EstimateSummary] = ()
+) -> ReportTable:
+    """Table of every fidelity's peak and period-1 range.
+
+    With ``estimates``: its error estimated against the full model as well.
+    """
     swept = [branch for branch in ("up", "down") if any(branch in row.period_one for row in summaries)]
     hertz, length = (f" ({unit})" if unit else "" for unit in (units.frequency, units.length))
     table = blank("Response", "fidelity", "modes|", "R|", "R₁|", f"peak{length}|", f"at{hertz}|")
-    table.add(*(f"period 1, {branch}{hertz}|" for branch in swept))
+    table.add(*(f"period 1 {ARROWS[branch].strip()}{hertz}|" for branch in swept))
+    if known := any(each.points or each.why == WHOLE for each in estimates):
+        table.add("est. off|")
     table.caption = (
         "R: restitution of the contact; R₁: what mode 1 sees of it; ↑ ↓: way of the sweep\n"
         "period 1: the contiguous range with impacts around the largest amplitude"
-    )
+    ) + "\nest. off: largest error in amplitude, estimated against the full model along exact orbits" * known
+    cells = {each.fidelity: _estimated(each) for each in estimates} if known else {}
     for row in summaries:
         peak = (plain(units.lengths(row.peak_amplitude)), _peak_frequency(row, units))
         coefficients = map(coefficient, (row.restitution, row.first_mode_restitution))
         ranges = (units.range(row.period_one.get(branch)) for branch in swept)
-        table.add_row(row.fidelity, str(row.modes), *coefficients, *peak, *ranges)
+        table.add_row(row.fidelity, str(row.modes), *coefficients, *peak, *ranges, *cells.get(row.fidelity, ()))
     return table
 
 
 def _peak_frequency(row: Summary, units: Units) -> str:
-    arrow = {"up": " ↑", "down": " ↓"}.get(row.peak_direction, "")
+    arrow = ARROWS.get(row.peak_direction, "")
     return plain(units.frequencies(row.peak_frequency)) + arrow
 
 
@@ -93,6 +106,13 @@ def costs(summaries: Sequence[Summary], comparisons: Sequence[HeldComparison] = 
         cost = (f"{row.cpu_seconds:.3g} s", f"{row.cost_ratio:.3g}", str(row.impacts), per_impact)
         table.add_row(row.fidelity, *_off(row, compared), *cost, _failed(row))
     return table
+
+
+def _estimated(row: EstimateSummary) -> tuple[str]:
+    """Cell of the largest error estimated against the full model."""
+    if row.why:
+        return ("full" if row.why == WHOLE else "–",)
+    return (percent(row.worst),)
 
 
 def _other_symbol(compared: Sequence[HeldComparison]) -> str:

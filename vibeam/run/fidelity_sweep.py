@@ -16,6 +16,7 @@ from vibeam.run.store.branch import Branch, StoredBranch
 from vibeam.run.sweep import march_blocks
 from vibeam.solvers import solver
 from vibeam.system.response import Branches, FrequencyResponse
+from vibeam.system.state import StatesAfter
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -45,6 +46,11 @@ class Job:
         """True where points are missing."""
         return any(kept.done < len(kept.response) for _, kept in self.branches)
 
+    @property
+    def after(self) -> dict[str, StatesAfter]:
+        """States after the points of each branch, as far as they are known."""
+        return {branch.direction: kept.after for branch, kept in self.branches}
+
     def gathered(self, curves: MotionCurves | None) -> Branches:
         """Responses of all branches."""
         return Branches(**{branch.direction: kept.response for branch, kept in self.branches}, curves=curves)
@@ -59,7 +65,8 @@ def job_of(
 
 
 def _nothing(branch: Branch) -> StoredBranch:
-    return StoredBranch(FrequencyResponse.empty(branch.frequency, branch.modes), 0, None)
+    points, modes = len(branch.frequency), branch.modes
+    return StoredBranch(FrequencyResponse.empty(branch.frequency, modes), 0, None, StatesAfter.unknown(points, modes))
 
 
 def sweep_branches(case: Case, job: Job, store: Store | None, count: Count, stop: Event) -> None:

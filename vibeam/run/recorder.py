@@ -26,6 +26,7 @@ class Recorder:
 
     def __init__(self, branch: Branch, kept: StoredBranch, store: Store | None) -> None:
         self._branch, self._response, self._store = branch, kept.response, store
+        self._after = kept.after
         self._done = self._written = kept.done
         self._states: list[State] = []
         self._due = monotonic() + WRITE_EVERY
@@ -37,6 +38,8 @@ class Recorder:
             if field.name != "frequency":  # keep the grid's own value, to the last bit
                 getattr(self._response, field.name)[points] = getattr(block, field.name)
         self._done = points.stop
+        for point, state in enumerate(states, points.stop - len(states)):
+            self._after.displacement[point], self._after.velocity[point] = state.displacement, state.velocity
         if len(states) < len(block):
             self._states.clear()  # states in between are unknown
         self._states += states

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from vibeam.figures.sheet import Sheet
     from vibeam.run.accuracy.study import AccuracyChoice
     from vibeam.run.comparison.differences import HeldComparison
+    from vibeam.run.estimate.of_case import FidelityEstimate
     from vibeam.run.systems import ModelProperties
     from vibeam.system.motion_curves import MotionCurves
     from vibeam.system.quantities import OutputUnits
@@ -48,8 +49,9 @@ class Result(Mapping[str, Branches]):
 
     ``shown``: the numbers of the case's [show.NAME] tables, by name. ``accuracy``: the choice of models for the case's
     accuracy and its verification; the one entry is then ``result["accuracy"]``. ``comparisons``: under both choices of
-    the restitution held, one for each finest fidelity, where the run was asked for them. ``models``: properties of the
-    fidelities' models, where they are known already.
+    the restitution held, one for each finest fidelity, where the run was asked for them; ``estimates``: then also the
+    error of each fidelity against the full model of its scene, estimated along its exact orbits. ``models``: properties
+    of the fidelities' models, where they are known already.
     """
 
     def __init__(
@@ -69,6 +71,7 @@ class Result(Mapping[str, Branches]):
         self.shown = dict(shown or {})
         self.accuracy = accuracy
         self.comparisons = tuple(comparisons)
+        self.estimates: dict[str, FidelityEstimate] = {}
         self._branches = dict(branches)
         self._models = dict(models or {})
 

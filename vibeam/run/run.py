@@ -31,7 +31,9 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import AccuracyPlan
     from vibeam.figures.sheet import Sheet
+    from vibeam.run.estimate.of_case import FidelityEstimate
     from vibeam.system.impact_system import ImpactSystem
+    from vibeam.system.state import StatesAfter
 
 
 class Interrupted(KeyboardInterrupt):
@@ -57,7 +59,8 @@ def run(
     ``out=None`` keeps nothing on disk. ``progress(done, total)`` is called with the points that are there at the start
     and after each further block of them, from any thread. ``show``: compute the data of the case's further figures.
     ``compare``: compare the fidelities with the finest under both choices of the restitution held, and that with its
-    own limit (``result.comparisons``); the file gets it too.
+    own limit (``result.comparisons``), and estimate the error of each against the full model of its scene
+    (``result.estimates``); the file gets both too.
     CaseError for a fidelity that cannot be built, StoreError where ``out`` cannot be used, Interrupted on Ctrl-C.
     """
     systems, storage = Systems(case), _Storage(None if out is None else Path(out), fresh, tell)
@@ -74,7 +77,10 @@ def run(
             branches = {job.name: job.gathered(curves.get(job.name)) for job in jobs}
             models = _models(case, systems, plan, store)
             result = Result(case, branches, storage.path, found, shown, models=models)
-            return _compared(result, result.finest, systems, store) if compare else result
+            if not compare:
+                return result
+            result.estimates = _estimated(result, systems, {job.name: job.after for job in jobs}, store)
+            return _compared(result, result.finest, systems, store)
         except KeyboardInterrupt:
             raise Interrupted(_how_to_go_on(count, storage.path)) from None
 
@@ -117,6 +123,23 @@ def _compared(
     if store:
         store.write_comparisons(key, result.comparisons)
     return result
+
+
+def _estimated(
+    result: Result, systems: Mapping[str, ImpactSystem], after: Mapping[str, Mapping[str, StatesAfter]],
+    store: Store | None,
+) -> dict[str, FidelityEstimate]:  # fmt: skip
+    """Errors of all fidelities against the full models of their scenes, estimated, which the file keeps."""
+    key = comparison_key(result.case, dict.fromkeys(result, "full model"), result) if store else ""
+    stored = store.estimates(key) if store else None
+    if stored is not None:
+        return stored
+    from vibeam.run.estimate.of_case import estimates
+
+    found = estimates(result.case, systems, result, after)
+    if store:
+        store.write_estimates(key, found)
+    return found
 
 
 def _warm_up(case: Case, job: Job) -> None:

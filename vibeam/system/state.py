@@ -41,6 +41,24 @@ class State:
         return state
 
 
+@dataclass(frozen=True, eq=False)
+class StatesAfter:
+    """States after the points of a branch: ``displacement``, ``velocity`` (points, n), NaN where unknown."""
+
+    displacement: Array
+    velocity: Array
+
+    @classmethod
+    def unknown(cls, points: int, modes: int) -> StatesAfter:
+        """No state known yet."""
+        return cls(np.full((points, modes), np.nan), np.full((points, modes), np.nan))
+
+    def at(self, point: int) -> State | None:
+        """State after one point; None where it is unknown."""
+        both = self.displacement[point], self.velocity[point]
+        return State(*both) if np.all(np.isfinite(both)) else None
+
+
 def _fit(displacement: Array, velocity: Array) -> bool:
     if displacement.ndim != 1 or not displacement.size or displacement.shape != velocity.shape:
         return False

@@ -42,7 +42,7 @@ def test_the_first_line_says_that_the_verdict_turns() -> None:
     assert lines[0] == TURNS
     tables = lines[: next(i for i, line in enumerate(lines) if line.startswith("beam is off"))]
     assert max(map(len, tables[1:])) <= 100
-    row = next(line for line in tables if line.startswith("sdof") and "%" in line)
+    row = next(line for line in tables if line.startswith("sdof") and line.count("%") > 1)
     assert "+32.1 %" in row
     assert "-10.5 %" in row
     assert any(line.startswith("beam is off its own limit by +6.3") for line in lines)

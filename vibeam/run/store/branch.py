@@ -13,7 +13,7 @@ from vibeam.run.store.checksum import CHECKSUM, of_rows
 from vibeam.run.store.layout import STATES, fixed, write_branch
 from vibeam.system.quantities import LAYOUT, OutputUnits
 from vibeam.system.response import Array, FrequencyResponse
-from vibeam.system.state import State
+from vibeam.system.state import State, StatesAfter
 
 if TYPE_CHECKING:
     import h5py
@@ -46,11 +46,12 @@ class Branch:
 
 @dataclass(frozen=True)
 class StoredBranch:
-    """Stored part of a branch: ``done`` points of ``response`` and the state after the last of them."""
+    """Stored part of a branch: ``done`` points of ``response``, the state after the last of them, all states known."""
 
     response: FrequencyResponse
     done: int
     state: State | None
+    after: StatesAfter
 
 
 def lay_out(parent: h5py.Group, branch: Branch, units: OutputUnits) -> h5py.Group:
@@ -69,7 +70,8 @@ def read_branch(group: h5py.Group, branch: Branch) -> StoredBranch:
     if not np.array_equal(values["frequency"], branch.frequency):
         raise ValueError("other frequencies than the case's")
     response = FrequencyResponse(**{name: values[name] for name in LAYOUT})
-    return StoredBranch(response, done, _state(values, done - 1) if done and branch.carried else None)
+    after = StatesAfter(values["state_displacement"], values["state_velocity"])
+    return StoredBranch(response, done, _state(values, done - 1) if done and branch.carried else None, after)
 
 
 def read_rows(group: h5py.Group) -> Values:

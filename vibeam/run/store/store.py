@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ from vibeam.run.store.branch import Branch, StoredBranch, count_points, read_bra
 from vibeam.run.store.checksum import CHECKSUM, sign, verify
 from vibeam.run.store.comparison import COMPARISON, key_of_comparisons, read_comparisons, write_comparisons
 from vibeam.run.store.errors import StoreError, reading
+from vibeam.run.store.estimates import ESTIMATES, key_of_estimates, read_estimates, write_estimates
 from vibeam.run.store.figures import HOME, read_sheets, write_sheets
 from vibeam.run.store.layout import fixed, read_curves, write_curves
 from vibeam.run.store.models import Keyed, write_models
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from vibeam.figures.sheet import Sheet
     from vibeam.run.accuracy.study import AccuracyChoice
     from vibeam.run.comparison.differences import HeldComparison
+    from vibeam.run.estimate.of_case import FidelityEstimate
     from vibeam.run.store.disk import Disk
     from vibeam.run.store.image import Image
     from vibeam.system.motion_curves import MotionCurves
@@ -137,6 +139,16 @@ class Store:
         """Replace the stored comparisons."""
         with self._restructuring() as file:
             write_comparisons(file, key, found)
+
+    def estimates(self, key: str) -> dict[str, FidelityEstimate] | None:
+        """Error estimates stored for ``key``, of all that decides them; None without any."""
+        with self._reading(f"/{ESTIMATES}") as file:
+            return read_estimates(file) if key and key_of_estimates(file) == key else None
+
+    def write_estimates(self, key: str, found: Mapping[str, FidelityEstimate]) -> None:
+        """Replace the stored error estimates."""
+        with self._restructuring() as file:
+            write_estimates(file, key, found)
 
     def write_models(self, models: Keyed) -> None:
         """Replace the properties of all models, unless they are the same."""

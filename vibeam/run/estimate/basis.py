@@ -1,0 +1,36 @@
+"""Basis of an error estimate at a point: what was estimated, or the reason why nothing was."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+from vibeam.orbits.predicted_response import Found
+
+
+class Basis(Enum):
+    """The value says in words what an estimate is of, or why there is none; the order is the code in arrays."""
+
+    ORBIT = "along the exact orbit"
+    NO_ORBIT = Found.NO_ORBIT.value
+    STRIKES = Found.STRIKES.value
+    UNSTABLE = Found.UNSTABLE.value
+    TOUCHES = Found.TOUCHES.value
+    APERIODIC = "the motion does not repeat"
+    RESTS = "the motion rests on the stop"
+    SEVERAL = "too many impacts before the motion repeats"
+    UNSETTLED = "no exact orbit agrees with the point"
+    FAILED = "the point failed"
+    RESONANT = "an undamped mode is driven at a resonance"
+
+    @property
+    def code(self) -> int:
+        """Number in arrays and files."""
+        return _CODES[self]
+
+    @classmethod
+    def of_code(cls, code: int) -> Basis:
+        """Member with a given number."""
+        return list(cls)[code]
+
+
+_CODES = {member: code for code, member in enumerate(Basis)}

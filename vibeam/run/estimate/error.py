@@ -1,0 +1,130 @@
+"""Estimated error of a model's response against a fuller model, point by point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from vibeam.orbits.modal_sums import fault, resonant
+from vibeam.orbits.predicted_response import Found, PredictedResponse, predicted, predicted_free
+from vibeam.orbits.train_sums import Trains
+from vibeam.run.estimate.basis import Basis
+from vibeam.run.estimate.motions import SweptMotions, swept_motions
+from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.response import FrequencyResponse
+from vibeam.system.state import StatesAfter
+
+Array = NDArray[np.float64]
+
+QUANTITIES = ("amplitude", "reach", "impact_velocity")
+
+READ_OFF = 2e-6  # share to which a flight is read off
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorEstimate:
+    """Estimated error of a response against a fuller model, (points,) in the order swept; shares of its value there.
+
+    ``amplitude``, ``reach``, ``impact_velocity``: this model's over the fuller one's, less 1; the same with ``_bound``:
+    the estimate of the error's size, which has the uncertainty of the estimate on top. NaN where ``basis``, the code of
+    a ``Basis``, is another than ORBIT, and velocities also without impacts. ``correction``: size of the first Newton
+    correction of the impacts, rad and share of the impulse: it grows without bound toward a fold.
+    """
+
+    frequency: Array
+    amplitude: Array
+    reach: Array
+    impact_velocity: Array
+    amplitude_bound: Array
+    reach_bound: Array
+    impact_velocity_bound: Array
+    correction: Array
+    basis: NDArray[np.int64]
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """Points (points,) with an estimate."""
+        return np.asarray(self.basis == Basis.ORBIT.code)
+
+    @property
+    def reasons(self) -> dict[Basis, int]:
+        """Number of points without an estimate, by the reason."""
+        codes, counts = np.unique(self.basis[~self.known], return_counts=True)
+        return {Basis.of_code(int(code)): int(count) for code, count in zip(codes, counts, strict=True)}
+
+
+def estimate_error(
+    response: FrequencyResponse, system: ImpactSystem, full: ImpactSystem, amplitude: ArrayLike,
+    output: str = "contact", after: StatesAfter | None = None,
+) -> ErrorEstimate:  # fmt: skip
+    """Estimate the error of ``response``, of the model ``system``, against the model ``full``, which is not flown.
+
+    ``amplitude`` of the base motion, m, one number or one a point; ``output``: what the response was read of. The
+    states ``after`` its points are needed for motions with several impacts. ValueError where one of the models has no
+    closed-form motions.
+    """
+    for each, name in ((system, "the model"), (full, "the full model")):
+        if reason := unsuited(each):
+            raise ValueError(f"{name}: {reason}")
+    base = np.array(np.broadcast_to(np.asarray(amplitude, dtype=float), len(response)))
+    swept = swept_motions(system, response, base, after)
+    made = _Rows(np.full((len(QUANTITIES), len(response)), np.nan), np.full((4, len(response)), np.nan), swept.basis)
+    for which, trains in _without_resonance(full, swept):
+        different, back = _distinct(trains)
+        there = predicted(full, trains.at(different), output)
+        made.enter(response, which, PredictedResponse._make(row[back] for row in there))
+    if len(swept.free):
+        omega = 2 * np.pi * response.frequency[swept.free]
+        made.enter(response, swept.free, predicted_free(full, omega, base[swept.free], output))
+    names = (*QUANTITIES, *(f"{name}_bound" for name in QUANTITIES), "correction")
+    rows = dict(zip(names, (*made.signed, *made.bounds), strict=True))
+    return ErrorEstimate(frequency=response.frequency.copy(), basis=made.basis, **rows)
+
+
+def unsuited(system: ImpactSystem) -> str:
+    """Reason why a system has no closed-form motions; empty where it has."""
+    if np.any(system.omega == 0):
+        return "it has a mode without stiffness"
+    if system.beyond_plain:
+        return f"no closed-form motions with {' or '.join(system.beyond_plain)}"
+    return fault(system)
+
+
+def _distinct(trains: Trains) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Motions that differ, and for each motion its place among them: a sweep down repeats most of the one up."""
+    rows = np.column_stack([trains.omega, trains.amplitude, trains.phases, trains.impulses])
+    _, first, back = np.unique(rows, axis=0, return_index=True, return_inverse=True)
+    return first, back.ravel()
+
+
+def _without_resonance(full: ImpactSystem, swept: SweptMotions) -> list[tuple[NDArray[np.int64], Trains]]:
+    """Trains at whose drives the full model has a steady response."""
+    found = []
+    for which, trains in swept.trains:
+        bad = np.array([bool(resonant(full, float(omega), trains.periods)) for omega in trains.omega], dtype=bool)
+        swept.basis[which[bad]] = Basis.RESONANT.code
+        if not bad.all():
+            found.append((which[~bad], trains.at(np.flatnonzero(~bad))))
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """Signed differences, their bounds and the correction, and the basis, filled part by part."""
+
+    signed: Array
+    bounds: Array
+    basis: NDArray[np.int64]
+
+    def enter(self, response: FrequencyResponse, which: NDArray[np.int64], there: PredictedResponse) -> None:
+        values = there.amplitude, there.reach, there.impact_velocity
+        unsure = there.uncertainty, there.reach_uncertainty, np.zeros(len(which))
+        for row, (name, value, off) in enumerate(zip(QUANTITIES, values, unsure, strict=True)):
+            with np.errstate(invalid="ignore", divide="ignore"):
+                signed = getattr(response, name)[which] / value - 1
+                self.signed[row, which] = signed
+                self.bounds[row, which] = np.abs(signed) + (1 + np.abs(signed)) * (off / np.abs(value) + READ_OFF)
+        self.bounds[3, which] = there.first
+        self.basis[which] = [Basis[list(Found)[code].name].code for code in there.found.tolist()]
