@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from vibeam.studies.export_matrices import export_matrices as export_matrices
     from vibeam.studies.influence.study import influence as influence
     from vibeam.studies.modes import modes as modes
+    from vibeam.studies.reduce.study import reduce as reduce
     from vibeam.studies.regression.check import check as check
     from vibeam.studies.regression.check import compare_measured as compare_measured
     from vibeam.studies.stability.study import stability as stability
@@ -131,6 +132,7 @@ _HOMES = {
     "check": "vibeam.studies.regression.check",
     "compare_measured": "vibeam.studies.regression.check",
     "modes": "vibeam.studies.modes",
+    "reduce": "vibeam.studies.reduce.study",
     "export_matrices": "vibeam.studies.export_matrices",
     "plot": "vibeam.report.plot",
     "Case": "vibeam.case.case",

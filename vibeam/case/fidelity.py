@@ -121,7 +121,7 @@ def _direct(scene: SdofScene, omega: float, zeta: float) -> ImpactSystem:
 
 
 def _of_structure(scene: RigScene, fidelity: Fidelity) -> ImpactSystem:
-    small, static = reduced_structure(scene, fidelity.reduction, fidelity.modes, _parameters(scene, fidelity))
+    small, static = reduced_structure(scene, fidelity.reduction, fidelity.modes, parameters_of(scene, fidelity))
     factor, second = 1.0 if scene.stop.gap_at == "contact" else static, scene.stop.second_gap
     if isnan(factor):
         raise ValueError(
@@ -160,7 +160,7 @@ def _of_structure(scene: RigScene, fidelity: Fidelity) -> ImpactSystem:
     )
 
 
-def _parameters(scene: RigScene, fidelity: Fidelity) -> Mapping[str, Any]:
+def parameters_of(scene: RigScene, fidelity: Fidelity) -> Mapping[str, Any]:
     """Parameters of a reduction, with the flight of the full model that some are made of."""
     if not REDUCTIONS[fidelity.reduction].flown:
         return fidelity.parameters

@@ -44,6 +44,7 @@ STUDIES: Registry[StudyDeclaration] = Registry(
     _own("influence", "influence.study", "change by each effect, and its cost"),
     _own("derive", "derive", "SDOF parameters from geometry, beside their finite-element values"),
     _own("modes", "modes", "modes of the finite-element beam"),
+    _own("reduce", "reduce.study", "what a reduction loses, by its number of coordinates"),
 )
 
 

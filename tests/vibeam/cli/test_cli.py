@@ -203,6 +203,41 @@ def test_all_shares_make_one_in_the_whole_beam(command: Command) -> None:
     assert first[-1]["contact_restitution"] > first[0]["contact_restitution"]
 
 
+def test_reduce_prints_its_tables_and_writes_them(command: Command, tmp_path: Path) -> None:
+    plain = ("--set", "beam.elements=8", "--set", 'figure.format=["svg"]')
+    words = ("reduce", RIG, *plain, "--basis", "modal", "--basis", "krylov", "--most", "4")
+    done = command(*words, "--out", "found/")
+    names = {f"{RIG.stem}_reduce{ending}" for ending in (".csv", ".svg")}
+    assert {path.name for path in (tmp_path / "found").iterdir()} == names
+    assert "Recommended for 5 %" in done.stdout
+    assert "contact time not known: an impulse stands for it" in done.stdout
+    rows = (tmp_path / "found" / f"{RIG.stem}_reduce.csv").read_text("utf-8").splitlines()
+    assert rows[0].startswith("basis,modes,loss,decided_by,frequency,")
+    assert len(rows) == 1 + 2 * 4
+    data = json.loads(command(*words, "--json", "--to", "0.2 kHz", "--contact-time", "0.5 ms").stdout)
+    assert (data["band"], data["contact_time"]) == ([0.0, 200.0], 5e-4)
+    analysis = data["analysis"]["modal"]["contact"]
+    assert analysis["basis_sizes"] == [1, 2, 3, 4]
+    assert len(analysis["errors"]) == len(analysis["max_error_mus"]) == 4
+    assert max(analysis["errors"][1]) == analysis["max_errors"][1] <= analysis["max_estimates"][1]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--within", "3 Hz"), "--within: '3 Hz' is a frequency, not a plain number"),
+        (("--from", "9 Hz", "--to", "8 Hz"), "band: 9 … 8 Hz must ascend"),
+        (("--basis", "modl"), "basis: no modl: there are modal"),
+        (("--contact-time", "0 s"), "contact_time: 0.0 must be above 0 s"),
+    ],
+)
+def test_reduce_refuses_what_it_cannot_answer(
+    command: Command, tmp_path: Path, words: tuple[str, ...], said: str
+) -> None:
+    assert said in command("reduce", RIG, *words, expect=2).stderr
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_new_writes_a_sound_case_once(command: Command, tmp_path: Path) -> None:
     command("new")
     assert parse((tmp_path / "case.toml").read_text(encoding="utf-8")).fidelities

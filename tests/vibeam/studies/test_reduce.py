@@ -1,0 +1,207 @@
+"""``vibeam reduce``: losses against independent solutions, bounds that bound, and what is recommended."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from observed import NEUTRAL
+from scipy.integrate import quad
+
+import vibeam
+from tests.models.bench import RIG, STEEL
+from tests.models.test_sparse import net, squared_frequencies
+from vibeam.studies.reduce.contact_time import contact_time
+from vibeam.studies.reduce.losses import INSTANTS, ContactPulse, assurance
+from vibeam.studies.reduce.study import Losses, ReductionStudy, _recommended, _reference
+from vibeam.studies.reduce.transfer import ModalForm, TransferStudy
+from vibeam_models.beam import assemble
+from vibeam_models.beams.beam import Damping
+from vibeam_models.laws.compliant import LinearStop
+from vibeam_models.structure import Structure
+from vibeam_reductions.declaration import REDUCTIONS
+from vibeam_reductions.modal import modal
+from vibeam_reductions.projection import projection
+
+CASES = Path(__file__).parents[3] / "cases"
+SMALL = {"beam.elements": 8}
+
+
+@pytest.fixture(scope="module")
+def study() -> ReductionStudy:
+    return vibeam.reduce(vibeam.load(NEUTRAL, set=SMALL))
+
+
+def coarse(damping: Damping = STEEL.damping) -> Structure:
+    return assemble(replace(RIG, beam=replace(STEEL, elements=6, damping=damping)))
+
+
+def direct(structure: Structure, place: str, omega: float) -> complex:
+    """Transfer function from the drive by one solution of (K − ω²M + iωC) x = load."""
+    row = structure.contact if place == "contact" else structure.outputs[place]
+    dynamic = structure.K - omega**2 * structure.M + 1j * omega * structure.C
+    return complex(row @ np.linalg.solve(dynamic, structure.load))
+
+
+def with_a_damper(structure: Structure) -> Structure:
+    """A dashpot at the tip couples the modes."""
+    tip = structure.outputs["tip"]
+    return structure.with_(C=structure.C + 0.4 * np.outer(tip, tip))
+
+
+@pytest.mark.parametrize("coupled", [False, True])
+@pytest.mark.parametrize("name", ["modal", "craig_bampton", "krylov", "residual_flexibility"])
+def test_errors_are_those_of_direct_solutions_and_below_their_bounds(name: str, coupled: bool) -> None:
+    structure = with_a_damper(coarse()) if coupled else coarse()
+    mus = np.array([3.0, 7.55, 31.0, 80.0, 98.0, 140.0])
+    asked = TransferStudy(ModalForm.of(structure), mus)
+    assert asked.full.coupled == coupled
+    for n in (4, 6):
+        made = REDUCTIONS[name].make(structure, n)
+        for place in ("contact", "sensor"):
+            found = asked.errors_of(made, ModalForm.of(made.structure), place)
+            omegas = 2 * np.pi * mus
+            exact = np.array([direct(structure, place, omega) for omega in omegas])
+            small = np.array([direct(made.structure, place, omega) for omega in omegas])
+            size = np.maximum(np.abs(exact), 0.01 * np.abs(exact).max())
+            np.testing.assert_allclose(found.errors, np.abs(small - exact) / size, rtol=1e-4, atol=1e-9)
+            assert np.all(found.estimates >= found.errors * (1 - 1e-6) - 1e-10)
+            known = np.isfinite(found.effectivities)
+            assert np.all(found.effectivities[known] * found.errors[known] == pytest.approx(found.estimates[known]))
+            assert found.max_error == found.errors[mus == found.max_error_mu][0]
+            assert found.max_estimate == found.estimates[mus == found.max_estimate_mu][0]
+
+
+def test_bounds_hold_for_any_basis() -> None:
+    structure = coarse()
+    asked = TransferStudy(ModalForm.of(structure), np.linspace(2, 150, 60))
+    for seed in range(8):
+        made = projection(structure, np.random.default_rng(seed).normal(size=(structure.size, 3)))
+        found = asked.errors_of(made, ModalForm.of(made.structure), "sensor")
+        assert np.all(found.estimates >= found.errors)
+
+
+def test_bounds_hold_for_a_free_body() -> None:
+    K = np.array([[1.0, -1, 0], [-1, 2, -1], [0, -1, 1]]) * 1e3
+    free = Structure(np.eye(3), 1e-3 * K, K, -np.ones(3), np.zeros(3), [0, 0, 1.0], {"sensor": [1.0, 0, 0]})
+    asked = TransferStudy(ModalForm.of(free), np.linspace(1, 9, 40))
+    made = modal(free, 2)
+    found = asked.errors_of(made, ModalForm.of(made.structure), "sensor")
+    assert np.all(found.estimates >= found.errors - 1e-12)
+
+
+@pytest.mark.parametrize("omega", [0.0, 3.0, np.pi, 40.0])
+def test_the_half_sine_pulse_is_duhamels_integral(omega: float) -> None:
+    """∫ sin(πτ/T) sin ω(t − τ)/ω dτ, with ω at the pulse's own frequency and at 0 too."""
+    pulse = ContactPulse(1.0)
+    found = pulse.deflection(np.array([omega]), np.array([2.0]), 0.1)
+    for i in (10, 33, 64):
+        t = i / (INSTANTS - 1)
+        answer = lambda tau, t=t: np.sin(np.pi * tau) * (np.sin(omega * (t - tau)) / omega if omega else t - tau)  # noqa: E731
+        assert found[i] == pytest.approx(4 * quad(answer, 0, t)[0] + 0.1 * np.sin(np.pi * t), rel=1e-6, abs=1e-12)
+
+
+def test_contact_time_of_one_mass_on_springs() -> None:
+    """π √(m/(K + k)), and of a far lighter, unhindered mass hit beside it π √(m/k)."""
+    one = Structure([[0.2]], [[0.0]], [[50.0]], [-0.2], [0.0], [1.0])
+    assert contact_time(ModalForm.of(one), LinearStop(1e4)) == pytest.approx(np.pi * np.sqrt(0.2 / 10050), rel=1e-12)
+    two = Structure(np.diag([100.0, 0.2]), np.zeros((2, 2)), np.diag([1.0, 1e-6]), [-1.0, -1], [0.0, 0], [0.0, 1])
+    assert contact_time(ModalForm.of(two), LinearStop(1e4)) == pytest.approx(np.pi * np.sqrt(0.2 / 1e4), rel=1e-6)
+
+
+def test_restitutions_are_those_of_the_table_of_modes() -> None:
+    for held in ("first mode", "contact"):
+        case = vibeam.load(NEUTRAL, set=SMALL | {"stop.restitution_of": held})
+        rows = vibeam.reduce(case, bases=["modal"], most=6).of("modal")
+        for row, mode in zip(rows, vibeam.modes(case, 6).rows, strict=True):
+            assert row.first_mode_restitution == pytest.approx(mode.first_mode_restitution, rel=1e-9)
+            assert row.contact_restitution == pytest.approx(mode.contact_restitution, rel=1e-9)
+            assert row.mobility == pytest.approx(1 - mode.share, rel=1e-6)
+            assert row.impact == row.mobility  # a rigid stop: contact time 0
+
+
+def test_shapes_are_compared_with_the_mass_matrix() -> None:
+    structure = coarse()
+    modes = structure.modes().shapes
+    turned = np.column_stack([modes[:, 0], 0.8 * modes[:, 1] + 0.6 * modes[:, 4]])
+    made = projection(structure, turned)
+    found = assurance(ModalForm.of(structure), made, ModalForm.of(made.structure))
+    np.testing.assert_allclose(found, [1, 0.64], rtol=1e-9)
+
+
+def test_a_mode_missing_in_the_band_is_a_loss_of_all_of_it(study: ReductionStudy) -> None:
+    assert study.in_band == 2  # of 7.6, 101 and 407 Hz below 170 Hz
+    first, second = study.of("modal")[:2]
+    assert (first.frequency, first.frequency_mode, first.loss) == (1, 2, 1)
+    assert (second.frequency, second.modes_kept) == (0, 2)
+
+
+def test_what_is_recommended_stays_enough() -> None:
+    losses = [0.4, 0.04, 0.06, 0.03, float("nan"), 0.02]
+    rows = [Losses("basis", n + 1, loss=loss) for n, loss in enumerate(losses)]
+    basis: Any = type("Basis", (), {"name": "basis"})
+    assert _recommended(basis, rows, 0.05).modes == 4
+    assert _recommended(basis, rows, 0.01).modes is None
+    assert _recommended(basis, [Losses("basis", 1, why="none")], 0.01).why == "none"
+
+
+def test_more_coordinates_are_recommended_for_a_shorter_contact_and_a_wider_band() -> None:
+    case = vibeam.load(NEUTRAL, set=SMALL)
+
+    def enough(**asked: Any) -> int:
+        (found,) = vibeam.reduce(case, bases=["modal"], most=16, within=0.02, **asked).recommended
+        return found.modes or 17
+
+    assert enough(contact_time=2e-2) < enough(contact_time=2e-4) <= enough()
+    assert enough(contact_time=2e-2, band=(0.0, 20.0)) < enough(contact_time=2e-2, band=(0.0, 3000.0))
+
+
+def test_each_spring_stop_predicts_the_winner_of_its_case() -> None:
+    bases = ("modal", "residual_flexibility", "massless_boundary")
+    cases = (vibeam.load(CASES / "reductions" / f"{name}.toml") for name in ("near_clamp", "at_mass"))
+    near, at = (vibeam.reduce(case, bases=bases, most=4) for case in cases)
+    assert near.of("modal")[3].static_stiffness > 0.05 > 1e-6 > near.of("residual_flexibility")[1].static_stiffness
+    assert at.of("modal")[3].loss < 1e-3 < 0.1 < at.of("residual_flexibility")[1].loss
+    assert near.of("massless_boundary")[3].impact < near.of("modal")[3].impact
+    assert [each.why for each in at.recommended if each.basis == "massless_boundary"] == [
+        "contact without mass: a damper behind a contact without mass makes a state of the first order"
+    ]
+
+
+def test_bases_of_fidelities_come_with_their_keys() -> None:
+    own = {"reduction": "krylov", "modes": 2, "frequency": "300 Hz"}
+    flown = {"reduction": "pod", "modes": 2, "frequency": "15 Hz", "periods": 20}
+    case = vibeam.load(NEUTRAL, set=SMALL | {"fidelity.far": own, "fidelity.flown": flown})
+    found = vibeam.reduce(case, most=4)
+    assert {"far", "flown"} <= {row.basis for row in found.rows}
+    assert found.of("far")[3].frequency > 10 * found.of("krylov")[3].frequency
+    assert found.of("flown")[3].loss < found.of("flown")[0].loss
+    with pytest.raises(KeyError, match="no basis 'pod': there are modal, static_shapes"):
+        found.of("pod")
+
+
+def test_a_sparse_structure_is_answered_by_its_lowest_modes() -> None:
+    structure, notes = _reference(net(11, 13, Damping("constant", (0.02,))))
+    assert structure.size == 47
+    assert notes == ("143 coordinates, sparse: 47 modes with static correction stand for the full model",)
+    np.testing.assert_allclose(structure.modes(30).omega ** 2, squared_frequencies(11, 13)[:30], rtol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"within": 0.0}, "within: 0.0 must be between 0 and 1"),
+        (
+            {"band": (5.0, 5.0), "most": 0},
+            r"band: 5 … 5 Hz must ascend from 0 or above; most: 0 must be a whole number",
+        ),
+        ({"contact_time": -1.0}, "contact_time: -1.0 must be above 0 s"),
+        ({"bases": ["modl"]}, "basis: no modl: there are modal, static_shapes"),
+    ],
+)
+def test_arguments_outside_their_range_are_refused(asked: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        vibeam.reduce(vibeam.load(NEUTRAL, set=SMALL), **asked)

@@ -1,0 +1,72 @@
+"""``vibeam reduce``: what a reduction loses with n coordinates, and the n that is enough."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, table_path
+from vibeam.cli.errors import UsageError, of_case
+from vibeam.cli.output import print_result
+
+if TYPE_CHECKING:
+    from vibeam.casefile.quantities import Dimension
+
+
+def reduce(
+    case: CaseFile,
+    set_: Overrides = None,
+    as_json: AsJson = False,
+    out: TableFile = None,
+    within: Annotated[str, typer.Option("--within", help="Accuracy by which n is recommended.")] = "5 %",
+    low: Annotated[str, typer.Option("--from", help="Lower end of the band, with unit.")] = "0 Hz",
+    high: Annotated[
+        str | None,
+        typer.Option("--to", help="Its upper end; absent = ten times the highest drive frequency.", show_default=False),
+    ] = None,
+    contact_time: Annotated[
+        str | None,
+        typer.Option(
+            "--contact-time", help="How long an impact lasts; absent = that of a linear stop.", show_default=False
+        ),
+    ] = None,
+    basis: Annotated[
+        list[str] | None, typer.Option("--basis", help="This basis alone. Repeatable.", show_default=False)
+    ] = None,
+    most: Annotated[int, typer.Option("--most", min=1, help="Largest number of coordinates.")] = 12,
+) -> None:
+    """Tabulate what a reduction loses with n coordinates.
+
+    The n that is enough is recommended; nothing is flown but for a basis made of a flight.
+    """
+    from vibeam.casefile import quantities as units
+    from vibeam.figures.files import paths_of
+    from vibeam.report.reduce import as_data, reduction_tables, sentences, write_reduction, write_rows
+    from vibeam.studies.reduce.study import WIDER
+    from vibeam.studies.reduce.study import reduce as reduced
+
+    loaded = load(case, set_)
+    path = table_path(loaded, out, "reduce")
+    share, begin = _number("--within", within, units.RATIO), _number("--from", low, units.FREQUENCY)
+    end = None if high is None else _number("--to", high, units.FREQUENCY)
+    time = None if contact_time is None else _number("--contact-time", contact_time, units.TIME)
+    band = None if end is None and begin == 0 else (begin, end or WIDER * float(loaded.sweep.frequency.max()))
+    study = of_case(case, lambda: reduced(loaded, within=share, band=band, contact_time=time, bases=basis, most=most))
+    figures = paths_of(path, loaded.figure)
+    write_reduction(study, figures)
+    write_rows(study, path)
+    files = [path, *figures]
+    print_result(
+        as_data(study) | {"files": files}, as_json, lambda _: reduction_tables(study), [*sentences(study), *files]
+    )
+
+
+def _number(option: str, text: str, kind: Dimension) -> float:
+    """Value of an option in SI units; UsageError where it is none."""
+    from vibeam.casefile.quantities import UnitError, to_si
+
+    try:
+        return to_si(text, kind)
+    except UnitError as error:
+        raise UsageError(f"{option}: {error}") from None

@@ -1,0 +1,1 @@
+"""What a reduction loses, known beforehand."""

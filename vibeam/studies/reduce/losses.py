@@ -1,0 +1,161 @@
+"""Losses of one reduction: frequencies, shapes, static stiffness, mobility, restitution, transfer, contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf, nan
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.studies.reduce.transfer import ModalForm, TransferErrors, TransferStudy
+from vibeam_models.laws.restitution import first_mode_restitution
+from vibeam_reductions.projection import Reduction
+
+Array = NDArray[np.float64]
+
+INSTANTS = 65  # of a contact at which the half-sine pulse is looked at
+
+
+@dataclass(frozen=True)
+class ContactPulse:
+    """A half-sine force at the contact for ``duration`` s, on a stop of ``stiffness`` N/m (∞: rigid)."""
+
+    duration: float
+    stiffness: float = inf
+
+    def deflection(self, omega: Array, c: Array, flexibility: float = 0.0) -> Array:
+        """Displacement (INSTANTS,) of the contact in m per N, undamped modes, from rest.
+
+        η'' + ω²η = c sin νt, ν = π/T: η = c (sin νt − (ν/ω) sin ωt)/(ω² − ν²). ``flexibility``: without mass, m/N.
+        """
+        nu, times = np.pi / self.duration, np.linspace(0, self.duration, INSTANTS)[:, None]
+        apart = omega**2 - nu**2
+        near = np.abs(apart) < 1e-9 * nu**2
+        swung = times * np.sinc(omega * times / np.pi)
+        usual = (np.sin(nu * times) - nu * swung) / np.where(near, 1.0, apart)
+        resonant = (np.sin(nu * times) - nu * times * np.cos(nu * times)) / (2 * nu**2)
+        return np.asarray(np.where(near, resonant, usual) @ c**2 + flexibility * np.sin(nu * times[:, 0]))
+
+    def error(self, full: Array, found: Array) -> float:
+        """Largest difference of two such deflections, relative to the largest approach of beam and stop together."""
+        approach = full + np.sin(np.pi * np.linspace(0, 1, INSTANTS)) / self.stiffness
+        return float(np.abs(found - full).max() / np.abs(approach).max())
+
+
+@dataclass(frozen=True)
+class Losses:
+    """What a reduction to ``modes`` coordinates loses, each a share of the full model's value.
+
+    - ``frequency``: largest relative error of a natural frequency in the band (1 where the mode is missing), which is
+      mode ``frequency_mode``; ``modes_kept``: the modes from the first one on that are within the accuracy;
+    - ``mac``: least modal assurance criterion of full against reduced modes in the band, 1: the same shapes;
+    - ``static_stiffness``: excess of the contact's static stiffness;
+    - ``mobility``: share of w M⁻¹ wᵀ that is lost; NaN of a contact without mass; ``first_mode_restitution``
+      and ``contact_restitution``: the case holds one, the other follows (above 1: no contact can do that); NaN of
+      another law;
+    - ``contact``, ``sensor``: largest errors of the transfer functions from the drive, at ``…_mu`` Hz, and their
+      ``…_estimate``, a bound from the reduced solution;
+    - ``impact``: of the contact's displacement in a half-sine pulse as long as the contact; where no contact time is
+      known, ``mobility``, to which it goes as that time goes to 0;
+    - ``loss``: the largest of frequency, static stiffness, contact, sensor, impact; ``decided_by``: which.
+
+    ``why``: why there is no such reduction, all else is then NaN.
+    """
+
+    basis: str
+    modes: int
+    loss: float = nan
+    decided_by: str = ""
+    frequency: float = nan
+    frequency_mode: int = 0
+    modes_kept: int = 0
+    mac: float = nan
+    static_stiffness: float = nan
+    mobility: float = nan
+    first_mode_restitution: float = nan
+    contact_restitution: float = nan
+    contact: float = nan
+    contact_mu: float = nan
+    contact_estimate: float = nan
+    sensor: float = nan
+    sensor_mu: float = nan
+    sensor_estimate: float = nan
+    impact: float = nan
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked of every reduction: a transfer study, the number of modes in the band, the contact, an accuracy."""
+
+    transfer: TransferStudy
+    in_band: int
+    pulse: ContactPulse | None
+    restitution: float
+    of_first_mode: bool
+    within: float
+
+    def losses(self, name: str, n: int, made: Reduction) -> tuple[Losses, dict[str, TransferErrors]]:
+        """What the reduction ``made`` loses, and its transfer functions' errors over the band."""
+        full, small = self.transfer.full, ModalForm.of(made.structure)
+        off, mac = frequency_errors(full, small), assurance(full, made, small)
+        band = np.append(off, np.ones(max(self.in_band - len(off), 0)))[: max(self.in_band, 1)]
+        curves = {place: self.transfer.errors_of(made, small, place) for place in ("contact", "sensor")}
+        mobility = 1 - made.mobility_kept if np.isfinite(made.mobility_kept) else nan
+        parts: dict[str, float] = {
+            "frequency": float(band.max()),
+            "static_stiffness": 1 / made.flexibility_kept - 1,
+            "contact": curves["contact"].max_error,
+            "sensor": curves["sensor"].max_error,
+            "impact": mobility if self.pulse is None else self._in_contact(self.pulse, small),
+        }
+        largest = max(parts, key=lambda part: abs(parts[part]) if np.isfinite(parts[part]) else -1.0)
+        kept = off > self.within
+        return Losses(
+            basis=name,
+            modes=n,
+            loss=abs(parts[largest]),
+            decided_by=largest,
+            frequency_mode=int(np.argmax(band)) + 1,
+            modes_kept=int(np.argmax(kept)) if kept.any() else len(off),
+            mac=float(mac[: max(min(self.in_band, len(mac)), 1)].min()),
+            mobility=mobility,
+            contact_mu=curves["contact"].max_error_mu,
+            contact_estimate=curves["contact"].max_estimate,
+            sensor_mu=curves["sensor"].max_error_mu,
+            sensor_estimate=curves["sensor"].max_estimate,
+            **{**parts, **self._restitutions(small)},  # type: ignore[arg-type]
+        ), curves
+
+    def _in_contact(self, pulse: ContactPulse, small: ModalForm) -> float:
+        full = self.transfer.full
+        exact = pulse.deflection(full.omega, full.row(full.structure.contact))
+        own = small.row(small.structure.contact)
+        return pulse.error(exact, pulse.deflection(small.omega, own, small.structure.contact_flexibility))
+
+    def _restitutions(self, small: ModalForm) -> dict[str, float]:
+        if np.isnan(self.restitution) or small.structure.contact_flexibility:
+            return {}
+        c = small.row(small.structure.contact)
+        first, mobility = float(c[0]), float(c @ c)
+        if self.of_first_mode:
+            held, of_contact = self.restitution, (1 + self.restitution) * mobility / first**2 - 1
+            return {"first_mode_restitution": held, "contact_restitution": of_contact}
+        seen = first_mode_restitution(self.restitution, first, mobility)
+        return {"first_mode_restitution": seen, "contact_restitution": self.restitution}
+
+
+def frequency_errors(full: ModalForm, small: ModalForm) -> Array:
+    """|ω_reduced/ω_full − 1| (n,) of mode after mode; of a rigid-body mode relative to the first elastic one."""
+    exact = full.omega[: len(small.omega)]
+    scale = np.where(exact > 1e-6 * full.omega[-1], exact, full.omega[full.omega > 1e-6 * full.omega[-1]][0])
+    return np.asarray(np.abs(small.omega - exact) / scale)
+
+
+def assurance(full: ModalForm, made: Reduction, small: ModalForm) -> Array:
+    """MAC (n,) with the mass matrix of each reduced mode and the full one of its number: (φᵀMψ)² over both sizes."""
+    shapes = made.basis @ small.shapes
+    momenta = full.structure.M @ shapes
+    along = np.sum(full.shapes[:, : shapes.shape[1]] * momenta, axis=0)
+    return np.asarray(along**2 / np.sum(shapes * momenta, axis=0))
