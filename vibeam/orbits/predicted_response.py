@@ -35,10 +35,10 @@ class Found(Enum):
     """What became of an orbit in the other model; the value says it in words."""
 
     ORBIT = "the same motion, stable and clear of the stop between its impacts"
-    NO_ORBIT = "the full model has no such motion near: too close to a fold, or beyond it"
-    STRIKES = "the full model strikes the stop in between"
-    UNSTABLE = "the full model's motion is unstable there"
-    TOUCHES = "the full model touches the stop, this one does not"
+    NO_ORBIT = "no such motion near: too close to a fold, or beyond it"
+    STRIKES = "it strikes the stop between its impacts"
+    UNSTABLE = "it is unstable"
+    TOUCHES = "it touches the stop where the first model does not"
 
     @property
     def code(self) -> int:

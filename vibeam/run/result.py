@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from vibeam.figures.sheet import Sheet
     from vibeam.run.accuracy.study import AccuracyChoice
     from vibeam.run.comparison.differences import HeldComparison
-    from vibeam.run.estimate.of_case import FidelityEstimate
+    from vibeam.run.estimate.records import FidelityEstimate
     from vibeam.run.systems import ModelProperties
     from vibeam.system.motion_curves import MotionCurves
     from vibeam.system.quantities import OutputUnits

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import AccuracyPlan
     from vibeam.figures.sheet import Sheet
-    from vibeam.run.estimate.of_case import FidelityEstimate
+    from vibeam.run.estimate.records import FidelityEstimate
     from vibeam.system.impact_system import ImpactSystem
     from vibeam.system.state import StatesAfter
 

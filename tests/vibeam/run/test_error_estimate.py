@@ -19,8 +19,9 @@ from vibeam.orbits.orbit import orbits
 from vibeam.orbits.predicted_response import Found, predicted
 from vibeam.orbits.train_sums import Trains
 from vibeam.run.estimate.basis import Basis
-from vibeam.run.estimate.error import ErrorEstimate, estimate_error
+from vibeam.run.estimate.error import estimate_error
 from vibeam.run.estimate.of_case import estimates
+from vibeam.run.estimate.records import ErrorEstimate
 from vibeam.run.estimate.summary import sentences, summaries
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Branches, FrequencyResponse

@@ -189,7 +189,16 @@ def _difference(stored: Any) -> None:
     stored["comparison/whole.json"][()] = text
 
 
-@pytest.mark.parametrize(("damage", "where"), [(_restitution, "models"), (_key, "models"), (_difference, "comparison")])
+def _estimate(stored: Any) -> None:
+    stored["estimates/sdof/up/amplitude_bound"][0] = 0.5
+
+
+DAMAGES = [
+    (_restitution, "models"), (_key, "models"), (_difference, "comparison"), (_estimate, "estimates")
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("damage", "where"), DAMAGES)
 def test_what_is_damaged_is_said(short: Case, file: Path, damage: Callable[[Any], None], where: str) -> None:
     with h5py.File(file, "r+") as stored:
         damage(stored)

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from enum import Enum
 
-from vibeam.orbits.predicted_response import Found
-
 
 class Basis(Enum):
     """The value says in words what an estimate is of, or why there is none; the order is the code in arrays."""
 
     ORBIT = "along the exact orbit"
-    NO_ORBIT = Found.NO_ORBIT.value
-    STRIKES = Found.STRIKES.value
-    UNSTABLE = Found.UNSTABLE.value
-    TOUCHES = Found.TOUCHES.value
+    NO_ORBIT = "the full model has no such motion near: too close to a fold, or beyond it"
+    STRIKES = "the full model strikes the stop in between"
+    UNSTABLE = "the full model's motion is unstable there"
+    TOUCHES = "the full model touches the stop, this one does not"
     APERIODIC = "the motion does not repeat"
     RESTS = "the motion rests on the stop"
     SEVERAL = "too many impacts before the motion repeats"

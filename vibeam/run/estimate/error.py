@@ -12,47 +12,14 @@ from vibeam.orbits.predicted_response import Found, PredictedResponse, predicted
 from vibeam.orbits.train_sums import Trains
 from vibeam.run.estimate.basis import Basis
 from vibeam.run.estimate.motions import SweptMotions, swept_motions
+from vibeam.run.estimate.records import QUANTITIES, ErrorEstimate
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import StatesAfter
 
 Array = NDArray[np.float64]
 
-QUANTITIES = ("amplitude", "reach", "impact_velocity")
-
 READ_OFF = 2e-6  # share to which a flight is read off
-
-
-@dataclass(frozen=True, eq=False)
-class ErrorEstimate:
-    """Estimated error of a response against a fuller model, (points,) in the order swept; shares of its value there.
-
-    ``amplitude``, ``reach``, ``impact_velocity``: this model's over the fuller one's, less 1; the same with ``_bound``:
-    the estimate of the error's size, which has the uncertainty of the estimate on top. NaN where ``basis``, the code of
-    a ``Basis``, is another than ORBIT, and velocities also without impacts. ``correction``: size of the first Newton
-    correction of the impacts, rad and share of the impulse: it grows without bound toward a fold.
-    """
-
-    frequency: Array
-    amplitude: Array
-    reach: Array
-    impact_velocity: Array
-    amplitude_bound: Array
-    reach_bound: Array
-    impact_velocity_bound: Array
-    correction: Array
-    basis: NDArray[np.int64]
-
-    @property
-    def known(self) -> NDArray[np.bool_]:
-        """Points (points,) with an estimate."""
-        return np.asarray(self.basis == Basis.ORBIT.code)
-
-    @property
-    def reasons(self) -> dict[Basis, int]:
-        """Number of points without an estimate, by the reason."""
-        codes, counts = np.unique(self.basis[~self.known], return_counts=True)
-        return {Basis.of_code(int(code)): int(count) for code, count in zip(codes, counts, strict=True)}
 
 
 def estimate_error(

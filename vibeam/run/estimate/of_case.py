@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.run.comparison.of_case import MOVING, SEVERAL
-from vibeam.run.estimate.error import ErrorEstimate, estimate_error, unsuited
+from vibeam.run.estimate.error import estimate_error, unsuited
 from vibeam.run.estimate.full_model import full_model
+from vibeam.run.estimate.records import ErrorEstimate, FidelityEstimate
 from vibeam.system.response import join
 from vibeam.system.state import StatesAfter
 
@@ -20,20 +21,6 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.system.impact_system import ImpactSystem
     from vibeam.system.response import Branches
-
-
-@dataclass(frozen=True, eq=False)
-class FidelityEstimate:
-    """Estimates of one fidelity, by direction; ``why``: there is none at all.
-
-    Against a full model of ``modes`` modes; ``whole``: it is that model itself.
-    """
-
-    modes: int
-    branches: Mapping[str, ErrorEstimate]
-    why: str = ""
-    whole: bool = False
-    cpu_seconds: float = 0.0
 
 
 def estimates(

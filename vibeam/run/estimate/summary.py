@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibeam.run.estimate.of_case import FidelityEstimate
+from vibeam.run.estimate.records import FidelityEstimate
 
 NAN = float("nan")
 

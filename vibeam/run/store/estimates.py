@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.run.estimate.basis import Basis
-from vibeam.run.estimate.error import QUANTITIES, ErrorEstimate
-from vibeam.run.estimate.of_case import FidelityEstimate
+from vibeam.run.estimate.records import QUANTITIES, ErrorEstimate, FidelityEstimate
 from vibeam.run.store.checksum import sign, verify
 from vibeam.run.store.layout import fixed
 

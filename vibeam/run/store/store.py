@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from vibeam.figures.sheet import Sheet
     from vibeam.run.accuracy.study import AccuracyChoice
     from vibeam.run.comparison.differences import HeldComparison
-    from vibeam.run.estimate.of_case import FidelityEstimate
+    from vibeam.run.estimate.records import FidelityEstimate
     from vibeam.run.store.disk import Disk
     from vibeam.run.store.image import Image
     from vibeam.system.motion_curves import MotionCurves

@@ -1,0 +1,61 @@
+"""Records of error estimates: of one branch, of one fidelity. They import nothing that computes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.run.estimate.basis import Basis
+
+Array = NDArray[np.float64]
+
+QUANTITIES = ("amplitude", "reach", "impact_velocity")
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorEstimate:
+    """Estimated error of a response against a fuller model, (points,) in the order swept; shares of its value there.
+
+    ``amplitude``, ``reach``, ``impact_velocity``: this model's over the fuller one's, less 1; the same with ``_bound``:
+    the estimate of the error's size, which has the uncertainty of the estimate on top. NaN where ``basis``, the code of
+    a ``Basis``, is another than ORBIT, and velocities also without impacts. ``correction``: size of the first Newton
+    correction of the impacts, rad and share of the impulse: it grows without bound toward a fold.
+    """
+
+    frequency: Array
+    amplitude: Array
+    reach: Array
+    impact_velocity: Array
+    amplitude_bound: Array
+    reach_bound: Array
+    impact_velocity_bound: Array
+    correction: Array
+    basis: NDArray[np.int64]
+
+    @property
+    def known(self) -> NDArray[np.bool_]:
+        """Points (points,) with an estimate."""
+        return np.asarray(self.basis == Basis.ORBIT.code)
+
+    @property
+    def reasons(self) -> dict[Basis, int]:
+        """Number of points without an estimate, by the reason."""
+        codes, counts = np.unique(self.basis[~self.known], return_counts=True)
+        return {Basis.of_code(int(code)): int(count) for code, count in zip(codes, counts, strict=True)}
+
+
+@dataclass(frozen=True, eq=False)
+class FidelityEstimate:
+    """Estimates of one fidelity, by direction; ``why``: there is none at all.
+
+    Against a full model of ``modes`` modes; ``whole``: it is that model itself.
+    """
+
+    modes: int
+    branches: Mapping[str, ErrorEstimate]
+    why: str = ""
+    whole: bool = False
+    cpu_seconds: float = 0.0
