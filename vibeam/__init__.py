@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from vibeam.flight.trajectory import simulate as simulate
     from vibeam.maps.evaluate import GridResponse as GridResponse
     from vibeam.maps.evaluate import evaluate as evaluate
+    from vibeam.maps.run import MapResult as MapResult
+    from vibeam.maps.run import run_map as run_map
     from vibeam.maps.starts import Starts as Starts
     from vibeam.orbits.bifurcation_functions import Kind as Kind
     from vibeam.orbits.boundaries import boundaries as boundaries
@@ -101,6 +103,8 @@ _HOMES = {
     "simulate": "vibeam.flight.trajectory",
     "evaluate": "vibeam.maps.evaluate",
     "GridResponse": "vibeam.maps.evaluate",
+    "MapResult": "vibeam.maps.run",
+    "run_map": "vibeam.maps.run",
     "Starts": "vibeam.maps.starts",
     "sweep": "vibeam.run.sweep",
     "batch": "vibeam.batch.batch",

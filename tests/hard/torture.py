@@ -50,6 +50,7 @@ PARTS = {
     "mutants": Part("mutants", 20.0),
     "runs": Part("mutant_runs", 60.0),
     "kills": Part("kills", 600.0),
+    "map_kills": Part("map_kills", 600.0),
     "races": Part("races", 600.0),
     "lacks": Part("scarce", 600.0),
     "damage": Part("damage", 600.0),

@@ -175,3 +175,40 @@ class ShowPlan:
     direction: Direction = "both"
     frames: int | None = None
     format: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class AxisPlan:
+    """Axis of a map: a dotted key and its values in ``unit``, that of its SI (empty: a plain number)."""
+
+    key: str
+    values: tuple[float, ...]
+    unit: str
+
+
+@dataclass(frozen=True)
+class MapPlan:
+    """Plan of one [map.NAME] table: quantities over ``axes``, the last of which is swept ``direction``.
+
+    ``direction``: "up", "down" or "both", the state carried; "apart": every point from its own start. ``frequency`` in
+    Hz, where it is no axis; ``settle`` and ``hold`` in drive periods; ``strobes``: how many values at the end of a
+    period; ``starts`` at random, from ``seed``, within ``spread`` (m). ``picture`` and the ``quantity`` that it shows;
+    ``boundaries``: whether exact ones are laid over it.
+    """
+
+    name: str
+    fidelities: tuple[str, ...]
+    axes: tuple[AxisPlan, ...]
+    direction: Literal["up", "down", "both", "apart"]
+    frequency: float | None
+    settle: int
+    hold: int
+    output: str
+    quantities: tuple[str, ...]
+    picture: str
+    quantity: str
+    strobes: int = 0
+    starts: int | None = None
+    seed: int = 1
+    spread: float | None = None
+    boundaries: bool = True

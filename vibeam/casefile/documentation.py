@@ -26,9 +26,10 @@ SEVERAL = (
     "[measured.",
     "[show.",
     "[output.",
+    "[map.",
 )  # headings of tables of which there are several
 
-NAMED = ("fidelity", "reference", "expect", "measured", "show", "output")  # tables by name
+NAMED = ("fidelity", "reference", "expect", "measured", "show", "output", "map")  # tables by name
 
 
 @dataclass(frozen=True)

@@ -78,13 +78,13 @@ class _Change:
         return {key: self._in_si(key, value) for key, value in self.settings.items()}
 
     def _in_si(self, key: str, value: Any) -> Any:
-        field = _field_at(self.model, key)[0]
+        field = field_at(self.model, key)[0]
         entry = entry_of(field) if field is not None else None
         return value if entry is None else entry.canonical(entry.parse(value))
 
     def _key_faults(self) -> Iterator[Complaint]:
         for key in self.settings:
-            fault = _field_at(self.model, key)[1]
+            fault = field_at(self.model, key)[1]
             if fault:
                 yield self._at(key), fault
         for index, key in enumerate(self.left):
@@ -93,7 +93,7 @@ class _Change:
                 yield ("fidelity", self.name, "without", index), fault
 
     def _left_fault(self, key: str) -> str | None:
-        field, fault = _field_at(self.model, key)
+        field, fault = field_at(self.model, key)
         if fault or field is None:
             return fault or f"{as_shown_in_message(key)}: name the whole table, not one of its kind"
         if field.is_required():
@@ -136,7 +136,7 @@ class _Change:
                 yield ("fidelity", self.name), f"with what it changes, {where}: {message}"
 
 
-def _field_at(model: type[BaseModel], key: str) -> tuple[FieldInfo | None, str | None]:
+def field_at(model: type[BaseModel], key: str) -> tuple[FieldInfo | None, str | None]:
     """The declaration of a physics key (None: one of several tables), or what is wrong with it."""
     try:
         first, *rest = key_parts(key)
@@ -151,7 +151,7 @@ def _field_at(model: type[BaseModel], key: str) -> tuple[FieldInfo | None, str |
 
 
 def _within(field: FieldInfo, rest: list[str], key: str) -> tuple[FieldInfo | None, str | None]:
-    """As ``_field_at``, from a table on."""
+    """As ``field_at``, from a table on."""
     table = table_of(field)
     if rest and table is not None and is_repeated(field) and (rest[0].isdigit() or not is_list(field)):
         rest = rest[1:]

@@ -32,6 +32,7 @@ from vibeam.casefile.content import content, digest, toml_text
 from vibeam.casefile.fidelity_changes import FidelityCase, variants
 from vibeam.casefile.inline import name_of
 from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.maps import map_complaints, map_plans, value_complaints
 from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.rules import cross_checks
@@ -78,6 +79,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         chain=_chain(declared),
         chains={name: _chain(own) for name, own in changed.items()},
         accuracy=_accuracy(declared),
+        maps=map_plans(declared, sweep),
     )
 
 
@@ -95,6 +97,8 @@ def validate(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[AnyCa
     place = _Places(str(file), lines, paths)
     case, wrong = _validated(tables, file.parent)
     changed, more = variants(tables, declaration(tables), wrong, lambda own: _validated(own, file.parent))
+    if case is not None and not wrong + more:
+        more = list(value_complaints(tables, case, lambda own: _validated(own, file.parent)))
     faults += [place.fault(complaint) for complaint in wrong + more]
     if faults or case is None:
         raise CaseError(faults)
@@ -132,7 +136,8 @@ def _validated(tables: dict[str, Any], folder: File) -> tuple[AnyCase | None, li
         case = read(tables)
     except ValidationError as error:
         alone, excused = complaints(error, model)
-    together = tuple(cross_checks(readable_case(model, tables), folder))
+    readable = readable_case(model, tables)
+    together = (*cross_checks(readable, folder), *map_complaints(readable, model))
     return case, alone + _unreported(together, {path for path, _ in alone} | excused)
 
 

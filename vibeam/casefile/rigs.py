@@ -35,6 +35,7 @@ CHECKS: Named = {
     "expect": {"two_thirds": {}},
     "measured": {"peak": {}},
     "show": {"motion": {}},
+    "map": {"gaps": {}},
 }
 
 BEAM_FIDELITIES: Named = {

@@ -19,8 +19,9 @@ def stderr() -> Console:
 class Bar:
     """Context whose value is called with the points done and their total; the first call sets the stored ones."""
 
-    def __init__(self, console: Console | None = None) -> None:
+    def __init__(self, doing: str = "sweeping", console: Console | None = None) -> None:
         self._console = console or stderr()
+        self._doing = doing
         self._progress: Progress | None = None
         self._began = False
 
@@ -46,18 +47,33 @@ class Bar:
         if done:
             self._console.print(f"continuing: {done} of {total} points are there")
         if self._console.is_terminal:
-            self._progress = _bar(self._console)
+            self._progress = _bar(self._console, self._doing)
             self._progress.start()
 
 
-def _bar(console: Console) -> Progress:
+def _bar(console: Console, doing: str) -> Progress:
     from rich import progress
+    from rich.text import Text
 
     from vibeam.run.parallel import cores
 
     text = progress.TextColumn
-    columns = text(f"sweeping on up to {_cores(cores())}"), progress.BarColumn(), progress.MofNCompleteColumn()
-    times = text("points ·"), progress.TimeElapsedColumn(), text("· remaining"), progress.TimeRemainingColumn()
+    columns = text(f"{doing} on up to {_cores(cores())}"), progress.BarColumn(), progress.MofNCompleteColumn()
+
+    class Speed(progress.ProgressColumn):
+        """Points a second."""
+
+        def render(self, task: progress.Task) -> Text:
+            return Text(f"{task.speed:.4g} points/s" if task.speed else "")
+
+    times = (
+        text("points ·"),
+        Speed(),
+        text("·"),
+        progress.TimeElapsedColumn(),
+        text("· remaining"),
+        progress.TimeRemainingColumn(),
+    )
     bar = progress.Progress(*columns, *times, console=console, transient=True)
     bar.add_task("points", total=None)
     return bar

@@ -9,19 +9,9 @@ from math import prod
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.grid_keys import is_structural
+
 Indices = Mapping[str, NDArray[np.int64]]
-
-FREQUENCY = "sweep.frequency"
-
-DISPLACEMENT, VELOCITY = "start.displacement", "start.velocity"
-
-STARTS = (DISPLACEMENT, VELOCITY)  # of the contact: keys of a grid alone, no case has them
-
-GAP, RESTITUTION = "stop.gap", "stop.restitution"
-
-LEVELS = tuple(
-    f"drive.{name}" for name in ("amplitude", "voltage", "gain", "force", "moment", "velocity", "acceleration")
-)
 
 
 @dataclass(frozen=True)
@@ -34,7 +24,7 @@ class Axis:
     @property
     def structural(self) -> bool:
         """Test whether the system has to be built anew for each value."""
-        return self.key not in (FREQUENCY, *STARTS, GAP, RESTITUTION, *LEVELS)
+        return is_structural(self.key)
 
 
 def shape_of(axes: Sequence[Axis]) -> tuple[int, ...]:

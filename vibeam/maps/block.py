@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.maps.axes import DISPLACEMENT, STARTS, VELOCITY, Axis, lines_of, shape_of, values_at
+from vibeam.case.grid_keys import DISPLACEMENT, STARTS, VELOCITY
+from vibeam.flight.pause import pause
+from vibeam.maps.axes import Axis, lines_of, shape_of, values_at
 from vibeam.maps.points import GridPoints, grid_points
 from vibeam.maps.starts import Starts, random_starts, start_states
 
@@ -22,11 +24,11 @@ Values = dict[str, NDArray[Any]]
 
 Way = Literal["up", "down"]
 
-DTYPES: Mapping[str, type] = {"period": np.int16, "ended": np.int16}
+DTYPES: Mapping[str, type] = {"period": np.int16, "ended": np.int16, "resting": np.int16}
 
 QUANTITIES = (
     "amplitude", "reach", "maximum", "minimum", "impacts_per_period", "impact_velocity", "period", "rest", "energy",
-    "strobes", "ended", "state", "resting", "cpu_seconds",
+    "strobes", "state", "resting", "lyapunov", "ended", "cpu_seconds",
 )  # fmt: skip
 
 
@@ -96,8 +98,9 @@ def _carried(grid: Grid, points: GridPoints, threads: int | None) -> Values:
     before: BatchResponse | None = None
     for way, columns_of_way in zip(grid.ways, found, strict=True):
         for column in range(columns) if way == "up" else range(columns - 1, -1, -1):
+            pause()
             before = _flown(grid, points, np.s_[:, column], _back_on_stop(points, column, before), threads)
-            columns_of_way[column] = read(before, grid.quantities)
+            columns_of_way[column] = _read(grid, points, np.s_[:, column], before)
     return {
         name: np.stack([np.stack([way[at][name] for at in range(columns)], axis=1) for way in found], axis=1)
         for name in grid.quantities
@@ -136,7 +139,7 @@ def _apart(grid: Grid, points: GridPoints, first: int, threads: int | None) -> V
     found: Values = {}
     for part in _of_one_size(points):
         response = _flown(grid, points, part, None if state is None else state[part], threads)
-        for name, values in read(response, grid.quantities).items():
+        for name, values in _read(grid, points, part, response).items():
             shape = (*points.omega.shape, *values.shape[1:])
             found.setdefault(name, np.empty(shape, dtype=values.dtype))[part] = values
     return {name: values[:, None] for name, values in found.items()}
@@ -166,7 +169,11 @@ def _flown(
     )  # fmt: skip
 
 
-def read(response: BatchResponse, quantities: tuple[str, ...]) -> Values:
-    """Quantities of a batch by name."""
-    every: Mapping[str, Any] = vars(response) | {"energy": np.sum(response.mode_energy, axis=-1)}
-    return {name: np.asarray(every[name], dtype=DTYPES.get(name, float)) for name in quantities}
+def _read(grid: Grid, points: GridPoints, part: Any, response: BatchResponse) -> Values:
+    """Quantities of the points ``part`` by name."""
+    every: dict[str, Any] = vars(response) | {"energy": np.sum(response.mode_energy, axis=-1)}
+    if "lyapunov" in grid.quantities:
+        from vibeam.maps.exponents import largest_exponents
+
+        every["lyapunov"] = largest_exponents(points, part, response, grid.hold)
+    return {name: np.asarray(every[name], dtype=DTYPES.get(name, float)) for name in grid.quantities}

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam.case.faults import CaseError, Fault
-from vibeam.maps.axes import FREQUENCY, STARTS, Axis, shape_of
+from vibeam.case.grid_keys import FREQUENCY, STARTS, axis_faults
+from vibeam.maps.axes import Axis, shape_of
 from vibeam.maps.block import QUANTITIES, Block, Grid, Values, Way, evaluate_block
 from vibeam.maps.starts import Starts
 from vibeam.maps.variation import narrowed, varied
@@ -160,22 +161,9 @@ def faults_of(grid: Grid) -> list[str]:
     """What is wrong with the axes of a grid, each with its cure."""
     keys = [axis.key for axis in grid.axes]
     found = [] if keys else ["a grid has at least one axis"]
-    found += [f"{key}: is an axis twice" for key in dict.fromkeys(keys) if keys.count(key) > 1]
     found += [f"{axis.key}: has no value" for axis in grid.axes if not axis.values]
-    if FREQUENCY in keys and grid.frequency is not None:
-        found.append(f"frequency: {FREQUENCY} is an axis already: leave one of the two away")
-    elif FREQUENCY not in keys and grid.frequency is None:
-        found.append(f"frequency: missing where {FREQUENCY} is no axis: say at which drive frequency")
-    if not keys:
-        return found
-    if grid.ways and grid.axes[-1].structural:
-        found.append(f"{keys[-1]}: changes the modes, so no state is carried along it: put another axis last")
-    given = [key for key in keys if key in STARTS]
-    if grid.ways and (given or grid.starts is not None):
-        what = given[0] if given else "starts"
-        found.append(f'{what}: where each motion starts apart nothing is carried: take direction = "apart"')
-    if given and grid.starts is not None:
-        found.append(f"starts: {given[0]} says already where motions start: leave one of the two away")
+    faults = axis_faults(keys, bool(grid.ways), grid.frequency, grid.starts is not None)
+    found += [f"{key}: {message}" for key, message in faults]
     if grid.strobes > grid.hold:
         found.append(f"strobes: {grid.strobes} values need as many periods held: hold is {grid.hold}")
     if ("strobes" in grid.quantities) != (grid.strobes > 0):

@@ -3,29 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.maps.axes import (
-    FREQUENCY,
-    GAP,
-    LEVELS,
-    RESTITUTION,
-    Axis,
-    Combinations,
-    Indices,
-    combinations,
-    indices,
-    values_at,
-)
+from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS, RESTITUTION
+from vibeam.maps.axes import Axis, Combinations, Indices, combinations, indices, values_at
 from vibeam.maps.variation import Settings, varied
+from vibeam.system.impact_system import Drive, ImpactSystem
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.system.impact_system import ImpactSystem
 
 Array = NDArray[np.float64]
 
@@ -49,6 +39,16 @@ class GridPoints:
     def system(self) -> ImpactSystem | NDArray[np.object_]:
         """The one system, or that of each point."""
         return self.systems[0] if len(self.systems) == 1 else _objects(self.systems)[self.which]
+
+    def system_at(self, place: int) -> ImpactSystem:
+        """The system of one point, ``place``: its number in the flattened arrays."""
+        base = self.systems[self.which.flat[place]]
+        restitution = base.restitution if self.restitution is None else float(self.restitution.flat[place])
+        return replace(base, gap=float(self.gap.flat[place]), restitution=restitution)
+
+    def drive_at(self, place: int) -> Drive:
+        """The drive of one point."""
+        return Drive(float(self.omega.flat[place]), float(self.amplitude.flat[place]))
 
 
 def grid_points(

@@ -40,6 +40,9 @@ STUDIES: Registry[StudyDeclaration] = Registry(
     _own("check", "regression.check", "differences to references and expected numbers"),
     _own("stability", "stability.study", "existence and stability of periodic motions over frequency and gap or drive"),
     _own("verdict", "verdict.study", "the cheapest model that suffices over two keys, and where models differ in kind"),
+    StudyDeclaration(
+        "map", "vibeam.maps.run:run_map", "motions over any keys of a case", "vibeam.cli.commands.map:map"
+    ),
     _own("cost", "cost.study", "accuracy and CPU time of every fidelity by every solver"),
     _own("influence", "influence.study", "change by each effect, and its cost"),
     _own("derive", "derive", "SDOF parameters from geometry, beside their finite-element values"),

@@ -169,7 +169,7 @@ def test_the_template_shows_every_key_and_fits_the_line(rig):
     lines = template(rig).splitlines()
     assert max(map(len, lines)) <= 120
     shown = {line.removeprefix("# ").split(" = ")[0] for line in lines if " = " in line}
-    inside = {"from", "to", "points"}  # in the line of frequency
+    inside = {"from", "to", "points", "key", "values"}  # in the lines of frequency and of axes
     assert {key for key, _ in every_key(KINDS[RIGS[rig].kind].declaration())} <= shown | inside
 
 

@@ -9,7 +9,9 @@ import pytest
 from stand_in import SDOF, curve
 
 from vibeam.casefile.read import parse
-from vibeam.figures.kinds.period_map import Class, classes, rows_at
+from vibeam.figures.kinds.period_map import classes_of as classes
+from vibeam.figures.kinds.period_map import rows_at
+from vibeam.figures.motion_classes import Class
 from vibeam.report.figures import figure
 from vibeam.run.result import Result
 from vibeam.system.response import Branches, Ended

@@ -12,6 +12,7 @@ from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable
 from vibeam.casefile.tables.effects import effect_tables, with_effects
 from vibeam.casefile.tables.expectations import ExpectTable
 from vibeam.casefile.tables.figures import FigureTable, MeasurementTable, SdofMeasurementTable, ShowTable
+from vibeam.casefile.tables.maps import MapTable, SdofMapTable
 from vibeam.casefile.tables.measured import MeasuredTable
 from vibeam.casefile.tables.outputs import OutputTable
 from vibeam.casefile.tables.references import ReferenceTable
@@ -38,6 +39,7 @@ class AnyCase(Table):
         sweep: Any
         fidelity: Any
         show: Any
+        map: Any
         cost: Any
         figure: Any
         measurement: Any
@@ -89,6 +91,7 @@ class _Checks(Table):
     expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False, **ASIDE)
     measured: dict[str, MeasuredTable] = key("numbers that were measured", None, {}, written=False, **ASIDE)
     show: dict[str, ShowTable] = key("further figures", None, {}, written=False, **ASIDE)
+    map: dict[str, MapTable] = key("maps over keys of the case", None, {}, written=False, **ASIDE)
     figure: FigureTable = key("how figures are written", None, FigureTable(), written=False, **ASIDE)
     cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False, **ASIDE)
 
@@ -120,7 +123,13 @@ class _SinglePlan(Table):
     fidelity: dict[str, SdofFidelityTable] = key("models of the rig", physics=False)
 
 
-class SdofCase(_Checks, _SinglePlan, _Single, AnyCase):
+class _SingleChecks(_Checks):
+    map: dict[str, SdofMapTable] = key(  # type: ignore[assignment]
+        "maps over keys of the case", None, {}, written=False, **ASIDE
+    )
+
+
+class SdofCase(_SingleChecks, _SinglePlan, _Single, AnyCase):
     """Case of a single degree of freedom by itself, without stop: ``sdof_case`` adds it."""
 
     stop: Any
@@ -151,6 +160,6 @@ def _beam_case(effects: Registered, laws: Registered) -> type[BeamCase]:
 
 @lru_cache(maxsize=8)
 def _sdof_case(laws: Registered) -> type[SdofCase]:
-    parts = (AnyCase, _Single, {"stop": (sdof_stop_table(), ...)}, _SinglePlan, _Checks)
+    parts = (AnyCase, _Single, {"stop": (sdof_stop_table(), ...)}, _SinglePlan, _SingleChecks)
     made: type[SdofCase] = table("SdofCase", "A single degree of freedom by itself.", *parts)
     return made

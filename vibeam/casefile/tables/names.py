@@ -15,7 +15,7 @@ def name_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about the names that a case gives."""
     if case.fidelity == {}:
         yield ("fidelity",), "no fidelity: add a table [fidelity.NAME]"
-    for kind in ("fidelity", "reference", "expect", "measured", "show"):
+    for kind in ("fidelity", "reference", "expect", "measured", "show", "map"):
         for name in getattr(case, kind):
             if not NAME.fullmatch(name):
                 yield (kind, name), f"the name {as_shown_in_message(name)} must be 1 to 64 letters, digits, - or _"

@@ -5,7 +5,6 @@ A row a fidelity, a panel a direction of the sweep. Where the fidelities differ 
 
 from __future__ import annotations
 
-from enum import IntEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,11 +12,12 @@ from matplotlib.colors import ListedColormap
 from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
+from vibeam.figures.motion_classes import SHADES, classes, edges
+from vibeam.figures.motion_classes import key as key_of
 from vibeam.figures.panels import across_frequency
 from vibeam.figures.sheet import Sheet
-from vibeam.figures.style import COLOURS, name_of
+from vibeam.figures.style import name_of
 from vibeam.figures.units import units_for
-from vibeam.system.response import complete
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -27,36 +27,14 @@ if TYPE_CHECKING:
     from vibeam.system.response import FrequencyResponse
 
 
-RESTING = 0.999  # share of the time on the stop from which a motion has no impacts
-
-
-class Class(IntEnum):
-    """Class of a motion in the map."""
-
-    NO_IMPACT = 0
-    PERIOD_ONE = 1
-    PERIOD_TWO = 2
-    PERIOD_MORE = 3
-    NOT_PERIODIC = 4
-    FAILED = 5
-
-
-CALLED = ("no impact", "period 1", "period 2", "period 3 … 16", "not periodic", "failed")
-
-SHADES = ("#D9D9D9", COLOURS[0], COLOURS[1], COLOURS[3], "#FFFFFF", "#333333")
-
-
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     """No sheets: the sweep has the numbers."""
     return []
 
 
-def classes(response: FrequencyResponse) -> NDArray[np.int_]:
+def classes_of(response: FrequencyResponse) -> NDArray[np.int_]:
     """Class of the motion at every point of a branch, (points,)."""
-    period = np.asarray(response.period)
-    found = np.select([period > 2, period > 0], [Class.PERIOD_MORE, period], Class.NOT_PERIODIC)
-    found = np.where((period < 0) | (np.asarray(response.rest) > RESTING), Class.NO_IMPACT, found)
-    return np.where(complete(response), found, Class.FAILED)
+    return classes(np.asarray(response.period), np.asarray(response.rest), np.asarray(response.ended))
 
 
 def rows_at(case: Case, names: tuple[str, ...]) -> tuple[str, NDArray[np.float64] | None]:
@@ -86,10 +64,10 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     for axes, direction in zip(grid, branches[0], strict=True):
         order = np.argsort(branches[0][direction].frequency)
         across = branches[0][direction].frequency[order] * units.frequency_factor
-        cells = np.array([classes(each[direction])[order] for each in branches])
+        cells = np.array([classes_of(each[direction])[order] for each in branches])
         seen |= set(cells.ravel().tolist())
         colours = ListedColormap(SHADES)
-        axes.pcolormesh(_edges(across), _edges(up), cells, cmap=colours, vmin=-0.5, vmax=len(SHADES) - 0.5)
+        axes.pcolormesh(edges(across), edges(up), cells, cmap=colours, vmin=-0.5, vmax=len(SHADES) - 0.5)
         axes.set_title(f"sweep {direction}")
         across_frequency(axes, units)
     if values is None:
@@ -97,16 +75,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     else:
         grid[0].set_ylabel(f"{key} (SI)")
     for each in sorted(seen):
-        look = {"color": SHADES[each], "markeredgecolor": "0.4", "markeredgewidth": 0.5, "linestyle": ""}
-        grid[0].plot([], [], marker="s", label=CALLED[each], **look)
-
-
-def _edges(centres: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Edges of the cells round ``centres``, (points + 1,): half-way between neighbours."""
-    if len(centres) == 1:
-        return np.array([centres[0] - 0.5, centres[0] + 0.5])
-    inner = (centres[1:] + centres[:-1]) / 2
-    return np.concatenate([[2 * centres[0] - inner[0]], inner, [2 * centres[-1] - inner[-1]]])
+        grid[0].plot([], [], **key_of(each))
 
 
 def caption(plan: ShowPlan) -> str:

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS, RESTITUTION
 from vibeam.casefile.fields import Entry, Quantity
 from vibeam.casefile.quantities import to_si
 from vibeam.casefile.validation import declaration, entry_of, fields_of, table_of
-from vibeam.maps.axes import FREQUENCY, GAP, LEVELS, RESTITUTION
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case

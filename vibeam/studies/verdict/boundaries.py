@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.maps.axes import GAP, LEVELS
+from vibeam.case.grid_keys import GAP, LEVELS
 from vibeam.orbits.bifurcation_functions import Kind
 from vibeam.orbits.boundaries import boundaries
 from vibeam.orbits.orbit_map import orbit_map

@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.batch.points import changed
+from vibeam.case.grid_keys import FREQUENCY
 from vibeam.flight.event_driven import EventDrivenSolver
 from vibeam.flight.exact import exact_solver
 from vibeam.flight.pause import pause
 from vibeam.flight.tangent import tangent_fault
-from vibeam.maps.axes import FREQUENCY
 from vibeam.maps.evaluate import evaluate, grid_of
 from vibeam.maps.points import GridPoints, grid_points
 from vibeam.orbits.largest_exponents import largest_exponents

@@ -1,0 +1,102 @@
+"""Maps killed at random instants and continued: the final file is that of an undisturbed run, bit by bit.
+
+What was stored before a kill is there after it, is found by the next run, and is not computed again: no file of a
+block changes, and the run says how many points it found.
+"""
+
+from __future__ import annotations
+
+import re
+import signal
+import tempfile
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from commands import BEAM, Undisturbed, data_of, fault_of_message, vibeam
+from verdict import Verdict
+from workers import Stage
+
+CASE = (
+    BEAM
+    + """[map.plane]
+fidelities = ["sdof"]
+axes = [
+  { key = "drive.voltage", from = "0.2 V", to = "0.7 V", points = 192 },
+  { key = "sweep.frequency", from = "14 Hz", to = "17 Hz", points = 24 },
+]
+direction = "both"
+settle = 400
+hold = 16
+[map.starts]
+picture = "basins"
+fidelities = ["sdof"]
+axes = [{ key = "drive.voltage", from = "0.2 V", to = "0.7 V", points = 100 },
+  { key = "sweep.frequency", from = "14 Hz", to = "17 Hz", points = 10 }]
+starts = 6
+spread = "1 mm"
+settle = 400
+hold = 16
+"""
+)
+
+NAMES = ("plane", "starts")
+
+FOUND = re.compile(r"continuing: (\d+) of (\d+) points")
+
+
+@cache
+def undisturbed(name: str) -> Undisturbed:
+    with tempfile.TemporaryDirectory() as folder:
+        Path(folder, "rig.toml").write_text(CASE, encoding="utf-8")
+        ran = vibeam(["map", "rig.toml", "--only", name], Path(folder))
+        assert ran.code == 0, ran.err
+        file = Path(folder, f"rig_{name}.h5")
+        names = frozenset(path.name for path in Path(folder).iterdir())
+        return Undisturbed(data_of(file), file.read_bytes(), names, ran.seconds)
+
+
+def judge(seed: int, number: int, stage: Stage) -> Verdict:
+    """One map, killed one to three times at any instant, then computed to its end."""
+    rng = np.random.default_rng([seed, number])
+    name, verdict = str(rng.choice(NAMES)), Verdict()
+    with tempfile.TemporaryDirectory() as where:
+        folder = Path(where)
+        (folder / "rig.toml").write_text(CASE, encoding="utf-8")
+        stored: dict[str, tuple[int, int]] = {}
+        for _ in range(min(3, int(rng.geometric(0.5)))):
+            stage(f"{name}, killed")
+            verdict.count("SIGKILL")
+            ran = vibeam(["map", "rig.toml", "--only", name], folder,
+                         kill=(float(rng.uniform(0, undisturbed(name).seconds)), signal.SIGKILL))  # fmt: skip
+            verdict.hold(not (fault := fault_of_message(ran, [0, -signal.SIGKILL])), f"{name}: {fault}")
+            now = blocks(folder, name)
+            if ran.code != 0 and not (folder / f"rig_{name}.h5").exists():
+                verdict.hold(all(now.get(each) == mark for each, mark in stored.items()), f"{name}: a block was redone")
+            stored = now
+        stage(f"{name}, continued")
+        verdict.count("blocks stored before the last run", len(stored))
+        verdict.hold(not (fault := completed(name, folder, bool(stored))), f"{name}: {fault}")
+    return verdict
+
+
+def blocks(folder: Path, name: str) -> dict[str, tuple[int, int]]:
+    """Files of blocks, each with what changes when it is written again."""
+    files = (folder / f"rig_{name}.h5.parts").glob("[!.]*.npz")
+    return {file.name: (file.stat().st_mtime_ns, file.stat().st_ino) for file in files}
+
+
+def completed(name: str, folder: Path, stored: bool) -> str:
+    """Continue the map: it ends well, finds what was stored, has the same data, leaves no other files."""
+    whole = (folder / f"rig_{name}.h5").exists()
+    ran = vibeam(["map", "rig.toml", "--only", name], folder)
+    if fault := fault_of_message(ran, [0]):
+        return f"continued: {fault}"
+    if stored and not whole and not FOUND.search(ran.err) and "are there already" not in ran.err:
+        return f"stored blocks were not found: {ran.err[:200]}"
+    found, wanted = data_of(folder / f"rig_{name}.h5"), undisturbed(name).data
+    differing = sorted(key for key in found.keys() | wanted.keys() if found.get(key) != wanted.get(key))
+    if differing:
+        return f"continued: {len(differing)} data differ: {', '.join(differing[:4])}"
+    more = sorted({path.name for path in folder.iterdir()} - undisturbed(name).files)
+    return f"left behind: {', '.join(more)}" if more else ""

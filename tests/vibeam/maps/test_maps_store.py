@@ -1,0 +1,219 @@
+"""Maps on disk: resumed block by block, never computed twice, refused where they are another's."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+import vibeam
+from vibeam.maps import run as running
+from vibeam.maps.axes import Axis
+from vibeam.maps.block import Block, evaluate_block
+from vibeam.maps.grids import blocks_of, grids_of, key_of, lines_of_block
+from vibeam.maps.partial import partial_response
+from vibeam.maps.store.blocks import block_path, read_block, write_block
+from vibeam.maps.store.gathered import runs, steps_of
+from vibeam.system.ended import Ended
+
+AXES = [
+    {"key": "stop.gap", "values": [0.0, 5e-5, 1e-4]},
+    {"key": "drive.voltage", "from": 0.3, "to": 0.7, "points": 5},
+    {"key": "sweep.frequency", "values": [14.5, 15.3, 16.0]},
+]
+
+
+def case(**more: Any) -> vibeam.Case:
+    table = {"axes": AXES, "fidelities": ["sdof"], "direction": "both", "settle": 30, "hold": 8, "strobes": 2} | more
+    return vibeam.load("cases/dtu_neutral.toml", set={"map": {"m": table}})
+
+
+@pytest.fixture
+def small(monkeypatch: pytest.MonkeyPatch) -> list[Block]:
+    """Blocks of two lines, and a list of those that were computed."""
+    computed: list[Block] = []
+
+    def counted(block: Block, threads: int | None = None) -> Any:
+        computed.append(block)
+        return evaluate_block(block, threads)
+
+    monkeypatch.setattr(running, "lines_of_block", lambda case, grid: 2)
+    monkeypatch.setattr(running, "evaluate_block", counted)
+    return computed
+
+
+def data(path: Path) -> dict[str, Any]:
+    with h5py.File(path) as file:
+        return {name: file["sdof"][name][()] for name in ("amplitude", "period", "rest", "ended", "strobes")}
+
+
+def expected() -> vibeam.GridResponse:
+    axes = {
+        "stop.gap": [0.0, 5e-5, 1e-4], "drive.voltage": np.linspace(0.3, 0.7, 5),
+        "sweep.frequency": [14.5, 15.3, 16.0],
+    }  # fmt: skip
+    return vibeam.evaluate(
+        case(), "sdof", axes, direction="both", settle=30, hold=8, strobes=2,
+        quantities=("amplitude", "period", "rest", "strobes"),
+    )  # fmt: skip
+
+
+def test_the_file_has_what_the_same_grid_gives_in_memory_to_the_bit(tmp_path: Path, small: list[Block]) -> None:
+    told: list[tuple[int, int]] = []
+    found = vibeam.run_map(case(), "m", tmp_path / "m.h5", progress=lambda *done: told.append(done))
+    memory = expected()
+    for name, values in data(tmp_path / "m.h5").items():
+        np.testing.assert_array_equal(values, memory[name], err_msg=name)
+        np.testing.assert_array_equal(found["sdof"][name], memory[name], err_msg=name)
+    assert len(small) == 8
+    assert (told[0], told[-1]) == ((0, 90), (90, 90))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["m.h5"]
+
+
+def test_it_opens_in_xarray_with_units(tmp_path: Path) -> None:
+    xarray = pytest.importorskip("xarray")
+    vibeam.run_map(case(), "m", tmp_path / "m.h5")
+    with xarray.open_dataset(tmp_path / "m.h5", group="sdof", engine="h5netcdf") as opened:
+        assert opened["amplitude"].dims == ("direction", "stop.gap", "drive.voltage", "sweep.frequency")
+        assert opened["strobes"].dims[-1] == "strobe"
+        assert opened["amplitude"].attrs["units"] == "m"
+        assert float(opened["stop.gap"][2]) == 1e-4
+
+
+def test_a_run_that_ended_goes_on_and_computes_nothing_twice(
+    tmp_path: Path, small: list[Block], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Interrupted(Exception):
+        pass
+
+    def ending(folder: Path, block: Block, key: str, values: Any) -> None:
+        if len(list(folder.glob("*.npz"))) == 3:
+            raise Interrupted
+        write_block(folder, block, key, values)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(running, "write_block", ending)
+        with pytest.raises(Interrupted):
+            vibeam.run_map(case(), "m", tmp_path / "m.h5", workers=1)
+    assert not (tmp_path / "m.h5").exists()
+    stored = {path.name for path in (tmp_path / "m.h5.parts").glob("*.npz")}
+    assert len(stored) == 3
+    small.clear()
+    found = vibeam.run_map(case(), "m", tmp_path / "m.h5")
+    assert {block_path(Path(), block).name for block in small}.isdisjoint(stored)
+    assert len(small) == 5
+    assert found.found == 36
+    for name, values in data(tmp_path / "m.h5").items():
+        np.testing.assert_array_equal(values, expected()[name], err_msg=name)
+    small.clear()
+    assert vibeam.run_map(case(), "m", tmp_path / "m.h5").found == 90
+    assert small == []
+
+
+def test_a_damaged_block_is_computed_anew(tmp_path: Path) -> None:
+    rig = case()
+    grid = grids_of(rig, rig.maps["m"])["sdof"]
+    key, block = key_of(rig, grid), Block(grid, 0, 2)
+    write_block(tmp_path, block, key, evaluate_block(block))
+    assert read_block(tmp_path, block, key) is not None
+    assert read_block(tmp_path, block, "another") is None
+    assert read_block(tmp_path, Block(grid, 0, 3), key) is None
+    whole = block_path(tmp_path, block).read_bytes()
+    for at in range(0, len(whole), 97):
+        changed = bytearray(whole)
+        changed[at] ^= 0x10
+        block_path(tmp_path, block).write_bytes(bytes(changed))
+        found = read_block(tmp_path, block, key)
+        if found is not None:  # a byte that says nothing of the numbers, as the time of an entry
+            np.testing.assert_array_equal(found["amplitude"], evaluate_block(block)["amplitude"])
+    block_path(tmp_path, block).write_bytes(whole[:-100])
+    assert read_block(tmp_path, block, key) is None
+
+
+def test_another_map_is_refused_and_fresh_starts_over(tmp_path: Path) -> None:
+    vibeam.run_map(case(), "m", tmp_path / "m.h5")
+    with pytest.raises(vibeam.StoreError, match="--fresh"):
+        vibeam.run_map(case(settle=31), "m", tmp_path / "m.h5")
+    assert vibeam.run_map(case(settle=31), "m", tmp_path / "m.h5", fresh=True).found == 0
+    (tmp_path / "other.h5").write_text("something")
+    with pytest.raises(vibeam.StoreError, match="cannot be read as a map"):
+        vibeam.run_map(case(), "m", tmp_path / "other.h5")
+
+
+def test_blocks_of_another_map_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stop(*given: Any) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(running, "gather", stop)
+        with pytest.raises(KeyboardInterrupt):
+            vibeam.run_map(case(), "m", tmp_path / "m.h5")
+    with pytest.raises(vibeam.StoreError, match="blocks of another map"):
+        vibeam.run_map(case(hold=9), "m", tmp_path / "m.h5")
+    with monkeypatch.context() as patch:
+        patch.setattr("vibeam.maps.store.manifest.digest_of_code", lambda: "other")
+        with pytest.raises(vibeam.StoreError, match="another version of vibeam"):
+            vibeam.run_map(case(), "m", tmp_path / "m.h5")
+    assert vibeam.run_map(case(), "m", tmp_path / "m.h5").found == 90
+
+
+def test_what_does_not_change_the_numbers_does_not_change_the_key() -> None:
+    one, other = case(), vibeam.load("cases/dtu_neutral.toml", set={"map": {"m": {
+        "axes": AXES, "fidelities": ["sdof"], "direction": "both", "settle": 30, "hold": 8, "strobes": 2,
+        "boundaries": False}}, "title": "another", "sweep.frequency.points": 5})  # fmt: skip
+    keys = [key_of(each, grids_of(each, each.maps["m"])["sdof"]) for each in (one, other)]
+    assert keys[0] == keys[1]
+    third = case(hold=9)
+    assert key_of(third, grids_of(third, third.maps["m"])["sdof"]) != keys[0]
+
+
+def test_runs_of_lines_cover_a_block_once() -> None:
+    rig = case()
+    grid = grids_of(rig, rig.maps["m"])["sdof"]
+    seen = np.zeros((3, 5), dtype=int)
+    for block in blocks_of(grid, 4):
+        covered = np.full(block.last - block.first, -1)
+        for at, lines in runs(grid, block):
+            seen[at] += 1
+            covered[lines] = np.ravel_multi_index((at[0], np.arange(5)[at[1]]), (3, 5))
+        np.testing.assert_array_equal(covered, np.arange(block.first, block.last))
+    assert np.all(seen == 1)
+
+
+def test_a_block_is_no_longer_than_its_map_and_has_a_line_at_least() -> None:
+    rig = case()
+    grid = grids_of(rig, rig.maps["m"])["sdof"]
+    assert lines_of_block(rig, grid) == 15
+    slow = case(settle=1_000_000)
+    assert 1 <= lines_of_block(slow, grids_of(slow, slow.maps["m"])["sdof"]) <= 15
+
+
+def test_what_is_known_of_a_map_under_way_stands_in_its_place() -> None:
+    rig = case()
+    grid = grids_of(rig, rig.maps["m"])["sdof"]
+    block = Block(grid, 5, 7)
+    found = partial_response(grid, [(block, evaluate_block(block)), (Block(grid, 0, 2), None)])
+    memory = expected()
+    np.testing.assert_array_equal(found["amplitude"][:, 1, :2], memory["amplitude"][:, 1, :2])
+    assert np.all(found["ended"][:, 0] == Ended.NOT_RUN.code)
+    assert np.isnan(found["amplitude"][:, 1, 2:]).all()
+    thin = partial_response(grid, [(block, evaluate_block(block))], most=60)
+    assert thin.axes["drive.voltage"].tolist() == memory.axes["drive.voltage"][::2].tolist()
+    np.testing.assert_array_equal(thin["amplitude"][:, 1, 0], memory["amplitude"][:, 1, 0, ::2])
+
+
+def test_few_numbers_of_a_large_map_are_read_back() -> None:
+    rig = case()
+    grid = grids_of(rig, rig.maps["m"])["sdof"]
+    assert steps_of(grid, 10**6) == (1, 1, 1)
+    assert steps_of(grid, 50)[0] == 1
+    assert steps_of(grid, 50)[1] > 1
+    assert Axis("stop.gap", (0.0,)).structural is False
+
+
+def test_an_unknown_map_names_the_known_ones(tmp_path: Path) -> None:
+    with pytest.raises(KeyError, match="there are m"):
+        vibeam.run_map(case(), "n", tmp_path / "m.h5")

@@ -1,0 +1,168 @@
+"""Pictures of maps and ``vibeam map``: what is drawn is what was computed, boundaries are roots of exact functions."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from matplotlib.collections import QuadMesh
+from typer.testing import CliRunner
+
+import vibeam
+from vibeam.case.plans import AxisPlan
+from vibeam.cli.main import app
+from vibeam.figures.motion_classes import Class, classes
+from vibeam.orbits.bifurcation_functions import Kind
+from vibeam.report.maps.axes import panels, shown_axis
+from vibeam.report.maps.boundaries import boundaries_of
+from vibeam.report.maps.page import map_figure
+from vibeam.system.ended import Ended
+
+RIG = Path("cases/dtu_loose.toml").absolute()
+
+FREQUENCY = {"key": "sweep.frequency", "from": 14.0, "to": 17.0, "points": 5}
+VOLTAGE = {"key": "drive.voltage", "from": 0.2, "to": 0.8, "points": 4}
+GAP = {"key": "stop.gap", "values": ["-0.1 mm", "0.1 mm"]}
+
+TABLES: dict[str, dict[str, Any]] = {
+    "period": {"axes": [GAP, VOLTAGE, FREQUENCY], "fidelities": ["sdof"], "direction": "both"},
+    "values": {"axes": [VOLTAGE, FREQUENCY], "fidelities": ["sdof", "two_modes"], "quantity": "reach"},
+    "bifurcation": {"axes": [FREQUENCY], "fidelities": ["sdof"], "direction": "both"},
+    "basins": {"axes": [FREQUENCY], "fidelities": ["sdof"], "starts": 3, "spread": "1 mm"},
+    "spectra": {"axes": [FREQUENCY], "fidelities": ["sdof"], "direction": "up"},
+}
+
+
+def case(picture: str, **more: Any) -> vibeam.Case:
+    table = {"picture": picture, "settle": 20, "hold": 16, "boundaries": False} | TABLES[picture] | more
+    return vibeam.load(RIG, set={"map": {"m": table}, "figure.format": ["svg"], "reference": None})
+
+
+@pytest.mark.parametrize("picture", ["values", "bifurcation", "basins", "spectra"])
+def test_every_picture_is_drawn_of_its_map(picture: str, tmp_path: Path) -> None:
+    found = vibeam.run_map(case(picture), "m", tmp_path / "m.h5")
+    figure = map_figure(found)
+    across = shown_axis(found.case, found.plan.axes[-1])
+    labels = {axes.get_xlabel() for axes in figure.axes}
+    assert {across.label, "frequency over drive frequency"} & labels
+    assert all(np.all(np.isfinite(axes.dataLim.get_points())) for axes in figure.axes[:1])
+
+
+def test_the_cells_of_a_period_map_are_the_classes_of_its_points(tmp_path: Path) -> None:
+    found = vibeam.run_map(case("period"), "m", tmp_path / "m.h5")
+    figure = map_figure(found)
+    shown = list(panels(found))
+    assert [(each.row, each.column) for each in shown] == [(0, 0), (0, 1), (1, 0), (1, 1)]
+    assert shown[1].title == "(b) gap 0.1 mm"
+    for each in shown:
+        axes = figure.axes[2 * each.row + each.column]
+        (mesh,) = [part for part in axes.collections if isinstance(part, QuadMesh)]
+        way, gap = each.way, each.column
+        wanted = classes(*(found["sdof"].values[name][way, gap] for name in ("period", "rest", "ended")))
+        np.testing.assert_array_equal(mesh.get_array(), wanted)
+
+
+def test_a_point_that_was_not_computed_has_a_class_of_its_own() -> None:
+    period, rest = np.array([1, 2, 3, 0, -1, 1, 0]), np.array([0, 0, 0, 0, 0, 1.0, np.nan])
+    ended = np.array([Ended.COMPLETE.code] * 6 + [Ended.NOT_RUN.code])
+    assert classes(period, rest, ended).tolist() == [
+        Class.PERIOD_ONE, Class.PERIOD_TWO, Class.PERIOD_MORE, Class.NOT_PERIODIC, Class.NO_IMPACT, Class.NO_IMPACT,
+        Class.NOT_RUN,
+    ]  # fmt: skip
+
+
+def roots(system: vibeam.ImpactSystem, amplitude: float, omega: float, kind: Kind) -> np.ndarray[Any, Any]:
+    """Roots near ``omega``; at a fold a multiplier is 1."""
+    found = vibeam.boundaries(system, amplitude, (omega * 0.999, omega * 1.001), 1, points=21)
+    same = (kind, Kind.PLUS_ONE) if kind is Kind.FOLD else (kind,)
+    return np.array([each.omega for each in found if each.kind in same])
+
+
+@pytest.mark.parametrize("drive", [{}, {"drive": {"velocity": "20 mm/s"}}])
+def test_boundaries_over_a_level_of_the_drive_are_roots_at_that_level(drive: dict[str, Any]) -> None:
+    """Also where the base's amplitude falls with the frequency."""
+    rig = vibeam.load(RIG, set=drive)
+    key, levels = ("drive.velocity", (0.005, 0.04)) if drive else ("drive.voltage", (0.2, 0.8))
+    axes = [AxisPlan(key, tuple(np.linspace(*levels, 9)), ""), AxisPlan("sweep.frequency", (14.0, 15.5, 17.0), "Hz")]
+    found, why = boundaries_of(rig, "two_modes", axes, ())
+    assert why == ""
+    folds = [each for each in found if each.kind is Kind.FOLD]
+    assert folds
+    system = rig.system("two_modes")
+    for curve in folds:
+        for at in (len(curve.across) // 3, 2 * len(curve.across) // 3):
+            omega = 2 * np.pi * curve.across[at]
+            amplitude = vibeam.load(RIG, set={**drive, key: float(curve.upward[at])}).amplitude_of(
+                "two_modes", np.array([omega])
+            )
+            assert np.min(np.abs(roots(system, float(np.ravel(amplitude)[0]), omega, Kind.FOLD) - omega)) < 1e-6 * omega
+
+
+def test_boundaries_over_the_gap_are_roots_at_that_gap() -> None:
+    """A gap that was measured at the sensor is larger at the contact."""
+    rig = vibeam.load(RIG)
+    axes = [AxisPlan("stop.gap", (0.0, 5e-5, 1e-4), "m"), AxisPlan("sweep.frequency", (15.0, 16.0, 17.0), "Hz")]
+    found, _ = boundaries_of(rig, "sdof", axes, ())
+    curve = next(each for each in found if each.kind is Kind.DOUBLING)
+    at = len(curve.across) // 2
+    gap = vibeam.load(RIG, set={"stop.gap": float(curve.upward[at])}).system("sdof").gap
+    omega = 2 * np.pi * curve.across[at]
+    known = roots(replace(rig.system("sdof"), gap=gap), float(rig.amplitude_of("sdof")), omega, Kind.DOUBLING)
+    assert np.min(np.abs(known - omega)) < 1e-6 * omega
+
+
+def test_where_no_boundaries_are_known_a_note_says_why() -> None:
+    frequency = AxisPlan("sweep.frequency", (15.0, 17.0), "Hz")
+    restitution = AxisPlan("stop.restitution", (0.5, 0.6), "")
+    assert "frequency and drive or gap" in boundaries_of(vibeam.load(RIG), "sdof", [restitution, frequency], ())[1]
+    two = vibeam.load(RIG, set={"stop.second_gap": "1 mm"})
+    assert "a second stop" in boundaries_of(two, "sdof", [AxisPlan("stop.gap", (0.0, 1e-4), "m"), frequency], ())[1]
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "rig.toml"
+    path.write_text(case("values").text, encoding="utf-8")
+    return path
+
+
+def call(*words: object, expect: int = 0) -> Any:
+    result = CliRunner().invoke(app, ["map", *map(str, words)])
+    assert result.exit_code == expect, result.output
+    return result
+
+
+def test_the_command_writes_file_and_picture_and_goes_on(file: Path, tmp_path: Path) -> None:
+    first = call(file, "--json")
+    assert {path.name for path in tmp_path.iterdir()} == {"rig.toml", "rig_m.h5", "rig_m.svg"}
+    rows = json.loads(first.stdout)["maps"]
+    assert [row["fidelity"] for row in rows] == ["sdof", "sdof", "two_modes", "two_modes"]
+    assert rows[0]["no_impact"] + rows[0]["period_1"] + rows[0]["not_periodic"] <= 1
+    again = call(file)
+    assert "all 80 points are there already" in again.stderr
+    assert again.stdout.splitlines()[-2:] == ["rig_m.h5", "rig_m.svg"]
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("--only", "n"), "--only n: no such map"),
+        (("--set", "map.m.hold=0"), "--set map.m.hold: 0 is outside"),
+        (("--set", "map.m.axes=[]"), "has no axis"),
+        (("--out", "a.csv"), "--out names the file of a map that ends in .h5"),
+        (("--set", "fidelity.sdof.solver='\"orbit\"'"), "solver"),
+    ],
+)
+def test_a_mistake_leaves_a_message_and_no_file(file: Path, tmp_path: Path, words: tuple[str, ...], said: str) -> None:
+    result = call(file, *words, expect=2)
+    assert said in result.stderr
+    assert {path.name for path in tmp_path.iterdir()} == {"rig.toml"}
+
+
+def test_a_case_without_maps_is_told_how_to_have_one(tmp_path: Path) -> None:
+    assert "add a table [map.NAME]" in call(RIG, "--out", tmp_path, expect=2).stderr

@@ -1,0 +1,148 @@
+"""Table of a map, and of each of its axes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from vibeam.case.faults import as_shown_in_message
+from vibeam.casefile import quantities as units
+from vibeam.casefile.field_lists import Each, Names
+from vibeam.casefile.fields import POSITIVE, Count, Entry, Flag, Quantity, Text, Word
+from vibeam.casefile.tables.outputs import OutputName
+from vibeam.casefile.tables.table import MOST_POINTS, Frequency, Periods, Table, key
+
+RUNS = ("up", "down", "both", "apart")
+
+READ = (
+    "amplitude", "reach", "maximum", "minimum", "impacts_per_period", "impact_velocity", "period", "rest", "energy",
+    "lyapunov",
+)  # fmt: skip
+
+PICTURES = {
+    "period": "class of the motion over two axes, a panel for each value of a third",
+    "bifurcation": "the output at the end of each period over one axis, with periodic motions in closed form",
+    "basins": "which of the coexisting motions a start leads to, or how many are found, or their shares",
+    "spectra": "spectra of the output along one axis, one behind the other",
+    "values": "a quantity over one or two axes",
+}
+
+STROBES = 32  # of a bifurcation diagram that does not say
+
+
+@dataclass(frozen=True)
+class Level(Entry):
+    """A value of whatever key the axis is of, read by that key's own rules later."""
+
+    def parse(self, value: Any) -> float | str:
+        """As ``Entry.parse``."""
+        if isinstance(value, bool) or not isinstance(value, int | float | str):
+            raise ValueError(f"must be {self.describe()}, not {as_shown_in_message(value)}")
+        return value
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return "value of the key"
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"type": ["number", "string"]}
+
+
+@dataclass(frozen=True)
+class Levels(Entry):
+    """A list of values of whatever key the axis is of."""
+
+    def parse(self, value: Any) -> tuple[float | str, ...]:
+        """As ``Entry.parse``."""
+        if not isinstance(value, list) or not 0 < len(value) <= MOST_POINTS:
+            raise ValueError(f"must be a {self.describe()}, not {as_shown_in_message(value)}")
+        return tuple(Level().parse(each) for each in value)
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return "list of values of the key"
+
+    def schema(self) -> dict[str, Any]:
+        """As ``Entry.schema``."""
+        return {"type": "array", "items": Level().schema(), "minItems": 1}
+
+
+class AxisTable(Table):
+    """Axis of a map: a key of the case and its values."""
+
+    key_: Annotated[str, Text()] = Field(
+        alias="key",
+        description="a dotted key of the rig, sweep.frequency, fidelity.NAME.modes, start.displacement or .velocity",
+        examples=["stop.gap"],
+    )
+    from_: Annotated[Any, Level()] = Field(None, alias="from", description="first value", examples=["-0.1 mm"])
+    to: Annotated[Any, Level()] = key("last value, itself included", "0.1 mm", None)
+    points: Annotated[int | None, Count(1, MOST_POINTS)] = key("how many, evenly spaced", 61, None)
+    values: Annotated[tuple[Any, ...] | None, Levels()] = key(
+        "the values themselves, in place of from, to and points", ["-0.1 mm", "0 mm", "0.1 mm"], None, written=False
+    )
+
+
+class MapTable(Table):
+    """A map over any keys of the case, one table each: what vibeam map computes, stores and draws."""
+
+    axes: tuple[AxisTable, ...] = key(
+        "the last is swept and lies across, the one before upward, of one more each value has a panel",
+        [
+            {"key": "stop.gap", "values": ["0 mm", "0.1 mm"]},
+            {"key": "sweep.frequency", "values": ["15 Hz", "16 Hz"]},
+        ],
+    )
+    picture: Annotated[str, Word(PICTURES)] = key(
+        "; ".join(f"{name}: {meaning}" for name, meaning in PICTURES.items()), "period", "period"
+    )
+    fidelities: Annotated[tuple[str, ...] | None, Names("fidelities")] = key(
+        "whose; absent = all", ["sdof"], None, written=False
+    )
+    direction: Annotated[str | None, Word(RUNS)] = key(
+        "which way the last axis is swept, the state carried; apart = every point from its own start; absent = the "
+        "sweep's, or apart where starts are given",
+        "up",
+        None,
+    )
+    frequency: Annotated[float | None, Frequency] = key(
+        "of the drive, where sweep.frequency is no axis", "15.3 Hz", None, written=False
+    )
+    settle: Annotated[int | None, Periods] = key("drive periods left out; absent = the sweep's", 350, None)
+    hold: Annotated[int | None, Count(1, MOST_POINTS)] = key("drive periods read; absent = the sweep's", 50, None)
+    output: Annotated[str | None, OutputName()] = key(
+        "the output that is read; absent = the sweep's", "contact", None, written=False
+    )
+    quantities: Annotated[tuple[str, ...] | None, Each(Word(READ))] = key(
+        "what is stored; absent = amplitude and period, and what the picture needs", ["amplitude", "period"], None,
+        written=False,
+    )  # fmt: skip
+    quantity: Annotated[str | None, Word(READ)] = key(
+        'what picture = "values" shows; absent = amplitude', "impact_velocity", None, written=False
+    )
+    strobes: Annotated[int | None, Count(1, 10_000)] = key(
+        f"values at the end of a period that are stored; absent = {STROBES} of a bifurcation diagram, else none", 64,
+        None, written=False,
+    )  # fmt: skip
+    starts: Annotated[int | None, Count(1, 100_000)] = key(
+        "random starts of every point: what coexists is counted", 50, None, written=False
+    )
+    seed: Annotated[int, Count(0, 2**31 - 1)] = key("of the random starts", 1, 1, written=False)
+    spread: Annotated[float | None, Quantity(units.LENGTH, POSITIVE)] = key(
+        "how far from 0 the contact starts at random, its velocity within Ω times that", "1 mm", None, written=False
+    )
+    boundaries: Annotated[bool, Flag()] = key(
+        "whether exact boundaries of motions with one impact a period are laid over, where there are any", False, True,
+        written=False,
+    )  # fmt: skip
+
+
+class SdofMapTable(MapTable):
+    """A map over any keys of the case, one table each: what vibeam map computes, stores and draws."""
+
+    spread: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
+        "how far from 0 the contact starts at random, its velocity within Ω times that", 0.01, None, written=False
+    )

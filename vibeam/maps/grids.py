@@ -1,0 +1,64 @@
+"""The grids of a [map.NAME]: one for each of its fidelities, with the key of all that decides its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from hashlib import sha256
+from math import prod
+from typing import TYPE_CHECKING
+
+from vibeam.case.plans import MapPlan
+from vibeam.maps.block import Block, Grid
+from vibeam.maps.evaluate import grid_of
+from vibeam.maps.starts import Starts
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+
+SECONDS = 1.0  # of a block, about: what a run that is killed may lose
+
+PERIOD = 1.5e-6  # s that a drive period of one mode takes, about
+
+LEAST, MOST = 256, 50_000  # points of a block
+
+
+def plan_of(case: Case, name: str) -> MapPlan:
+    """The plan of a map; KeyError names those of the case."""
+    if name not in case.maps:
+        known = f"there are {', '.join(case.maps)}" if case.maps else "the case has none: add a table [map.NAME]"
+        raise KeyError(f"no map {name!r}: {known}")
+    return case.maps[name]
+
+
+def grids_of(case: Case, plan: MapPlan) -> Mapping[str, Grid]:
+    """The grid of each fidelity of a map; errors as in ``evaluate``."""
+    starts = None if plan.starts is None else Starts(plan.starts, plan.seed, plan.spread or 0.0)
+    return {
+        fidelity: grid_of(
+            case, fidelity, {axis.key: axis.values for axis in plan.axes}, quantities=plan.quantities,
+            direction=plan.direction, frequency=plan.frequency, settle=plan.settle, hold=plan.hold,
+            output=plan.output, strobes=plan.strobes, starts=starts,
+        )
+        for fidelity in plan.fidelities
+    }  # fmt: skip
+
+
+def key_of(case: Case, grid: Grid) -> str:
+    """Digest of all that decides the numbers of a grid, the code aside."""
+    rest = asdict(grid)
+    del rest["text"], rest["path"]
+    return sha256(f"{case.own[grid.fidelity]} {rest!r}".encode()).hexdigest()
+
+
+def lines_of_block(case: Case, grid: Grid) -> int:
+    """Number of lines of a block: those that take about ``SECONDS``, and at least one."""
+    modes = case.fidelities[grid.fidelity].modes or 1
+    seconds = (grid.settle + grid.hold) * PERIOD * (1 + modes / 8)
+    points = min(max(SECONDS / seconds, LEAST), MOST)
+    return max(1, min(int(points / prod(grid.shape)), grid.lines))
+
+
+def blocks_of(grid: Grid, size: int) -> list[Block]:
+    """The blocks of a grid, ``size`` lines each, the last one shorter."""
+    return [Block(grid, first, min(first + size, grid.lines)) for first in range(0, grid.lines, size)]

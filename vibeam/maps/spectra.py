@@ -1,0 +1,65 @@
+"""Spectra of the output along the one axis of a map, from the states that its points settled in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.grid_keys import FREQUENCY
+from vibeam.flight.trajectory import simulate
+from vibeam.maps.axes import Axis
+from vibeam.maps.points import GridPoints, grid_points
+from vibeam.maps.variation import narrowed
+from vibeam.observe.spectrum import spectrum_of
+from vibeam.system.ended import Ended
+from vibeam.system.state import State
+
+if TYPE_CHECKING:
+    from vibeam.maps.run import MapResult
+
+Array = NDArray[np.float64]
+
+LINES = 32  # spectra shown at most
+
+PERIODS = 64  # drive periods of a spectrum
+
+SAMPLES = 64  # a drive period
+
+
+@dataclass(frozen=True)
+class LineSpectrum:
+    """Amplitude spectrum at one ``value`` of the axis: ``order``, multiples of the drive frequency; NaN: it failed."""
+
+    value: float
+    order: Array
+    amplitude: Array
+
+
+def spectra_along(result: MapResult, fidelity: str, way: int) -> list[LineSpectrum]:
+    """Spectra at up to ``LINES`` values of the axis, one way; a sine reads its peak value."""
+    (axis,) = result.plan.axes
+    response = result[fidelity]
+    count = len(axis.values)
+    chosen = np.unique(np.linspace(0, count - 1, min(count, LINES)).round().astype(int))
+    line = (Axis(axis.key, axis.values),)
+    given = None if axis.key == FREQUENCY else result.plan.frequency
+    text = narrowed(result.case, fidelity)
+    points = grid_points(text, str(result.case.path), fidelity, line, given, np.zeros(1, int))
+    return [_spectrum(result, points, response.way(response.ways[way]), int(at)) for at in chosen]
+
+
+def _spectrum(result: MapResult, points: GridPoints, known: Mapping[str, NDArray[Any]], at: int) -> LineSpectrum:
+    system, drive = points.system_at(at), points.drive_at(at)
+    value = result.plan.axes[0].values[at]
+    if known["ended"][at] != Ended.COMPLETE.code:
+        return LineSpectrum(value, np.empty(0), np.empty(0))
+    n = system.size
+    state = State(known["state"][at, :n], known["state"][at, n:], bool(known["resting"][at]))
+    time = np.arange(PERIODS * SAMPLES) * 2 * np.pi / drive.omega / SAMPLES
+    path = simulate(system, drive, PERIODS * 2 * np.pi / drive.omega, state)
+    found = spectrum_of(time, path.at(np.minimum(time, path.t_end), result.plan.output))
+    return LineSpectrum(value, found.frequency * 2 * np.pi / drive.omega, found.amplitude)

@@ -1,0 +1,1 @@
+"""Pictures of maps: one module a picture, each of the quantities alone."""

@@ -1,0 +1,97 @@
+"""Bifurcation diagram: the output at the end of each drive period over one axis, with motions known in closed form."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from vibeam.figures.outputs import motion_of
+from vibeam.figures.page import plain
+from vibeam.figures.style import COLOURS, name_of, shade
+from vibeam.figures.units import units_of
+from vibeam.maps.closed_form import ClosedForm, closed_form_strobes
+from vibeam.report.maps.axes import shown_axis
+
+if TYPE_CHECKING:
+    from vibeam.maps.run import MapResult
+
+SIZES = {"up": 1.3, "down": 2.6, "apart": 1.3}
+
+LOOKS = {True: {"color": "black"}, False: {"color": COLOURS[1]}}  # stable, unstable
+
+
+def size_of(result: MapResult) -> tuple[float, float]:
+    """A panel a fidelity, one below the other."""
+    return 6.4, 1.3 + 2.9 * len(result.responses)
+
+
+def bifurcation(figure: Figure, result: MapResult, exact: bool) -> tuple[list[Any], list[str]]:
+    """Draw the points of every way, the downward ones larger and behind; legend and notes."""
+    plan, count = result.plan, len(result.responses)
+    grid = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
+    across = shown_axis(result.case, plan.axes[-1])
+    sizes = [np.nanmax(np.abs(each.values["strobes"]), initial=0.0) for each in result.responses.values()]
+    units = units_of(result.case, length=float(max(sizes)))
+    handles: dict[str, Any] = {}
+    notes: dict[str, None] = {}
+    for axes, (fidelity, response) in zip(grid, result.responses.items(), strict=True):
+        x = response.axes[across.key] * across.factor
+        for number, way in reversed(list(enumerate(response.ways))):
+            strobes = response.values["strobes"][number] * units.length_factor
+            look: dict[str, Any] = {
+                "linestyle": "", "marker": ".", "markersize": SIZES[way], "markeredgewidth": 0,
+                "color": shade(COLOURS[0], "up" if way == "apart" else way),
+            }  # fmt: skip
+            axes.plot(np.repeat(x, strobes.shape[-1]), strobes.ravel(), rasterized=True, **look)
+            called = "each point from its own start" if way == "apart" else f"sweep {way}"
+            handles[way] = Line2D([], [], **(look | {"markersize": 5.0}), label=called)
+        if exact:
+            found, why = closed_form_strobes(result.case, plan, fidelity)
+            _lines(axes, found, across.factor, units.length_factor, handles)
+            if why:
+                notes[why] = None
+        axes.set_xlim(x.min(), x.max())
+        axes.set_ylabel(motion_of(plan.output, "displacement", units))
+        if count > 1:
+            axes.set_title(plain(name_of(result.case, fidelity)))
+    grid[-1].set_xlabel(across.label)
+    return [handles[each] for each in sorted(handles, key=_order)], list(notes)
+
+
+def _order(name: str) -> int:
+    return ["up", "down", "apart"].index(name) if name in ("up", "down", "apart") else 9
+
+
+def _lines(axes: Any, found: list[ClosedForm], across: float, upward: float, handles: dict[str, Any]) -> None:
+    """Draw periodic motions: full where they are stable, dashed where not."""
+    for each in found:
+        for stable in (True, False):
+            values = np.where((each.stable == stable)[:, None], each.strobes, np.nan) * upward
+            if np.isfinite(values).any():
+                look: dict[str, Any] = {
+                    "linewidth": 0.7,
+                    "linestyle": "-" if stable else (0, (3, 1.5)),
+                    **LOOKS[stable],
+                }
+                axes.plot(each.values * across, joined(values), **look)
+                said = f"exact, one impact in {_periods(each.periods)}, {'' if stable else 'un'}stable"
+                handles[said] = Line2D([], [], label=said, **look)
+
+
+def joined(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Values (points, k) cut where a line would jump by more than a tenth of all."""
+    span = np.nanmax(values) - np.nanmin(values)
+    if not span:
+        return values
+    jumps = np.abs(np.diff(values, axis=0)) > 0.1 * span
+    cut = values.copy()
+    cut[1:][jumps] = np.nan
+    return cut
+
+
+def _periods(count: int) -> str:
+    return "1 period" if count == 1 else f"{count} periods"

@@ -1,0 +1,23 @@
+"""Table of a map in the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from vibeam.figures.units import percent
+from vibeam.report.tables import blank
+
+if TYPE_CHECKING:
+    from vibeam.maps.rows import MapRow
+    from vibeam.report.table_widths import ReportTable
+
+
+def shares(rows: Sequence[MapRow]) -> ReportTable:
+    """Table of the shares of each class of motion."""
+    table = blank("Maps", "map", "fidelity", "direction", "at", "points|")
+    table.add("no impact|", "period 1|", "period 2|", "period 3 … 16|", "not periodic|", "failed|")
+    for row in rows:
+        found = (row.no_impact, row.period_1, row.period_2, row.period_more, row.not_periodic, row.failed)
+        table.add_row(row.map, row.fidelity, row.direction, row.at, str(row.points), *map(percent, found))
+    return table
