@@ -69,6 +69,7 @@ class Rig:
     drive: vibeam.Drive
     start: vibeam.State | None
     cost: float  # CPU seconds of a drive period
+    complete: bool  # whether one was flown to its end, by which the cost is known
 
     @property
     def period(self) -> float:
@@ -111,8 +112,8 @@ def read(text: str, rng: Generator) -> Rig:
     drive = vibeam.Drive(float(omega[0]), amplitude)
     start = None if rng.random() < 0.4 else _start(system, drive, rng)
     first = vibeam.simulate(system, drive, 2 * np.pi / drive.omega, start, max_impacts=IMPACTS)
-    whole = 1 if first.ended is vibeam.Ended.COMPLETE else MORE
-    return Rig(case, system, drive, start, whole * first.stats["cpu_seconds"])
+    complete = first.ended is vibeam.Ended.COMPLETE
+    return Rig(case, system, drive, start, (1 if complete else MORE) * first.stats["cpu_seconds"], complete)
 
 
 def _start(system: vibeam.ImpactSystem, drive: vibeam.Drive, rng: Generator) -> vibeam.State:
@@ -238,6 +239,9 @@ def _checked(found: Any, verdict: Verdict) -> None:
 
 def swept(rig: Rig, rng: Generator, verdict: Verdict) -> None:
     """The case run and the system swept: the same bits; a point that is not complete says why."""
+    if rig.complete and rig.cost > COSTLY:
+        verdict.count("sweeps left out: a period takes more than a second")
+        return
     rig = _shortened(rig, verdict)
     run = vibeam.run(rig.case, show=False)["flown"]
     for _, found in run.items():
@@ -260,16 +264,21 @@ def swept(rig: Rig, rng: Generator, verdict: Verdict) -> None:
 
 def _shortened(rig: Rig, verdict: Verdict) -> Rig:
     """The same with two periods a point where impacts are without number, as where R → 1 for weak ones, or costly."""
+    if not _is_long(rig):
+        return rig
+    verdict.count("sweeps shortened")
+    points = {"sweep.settle": 0 if rig.cost > COSTLY / 10 else 1, "sweep.hold": 1, "sweep.frequency.points": 2}
+    return replace(rig, case=parse(rig.case.text, set=points | {"sweep.direction": "up"}))
+
+
+def _is_long(rig: Rig) -> bool:
+    """Whether the sweep as it is planned takes too long."""
     added = gap_drift(rig.case.scene_of("flown"), [rig.drive.omega])
     drifted = rig.system if added is None else replace(rig.system, gap=rig.system.gap + float(added[0]))
     first = vibeam.simulate(drifted, rig.drive, 3 * rig.period, max_impacts=IMPACTS)
     plan = rig.case.sweep
     cost = first.stats["cpu_seconds"] / 3 * (plan.settle + plan.hold) * 2 * len(plan.frequency)
-    if len(first.impact_times) < IMPACTS and cost < COSTLY:
-        return rig
-    verdict.count("sweeps shortened")
-    points = {"sweep.settle": 0 if rig.cost > COSTLY / 10 else 1, "sweep.hold": 1, "sweep.frequency.points": 2}
-    return replace(rig, case=parse(rig.case.text, set=points | {"sweep.direction": "up"}))
+    return len(first.impact_times) >= IMPACTS or cost >= COSTLY
 
 
 def _sweep(rig: Rig) -> vibeam.Branches:
