@@ -14,7 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.linear.common_plane import common_plane
 from vibeam.flight.linear.eigenpairs import Linear, refined, refined_plane
+from vibeam.flight.linear.equal_modes import deflated
 
 Array = NDArray[np.float64]
 
@@ -23,8 +25,6 @@ Complex = NDArray[np.complex128]
 Indices = NDArray[np.int64]
 
 CLOSE = 0.1  # relative distance of two eigenvalues below which their common plane is taken
-
-DISTINCT = 1e-4  # the same, above which QR's eigenvectors span that plane
 
 WORST = 1e7  # condition of the columns beyond which too many digits would be lost
 
@@ -45,6 +45,14 @@ class Planes:
 
 def planes(system: Linear) -> Planes:
     """The blocks; ValueError where complex modes coincide so closely that there are none."""
+    turned = deflated(system)
+    if turned is None:
+        return _planes(system)
+    found, both = _planes(turned[0]), np.kron(np.eye(2), turned[1])
+    return Planes(both @ found.columns, found.inverse @ both, found.blocks)
+
+
+def _planes(system: Linear) -> Planes:
     n, columns, inverses, blocks = len(system.spring), [], [], []
     for group in _groups(system):
         part = system.part(group)
@@ -128,7 +136,7 @@ def _several(part: Linear) -> list[tuple[Array, Array]]:
     for k in range(count, len(picked), 2):
         found.append((np.stack([vector[:, k].real, vector[:, k + 1].real], axis=1), np.diag(value[k : k + 2].real)))
     for couple in couples:
-        column, block = _common(state, values[couple], vectors[:, couple])
+        column, block = common_plane(state, values[couple], vectors[:, couple])
         found.append(refined_plane(part, lift @ column, block))
     return found
 
@@ -226,20 +234,3 @@ def _sorted_out(values: Complex) -> tuple[Indices, list[list[int]], list[int]]:
             singles.append(int(real[i]))
         i += 2 if together else 1
     return turning, couples, singles
-
-
-def _common(state: Array, pair: Complex, vectors: Complex) -> tuple[Array, Array]:
-    """The invariant plane of two nearly equal eigenvalues, which needs no eigenvectors of its own."""
-    from scipy.linalg import schur
-
-    distance, size = float(abs(pair[1] - pair[0])), float(np.max(np.abs(pair)))
-    if distance > DISTINCT * size:
-        second = vectors[:, 0].imag if pair[0].imag != 0 else vectors[:, 1].real
-        column = np.linalg.qr(np.stack([vectors[:, 0].real, second], axis=1))[0]
-        return column, column.T @ state @ column
-    middle, radius = pair.mean().real, distance + 1e-9 * float(np.abs(state).max())
-    _, every, count = schur(state, output="real", sort=lambda x, y=0.0: abs(complex(x, y) - middle) <= 2 * radius)
-    if count != 2:
-        raise ValueError("damping: three or more real rates nearly coincide: separate them slightly")
-    column = np.asarray(every[:, :2])
-    return column, column.T @ state @ column

@@ -72,6 +72,8 @@ class Linear:
 
 def refined(part: Linear, values: Complex, vectors: Complex) -> tuple[Complex, Complex]:
     """Eigenvalues (m,) and the state's eigenvectors (s z, λ z) (2n, m) of unit length, from those of QR."""
+    if not len(values):
+        return values, vectors
     if part.stiffness > 0 and part.uncoupled:
         found, shapes = _secular(part, values, vectors)
     else:
