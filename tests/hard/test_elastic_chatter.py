@@ -86,6 +86,19 @@ def test_an_endless_chatter_is_left_at_a_stated_energy(ratio: float, restitution
     assert "without end" in path.certificate.unproved[0].reason
 
 
+@pytest.mark.parametrize("ratio", [1e2, 1e3, 1e5, 1e7])
+def test_far_overdamped_an_endless_chatter_is_left_all_the_same(ratio: float) -> None:
+    """Flights far below round-off of the displacement: their work is that of any ratio, each loses its κv²."""
+    path = vibeam.simulate(pressed(ratio, 0.5), NONE, 30.0, state(0.0, -1.0), max_impacts=1_000_000)
+    assert path.ended is COMPLETE
+    assert path.state.resting
+    v, kappa = path.impact_velocities, 4 * ratio / (3 * 0.5)
+    assert v[-1] <= (1 + 1e-9) * FAINT * v.max() <= (1 + 2e-9) * v[-2]
+    assert len(v) == pytest.approx(1 / (kappa * v[-1]), rel=1e-3)
+    lost = -np.diff(v[1000:]) / (kappa * v[1000:-1] * v[1001:])
+    np.testing.assert_allclose(lost, 1.0, atol=2e-3)
+
+
 class Bouncer:
     """η'' + 2ση' + η = s + Ω²B sin Ωt in closed form, η ≤ 0, R = 1: a program of its own."""
 

@@ -14,9 +14,7 @@ DIGITS = 40
 
 PANELS = 64  # panels an impact and a drive period, whatever the damping
 
-BEYOND = 5000  # panels where the rates are farther apart than the longest panel and the shortest, 1.4e14
-
-RATIOS = [1.0, 3.0, 1e2, 1e4, 1e6, 1e8]
+RATIOS = [1.0, 3.0, 1e2, 1e4, 1e6, 1e8, 1e9]
 
 
 class Exact:
@@ -96,7 +94,7 @@ def test_thrown_at_the_stop_and_crept_back(ratio: float) -> None:
     path = vibeam.simulate(system, NONE, 100.0 * ratio, start)
     assert path.ended is vibeam.Ended.COMPLETE
     assert len(path.impact_times) >= 2
-    assert path.stats["evaluations"] <= (BEYOND if ratio > 1e7 else PANELS * (len(path.impact_times) + 1))
+    assert path.stats["evaluations"] <= PANELS * (len(path.impact_times) + 1)
     follow(path, start, 2, 1e-12)
 
 
@@ -117,14 +115,14 @@ def test_a_mode_that_swings_beside_others_that_creep(ratio: float, others: int) 
     follow(path, start, 6, 1e-10)
 
 
-@pytest.mark.parametrize("ratio", [1.0, 1e2, 1e4, 1e6, 1e8])
+@pytest.mark.parametrize("ratio", [1.0, 1e2, 1e4, 1e6, 1e8, 1e9])
 def test_a_first_flight_without_an_impact(ratio: float) -> None:
     """It creeps to 1 − 1e-9 of the stop, as slowly as 1/2ζ, and never arrives: proved in bounded work."""
     system = one(1.0, ratio, load=0.0, gap=0.1, restitution=0.6, static=0.1 * (1 - 1e-9))
     path = vibeam.simulate(system, NONE, 60.0 * ratio, state(-1.0, 0.0), certify=True)
     assert path.ended is vibeam.Ended.COMPLETE
     assert len(path.impact_times) == 0
-    assert path.stats["evaluations"] <= (20 * BEYOND if ratio > 1e7 else 10 * PANELS)
+    assert path.stats["evaluations"] <= 10 * PANELS
     assert path.certificate is not None
     assert path.certificate.complete
     with mpmath.workdps(DIGITS):

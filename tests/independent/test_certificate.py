@@ -13,7 +13,8 @@ from random_rigs import KINDS, rig
 import vibeam
 from vibeam.flight.certificate import certificate_of
 from vibeam.flight.event_driven import Segments
-from vibeam.flight.kernels.layout import DURATION, START
+from vibeam.flight.kernels.layout import AT_CLOCK, DURATION, END, RELEASE, START, WHAT
+from vibeam.flight.kernels.regimes.layout import CONTACT, PASS
 from vibeam_models.laws.compliant import LinearStop
 
 ONE = vibeam.ImpactSystem.from_modes(1.0, 0.015, 1.0, 1.0, gap=0.0, restitution=0.9)
@@ -199,6 +200,26 @@ def test_a_stop_that_is_just_touched_is_named() -> None:
     path = vibeam.simulate(still, vibeam.Drive(1.0, 0.0), 5.0, certify=True)
     assert not path.certificate.complete
     assert all("touches a stop" in stretch.reason for stretch in path.certificate.unproved)
+
+
+def test_a_retreat_within_round_off_of_the_stop_is_named() -> None:
+    """From rest at gap 0 a damped stop lets go for 5e-18 s, as some processors round: its sign is unknown."""
+    stop = LinearStop(6627.917059554478, 327.36159570311116)
+    system = vibeam.ImpactSystem.from_modes(2.82703262, 0.073824, 0.85037794, 1.0, gap=0.0, law=stop)
+    drive, retreat = vibeam.Drive(40.003445984762756, 2e-5), 5.43763436e-18
+    path = vibeam.simulate(system, drive, 0.3)
+    first = int(np.argmax(path.segments.trace[:, DURATION] > 0))
+    trace, poses = path.segments.trace[first:], path.segments.poses[first:]
+    assert trace[0, WHAT] == CONTACT
+    added = np.zeros((2, trace.shape[1]))
+    added[0, [WHAT, END]], added[1, [DURATION, END]] = (CONTACT, RELEASE), (retreat, PASS)
+    later = trace.copy()
+    later[:, [START, AT_CLOCK]] += retreat
+    rows, starts = np.concatenate([added, later]), np.concatenate([np.zeros_like(poses[[0, 0]]), poses])
+    made = certificate_of(path._solver, drive, Segments(rows, starts, path.segments.size))
+    assert not [text for text in check(made)[0] if "not proved" in text]
+    assert [(each.begin, each.end) for each in made.unproved] == [(0.0, retreat)]
+    assert "touches a stop" in made.unproved[0].reason
 
 
 def test_bounds_of_a_tail_hold_for_the_impacts_themselves() -> None:

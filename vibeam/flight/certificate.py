@@ -34,6 +34,7 @@ from vibeam.flight.kernels.pieces import (
     OPEN,
     ORDER,
     SEGMENT,
+    SIGNAL,
     UNPROVED,
     WATCHED,
 )
@@ -116,12 +117,12 @@ class Certificate:
     def _undecided(self) -> list[Stretch]:
         open_yet = self.pieces[self.pieces[:, CLAIM] == UNPROVED]
         found: list[Stretch] = []
-        for segment, start, length in open_yet[:, [FLIGHT, FROM, LENGTH]]:
+        for segment, start, length, signal in open_yet[:, [FLIGHT, FROM, LENGTH, SIGNAL]]:
             begin = float(self.times[int(segment)] + start)
             if found and begin <= found[-1].end:  # goes on with the same one
                 found[-1] = replace(found[-1], end=max(begin + float(length), found[-1].end))
             else:
-                touching = start == 0 and self.orders[int(segment)] == 0
+                touching = start == 0 and self.roots[int(segment)] != signal
                 found.append(Stretch(begin, begin + float(length), _TOUCHING if touching else _UNDECIDED))
         return found
 

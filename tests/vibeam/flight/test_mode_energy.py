@@ -144,3 +144,35 @@ def test_a_mode_that_turns_thousands_of_times_in_contact(coupled: bool, law: Lin
     assert response.rest[0] == 1.0
     found = response.mode_energy[0] * 2 * np.pi / drive.omega
     np.testing.assert_allclose(found, quadrature(path, 2000), rtol=1e-9)
+
+
+UNRESOLVED = {  # ω, ζ, drive: what is no sum of exponentials, and turns oftener than 128 panels hold
+    "two modes at an undamped resonance, a fast third": ([1.0, 1.0, 500.0], [0.0, 0.0, 0.0], 1.0),
+    "overdamped twins that differ by a last digit": (
+        [300.0, 300.0 * (1 + 1e-12), 250.0, 0.5],
+        [2.0, 2.0, 2.0, 0.0],
+        2.0,
+    ),
+    "a critical mode beside an undamped one": ([1.0, 3.0, 700.0], [0.0, 1.0, 0.0], 0.8),
+}
+
+
+@pytest.mark.parametrize("law", [None, LinearStop(400.0)], ids=["rest", "push"])
+@pytest.mark.parametrize("name", UNRESOLVED)
+def test_what_is_no_sum_of_exponentials_is_resolved(name: str, law: LinearStop | None) -> None:
+    """Quadrature on 128 panels had these energies wrong by up to 2 %."""
+    omega, zeta, rate = UNRESOLVED[name]
+    row = np.array([1.0, -0.6, 0.3, 0.5])[: len(omega)]
+    system = vibeam.ImpactSystem.from_modes(
+        omega, zeta, row, [1.0, 0.3, 0.2, 0.1][: len(omega)], gap=0.0, restitution=0.0, static=5e3 * row, law=law
+    )
+    drive, speed = vibeam.Drive(rate, 0.1), np.array([0.1, -0.2, 0.4, 0.3])[: len(omega)]
+    pressed = equilibrium(system)
+    start = vibeam.State(pressed.displacement, speed - row * (row @ speed) / (row @ row), pressed.resting)
+    path = vibeam.simulate(system, drive, 2 * np.pi / rate, start)
+    assert len(path.segments.trace) == 1
+    response, _ = exact_solver(system, rate).steady([rate], drive.amplitude, start, 0, 1, "contact")
+    moving = path.modes_at(np.linspace(0.0, path.t_end, 7))[:, 0].std(axis=0)
+    assert np.all(moving > 0)
+    found = response.mode_energy[0] * 2 * np.pi / rate
+    np.testing.assert_allclose(found, quadrature(path, 2000), rtol=1e-9)

@@ -3,7 +3,8 @@
 Every mode is a sum of the same exponentials, η_k = Σ_i Re(a_ki e^{λ_i t}): one of each block (two where it is
 overdamped), the steady response, the offset. So the integrals of their products are those of ``energy``, made once for
 all modes. Gauss's quadrature takes the place where it costs less, and where the closed form would lose digits: blocks
-near critical damping or carried by Taylor series, sums that cancel.
+near critical damping or carried by Taylor series, sums that cancel. Where the whole would take too many panels it goes
+on from panel to panel, each as long as what has not yet decayed allows.
 """
 
 from __future__ import annotations
@@ -13,11 +14,12 @@ from math import ceil, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.block_flow import advance_blocks
+from vibeam.flight.kernels.block_flow import advance_blocks, block_after
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.drive import phase
+from vibeam.flight.kernels.drive import phase, wrap
 from vibeam.flight.kernels.energy import (
     CANCELLED,
+    FADED,
     MOST,
     NODES,
     PANEL,
@@ -34,6 +36,7 @@ from vibeam.flight.kernels.layout import (
     A21,
     A22,
     CARRIED,
+    DECAY,
     DISC,
     IM1,
     IM2,
@@ -54,6 +57,10 @@ from vibeam.flight.kernels.layout import (
 
 Array = NDArray[np.float64]
 
+LOST = 1e-9  # share of its parts below which a sum is not taken, though quadrature takes many panels
+
+STEPS = 131_072  # panels of a regime at most
+
 RATE, GROWN, AMPLITUDE = range(3)  # columns of regime.terms: λ, e^{λt} − 1, and from there on a mode's amplitude each
 
 
@@ -68,12 +75,14 @@ def energy_in_blocks(regime: Regime, drive: Array, own: Array, clock: float, dur
         total, parts = room.scratch[0], room.scratch[1]
         set_terms(regime, drive, clock, duration)
         sum_products(regime.terms, own, duration, total, parts)
-        if panels > MOST or not is_cancelled(total, parts):
+        if not is_cancelled(total, parts, LOST if panels > MOST else CANCELLED):
             for k in range(own.shape[0]):
                 room.energy[k] += total[k]
             return
-    panels = min(panels, MOST)
-    energy_by_panels(regime, drive, own, clock, duration / panels, panels, room)
+    if panels > MOST:
+        energy_by_steps(regime, drive, own, clock, duration, room)
+    else:
+        energy_by_panels(regime, drive, own, clock, duration / panels, panels, room)
 
 
 @kernel
@@ -171,11 +180,11 @@ def sum_products(terms: Array, own: Array, t: float, total: Array, parts: Array)
 
 
 @kernel
-def is_cancelled(total: Array, parts: Array) -> bool:
-    """Whether some mode's energy is so much less than the parts of its sum that digits are lost."""
+def is_cancelled(total: Array, parts: Array, share: float) -> bool:
+    """Whether some mode's energy is less than that share of the parts of its sum, so that digits are lost."""
     lacking = 0.0
     for k in range(total.shape[0]):
-        lacking = max(lacking, CANCELLED * parts[k] - total[k])
+        lacking = max(lacking, share * parts[k] - total[k])
     return lacking > 0.0
 
 
@@ -190,6 +199,41 @@ def energy_by_panels(
             advance_blocks(regime, drive, pose, clock, (panel + NODES[node]) * h)
             for k in range(own.shape[0]):
                 energy[k] += 0.5 * h * WEIGHTS[node] * (pose[1, k] ** 2 + (own[k] * pose[0, k]) ** 2)
+
+
+@kernel
+def energy_by_steps(regime: Regime, drive: Array, own: Array, clock: float, duration: float, room: Watch) -> None:
+    """The same panel by panel, the regime entered anew at each: as many as are resolved, up to ``STEPS``.
+
+    The blocks' coordinates are those of the end then.
+    """
+    pose, energy, done = room.scratch, room.energy, 0.0
+    while done < duration:
+        rate, h = rate_left(regime, drive, done), duration - done
+        if rate * h > PANEL:
+            h = min(h, max(PANEL / rate, duration / STEPS))
+        for node in range(8):
+            advance_blocks(regime, drive, pose, clock, NODES[node] * h)
+            for k in range(own.shape[0]):
+                energy[k] += 0.5 * h * WEIGHTS[node] * (pose[1, k] ** 2 + (own[k] * pose[0, k]) ** 2)
+        for k in range(regime.blocks.shape[1]):
+            z1, z2 = block_after(regime, drive, k, clock, h)
+            regime.blocks[Z1, k], regime.blocks[Z2, k] = z1, z2
+        clock = wrap(drive, clock + h)
+        done += h
+
+
+@kernel
+def rate_left(regime: Regime, drive: Array, time: float) -> float:
+    """The fastest rate of the drive and of what has not decayed a time after a regime was entered."""
+    pairs, rate = regime.pairs, drive[W]
+    for k in range(regime.blocks.shape[1]):
+        if regime.blocks[CARRIED, k] > 0.0:
+            rate = max(rate, pairs[KAPPA, k])
+        elif pairs[DECAY, k] * time <= FADED:
+            fast = pairs[SIGMA, k] + sqrt(max(pairs[DISC, k], 0.0))
+            rate = max(rate, pairs[KAPPA, k] if fast * time <= FADED else pairs[DECAY, k])
+    return float(rate)
 
 
 @kernel

@@ -137,24 +137,30 @@ def attach(regime: Regime, drive: Array, k: int, x: float, y: float, sine: float
 @kernel
 def advance_blocks(regime: Regime, drive: Array, pose: Array, clock: float, duration: float) -> None:
     """Set ``pose`` to ``duration`` after the regime was entered at ``clock``."""
-    blocks, pairs, n = regime.blocks, regime.pairs, pose.shape[1]
+    blocks, n = regime.blocks, pose.shape[1]
     cosine, sine = phase(drive, clock + duration)
     for i in range(n):
         pose[0, i], pose[1, i] = regime.held[i], 0.0
     for k in range(blocks.shape[1]):
-        sigma, z1, z2 = pairs[SIGMA, k], blocks[Z1, k], blocks[Z2, k]
-        _, odd, _, rest = propagator(sigma, pairs[OMEGA, k], pairs[DISC, k], duration)
-        even = rest + sigma * odd  # exp(A t) = e^{−σt} (C + S (A + σ))
-        if blocks[CARRIED, k] > 0.0:
-            z1, z2 = carry_block(regime, drive, k, clock, duration)
-            even, odd = 1.0, 0.0
-        y1 = even * z1 + odd * ((blocks[A11, k] + sigma) * z1 + blocks[A12, k] * z2)
-        y2 = even * z2 + odd * (blocks[A21, k] * z1 + (blocks[A22, k] + sigma) * z2)
+        y1, y2 = block_after(regime, drive, k, clock, duration)
         y1 += blocks[OFFSET1, k] + blocks[RE1, k] * sine + blocks[IM1, k] * cosine
         y2 += blocks[OFFSET2, k] + blocks[RE2, k] * sine + blocks[IM2, k] * cosine
         for i in range(n):
             pose[0, i] += regime.outof[i, 2 * k] * y1 + regime.outof[i, 2 * k + 1] * y2
             pose[1, i] += regime.outof[n + i, 2 * k] * y1 + regime.outof[n + i, 2 * k + 1] * y2
+
+
+@kernel
+def block_after(regime: Regime, drive: Array, k: int, clock: float, duration: float) -> tuple[float, float]:
+    """What is left of a block beside its steady response, ``duration`` after the regime was entered at ``clock``."""
+    if regime.blocks[CARRIED, k] > 0.0:
+        return carry_block(regime, drive, k, clock, duration)
+    blocks, sigma, z1, z2 = regime.blocks, regime.pairs[SIGMA, k], regime.blocks[Z1, k], regime.blocks[Z2, k]
+    _, odd, _, rest = propagator(sigma, regime.pairs[OMEGA, k], regime.pairs[DISC, k], duration)
+    even = rest + sigma * odd  # exp(A t) = e^{−σt} (C + S (A + σ))
+    y1 = even * z1 + odd * ((blocks[A11, k] + sigma) * z1 + blocks[A12, k] * z2)
+    y2 = even * z2 + odd * (blocks[A21, k] * z1 + (blocks[A22, k] + sigma) * z2)
+    return y1, y2
 
 
 @kernel

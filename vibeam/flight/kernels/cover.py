@@ -104,7 +104,8 @@ def walk(g: Signal, coarsest: int, duration: float, task: Array, pieces: Array, 
 
     The verdicts are those of ``bounds.verdict``. The last panel reaches beyond the segment's end. Where the signal
     closes there, the panel must hold one root (or, where a graze leaves that in doubt, the signal must vanish at the
-    end, to ``CLOSE`` of the length); elsewhere the panel is halved until nothing of it is in doubt.
+    end, to ``CLOSE`` of the length), and the signal must be seen to start above zero, or to rise from it by its order;
+    elsewhere the panel is halved until nothing of it is in doubt.
     """
     pairs, table, levels, signal, attached = g
     start = Start(int(task[ORDER]), task[RISE])
@@ -113,14 +114,16 @@ def walk(g: Signal, coarsest: int, duration: float, task: Array, pieces: Array, 
         att.restart(attached, signal)
     re, im = signal[ZR], signal[ZI]
     signal[HARMONIC] = norm(re, im)
-    tolerance = 8.0 * EPSILON * (abs(signal[CONST]) + signal[HARMONIC] + total + att.swing(attached, signal, duration))
+    size = abs(signal[CONST]) + signal[HARMONIC] + total + att.swing(attached, signal, duration)
+    tolerance = 8.0 * EPSILON * size
     never = signal[CONST] - signal[HARMONIC] - total > tolerance and signal[ATTACHED] == 0.0
     if never and start.order == 0 and task[CLOSING] == 0.0:
         return note(pieces, row, task, 0.0, duration, OPEN)
     node, level, since, count, doubts = Node(0.0, re, im), coarsest, 0, 0, 0
+    begun = start.order > 0 or task[CLOSING] == 0.0 or value_at(g, 0.0, 0.0)[0] > tolerance
     if start.order > 0:
         derivatives(g, pairs.shape[1], WHOLE, start.order + 1)
-        level = first_level(g, start, coarsest)
+        level = first_level(g, start, coarsest, size)
     while node.time < duration:
         h, time = levels[STEP, level], node.time
         here = Start(start.order if time == 0.0 else 0, start.rise)
@@ -135,7 +138,8 @@ def walk(g: Signal, coarsest: int, duration: float, task: Array, pieces: Array, 
         last = time + h >= duration
         claim = OPEN if found == CLEAR else UNPROVED
         if last and task[CLOSING] > 0.0:
-            claim = CLOSES if found == ROOT or vanishes(g, time, duration, tolerance) else UNPROVED
+            closed = found == ROOT or vanishes(g, time, duration, tolerance)
+            claim = CLOSES if closed and (begun or time > 0.0) else UNPROVED
         elif last and found != CLEAR and level < LEVELS - 1:
             level += 1
             since = 0

@@ -79,7 +79,7 @@ class Schedule(NamedTuple):
     watching: int  # panels that reading a segment off is as much work as, about
 
 
-LEVELS = 48  # dyadic panel lengths
+LEVELS = 64  # dyadic panel lengths: 9.2e18 between the longest and the shortest
 
 SERIES = 26  # Taylor terms of an attached pair: 1.2²⁶/26! = 3e-25
 

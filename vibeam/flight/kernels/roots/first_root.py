@@ -28,6 +28,10 @@ MOST_PANELS = 100_000  # a flight takes ten, or a few dozen where modes decay by
 
 GLANCE = 256  # panels after which it is asked whether what is left can reach zero at all
 
+FAINT = 1e-9  # share of the parts of a gap below which its rise is lost in their round-off
+
+AMPLE = 1.25  # first panel over the flight that is foretold, where it matters that the flight ends on it
+
 SHALLOW = 1e9  # times round-off: how far from zero a minimum is still judged, and its touch found, sharply
 
 
@@ -57,7 +61,7 @@ def first_root(g: Signal, start: Start, span: float, coarsest: int, initial: Ini
     node, level, panels, since, patience, lengthened = Node(0.0, re, im), coarsest, 0, 0, 1, False
     if order > 0:
         derivatives(g, pairs.shape[1], WHOLE, order + 1)
-        level = first_level(g, start, coarsest)
+        level = first_level(g, start, coarsest, size)
     while node.time < span:
         panels += 1
         if panels > MOST_PANELS:
@@ -112,12 +116,21 @@ def is_out_of_reach(g: Signal, tolerance: float) -> bool:
 
 
 @joined
-def first_level(g: Signal, start: Start, coarsest: int) -> int:
-    """The level to start with: twice the flight 2g'(0)/|g''(0)| that the first two derivatives foretell."""
+def first_level(g: Signal, start: Start, coarsest: int, size: float) -> int:
+    """The level to start with: twice the flight 2g'(0)/|g''(0)| that the first two derivatives foretell.
+
+    That is a panel of one to two such flights. Damping makes a flight longer, so that now and then it ends just beyond
+    the panel: there g is known to round-off of its parts, ``size``, not of the flight. A flight that rises to no more
+    than 1e-9 of them takes a panel of at least 1¼ flights.
+    """
     ahead = g.terms[WHOLE + 2]
     if start.order > 1 or ahead >= 0.0:
         return coarsest
-    return max(coarsest, level_of(g.levels, -4.0 * start.rise / ahead))
+    flight = -2.0 * start.rise / ahead
+    level = level_of(g.levels, 2.0 * flight)
+    if start.rise * flight < FAINT * size and g.levels[STEP, level] < AMPLE * flight:
+        level -= 1
+    return max(coarsest, level)
 
 
 @kernel
