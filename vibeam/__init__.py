@@ -59,6 +59,10 @@ if TYPE_CHECKING:
     from vibeam.studies.declaration import register_study as register_study
     from vibeam.studies.derive import derive as derive
     from vibeam.studies.export_matrices import export_matrices as export_matrices
+    from vibeam.studies.identification.decay import identify_decay as identify_decay
+    from vibeam.studies.identification.modes import identify_keys as identify_keys
+    from vibeam.studies.identification.response import identify_response as identify_response
+    from vibeam.studies.identification.response import identify_spectrum as identify_spectrum
     from vibeam.studies.influence.study import influence as influence
     from vibeam.studies.modes import modes as modes
     from vibeam.studies.reduce.study import reduce as reduce
@@ -130,6 +134,10 @@ _HOMES = {
     "Outcome": "vibeam.flight.trajectory",
     "FrequencyResponse": "vibeam.system.response",
     "cost": "vibeam.studies.cost.study",
+    "identify_decay": "vibeam.studies.identification.decay",
+    "identify_spectrum": "vibeam.studies.identification.response",
+    "identify_response": "vibeam.studies.identification.response",
+    "identify_keys": "vibeam.studies.identification.modes",
     "ReferenceCurve": "vibeam.case.reference_record",
     "ReferenceForm": "vibeam.case.reference_form",
     "read_curve": "vibeam.case.reference_curves",

@@ -80,7 +80,7 @@ def _points(found: Columns, quantity: str, form: ReferenceForm) -> list[Point]:
                 "the frequency is missing" if np.isnan(at) else f"the frequency {at:g} Hz is not above 0", line
             )
         way, period = _way(columns.get("direction"), row, line), _period(columns.get("period"), row, line)
-        points.append(Point(line, at, way, given(value[row]), period, given(uncertainty[row])))
+        points.append(Point(line, at, way, given(float(value[row])), period, given(float(uncertainty[row]))))
     return points
 
 

@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 
 from vibeam.cli.commands.doctor import doctor
+from vibeam.cli.commands.identify import identify
 from vibeam.cli.commands.keys import keys
 from vibeam.cli.commands.new import new
 from vibeam.cli.commands.record import record
@@ -63,6 +64,7 @@ for command in (
     *(loaded(each.command) for each in STUDIES.values() if each.command),
     report,
     study,
+    identify,
     record,
     new,
     keys,

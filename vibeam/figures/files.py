@@ -40,7 +40,7 @@ def figure_files(path: Path, case: Case) -> list[Path]:
 def stamp(results: Path, case: Case) -> str:
     """Digest of all that the figures of a case are drawn from: results, case, references, the code that draws."""
     digest = sha256(f"matplotlib {version('matplotlib')}\n{case.text}\n".encode())
-    references = {reference.file for reference in case.references.values()}
+    references = {reference.file for reference in case.references.values() if reference.curve is None}
     sources = [*Path(__file__).parent.rglob("*.py"), *(Path(__file__).parents[1] / "report").glob("*.py")]
     for file in [results, *sorted(references), *sorted(sources)]:
         digest.update(file.read_bytes())

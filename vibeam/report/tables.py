@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import fields
-from math import isfinite
+from math import floor, isfinite, log10
 from typing import TYPE_CHECKING, Any, cast
 
 from rich.console import Console
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from vibeam.run.estimate.summary import EstimateSummary
     from vibeam.run.summary import Summary
     from vibeam.studies.derive import DerivedParameter
+    from vibeam.studies.identification.estimates import Identification
     from vibeam.studies.modes import ModeTable
     from vibeam.studies.regression.measured import MeasuredRow
     from vibeam.studies.regression.references import CheckRow
@@ -157,6 +158,23 @@ def _verdict(passed: bool | None) -> Text:
     if passed is None:
         return Text("compared")
     return Text("passed", style="green") if passed else Text("missed", style="bold red")
+
+
+def identified(found: Identification) -> ReportTable:
+    """Table of identified parameters: value and 95 % interval, a dash where the data do not fix it."""
+    table = blank("Identified", "parameter", "value|", "95 % interval|", "±|", "unit")
+    table.caption = f"{found.method}; {found.points} points; rms residual {percent(found.residual)}"
+    for row in found.rows:
+        half = 0.5 * (row.high - row.low)
+        digits = 4 if not half > 0 else max(2, min(9, 2 + floor(log10(abs(row.value) / half))))
+        numbers = [
+            f"{row.value:.{digits}g}",
+            f"{row.low:.{digits}g} … {row.high:.{digits}g}",
+            percent(half / row.value),
+        ]
+        unit = "" if row.unit == "1" else row.unit
+        table.add_row(row.name, *(numbers if row.determined else ["not determined", "–", "–"]), unit)
+    return table
 
 
 def crossings(rows: Sequence[Crossing], own: str, units: Units = METRIC) -> ReportTable:

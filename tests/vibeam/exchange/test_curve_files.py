@@ -241,3 +241,31 @@ def test_which_curve_of_a_universal_file(tmp_path: Path) -> None:
     universal(tmp_path / "b.uff", kind=17)
     with pytest.raises(CaseError, match="not over frequency"):
         read_curve(tmp_path / "b.uff", "amplitude", ReferenceForm(unit="m"))
+
+
+SEEDS = (
+    "f [Hz];x [mm];u\n14,5;0,125;1\n15,5;0,25;\n", "frequency_hz,direction,amplitude\n14,up,1e-3\n15,down,2e-3\n",
+    "# c\nf x\nHz mm\n14 1\n15 2\n", 'f,x\n14,"1,234.5"\n',
+)  # fmt: skip
+PIECES = ";,\t\"\n\r\0-e+.[](é\ufeff #%\x85\u2028'"
+
+
+def test_whatever_a_file_holds_it_is_read_or_told(tmp_path: Path) -> None:
+    """Characters put in, taken out, other encodings, files cut off: a curve, or faults; never another exception."""
+    outcomes = set()
+    for number in range(200):
+        draw = np.random.default_rng(number)
+        text = SEEDS[number % len(SEEDS)]
+        for _ in range(draw.integers(6)):
+            at = int(draw.integers(len(text)))
+            text = (
+                text[:at] + PIECES[draw.integers(len(PIECES))] * int(draw.integers(2)) + text[at + draw.integers(2) :]
+            )
+        raw = text.encode(["utf-8", "utf-16", "cp1252"][draw.integers(3)], "replace")
+        for columns in ({}, MAPPED.columns, {"frequency": 1, "amplitude": 2}):
+            try:
+                curve(tmp_path, raw[: draw.integers(len(raw) // 2, len(raw) + 1)], columns=columns)
+                outcomes.add("read")
+            except CaseError:
+                outcomes.add("told")
+    assert outcomes == {"read", "told"}

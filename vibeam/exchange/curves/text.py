@@ -19,7 +19,7 @@ LONGEST_HEAD = 500  # lines before the table begins
 
 _ENDS = re.compile("\r\r\n|\r\n|\n|\r")
 
-_FREQUENCY_UNIT = re.compile(r"[\[(]?\s*(k?hz|rad/s|rpm|1/min)\s*[\])]?", re.IGNORECASE)
+_FREQUENCY_UNIT = re.compile(r"[\[(]?\s*(k?hz|rad/s|rpm|1/min|[mµu]?s)\s*[\])]?", re.IGNORECASE)
 
 Row = tuple[int, list[str]]  # line, cells
 
@@ -119,8 +119,10 @@ def _no_heads(lines: list[tuple[int, str]], wanted: Mapping[str, Wanted], separa
     """The message for a file whose heads are other ones: those of the line that looks most like heads."""
     likely, line = list[str](), None
     for count, text in lines[:LONGEST_HEAD]:
-        heads = max((_cells_of(count, text, each) for each in separators[:-1] or separators), key=len)
-        if len(heads) > len(likely) and not any(re.fullmatch(r"[+-]?[0-9.,eE+-]+", each) for each in heads if each):
+        heads = max((_trimmed(_cells_of(count, text, each)) for each in separators[:-1] or separators), key=len)
+        if sum(map(bool, heads)) > len(likely) and not any(
+            re.fullmatch(r"[+-]?[0-9.,eE+-]+", each) for each in heads if each
+        ):
             likely, line = heads, count
     found = {role: find(likely, each) for role, each in wanted.items()}
     fault = missing(likely, wanted, found)

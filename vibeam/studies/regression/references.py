@@ -105,7 +105,7 @@ def _check(reference: Reference, branches: Branches, partial: bool) -> CheckRow:
     faults = [match.fault for match in matches if match.fault]
     unmatched = [point for point in points if point not in {match.point for match in matches}]
     within = worst is not None and worst.excess <= 1
-    passed = within and not faults and (partial or not unmatched)
+    passed = bool(within and not faults and (partial or not unmatched))
     return CheckRow(
         reference=reference.name,
         fidelity=reference.fidelity,

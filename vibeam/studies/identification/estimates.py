@@ -1,0 +1,183 @@
+"""Estimates by least squares: values with 95 % intervals, and the directions that the data do not fix, in words.
+
+With the Jacobian J of the data (in standard deviations) by the logarithms of the parameters, J = U diag(s) Vᵀ: along
+v_k the parameters are known to a factor exp(± t/s_k). A direction with a factor beyond 2 is not determined. It is taken
+to reach a factor of 1000 at most; a parameter that is then not known to a factor of 2 has no value, and the direction's
+invariant is said: where ln p₁ and ln p₂ may change as 1 to r, p₂/p₁^r is fixed.
+
+Without known uncertainties the scatter is taken from the residuals: equal for all points, or, by HC3 (MacKinnon and
+White, J. Econometrics 29 (1985)), unequal, as where it is in proportion to the value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import inf, log, nan
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+UNKNOWN = log(2.0)  # half-width of an interval in the logarithm from which on a direction is not determined
+
+FURTHEST = log(1000.0)  # how far a direction that is not determined may reach
+
+SAME = 0.005  # difference of an exponent from 1 that is none
+
+TAKES_PART = 0.05  # share of a direction's largest part from which on a parameter takes part in it
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Estimated quantity: ``value`` in ``unit``, 95 % interval ``low`` … ``high``; NaN where not determined."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    unit: str
+
+    @property
+    def determined(self) -> bool:
+        """Whether the data fix the quantity."""
+        return bool(np.isfinite(self.value))
+
+
+@dataclass(frozen=True)
+class Identification:
+    """Result of an identification: ``rows`` of estimates; ``residual``: rms over the largest value of the data.
+
+    ``directions``: what the data do not fix. ``method``: what was fitted to what. ``notes``: what limits the numbers.
+    """
+
+    rows: tuple[Estimate, ...]
+    method: str
+    points: int
+    residual: float
+    directions: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def __getitem__(self, name: str) -> Estimate:
+        for row in self.rows:
+            if row.name == name:
+                return row
+        raise KeyError(f"no estimate {name!r}: there are {', '.join(row.name for row in self.rows)}")
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Half-widths of 95 % intervals of the logarithms, ∞ where not determined, and the open directions in words."""
+
+    half: Array
+    directions: tuple[str, ...]
+
+
+def spread_of(jacobian: Array, residual: Array | None, names: Sequence[str], *, equal: bool = False) -> Spread:
+    """Spread of the parameters ``names``, the first columns of ``jacobian`` (n, p), which is by their logarithms.
+
+    Further columns are of parameters that are not asked for. ``residual`` None: rows are in known standard deviations.
+    Otherwise (n,): the scatter is taken from it, the same at all points where ``equal``.
+    """
+    from scipy.stats import norm, t
+
+    (count, size), named = jacobian.shape, len(names)
+    free = max(count - size, 1)
+    width, scaled = float(norm.ppf(0.975)), jacobian
+    if residual is not None:
+        width = float(t.ppf(0.975, free))
+        scaled = jacobian / max(float(np.sqrt(np.sum(residual**2) / free)), 1e-300)
+    _, singular, rows = np.linalg.svd(_without_others(scaled, named), full_matrices=True)
+    singular = np.concatenate([singular, np.zeros(named - len(singular))])
+    unfixed = singular * UNKNOWN < width
+    variance = np.sum((rows[~unfixed] / singular[~unfixed, None]) ** 2, axis=0)
+    if residual is not None and not equal:
+        variance = np.diag(_hc3(jacobian, residual))[:named]
+    reach = np.minimum(width / np.maximum(singular[unfixed], 1e-300), FURTHEST)
+    half = np.sqrt(width**2 * np.maximum(variance, 0.0) + np.sum((reach[:, None] * rows[unfixed]) ** 2, axis=0))
+    half = np.where(half < UNKNOWN, half, inf)
+    return Spread(half, tuple(in_words(row, names) for row in _simple(rows[unfixed])))
+
+
+def _simple(directions: Array) -> Array:
+    """Directions of the same span that each have few parts: reduced row echelon form."""
+    left, row = directions.copy(), 0
+    for column in range(left.shape[1]):
+        if row == len(left):
+            break
+        pivot = row + int(np.argmax(np.abs(left[row:, column])))
+        if abs(left[pivot, column]) < TAKES_PART:
+            continue
+        left[[row, pivot]] = left[[pivot, row]]
+        left[row] /= left[row, column]
+        others = np.arange(len(left)) != row
+        left[others] -= np.outer(left[others, column], left[row])
+        row += 1
+    return left
+
+
+def _without_others(jacobian: Array, named: int) -> Array:
+    """Columns of the named parameters, less what the others can take over."""
+    others = jacobian[:, named:]
+    if not others.shape[1]:
+        return jacobian
+    basis = np.linalg.qr(others)[0]
+    wanted = jacobian[:, :named]
+    return np.asarray(wanted - basis @ (basis.T @ wanted))
+
+
+def _hc3(jacobian: Array, residual: Array) -> Array:
+    """Covariance of parameters from the scatter of the residuals, which may differ from point to point."""
+    inverse = np.linalg.pinv(jacobian.T @ jacobian)
+    leverage = np.einsum("ni,ij,nj->n", jacobian, inverse, jacobian)
+    score = jacobian * (residual / np.maximum(1 - leverage, 0.05))[:, None]
+    return np.asarray(inverse @ (score.T @ score) @ inverse)
+
+
+def in_words(direction: Array, names: Sequence[str]) -> str:
+    """What a direction that is not fixed means: parameters that may change together, and what of them is fixed."""
+    part = np.flatnonzero(np.abs(direction) > TAKES_PART * np.max(np.abs(direction))).tolist()
+    if len(part) == 1:
+        return f"the data say nothing of {names[part[0]]}"
+    change = direction[part] / direction[part[0]]
+    if len(part) == 2:
+        one, other, ratio = names[part[0]], names[part[1]], float(change[1])
+        return f"{one} and {other} enter as {_product(one, other, ratio)} only: the data cannot separate them"
+    parts = ", ".join(f"{names[at]} {each:+.3g} %" for at, each in zip(part, change, strict=True))
+    return f"the data cannot separate {', '.join(names[at] for at in part)}: {parts} together leave them as they are"
+
+
+def _product(one: str, other: str, ratio: float) -> str:
+    """What two parameters enter as, whose logarithms may change as 1 to ``ratio``."""
+    if abs(abs(ratio) - 1) < SAME:
+        return f"{other} / {one}" if ratio > 0 else f"{other} · {one}"
+    if abs(ratio) < 1:
+        one, other, ratio = other, one, 1 / ratio
+    power = f"^{abs(ratio):.3g}"
+    return f"{other} / {one}{power}" if ratio > 0 else f"{other} · {one}{power}"
+
+
+def estimates(names: Sequence[str], values: Sequence[float], half: Array, units: Sequence[str]) -> tuple[Estimate, ...]:
+    """Rows of positive parameters: value, and the interval in proportion; NaN where not determined."""
+    rows = zip(names, values, half, units, strict=True)
+    return tuple(
+        Estimate(name, value, float(value * np.exp(-width)), float(value * np.exp(width)), unit)
+        if np.isfinite(width)
+        else Estimate(name, nan, nan, nan, unit)
+        for name, value, width, unit in rows
+    )
+
+
+def by_logarithms(model: Callable[[Array], Array], values: Array) -> Array:
+    """Jacobian (n, p) of a model by the logarithms of positive parameters, by central differences."""
+    columns = []
+    for index in range(len(values)):
+        up, down = values.copy(), values.copy()
+        up[index] *= np.exp(STEP)
+        down[index] *= np.exp(-STEP)
+        columns.append((model(up) - model(down)) / (2 * STEP))
+    return np.stack(columns, axis=1)
+
+
+STEP = 1e-5

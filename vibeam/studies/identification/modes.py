@@ -1,0 +1,151 @@
+"""Keys of a case from measured modal frequencies: least squares, intervals, and what the frequencies cannot separate.
+
+Measured are the [measured.NAME] with quantity = "mode_frequency"; their scatter is taken as the standard deviation σ.
+Minimised is Σ ((f_model − f_measured)/σ)² over the logarithms of the keys, so that a section, a mass, an inertia, a
+rigid zone or a spring stays above 0, from the case's values. Derivatives are central differences of the model, of which
+every evaluation is a case of its own: what a fidelity sets itself stays. Where the frequencies do not fix a direction
+(``estimates``), keys that take part in it have no value.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.case.faults import suggest
+from vibeam.casefile.read import parse
+from vibeam.casefile.toml import key_parts
+from vibeam.run.result import Result
+from vibeam.studies.identification.estimates import Array, Identification, estimates, spread_of
+from vibeam.studies.regression.readings import read
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.case.plans import Measured
+
+QUANTITY = "mode_frequency"
+
+STEP = 1e-4  # of a logarithm, for differences
+
+FURTHEST = np.log(20.0)  # factor from the start
+
+UNLIKELY = 1e-3  # probability of the misfit below which the intervals do not hold
+
+
+def identify_keys(case: Case, keys: Sequence[str], measured: Sequence[str] = ()) -> Identification:
+    """Values of ``keys`` of a case (``"beam.thickness"``), in SI, from its measured modal frequencies.
+
+    ``measured``: names of those used; empty: all. ValueError for a key without a value above 0 in the case, a measured
+    frequency without scatter, or none at all.
+    """
+    from scipy.optimize import least_squares
+
+    start = np.array([_value(case, key) for key in _distinct(keys)])
+    used = _used(case, measured)
+    value, scatter = np.array([each.value for each in used]), np.array([each.scatter for each in used], dtype=float)
+
+    def deviations(logarithms: Array) -> Array:
+        settings = dict(zip(keys, (start * np.exp(logarithms)).tolist(), strict=True))
+        try:
+            return np.asarray((_frequencies(case, settings, used) - value) / scatter)
+        except ValueError:  # no such case: the search turns back there
+            return np.full(len(used), np.inf)
+
+    _frequencies(case, {}, used)  # a fault of the case itself is told
+    found = least_squares(
+        deviations, np.zeros(len(keys)), jac=lambda at: _jacobian(deviations, at), bounds=(-FURTHEST, FURTHEST),
+        xtol=1e-10, ftol=1e-12, gtol=1e-10,
+    )  # fmt: skip
+    spread = spread_of(_jacobian(deviations, found.x), None, keys)
+    rows = estimates(keys, (start * np.exp(found.x)).tolist(), spread.half, [_unit(key) for key in keys])
+    left = float(np.sqrt(np.mean((found.fun * scatter / value) ** 2)))
+    method = f"{len(used)} measured modal frequencies, least squares"
+    return Identification(rows, method, len(used), left, spread.directions, tuple(_notes(used, found.fun, spread.half)))
+
+
+def _jacobian(function: Any, at: Array) -> Array:
+    steps = STEP * np.eye(len(at))
+    return np.stack([(function(at + step) - function(at - step)) / (2 * STEP) for step in steps], axis=1)
+
+
+def _frequencies(case: Case, settings: dict[str, float], used: Sequence[Measured]) -> Array:
+    """Modal frequencies (Hz) of the case with other values of keys.
+
+    ValueError where these make no case, or there is no such mode.
+    """
+    changed = parse(case.text, case.path, settings)
+    result, found = Result(changed, {}), []
+    for each in used:
+        reading = read(each, result, "up")
+        if reading.fault:
+            raise ValueError(f"measured.{each.name}: {reading.fault}")
+        found.append(reading.number)
+    return np.array(found)
+
+
+def _used(case: Case, names: Sequence[str]) -> list[Measured]:
+    known = {name: each for name, each in case.measured.items() if each.quantity == QUANTITY}
+    for name in names:
+        if name not in known:
+            raise ValueError(f"no [measured.{name}] with quantity = {QUANTITY!r}; {suggest(name, known)}")
+    used = [known[name] for name in dict.fromkeys(names)] or list(known.values())
+    if not used:
+        raise ValueError(
+            f"no [measured.NAME] with quantity = {QUANTITY!r}: say what was measured, and show = a modal figure"
+        )
+    without = [each.name for each in used if not each.scatter]
+    if without:
+        raise ValueError(f"measured.{without[0]}.scatter is missing: the weight of a frequency is its scatter")
+    return used
+
+
+def _distinct(keys: Sequence[str]) -> Sequence[str]:
+    if not keys:
+        raise ValueError("no key to identify: name one, such as beam.thickness")
+    if len({*keys}) < len(keys):
+        raise ValueError("a key to identify is named twice")
+    return keys
+
+
+def _value(case: Case, key: str) -> float:
+    """Value of a key that the case gives; ValueError where it gives none above 0."""
+    place: Any = tomllib.loads(case.text)
+    try:
+        for part in key_parts(key):
+            place = place[int(part)] if isinstance(place, list) else place[part]
+    except (KeyError, IndexError, TypeError, ValueError):
+        raise ValueError(f"{key} is not in the case: give it a value to start from") from None
+    if isinstance(place, bool) or not isinstance(place, int | float) or not place > 0:
+        raise ValueError(f"{key} = {place!r} is no number above 0 to start from")
+    return float(place)
+
+
+def _unit(key: str) -> str:
+    """SI unit of a key, empty of a plain number."""
+    from vibeam.casefile.documentation import rows_of
+
+    try:
+        holds = rows_of(key)[0].unit
+    except ValueError:
+        return ""
+    unit = re.split(" >| in | ≥| \\|", holds)[0].strip()
+    return "" if unit.startswith("number") else unit
+
+
+def _notes(used: Sequence[Measured], deviations: Array, half: Array) -> list[str]:
+    from scipy.stats import chi2
+
+    shown = ", ".join(f"{each.name} {off:+.2g} σ" for each, off in zip(used, deviations.tolist(), strict=True))
+    notes = [f"model − measured: {shown}"]
+    free = len(used) - int(np.sum(np.isfinite(half)))
+    misfit = float(np.sum(deviations**2))
+    if free > 0 and chi2.sf(misfit, free) < UNLIKELY:
+        told = f"the model misses the frequencies by more than their scatter (χ² = {misfit:.3g} for {free} to spare)"
+        notes.append(f"{told}: the intervals do not hold")
+    if any(each.calibrated for each in used):
+        notes.append("frequencies marked calibrated are used as any others")
+    return notes
