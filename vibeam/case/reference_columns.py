@@ -42,7 +42,7 @@ def _told(wrong: CurveError, quantity: str, form: ReferenceForm, quote: bool) ->
     if isinstance(wrong, HeadError) and not form.columns:
         heads = ", ".join(map(as_shown_in_message, wrong.heads[:SHOWN])) if quote else ""
         there = f": there are {heads}" if heads else ""
-        cure = f'columns = {{ frequency = "…", {quantity} = "…" }}'
+        cure = f'columns = {{ frequency = "…", {quantity} = "…" }} (numbers from 1 where it has none)'
         return f"{NO_COLUMNS.format(heading_of(quantity))}, or name its own in the case, {cure}{there}"
     return wrong.message.replace("value = ", f"{quantity} = ") if quote else ANONYMOUS
 

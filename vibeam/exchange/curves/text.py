@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from vibeam.exchange.curves.columns import Column, Columns, CurveError, HeadError, Wanted, find, missing, split_head
-from vibeam.exchange.curves.numbers import decimal_sign, number
+from vibeam.exchange.curves.numbers import decimal_sign, number, short
 
 SEPARATORS = (";", "\t", ",", "|", " ")
 
@@ -37,8 +37,11 @@ def read(path: Path, wanted: Mapping[str, Wanted], form: TextForm | None = None)
     form = form or TextForm()
     lines = list(_lines(path))
     place, heads, separator = _head(lines, wanted, form)
-    rows = list(_rows(lines[place:], heads, separator, form))
     places = {role: found for role, each in wanted.items() if (found := find(heads, each)) is not None}
+    below = [(line, text) for line, text in lines[place:] if text.lstrip()[0] not in "#%"]
+    if below and not form.separator:
+        separator = _of_rows(*below[0], len(heads), separator)
+    rows = list(_rows(below, heads, separator, 1 + max(places[role] for role in places if wanted[role].needed)))
     units, rows = _units_line(rows, places, wanted)
     kept = [row for row in rows if any(row[1][places[role]].strip() for role in places if wanted[role].needed)]
     if not kept:
@@ -163,20 +166,21 @@ def _numeric(text: str) -> bool:
     return bool(re.fullmatch(r"\s*[+-]?[0-9.,'  ]*[0-9][0-9.,]*([eEdD][+-]?[0-9]+)?\s*", text))
 
 
-def _rows(lines: list[tuple[int, str]], heads: list[str], separator: str, form: TextForm) -> Iterator[Row]:
-    """Rows of cells, as many as heads; CurveError where a row has more."""
-    chosen = separator
-    for index, (line, text) in enumerate(lines):
-        if text.lstrip()[0] in "#%":
-            continue
-        if index == 0 and not form.separator:
-            chosen = _of_rows(line, text, len(heads), separator)
-        cells = _trimmed(_cells_of(line, text, chosen))
+def _rows(lines: list[tuple[int, str]], heads: list[str], separator: str, needed: int) -> Iterator[Row]:
+    """Rows of cells, as many as heads; CurveError where a row has more, or is cut off before the ``needed`` ones."""
+    for line, text in lines:
+        raw = _cells_of(line, text, separator)
+        cells = _trimmed(raw)
         if not cells:
             continue
         if len(cells) > len(heads):
-            why = ": decimal commas between commas? Export with semicolons" if chosen == "," else ""
+            why = ": decimal commas between commas? Export with semicolons" if separator == "," else ""
             raise CurveError(f"{len(cells)} cells for {len(heads)} columns{why}", line)
+        if len(raw) < needed:
+            counted = f"{len(raw)} cell{'s' * (len(raw) != 1)} for {len(heads)} columns"
+            raise CurveError(
+                f"{counted}, {short(text.strip())}: complete the line, delete it, or begin it with #", line
+            )
         yield line, cells + [""] * (len(heads) - len(cells))
 
 
