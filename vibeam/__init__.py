@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from vibeam.orbits.train_orbits import settled_orbit as settled_orbit
     from vibeam.orbits.train_orbits import train_orbit as train_orbit
     from vibeam.report.plot import plot as plot
+    from vibeam.run.estimate.error import estimate_error as estimate_error
     from vibeam.run.result import Result as Result
     from vibeam.run.run import run as run
     from vibeam.run.store.errors import StoreError as StoreError
@@ -64,6 +65,7 @@ if TYPE_CHECKING:
     from vibeam.studies.identification.response import identify_response as identify_response
     from vibeam.studies.identification.response import identify_spectrum as identify_spectrum
     from vibeam.studies.influence.study import influence as influence
+    from vibeam.studies.limit.study import limit as limit
     from vibeam.studies.modes import modes as modes
     from vibeam.studies.reduce.study import reduce as reduce
     from vibeam.studies.regression.check import check as check
@@ -138,6 +140,8 @@ _HOMES = {
     "identify_spectrum": "vibeam.studies.identification.response",
     "identify_response": "vibeam.studies.identification.response",
     "identify_keys": "vibeam.studies.identification.modes",
+    "limit": "vibeam.studies.limit.study",
+    "estimate_error": "vibeam.run.estimate.error",
     "ReferenceCurve": "vibeam.case.reference_record",
     "ReferenceForm": "vibeam.case.reference_form",
     "read_curve": "vibeam.case.reference_curves",

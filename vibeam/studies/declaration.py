@@ -44,6 +44,7 @@ STUDIES: Registry[StudyDeclaration] = Registry(
         "map", "vibeam.maps.run:run_map", "motions over any keys of a case", "vibeam.cli.commands.map:map"
     ),
     _own("cost", "cost.study", "accuracy and CPU time of every fidelity by every solver"),
+    _own("limit", "limit.study", "what converges with more and more modes, at which rate, and what has no limit"),
     _own("influence", "influence.study", "change by each effect, and its cost"),
     _own("derive", "derive", "SDOF parameters from geometry, beside their finite-element values"),
     _own("modes", "modes", "modes of the finite-element beam"),

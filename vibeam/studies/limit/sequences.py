@@ -1,0 +1,131 @@
+"""A rig in growing numbers of modes, with something held: what each model gives.
+
+With a coefficient of restitution, R of the contact or R₁ of mode 1: the other one, and the exact motion with one impact
+a drive period. With a stop that yields: one collision of mode 1 with it. Elements grow with the modes, three for each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import nan
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.fidelity import Fidelity, system
+from vibeam.figures.kinds.impact import struck
+from vibeam.orbits.bifurcation_functions import motions
+from vibeam.orbits.predicted_response import Found, PredictedResponse, predicted
+from vibeam.orbits.train_sums import Trains
+from vibeam.run.comparison.limit import LEAST_SHARE, RESOLVED
+from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.any_scene import RigScene
+from vibeam_models.laws import ContactLaw
+from vibeam_models.laws.restitution import first_mode_restitution
+from vibeam_models.scene import Scene
+
+Array = NDArray[np.float64]
+
+BARE = (
+    "the contact has little or no mass of its own: its mobility grows with each mode more, mode 1 gets less of the "
+    "impulse and in the end none"
+)
+
+MOVING_LAW = (
+    "the stop's damping is the one that gives a free mass 1/S its restitution, S the mobility of the modes kept, which "
+    "grows with each mode more: it is another stop each time. Give the damping itself"
+)
+
+
+@dataclass(frozen=True)
+class ModeSequence:
+    """Values of one quantity over the numbers of modes; ``why``: it is known beforehand to have no limit."""
+
+    quantity: str
+    unit: str
+    values: tuple[float, ...]
+    why: str = ""
+
+
+def models(scene: RigScene, counts: Sequence[int]) -> list[ImpactSystem]:
+    """Systems of ``scene`` in so many modes, on elements that resolve them; ValueError where one cannot be built."""
+    return [system(_resolving(scene, count), Fidelity(f"{count} modes", "modal", count)) for count in counts]
+
+
+def _resolving(scene: RigScene, count: int) -> Any:
+    if not isinstance(scene, Scene):
+        return scene
+    elements = max(scene.beam.elements, RESOLVED * count)
+    return replace(scene, beam=replace(scene.beam, elements=elements + elements % 2))
+
+
+def with_restitution(scene: RigScene, held: Literal["contact", "first mode"]) -> Any:
+    """The scene with its coefficient of restitution held of ``"contact"`` or ``"first mode"``."""
+    given: Any = scene
+    return replace(given, stop=replace(scene.stop, restitution_of=held))
+
+
+def with_law(scene: RigScene, law: ContactLaw) -> Any:
+    """The scene with a stop that yields in place of its own."""
+    given: Any = scene
+    return replace(given, stop=replace(scene.stop, restitution=None, restitution_of="contact", law=law))
+
+
+def of_restitution(
+    found: Sequence[ImpactSystem], held: str, omega: float, base: float, output: str
+) -> Iterator[ModeSequence]:
+    """The other coefficient, and amplitude and impact velocity of the exact motion at one drive."""
+    mobility = np.array([float(each.contact @ each.contact) for each in found])
+    bare = "" if mobility[-1] * LEAST_SHARE < mobility[len(mobility) // 2] else BARE
+    if held == "contact":
+        seen = (
+            first_mode_restitution(s.restitution, float(s.contact[0]), m) for s, m in zip(found, mobility, strict=True)
+        )
+        yield ModeSequence("R₁ of mode 1", "1", tuple(seen), bare)
+    else:
+        yield ModeSequence("R of the contact", "1", tuple(each.restitution for each in found), bare)
+    there = [exact_motion(each, omega, base, output) for each in found]
+    yield ModeSequence("amplitude", "m", _of(there, lambda each: each.amplitude), bare)
+    yield ModeSequence("impact velocity", "m/s", _of(there, lambda each: each.impact_velocity), bare)
+
+
+def _of(there: Sequence[PredictedResponse | None], read: Callable[[PredictedResponse], Array]) -> tuple[float, ...]:
+    return tuple(nan if each is None else float(read(each)[0]) for each in there)
+
+
+def exact_motion(model: ImpactSystem, omega: float, base: float, output: str) -> PredictedResponse | None:
+    """Stable exact motion with one impact a drive period, clear of the stop in between; None where there is none."""
+    drive, amplitude = np.array([omega]), np.array([base])
+    roots = motions(model, 1, drive, amplitude, np.array([model.gap])).roots
+    for branch in (0, 1):
+        phase, impulse = roots.phase[:, branch, None], roots.impulse[:, branch, None]
+        if impulse[0, 0] < 0 and np.isfinite(phase[0, 0]):
+            there = predicted(model, Trains(phase, impulse, drive, amplitude, 1), output)
+            if there.found[0] == Found.ORBIT.code:
+                return there
+    return None
+
+
+def moving_law(found: Sequence[ImpactSystem]) -> str:
+    """Reason why a stop is another one in each model; empty where it is the same."""
+    if all(each.law == found[0].law for each in found):
+        return ""
+    share = float(found[len(found) // 2].contact @ found[len(found) // 2].contact) / float(
+        found[-1].contact @ found[-1].contact
+    )
+    return "" if share > LEAST_SHARE else MOVING_LAW
+
+
+def of_collision(found: Sequence[ImpactSystem], speed: float) -> Iterator[ModeSequence]:
+    """What mode 1 keeps of its velocity in one collision at ``speed`` m/s, and how long the contact lasts."""
+    seen, why = [struck(each, speed) for each in found], moving_law(found)
+    yield ModeSequence("R₁ of mode 1", "1", tuple(each.mode_restitution for each in seen), why)
+    yield ModeSequence("R of the contact", "1", tuple(each.restitution for each in seen), why)
+    yield ModeSequence("contact time", "s", tuple(each.duration for each in seen), why)
+
+
+def modes_by_contact_time(model: ImpactSystem, duration: float) -> int:
+    """Number of modes with less than one period in the contact time ``duration``, s: those that it can excite."""
+    return int(np.count_nonzero(np.sort(model.omega) / (2 * np.pi) * duration < 1))
