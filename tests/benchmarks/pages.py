@@ -6,7 +6,7 @@
 A table stands between ``<!-- begin: NAME -->`` and ``<!-- end: NAME -->``; everything outside these markers is kept.
 ``against_peers.py`` writes results/peers.json, ``modes.py`` writes results/modes.json, ``printed_stability.py``
 writes results/printed_stability.json, ``paper_methods.py --write`` writes results/paper_methods.json, ``limits.py``
-writes results/limits.json.
+writes results/limits.json, ``recommended.py`` writes results/recommended.json.
 """
 
 from __future__ import annotations
@@ -226,6 +226,22 @@ def sparse_table(found: dict[str, Any]) -> str:
     return f"{markdown(columns, rows)}\n\n{load}"
 
 
+def recommended_table(rows: list[Row]) -> str:
+    """Recommended n by case and basis, and the worst and rms error of the amplitude flown with it."""
+    bases = list(dict.fromkeys(row["basis"] for row in rows))
+    cases = dict.fromkeys((row["case"], row["held"]) for row in rows)
+    cells = {(row["case"], row["held"], row["basis"]): _flown_cell(row) for row in rows}
+    names = {"contact": ", R", "first mode": ", R₁", None: ""}
+    return markdown(
+        ["case", *bases],
+        ([f"{case}{names[held]}", *(cells.get((case, held, basis), "–") for basis in bases)] for case, held in cases),
+    )
+
+
+def _flown_cell(row: Row) -> str:
+    return f"{row['modes']}: {100 * row['worst']:.2g} % ({100 * row['rms']:.2g} %)"
+
+
 def front_table(found: dict[str, Any]) -> str:
     """Peaks of the neutral case under both choices of the restitution held."""
     choices = {"first mode": ("R₁ held: R at the contact", "restitution"), "contact": ("R held: R₁", "first_mode")}
@@ -260,6 +276,7 @@ def generated(results: Path = RESULTS) -> dict[str, str]:
     peers, modes = (_read(results, name) for name in ("peers", "modes"))
     tables = {name: table(peers, modes) for name, table in TABLES.items()}
     single = {"limits": limits_table, "libraries": libraries_table, "startup": startup_table, "sparse": sparse_table}
+    single["recommended"] = recommended_table
     return tables | {name: table(_read(results, name)) for name, table in single.items()}
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import isfinite
+from math import ceil, floor, isfinite, log10
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
-from vibeam.figures.units import Units, percent, units_of
+from vibeam.figures.units import percent, units_of
 from vibeam.report.output import write_csv
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, coefficient
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 DECIDED = {
     "frequency": "frequency",
     "static_stiffness": "static stiffness",
+    "restitution": "restitution",
     "contact": "drive → contact",
     "sensor": "drive → sensor",
     "impact": "impact",
@@ -36,12 +37,16 @@ PANELS = {
     "static_stiffness": "static stiffness at the contact",
 }
 
+LARGEST = 10.0  # loss up to which the figure goes
+
+ROOM = 1.4  # beyond the first and the last decade
+
 ROUND_OFF = 1e-9  # below which a loss is not drawn: static stiffness is known to about 10⁻¹⁰
 
 
 def reduction_tables(study: ReductionStudy) -> list[ReportTable]:
     """Losses by basis and n, and the recommended n with all that it loses."""
-    return [_overview(study), _recommended(study, units_of(study.case))]
+    return [_overview(study), _recommended(study)]
 
 
 def _overview(study: ReductionStudy) -> ReportTable:
@@ -67,39 +72,48 @@ def short(share: float) -> str:
     return f"{100 * share:.2g} %" if share < 0.995 else f"{100 * share:.0f} %"
 
 
-def _recommended(study: ReductionStudy, units: Units) -> ReportTable:
-    names = ("basis", "n|", "loss|", "decided by", "frequency|", "in mode|", "MAC|", "stiffness|", "mobility|")
+def _recommended(study: ReductionStudy) -> ReportTable:
+    names = (
+        "basis",
+        "n|",
+        "loss|",
+        "decided by",
+        "frequency|",
+        "MAC|",
+        "stiffness|",
+        "mobility|",
+        "1 − R₁|",
+    )
     table = blank(f"Recommended for {percent(study.within)}", *names)
-    table.add("R₁|", "R|", "contact|", "at|", "sensor|", "at|", "impact|")
+    table.add("R₁|", "R|", "contact|", "sensor|", "impact|")
     for each in study.recommended:
         if each.why:
             continue
         if each.losses is None:
             table.add_row(each.basis, f"> {max(row.modes for row in study.of(each.basis) if isfinite(row.loss))}")
             continue
-        table.add_row(each.basis, str(each.modes), *_cells(each.losses, units))
+        table.add_row(each.basis, str(each.modes), *_cells(each.losses))
     table.caption = (
-        "frequency: worst in the band; stiffness: static, at the contact; mobility: share lost; R₁, R: restitution of\n"
-        "mode 1 and of the contact; contact, sensor: transfer functions from the drive; impact: displacement in contact"
+        "frequency: worst in the band; stiffness: static, at the contact; mobility: share lost; 1 − R₁: change of\n"
+        "what mode 1 loses at an impact; R₁, R: restitution of mode 1 and of the contact; contact, sensor: transfer\n"
+        "functions from the drive; impact: displacement in contact"
     )
     return table
 
 
-def _cells(row: Losses, units: Units) -> list[str]:
+def _cells(row: Losses) -> list[str]:
     return [
         short(row.loss),
         DECIDED[row.decided_by],
         percent(row.frequency),
-        str(row.frequency_mode),
         f"{row.mac:.5f}",
         percent(max(row.static_stiffness, 0.0)),
         percent(row.mobility),
+        percent(row.restitution),
         coefficient(row.first_mode_restitution),
         coefficient(row.contact_restitution),
         percent(row.contact),
-        units.frequencies(row.contact_mu),
         percent(row.sensor),
-        units.frequencies(row.sensor_mu),
         percent(row.impact),
     ]
 
@@ -161,7 +175,7 @@ def reduction_figure(study: ReductionStudy) -> Figure:
     grid = figure.subplots(2, 3, sharex=True)
     bases = [each.basis for each in study.recommended if not each.why]
     looks = _looks(bases)
-    for axes, (part, name) in zip(grid.flat, PANELS.items(), strict=True):
+    for axes, (part, name) in zip(grid.flat, _panels(study).items(), strict=True):
         _panel(axes, study, part, looks)
         axes.set_title(name)
     for axes in grid[1]:
@@ -173,6 +187,13 @@ def reduction_figure(study: ReductionStudy) -> Figure:
     legend(figure, handles, [str(handle.get_label()) for handle in handles])
     titled(figure, study.case.figure, study.case.title, "what a reduction loses, against its number of coordinates")
     return figure
+
+
+def _panels(study: ReductionStudy) -> dict[str, str]:
+    """Kinds of loss that are drawn; where R is held at the contact, what mode 1 sees of it in place of statics."""
+    if not any(row.restitution > ROUND_OFF for row in study.rows):
+        return PANELS
+    return {part: name for part, name in PANELS.items() if part != "static_stiffness"} | {"restitution": "1 − R₁"}
 
 
 def _looks(bases: Sequence[str]) -> dict[str, dict[str, Any]]:
@@ -192,16 +213,16 @@ def _looks(bases: Sequence[str]) -> dict[str, dict[str, Any]]:
 def _panel(axes: Any, study: ReductionStudy, part: str, looks: dict[str, dict[str, Any]]) -> None:
     from matplotlib.ticker import MaxNLocator
 
-    drawn = False
+    drawn: list[float] = []
     for basis, look in looks.items():
         values = [(row.modes, abs(getattr(row, part))) for row in study.of(basis)]
         shown = [(n, value) for n, value in values if isfinite(value) and value > ROUND_OFF]
-        drawn |= bool(shown)
+        drawn += [value for _, value in shown]
         across, upward = [n for n, _ in shown], [value for _, value in shown]
         axes.plot(across, upward, markersize=3.2, linewidth=1.0, gid=f"{part}-{basis}", **look)
     if drawn:
         axes.set_yscale("log")
-        axes.set_ylim(top=min(axes.get_ylim()[1], 20.0))
+        axes.set_ylim(10 ** floor(log10(min(drawn))) / ROOM, ROOM * min(10 ** ceil(log10(max(drawn))), LARGEST))
     axes.axhline(study.within, color="0.5", linewidth=0.8, linestyle=":", zorder=1)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.set_xlim(0.5, max(row.modes for row in study.rows) + 0.5)

@@ -54,11 +54,13 @@ class Losses:
     - ``mobility``: share of w M⁻¹ wᵀ that is lost; NaN of a contact without mass; ``first_mode_restitution``
       and ``contact_restitution``: the case holds one, the other follows (above 1: no contact can do that); NaN of
       another law;
+    - ``restitution``: change of 1 − R₁, the share of its speed that mode 1 loses at an impact, relative to that of the
+      full model; 0 where the case holds R₁, NaN as before;
     - ``contact``, ``sensor``: largest errors of the transfer functions from the drive, at ``…_mu`` Hz, and their
       ``…_estimate``, a bound from the reduced solution;
     - ``impact``: of the contact's displacement in a half-sine pulse as long as the contact; where no contact time is
       known, ``mobility``, to which it goes as that time goes to 0;
-    - ``loss``: the largest of frequency, static stiffness, contact, sensor, impact; ``decided_by``: which.
+    - ``loss``: the largest of frequency, static stiffness, restitution, contact, sensor, impact; ``decided_by``: which.
 
     ``why``: why there is no such reduction, all else is then NaN.
     """
@@ -75,6 +77,7 @@ class Losses:
     mobility: float = nan
     first_mode_restitution: float = nan
     contact_restitution: float = nan
+    restitution: float = nan
     contact: float = nan
     contact_mu: float = nan
     contact_estimate: float = nan
@@ -103,9 +106,11 @@ class Question:
         band = np.append(off, np.ones(max(self.in_band - len(off), 0)))[: max(self.in_band, 1)]
         curves = {place: self.transfer.errors_of(made, small, place) for place in ("contact", "sensor")}
         mobility = 1 - made.mobility_kept if np.isfinite(made.mobility_kept) else nan
+        seen = self._restitutions(small)
         parts: dict[str, float] = {
             "frequency": float(band.max()),
             "static_stiffness": 1 / made.flexibility_kept - 1,
+            "restitution": self._change(seen),
             "contact": curves["contact"].max_error,
             "sensor": curves["sensor"].max_error,
             "impact": mobility if self.pulse is None else self._in_contact(self.pulse, small),
@@ -125,7 +130,7 @@ class Question:
             contact_estimate=curves["contact"].max_estimate,
             sensor_mu=curves["sensor"].max_error_mu,
             sensor_estimate=curves["sensor"].max_estimate,
-            **{**parts, **self._restitutions(small)},  # type: ignore[arg-type]
+            **{**parts, **seen},  # type: ignore[arg-type]
         ), curves
 
     def _in_contact(self, pulse: ContactPulse, small: ModalForm) -> float:
@@ -133,6 +138,14 @@ class Question:
         exact = pulse.deflection(full.omega, full.row(full.structure.contact))
         own = small.row(small.structure.contact)
         return pulse.error(exact, pulse.deflection(small.omega, own, small.structure.contact_flexibility))
+
+    def _change(self, seen: dict[str, float]) -> float:
+        """Change of 1 − R₁ against the full model, where R is held."""
+        full = self._restitutions(self.transfer.full)
+        if not seen or not full:
+            return nan
+        exact, found = full["first_mode_restitution"], seen["first_mode_restitution"]
+        return abs(found - exact) / max(1 - exact, np.finfo(float).eps)
 
     def _restitutions(self, small: ModalForm) -> dict[str, float]:
         if np.isnan(self.restitution) or small.structure.contact_flexibility:
