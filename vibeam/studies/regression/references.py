@@ -151,13 +151,13 @@ def _absence(unmatched: list[Point], branches: Branches) -> str:
 
 
 def _place(match: Match, unit: str) -> str:
-    """A missed point: where, what it is, what it should be."""
-    unit = "" if unit == "1" else unit
+    """A missed point: where, what it is, what it should be, lengths in mm."""
+    factor, unit = (1e3, f"m{unit}") if unit in ("m", "m/s") else (1.0, "" if unit == "1" else unit)
     wanted, given = match.point.value or 0.0, match.point.uncertainty
-    scatter = "" if given is None else f" ± {given:.2g}"
+    scatter = "" if given is None else f" ± {factor * given:.2g}"
     off = match.value - wanted
     relative = f" ({100 * off / abs(wanted):+.3g} %)" if wanted else ""
-    said = f"{match.value:.5g} {unit}".strip(), f"{wanted:.5g}{scatter} {unit}".strip()
+    said = f"{factor * match.value:.4g}", f"{factor * wanted:.4g}{scatter} {unit}".strip()
     return f"{match.point.frequency:.6g} Hz {match.direction} {said[0]}, not {said[1]}{relative}"
 
 
