@@ -25,10 +25,11 @@ import numpy as np
 import vibeam
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.flight.solver import FlightSolver
+from vibeam.orbits.orbit import orbits
 from vibeam.run.estimate.basis import Basis
 from vibeam.run.estimate.error import estimate_error
 from vibeam.run.estimate.records import ErrorEstimate
-from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import FrequencyResponse, join
 from vibeam.system.state import StatesAfter
 
@@ -70,6 +71,12 @@ def compared(beam: RandomBeam) -> Row | None:
     return row | {"same": bool(same), "true": true, "full_period": int(full.period[0])}
 
 
+def coexists(beam: RandomBeam) -> bool:
+    """Test whether the full model has a stable motion with one impact a period, certified, beside the one it took."""
+    found = orbits(beam.full, Drive(beam.omega, beam.amplitude))
+    return any(each.admissible and each.stable for each in found)
+
+
 def random_beams(count: int) -> Row:
     """Comparison of so many beams of period 1."""
     rows: list[Row] = []
@@ -84,6 +91,7 @@ def random_beams(count: int) -> Row:
         "unknown": dict(Counter(row["basis"] for row in rows if row["basis"] != "ORBIT")),
         "unknown_and_other_motion": sum(row["basis"] != "ORBIT" and not row["same"] for row in rows),
         "other_motion": [[row["seed"], row["full_period"]] for row in known if not row["same"]],
+        "coexisting": sum(coexists(random_beam(row["seed"])) for row in known if not row["same"]),
         **effectivities([(row["estimate"], row["true"]) for row in known if row["same"]]),
         "worst": sorted(
             ([row["seed"], row["estimate"], row["true"]] for row in known if row["same"]),
