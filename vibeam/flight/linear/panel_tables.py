@@ -1,7 +1,7 @@
 """The pairs of a linear system, and propagators and phasors tabulated over dyadic panel lengths.
 
-Panels are 2^top, 2^(top−1), … seconds long: powers of two are never an integer fraction of a drive period, so roots of
-periodic motions do not sit on panel ends, and one table serves every drive.
+Panels are 2^top, 2^(top−1), … seconds long: powers of two are hardly ever an integer fraction of a drive period (at
+8 Hz they are), so roots of periodic motions do not sit on panel ends, and one table serves every drive.
 """
 
 from __future__ import annotations
