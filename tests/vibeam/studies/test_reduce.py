@@ -17,7 +17,7 @@ from tests.models.bench import RIG, STEEL
 from tests.models.test_sparse import net, squared_frequencies
 from vibeam.run.models import first_mode_restitution_of
 from vibeam.studies.reduce.contact_time import contact_time
-from vibeam.studies.reduce.losses import INSTANTS, ContactPulse, assurance
+from vibeam.studies.reduce.losses import INSTANTS, ContactPulse, Question, assurance
 from vibeam.studies.reduce.study import Losses, ReductionStudy, _recommended, _reference
 from vibeam.studies.reduce.transfer import ModalForm, TransferStudy
 from vibeam_models.beam import assemble
@@ -188,6 +188,28 @@ def test_bases_of_fidelities_come_with_their_keys() -> None:
     assert found.of("flown")[3].loss < found.of("flown")[0].loss
     with pytest.raises(KeyError, match="no basis 'pod': there are modal, static_shapes"):
         found.of("pod")
+
+
+def test_a_basis_that_a_case_cannot_have_says_why_beside_the_others() -> None:
+    platform = {"mass": "5 kg", "frequency": "3.25 Hz", "damping_ratio": 0.05, "coupling": "one-way"}
+    platform |= {"calibrated_at": "15.5 Hz"}
+    flown = {"reduction": "pod", "modes": 2, "frequency": "15 Hz"}
+    found = vibeam.reduce(vibeam.load(NEUTRAL, set=SMALL | {"platform": platform, "fidelity.flown": flown}), most=3)
+    said = {each.basis: each.why for each in found.recommended}
+    assert said["flown"].startswith("pod: its flight is over a base that moves as prescribed")
+    assert said["modal"] == ""
+    assert any(note.startswith("flown: pod: its flight") for note in found.notes)
+
+
+def test_a_free_body_has_no_static_stiffness_to_lose() -> None:
+    K = np.array([[1.0, -1, 0], [-1, 2, -1], [0, -1, 1]]) * 1e3
+    free = Structure(np.eye(3), 1e-3 * K, K, -np.ones(3), np.zeros(3), [0, 0, 1.0], {"sensor": [1.0, 0, 0]})
+    asked = Question(TransferStudy(ModalForm.of(free), np.linspace(1, 9, 40)), 3, None, 0.5, False, 0.05)
+    found, _ = asked.losses("modal", 2, modal(free, 2))
+    assert np.isnan(found.static_stiffness)
+    c = free.contact @ free.modes().shapes
+    assert found.mobility == pytest.approx(c[2] ** 2 / (c @ c), rel=1e-9)
+    assert (found.loss, found.decided_by) == (1.0, "frequency")
 
 
 def test_a_sparse_structure_is_answered_by_its_lowest_modes() -> None:

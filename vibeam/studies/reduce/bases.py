@@ -54,15 +54,18 @@ def _plain(case: Case) -> Iterator[Basis]:
 
 
 def _of_fidelities(case: Case) -> Iterator[Basis]:
-    for name, fidelity in case.fidelities.items():
+    for fidelity in case.fidelities.values():
         declared = REDUCTIONS[fidelity.reduction]
         if declared.counts and fidelity.parameters:
-            yield Basis(name, declared, _parameters(case, fidelity), _refusal(case, declared))
+            yield _of_fidelity(case, fidelity, declared)
 
 
-def _parameters(case: Case, fidelity: Fidelity) -> Mapping[str, Any]:
+def _of_fidelity(case: Case, fidelity: Fidelity, declared: ReductionDeclaration) -> Basis:
     scene: Any = case.scene_of(fidelity.name)
-    return parameters_of(scene, fidelity)
+    try:
+        return Basis(fidelity.name, declared, parameters_of(scene, fidelity), _refusal(case, declared))
+    except ValueError as refusal:  # no flight to make it of
+        return Basis(fidelity.name, declared, why=str(refusal))
 
 
 def _refusal(case: Case, declared: ReductionDeclaration) -> str:

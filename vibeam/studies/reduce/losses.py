@@ -50,7 +50,7 @@ class Losses:
     - ``frequency``: largest relative error of a natural frequency in the band (1 where the mode is missing), which is
       mode ``frequency_mode``; ``modes_kept``: the modes from the first one on that are within the accuracy;
     - ``mac``: least modal assurance criterion of full against reduced modes in the band, 1: the same shapes;
-    - ``static_stiffness``: excess of the contact's static stiffness;
+    - ``static_stiffness``: excess of the contact's static stiffness, NaN of a free body;
     - ``mobility``: share of w M⁻¹ wᵀ that is lost; NaN of a contact without mass; ``first_mode_restitution``
       and ``contact_restitution``: the case holds one, the other follows (above 1: no contact can do that); NaN of
       another law;
@@ -109,7 +109,7 @@ class Question:
         seen = self._restitutions(small)
         parts: dict[str, float] = {
             "frequency": float(band.max()),
-            "static_stiffness": 1 / made.flexibility_kept - 1,
+            "static_stiffness": _stiffening(made),
             "restitution": self._change(seen),
             "contact": curves["contact"].max_error,
             "sensor": curves["sensor"].max_error,
@@ -157,6 +157,14 @@ class Question:
             return {"first_mode_restitution": held, "contact_restitution": of_contact}
         seen = first_mode_restitution(self.restitution, first, mobility)
         return {"first_mode_restitution": seen, "contact_restitution": self.restitution}
+
+
+def _stiffening(made: Reduction) -> float:
+    """Excess of the contact's static stiffness; NaN of a free body, which has none."""
+    try:
+        return 1 / made.flexibility_kept - 1
+    except ValueError:
+        return nan
 
 
 def frequency_errors(full: ModalForm, small: ModalForm) -> Array:
