@@ -36,6 +36,7 @@ PAGES = (
     "cases/README.md",
     "cases/paper/README.md",
     "cases/experiment/README.md",
+    "cases/lodz/README.md",
     "cases/stuttgart/README.md",
     "cases/rigs/README.md",
     "cases/matrices/README.md",

@@ -64,20 +64,38 @@ def orbit_map(
             raise ValueError(f"{name}: must be two or more finite numbers that ascend")
     plane = Plane(system, int(periods), over[0], grid, values, held)
     points, shape = plane.grid(), tuple(len(row) for row in (values, grid))
-    share = {branch: clearances(system, points, branch, ceiling=ENOUGH) for branch in (0, 1)}
+    share = _shares(plane, points)
     admissible = np.stack([share[branch] > 0 for branch in (0, 1)], axis=1)
     velocity = np.where(points.roots.impulse < 0, points.roots.velocity, np.nan)
     stable = stability(system, points.total, points.roots, admissible)
-    curves = [
-        curve
-        for kind, branch in CURVES
-        for curve in boundary_curves(plane, kind, branch, _values(system, kind, branch, points, share).reshape(shape))
-    ]
+    curves = _curves(plane, points, share)
     shape = (*shape, 2)
     return OrbitMap(
         int(periods), over[0], grid, values,
-        velocity.reshape(shape), admissible.reshape(shape), stable.reshape(shape), tuple(curves),
+        velocity.reshape(shape), admissible.reshape(shape), stable.reshape(shape), curves,
     )  # fmt: skip
+
+
+def plane_boundaries(plane: Plane) -> tuple[BoundaryCurve, ...]:
+    """The boundaries of ``orbit_map`` over any plane, one whose drive depends on the frequency too."""
+    points = plane.grid()
+    return _curves(plane, points, _shares(plane, points))
+
+
+def _shares(plane: Plane, points: MotionsAt) -> dict[int, Array]:
+    """Clearance of either branch, as a share of the motion's size."""
+    return {branch: clearances(plane.system, points, branch, ceiling=ENOUGH) for branch in (0, 1)}
+
+
+def _curves(plane: Plane, points: MotionsAt, share: dict[int, Array]) -> tuple[BoundaryCurve, ...]:
+    shape = len(plane.values), len(plane.omega)
+    return tuple(
+        curve
+        for kind, branch in CURVES
+        for curve in boundary_curves(
+            plane, kind, branch, _values(plane.system, kind, branch, points, share).reshape(shape)
+        )
+    )
 
 
 def _values(system: ImpactSystem, kind: Kind, branch: int, points: MotionsAt, share: dict[int, Array]) -> Array:

@@ -24,6 +24,9 @@ def verdict(
     frequencies: Annotated[int, typer.Option("--frequencies", min=2, help="How many drive frequencies.")] = 61,
     accuracy: Annotated[str, typer.Option("--accuracy", help="How near the finest model.")] = "1 %",
     quantity: Annotated[str, typer.Option("--quantity", help="Of what: amplitude or reach.")] = "amplitude",
+    fidelity: Annotated[
+        list[str] | None, typer.Option("--fidelity", help="This one; repeatable; absent = all.", show_default=False)
+    ] = None,
 ) -> None:
     """Map the cheapest model that suffices, and where models differ in kind.
 
@@ -38,7 +41,9 @@ def verdict(
     loaded = load(case, set_)
     path = table_path(loaded, out, "verdict")
     found = run_study(
-        case, loaded, lambda own, tell: judge(own, over, low, high, points, frequencies, accuracy, quantity, tell)
+        case,
+        loaded,
+        lambda own, tell: judge(own, over, low, high, points, frequencies, accuracy, quantity, fidelity, tell),
     )
     figures, words = paths_of(path, loaded.figure), list(sentences(found))
     write_verdict(found, *figures)

@@ -6,19 +6,24 @@ the structure, they are located to round-off along each row and joined from row 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import GAP, LEVELS
-from vibeam.orbits.bifurcation_functions import Kind
+from vibeam.orbits.bifurcation_functions import Kind, MotionsAt, motions
 from vibeam.orbits.boundaries import boundaries
-from vibeam.orbits.orbit_map import orbit_map
+from vibeam.orbits.contours import Plane
+from vibeam.orbits.orbit_map import plane_boundaries
 from vibeam.studies.stability.rows import NAMES
 from vibeam.studies.verdict.axes import VerdictAxis
 from vibeam.studies.verdict.motions import Motions
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
 
 Array = NDArray[np.float64]
 
@@ -41,26 +46,44 @@ class ExactBoundary:
     value: Array
 
 
-def exact_boundaries(model: Motions, axis: VerdictAxis, frequency: Array) -> Iterator[ExactBoundary]:
-    """The boundaries of a model; none beyond plain systems, and where the drive depends on the frequency."""
+@dataclass(frozen=True)
+class _Driven(Plane):
+    """Plane of frequency and gap, or of a factor on the drive, whose amplitude is a function of the frequency."""
+
+    amplitude: Callable[[Array], Array]
+
+    def at(self, omega: Array, values: Array) -> MotionsAt:
+        """Both motions at points of the plane."""
+        drive = np.broadcast_to(self.amplitude(omega), omega.shape)
+        given = (drive, values) if self.over == "gap" else (values * drive, np.full(len(omega), self.held))
+        return motions(self.system, self.periods, omega, *given)
+
+
+def exact_boundaries(case: Case, model: Motions, axis: VerdictAxis, frequency: Array) -> Iterator[ExactBoundary]:
+    """The boundaries of a model; none beyond plain systems, nor where both key and frequency change the drive."""
     points = model.points
-    if points.systems[0].beyond_plain or np.any(np.ptp(points.amplitude, axis=1)) or not points.amplitude.all():
+    if points.systems[0].beyond_plain or not points.amplitude.all():
         return
     if axis.key == GAP or axis.key in LEVELS:
-        yield from _contours(model, axis)
-    else:
+        yield from _contours(case, model, axis)
+    elif not np.any(np.ptp(points.amplitude, axis=1)):
         yield from _rows(model, axis, STEP * float(frequency[1] - frequency[0]))
 
 
-def _contours(model: Motions, axis: VerdictAxis) -> Iterator[ExactBoundary]:
+def _contours(case: Case, model: Motions, axis: VerdictAxis) -> Iterator[ExactBoundary]:
     points = model.points
-    up = points.gap[:, 0] if axis.key == GAP else points.amplitude[:, 0]
-    gap, amplitude = (up, points.amplitude[0, 0]) if axis.key == GAP else (points.gap[0, 0], up)
+    own = points.amplitude[0, 0] / np.ravel(case.amplitude_of(model.name, points.omega[0, :1]))[0]
+    factor = points.amplitude[:, 0] / points.amplitude[0, 0]
+    over, up = ("gap", points.gap[:, 0]) if axis.key == GAP else ("amplitude", own * factor)
     if not np.all(np.diff(up) > 0):
         return
-    found = orbit_map(points.systems[0], points.omega[0], amplitude, 1, gap)
-    for curve in found.curves:
-        values = np.interp(curve.gap if axis.key == GAP else curve.amplitude, up, axis.values)
+    plane = _Driven(
+        points.systems[0], 1, over, points.omega[0], up, float(points.gap[0, 0]),
+        lambda omega: np.asarray(case.amplitude_of(model.name, omega)),
+    )  # fmt: skip
+    for curve in plane_boundaries(plane):
+        drive = np.broadcast_to(plane.amplitude(curve.omega), curve.omega.shape)
+        values = np.interp(curve.gap if over == "gap" else curve.amplitude / drive, up, axis.values)
         for part in np.split(np.arange(len(curve)), np.flatnonzero(np.diff(curve.clear)) + 1):
             if curve.clear[part[0]]:
                 hertz = curve.omega[part] / (2 * np.pi)

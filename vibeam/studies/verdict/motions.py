@@ -7,9 +7,9 @@ no more. Of the others the sign of the largest Lyapunov exponent says whether th
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,6 @@ from vibeam.system.state import State
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.maps.evaluate import GridResponse
     from vibeam.studies.verdict.axes import VerdictAxis
 
 Array = NDArray[np.float64]
@@ -84,6 +83,20 @@ def motions(case: Case, name: str, frequency: Array, axis: VerdictAxis, quantity
     points = grid_points(
         grid.text, grid.path, name, grid.axes, grid.frequency, np.arange(len(axis.values))
     )  # fmt: skip
+    return motions_from(case, name, points, found, quantity)
+
+
+class Evaluated(Protocol):
+    """What motions are made of: arrays (ways, rows, columns, …) by name."""
+
+    @property
+    def values(self) -> Mapping[str, Any]:
+        """The quantity, period, ended, state, resting and cpu_seconds."""
+        ...
+
+
+def motions_from(case: Case, name: str, points: GridPoints, found: Evaluated, quantity: str) -> Motions:
+    """Motions of a model from swept points: those that do not repeat go on, and are judged."""
     plane = _Plane(case, points, found, quantity)
     plane.go_on()
     return Motions(
@@ -95,7 +108,7 @@ def motions(case: Case, name: str, frequency: Array, axis: VerdictAxis, quantity
 class _Plane:
     """Motions under way: arrays (ways, rows, columns)."""
 
-    def __init__(self, case: Case, points: GridPoints, found: GridResponse, quantity: str) -> None:
+    def __init__(self, case: Case, points: GridPoints, found: Evaluated, quantity: str) -> None:
         self.case, self.points, self.quantity = case, points, quantity
         self.value = np.array(found.values[quantity], dtype=float)
         self.state, self.resting = np.array(found.values["state"]), np.array(found.values["resting"]) > 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -102,13 +102,15 @@ def verdict(
     frequencies: int = 61,
     accuracy: str | float = "1 %",
     quantity: str = "amplitude",
+    fidelities: Sequence[str] | None = None,
     tell: Callable[[str], None] | None = None,
 ) -> Verdict:
     """Compute the fidelity map of a case over its frequencies and another of its keys.
 
     ``over``: "frequency," and "gap", "drive", "restitution" or any dotted key; ``low``, ``high``: its range, as a case
     has it, with unit (None: chosen, for gap and drive). ``accuracy`` of ``quantity`` ("amplitude" of the sweep's output
-    or "reach" of the contact) against the fidelity with most modes. ``tell``: hears which model is flown. ValueError
+    or "reach" of the contact) against the fidelity with most modes. ``fidelities``: which, also where they change the
+    rig; None: all that do not. ``tell``: hears which model is flown. ValueError
     for arguments or a case that make no sense, fewer than two models included; CaseError for values of the key that
     the case may not have.
     """
@@ -119,7 +121,7 @@ def verdict(
     if not grid.min() < grid.max():
         raise ValueError("sweep.frequency: a map needs a range of frequencies, there is one")
     key = axes.keys_of(case, over)
-    systems, refused = _models(case)
+    systems, refused = _models(case, fidelities)
     axis = axes.second_axis(case, key, low, high, points, next(iter(systems.values())))
     hertz = np.linspace(grid.min(), grid.max(), frequencies)
     flown = []
@@ -137,7 +139,7 @@ def _judged(
     models = tuple(sorted(flown, key=lambda model: model.modes))  # the cost grows with them; measured, it is noisy
     finest = models[-1]
     rows = tuple(fidelity_row(model, finest, hertz, axis, accuracy) for model in models)
-    known = [boundary for model in models for boundary in exact_boundaries(model, axis, hertz)]
+    known = [boundary for model in models for boundary in exact_boundaries(case, model, axis, hertz)]
     return Verdict(
         case, axis, hertz, accuracy, quantity, models, cheapest(models, accuracy),
         tuple(difference(model, finest) for model in models), tuple(relative(model, finest) for model in models),
@@ -155,24 +157,30 @@ def _accuracy(given: str | float) -> float:
     return float(share)
 
 
-def _models(case: Case) -> tuple[dict[str, ImpactSystem], tuple[str, ...]]:
+def _models(case: Case, asked: Sequence[str] | None) -> tuple[dict[str, ImpactSystem], tuple[str, ...]]:
     """Distinct systems by name, and sentences on the fidelities left out; ValueError where fewer than two remain."""
+    unknown = [name for name in asked or () if name not in case.fidelities]
+    if unknown:
+        raise ValueError(f"no fidelity {', '.join(map(repr, unknown))}: there are {', '.join(case.fidelities)}")
     built, found, notes = Systems(case), dict[str, "ImpactSystem"](), list[str]()
     usual = min((len(case.fidelities[name].changes) for name in case.fidelities), default=0)
     for name, fidelity in case.fidelities.items():
+        if asked is not None and name not in asked:
+            continue
         twin = next((other for other, system in found.items() if built[name].moves_as(system)), None)
         if twin is not None:
             notes.append(f"{name}: the same model as {twin}")
         elif fidelity.solver != "flight":
             notes.append(f'{name}: left out, for its solver is "{fidelity.solver}" and not flight')
-        elif len(fidelity.changes) > usual:
-            notes.append(f"{name}: left out, for it changes the rig: {', '.join(fidelity.changes)}")
+        elif asked is None and len(fidelity.changes) > usual:
+            changed = ", ".join(fidelity.changes)
+            notes.append(f"{name}: left out, for it changes the rig ({changed}): name it by --fidelity")
         else:
             found[name] = built[name]
     if len(found) < 2:
         raise ValueError(f"a verdict compares two models or more, and the case has {len(found)}: {'; '.join(notes)}")
-    unknown = [name for name, system in found.items() if tangent_fault(system)]
-    if unknown:
-        reason = tangent_fault(found[unknown[0]])
-        notes.append(f"{listed(unknown)}: chaos is not told from other motions that do not repeat, for {reason}")
+    untold = [name for name, system in found.items() if tangent_fault(system)]
+    if untold:
+        reason = tangent_fault(found[untold[0]])
+        notes.append(f"{listed(untold)}: chaos is not told from other motions that do not repeat, for {reason}")
     return found, tuple(notes)
