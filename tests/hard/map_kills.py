@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import re
 import signal
+import subprocess
+import sys
 import tempfile
+import time
 from functools import cache
 from pathlib import Path
 
 import numpy as np
-from commands import BEAM, Undisturbed, data_of, fault_of_message, vibeam
+from commands import BEAM, Undisturbed, data_of, fault_of_message, usual_environment, vibeam
 from verdict import Verdict
 from workers import Stage
 
@@ -22,23 +25,25 @@ CASE = (
     + """[map.plane]
 fidelities = ["sdof"]
 axes = [
-  { key = "drive.voltage", from = "0.2 V", to = "0.7 V", points = 192 },
-  { key = "sweep.frequency", from = "14 Hz", to = "17 Hz", points = 24 },
+  { key = "drive.voltage", from = "0.2 V", to = "0.7 V", points = 100 },
+  { key = "sweep.frequency", from = "14 Hz", to = "17 Hz", points = 20 },
 ]
 direction = "both"
-settle = 400
+settle = 200
 hold = 16
 [map.starts]
 picture = "basins"
 fidelities = ["sdof"]
-axes = [{ key = "drive.voltage", from = "0.2 V", to = "0.7 V", points = 100 },
-  { key = "sweep.frequency", from = "14 Hz", to = "17 Hz", points = 10 }]
+axes = [{ key = "drive.voltage", from = "0.2 V", to = "0.7 V", points = 40 },
+  { key = "sweep.frequency", from = "14 Hz", to = "17 Hz", points = 6 }]
 starts = 6
 spread = "1 mm"
 settle = 400
 hold = 16
 """
 )
+
+COMMAND = ("--load", "small_blocks", "map", "rig.toml", "--only")
 
 NAMES = ("plane", "starts")
 
@@ -49,7 +54,7 @@ FOUND = re.compile(r"continuing: (\d+) of (\d+) points")
 def undisturbed(name: str) -> Undisturbed:
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "rig.toml").write_text(CASE, encoding="utf-8")
-        ran = vibeam(["map", "rig.toml", "--only", name], Path(folder))
+        ran = vibeam([*COMMAND, name], Path(folder))
         assert ran.code == 0, ran.err
         file = Path(folder, f"rig_{name}.h5")
         names = frozenset(path.name for path in Path(folder).iterdir())
@@ -67,17 +72,41 @@ def judge(seed: int, number: int, stage: Stage) -> Verdict:
         for _ in range(min(3, int(rng.geometric(0.5)))):
             stage(f"{name}, killed")
             verdict.count("SIGKILL")
-            ran = vibeam(["map", "rig.toml", "--only", name], folder,
+            if rng.random() < 0.7:
+                killed_with(int(rng.integers(1, 60)), folder, name)
+                stored = checked(verdict, folder, name, stored)
+                continue
+            ran = vibeam([*COMMAND, name], folder,
                          kill=(float(rng.uniform(0, undisturbed(name).seconds)), signal.SIGKILL))  # fmt: skip
             verdict.hold(not (fault := fault_of_message(ran, [0, -signal.SIGKILL])), f"{name}: {fault}")
-            now = blocks(folder, name)
-            if ran.code != 0 and not (folder / f"rig_{name}.h5").exists():
-                verdict.hold(all(now.get(each) == mark for each, mark in stored.items()), f"{name}: a block was redone")
-            stored = now
+            stored = checked(verdict, folder, name, stored)
         stage(f"{name}, continued")
         verdict.count("blocks stored before the last run", len(stored))
         verdict.hold(not (fault := completed(name, folder, bool(stored))), f"{name}: {fault}")
     return verdict
+
+
+def killed_with(more: int, folder: Path, name: str) -> None:
+    """Run the map until so many ``more`` blocks are stored, then kill it."""
+    there = len(blocks(folder, name))
+    process = subprocess.Popen(
+        [sys.executable, "-m", "vibeam", *COMMAND, name], cwd=folder, env=usual_environment(),
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    )  # fmt: skip
+    while process.poll() is None and len(blocks(folder, name)) < there + more:
+        time.sleep(0.002)
+    process.kill()
+    process.wait()
+
+
+def checked(
+    verdict: Verdict, folder: Path, name: str, before: dict[str, tuple[int, int]]
+) -> dict[str, tuple[int, int]]:  # fmt: skip
+    """Blocks that are stored now; none of those before was written again, unless the map is finished."""
+    now = blocks(folder, name)
+    if not (folder / f"rig_{name}.h5").exists():
+        verdict.hold(all(now.get(each) == mark for each, mark in before.items()), f"{name}: a block was redone")
+    return now
 
 
 def blocks(folder: Path, name: str) -> dict[str, tuple[int, int]]:
@@ -89,7 +118,7 @@ def blocks(folder: Path, name: str) -> dict[str, tuple[int, int]]:
 def completed(name: str, folder: Path, stored: bool) -> str:
     """Continue the map: it ends well, finds what was stored, has the same data, leaves no other files."""
     whole = (folder / f"rig_{name}.h5").exists()
-    ran = vibeam(["map", "rig.toml", "--only", name], folder)
+    ran = vibeam([*COMMAND, name], folder)
     if fault := fault_of_message(ran, [0]):
         return f"continued: {fault}"
     if stored and not whole and not FOUND.search(ran.err) and "are there already" not in ran.err:

@@ -14,6 +14,7 @@ from vibeam.system.ended import Ended
 
 if TYPE_CHECKING:
     from vibeam.maps.evaluate import GridResponse
+    from vibeam.maps.run import MapResult
 
 Array = NDArray[np.float64]
 
@@ -84,6 +85,11 @@ def label(response: GridResponse, way: int) -> Labelled:
     return Labelled(motions, _back(renumbered, values["period"].shape, dimensions))
 
 
+def motions_of(result: MapResult) -> list[Motion]:
+    """Motions of all fidelities of a map with starts of its own."""
+    return [motion for response in result.responses.values() for motion in label(response, 0).motions]
+
+
 @dataclass(frozen=True)
 class _Kind:
     period: int
@@ -138,12 +144,12 @@ def _at_one_place(flat: dict[str, NDArray[Any]]) -> Iterator[tuple[str, NDArray[
 
 
 def _apart(points: NDArray[np.int64], readings: Array) -> list[NDArray[np.int64]]:
-    """Split points at every gap of a reading that is larger than ``SAME`` of the largest value."""
+    """Split points where a reading leaps by more than ``SAME`` of the largest extreme, or of the largest velocity."""
     parts = [np.arange(len(points))]
-    for row in np.nan_to_num(readings):
-        limit = SAME * float(np.max(np.abs(readings[~np.isnan(readings)]), initial=0.0))
-        limit = min(limit, SAME * float(np.max(np.abs(row), initial=0.0)))
-        split = []
+    known = np.abs(np.nan_to_num(readings))
+    extremes, velocity = float(known[:2].max(initial=0.0)), float(known[2].max(initial=0.0))
+    for row, size in zip(np.nan_to_num(readings), (extremes, extremes, velocity), strict=True):
+        limit, split = SAME * size, []
         for part in parts:
             order = part[np.argsort(row[part], kind="stable")]
             split += np.split(order, np.flatnonzero(np.diff(row[order]) > limit) + 1)

@@ -40,6 +40,13 @@ def test_motions_of_a_plane_of_starts_are_told_apart_by_what_was_read_of_them() 
     assert sum(motion.share for motion in found.motions) == pytest.approx(1.0)
 
 
+def test_round_off_of_an_extreme_that_is_zero_tells_nothing_apart() -> None:
+    found = label(
+        response({"start.velocity": np.arange(3.0)}, period=np.ones(3, int), maximum=np.array([1e-18, -3e-19, 0.0])), 0
+    )
+    assert [motion.starts for motion in found.motions] == [3]
+
+
 def test_a_failed_start_leads_to_no_motion() -> None:
     ended = np.array([Ended.COMPLETE.code, Ended.PENETRATED.code])
     found = label(response({"start.velocity": np.arange(2.0)}, period=np.array([1, 0]), ended=ended), 0)

@@ -36,6 +36,7 @@ def map(
     loaded = load(case, set_)
     names = _names(loaded, only)
     rows: list[Any] = []
+    motions: list[Any] = []
     notes: list[str] = []
     files: list[Path] = []
     for name in names:
@@ -43,15 +44,19 @@ def map(
         result = _computed(case, loaded, name, path, fresh)
         drawn, said = _drawn(result)
         rows += _rows(result)
+        motions += _motions(result)
         notes += [f"{name}: {each}" for each in said]
         files += [path, *drawn]
 
     def tables(_: Any) -> list[Any]:
-        from vibeam.report.maps.tables import shares
+        from vibeam.figures.units import units_of
+        from vibeam.report.maps import tables as made
 
-        return [shares(rows)]
+        units = units_of(loaded, length=max((each.amplitude for each in motions), default=0.0))
+        return [made.shares(rows), *([made.motions(motions, units)] if motions else [])]
 
-    print_result({"maps": rows, "remarks": notes, "files": files}, as_json, tables, [*notes, *files])
+    found = {"maps": rows} | ({"motions": motions} if motions else {})
+    print_result(found | {"remarks": notes, "files": files}, as_json, tables, [*notes, *files])
 
 
 def _names(case: Case, only: list[str] | None) -> list[str]:
@@ -106,3 +111,12 @@ def _rows(result: MapResult) -> list[Any]:
     from vibeam.maps.rows import rows_of
 
     return list(rows_of(result))
+
+
+def _motions(result: MapResult) -> list[Any]:
+    """Coexisting motions of a map that shows them."""
+    if result.plan.picture != "basins":
+        return []
+    from vibeam.maps.motions import motions_of
+
+    return list(motions_of(result))

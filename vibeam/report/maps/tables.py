@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from vibeam.figures.units import percent
+from vibeam.figures.units import Units, percent
 from vibeam.report.tables import blank
 
 if TYPE_CHECKING:
+    from vibeam.maps.motions import Motion
     from vibeam.maps.rows import MapRow
     from vibeam.report.table_widths import ReportTable
 
@@ -20,4 +21,17 @@ def shares(rows: Sequence[MapRow]) -> ReportTable:
     for row in rows:
         found = (row.no_impact, row.period_1, row.period_2, row.period_more, row.not_periodic, row.failed)
         table.add_row(row.map, row.fidelity, row.direction, row.at, str(row.points), *map(percent, found))
+    return table
+
+
+def motions(found: Sequence[Motion], units: Units) -> ReportTable:
+    """Table of the motions that starts lead to, the commonest of each fidelity first."""
+    unit = f" ({units.length})" if units.length else ""
+    table = blank(
+        "Coexisting motions", "fidelity", "motion", "period|", "impacts|", f"amplitude{unit}|", "starts|", "share|"
+    )
+    for each in found:
+        size = f"{each.amplitude * units.length_factor:.4g}"
+        period = {0: "none", -1: "–"}.get(each.period, str(each.period))
+        table.add_row(each.fidelity, each.name, period, str(each.impacts), size, str(each.starts), percent(each.share))
     return table
