@@ -26,6 +26,7 @@ from vibeam.run.estimate.summary import sentences, summaries
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Branches, FrequencyResponse
 from vibeam.system.state import StatesAfter
+from vibeam.system.time_derivative import TimeDerivative
 
 ROOT = Path(__file__).parents[3]
 
@@ -109,6 +110,20 @@ def test_extremes_are_those_of_the_flight_and_the_bound_holds_for_damping_of_eve
             assert abs(getattr(there, name)[0] - getattr(watched, name)[0]) <= bound[0] + 1e-9
         assert there.uncertainty[0] < unsure * there.amplitude[0]
         assert there.impact_velocity[0] == pytest.approx(own.velocity, rel=1e-12)
+
+
+def test_velocities_and_accelerations_are_read_off_too() -> None:
+    """Against the flight settled on the same orbit: a velocity jumps at the impact, an acceleration has the base's."""
+    row = np.array([0.8, 0.3, 0.2])
+    for order, base in ((1, 0.0), (2, 1.0)):
+        full = replace(THREE, outputs={}, derivatives={"probe": TimeDerivative(row, order, base)})
+        own = next(each for each in orbits(full, Drive(1.8, 0.2)) if each.admissible)
+        train = Trains(*(np.array([[each]]) for each in (own.phase, own.impulse)), np.array([1.8]), np.array([0.2]), 1)
+        there = predicted(full, train, "probe")
+        watched, _ = FlightSolver(full, 1.8).steady([1.8], 0.2, None, 1500, 8, "probe")
+        assert watched.impact_velocity[0] == pytest.approx(own.velocity, rel=1e-6)
+        assert there.maximum[0] == pytest.approx(watched.maximum[0], rel=1e-4)
+        assert there.minimum[0] == pytest.approx(watched.minimum[0], rel=1e-4)
 
 
 def test_motions_with_several_impacts_are_corrected_too() -> None:

@@ -13,7 +13,7 @@ class Basis(Enum):
     STRIKES = "the full model strikes the stop in between"
     UNSTABLE = "the full model's motion is unstable there"
     TOUCHES = "the full model touches the stop, this one does not"
-    APERIODIC = "the motion does not repeat"
+    APERIODIC = "the motion does not repeat, and of its means nothing can be claimed without flying the full model"
     RESTS = "the motion rests on the stop"
     SEVERAL = "too many impacts before the motion repeats"
     UNSETTLED = "no exact orbit agrees with the point"

@@ -15,7 +15,7 @@ def full_model(scene: AnyScene) -> ImpactSystem:
     if scene.given_mode is not None or not isinstance(scene, RigScene):
         raise ValueError("a single degree of freedom given directly has no fuller model")
     if not scene.all_modes:
-        raise ValueError(f"{scene.no_beam or 'not all of its modes are known'}: there is no fuller model")
+        raise ValueError("the case gives a few modes, and no structure that has more")
     if scene.platform is not None and scene.platform.coupling == "two-way":
         raise ValueError("no closed-form motions on a platform that is pushed back")
     if scene.stop.law is not None:
