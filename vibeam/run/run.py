@@ -130,13 +130,17 @@ def _estimated(
     store: Store | None,
 ) -> dict[str, FidelityEstimate]:  # fmt: skip
     """Errors of all fidelities against the full models of their scenes, estimated, which the file keeps."""
-    key = comparison_key(result.case, dict.fromkeys(result, "full model"), result) if store else ""
+    key = comparison_key(result.case, dict.fromkeys(result.case.fidelities, "full model"), result) if store else ""
     stored = store.estimates(key) if store else None
     if stored is not None:
         return stored
-    from vibeam.run.estimate.of_case import estimates
+    from vibeam.run.estimate.of_case import estimate_of_choice, estimates
 
-    found = estimates(result.case, systems, result, after)
+    study = result.accuracy
+    if study is not None:
+        found = {next(iter(result)): estimate_of_choice(result.case, systems, study.curves)}
+    else:
+        found = estimates(result.case, systems, result, after)
     if store:
         store.write_estimates(key, found)
     return found
@@ -174,7 +178,10 @@ def _accurate(
             up, down = (study.curves[way].response if way in study.curves else None for way in ("up", "down"))
             models = _models(case, systems, plan, store)
             result = Result(case, {HOME: Branches(up, down)}, storage.path, found, shown, study, models=models)
-            return _compared(result, _references(case, study.finest), systems, store) if compare else result
+            if not compare:
+                return result
+            result.estimates = _estimated(result, systems, {}, store)
+            return _compared(result, _references(case, study.finest), systems, store)
         except KeyboardInterrupt:
             raise Interrupted(f"stopped: nothing is kept of its {total} points") from None
 

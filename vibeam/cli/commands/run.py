@@ -58,6 +58,6 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
 
     print_result(
         whole | {"accuracy": study}, as_json,
-        lambda tables: [tables.responses(rows, units), accuracy_table.choices(study)],
+        lambda tables: [tables.responses(rows, units, estimated), accuracy_table.choices(study)],
         [*accuracy_table.sentences(study, units), *accuracy_table.limits(study, compared), *below], head,
     )  # fmt: skip

@@ -14,11 +14,12 @@ from vibeam.run.comparison.of_case import MOVING, SEVERAL
 from vibeam.run.estimate.error import estimate_error, unsuited
 from vibeam.run.estimate.full_model import full_model
 from vibeam.run.estimate.records import ErrorEstimate, FidelityEstimate
-from vibeam.system.response import join
+from vibeam.system.response import FrequencyResponse, join
 from vibeam.system.state import StatesAfter
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.run.accuracy.study import Curve
     from vibeam.system.impact_system import ImpactSystem
     from vibeam.system.response import Branches
 
@@ -31,19 +32,54 @@ def estimates(
     return {name: _estimate(case, name, systems[name], branches[name], after.get(name, {})) for name in branches}
 
 
+def estimate_of_choice(
+    case: Case, systems: Mapping[str, ImpactSystem], curves: Mapping[str, Curve]
+) -> FidelityEstimate:  # fmt: skip
+    """Estimate the error of a curve within an accuracy, each point with the model that gave it; see ``estimates``."""
+    begun, chosen = time.thread_time(), {name for curve in curves.values() for name in curve.fidelity}
+    try:
+        models = {name: _models(case, name, systems[name]) for name in sorted(chosen)}
+    except ValueError as refusal:
+        return FidelityEstimate(0, {}, str(refusal))
+    found = {way: _of_curve(case, models, curve) for way, curve in curves.items()}
+    return FidelityEstimate(
+        max(full.size for _, full in models.values()), found, cpu_seconds=time.thread_time() - begun
+    )
+
+
+def _of_curve(case: Case, models: Mapping[str, tuple[ImpactSystem, ImpactSystem]], curve: Curve) -> ErrorEstimate:
+    """Estimates along one curve, put together from those of each model's points."""
+    names, parts, places = np.array(curve.fidelity), [], []
+    for name in dict.fromkeys(curve.fidelity):
+        which = np.flatnonzero(names == name)
+        values = {f.name: getattr(curve.response, f.name)[which] for f in fields(FrequencyResponse)}
+        amplitude = np.broadcast_to(case.amplitude_of(name, 2 * np.pi * values["frequency"]), len(which))
+        parts.append(estimate_error(FrequencyResponse(**values), *models[name], amplitude, case.sweep.output))
+        places.append(which)
+    order = np.argsort(np.concatenate(places))
+    rows = {f.name: np.concatenate([getattr(part, f.name) for part in parts])[order] for f in fields(ErrorEstimate)}
+    return ErrorEstimate(**rows)
+
+
+def _models(case: Case, name: str, system: ImpactSystem) -> tuple[ImpactSystem, ImpactSystem]:
+    """Model of a fidelity and the full one of its scene; ValueError says why there is no estimate against that."""
+    scene, omega = case.scene_of(name), 2 * np.pi * case.sweep.frequency
+    if scene.harmonics:
+        raise ValueError(SEVERAL)
+    if gap_wear(scene) is not None or gap_drift(scene, omega) is not None:
+        raise ValueError(MOVING)
+    full = full_model(scene)
+    if why := unsuited(system):
+        raise ValueError(why)
+    return system, full
+
+
 def _estimate(
     case: Case, name: str, system: ImpactSystem, branches: Branches, after: Mapping[str, StatesAfter]
 ) -> FidelityEstimate:
-    begun, scene = time.thread_time(), case.scene_of(name)
-    omega = 2 * np.pi * case.sweep.frequency
+    begun = time.thread_time()
     try:
-        if scene.harmonics:
-            raise ValueError(SEVERAL)
-        if gap_wear(scene) is not None or gap_drift(scene, omega) is not None:
-            raise ValueError(MOVING)
-        full = full_model(scene)
-        if why := unsuited(system):
-            raise ValueError(why)
+        _, full = _models(case, name, system)
     except ValueError as refusal:
         return FidelityEstimate(0, {}, str(refusal))
     if system.size == full.size:
