@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
@@ -111,8 +112,12 @@ def checked(
 
 def blocks(folder: Path, name: str) -> dict[str, tuple[int, int]]:
     """Files of blocks, each with what changes when it is written again."""
-    files = (folder / f"rig_{name}.h5.parts").glob("[!.]*.npz")
-    return {file.name: (file.stat().st_mtime_ns, file.stat().st_ino) for file in files}
+    found = {}
+    for file in (folder / f"rig_{name}.h5.parts").glob("[!.]*.npz"):
+        with suppress(FileNotFoundError):  # the map is finished meanwhile
+            known = file.stat()
+            found[file.name] = known.st_mtime_ns, known.st_ino
+    return found
 
 
 def completed(name: str, folder: Path, stored: bool) -> str:
