@@ -60,6 +60,15 @@ def sentences(found: Verdict) -> Iterator[str]:
     for row in found.rows[:-1]:
         if row.wrong_frequency is None:
             yield f"{row.fidelity} suffices everywhere here."
+    if found.doubtful:
+        yield f"On {found.doubtful:.1%} of the map the choice hangs on the scatter of motions that do not repeat."
+    checked = found.verification
+    if checked is not None:
+        decided, count = int(checked.decided.sum()), len(checked.decided)
+        yield (
+            f"Flown anew at {count} places between the map's: {decided} are decided there, and {checked.right} of "
+            "these are as the map says."
+        )
     yield from found.refused
 
 

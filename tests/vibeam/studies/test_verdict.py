@@ -18,6 +18,7 @@ from vibeam.studies.verdict import judgement
 from vibeam.studies.verdict.boundaries import joined
 from vibeam.studies.verdict.motions import CHAOTIC, IRREGULAR, NO_CONTACT, Motions
 from vibeam.studies.verdict.rows import control_variate_gain, correlation
+from vibeam.studies.verdict.verification import verified
 
 CASES = Path(__file__).parents[3] / "cases"
 QUICK = {"sweep.settle": 120, "sweep.hold": 40, "beam.elements": 8, "fidelity.beam.modes": 3}
@@ -31,7 +32,7 @@ def case() -> vibeam.Case:
 
 @pytest.fixture(scope="module")
 def found(case: vibeam.Case) -> vibeam.Verdict:
-    return vibeam.verdict(case, "frequency,gap", points=5, frequencies=13, accuracy="2 %", **GAPS)
+    return vibeam.verdict(case, "frequency,gap", points=5, frequencies=13, accuracy="2 %", verify=0, **GAPS)
 
 
 def swept(case: vibeam.Case, name: str, gap: float) -> vibeam.Branches:
@@ -103,7 +104,7 @@ def test_boundaries_have_other_motions_on_either_side(case: vibeam.Case, found: 
 
 def test_over_a_key_that_changes_the_structure(case: vibeam.Case) -> None:
     """Rows of their own systems: the boundaries of each row are those of its case."""
-    found = vibeam.verdict(case, "mass.mass,frequency", "0.19 kg", "0.21 kg", 3, 7)
+    found = vibeam.verdict(case, "mass.mass,frequency", "0.19 kg", "0.21 kg", 3, 7, verify=3)
     assert found.axis.unit == "kg"
     assert found.label.shape == (3, 7)
     heavy = vibeam.load(CASES / "dtu_neutral.toml", QUICK | {"mass.mass": "0.21 kg"})
@@ -117,12 +118,30 @@ def test_over_a_key_that_changes_the_structure(case: vibeam.Case) -> None:
 
 def test_chaos_is_told_by_the_sign_of_the_exponent() -> None:
     tight = vibeam.load(CASES / "dtu_neutral.toml", QUICK)
-    found = vibeam.verdict(tight, "frequency,gap", "-0.14 mm", "-0.13 mm", 2, 3)
+    found = vibeam.verdict(tight, "frequency,gap", "-0.14 mm", "-0.13 mm", 2, 3, verify=0)
     beam = found.finest
     assert (beam.kind == CHAOTIC).sum() >= 3
     assert np.all(beam.exponent[beam.kind == CHAOTIC] > 0)
     assert np.all(beam.error[beam.kind == CHAOTIC] > 0)
     assert np.all(np.isnan(beam.exponent[beam.kind > 0]))
+
+
+def test_places_between_are_as_the_map_says_and_a_wrong_map_is_found_out(case: vibeam.Case) -> None:
+    """Period 1 all over, on a grid fine enough: all are right; with the labels' models swapped few are."""
+    found = vibeam.verdict(case, "frequency,gap", "-0.02 mm", "0.03 mm", 4, 13, "3 %", verify=0)
+    checked = verified(found, 25)
+    assert checked.decided.sum() >= 22
+    assert checked.right >= 0.9 * checked.decided.sum()
+    halved = replace(found.models[0], value=0.5 * found.models[0].value)
+    wrong = verified(replace(found, models=(halved, *found.models[1:])), 25)
+    assert wrong.right < checked.right - 5
+
+
+def test_a_label_that_hangs_on_scatter_is_doubtful() -> None:
+    finest = motions([[1, CHAOTIC, CHAOTIC, CHAOTIC]] * 2, [[1.0] * 4] * 2, [1] * 4, error=0.01)
+    other = motions([[1, CHAOTIC, CHAOTIC, IRREGULAR]] * 2, [[1.0, 1.05, 1.2, 1.0]] * 2, [1] * 4)
+    other, finest = (replace(each, error=np.where(each.kind == 1, 0.0, each.error)) for each in (other, finest))
+    assert judgement.doubtful([other, finest], 0.01)[0].tolist() == [False, True, False, True]
 
 
 def motions(kind: Any, value: Any, count: Any, error: float = 0.0) -> Motions:
@@ -221,10 +240,21 @@ def test_one_model_alone_has_no_verdict() -> None:
 def test_the_command_prints_a_verdict_and_writes_its_files(tmp_path: Path, as_json: bool) -> None:
     asked = ["verdict", str(CASES / "dtu_neutral.toml"), "--points", "2", "--frequencies", "3", "--out", f"{tmp_path}/"]
     asked += [word for key, value in QUICK.items() for word in ("--set", f"{key}={value}")]
-    asked += ["--from", "0 mm", "--to", "0.1 mm", "--accuracy", "2 %", *(["--json"] if as_json else [])]
+    asked += [
+        "--from",
+        "0 mm",
+        "--to",
+        "0.1 mm",
+        "--accuracy",
+        "2 %",
+        "--verify",
+        "2",
+        *(["--json"] if as_json else []),
+    ]
     printed = CliRunner().invoke(app, asked)
     assert printed.exit_code == 0, printed.output
     assert "To 2 % of the amplitude at the sensor" in printed.stdout
+    assert "Flown anew at 2 places between the map's" in printed.stdout
     assert {path.name for path in tmp_path.iterdir()} >= {"dtu_neutral_verdict.csv", "dtu_neutral_verdict.png"}
     lines = (tmp_path / "dtu_neutral_verdict.csv").read_text().splitlines()
     assert len(lines) == 1 + 2 * 3 * 3 * 2

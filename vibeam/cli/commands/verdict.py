@@ -24,6 +24,7 @@ def verdict(
     frequencies: Annotated[int, typer.Option("--frequencies", min=2, help="How many drive frequencies.")] = 61,
     accuracy: Annotated[str, typer.Option("--accuracy", help="How near the finest model.")] = "1 %",
     quantity: Annotated[str, typer.Option("--quantity", help="Of what: amplitude or reach.")] = "amplitude",
+    verify: Annotated[int, typer.Option("--verify", min=0, help="At how many places to fly anew.")] = 24,
     fidelity: Annotated[
         list[str] | None, typer.Option("--fidelity", help="This one; repeatable; absent = all.", show_default=False)
     ] = None,
@@ -43,7 +44,7 @@ def verdict(
     found = run_study(
         case,
         loaded,
-        lambda own, tell: judge(own, over, low, high, points, frequencies, accuracy, quantity, fidelity, tell),
+        lambda own, tell: judge(own, over, low, high, points, frequencies, accuracy, quantity, fidelity, verify, tell),
     )
     figures, words = paths_of(path, loaded.figure), list(sentences(found))
     write_verdict(found, *figures)

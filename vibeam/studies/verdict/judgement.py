@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.studies.verdict.motions import CHAOTIC, FAILED, Motions
+from vibeam.studies.verdict.motions import CHAOTIC, FAILED, IRREGULAR, SURE, Motions
 
 Flags = NDArray[np.bool_]
 
@@ -52,6 +52,23 @@ def cheapest(models: Sequence[Motions], accuracy: float) -> Codes:
     for index in range(len(models) - 2, -1, -1):
         label[within(models[index], models[-1], accuracy)] = index
     return label
+
+
+def doubtful(models: Sequence[Motions], accuracy: float) -> Flags:
+    """Where the label hangs on scatter: a model up to the one chosen is within its noise of the accuracy, or of chaos.
+
+    Of chaos: neither motion repeats, and only one exponent is positive beyond its error.
+    """
+    label, finest = cheapest(models, accuracy), models[-1]
+    found = np.zeros(label.shape, dtype=bool)
+    for index, model in enumerate(models[:-1]):
+        noise = np.hypot(model.error, finest.error)
+        with np.errstate(invalid="ignore"):
+            beyond = np.abs(model.value - finest.value) - accuracy * np.abs(finest.value) - NOISE * noise
+            near = (noise > 0) & (np.abs(beyond) <= SURE * noise)
+        open_ = np.isin(model.kind, (CHAOTIC, IRREGULAR)) & np.isin(finest.kind, (CHAOTIC, IRREGULAR))
+        found |= (near | (open_ & (model.kind != finest.kind))).any(axis=0) & (index <= label)
+    return found
 
 
 def relative(model: Motions, finest: Motions) -> NDArray[np.float64]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,9 +16,10 @@ from vibeam.run.systems import Systems
 from vibeam.studies.verdict import axes
 from vibeam.studies.verdict.axes import VerdictAxis
 from vibeam.studies.verdict.boundaries import ExactBoundary, exact_boundaries
-from vibeam.studies.verdict.judgement import cheapest, difference, relative
+from vibeam.studies.verdict.judgement import cheapest, difference, doubtful, relative
 from vibeam.studies.verdict.motions import Motions, motions
 from vibeam.studies.verdict.rows import FidelityRow, fidelity_row
+from vibeam.studies.verdict.verification import Verification, verified
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -67,6 +68,12 @@ class Verdict:
     rows: tuple[FidelityRow, ...]
     boundaries: tuple[ExactBoundary, ...]
     refused: tuple[str, ...] = ()
+    verification: Verification | None = None
+
+    @property
+    def doubtful(self) -> float:
+        """Share of the map where the label hangs on the scatter of motions that do not repeat."""
+        return float(doubtful(self.models, self.accuracy).mean())
 
     @property
     def finest(self) -> Motions:
@@ -103,6 +110,7 @@ def verdict(
     accuracy: str | float = "1 %",
     quantity: str = "amplitude",
     fidelities: Sequence[str] | None = None,
+    verify: int = 24,
     tell: Callable[[str], None] | None = None,
 ) -> Verdict:
     """Compute the fidelity map of a case over its frequencies and another of its keys.
@@ -110,7 +118,8 @@ def verdict(
     ``over``: "frequency," and "gap", "drive", "restitution" or any dotted key; ``low``, ``high``: its range, as a case
     has it, with unit (None: chosen, for gap and drive). ``accuracy`` of ``quantity`` ("amplitude" of the sweep's output
     or "reach" of the contact) against the fidelity with most modes. ``fidelities``: which, also where they change the
-    rig; None: all that do not. ``tell``: hears which model is flown. ValueError
+    rig; None: all that do not. ``verify``: at how many places, drawn at random from the whole plane, all models are
+    flown anew. ``tell``: hears which model is flown. ValueError
     for arguments or a case that make no sense, fewer than two models included; CaseError for values of the key that
     the case may not have.
     """
@@ -129,7 +138,8 @@ def verdict(
         if tell is not None:
             tell(f"{name}: {points} × {frequencies} points up and down")
         flown.append(motions(case, name, hertz, axis, quantity))
-    return _judged(case, axis, hertz, share, quantity, flown, refused)
+    found = _judged(case, axis, hertz, share, quantity, flown, refused)
+    return replace(found, verification=verified(found, verify)) if verify > 0 else found
 
 
 def _judged(

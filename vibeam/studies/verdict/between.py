@@ -1,0 +1,198 @@
+"""Verdict between the places of the map: interpolation within a kind, exact expressions where kinds meet.
+
+Where the four places around are of one kind, values are interpolated (bilinearly). Where they are not, a boundary runs
+between them. A motion with one impact a period, and one without contact, are known there in closed form: they are ruled
+out where there is none (none stable and clear of the stop; the free motion reaches the stop), and valued exactly where
+there is one. Of what remains a sweep keeps the kind that it comes with, which is how hysteresis goes on to a fold.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.batch.points import changed
+from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS
+from vibeam.maps.axes import Axis
+from vibeam.maps.evaluate import grid_of
+from vibeam.maps.points import GridPoints, grid_points
+from vibeam.orbits.modal_sums import sums
+from vibeam.orbits.orbit import Orbit, orbits
+from vibeam.studies.verdict.judgement import cheapest, doubtful
+from vibeam.studies.verdict.motions import NO_CONTACT, Kinds, Motions
+from vibeam.system.impact_system import Drive, ImpactSystem
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.studies.verdict.axes import VerdictAxis
+
+Array = NDArray[np.float64]
+
+UP, DOWN = 0, 1
+
+ONE = 1  # period
+
+
+@dataclass(frozen=True)
+class _Cell:
+    """The four places around a place: rows, columns and weights (4,)."""
+
+    rows: NDArray[np.int64]
+    columns: NDArray[np.int64]
+    weights: Array
+
+
+def points_at(case: Case, model: Motions, axis: VerdictAxis, hertz: Array, values: Array) -> GridPoints:
+    """Systems and drives at scattered places (1, places): Hz and SI values of the key."""
+    omega, own = 2 * np.pi * hertz[None, :], model.points
+    if axis.key == GAP or axis.key in LEVELS:
+        gap = np.interp(values, axis.values, own.gap[:, 0])[None, :]
+        drive = np.atleast_1d(case.amplitude_of(model.name, omega[0])) * np.ones(len(hertz))
+        first = np.atleast_1d(case.amplitude_of(model.name, own.omega[0, :1]))[0]
+        share = np.interp(values, axis.values, own.amplitude[:, 0] / first)
+        zeros = np.zeros(omega.shape, dtype=np.int64)
+        return GridPoints(own.systems, zeros, omega, (drive * share)[None, :], gap, None, {})
+    made = [_point(case, model.name, axis.key, float(f), float(v)) for f, v in zip(hertz, values, strict=True)]
+    rebounds = None if own.restitution is None else np.array([[each.restitution[0, 0] for each in made]])  # type: ignore[index]
+    return GridPoints(
+        tuple(each.systems[0] for each in made), np.arange(len(made))[None, :], omega,
+        np.array([[each.amplitude[0, 0] for each in made]]), np.array([[each.gap[0, 0] for each in made]]),
+        rebounds, {},
+    )  # fmt: skip
+
+
+def _point(case: Case, name: str, key: str, hertz: float, value: float) -> GridPoints:
+    grid = grid_of(
+        case, name, {key: [value], FREQUENCY: [hertz]}, quantities=("amplitude",), direction="up", frequency=None,
+        settle=None, hold=None, output=None, strobes=0, starts=None,
+    )  # fmt: skip
+    axes = (Axis(key, (value,)), Axis(FREQUENCY, (hertz,)))
+    return grid_points(grid.text, grid.path, name, axes, None, np.zeros(1, dtype=np.int64))
+
+
+def system_at(points: GridPoints, place: int) -> tuple[ImpactSystem, Drive]:
+    """System and drive at one of scattered places."""
+    base = points.systems[int(points.which[0, place])]
+    rebound = base.restitution if points.restitution is None else float(points.restitution[0, place])
+    drive = Drive(float(points.omega[0, place]), float(points.amplitude[0, place]))
+    return changed(base, float(points.gap[0, place]), rebound, 1.0), drive
+
+
+def labels_between(
+    case: Case, models: tuple[Motions, ...], axis: VerdictAxis, frequency: Array, accuracy: float, quantity: str,
+    hertz: Array, values: Array,
+) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:  # fmt: skip
+    """Index of the cheapest model that suffices at scattered places (places,), by the map alone: nothing is flown.
+
+    And where that is open (places,): scatter decides, or kinds meet of which one has no closed form.
+    """
+    cells = [_cell(axis.values, frequency, value, f) for f, value in zip(hertz, values, strict=True)]
+    read = [_read(case, model, axis, hertz, values, cells, quantity) for model in models]
+    unclear = np.any([[_unclear(model, cell) for cell in cells] for model in models], axis=0)
+    return np.asarray(cheapest(read, accuracy)[0]), np.asarray(doubtful(read, accuracy)[0] | unclear)
+
+
+def _unclear(model: Motions, cell: _Cell) -> bool:
+    """Test whether kinds meet around a place of which one has no closed form."""
+    kinds = model.kind[:, cell.rows, cell.columns]
+    return bool(np.any(kinds != kinds[:, :1]) and np.any(~np.isin(kinds, (ONE, NO_CONTACT))))
+
+
+def _cell(rows: Array, columns: Array, value: float, hertz: float) -> _Cell:
+    row = int(np.clip(np.searchsorted(rows, value) - 1, 0, len(rows) - 2))
+    column = int(np.clip(np.searchsorted(columns, hertz) - 1, 0, len(columns) - 2))
+    up = (value - rows[row]) / (rows[row + 1] - rows[row])
+    across = (hertz - columns[column]) / (columns[column + 1] - columns[column])
+    weights = np.array([(1 - up) * (1 - across), (1 - up) * across, up * (1 - across), up * across])
+    return _Cell(np.array([row, row, row + 1, row + 1]), np.array([column, column + 1, column, column + 1]), weights)
+
+
+def _read(
+    case: Case, model: Motions, axis: VerdictAxis, hertz: Array, values: Array, cells: list[_Cell], quantity: str
+) -> Motions:
+    """The motions of a model at scattered places (ways, 1, places), as far as the map says."""
+    count = len(cells)
+    value, error, kind = np.zeros((2, 1, count)), np.zeros((2, 1, count)), np.zeros((2, 1, count), dtype=np.int64)
+    coexist = np.ones((1, count), dtype=np.int64)
+    points = points_at(case, model, axis, hertz, values)
+    for place, cell in enumerate(cells):
+        kinds = model.kind[:, cell.rows, cell.columns]
+        mixed = bool(np.any(kinds != kinds[:, :1]))
+        known = _Known(points, place, case.sweep.output, quantity) if mixed else None
+        for way in (UP, DOWN):
+            at = way, 0, place
+            kind[at] = kinds[way, 0] if known is None else _kind(kinds[way], cell.weights, way, known)
+            value[at], error[at] = _value(model, way, cell, int(kind[at]), known)
+        count_here = model.count[cell.rows, cell.columns]
+        same = np.all(count_here == count_here[0])
+        coexist[0, place] = count_here[0] if same else 1 + int(_differ(kind[:, 0, place], value[:, 0, place]))
+    return replace(
+        model, value=value, error=error, kind=kind, count=coexist, exponent=np.full(value.shape, np.nan), points=points
+    )
+
+
+def _differ(kinds: Kinds, values: Array) -> bool:
+    return bool(kinds[UP] != kinds[DOWN] or abs(values[UP] - values[DOWN]) > 1e-2 * np.abs(values).max())
+
+
+class _Known:
+    """What is known at one place in closed form; asked for only where kinds meet."""
+
+    def __init__(self, points: GridPoints, place: int, output: str, quantity: str) -> None:
+        self.system, self.drive = system_at(points, place)
+        self.output, self.quantity, self.plain = output, quantity, not self.system.beyond_plain
+        self._one: list[Orbit] | None = None
+
+    @property
+    def one(self) -> list[Orbit]:
+        """Stable motions with one impact a period that keep clear of the stop."""
+        if self._one is None:
+            found = orbits(self.system, self.drive) if self.plain else ()
+            self._one = [orbit for orbit in found if orbit.stable and orbit.admissible]
+        return self._one
+
+    def rules_out(self, kind: int) -> bool:
+        """Test whether there is no motion of a kind here."""
+        if not self.plain:
+            return False
+        if kind == NO_CONTACT:
+            total = sums(self.system, np.array([self.drive.omega]), 1)
+            return bool(abs(total.unit[0]) * self.drive.amplitude + total.offset > self.system.gap)
+        return kind == ONE and not self.one
+
+    def keeps(self, kind: int) -> bool:
+        """Test whether a sweep that comes with this kind keeps it here."""
+        return self.plain and kind in (ONE, NO_CONTACT) and not self.rules_out(kind)
+
+    def value(self, near: float) -> float:
+        """The quantity of the motion with one impact a period that is nearest to ``near``."""
+        each = [orbit.reach if self.quantity == "reach" else orbit.amplitude(self.output) for orbit in self.one]
+        return min(each, key=lambda value: abs(value - near))
+
+
+def _kind(kinds: Kinds, weights: Array, way: int, known: _Known) -> int:
+    """Kind at a place around which kinds differ: first what the sweep comes with, then the likeliest left."""
+    before = kinds[[0, 2]] if way == UP else kinds[[1, 3]]
+    share = weights[[0, 2]] if way == UP else weights[[1, 3]]
+    coming = int(before[int(np.argmax(share))])
+    if known.keeps(coming):
+        return coming
+    left = [int(kind) for kind in np.unique(kinds) if not known.rules_out(int(kind))]
+    left = left or [int(kind) for kind in np.unique(kinds)]
+    return max(left, key=lambda kind: float(weights[kinds == kind].sum()))
+
+
+def _value(model: Motions, way: int, cell: _Cell, kind: int, known: _Known | None) -> tuple[float, float]:
+    """Value and its standard error, from the places around that are of the kind, or in closed form."""
+    around = model.kind[way, cell.rows, cell.columns] == kind
+    weights = np.where(around, np.maximum(cell.weights, 1e-9), 0.0)
+    total = weights.sum()
+    weights = weights / total if total > 0 else cell.weights
+    value = float(weights @ model.value[way, cell.rows, cell.columns])
+    error = float(weights @ model.error[way, cell.rows, cell.columns])
+    if known is not None and kind == ONE and known.one:
+        return known.value(value), 0.0
+    return value, error
