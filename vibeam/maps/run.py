@@ -179,7 +179,7 @@ def _compute(
             job.done.add(_name(block))
         if progress:
             progress(job.points(job.there), total)
-        if partial and watch.due():
+        if partial and len(job.done) < len(job.blocks) and watch.due():
             watch.drawn(lambda: partial(job.result(_known(job))))
 
     missing = [block for block in job.blocks if _name(block) not in job.done]

@@ -16,6 +16,7 @@ import vibeam
 from vibeam.case.plans import AxisPlan
 from vibeam.cli.main import app
 from vibeam.figures.motion_classes import Class, classes
+from vibeam.maps import run as running
 from vibeam.orbits.bifurcation_functions import Kind
 from vibeam.report.maps.axes import panels, shown_axis
 from vibeam.report.maps.boundaries import boundaries_of
@@ -64,6 +65,25 @@ def test_the_cells_of_a_period_map_are_the_classes_of_its_points(tmp_path: Path)
         way, gap = each.way, each.column
         wanted = classes(*(found["sdof"].values[name][way, gap] for name in ("period", "rest", "ended")))
         np.testing.assert_array_equal(mesh.get_array(), wanted)
+
+
+@pytest.mark.parametrize("picture", TABLES)
+def test_a_map_under_way_can_be_drawn(picture: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """After each block but the last one; here a line is a block."""
+    monkeypatch.setattr(running, "lines_of_block", lambda case, grid: 1)
+    monkeypatch.setattr(running, "EVERY", 0.0)
+    monkeypatch.setattr(running, "SHARE", 0.0)
+    drawn: list[tuple[int, int]] = []
+
+    def partial(found: vibeam.MapResult) -> None:
+        map_figure(found)
+        drawn.append((found.done, found.points))
+
+    fidelities = ["sdof", "two_modes"] if picture != "period" else ["sdof"]
+    rig = case(picture, fidelities=fidelities, settle=2, hold=4)
+    vibeam.run_map(rig, "m", tmp_path / "m.h5", partial=partial, workers=1)
+    assert drawn
+    assert all(0 < done < points for done, points in drawn)
 
 
 def test_a_point_that_was_not_computed_has_a_class_of_its_own() -> None:

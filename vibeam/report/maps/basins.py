@@ -100,7 +100,8 @@ def _shares(axes: Axes, found: Labelled, x: Any, names: dict[str, str]) -> list[
     """Draw the shares of the motions along one axis, one on the other."""
     colours = _colours(found, names)
     shares = [np.mean(found.which == each, axis=-1) for each in range(len(colours))]
-    axes.stackplot(x, shares, colors=colours, step="mid", linewidth=0)
+    if shares:
+        axes.stackplot(x, shares, colors=colours, step="mid", linewidth=0)
     axes.set_xlim(x.min(), x.max())
     axes.set_ylim(0, 1)
     return _legend(names, found)
