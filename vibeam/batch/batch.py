@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vibeam.batch.compiled import is_compiled, run_task, tasks_of
 from vibeam.batch.one_by_one import run_points
 from vibeam.batch.points import Points, Systems, points_of
 from vibeam.batch.record import Plan, Record
@@ -16,6 +17,7 @@ from vibeam.solvers.warm_up import warm_up_once
 from vibeam_models.arguments import count, refuse
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
     from threading import Event
 
     from vibeam.batch.response import BatchResponse
@@ -36,6 +38,7 @@ def batch(
     hold: int = 50,
     output: str | None = None,
     strobes: int = 0,
+    lanes: bool = True,
     threads: int | None = None,
 ) -> BatchResponse:
     """Steady points of the exact flow, each on its own, in threads; all arrays broadcast to one shape.
@@ -47,25 +50,35 @@ def batch(
     ``output``: None for the contact. ``strobes``: how many values of the output at the ends of the last periods held
     are kept, at most ``hold``. ``threads``: None for one a core; results are the same to the bit for any number.
 
-    A point is that of ``vibeam.sweep`` at one frequency. One that fails is NaN with its reason in ``ended``.
+    ``lanes``: points of plain systems with at most eight modes fly side by side in the processor's lanes; they are
+    those of ``vibeam.sweep`` at one frequency to round-off, so that chaotic motions differ. False, and any other
+    system: to the bit. A point that fails is NaN with its reason in ``ended``.
     ValueError names every argument that is wrong, KeyError an unknown output.
     """
     points = points_of(systems, omega, amplitude, gap, restitution, damping, state)
-    plan = _plan(points, settle, hold, output, strobes)
+    plan = _plan(points, settle, hold, output, strobes, bool(lanes))
     workers = None if threads is None else _count("threads", threads, least=1)
-    for base in points.bases:
-        warm_up_once("flight", base, float(points.omega[0]), float(points.amplitude[0]), plan.output, {})
-    record = Record(len(points.base), points.size, plan.strobes)
+    record, compiled = Record(len(points.base), points.size, plan.strobes), is_compiled(points, plan.output)
+    tasks = [(run_task, which) for which in tasks_of(points, np.flatnonzero(compiled))]
+    tasks += [(run_points, which) for which in _one_by_one(points, np.flatnonzero(~compiled), plan)]
 
-    def task(which: NDArray[np.int64], stop: Event) -> None:
-        run_points(points, which, plan, record)
+    def task(item: tuple[Callable[..., None], NDArray[np.int64]], stop: Event) -> None:
+        item[0](points, item[1], plan, record)
 
-    order = np.lexsort((points.omega, points.restitution, points.damping, points.gap, points.base))
-    run_parallel(task, [order[first : first + TASK] for first in range(0, len(order), TASK)], workers)
+    run_parallel(task, tasks, workers)
     return record.response(points.shape)
 
 
-def _plan(points: Points, settle: int, hold: int, output: str | None, strobes: int) -> Plan:
+def _one_by_one(points: Points, which: NDArray[np.int64], plan: Plan) -> list[NDArray[np.int64]]:
+    """Points that no kernel takes as a whole, in tasks, those of one system together."""
+    for i in np.unique(points.base[which]):
+        warm_up_once("flight", points.bases[i], float(points.omega[0]), float(points.amplitude[0]), plan.output, {})
+    keys = (points.omega, points.restitution, points.damping, points.gap, points.base)
+    which = which[np.lexsort([each[which] for each in keys])]
+    return [which[first : first + TASK] for first in range(0, len(which), TASK)]
+
+
+def _plan(points: Points, settle: int, hold: int, output: str | None, strobes: int, lanes: bool) -> Plan:
     faults: list[str] = []
     settle = count("settle", settle, faults, most=LONGEST)
     hold = count("hold", hold, faults, least=1, most=HELD // points.size)
@@ -75,7 +88,7 @@ def _plan(points: Points, settle: int, hold: int, output: str | None, strobes: i
     if strobes and any(each is not None and each.order == 2 for each in derivatives):
         faults.append("strobes: an acceleration is not read at the ends of periods: take its displacement or velocity")
     refuse("batch", faults)
-    return Plan(settle, hold, name, strobes)
+    return Plan(settle, hold, name, lanes, strobes)
 
 
 def _count(name: str, value: int, least: int) -> int:

@@ -31,6 +31,7 @@ class Plan:
     settle: int  # drive periods
     hold: int
     output: str
+    lanes: bool  # whether points go side by side
     strobes: int  # how many values of the output at the end of a period are kept
 
     def strobed(self, system: ImpactSystem, states: Array) -> Array:
@@ -53,15 +54,24 @@ class Record:
         self.state, self.resting = np.zeros((points, 2 * modes)), np.zeros(points, dtype=bool)
         self.strobes = np.full((points, strobes), np.nan)
 
+    def fill(
+        self, which: NDArray[np.int64], response: FrequencyResponse, states: Array, resting: NDArray[np.bool_],
+        strobes: Array,
+    ) -> None:  # fmt: skip
+        """Keep the points ``which``, the states (m, 2, n) after them and the output at the ends of their periods."""
+        for name in READ:
+            self.values[name][which] = getattr(response, name)
+        self.state[which], self.resting[which] = states.reshape(len(which), -1), resting
+        done = response.ended == Ended.COMPLETE.code
+        self.strobes[which[done]] = strobes[done]
+
     def note(self, point: int, response: FrequencyResponse, after: State, strobes: Array) -> None:
         """Keep a sweep of one frequency, the state after it and the output at the ends of its periods."""
-        for name in READ:
-            self.values[name][point] = getattr(response, name)[0]
-        n = len(after.displacement)
-        self.state[point, :n], self.state[point, n:] = after.displacement, after.velocity
-        self.resting[point] = after.resting
+        states = np.stack([after.displacement, after.velocity])[None]
+        kept = np.full((1, self.strobes.shape[1]), np.nan)
         if response.ended[0] == Ended.COMPLETE.code:
-            self.strobes[point] = strobes
+            kept[0] = strobes
+        self.fill(np.array([point]), response, states, np.array([after.resting]), kept)
 
     def response(self, shape: tuple[int, ...]) -> BatchResponse:
         """The batch in its shape."""

@@ -19,6 +19,7 @@ KERNELS = {  # by the module of the entry point: what is compiled, and about how
     "vibeam.flight.kernels.roots.levels": ("the tables of the exact flow", "some seconds"),
     "vibeam.flight.kernels.entry": ("the flight kernels", "about a minute"),
     "vibeam.flight.kernels.cover": ("the kernels of certificates", "about half a minute"),
+    "vibeam.flight.points.kernels.entry": ("the kernels of batches", "one to two minutes"),
     "vibeam.flight.kernels.moreau": ("time stepping", "some seconds"),
     "vibeam.flight.kernels.regimes.entry": (
         "the kernels of yielding stops, R(v), second stops and coupled damping",

@@ -43,9 +43,11 @@ regimes_move, regimes_poses_at = (Entry("regimes", f"{KERNELS}.regimes.entry", n
 
 regimes_cover = Entry("regimes", f"{KERNELS}.regimes.cover", "cover")
 
+run_points = Entry("points", "vibeam.flight.points.kernels.entry", "run")
+
 march = Entry("moreau", f"{KERNELS}.moreau", "march")
 
-ENTRIES = (tabulate, move, poses_at, cover, regimes_move, regimes_poses_at, regimes_cover, march)
+ENTRIES = (tabulate, move, poses_at, cover, regimes_move, regimes_poses_at, regimes_cover, run_points, march)
 
 
 def origin() -> str:

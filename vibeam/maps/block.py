@@ -165,7 +165,8 @@ def _flown(
     restitution = None if points.restitution is None else rows(points.restitution)
     return batch(
         system, rows(points.omega), rows(points.amplitude), gap=rows(points.gap), restitution=restitution, state=state,
-        settle=grid.settle, hold=grid.hold, output=grid.output, strobes=grid.strobes, threads=threads,
+        settle=grid.settle, hold=grid.hold, output=grid.output, strobes=grid.strobes, lanes=wide,
+        threads=threads,
     )  # fmt: skip
 
 

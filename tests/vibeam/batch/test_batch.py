@@ -31,7 +31,9 @@ def assert_same(found: vibeam.BatchResponse, other: Any, at: Any = ()) -> None:
 
 def test_points_are_those_of_sweeps_of_one_frequency() -> None:
     omega, gap = np.array([0.7, 1.2, 1.9]), np.array([[0.0], [0.1]])
-    found = vibeam.batch(OWN, omega, 0.05, gap=gap, restitution=0.7, damping=2.0, settle=60, hold=20, output="twice")
+    found = vibeam.batch(
+        OWN, omega, 0.05, gap=gap, restitution=0.7, damping=2.0, settle=60, hold=20, output="twice", lanes=False
+    )
     assert found.shape == (2, 3)
     assert found.state.shape == (2, 3, 2)
     assert found.mode_energy.shape == (2, 3, 1)
@@ -45,7 +47,7 @@ def test_points_are_those_of_sweeps_of_one_frequency() -> None:
 
 def test_systems_may_be_an_array() -> None:
     systems = [BEAM, replace(BEAM, gap=0.0), BEAM]
-    found = vibeam.batch(systems, RATES[:, None], 1e-4, settle=20, hold=10, output="sensor")
+    found = vibeam.batch(systems, RATES[:, None], 1e-4, settle=20, hold=10, output="sensor", lanes=False)
     assert found.shape == (4, 3)
     assert np.array_equal(found.amplitude[:, 0], found.amplitude[:, 2])
     for i, j in np.ndindex(4, 2):
@@ -70,7 +72,7 @@ def test_systems_may_be_an_array() -> None:
 )
 def test_unusual_points_are_those_of_sweeps(system: vibeam.ImpactSystem, output: str) -> None:
     omega = np.array([50.0, 95.0])
-    found = vibeam.batch(system, omega, 2e-4, settle=3, hold=4, output=output, strobes=2)
+    found = vibeam.batch(system, omega, 2e-4, settle=3, hold=4, output=output, strobes=2, lanes=False)
     for i in range(2):
         assert_same(found, vibeam.sweep(system, omega=omega[i], amplitude=2e-4, settle=3, hold=4, output=output), i)
     row, n = system.row(output), system.size

@@ -22,13 +22,14 @@ import pytest
 
 import vibeam
 from vibeam.flight.ahead_of_time.__main__ import build
-from vibeam.flight.entries import ENTRIES, KERNELS, Entry, march, move, poses_at, tabulate
+from vibeam.flight.entries import ENTRIES, Entry, march, move, poses_at, tabulate
 from vibeam.flight.kernels.layout import LEVEL_ROWS, LEVELS, PAIR_ROWS, TABLE_ROWS
-from vibeam.flight.kernels.sources import digest, sources_of
+from vibeam.flight.kernels.sources import digest
 from vibeam.flight.libraries import choice, load, processor
 from vibeam.flight.libraries.errors import KernelsUnavailable, LibraryUnavailable
 from vibeam.flight.libraries.manifest import FOLDER, file_of, manifest
 from vibeam.flight.libraries.manifest import LEVELS as LIBRARY_LEVELS
+from vibeam.flight.libraries.sources import sources_of
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
 
@@ -394,7 +395,7 @@ def test_making_them_again_gives_the_same_bytes(tmp_path: Path) -> None:
 
 
 def test_every_entry_point_of_the_kernels_is_listed() -> None:
-    folder = ROOT / "vibeam" / "flight" / "kernels"
+    folder = ROOT / "vibeam" / "flight"
     files = [path for path in folder.rglob("*.py") if "\n@entry\n" in path.read_text(encoding="utf-8")]
-    found = {f"{KERNELS}." + ".".join(path.relative_to(folder).with_suffix("").parts) for path in files}
+    found = {"vibeam.flight." + ".".join(path.relative_to(folder).with_suffix("").parts) for path in files}
     assert found == {each.module for each in ENTRIES}

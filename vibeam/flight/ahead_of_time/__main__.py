@@ -1,4 +1,6 @@
-"""``python -m vibeam.flight.ahead_of_time [FOLDER]``: make all libraries anew, in place or in another folder.
+"""``python -m vibeam.flight.ahead_of_time [FOLDER] [--only GROUP]``: make libraries anew, in place or elsewhere.
+
+All of them, or those of one group of ``scenes.SCENES`` alone: the others stay as they are.
 
 Needs numba (extra ``jit``) and LLVM's linker ``ld.lld``. Each group of entry points is compiled in a process of its
 own, for x86-64-v3; what numba has optimised is emitted for every level.
@@ -11,6 +13,8 @@ import os
 import shutil
 import subprocess
 import sys
+from argparse import ArgumentParser
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -18,9 +22,9 @@ from time import perf_counter
 from typing import Any
 
 from vibeam.flight.ahead_of_time import link
-from vibeam.flight.libraries.manifest import FOLDER
+from vibeam.flight.libraries.manifest import FOLDER, manifest
 
-GROUPS = ("regimes", "flight", "moreau")  # the longest first
+GROUPS = ("points", "regimes", "flight", "moreau")  # the longest first
 
 SETTINGS = {
     "VIBEAM_KERNELS": "numba",
@@ -30,16 +34,16 @@ SETTINGS = {
 }
 
 
-def build(folder: Path) -> None:
-    """Make all libraries and their manifest in ``folder``; CalledProcessError, and no change, where a group fails."""
+def build(folder: Path, groups: Sequence[str] = GROUPS) -> None:
+    """Make these libraries and their manifest in ``folder``; CalledProcessError, and no change, where a group fails."""
     made_with = {"numba": version("numba"), "llvmlite": version("llvmlite"), "linker": link.version()}
     with TemporaryDirectory() as cache, TemporaryDirectory() as fresh:
         environment = os.environ | SETTINGS | {"NUMBA_CACHE_DIR": cache}  # what numba has cached has no LLVM module
-        for process in [_begun(group, fresh, environment) for group in GROUPS]:
+        for process in [_begun(group, fresh, environment) for group in groups]:
             if process.wait():
                 raise subprocess.CalledProcessError(process.returncode, process.args)
-        about: dict[str, Any] = {}
-        for part in [Path(fresh) / f"{group}.json" for group in GROUPS]:
+        about: dict[str, Any] = {} if set(groups) == set(GROUPS) else dict(manifest(folder)["libraries"])
+        for part in [Path(fresh) / f"{group}.json" for group in groups]:
             about |= json.loads(part.read_text(encoding="utf-8"))
             part.unlink()
         shutil.copytree(fresh, folder, dirs_exist_ok=True)
@@ -54,9 +58,13 @@ def _begun(group: str, folder: str, environment: dict[str, str]) -> subprocess.P
 
 def main() -> None:
     """The command."""
-    begun, folder = perf_counter(), Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER
+    asked = ArgumentParser(prog="python -m vibeam.flight.ahead_of_time", description="Make the compiled kernels anew.")
+    asked.add_argument("folder", nargs="?", type=Path, default=FOLDER, help="where to (in place)")
+    asked.add_argument("--only", choices=GROUPS, help="the libraries of one group alone")
+    given, begun = asked.parse_args(), perf_counter()
+    folder = given.folder
     folder.mkdir(parents=True, exist_ok=True)
-    build(folder)
+    build(folder, [given.only] if given.only else GROUPS)
     size = sum(file.stat().st_size for file in folder.rglob("*.xz"))
     print(f"{folder}: {size / 1e6:.2f} MB, {perf_counter() - begun:.0f} s")
 

@@ -18,8 +18,9 @@ from vibeam.flight.ahead_of_time.emit import TARGETS, emitted
 from vibeam.flight.ahead_of_time.modules import Compiled, compiled
 from vibeam.flight.ahead_of_time.scenes import SCENES
 from vibeam.flight.entries import ENTRIES
-from vibeam.flight.kernels.sources import digest, sources_of
+from vibeam.flight.kernels.sources import digest
 from vibeam.flight.libraries.manifest import file_of
+from vibeam.flight.libraries.sources import sources_of
 
 
 def build(group: str, folder: Path) -> None:

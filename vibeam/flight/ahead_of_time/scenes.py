@@ -8,6 +8,7 @@ import numpy as np
 
 from vibeam.flight.entries import march
 from vibeam.flight.kernels.moreau_layout import ROWS
+from vibeam.flight.points.points import PlainPoints, Settings, compute
 from vibeam.flight.trajectory import simulate
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.laws.compliant import HuntCrossley
@@ -29,6 +30,13 @@ def fly_in_regimes() -> None:
     simulate(replace(PLAIN, law=HuntCrossley(1e6)), DRIVE, 0.1, certify=True).at(0.05)
 
 
+def fly_side_by_side() -> None:
+    """Points of a batch."""
+    one = np.ones(1)
+    points = PlainPoints([PLAIN], np.zeros(1, dtype=np.int64), DRIVE.omega * one, DRIVE.amplitude * one, one, 0.7 * one)
+    compute(points, Settings(settle=1, hold=1, output="contact", strobes=0, elastic=False, most_modes=2))
+
+
 def step() -> None:
     """No step of Moreau–Jean time stepping."""
     march(
@@ -40,5 +48,6 @@ def step() -> None:
 SCENES = {  # by group: the libraries and what calls all of their entry points
     "flight": (("tables", "flight", "certificate"), (fly,)),
     "regimes": (("regimes",), (fly_in_regimes,)),
+    "points": (("points",), (fly_side_by_side,)),
     "moreau": (("moreau",), (step,)),
 }

@@ -13,11 +13,12 @@ from hashlib import sha256
 from itertools import count
 from pathlib import Path
 
-from vibeam.flight.kernels.sources import digest, sources_of
+from vibeam.flight.kernels.sources import digest
 from vibeam.flight.libraries.call import Call
 from vibeam.flight.libraries.errors import LibraryUnavailable
 from vibeam.flight.libraries.manifest import FOLDER, file_of, manifest
 from vibeam.flight.libraries.processor import level as level_of_processor
+from vibeam.flight.libraries.sources import sources_of
 
 BUILD = "python -m vibeam.flight.ahead_of_time"
 

@@ -1,0 +1,1 @@
+"""Kernels of independent points side by side in the processor's lanes."""

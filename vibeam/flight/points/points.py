@@ -1,0 +1,200 @@
+"""Steady points of plain systems, each with its gap, restitution, drive and start, by compiled code alone."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.flight.entries import run_points
+from vibeam.flight.event_driven import LONGEST_PERIOD, ROWS
+from vibeam.flight.kernels.layout import (
+    COMPLETE,
+    COUNT_ROWS,
+    EVERYTHING,
+    FREE,
+    IMPACTS,
+    PANELS,
+    PAUSED,
+    RESTING,
+    RESULT_ROWS,
+    STATUS_ROWS,
+    TRACE_COLUMNS,
+    Engine,
+    Watch,
+)
+from vibeam.flight.linear.packing import PackedSystem
+from vibeam.flight.pause import pause
+from vibeam.flight.points.kernels import layout as row
+from vibeam.flight.points.packing import blank, equilibria, held, packed, stacked
+from vibeam.flight.readout import PointReadout
+from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.response import FrequencyResponse
+
+Array = NDArray[np.float64]
+
+LIMIT = 100_000  # impacts a drive period after which a point is given up, as of a sweep
+
+SIDE_BY_SIDE = 8  # modes up to which points go side by side
+
+
+@dataclass(frozen=True)
+class PlainPoints:
+    """Points (m,): systems of one number of modes and which of them each is of, drives in rad/s and m, gaps in m,
+    restitutions; starts (m, 2, n), None: static equilibrium, and which of them rest on the stop.
+    """
+
+    systems: Sequence[ImpactSystem]
+    system: NDArray[np.int64]
+    omega: Array
+    amplitude: Array
+    gap: Array
+    restitution: Array
+    starts: Array | None = None
+    resting: NDArray[np.bool_] | None = None
+
+    def of(self, which: NDArray[np.int64]) -> PlainPoints:
+        """Some of the points, and the systems that they are of."""
+        used, system = np.unique(self.system[which], return_inverse=True)
+        return PlainPoints(
+            [self.systems[i] for i in used], system, self.omega[which], self.amplitude[which], self.gap[which],
+            self.restitution[which], None if self.starts is None else self.starts[which],
+            None if self.resting is None else self.resting[which],
+        )  # fmt: skip
+
+    def start(self, which: NDArray[np.int64]) -> tuple[Array, Array]:
+        """Poses (k, 2, n) of points of one system, and whether FREE or RESTING, (k,)."""
+        if self.starts is None:
+            return self.rest(which)
+        resting = np.zeros(len(which)) if self.resting is None else self.resting[which]
+        return self.starts[which], np.where(resting, RESTING, FREE)
+
+    def rest(self, which: NDArray[np.int64]) -> tuple[Array, Array]:
+        """The same in static equilibrium."""
+        gaps, places = np.unique(self.gap[which], return_inverse=True)
+        poses, kinds = equilibria(self.systems[self.system[which[0]]], gaps)
+        return poses[places], kinds[places]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What every point goes through; ``most_modes`` up to which points go side by side, 0: each alone, as in a sweep.
+
+    ``elastic``: whether all restitutions are next to 1, or none (``packing.packed``).
+    """
+
+    settle: int  # drive periods
+    hold: int
+    output: str
+    strobes: int
+    elastic: bool
+    most_modes: int
+
+
+@dataclass(frozen=True)
+class PlainResults:
+    """Points (m,) in the user's order of modes: what was read off, states (m, 2, n) after it, strobes (m, k)."""
+
+    response: FrequencyResponse
+    states: Array
+    resting: NDArray[np.bool_]
+    strobes: Array
+
+
+Packed = tuple[PackedSystem, Engine]
+
+
+def compute(points: PlainPoints, settings: Settings) -> list[tuple[NDArray[np.int64], PlainResults]]:
+    """Settle and watch every point: those that are packed alike, by their numbers, and what they came to."""
+    slowest = float(points.omega.min())
+    made = [packed(system, slowest, settings.elastic, settings.output) for system in points.systems]
+    kinds = [(engine.cells.size, _output(packing, settings).tobytes()) for packing, engine in made]
+    kind = np.array([kinds.index(each) for each in kinds])[points.system]
+    found = []
+    for each in np.unique(kind):
+        which = np.flatnonzero(kind == each)
+        alike = [made[i] for i in np.unique(points.system[which])]
+        found.append((which, _run(points.of(which), alike, settings)))
+    return found
+
+
+def _output(packing: PackedSystem, settings: Settings) -> Array:
+    """Row of the output in the kernels' order of modes."""
+    return packing.inward(packing.system.output(settings.output))
+
+
+def _run(points: PlainPoints, made: list[Packed], settings: Settings) -> PlainResults:
+    begun, task = time.thread_time(), _task(points, made, settings)
+    lane, room = _lane(task), _room(made[0][0], settings)
+    outcome, first = PAUSED, 0
+    while outcome == PAUSED:
+        pause()
+        outcome, first = run_points(
+            task, lane, room, first, settings.settle, settings.hold, LIMIT, LONGEST_PERIOD, settings.most_modes
+        )
+    return _results(points, made, task, settings.hold, time.thread_time() - begun)
+
+
+def _task(points: PlainPoints, made: list[Packed], settings: Settings) -> row.Task:
+    m, n, blocks = len(points.omega), points.systems[0].size, made[0][1].rest.blocks.shape[1]
+    at, constants, offsets = np.zeros((m, n)), np.zeros((m, 2, blocks)), np.zeros((m, 2))
+    poses, kinds = np.zeros((m, 2, n)), np.zeros(m)
+    for i, (packing, engine) in enumerate(made):
+        which = np.flatnonzero(points.system == i)
+        gaps, places = np.unique(points.gap[which], return_inverse=True)
+        found = held(engine, _output(packing, settings), gaps)
+        for target, values in zip((at, constants, offsets), found, strict=True):
+            target[which] = values[places]
+        start, kinds[which] = points.start(which)
+        poses[which] = packing.inward(start)
+    return row.Task(
+        stacked([engine for _, engine in made]), points.system.astype(np.int64),
+        np.stack([points.omega, points.amplitude, points.gap, points.restitution], axis=1),
+        at, constants, offsets, poses, kinds,
+        np.zeros((m, RESULT_ROWS)), np.zeros((m, n)), np.zeros((m, settings.strobes)),
+        np.zeros((m, COUNT_ROWS), dtype=np.int64), np.zeros((m, 2), dtype=np.int64),
+    )  # fmt: skip
+
+
+def _lane(task: row.Task) -> row.Lane:
+    """Lanes without points."""
+    width, n = row.WIDTH, task.energy.shape[1]
+    whole = np.zeros((width, row.LANE_ROWS), dtype=np.int64)
+    whole[:, row.PACK] = -1
+    return row.Lane(
+        np.zeros(row.COMMON_ROWS * width), np.zeros(n * row.MODAL_ROWS * width), blank(task.packs, width),
+        np.zeros((width, 2, n)), np.zeros((width, STATUS_ROWS)), np.zeros((width, COUNT_ROWS), dtype=np.int64),
+        whole, np.zeros((width, row.ALONE_ROWS)), np.zeros(row.MARK + n),
+    )  # fmt: skip
+
+
+def _room(made: PackedSystem, settings: Settings) -> Watch:
+    n, hold = made.system.size, settings.hold
+    return Watch(
+        _output(made, settings), np.zeros((0, TRACE_COLUMNS)),
+        np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n)), np.zeros((hold + 1, 2, n)), np.zeros((2, n)),
+        np.zeros((2, n)), np.zeros(RESULT_ROWS), np.zeros(n), np.zeros(n + 1), EVERYTHING,
+    )  # fmt: skip
+
+
+def _results(points: PlainPoints, made: list[Packed], task: row.Task, hold: int, seconds: float) -> PlainResults:
+    tally = PointReadout(0, 0)
+    tally.result, tally.energy, tally.counts = task.results, task.energy, task.counts
+    tally.ended, tally.period = np.ascontiguousarray(task.ended[:, 0]), np.ascontiguousarray(task.ended[:, 1])
+    work = task.counts[:, IMPACTS] + task.counts[:, PANELS] + 1.0
+    tally.seconds = seconds * work / work.sum()
+    response = tally.response(points.omega, hold, 0.0)
+    np.add(response.reach, points.gap, out=response.reach)
+    states, kinds = task.poses, task.kinds
+    for i, (packing, _) in enumerate(made):
+        which = np.flatnonzero(points.system == i)
+        states[which] = packing.outward(states[which])
+        response.mode_energy[which] = packing.outward(response.mode_energy[which])
+        failed = which[tally.ended[which] != COMPLETE]
+        if len(failed):
+            states[failed], kinds[failed] = points.rest(failed)
+            task.strobes[failed] = np.nan
+    return PlainResults(response, states, kinds == RESTING, task.strobes)
