@@ -188,7 +188,7 @@ def _models(case: Case, asked: Sequence[str] | None) -> tuple[dict[str, ImpactSy
         else:
             found[name] = built[name]
     if len(found) < 2:
-        raise ValueError(f"a verdict compares two models or more, and the case has {len(found)}: {'; '.join(notes)}")
+        raise ValueError("; ".join([f"a verdict compares two models or more, and the case has {len(found)}", *notes]))
     untold = [name for name, system in found.items() if tangent_fault(system)]
     if untold:
         reason = tangent_fault(found[untold[0]])
