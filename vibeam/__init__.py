@@ -72,6 +72,7 @@ if TYPE_CHECKING:
     from vibeam.studies.regression.check import compare_measured as compare_measured
     from vibeam.studies.stability.study import stability as stability
     from vibeam.studies.stored import read as read
+    from vibeam.studies.uncertainty.study import uncertainty as uncertainty
     from vibeam.studies.verdict.study import Verdict as Verdict
     from vibeam.studies.verdict.study import verdict as verdict
     from vibeam.system.contact import Contact as Contact
@@ -124,6 +125,7 @@ _HOMES = {
     "orbit_map": "vibeam.orbits.orbit_map",
     "stability": "vibeam.studies.stability.study",
     "read": "vibeam.studies.stored",
+    "uncertainty": "vibeam.studies.uncertainty.study",
     "influence": "vibeam.studies.influence.study",
     "verdict": "vibeam.studies.verdict.study",
     "Verdict": "vibeam.studies.verdict.study",

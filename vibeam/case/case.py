@@ -14,7 +14,7 @@ from vibeam.case.plans import AccuracyPlan, CostPlan, FigurePlan, InfluencePlan,
 
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity
-    from vibeam.case.plans import Expectation, MapPlan, Measured, ShowPlan
+    from vibeam.case.plans import Expectation, MapPlan, Measured, ShowPlan, Uncertain
     from vibeam.case.reference_record import ReferenceCurve
     from vibeam.observe.measuring_chain import Chain
     from vibeam.system.impact_system import ImpactSystem
@@ -55,6 +55,7 @@ class Case:
     chains: Mapping[str, Chain | None] = field(default_factory=dict)
     accuracy: AccuracyPlan | None = None
     maps: Mapping[str, MapPlan] = field(default_factory=dict)
+    uncertain: tuple[Uncertain, ...] = ()
 
     def __repr__(self) -> str:
         grid = self.sweep.frequency

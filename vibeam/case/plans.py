@@ -130,6 +130,29 @@ class InfluencePlan:
 
 
 @dataclass(frozen=True)
+class Uncertain:
+    """Uncertain input at a dotted ``key``, in SI.
+
+    ``"normal"`` of mean ``first`` and standard deviation ``second``, or ``"uniform"`` between the two.
+    """
+
+    key: str
+    kind: Literal["normal", "uniform"]
+    first: float
+    second: float
+
+    @property
+    def middle(self) -> float:
+        """Mean."""
+        return self.first if self.kind == "normal" else (self.first + self.second) / 2
+
+    @property
+    def deviation(self) -> float:
+        """Standard deviation."""
+        return self.second if self.kind == "normal" else float((self.second - self.first) / 12**0.5)
+
+
+@dataclass(frozen=True)
 class AccuracyPlan:
     """Plan of ``accuracy``: relative error ``within`` of the finest fidelity's ``quantities``."""
 

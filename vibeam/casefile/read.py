@@ -26,6 +26,7 @@ from vibeam.casefile.build import (
     _shared,
     _shows,
     _sweep,
+    _uncertain,
     numbers_of,
 )
 from vibeam.casefile.content import content, digest, toml_text
@@ -80,6 +81,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         chains={name: _chain(own) for name, own in changed.items()},
         accuracy=_accuracy(declared),
         maps=map_plans(declared, sweep),
+        uncertain=_uncertain(declared),
     )
 
 

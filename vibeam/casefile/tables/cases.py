@@ -6,6 +6,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from vibeam.casefile.field_lists import Each
+from vibeam.casefile.field_tables import Settings
 from vibeam.casefile.fields import Text, Word
 from vibeam.casefile.tables.beam import BeamTable, MassTable, SensorTable
 from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable
@@ -42,6 +43,7 @@ class AnyCase(Table):
         map: Any
         cost: Any
         figure: Any
+        uncertain: Any
         measurement: Any
         reference: Any
         expect: Any
@@ -92,6 +94,13 @@ class _Checks(Table):
     measured: dict[str, MeasuredTable] = key("numbers that were measured", None, {}, written=False, **ASIDE)
     show: dict[str, ShowTable] = key("further figures", None, {}, written=False, **ASIDE)
     map: dict[str, MapTable] = key("maps over keys of the case", None, {}, written=False, **ASIDE)
+    uncertain: Annotated[dict[str, Any] | None, Settings()] = key(
+        "inputs that are uncertain: normal about the case's own value, or uniform in a range",
+        {"mass.mass": "± 2 g", "stop.restitution": "0.6 … 0.8"},
+        None,
+        written=False,
+        **ASIDE,
+    )
     figure: FigureTable = key("how figures are written", None, FigureTable(), written=False, **ASIDE)
     cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False, **ASIDE)
 

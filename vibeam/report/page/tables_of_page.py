@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from vibeam.report.table_widths import ReportTable
 
-ELSEWHERE = ("title", "source", "fidelity", "sweep", "show", "reference", "expect", "measured", "cost", "influence",
+ELSEWHERE = ("title", "source", "fidelity", "sweep", "show", "reference", "expect", "measured", "cost", "influence", "map", "uncertain", "fit",
              "figure", "accuracy", "accuracy_of")  # fmt: skip
 
 

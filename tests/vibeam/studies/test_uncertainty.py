@@ -1,0 +1,258 @@
+"""Uncertain inputs: what a case may say, indices and means of known functions, a rig in closed form."""
+
+import csv
+import re
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+
+import vibeam
+from vibeam.case.plans import Uncertain
+from vibeam.casefile.read import parse
+from vibeam.maps.variation import narrowed, varied
+from vibeam.report import uncertainty as report
+from vibeam.studies.uncertainty.multifidelity import Pilot, allocation, estimate
+from vibeam.studies.uncertainty.samples import Sampler, _Declared, inputs_of
+from vibeam.studies.uncertainty.sensitivity import indices, saltelli
+from vibeam.studies.uncertainty.study import uncertainty
+
+CASE = """
+title = "rig"
+[beam]
+length = "180 mm"
+width = "20 mm"
+thickness = "3 mm"
+youngs_modulus = "210 GPa"
+density = "7850 kg/m^3"
+damping_ratio = 0.02
+elements = 8
+[mass]
+mass = "0.2 kg"
+position = "132 mm"
+[stop]
+gap = "10 mm"
+restitution = 0.7
+[sensor]
+position = "100 mm"
+[drive]
+amplitude = "0.02 mm"
+[sweep]
+frequency = { from = "30 Hz", to = "60 Hz", points = 7 }
+direction = "up"
+settle = 60
+hold = 5
+[fidelity.sdof]
+reduction = "static_mode"
+[fidelity.beam]
+reduction = "modal"
+modes = 3
+"""
+
+
+def said(text):
+    return parse(f"{CASE}\n[uncertain]\n{text}").uncertain
+
+
+def test_distributions_are_about_the_case_s_own_values():
+    found = said(
+        '"mass.mass" = "± 2 g"\n"beam.thickness" = "3 mm +/- 0.01 mm"\n"beam.damping_ratio" = "± 5 %"\n'
+        'stop.restitution = "0.6 … 0.8"\n"stop.gap" = "9 mm ... 11 mm"\n"drive.amplitude" = "± 1e-6"'
+    )
+    assert found == (
+        Uncertain("mass.mass", "normal", 0.2, 0.002),
+        Uncertain("beam.thickness", "normal", 0.003, 1e-5),
+        Uncertain("beam.damping_ratio", "normal", 0.02, 0.001),
+        Uncertain("stop.restitution", "uniform", 0.6, 0.8),
+        Uncertain("stop.gap", "uniform", 0.009, 0.011),
+        Uncertain("drive.amplitude", "normal", 2e-5, 1e-6),
+    )
+    assert found[3].deviation == pytest.approx(0.2 / np.sqrt(12))
+    text = parse(f'{CASE}\n[uncertain]\n"mass.mass" = "± 2 g"').text
+    assert parse(text).uncertain == found[:1]
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ('"mass.mas" = "± 2 g"', "unknown key 'mass.mas'"),
+        ('"sweep.hold" = "± 2"', "sweep is shared by all fidelities: uncertain may be beam"),
+        ('"beam.elements" = "± 2"', "holds no single number that could be uncertain"),
+        ('"beam.ends" = "± 2"', "holds no single number that could be uncertain"),
+        ('"platform.mass" = "± 1 kg"', "has no number in this case: write the key itself first"),
+        ('"mass.mass" = 3', "must be text, not 3"),
+        ('"mass.mass" = "2 g"', "'2 g' is no distribution"),
+        ('"mass.mass" = "± 2 mm"', "'2 mm' is a length, not a mass"),
+        ('"mass.mass" = "± -2 g"', "must be ≥ 0"),
+        ('"mass.mass" = "± 0 g"', "a standard deviation is above 0"),
+        ('"mass.mass" = "0.3 kg ± 2 g"', "'0.3 kg' is not the value of the case itself, 0.2 in SI units"),
+        (
+            '"stop.restitution" = "± 0.1"',
+            "5 standard deviations from 0.7, '1.2' is outside [0, 1]: write a range instead",
+        ),
+        ('"stop.restitution" = "0.6 … 1.2"', "is outside [0, 1]"),
+        ('"stop.restitution" = "0.8 … 0.6"', "goes from the lower value to the higher one, not from 0.8 to 0.6"),
+    ],
+)
+def test_what_is_no_distribution_is_refused_at_its_line(line, message):
+    with pytest.raises(vibeam.CaseError, match=re.escape(message)) as raised:
+        said(line)
+    (fault,) = raised.value.faults
+    assert fault.line == 1 + f"{CASE}\n[uncertain]\n".count("\n")
+    assert fault.key.startswith("uncertain.")
+
+
+def test_nothing_uncertain_and_odd_numbers_of_samples_are_refused():
+    with pytest.raises(ValueError, match="the case says nothing of what is uncertain"):
+        uncertainty(parse(CASE))
+    with pytest.raises(ValueError, match="samples: 48, must be a power of two, 16 or more"):
+        uncertainty(parse(f'{CASE}\n[uncertain]\n"mass.mass" = "± 2 g"'), samples=48)
+
+
+def test_inputs_are_quantiles_of_their_distributions():
+    shares = np.array([[0.5, 0.25], [0.8413447460685429, 1.0 - 1e-12]])
+    found = inputs_of((Uncertain("a", "normal", 2.0, 0.5), Uncertain("b", "uniform", -1.0, 3.0)), shares)
+    np.testing.assert_allclose(found, [[2.0, 0.0], [2.5, 3.0]], rtol=1e-9, atol=1e-9)
+
+
+def test_indices_of_the_ishigami_function_are_the_known_ones():
+    """f = sin x₁ + 7 sin² x₂ + 0.1 x₃⁴ sin x₁ on [−π, π]³: Ishigami & Homma 1990, in closed form."""
+    x = np.pi * (2 * saltelli(3, 1024, 1) - 1)
+    f = np.sin(x[:, 0]) + 7 * np.sin(x[:, 1]) ** 2 + 0.1 * x[:, 2] ** 4 * np.sin(x[:, 0])
+    found = indices(np.stack([f, np.full(len(f), 2.0), np.where(x[:, 0] > 3, np.nan, f)]), 3, 0)
+    np.testing.assert_allclose(found.first[:, 0], [0.3139, 0.4424, 0.0], atol=0.04)
+    np.testing.assert_allclose(found.total[:, 0], [0.5576, 0.4424, 0.2437], atol=0.04)
+    assert np.all((found.low[:, 0] < [0.5576, 0.4424, 0.2437]) & (found.high[:, 0] > [0.5576, 0.4424, 0.2437]))
+    assert np.isnan(found.total[:, 1:]).all()
+
+
+def pilot(rng, count, correlation, costs):
+    """Values of three models with exact correlations with the first, of other means and deviations."""
+    one, two, three = rng.standard_normal((3, count))
+    values = {
+        "finest": 5 + 2 * one,
+        "middle": 1 + 3 * (correlation[0] * one + np.sqrt(1 - correlation[0] ** 2) * two),
+        "cheap": -4 + 0.5 * (correlation[1] * one + np.sqrt(1 - correlation[1] ** 2) * three),
+    }
+    return Pilot(values, dict(zip(values, costs, strict=True)))
+
+
+def test_the_allocation_has_the_least_variance_for_its_cost():
+    """Against a numerical minimum over the numbers of runs, with the variance of the nested estimator (eq. 3.3)."""
+    known = pilot(np.random.default_rng(5), 400_000, (0.95, 0.8), (1.0, 0.1, 0.001))
+    chosen = allocation(known)
+    assert chosen.names == ("finest", "middle", "cheap")
+    squares, costs = np.array([1, 0.95**2, 0.8**2, 0]), np.array([1.0, 0.1, 0.001])
+
+    def variance(logs):
+        numbers = np.exp(np.concatenate([[0.0], logs]))
+        numbers *= 1 / (numbers @ costs)
+        return float(np.sum((squares[:-1] - squares[1:]) / numbers))
+
+    best = minimize(variance, [1.0, 3.0], method="Nelder-Mead", options={"xatol": 1e-10, "fatol": 1e-14})
+    assert chosen.gain == pytest.approx(1 / best.fun, rel=0.01)
+    np.testing.assert_allclose(chosen.ratios[1:], np.exp(best.x), rtol=0.02)
+    np.testing.assert_allclose(chosen.weights[1:], [0.95 * 2 / 3, 0.8 * 2 / 0.5], rtol=0.01)
+
+
+def test_models_that_save_nothing_are_left_out():
+    chosen = allocation(pilot(np.random.default_rng(5), 4000, (0.3, 0.1), (1.0, 0.9, 0.8)))
+    assert chosen.names == ("finest",)
+    assert chosen.gain == 1
+
+
+def test_the_estimate_is_unbiased_covers_and_has_the_predicted_error():
+    """200 repeats: 95 % intervals hold the truth 5 in 186 … 196 of them or nearly, the spread is that of eq. 3.6."""
+    chosen = allocation(pilot(np.random.default_rng(5), 400_000, (0.95, 0.8), (1.0, 0.1, 0.001)))
+    counts = chosen.counts(40)
+    found = []
+    for seed in range(200):
+        drawn = pilot(np.random.default_rng(100 + seed), max(counts), (0.95, 0.8), (1.0, 0.1, 0.001)).values
+        values = {name: drawn[name][:number] for name, number in zip(chosen.names, counts, strict=True)}
+        found.append(estimate(chosen, values, 1.0, seed))
+    means = np.array([each.mean for each in found])
+    steps = np.array([1 - 0.95**2, 0.95**2 - 0.8**2, 0.8**2])
+    error = 2 * np.sqrt(np.sum(steps / counts))
+    assert means.mean() == pytest.approx(5, abs=4 * error / np.sqrt(200))
+    assert means.std(ddof=1) == pytest.approx(error, rel=0.2)
+    assert np.mean([each.error for each in found]) == pytest.approx(error, rel=0.1)
+    assert 180 <= sum(each.low < 5 < each.high for each in found) <= 199
+
+
+@pytest.mark.parametrize("name", ["sdof", "own"])
+def test_a_scene_of_other_values_is_that_of_the_case_read_anew(name):
+    text = CASE + '[fidelity.own]\nreduction = "modal"\nmodes = 2\nset = { "mass.mass" = "0.25 kg" }\n'
+    text += '[[added_mass]]\nmass = "2 g"\nposition = "50 mm"\n'
+    keys = ("mass.mass", "beam.damping_ratio", "added_mass.0.mass", "stop.gap", "drive.amplitude", "beam.thickness")
+    values = (0.21, 0.03, 0.003, 0.011, 3e-5, 0.0031)
+    case = parse(text)
+    quick = _Declared.of(case, name, keys).scene(np.array(values))
+    slow = varied(narrowed(case, name), "case.toml", name, tuple(zip(keys, values, strict=True))).scene_of(name)
+    assert quick == slow
+    assert quick != case.scene_of(name)
+
+
+@pytest.fixture(scope="module")
+def study():
+    """A rig that never touches its stop answers in proportion to its drive, whatever the frequency."""
+    case = parse(f'{CASE}\n[uncertain]\n"drive.amplitude" = "± 1 %"\n"stop.restitution" = "0.6 … 0.8"')
+    return uncertainty(case, samples=64)
+
+
+def test_a_linear_rig_spreads_as_its_drive(study):
+    for row in study.rows:
+        assert row.peak.deviation / row.peak.nominal == pytest.approx(0.01, rel=0.03)
+        assert row.peak.mean == pytest.approx(row.peak.nominal, rel=1e-3)
+        np.testing.assert_allclose(row.bands[-1] / row.nominal, 1.01645, rtol=1.5e-3)
+        np.testing.assert_allclose(row.bands[0] / row.nominal, 0.98355, rtol=1.5e-3)
+        assert row.peak_frequency.deviation == 0
+        assert np.isnan(row.jump.nominal)
+    np.testing.assert_allclose(study.over_frequency.total[0], 1, atol=0.1)
+    np.testing.assert_allclose(study.over_frequency.total[1], 0, atol=1e-12)
+
+
+def test_the_nominal_curve_is_that_of_the_run(study):
+    result = vibeam.run(study.case)
+    for row in study.rows:
+        np.testing.assert_array_equal(row.nominal, result[row.fidelity].up.amplitude)
+
+
+def test_several_fidelities_give_the_mean_of_the_finest(study):
+    found = study.mean_peak
+    assert found.correlations["sdof"] == pytest.approx(1, abs=1e-6)
+    assert found.several.mean == pytest.approx(study.finest.peak.nominal, rel=3e-3)
+    assert found.several.low < found.several.mean < found.several.high
+
+
+def test_errors_stand_side_by_side():
+    text = (
+        '[measured.lab]\nfidelity = "beam"\nquantity = "peak"\nvalue = "0.1 mm"\nscatter = "1 µm"\nsource = "bench"\n'
+    )
+    case = parse(f'{CASE}\n{text}\n[uncertain]\n"drive.amplitude" = "± 1 %"')
+    sdof, beam = uncertainty(case, samples=16).errors
+    assert sdof.form == pytest.approx(sdof.peak - beam.peak)
+    assert beam.comparison == pytest.approx(beam.peak - 1e-4)
+    known = [each for each in (beam.numerical, beam.given, 1e-6) if np.isfinite(each)]
+    assert beam.validation == pytest.approx(np.sqrt(np.sum(np.square(known))))
+    assert np.isnan(sdof.validation)
+
+
+def test_tables_sentences_and_files(study, tmp_path):
+    text = " ".join(report.sentences(study))
+    assert "Most of it comes from drive.amplitude" in text
+    assert "multi-fidelity Monte Carlo" in text
+    assert [len(table.rows) for table in (report.inputs(study), report.fidelities(study), report.errors(study))] == [
+        2
+    ] * 3
+    files = report.write_files(study, tmp_path / "case.csv")
+    assert {path.suffix for path in files} == {".png", ".svg", ".csv"}
+    with (tmp_path / "case.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 14
+    assert float(rows[-1]["quantile_0.95"]) == pytest.approx(study.finest.bands[-1, -1])
+
+
+def test_a_sample_that_the_case_may_not_have_is_refused():
+    case = parse(f'{CASE}\n[uncertain]\n"mass.position" = "100 mm … 200 mm"')
+    with pytest.raises(vibeam.CaseError, match=r"mass\.position"):
+        Sampler(case, ("mass.position",))("sdof", np.array([[0.1], [0.2]]))

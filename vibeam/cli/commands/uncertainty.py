@@ -1,0 +1,32 @@
+"""``vibeam uncertainty``: bands on the curve, sensitivity, a cheaper mean, errors side by side."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, run_study, table_path
+from vibeam.cli.output import print_result
+
+
+def uncertainty(
+    case: CaseFile,
+    set_: Overrides = None,
+    as_json: AsJson = False,
+    out: TableFile = None,
+    samples: Annotated[int, typer.Option("--samples", min=16, help="A power of two: of runs an input.")] = 128,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of the samples.")] = 0,
+) -> None:
+    """Carry what [uncertain] says through the sweep: bands, sensitivity, errors side by side."""
+    from vibeam.report import uncertainty as report
+    from vibeam.studies.uncertainty.study import uncertainty as study_of
+
+    loaded = load(case, set_)
+    path = table_path(loaded, out, "uncertainty")
+    study = run_study(case, loaded, lambda own, tell: study_of(own, tell, samples=samples, seed=seed))
+    files, sentences = report.write_files(study, path, loaded.figure), list(report.sentences(study))
+    print_result(
+        report.record(study) | {"sentences": sentences, "files": files}, as_json,
+        lambda tables: [report.inputs(study), report.fidelities(study), report.errors(study)], [*sentences, *files],
+    )  # fmt: skip

@@ -1,0 +1,237 @@
+"""Uncertainty study as tables, sentences, a figure and CSV."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from vibeam.case.outputs import quantity_of
+from vibeam.case.plans import FigurePlan
+from vibeam.figures.files import paths_of
+from vibeam.figures.outputs import amplitude_of, frequency_label
+from vibeam.figures.page import blank_page, legend, titled, write_page
+from vibeam.figures.style import look, looks_of, name_of
+from vibeam.figures.units import Units, percent, units_of
+from vibeam.report.output import write_rows
+from vibeam.report.table_widths import ReportTable
+from vibeam.report.tables import blank, plain
+
+if TYPE_CHECKING:
+    from vibeam.studies.uncertainty.study import Spread, UncertaintyStudy
+
+
+def units_in(study: UncertaintyStudy) -> Units:
+    """Units by the largest amplitude."""
+    output = quantity_of(study.case, study.case.sweep.output).name
+    return units_of(study.case, float(np.nanmax(study.finest.bands, initial=0.0)), quantity=output)
+
+
+def inputs(study: UncertaintyStudy) -> ReportTable:
+    """Table of the uncertain inputs, with their shares in the variance of the finest fidelity's peak."""
+    table = blank("Uncertain inputs", "key", "distribution", "mean|", "std. deviation|", "first order|", "total|")
+    table.add("95 % of the total|")
+    table.caption = (
+        "in SI units; first order: share of the variance of the finest fidelity's peak that this input gives alone,\n"
+        "total: with all that it gives together with others (Sobol' indices; scatter of samples may pass 0 and 1)"
+    )
+    found = study.of_peak
+    for place, each in enumerate(study.uncertain):
+        kind = "normal" if each.kind == "normal" else f"uniform, {each.first:.6g} … {each.second:.6g}"
+        numbers = (found.first[place, 0], found.total[place, 0])
+        between = f"{found.low[place, 0]:.2f} … {found.high[place, 0]:.2f}" if isfinite(numbers[1]) else "–"
+        cells = (f"{value:.2f}" if isfinite(value) else "–" for value in numbers)
+        table.add_row(each.key, kind, f"{each.middle:.6g}", f"{each.deviation:.3g}", *cells, between)
+    return table
+
+
+def fidelities(study: UncertaintyStudy) -> ReportTable:
+    """Table of the peak, its frequency and the end of period 1 of each fidelity over the samples."""
+    units = units_in(study)
+    length, hertz = (f" ({unit})" if unit else "" for unit in (units.length, units.frequency))
+    table = blank("What the inputs make of the sweep", "fidelity", f"peak{length}|", "mean|", "5 % … 95 %|")
+    table.add(f"at{hertz}|", "5 % … 95 %|", f"period 1 ends{hertz}|", "5 % … 95 %|", "samples|", "failed|", "CPU each|")
+    table.caption = (
+        "first number of each: at the case's own values; period 1 ends: in the way of the sweep, from the peak"
+    )
+    for row in study.rows:
+        failed = "–" if not row.failed else str(row.failed)
+        table.add_row(
+            row.fidelity,
+            *_spread(row.peak, units, "lengths", mean=True),
+            *_spread(row.peak_frequency, units, "frequencies"),
+            *_spread(row.jump, units, "frequencies"),
+            str(row.samples),
+            failed,
+            f"{1e3 * row.seconds:.3g} ms",
+        )
+    return table
+
+
+def _spread(each: Spread, units: Units, way: str, mean: bool = False) -> Iterator[str]:
+    show = getattr(units, way)
+    yield plain(show(each.nominal))
+    if mean:
+        yield plain(show(each.mean))
+    yield f"{plain(show(each.quantiles[0]))} … {plain(show(each.quantiles[-1]))}"
+
+
+def errors(study: UncertaintyStudy) -> ReportTable:
+    """Table of the uncertainties of the peak side by side, after ASME V&V 20."""
+    units = units_in(study)
+    unit = f" ({units.length})" if units.length else ""
+    table = blank(
+        "Errors of the peak side by side", "fidelity", f"peak{unit}|", "numerical|", "by the inputs|", "data|"
+    )
+    table.add("to the finest|", "measured|", "to the measured|", "u_val|")
+    table.caption = (
+        "standard uncertainties; numerical: distance from its own limit; by the inputs: standard deviation;\n"
+        "data: scatter of the measurement; u_val: the root of the sum of their squares (ASME V&V 20). –: not known here"
+    )
+    for row in study.errors:
+        values = (row.numerical, row.given, row.scatter, row.form, row.measured, row.comparison, row.validation)
+        table.add_row(row.fidelity, *(plain(units.lengths(value)) for value in (row.peak, *values)))
+    return table
+
+
+def sentences(study: UncertaintyStudy) -> Iterator[str]:
+    """Sentences: what the inputs do, what a cheaper estimate of the mean costs, what is told apart."""
+    yield from _wide(study)
+    yield from _mean(study)
+    yield from _told_apart(study)
+    failed = [f"{row.failed} of {row.fidelity}" for row in study.rows if row.failed]
+    if failed:
+        yield f"Samples with a point that failed: {', '.join(failed)}; bands and indices leave these out."
+
+
+def _wide(study: UncertaintyStudy) -> Iterator[str]:
+    peak, units = study.finest.peak, units_in(study)
+    totals = [(study.of_peak.total[place, 0], each.key) for place, each in enumerate(study.uncertain)]
+    known = [each for each in totals if isfinite(each[0])]
+    yield (
+        f"The inputs spread the peak of {study.finest.fidelity} by {percent(peak.deviation / peak.mean)} "
+        f"(standard deviation): {units.lengths(peak.quantiles[0])} to {units.lengths(peak.quantiles[-1])} in 90 %."
+    )
+    if known:
+        share, key = max(known)
+        yield f"Most of it comes from {key} ({percent(min(share, 1.0))} of the variance)."
+
+
+def _mean(study: UncertaintyStudy) -> Iterator[str]:
+    found, units = study.mean_peak, units_in(study)
+    if found is None:
+        yield "No cheaper model is close enough to save runs of the finest in the mean of its peak."
+        return
+    runs = ", ".join(f"{number} of {name}" for name, number in zip(found.chosen.names, found.counts, strict=True))
+    correlation = ", ".join(f"{found.correlations[name]:.4f}" for name in found.chosen.names[1:])
+    alone, several = found.alone, found.several
+    yield (
+        f"Mean of its peak: {units.lengths(alone.mean)} ± {units.lengths(1.96 * alone.error)} by "
+        f"{study.finest.samples} runs of it alone ({alone.seconds:.3g} s of CPU time); "
+        f"{units.lengths(several.mean)} ± {units.lengths(1.96 * several.error)} by {runs} "
+        f"({several.seconds:.3g} s; multi-fidelity Monte Carlo, correlation {correlation})."
+    )
+    yield (
+        f"At equal variance that costs {_ratio(found.saving)} (predicted from {_pilot()} pilot runs: "
+        f"{_ratio(found.chosen.gain)}); the pilot's runs are not counted."
+    )
+
+
+def _ratio(saving: float) -> str:
+    return f"{saving:.3g} times less" if saving >= 1 else f"{1 / saving:.3g} times more"
+
+
+def _pilot() -> int:
+    from vibeam.studies.uncertainty.study import PILOT
+
+    return PILOT
+
+
+def _told_apart(study: UncertaintyStudy) -> Iterator[str]:
+    spread = study.finest.peak.deviation
+    for row in study.errors[:-1]:
+        size = abs(row.form)
+        if not (isfinite(size) and spread > 0):
+            continue
+        off = f"{row.fidelity} is off the finest by {size / spread:.2g} standard deviations of the inputs: "
+        close = "a measurement on this rig would not tell the two apart by the peak."
+        yield off + ("the form of the model shows." if size > 2 * spread else close)
+
+
+def record(study: UncertaintyStudy) -> dict[str, Any]:
+    """What the study found, as JSON takes it."""
+    return {
+        "inputs": study.uncertain, "samples": study.samples, "seed": study.seed, "frequency": study.frequency,
+        "fidelities": study.rows, "sensitivity": study.over_frequency, "sensitivity_of_peak": study.of_peak,
+        "mean_peak": study.mean_peak, "errors": study.errors,
+    }  # fmt: skip
+
+
+USUAL = FigurePlan()
+
+
+def write_files(study: UncertaintyStudy, table: Path, plan: FigurePlan = USUAL) -> list[Path]:
+    """Write the bands as CSV, and the figure beside it as ``plan`` says; return the paths."""
+    figures = paths_of(table, plan)
+    write_page(lambda: bands(study, plan), figures, dots=160)
+    write_rows(list(rows(study)), table)
+    return [*figures, table]
+
+
+def rows(study: UncertaintyStudy) -> Iterator[dict[str, Any]]:
+    """Rows of every fidelity and frequency; indices in those of the finest; missing values are empty."""
+    from vibeam.studies.uncertainty.study import LEVELS
+
+    for row in study.rows:
+        for place, frequency in enumerate(study.frequency):
+            found = {"fidelity": row.fidelity, "frequency": float(frequency), "nominal": row.nominal[place]}
+            found |= {f"quantile_{level:g}": row.bands[at, place] for at, level in enumerate(LEVELS)}
+            for at, each in enumerate(study.uncertain):
+                last = row is study.finest
+                found[f"first_order {each.key}"] = study.over_frequency.first[at, place] if last else np.nan
+                found[f"total {each.key}"] = study.over_frequency.total[at, place] if last else np.nan
+            yield {name: "" if value != value else value for name, value in found.items()}
+
+
+def bands(study: UncertaintyStudy, plan: FigurePlan = USUAL) -> Figure:
+    """Bands on the curve of each fidelity above the total indices of the finest one's amplitude."""
+    units = units_in(study)
+    figure = blank_page((7.0, 6.0), plan)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
+    _draw_bands(study, upper, units)
+    frequency = study.frequency * units.frequency_factor
+    for place, each in enumerate(study.uncertain):
+        keys = look(len(study.rows) + place).keys(1.2)  # no colour of a fidelity
+        lower.plot(frequency, study.over_frequency.total[place], label=f"total index of {each.key}", **keys)
+    lower.set_ylim(0, 1.05)
+    lower.set_ylabel("share of the variance")
+    lower.set_xlabel(frequency_label(units))
+    caption = (
+        f"nine of ten (light) and half (dark) of {study.finest.samples} samples; dashed ends: of the other fidelities"
+    )
+    titled(figure, plan, study.case.title, caption)
+    handles = [each for axes in (upper, lower) for each in axes.get_legend_handles_labels()[0]]
+    legend(figure, handles, [str(each.get_label()) for each in handles])
+    return figure
+
+
+def _draw_bands(study: UncertaintyStudy, axes: Axes, units: Units) -> None:
+    frequency = study.frequency * units.frequency_factor
+    own = looks_of(study.case, [row.fidelity for row in study.rows])
+    for row in study.rows:
+        edges, colour = row.bands * units.length_factor, own[row.fidelity].colour
+        label = name_of(study.case, row.fidelity)
+        if row is study.finest:
+            axes.fill_between(frequency, edges[0], edges[-1], color=colour, alpha=0.18, linewidth=0)
+            axes.fill_between(frequency, edges[1], edges[-2], color=colour, alpha=0.30, linewidth=0)
+        else:
+            for edge in (edges[0], edges[-1]):
+                axes.plot(frequency, edge, color=colour, linewidth=0.7, linestyle=(0, (3, 2)))
+        axes.plot(frequency, row.nominal * units.length_factor, label=label, **own[row.fidelity].keys(1.2))
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel(amplitude_of(study.case.sweep.output, units))

@@ -1,0 +1,1 @@
+"""Uncertainty of the inputs carried through the sweep."""

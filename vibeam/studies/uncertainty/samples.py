@@ -1,0 +1,179 @@
+"""Samples of the uncertain inputs, and the response of a fidelity to each of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import thread_time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.fidelity import gap_drift, gap_wear, system
+from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.read import validate
+from vibeam.casefile.toml import key_parts
+from vibeam.maps.variation import narrowed, varied
+from vibeam.run.parallel import run_parallel
+from vibeam.run.sweep import sweep
+from vibeam.system.response import FrequencyResponse, complete, period_one_range
+from vibeam_models.base_motion import drive_amplitude
+
+if TYPE_CHECKING:
+    from threading import Event
+
+    from vibeam.case.case import Case
+    from vibeam.case.plans import Uncertain
+
+Array = NDArray[np.float64]
+
+
+def inputs_of(uncertain: Sequence[Uncertain], shares: Array) -> Array:
+    """Values (m, d) of the inputs at shares (m, d) in (0, 1) of their distributions, by their inverse functions."""
+    from scipy.stats import norm
+
+    columns = [
+        each.first + each.second * norm.ppf(share)
+        if each.kind == "normal"
+        else each.first + (each.second - each.first) * share
+        for each, share in zip(uncertain, shares.T, strict=True)
+    ]
+    return np.column_stack(columns)
+
+
+@dataclass(frozen=True)
+class Responses:
+    """Responses of one fidelity to ``inputs`` (m, d): ``amplitude`` (m, points) in the sweep's first direction.
+
+    NaN where a point failed. ``peak`` (m,) and ``peak_frequency`` (m,) Hz; ``jump`` (m,) Hz: where period 1 around the
+    peak ends in the way of the sweep. ``seconds`` (m,): CPU time of each, the model's making included.
+    """
+
+    fidelity: str
+    inputs: Array
+    amplitude: Array
+    peak: Array
+    peak_frequency: Array
+    jump: Array
+    seconds: Array
+
+    @property
+    def failed(self) -> int:
+        """Number of samples with a point that failed."""
+        return int(np.count_nonzero(np.isnan(self.amplitude).any(axis=1)))
+
+
+@dataclass(frozen=True)
+class Coarse:
+    """A cheaper sweep: every so many frequencies, at most so many periods left out and read."""
+
+    every: int = 8
+    settle: int = 60
+    hold: int = 10
+
+
+@dataclass(frozen=True)
+class Sampler:
+    """Sweeps of a case at other values of its uncertain inputs; ``coarse``: of fewer frequencies and periods."""
+
+    case: Case
+    keys: tuple[str, ...]
+    coarse: Coarse | None = None
+
+    def nominal(self, fidelity: str) -> Responses:
+        """Response at the case's own values."""
+        return self._gathered(fidelity, _Declared.of(self.case, fidelity, ()), np.empty((1, 0)))
+
+    def __call__(self, fidelity: str, inputs: Array) -> Responses:
+        """Responses to inputs (m, d), several at once; CaseError for a value that the case may not have."""
+        declared = _Declared.of(self.case, fidelity, self.keys)
+        for extreme in (inputs.min(axis=0), inputs.max(axis=0)):
+            settings = tuple(zip(self.keys, map(float, extreme), strict=True))
+            varied(narrowed(self.case, fidelity), str(self.case.path), fidelity, settings)
+        return self._gathered(fidelity, declared, inputs)
+
+    def _gathered(self, fidelity: str, declared: _Declared, inputs: Array) -> Responses:
+        rows: list[tuple[Array, Array]] = [(np.empty(0), np.empty(0))] * len(inputs)
+
+        def one(index: int, stop: Event) -> None:
+            rows[index] = self._row(fidelity, declared, inputs[index])
+
+        run_parallel(one, list(range(len(inputs))))
+        amplitudes, numbers = (np.stack(each) for each in zip(*rows, strict=True))
+        return Responses(fidelity, inputs, amplitudes, *numbers.T)
+
+    def _row(self, fidelity: str, declared: _Declared, values: Array) -> tuple[Array, Array]:
+        begin = thread_time()
+        response = self._swept(declared.scene(values), fidelity)
+        numbers = (*_peak(response), _jump(response), thread_time() - begin)
+        return np.where(complete(response), response.amplitude, np.nan), np.array(numbers)
+
+    def _swept(self, scene: Any, name: str) -> FrequencyResponse:
+        fidelity, plan, coarse = self.case.fidelities[name], self.case.sweep, self.coarse
+        omega = np.sort(2 * np.pi * plan.frequency)[:: coarse.every if coarse else 1]
+        found: Any = sweep(
+            system(scene, fidelity),
+            omega=omega,
+            amplitude=drive_amplitude(scene, omega),
+            direction="down" if plan.direction == "down" else "up",
+            settle=min(plan.settle, coarse.settle) if coarse else plan.settle,
+            hold=min(plan.hold, coarse.hold) if coarse else plan.hold,
+            solver=fidelity.solver,
+            options=fidelity.options,
+            output=plan.output,
+            drift=None if gap_drift(scene, omega) is None else lambda at: np.asarray(gap_drift(scene, at)),
+            wear=gap_wear(scene),
+            harmonics=scene.harmonics,
+        )
+        return found  # type: ignore[no-any-return]
+
+
+@dataclass(frozen=True)
+class _Declared:
+    """Tables of one fidelity's case, and the paths of the keys that change: a scene without reading a case anew."""
+
+    tables: Any
+    paths: tuple[tuple[str, ...], ...]
+    folder: Path
+
+    @classmethod
+    def of(cls, case: Case, fidelity: str, keys: Sequence[str]) -> _Declared:
+        own, changed = validate(narrowed(case, fidelity), case.path, {})
+        paths = tuple(tuple(key_parts(key)) for key in keys)
+        return cls(changed.get(fidelity, own), paths, case.path.parent)
+
+    def scene(self, values: Array) -> Any:
+        tables = self.tables
+        for path, value in zip(self.paths[: len(values)], values, strict=True):
+            tables = _put(tables, path, float(value))
+        return KINDS[tables.kind].scene_of(tables, self.folder)
+
+
+def _put(place: Any, path: Sequence[str], value: float) -> Any:
+    """A copy of tables with one value changed; a list of one number stays one."""
+    if not path:
+        return (value,) if isinstance(place, tuple) else value
+    first, *rest = path
+    if isinstance(place, Mapping):
+        return {**place, first: _put(place[first], rest, value)}
+    if isinstance(place, list | tuple):
+        made = [_put(each, rest, value) if number == int(first) else each for number, each in enumerate(place)]
+        return type(place)(made)
+    return place.model_copy(update={first: _put(getattr(place, first), rest, value)})
+
+
+def _peak(response: FrequencyResponse) -> tuple[float, float]:
+    done = complete(response)
+    if not done.any():
+        return float("nan"), float("nan")
+    top = int(np.argmax(np.where(done, response.amplitude, -np.inf)))
+    return float(response.amplitude[top]), float(response.frequency[top])
+
+
+def _jump(response: FrequencyResponse) -> float:
+    found = period_one_range(response)
+    if found is None:
+        return float("nan")
+    return found[1] if response.frequency[-1] >= response.frequency[0] else found[0]
