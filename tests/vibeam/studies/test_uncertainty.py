@@ -139,10 +139,10 @@ def pilot(rng, count, correlation, costs):
 
 def test_the_allocation_has_the_least_variance_for_its_cost():
     """Against a numerical minimum over the numbers of runs, with the variance of the nested estimator (eq. 3.3)."""
-    known = pilot(np.random.default_rng(5), 400_000, (0.95, 0.8), (1.0, 0.1, 0.001))
+    known = pilot(np.random.default_rng(5), 100_000, (0.95, 0.8), (1.0, 0.1, 0.01))
     chosen = allocation(known)
     assert chosen.names == ("finest", "middle", "cheap")
-    squares, costs = np.array([1, 0.95**2, 0.8**2, 0]), np.array([1.0, 0.1, 0.001])
+    squares, costs = np.array([1, 0.95**2, 0.8**2, 0]), np.array([1.0, 0.1, 0.01])
 
     def variance(logs):
         numbers = np.exp(np.concatenate([[0.0], logs]))
@@ -162,21 +162,21 @@ def test_models_that_save_nothing_are_left_out():
 
 
 def test_the_estimate_is_unbiased_covers_and_has_the_predicted_error():
-    """200 repeats: 95 % intervals hold the truth 5 in 186 … 196 of them or nearly, the spread is that of eq. 3.6."""
-    chosen = allocation(pilot(np.random.default_rng(5), 400_000, (0.95, 0.8), (1.0, 0.1, 0.001)))
+    """100 repeats: 95 % intervals hold the truth 5 in 90 of them or more, the spread is that of eq. 3.6."""
+    chosen = allocation(pilot(np.random.default_rng(5), 100_000, (0.95, 0.8), (1.0, 0.1, 0.01)))
     counts = chosen.counts(40)
     found = []
-    for seed in range(200):
-        drawn = pilot(np.random.default_rng(100 + seed), max(counts), (0.95, 0.8), (1.0, 0.1, 0.001)).values
+    for seed in range(100):
+        drawn = pilot(np.random.default_rng(100 + seed), max(counts), (0.95, 0.8), (1.0, 0.1, 0.01)).values
         values = {name: drawn[name][:number] for name, number in zip(chosen.names, counts, strict=True)}
         found.append(estimate(chosen, values, 1.0, seed))
     means = np.array([each.mean for each in found])
     steps = np.array([1 - 0.95**2, 0.95**2 - 0.8**2, 0.8**2])
     error = 2 * np.sqrt(np.sum(steps / counts))
-    assert means.mean() == pytest.approx(5, abs=4 * error / np.sqrt(200))
+    assert means.mean() == pytest.approx(5, abs=4 * error / np.sqrt(100))
     assert means.std(ddof=1) == pytest.approx(error, rel=0.2)
     assert np.mean([each.error for each in found]) == pytest.approx(error, rel=0.1)
-    assert 180 <= sum(each.low < 5 < each.high for each in found) <= 199
+    assert 89 <= sum(each.low < 5 < each.high for each in found) <= 99
 
 
 @pytest.mark.parametrize("name", ["sdof", "own"])

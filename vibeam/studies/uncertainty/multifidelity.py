@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-RESAMPLES = 2000  # of the bootstrap
+RESAMPLES = 500  # of the bootstrap
 
 
 @dataclass(frozen=True)

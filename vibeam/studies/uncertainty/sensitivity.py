@@ -48,14 +48,15 @@ def indices(values: Array, inputs: int, seed: int) -> Indices:
     whole = np.flatnonzero(np.isfinite(values).all(axis=1) & (np.ptp(values, axis=1) > 0))
     if not len(whole):
         return Indices(blank, blank, blank, blank)
-    parts = values[whole].reshape(len(whole), 2 + inputs, samples)
+    rows = values[np.append(whole, whole[-1])]  # two at least: scipy fails with one quantity of one input
+    parts = rows.reshape(len(rows), 2 + inputs, samples)
     made = {"f_A": parts[:, 0], "f_B": parts[:, 1], "f_AB": np.moveaxis(parts[:, 2:], 1, 0)}
     found = sobol_indices(func=made, n=samples, dists=None, rng=np.random.default_rng(seed))
     with warnings.catch_warnings(), np.errstate(all="ignore"):  # an input without influence has no interval
         warnings.simplefilter("ignore")
         spread = found.bootstrap(n_resamples=200).total_order.confidence_interval
-    rows = (found.first_order, found.total_order, spread.low, spread.high)
-    return Indices(*(_placed(blank, whole, each) for each in rows))
+    each_of = (found.first_order, found.total_order, spread.low, spread.high)
+    return Indices(*(_placed(blank, whole, each[:-1]) for each in each_of))
 
 
 def _placed(blank: Array, where: NDArray[np.int64], values: Array) -> Array:
