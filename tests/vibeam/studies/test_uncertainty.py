@@ -155,6 +155,12 @@ def test_the_allocation_has_the_least_variance_for_its_cost():
     np.testing.assert_allclose(chosen.weights[1:], [0.95 * 2 / 3, 0.8 * 2 / 0.5], rtol=0.01)
 
 
+def test_a_model_that_follows_the_finest_exactly_is_not_run_without_end():
+    one = np.random.default_rng(5).standard_normal(50)
+    chosen = allocation(Pilot({"finest": one, "same": 2 * one + 1e-12 * one**2}, {"finest": 1.0, "same": 0.01}))
+    assert chosen.counts(40, [80, 8000]) == (40, 8000)
+
+
 def test_models_that_save_nothing_are_left_out():
     chosen = allocation(pilot(np.random.default_rng(5), 4000, (0.3, 0.1), (1.0, 0.9, 0.8)))
     assert chosen.names == ("finest",)
@@ -164,7 +170,7 @@ def test_models_that_save_nothing_are_left_out():
 def test_the_estimate_is_unbiased_covers_and_has_the_predicted_error():
     """100 repeats: 95 % intervals hold the truth 5 in 90 of them or more, the spread is that of eq. 3.6."""
     chosen = allocation(pilot(np.random.default_rng(5), 100_000, (0.95, 0.8), (1.0, 0.1, 0.01)))
-    counts = chosen.counts(40)
+    counts = chosen.counts(40, [np.inf] * 3)
     found = []
     for seed in range(100):
         drawn = pilot(np.random.default_rng(100 + seed), max(counts), (0.95, 0.8), (1.0, 0.1, 0.01)).values

@@ -65,11 +65,14 @@ class Allocation:
     weights: tuple[float, ...]
     gain: float
 
-    def counts(self, finest: int) -> tuple[int, ...]:
-        """Samples of each model where the finest has so many; never fewer than of the model before."""
+    def counts(self, finest: int, most: Sequence[float]) -> tuple[int, ...]:
+        """Samples of each model where the finest has so many, at ``most`` so many; never fewer than of the one before.
+
+        A model that follows the finest to round-off would else be run without end.
+        """
         found = [finest]
-        for ratio in self.ratios[1:]:
-            found.append(max(found[-1], round(ratio * finest)))
+        for ratio, limit in zip(self.ratios[1:], most[1:], strict=True):
+            found.append(max(found[-1], round(min(ratio * finest, limit))))
         return tuple(found)
 
 

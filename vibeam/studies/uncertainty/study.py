@@ -191,7 +191,8 @@ def _mean_peak(
     chosen = allocation(pilot)
     if len(chosen.names) < 2:
         return None
-    counts = chosen.counts(max(PILOT, count // 4))
+    budget = pilot.seconds[finest] * count  # no model is run for longer than the finest alone
+    counts = chosen.counts(max(PILOT, count // 4), [budget / pilot.seconds[name] for name in chosen.names])
     runs = dict(zip(chosen.names, counts, strict=True))
     inputs = _further(sampler, found[finest].inputs[:count], max(counts), seed)
     tell(f"mean of the peak: {', '.join(f'{number} × {name}' for name, number in runs.items())}")
