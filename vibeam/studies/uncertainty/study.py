@@ -44,7 +44,7 @@ class Spread:
         """Distribution of the finite values."""
         known = values[np.isfinite(values)]
         if len(known) < 2:
-            return cls(nominal, *([float("nan")] * 2), (float("nan"),) * len(LEVELS))
+            return cls(nominal, float("nan"), float("nan"), (float("nan"),) * len(LEVELS))
         found = np.quantile(known, LEVELS)
         return cls(nominal, float(known.mean()), float(known.std(ddof=1)), tuple(map(float, found)))
 
@@ -161,12 +161,20 @@ def _row(nominal: Responses, found: Responses, count: int) -> FidelityUncertaint
     bands = np.full((len(LEVELS), amplitude.shape[1]), np.nan)
     known = np.isfinite(amplitude).sum(axis=0) > 1
     bands[:, known] = np.nanquantile(amplitude[:, known], LEVELS, axis=0)
-    spreads = (
-        Spread.of(float(getattr(nominal, name)[0]), getattr(found, name)[:count])
-        for name in ("peak", "peak_frequency", "jump")
-    )
+
+    def spread(of: str) -> Spread:
+        return Spread.of(float(getattr(nominal, of)[0]), getattr(found, of)[:count])
+
     return FidelityUncertainty(
-        found.fidelity, nominal.amplitude[0], bands, *spreads, count, found.failed, float(np.mean(found.seconds))
+        found.fidelity,
+        nominal.amplitude[0],
+        bands,
+        spread("peak"),
+        spread("peak_frequency"),
+        spread("jump"),
+        count,
+        found.failed,
+        float(np.mean(found.seconds)),
     )
 
 
