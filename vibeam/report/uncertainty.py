@@ -23,7 +23,8 @@ from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, plain
 
 if TYPE_CHECKING:
-    from vibeam.studies.uncertainty.study import Spread, UncertaintyStudy
+    from vibeam.studies.uncertainty.spread import Spread
+    from vibeam.studies.uncertainty.study import UncertaintyStudy
 
 
 def units_in(study: UncertaintyStudy) -> Units:
@@ -185,7 +186,7 @@ def write_files(study: UncertaintyStudy, table: Path, plan: FigurePlan = USUAL) 
 
 def rows(study: UncertaintyStudy) -> Iterator[dict[str, Any]]:
     """Rows of every fidelity and frequency; indices in those of the finest; missing values are empty."""
-    from vibeam.studies.uncertainty.study import LEVELS
+    from vibeam.studies.uncertainty.spread import LEVELS
 
     for row in study.rows:
         for place, frequency in enumerate(study.frequency):

@@ -13,6 +13,7 @@ from vibeam.run.result import finest_of
 from vibeam.studies.uncertainty.multifidelity import Allocation, Estimate, Pilot, allocation, estimate
 from vibeam.studies.uncertainty.samples import Coarse, Responses, Sampler, inputs_of
 from vibeam.studies.uncertainty.sensitivity import Indices, indices, saltelli
+from vibeam.studies.uncertainty.spread import LEVELS, Spread
 from vibeam.studies.uncertainty.validation import ErrorRow, error_rows
 
 if TYPE_CHECKING:
@@ -23,30 +24,9 @@ Array = NDArray[np.float64]
 
 Progress = Callable[[str], None]
 
-LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)  # quantiles of the bands
-
 PILOT = 32  # samples from which correlations and costs are taken
 
 MISSING = 'the case says nothing of what is uncertain: write [uncertain] with, say, "mass.mass" = "± 2 g"'
-
-
-@dataclass(frozen=True)
-class Spread:
-    """Distribution of one number over the samples: ``nominal`` at the case's own values; NaN where there is none."""
-
-    nominal: float
-    mean: float
-    deviation: float
-    quantiles: tuple[float, ...]
-
-    @classmethod
-    def of(cls, nominal: float, values: Array) -> Spread:
-        """Distribution of the finite values."""
-        known = values[np.isfinite(values)]
-        if len(known) < 2:
-            return cls(nominal, float("nan"), float("nan"), (float("nan"),) * len(LEVELS))
-        found = np.quantile(known, LEVELS)
-        return cls(nominal, float(known.mean()), float(known.std(ddof=1)), tuple(map(float, found)))
 
 
 @dataclass(frozen=True)
