@@ -27,7 +27,7 @@ from vibeam_reductions.declaration import PARAMETERS, REDUCTIONS
 
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity
-    from vibeam.case.plans import Expectation, Measured, ShowPlan, Uncertain
+    from vibeam.case.plans import Expectation, Measured, ShowPlan
     from vibeam.casefile.tables.cases import AnyCase, BeamCase, SdofCase
     from vibeam.casefile.tables.given_cases import MatricesCase, ModesCase
     from vibeam.casefile.tables.sweep import SweepTable
@@ -229,14 +229,6 @@ def _measurements(case: AnyCase, swept: Direction) -> dict[str, Measured]:
     from vibeam.casefile.tables.measured import record
 
     return {name: record(name, table, case, swept) for name, table in case.measured.items()}
-
-
-def _uncertain(case: AnyCase) -> tuple[Uncertain, ...]:
-    if not case.uncertain:
-        return ()
-    from vibeam.casefile.tables.uncertain import read_uncertain
-
-    return tuple(read_uncertain(key, text, type(case), case) for key, text in case.uncertain.items())
 
 
 def _shows(case: AnyCase, changed: Mapping[str, AnyCase], sweep: SweepPlan, folder: Path) -> dict[str, ShowPlan]:

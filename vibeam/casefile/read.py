@@ -26,7 +26,6 @@ from vibeam.casefile.build import (
     _shared,
     _shows,
     _sweep,
-    _uncertain,
     numbers_of,
 )
 from vibeam.casefile.content import content, digest, toml_text
@@ -38,6 +37,7 @@ from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.rules import cross_checks
 from vibeam.casefile.toml import parsed
+from vibeam.casefile.uncertain import uncertain_inputs
 from vibeam.casefile.validation import complaints, declaration, read, readable_case
 
 
@@ -81,7 +81,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         chains={name: _chain(own) for name, own in changed.items()},
         accuracy=_accuracy(declared),
         maps=map_plans(declared, sweep),
-        uncertain=_uncertain(declared),
+        uncertain=uncertain_inputs(declared),
     )
 
 
@@ -139,7 +139,7 @@ def _validated(tables: dict[str, Any], folder: File) -> tuple[AnyCase | None, li
     except ValidationError as error:
         alone, excused = complaints(error, model)
     readable = readable_case(model, tables)
-    together = (*cross_checks(readable, folder), *map_complaints(readable, model))
+    together = (*cross_checks(readable, folder), *map_complaints(readable, model), *uncertain_checks(readable))
     return case, alone + _unreported(together, {path for path, _ in alone} | excused)
 
 

@@ -20,7 +20,6 @@ from vibeam.casefile.tables.references import reference_checks
 from vibeam.casefile.tables.stop import stop_checks
 from vibeam.casefile.tables.studies import study_checks
 from vibeam.casefile.tables.sweep import plan_checks
-from vibeam.casefile.tables.uncertain import uncertain_checks
 
 
 def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
@@ -36,4 +35,3 @@ def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     yield from figure_checks(case)
     yield from measurement_checks(case.measurement)
     yield from study_checks(case)
-    yield from uncertain_checks(case)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from vibeam.case.faults import Complaint, as_shown_in_message
 from vibeam.case.plans import Uncertain
+from vibeam.casefile.fidelity_changes import field_at
 from vibeam.casefile.field_lists import OneOrSeveral, Several
 from vibeam.casefile.fields import Quantity, Range
 from vibeam.casefile.kinds import KINDS
@@ -17,6 +18,8 @@ from vibeam.casefile.validation import entry_of
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
+
+    from vibeam.casefile.tables.cases import AnyCase
 
 SPREAD = re.compile(r"\s*(?P<middle>.*?)\s*(?:±|\+/-|\+-)\s*(?P<spread>.+?)\s*", re.DOTALL)
 
@@ -38,6 +41,11 @@ def uncertain_checks(case: SimpleNamespace) -> Iterator[Complaint]:
             yield ("uncertain", key), str(fault)
 
 
+def uncertain_inputs(case: AnyCase) -> tuple[Uncertain, ...]:
+    """All uncertain inputs of a declared case."""
+    return tuple(read_uncertain(key, text, type(case), case) for key, text in (case.uncertain or {}).items())
+
+
 def read_uncertain(key: str, text: Any, model: Any, case: Any) -> Uncertain:
     """One uncertain input; ``case``: the declared case, or what could be read of it. ValueError if it is none."""
     entry = _entry(key, model)
@@ -54,8 +62,6 @@ def read_uncertain(key: str, text: Any, model: Any, case: Any) -> Uncertain:
 
 
 def _entry(key: str, model: Any) -> Quantity:
-    from vibeam.casefile.fidelity_changes import field_at
-
     field, fault = field_at(model, key)
     entry = None if field is None else entry_of(field)
     if fault:
