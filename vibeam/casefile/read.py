@@ -37,7 +37,7 @@ from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.rules import cross_checks
 from vibeam.casefile.toml import parsed
-from vibeam.casefile.uncertain import uncertain_inputs
+from vibeam.casefile.uncertain import uncertain_checks, uncertain_inputs
 from vibeam.casefile.validation import complaints, declaration, read, readable_case
 
 
