@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from vibeam.studies.declaration import register_study as register_study
     from vibeam.studies.derive import derive as derive
     from vibeam.studies.export_matrices import export_matrices as export_matrices
+    from vibeam.studies.fit.study import fit as fit
     from vibeam.studies.identification.decay import identify_decay as identify_decay
     from vibeam.studies.identification.modes import identify_keys as identify_keys
     from vibeam.studies.identification.response import identify_response as identify_response
@@ -126,6 +127,7 @@ _HOMES = {
     "stability": "vibeam.studies.stability.study",
     "read": "vibeam.studies.stored",
     "uncertainty": "vibeam.studies.uncertainty.study",
+    "fit": "vibeam.studies.fit.study",
     "influence": "vibeam.studies.influence.study",
     "verdict": "vibeam.studies.verdict.study",
     "Verdict": "vibeam.studies.verdict.study",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.plans import AccuracyPlan, CostPlan, FigurePlan, InfluencePlan, Reference, SweepPlan
+from vibeam.case.plans import AccuracyPlan, CostPlan, FigurePlan, FitPlan, InfluencePlan, Reference, SweepPlan
 
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity
@@ -56,6 +56,7 @@ class Case:
     accuracy: AccuracyPlan | None = None
     maps: Mapping[str, MapPlan] = field(default_factory=dict)
     uncertain: tuple[Uncertain, ...] = ()
+    fit: FitPlan | None = None
 
     def __repr__(self) -> str:
         grid = self.sweep.frequency

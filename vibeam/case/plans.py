@@ -153,6 +153,25 @@ class Uncertain:
 
 
 @dataclass(frozen=True)
+class FitKey:
+    """Estimated ``key`` of a case, between ``low`` and ``high``, SI; ``start``: the case's own value, within these."""
+
+    key: str
+    low: float
+    high: float
+    start: float
+
+
+@dataclass(frozen=True)
+class FitPlan:
+    """Plan of ``vibeam fit``: estimated keys, the references by name, those with points on unstable branches."""
+
+    keys: tuple[FitKey, ...]
+    references: tuple[str, ...]
+    unstable: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class AccuracyPlan:
     """Plan of ``accuracy``: relative error ``within`` of the finest fidelity's ``quantities``."""
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import BaseModel
 
-from vibeam.case.plans import AccuracyPlan, Direction, Reference, SweepPlan
+from vibeam.case.plans import AccuracyPlan, Direction, FitPlan, Reference, SweepPlan
 from vibeam.casefile.content import content, digest
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.tables.effects import effects_of_scene
@@ -221,6 +221,14 @@ def _expectations(case: AnyCase, swept: Direction) -> dict[str, Expectation]:
 
     values = {name: table.model_dump() | {"direction": table.direction or swept} for name, table in case.expect.items()}
     return {name: Expectation(name=name, **value) for name, value in values.items()}
+
+
+def _fit(case: AnyCase) -> FitPlan | None:
+    if case.fit is None:
+        return None
+    from vibeam.casefile.fit_keys import plan_of
+
+    return plan_of(case.fit, case)
 
 
 def _measurements(case: AnyCase, swept: Direction) -> dict[str, Measured]:

@@ -20,6 +20,7 @@ from vibeam.casefile.build import (
     _chain,
     _expectations,
     _fidelities,
+    _fit,
     _keys,
     _measurements,
     _references,
@@ -30,6 +31,7 @@ from vibeam.casefile.build import (
 )
 from vibeam.casefile.content import content, digest, toml_text
 from vibeam.casefile.fidelity_changes import FidelityCase, variants
+from vibeam.casefile.fit_keys import fit_checks
 from vibeam.casefile.inline import name_of
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.maps import map_complaints, map_plans, value_complaints
@@ -82,6 +84,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         accuracy=_accuracy(declared),
         maps=map_plans(declared, sweep),
         uncertain=uncertain_inputs(declared),
+        fit=_fit(declared),
     )
 
 
@@ -139,7 +142,8 @@ def _validated(tables: dict[str, Any], folder: File) -> tuple[AnyCase | None, li
     except ValidationError as error:
         alone, excused = complaints(error, model)
     readable = readable_case(model, tables)
-    together = (*cross_checks(readable, folder), *map_complaints(readable, model), *uncertain_checks(readable))
+    further = (*map_complaints(readable, model), *uncertain_checks(readable), *fit_checks(readable))
+    together = (*cross_checks(readable, folder), *further)
     return case, alone + _unreported(together, {path for path, _ in alone} | excused)
 
 

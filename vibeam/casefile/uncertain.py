@@ -49,7 +49,7 @@ def uncertain_inputs(case: AnyCase) -> tuple[Uncertain, ...]:
 def read_uncertain(key: str, text: Any, model: Any, case: Any) -> Uncertain:
     """One uncertain input; ``case``: the declared case, or what could be read of it. ValueError if it is none."""
     entry = _entry(key, model)
-    own = _value(case, key)
+    own = value_at(case, key)
     if not isinstance(own, int | float) or isinstance(own, bool):
         raise ValueError("has no number in this case: write the key itself first")
     if not isinstance(text, str):
@@ -57,7 +57,7 @@ def read_uncertain(key: str, text: Any, model: Any, case: Any) -> Uncertain:
     if found := SPREAD.fullmatch(text):
         return _normal(key, found["middle"], found["spread"], entry, float(own))
     if found := INTERVAL.fullmatch(text):
-        return _uniform(key, entry.parse(_number(found["low"])), entry.parse(_number(found["high"])))
+        return _uniform(key, entry.parse(number_of(found["low"])), entry.parse(number_of(found["high"])))
     raise ValueError(f"{as_shown_in_message(text)} is no distribution: {WRITE}")
 
 
@@ -74,13 +74,13 @@ def _entry(key: str, model: Any) -> Quantity:
 
 
 def _normal(key: str, middle: str, spread: str, entry: Quantity, own: float) -> Uncertain:
-    if middle and abs(entry.parse(_number(middle)) - own) > SAME * abs(own):
+    if middle and abs(entry.parse(number_of(middle)) - own) > SAME * abs(own):
         raise ValueError(
             f"{as_shown_in_message(middle)} is not the value of the case itself, {own:.9g} in SI units: "
             "make the two the same, or leave it away"
         )
     share = spread.endswith("%")
-    deviation = abs(own) * to_si(spread, RATIO) if share else Quantity(entry.kind, Range(0)).parse(_number(spread))
+    deviation = abs(own) * to_si(spread, RATIO) if share else Quantity(entry.kind, Range(0)).parse(number_of(spread))
     if not deviation > 0:
         raise ValueError(f"{as_shown_in_message(spread)}: a standard deviation is above 0, of a value that is not 0")
     for end in (own - FAR * deviation, own + FAR * deviation):
@@ -97,7 +97,7 @@ def _uniform(key: str, low: float, high: float) -> Uncertain:
     return Uncertain(key, "uniform", low, high)
 
 
-def _number(text: str) -> float | str:
+def number_of(text: str) -> float | str:
     """A number without a unit as such, so that it is in SI; else the text."""
     try:
         return float(text)
@@ -105,7 +105,7 @@ def _number(text: str) -> float | str:
         return text
 
 
-def _value(case: Any, key: str) -> Any:
+def value_at(case: Any, key: str) -> Any:
     """Value at a dotted key of tables, records or lists; None where there is none."""
     found = case
     for part in key_parts(key):

@@ -47,6 +47,7 @@ STUDIES: Registry[StudyDeclaration] = Registry(
     _own("limit", "limit.study", "what converges with more and more modes, at which rate, and what has no limit"),
     _own("influence", "influence.study", "change by each effect, and its cost"),
     _own("uncertainty", "uncertainty.study", "bands, sensitivity and errors by the inputs that are uncertain"),
+    _own("fit", "fit.study", "keys estimated from measured curves, with intervals"),
     _own("derive", "derive", "SDOF parameters from geometry, beside their finite-element values"),
     _own("modes", "modes", "modes of the finite-element beam"),
     _own("reduce", "reduce.study", "what a reduction loses, by its number of coordinates"),

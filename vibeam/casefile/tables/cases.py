@@ -19,7 +19,7 @@ from vibeam.casefile.tables.outputs import OutputTable
 from vibeam.casefile.tables.references import ReferenceTable
 from vibeam.casefile.tables.single import SdofTable
 from vibeam.casefile.tables.stop import sdof_stop_table, stop_table
-from vibeam.casefile.tables.studies import CostTable, InfluenceTable
+from vibeam.casefile.tables.studies import CostTable, FitTable, InfluenceTable
 from vibeam.casefile.tables.sweep import FidelityTable, SdofFidelityTable, SdofSweepTable, SweepTable
 from vibeam.casefile.tables.table import ACCURATE, Table, Within, key, table
 from vibeam_models.effects import EFFECTS
@@ -42,6 +42,7 @@ class AnyCase(Table):
         show: Any
         map: Any
         cost: Any
+        fit: Any
         figure: Any
         uncertain: Any
         measurement: Any
@@ -103,6 +104,7 @@ class _Checks(Table):
     )
     figure: FigureTable = key("how figures are written", None, FigureTable(), written=False, **ASIDE)
     cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False, **ASIDE)
+    fit: FitTable | None = key("what vibeam fit estimates, and from what", None, None, written=False, **ASIDE)
 
 
 class _Influence(Table):

@@ -1,14 +1,15 @@
-"""Tables of the studies of cost and influence; rules between their keys."""
+"""Tables of the studies of cost, influence and fit; rules between their keys."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from types import SimpleNamespace
-from typing import Annotated
+from typing import Annotated, Any
 
 from vibeam.case.faults import Complaint, as_shown_in_message
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Each, Several
+from vibeam.casefile.field_tables import Settings
 from vibeam.casefile.fields import POSITIVE, Count, Quantity, Text, Word
 from vibeam.casefile.tables.names import named_fidelity, not_there
 from vibeam.casefile.tables.table import MOST_ELEMENTS, MOST_POINTS, OF_INFLUENCE, Frequency, Periods, Table, key
@@ -109,3 +110,19 @@ class InfluenceTable(Table):
         "drive periods read; absent = the sweep's", 50, None, written=False
     )
     repeats: Annotated[int, Count(1, 1000)] = key("how often a sweep is timed", 3, 3)
+
+
+class FitTable(Table):
+    """Plan of vibeam fit."""
+
+    keys: Annotated[dict[str, Any], Settings()] = key(
+        "what is estimated: dotted keys of the case with [lowest, highest]",
+        {"drive.gain": ["3e-4", "9e-4"], "stop.restitution": [0.5, 0.95]},
+    )
+    references: Annotated[tuple[str, ...] | None, Each(Text())] = key(
+        "the [reference.NAME] that it is estimated from; absent = all", ["laser"], None, written=False
+    )
+    unstable: Annotated[tuple[str, ...] | None, Each(Text())] = key(
+        "those of them measured by control-based continuation: their points may lie on unstable branches",
+        ["controlled"], None, written=False,
+    )  # fmt: skip

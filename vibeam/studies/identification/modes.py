@@ -61,7 +61,7 @@ def identify_keys(case: Case, keys: Sequence[str], measured: Sequence[str] = ())
         xtol=1e-10, ftol=1e-12, gtol=1e-10,
     )  # fmt: skip
     spread = spread_of(_jacobian(deviations, found.x), None, keys)
-    rows = estimates(keys, (start * np.exp(found.x)).tolist(), spread.half, [_unit(key) for key in keys])
+    rows = estimates(keys, (start * np.exp(found.x)).tolist(), spread.half, [unit_of(key) for key in keys])
     left = float(np.sqrt(np.mean((found.fun * scatter / value) ** 2)))
     method = f"{len(used)} measured modal frequencies, least squares"
     return Identification(rows, method, len(used), left, spread.directions, tuple(_notes(used, found.fun, spread.half)))
@@ -124,7 +124,7 @@ def _value(case: Case, key: str) -> float:
     return float(place)
 
 
-def _unit(key: str) -> str:
+def unit_of(key: str) -> str:
     """SI unit of a key, empty of a plain number."""
     from vibeam.casefile.documentation import rows_of
 

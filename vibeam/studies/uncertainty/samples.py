@@ -147,21 +147,21 @@ class _Declared:
     def scene(self, values: Array) -> Any:
         tables = self.tables
         for path, value in zip(self.paths[: len(values)], values, strict=True):
-            tables = _put(tables, path, float(value))
+            tables = put(tables, path, float(value))
         return KINDS[tables.kind].scene_of(tables, self.folder)
 
 
-def _put(place: Any, path: Sequence[str], value: float) -> Any:
+def put(place: Any, path: Sequence[str], value: float) -> Any:
     """A copy of tables with one value changed; a list of one number stays one."""
     if not path:
         return (value,) if isinstance(place, tuple) else value
     first, *rest = path
     if isinstance(place, Mapping):
-        return {**place, first: _put(place[first], rest, value)}
+        return {**place, first: put(place[first], rest, value)}
     if isinstance(place, list | tuple):
-        made = [_put(each, rest, value) if number == int(first) else each for number, each in enumerate(place)]
+        made = [put(each, rest, value) if number == int(first) else each for number, each in enumerate(place)]
         return type(place)(made)
-    return place.model_copy(update={first: _put(getattr(place, first), rest, value)})
+    return place.model_copy(update={first: put(getattr(place, first), rest, value)})
 
 
 def _peak(response: FrequencyResponse) -> tuple[float, float]:

@@ -1,0 +1,155 @@
+"""vibeam fit: truth of synthetic data, of another program's data, what is not determined, and refusals."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import vibeam
+from vibeam.case.reference_record import ReferenceCurve
+from vibeam.studies.fit.estimate import settled
+from vibeam.studies.fit.problem import Problem
+from vibeam.studies.fit.profile import LEVEL, misfit_at, profile
+
+CASES = Path(__file__).parents[3] / "cases"
+
+TWO = {"fit.keys": '{"drive.gain" = [3e-4, 9e-4], "stop.restitution" = [0.5, 0.9]}'}
+
+LASER = {"drive.gain": 5.16e-4, "stop.restitution": 0.70}  # make_laser.py
+
+
+def _neutral(**changes):
+    """The neutral rig's single degree of freedom, to be fitted to a curve of its own."""
+    return vibeam.load(CASES / "dtu_neutral.toml", set=TWO | {"fit.references": '["exact"]'} | changes)
+
+
+def _with(case, frequency, value, **more):
+    curve = ReferenceCurve.of(frequency, value, **more)
+    given = case.with_reference("exact", curve, "sdof").references["exact"]
+    return replace(case, references={"exact": given})
+
+
+def test_the_truth_of_the_synthetic_curve_lies_in_the_intervals():
+    """The flight solver made the curve, eight modes and noise; the closed forms find its keys."""
+    known = {"beam.thickness": "1.02883 mm", "beam.damping_ratio": 0.017}
+    problem = Problem.of(vibeam.load(CASES / "synthetic/fit.toml", set=TWO | known))
+    found = settled(problem, problem.start)
+    assert found.actual.all()
+    assert np.abs(found.residual).max() < 4
+    for k, key in enumerate(problem.keys):
+        interval = profile(problem, found, k)
+        low, high = (key.low + share * (key.high - key.low) for share in (interval.low, interval.high))
+        assert low < LASER[key.key] < high
+        assert high - low < 0.03 * LASER[key.key]
+        assert interval.open == (False, False)
+
+
+def test_an_independent_integration_is_met_without_residual():
+    """Reference of 30 digits by Taylor series: gain and restitution that it was made with, to 1e-6."""
+    case = vibeam.load(CASES / "dtu_neutral.toml")
+    file = next(each.file for each in case.references.values() if each.fidelity == "sdof")
+    points = vibeam.read_curve(file, "amplitude").along(("up",))
+    kept = [each for each in points if each.period == 1 and each.value][::8]
+    frequency, value = np.array([each.frequency for each in kept]), np.array([each.value for each in kept])
+    problem = Problem.of(_with(_neutral(), frequency, value, uncertainty=1e-5 * value))
+    found = settled(problem, problem.start)
+    assert problem.values(found.x) == pytest.approx([5.16e-4, 0.72], rel=1e-6)
+    assert found.actual.all()
+
+
+def test_a_peak_alone_fixes_the_ridge_and_no_point_on_it():
+    """One point near the resonance: gain and restitution are not determined, and the sentence says what is."""
+    study = vibeam.fit(_with(_neutral(), [15.2], [3.9e-4], uncertainty=[2e-6]))
+    assert not any(row.determined for row in study.rows)
+    told = " ".join(study.sentences)
+    assert "drive.gain and stop.restitution are not separated" in told
+    shared = re.search(r"drive\.gain/\(ζ₁ − ln R₁/π\) = ([0-9.]+)", told)
+    assert shared is not None
+    assert float(shared[1]) == pytest.approx(42.4e-4, rel=0.05)  # of the paper's refits
+
+
+def test_derivatives_of_the_residuals_are_those_of_the_model():
+    """By every key, one of the structure among them, against differences of the whole model."""
+    keys = '{"drive.gain" = [3e-4, 9e-4], "stop.restitution" = [0.5, 0.9], '
+    keys += '"stop.gap" = ["-0.1 mm", "0.1 mm"], "mass.mass" = [0.18, 0.22]}'
+    case = _neutral(**{"fit.keys": keys})
+    frequency = np.linspace(14.5, 16.5, 9)
+    problem = Problem.of(_with(case, frequency, np.full(9, 3e-4), uncertainty=3e-6))
+    x, chosen = np.array([0.4, 0.5, 0.45, 0.5]), np.zeros(9, dtype=int)
+    _, jacobian = problem.residuals(x, chosen)
+    for k, step in enumerate(1e-4 * np.eye(4)):
+        ahead, back, further, behind = (
+            problem.residuals(x + share * step, chosen)[0] for share in (1, -1, 2, -2)
+        )  # fmt: skip
+        slope = (8 * (ahead - back) - (further - behind)) / 12e-4
+        assert jacobian[:, k] == pytest.approx(slope, rel=1e-6, abs=1e-6 * np.abs(slope).max())
+
+
+def test_a_controlled_reference_finds_the_unstable_branch():
+    """Points of the softer impact of a tight stop: taken where they were controlled, else told to be no motion."""
+    case = vibeam.load(CASES / "dtu_tight.toml", set=TWO | {"fit.references": '["exact"]'})
+    system, grid = case.system("sdof"), np.linspace(15.7, 17.5, 37)
+    amplitude = float(np.ravel(case.amplitude(2 * np.pi * grid))[0])
+    both = [(f, vibeam.orbits(system, vibeam.Drive(2 * np.pi * f, amplitude))) for f in grid]
+    kept = [(f, each[1]) for f, each in both if len(each) == 2 and each[1].admissible and not each[1].stable]
+    assert len(kept) > 3
+    frequency, value = np.array([f for f, _ in kept]), np.array([each.amplitude("sensor") for _, each in kept])
+    given = _with(case, frequency, value, uncertainty=0.01 * value)
+    assert given.fit is not None
+    controlled = replace(given, fit=replace(given.fit, unstable=("exact",)))
+    problem = Problem.of(controlled)
+    found = settled(problem, problem.start)
+    assert (found.chosen == 1).all()
+    assert found.misfit < 1e-6
+    assert not settled(Problem.of(given), problem.start).actual.all()
+
+
+def test_intervals_cover_the_truth():
+    """Twelve sets of noise: the likelihood ratio at the truth is below the 95 % level in most (binomial: ≥ 9)."""
+    case = _neutral()
+    system, frequency = case.system("sdof"), np.linspace(14.3, 16.8, 16)
+    amplitude = float(np.ravel(case.amplitude(2 * np.pi * frequency))[0])
+    exact = np.array(
+        [vibeam.orbits(system, vibeam.Drive(2 * np.pi * f, amplitude))[0].amplitude("sensor") for f in frequency]
+    )
+    rng, inside = np.random.default_rng(3), np.zeros(2)
+    for _ in range(12):
+        noisy = exact * (1 + 0.01 * rng.standard_normal(len(exact)))
+        problem = Problem.of(_with(case, frequency, noisy, uncertainty=0.01 * exact))
+        found = settled(problem, problem.start)
+        inside += [misfit_at(problem, found, k, problem.start[k]) < LEVEL for k in (0, 1)]
+    assert (inside >= 9).all()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"fit.keys": '{"drive.gian" = [1, 2]}'}, "did you mean 'gain'"),
+        ({"fit.keys": '{"stop.restitution" = [0.5, 1.9]}'}, "outside"),
+        ({"fit.keys": '{"stop.restitution" = [0.9, 0.5]}'}, "goes from 0.9 to 0.5"),
+        ({"fit.keys": '{"stop.restitution" = 0.5}'}, "lowest, highest"),
+        ({"fit.keys": '{"beam.elements" = [2, 5]}'}, "no single number"),
+        ({"fit.references": '["lazer"]'}, "did you mean 'laser'"),
+    ],
+)
+def test_faults_of_the_table_are_told_at_their_key(changes, message):
+    with pytest.raises(vibeam.CaseError, match=re.escape(message)):
+        vibeam.load(CASES / "synthetic/fit.toml", set=changes)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"stop.law": "linear", "stop.stiffness": 1e5, "stop.damping": 1.0, "stop.restitution": None,
+          "stop.restitution_of": None, "fit.keys": '{"drive.gain" = [3e-4, 9e-4]}'}, "contact law"),
+        ({"measurement.sampling": 5000, "measurement.noise": 1e-7, "measurement.seed": 1}, "noise"),
+        ({"reference.laser.columns": '{ frequency = "Frequenz", amplitude = "Weg" }'}, "uncertainty"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_fitted_is_refused_in_words(changes, message):
+    with pytest.raises(ValueError, match=message):
+        vibeam.fit(vibeam.load(CASES / "synthetic/fit.toml", set=changes))

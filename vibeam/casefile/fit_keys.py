@@ -1,0 +1,79 @@
+"""Rules of [fit]: keys that are estimated within bounds, and the reference curves that they are estimated from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any
+
+from vibeam.case.faults import Complaint, as_shown_in_message
+from vibeam.case.plans import FitKey, FitPlan
+from vibeam.casefile.fidelity_changes import field_at
+from vibeam.casefile.field_lists import OneOrSeveral, Several
+from vibeam.casefile.fields import Count, Quantity
+from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.tables.names import not_there
+from vibeam.casefile.tables.studies import FitTable
+from vibeam.casefile.uncertain import number_of, value_at
+from vibeam.casefile.validation import entry_of
+
+WRITE = "write its bounds as [lowest, highest]"
+
+READ_OFF = ("amplitude", "maximum", "minimum", "reach", "impact_velocity")  # what a fit can read off a branch
+
+
+def fit_checks(case: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about [fit]: keys that are none or hold no number, bounds that are none, references not there."""
+    if getattr(case, "fit", None) is None:
+        return
+    model = KINDS[case.kind].declaration()
+    for name, bounds in (case.fit.keys or {}).items():
+        try:
+            read_key(name, bounds, model, case)
+        except ValueError as fault:
+            yield ("fit", "keys", name), str(fault)
+    for part in ("references", "unstable"):
+        for number, name in enumerate(getattr(case.fit, part) or ()):
+            yield from _reference(case, ("fit", part, number), name)
+
+
+def _reference(case: SimpleNamespace, path: Any, name: str) -> Iterator[Complaint]:
+    if name not in (case.reference or {}):
+        yield path, f"no reference {not_there(name, case.reference or {})}"
+    elif case.reference[name].quantity not in (*READ_OFF, None):
+        told = f"{as_shown_in_message(name)} gives {case.reference[name].quantity}"
+        yield path, f"{told}: a fit takes {', '.join(READ_OFF)}"
+
+
+def plan_of(table: FitTable, case: Any) -> FitPlan:
+    """The plan of a checked table."""
+    names = table.references or tuple(
+        name for name, each in case.reference.items() if each.quantity in (*READ_OFF, None)
+    )
+    keys = tuple(read_key(name, bounds, KINDS[case.kind].declaration(), case) for name, bounds in table.keys.items())
+    return FitPlan(keys, tuple(names), table.unstable or ())
+
+
+def read_key(name: str, bounds: Any, model: Any, case: Any) -> FitKey:
+    """One estimated key with its bounds in SI; ValueError if it is none."""
+    entry, own = _entry(name, model), value_at(case, name)
+    if not isinstance(own, int | float) or isinstance(own, bool):
+        raise ValueError("has no number in this case: write the key itself, with a value to start from")
+    if not isinstance(bounds, list | tuple) or len(bounds) != 2:
+        raise ValueError(f"must be [lowest, highest], not {as_shown_in_message(bounds)}")
+    low, high = (float(entry.parse(number_of(each) if isinstance(each, str) else each)) for each in bounds)
+    if not low < high:
+        raise ValueError(f"goes from {low:.6g} to {high:.6g}: {WRITE}")
+    return FitKey(name, low, high, min(max(float(own), low), high))
+
+
+def _entry(name: str, model: Any) -> Quantity:
+    field, fault = field_at(model, name)
+    if fault:
+        raise ValueError(fault.replace("a fidelity changes", "a fit changes"))
+    entry = None if field is None else entry_of(field)
+    if isinstance(entry, Several | OneOrSeveral):
+        entry = entry.each
+    if not isinstance(entry, Quantity) or isinstance(entry, Count):
+        raise ValueError("holds no single number that could be estimated")
+    return entry

@@ -1,0 +1,207 @@
+"""Displacement of an output over a span of a periodic motion: its extremes and their exact derivatives.
+
+Without a filter it is summed from the modes' Green's functions. With a low-pass filter of gain F it is summed from its
+harmonics kΩ/n, which are known in closed form,
+
+    u_k = (2p/T) Σ o_i c_i/(ω_i² − ν_k² + 2iσ_iν_k) + (the drive's phasor at k = n),   ν_k = kΩ/n,
+
+each times F(ν_k): the filter lets few of them pass. Extremes are searched from samples on by Newton's method.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.orbits.green_derivatives import Poles, green_at, green_value
+from vibeam.orbits.orbit_derivatives import Struck, contracted, driven, offset_of
+from vibeam.orbits.tangents import ModalData, Tangents
+
+Array = NDArray[np.float64]
+
+Complex = NDArray[np.complex128]
+
+Index = NDArray[np.int64]
+
+Gain = Callable[[Array], Complex]  # of a filter, at frequencies in Hz
+
+SAMPLES = 192  # a drive period
+
+HARMONICS = 256  # a drive period, of a filtered displacement
+
+STEPS = 5  # of Newton's method at an extreme
+
+RESOLVED = 0.5  # turn of a mode between two samples, rad, up to which they show its extremes
+
+MOST_PARTS = 64  # of an interval between two samples
+
+NEAR = 0.1  # share of the bound on fast modes by which a sample may be below the best and still lead to it
+
+
+class SampledOutput:
+    """Displacement of a row over one span, from the Green's functions."""
+
+    def __init__(
+        self, data: ModalData, tangents: Tangents, row: Array, by_row: Array, omega: Array, periods: int,
+        found: Struck, gain: Gain | None,
+    ) -> None:  # fmt: skip
+        self.omega, self.found, self.tangents, self.gain = omega, found, tangents, gain
+        self.poles, self.span, self.periods = Poles.of(data.omega, data.zeta), 2 * np.pi * periods / omega, periods
+        self.data, self.weight = data, row * data.contact
+        self.by_weight = by_row * data.contact + row * tangents.contact
+        self.rest, self.by_rest = offset_of(data, tangents, row, by_row)
+        self.driven = driven(data, tangents, row, by_row, omega)
+        self.sampled: tuple[Array, Array, Array] | None = None
+
+    def extreme(self, sign: float) -> tuple[Array, Array]:
+        """Largest (sign 1) or smallest (−1) value (points,), and its derivatives (P, points)."""
+        which, times, reach = self.candidates(sign)
+        low, high = np.maximum(times - reach, 0.0), np.minimum(times + reach, self.span[which])
+        before, start = sign * self.at(which, times, 0), times
+        for _ in range(STEPS):
+            slope, bend = sign * self.at(which, times, 1), sign * self.at(which, times, 2)
+            move = np.where(bend < 0, -slope / np.where(bend < 0, bend, 1.0), np.sign(slope) * reach / 4)
+            times = np.clip(times + move, low, high)
+        after = sign * self.at(which, times, 0)
+        times, value = np.where(after >= before, times, start), np.maximum(after, before)
+        order = np.lexsort((-value, which))
+        best = order[np.searchsorted(which[order], np.arange(len(self.omega)))]
+        return sign * value[best], self.by(times[best])
+
+    def candidates(self, sign: float) -> tuple[Index, Array, Array]:
+        """Points (m,), times (m,) near which the extreme may lie, one or more a point, and within which distance.
+
+        An interval of samples is sampled again where its slow modes with a bound on its fast ones reach the best value.
+        """
+        count = SAMPLES * self.periods
+        shares = np.linspace(0.0, 1.0, count + 1)
+        step = self.span / count
+        if self.sampled is None:
+            values, fast = self.samples(shares), self.data.omega * step.max() > RESOLVED
+            self.sampled = values, values - self.pushed(shares, fast), self.ringing(shares, fast)
+        values, slow, bound = self.sampled
+        best, slow = np.nan_to_num(sign * values, nan=-np.inf).max(axis=1), sign * slow
+        bend = np.abs(np.diff(slow, 2, axis=1)).max(axis=1, initial=0.0)[:, None]
+        hopeful = np.maximum(slow[:, 1:], slow[:, :-1]) + bend / 4 + bound[:, :-1] >= best[:, None]
+        which, interval = np.nonzero(hopeful | np.isnan(slow[:, 1:]) & (np.arange(count) == 0))
+        parts = int(np.clip(np.ceil(self.data.omega.max() * step.max() / RESOLVED), 2, MOST_PARTS))
+        times = (interval[:, None] + np.linspace(0.0, 1.0, parts + 1)) * step[which, None]
+        again = sign * self.at(which, times, 0)
+        again = np.where(np.isnan(again), 0.0, again)
+        top = np.full(len(self.omega), -np.inf)
+        np.maximum.at(top, which, again.max(axis=1))
+        near = np.where(
+            np.isfinite(top), top - NEAR * np.take_along_axis(bound, np.zeros((len(bound), 1), int), 1)[:, 0], 0
+        )
+        peak = again >= np.maximum(np.roll(again, 1, axis=1), np.roll(again, -1, axis=1))
+        peak[:, 0] = again[:, 0] >= again[:, 1]
+        peak[:, -1] = again[:, -1] >= again[:, -2]
+        row, column = np.nonzero(peak & (again >= near[which, None]) | (again >= top[which, None]))
+        return which[row], times[row, column], step[which[row]] / parts
+
+    def samples(self, shares: Array) -> Array:
+        """Displacement (points, samples) at even shares of the span."""
+        phase = self.found.phase[:, None] + self.omega[:, None] * self.span[:, None] * shares
+        drive = (self.driven.value[:, None] * np.exp(1j * phase)).imag
+        return np.asarray(self.rest + drive + self.pushed(shares, np.ones(len(self.weight), bool)))
+
+    def pushed(self, shares: Array, modes: NDArray[np.bool_]) -> Array:
+        """Part of the impulses in some modes at even shares of the span (points, samples)."""
+        if not modes.any():
+            return np.zeros((len(self.omega), len(shares)))
+        poles = self.poles.of_modes(modes)
+        if not poles.under.all():
+            times = self.span[:, None, None] * shares[None, :, None]
+            pushed = green_value(poles, self.span[:, None, None], times) @ self.weight[modes]
+            return np.asarray(pushed * self.found.impulse[:, None])
+        s = poles.first
+        start = self.weight[modes] / s.imag / (1 - np.exp(s * self.span[:, None]))
+        turns = np.empty((len(shares), *start.shape), dtype=complex)
+        turns[0], turns[1:] = start, np.exp(s * (self.span / (len(shares) - 1))[:, None])
+        return np.asarray(np.cumprod(turns, axis=0).imag.sum(axis=2).T * self.found.impulse[:, None])
+
+    def ringing(self, shares: Array, modes: NDArray[np.bool_]) -> Array:
+        """Bound (points, samples) on the part of the impulses in some modes."""
+        if not modes.any():
+            return np.zeros((len(self.omega), len(shares)))
+        s, other, span = self.poles.first[modes], self.poles.second[modes], self.span[:, None]
+        lasting = np.maximum(s.real, other.real)
+        size = np.abs(self.weight[modes]) * (
+            1 / np.abs(1 - np.exp(s * span)) + 1 / np.abs(1 - np.exp(other * span))
+        ) / np.abs(s - other)  # fmt: skip
+        faded = np.exp(lasting * span[..., None] * shares[None, :, None])
+        return np.asarray(np.einsum("jn,jkn->jk", size, faded) * np.abs(self.found.impulse)[:, None])
+
+    def at(self, which: Index, times: Array, order: int) -> Array:
+        """Displacement, velocity or acceleration (m, …) of the points ``which`` (m,) at times after the impact."""
+        wide = (slice(None), *(None,) * (times.ndim - 1))
+        omega, phase = self.omega[which][wide], self.found.phase[which][wide]
+        turned = self.driven.value[which][wide] * np.exp(1j * (phase + omega * times))
+        drive = (turned * (1j * omega) ** order).imag + (self.rest if order == 0 else 0.0)
+        pushed = green_value(self.poles, self.span[which][wide][..., None], times[..., None], order) @ self.weight
+        return np.asarray(drive + self.found.impulse[which][wide] * pushed)
+
+    def by(self, times: Array) -> Array:
+        """Derivatives (P, points) of the displacement at constant times after the impact, one a point."""
+        turn = np.exp(1j * (self.found.phase + self.omega * times))
+        drive = (self.driven.by * turn + 1j * self.driven.value * turn * self.found.by_phase).imag
+        value, by = contracted(
+            green_at(self.poles, self.span[:, None], times[:, None]), self.weight, self.by_weight, self.tangents
+        )
+        return np.asarray(self.by_rest[:, None] + drive + self.found.by_impulse * value + self.found.impulse * by)
+
+
+class FilteredOutput(SampledOutput):
+    """Displacement behind a low-pass filter, from its harmonics."""
+
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        assert self.gain is not None
+        order = np.arange(1, HARMONICS * self.periods + 1)
+        self.nu = self.omega[:, None] * order / self.periods
+        self.gains = self.gain(self.nu / (2 * np.pi))
+        self.driven_at = order == self.periods
+        natural, sigma = self.data.omega, self.data.sigma
+        self.share = 1 / (natural**2 - self.nu[..., None] ** 2 + 2j * sigma * self.nu[..., None])
+        self.train = 2 * self.gains / self.span[:, None]
+        turned = self.driven.value * np.exp(1j * self.found.phase)
+        push = self.train * (self.share @ self.weight) * self.found.impulse[:, None]
+        self.phasors = push + np.where(self.driven_at, -1j * turned[:, None] * self.gains, 0.0)
+        still = float(np.abs(self.gain(np.zeros(1)))[0])
+        self.still, mean = still, self.found.impulse / self.span * float((self.weight / natural**2).sum())
+        self.level = still * (self.rest + mean)
+
+    def candidates(self, sign: float) -> tuple[Index, Array, Array]:
+        """As of ``SampledOutput``: the best of samples fine enough for every harmonic."""
+        count = 4 * HARMONICS * self.periods
+        padded = np.concatenate([np.zeros((len(self.nu), 1)), self.phasors], axis=1) * count / 2
+        values = sign * np.fft.irfft(np.nan_to_num(padded), n=count, axis=1)
+        step = self.span / count
+        return np.arange(len(self.nu)), np.argmax(values, axis=1) * step, step
+
+    def at(self, which: Index, times: Array, order: int) -> Array:
+        """As of ``SampledOutput``."""
+        nu = self.nu[which]
+        turned = self.phasors[which] * np.exp(1j * nu * times[:, None]) * (1j * nu) ** order
+        return np.asarray(turned.real.sum(axis=1) + (self.level[which] if order == 0 else 0.0))
+
+    def by(self, times: Array) -> Array:
+        """As of ``SampledOutput``."""
+        natural, tangents, p = self.data.omega, self.tangents, self.found.impulse
+        turn = np.exp(1j * self.nu * times[:, None])
+        carried = (self.train * turn)[..., None] * self.share  # (points, k, n)
+        square = carried * self.share
+        value, by_omega = carried.sum(axis=1).real, -2 * natural * square.sum(axis=1).real
+        by_sigma = -(square * 2j * self.nu[..., None]).sum(axis=1).real
+        by = self.by_weight @ value.T + (self.weight * tangents.omega) @ by_omega.T
+        by = by + (self.weight * tangents.sigma) @ by_sigma.T
+        soft = self.weight / natural**2
+        by_soft = (self.by_weight / natural**2).sum(axis=1) - 2 * tangents.omega @ (soft / natural)
+        mean = self.found.by_impulse * soft.sum() + p * by_soft[:, None]
+        at_drive = np.where(self.driven_at, self.gains * turn, 0.0).sum(axis=1) * np.exp(1j * self.found.phase)
+        drive = (self.driven.by * at_drive + 1j * self.driven.value * at_drive * self.found.by_phase).imag
+        pushed = self.found.by_impulse * (value @ self.weight) + p * by
+        return np.asarray(self.still * (self.by_rest[:, None] + mean / self.span) + drive + pushed)

@@ -1,0 +1,74 @@
+"""Derivatives of a system's modal data by parameters, for exact derivatives of what follows from them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class ModalData:
+    """What periodic motions of a system follow from: modal rows (n,), gap, restitution, drive (points,) in m.
+
+    ``sigma`` is ζω, 1/s; ``row`` the output's.
+    """
+
+    omega: Array
+    sigma: Array
+    contact: Array
+    load: Array
+    static: Array
+    row: Array
+    gap: float
+    restitution: float
+    drive: Array
+
+    @property
+    def zeta(self) -> Array:
+        """Damping ratios (n,)."""
+        return np.asarray(self.sigma / self.omega)
+
+    def packed(self) -> Array:
+        """All in one row."""
+        rows = (self.omega, self.sigma, self.contact, self.load, self.static, self.row)
+        return np.concatenate([*rows, [self.gap, self.restitution], self.drive])
+
+
+@dataclass(frozen=True)
+class Tangents:
+    """Derivatives of ``ModalData`` by P parameters: each of its members with one more axis (P, …) in front."""
+
+    omega: Array
+    sigma: Array
+    contact: Array
+    load: Array
+    static: Array
+    row: Array
+    gap: Array
+    restitution: Array
+    drive: Array
+
+    @classmethod
+    def unpacked(cls, rows: Array, modes: int) -> Tangents:
+        """Derivatives (P, all) of ``ModalData.packed`` of so many modes."""
+        rest = rows[:, 6 * modes :]
+        omega, sigma, contact, load, static, row = (rows[:, k * modes : (k + 1) * modes] for k in range(6))
+        return cls(omega, sigma, contact, load, static, row, rest[:, 0], rest[:, 1], rest[:, 2:])
+
+
+def aligned(data: ModalData, like: ModalData) -> ModalData:
+    """Same data with the modes' signs, which are arbitrary, as in ``like``."""
+    from dataclasses import replace
+
+    rows = ("contact", "load", "static", "row")
+    total = np.zeros(len(data.omega))
+    for name in rows:
+        one, other = getattr(data, name), getattr(like, name)
+        size = float(np.abs(other).max())
+        total += one * other / size**2 if size > 0 else 0.0
+    sign = np.where(total < 0, -1.0, 1.0)
+    return replace(data, **{name: sign * getattr(data, name) for name in rows})

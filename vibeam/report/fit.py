@@ -1,0 +1,197 @@
+"""Table, CSV, JSON and figure of a fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.report.output import write_csv
+from vibeam.report.table_widths import ReportTable
+from vibeam.report.tables import blank
+from vibeam.studies.fit.study import FitRow, FitStudy, FittedPoint
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+CURVE = 121  # frequencies of a fitted branch
+
+DRAWS = 40  # parameter sets of the band
+
+PANEL_MOST = 4  # references with a panel
+
+
+def fit_tables(study: FitStudy) -> list[ReportTable]:
+    """Estimated keys with their intervals; what to measure next, where it was asked for."""
+    found = [_estimates(study.rows)]
+    if study.next:
+        found.append(_next(study))
+    return found
+
+
+def _estimates(rows: Sequence[FitRow]) -> ReportTable:
+    table = blank("Estimated keys, SI", "key", "value|", "95 % from|", "to|", "unit", "the case's own|")
+    for row in rows:
+        value = f"{row.value:.5g}" if row.determined else "not determined"
+        low, high = (
+            f"{end:.5g}{' (bound)' if is_open else ''}"
+            for end, is_open in ((row.low, row.low_open), (row.high, row.high_open))
+        )
+        table.add_row(row.key, value, low, high, row.unit, f"{row.start:.5g}")
+    table.caption = "intervals by profile likelihood; (bound): a bound in [fit] ends it, not the data"
+    return table
+
+
+def _next(study: FitStudy) -> ReportTable:
+    settings = list(study.next[0].settings)
+    table = blank("What to measure next", "frequency|", *(f"{each}|" for each in settings), "motion", "value|")
+    table.add("key", "interval now|", "then|")
+    for each in study.next:
+        values = (f"{each.settings[name]:.4g}" for name in settings)
+        interval = (f"± {half:.3g}" for half in (each.before, each.after))
+        table.add_row(f"{each.frequency:.5g} Hz", *values, each.motion, f"{each.value:.4g}", each.key, *interval)
+    table.caption = "linearised, SI; the best point of each setting"
+    return table
+
+
+def as_data(study: FitStudy) -> dict[str, Any]:
+    """Content for JSON."""
+    return {
+        "rows": study.rows,
+        "misfit": study.misfit,
+        "covariance": study.covariance,
+        "points": study.points,
+        "contour": {
+            "keys": [] if study.pair is None else [study.rows[k].key for k in study.pair],
+            "values": study.contour,
+        },
+        "profiles": {
+            row.key: [
+                [*study.problem.values(each[:-1]).tolist(), float(each[-1])] for each in found.path
+            ]
+            for row, found in zip(study.rows, study.profiles, strict=True)
+        },
+        "next": study.next,
+        "sentences": study.sentences,
+    }  # fmt: skip
+
+
+def write_fit(study: FitStudy, path: Path, figures: Iterable[Path]) -> None:
+    """Write the keys as CSV, and the figure; the format follows each path's ending."""
+    from vibeam.figures.page import write_page
+
+    write_csv(study.rows, path)
+    write_page(lambda: fit_figure(study), figures)
+
+
+def fit_figure(study: FitStudy) -> Figure:
+    """Points, fitted branch and band above residuals, a column a reference; the contour of the least known pair."""
+    from vibeam.figures.page import blank_page, legend, titled
+
+    names = list(dict.fromkeys(point.reference for point in study.points))[:PANEL_MOST]
+    columns = len(names) + (study.pair is not None)
+    figure = blank_page((1.4 + 2.9 * columns, 4.6), study.case.figure)
+    grid = figure.add_gridspec(2, columns, height_ratios=[3, 1])
+    handles: dict[str, Any] = {}
+    first: Axes | None = None
+    for column, name in enumerate(names):
+        upper = figure.add_subplot(grid[0, column])
+        lower = figure.add_subplot(grid[1, column], sharex=upper, sharey=first)
+        first = first or lower
+        handles |= _response(study, name, upper)
+        _residuals([each for each in study.points if each.reference == name], lower)
+        upper.tick_params(labelbottom=False)
+        upper.set_title(name)
+        lower.set_xlabel("drive frequency in Hz")
+        if column == 0:
+            lower.set_ylabel("residual in σ")
+    if study.pair is not None:
+        handles |= _contour(study, figure.add_subplot(grid[:, -1]))
+    legend(figure, list(handles.values()), list(handles))
+    titled(figure, study.case.figure, study.case.title, "measured points, fitted branches and 95 % band")
+    return figure
+
+
+def _scale(study: FitStudy, name: str) -> tuple[float, str]:
+    """Factor and label of a reference's quantity."""
+    quantity = study.case.references[name].quantity
+    largest = max(abs(each.measured) for each in study.points if each.reference == name)
+    if study.case.scene.given_mode is not None:
+        return 1.0, quantity.replace("_", " ")
+    unit = "m/s" if quantity == "impact_velocity" else "m"
+    factor, prefix = (1.0, "") if largest >= 0.5 else (1e3, "m") if largest >= 0.5e-3 / 10 else (1e6, "µ")
+    return factor, f"{quantity.replace('_', ' ')} in {prefix}{unit}"
+
+
+def _response(study: FitStudy, name: str, axes: Axes) -> dict[str, Any]:
+    from vibeam.figures.style import COLOURS
+
+    points = [each for each in study.points if each.reference == name]
+    factor, label = _scale(study, name)
+    frequency = np.array([each.frequency for each in points])
+    grid = np.linspace(frequency.min(), frequency.max(), CURVE)
+    handles: dict[str, Any] = {}
+    for number, motion in enumerate(dict.fromkeys(each.motion for each in points)):
+        own = [each.frequency for each in points if each.motion == motion]
+        part = grid[(grid >= min(own)) & (grid <= max(own))]
+        best, low, high = _band(study, name, motion, part)
+        colour = COLOURS[number]
+        handles["95 % band"] = axes.fill_between(
+            part, factor * low, factor * high, color=colour, alpha=0.3, linewidth=0, zorder=1
+        )
+        (handles[f"fitted, {motion}"],) = axes.plot(part, factor * best, color=colour, linewidth=1.1, zorder=2)
+    handles["measured, ± 2 σ"] = axes.errorbar(
+        frequency, [factor * each.measured for each in points], [2 * factor * each.uncertainty for each in points],
+        fmt="o", color="black", markersize=2.6, elinewidth=0.6, zorder=3,
+    )  # fmt: skip
+    lost = [each for each in points if not each.actual]
+    if lost:
+        (handles["nearest motion is none of the model"],) = axes.plot(
+            [each.frequency for each in lost], [factor * each.measured for each in lost], "o", markersize=6,
+            markerfacecolor="none", markeredgecolor="#D55E00", linestyle="none",
+        )  # fmt: skip
+    axes.set_ylabel(label)
+    return handles
+
+
+def _band(study: FitStudy, name: str, motion: str, frequency: Any) -> tuple[Any, Any, Any]:
+    """Fitted branch and its pointwise 95 % band: over draws of the linearised estimate, kept within the bounds."""
+    from vibeam.studies.fit.curves import branch
+
+    problem, x = study.problem, study.minimum.x
+    best = branch(problem, x, name, motion, frequency)
+    spread = study.covariance / np.outer(problem.width, problem.width)
+    draws = np.random.default_rng(0).multivariate_normal(x, spread, DRAWS)
+    curves = [branch(problem, each, name, motion, frequency) for each in np.clip(draws, 0.0, 1.0)]
+    deviation = np.sqrt(np.nanmean((np.array(curves) - best) ** 2, axis=0))
+    return best, best - 1.96 * deviation, best + 1.96 * deviation
+
+
+def _residuals(points: Sequence[FittedPoint], axes: Axes) -> None:
+    axes.axhspan(-1.96, 1.96, color="0.92", zorder=0)
+    axes.axhline(0.0, color="0.5", linewidth=0.6)
+    axes.plot(
+        [each.frequency for each in points], [each.residual for each in points], "o", color="black", markersize=2.6
+    )
+
+
+def _contour(study: FitStudy, axes: Axes) -> dict[str, Any]:
+    assert study.pair is not None
+    k, j = study.pair
+    one, other = study.rows[k], study.rows[j]
+    handles: dict[str, Any] = {}
+    (handles["95 % contour of the pair"],) = axes.plot(*study.contour.T, color="#AA4499", linewidth=1.1)
+    path = study.profiles[k].path
+    values = study.problem.low + path[path[:, -1] < 6.0, :-1] * study.problem.width
+    (handles["ridge: the other keys at their best"],) = axes.plot(
+        values[:, k], values[:, j], color="#D55E00", linewidth=1.0, linestyle="--"
+    )
+    (handles["least misfit"],) = axes.plot(study.best[k], study.best[j], "+", color="black", markersize=7)
+    (handles["the case's own"],) = axes.plot(one.start, other.start, "x", color="0.45", markersize=5)
+    axes.set_xlabel(one.key + (f" in {one.unit}" if one.unit else ""))
+    axes.set_ylabel(other.key + (f" in {other.unit}" if other.unit else ""))
+    axes.set_title("least determined pair")
+    return handles

@@ -1,0 +1,109 @@
+"""Measured points of a fit: of which reference, with which uncertainty, on what kind of motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.reference_curves import reference_curve
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.observe.measuring_chain import Chain
+
+Array = NDArray[np.float64]
+
+Gain = Callable[[Array], NDArray[np.complex128]]
+
+
+@dataclass(frozen=True)
+class Points:
+    """Points of one reference and period: ``frequency`` Hz, ``value`` and standard ``uncertainty`` in SI, (points,).
+
+    ``gain``: of the filter that they were measured behind. ``unstable``: unstable motions may be among them.
+    """
+
+    reference: str
+    fidelity: str
+    quantity: str
+    periods: int
+    frequency: Array
+    value: Array
+    uncertainty: Array
+    unstable: bool = False
+    gain: Gain | None = None
+
+    @property
+    def omega(self) -> Array:
+        """Drive frequencies, rad/s."""
+        return 2 * np.pi * self.frequency
+
+    def __len__(self) -> int:
+        return len(self.frequency)
+
+
+def points_of(case: Case) -> tuple[list[Points], list[str]]:
+    """Points of the references that a case is fitted to, and notes on those left out; ValueError for unusable ones."""
+    if case.fit is None:
+        raise ValueError(
+            'there is no [fit] in this case: say keys = { "stop.restitution" = [0.5, 0.9], … } and references'
+        )
+    if not case.fit.references:
+        raise ValueError("there is no [reference.NAME] to fit to")
+    found, notes = [], []
+    for name in case.fit.references:
+        made, left = _of_reference(case, name)
+        found += made
+        notes += left
+    if not sum(len(each) for each in found):
+        raise ValueError("the references have no points that could be fitted")
+    return found, notes
+
+
+def _of_reference(case: Case, name: str) -> tuple[list[Points], list[str]]:
+    reference = case.references[name]
+    curve = reference_curve(reference)
+    if curve.recorded:
+        raise ValueError(f"reference.{name}: it was recorded from a model of ours, which is no measurement")
+    points = [each for each in curve.points if each.value is not None]
+    kept = [each for each in points if each.period is None or each.period > 0]
+    without = [each for each in kept if not each.uncertainty]
+    if without:
+        raise ValueError(
+            f"reference.{name}: line {without[0].line} has no uncertainty, which its weight is: write "
+            'uncertainty = "1 %", or what it is, in the table, or give the file a column'
+        )
+    lost = len(points) - len(kept)
+    notes = [f"{name}: {lost} points without a period are left out"] if lost else []
+    gain = _gain(case.chain_of(reference.fidelity))
+    made = []
+    for periods in sorted({each.period or 1 for each in kept}):
+        own = [each for each in kept if (each.period or 1) == periods]
+        frequency, value, spread = (
+            np.array([getattr(each, part) for each in own], dtype=float)
+            for part in ("frequency", "value", "uncertainty")
+        )
+        unstable = name in _unstable(case)
+        made.append(
+            Points(name, reference.fidelity, reference.quantity, periods, frequency, value, spread, unstable, gain)
+        )
+    return made, notes
+
+
+def _unstable(case: Case) -> tuple[str, ...]:
+    return () if case.fit is None else case.fit.unstable
+
+
+def _gain(chain: Chain | None) -> Gain | None:
+    if chain is None:
+        return None
+    if chain.noise is not None or chain.quantum is not None:
+        raise ValueError(
+            "measurement: noise and quantisation shift extremes, which a fit does not know: leave them away; the "
+            "uncertainty of the references stands for them"
+        )
+    return None if chain.low_pass is None else chain.low_pass.response
