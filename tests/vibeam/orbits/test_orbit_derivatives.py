@@ -58,8 +58,8 @@ def _motion(packed, guess):
 
 
 def _extreme(at, of, span, sign):
-    """Extreme by all zeros of the velocity between 4000 samples, and the impact itself."""
-    times = [span * k / 4000 for k in range(4001)]
+    """Extreme by all zeros of the velocity between 600 samples, and the impact itself."""
+    times = [span * k / 600 for k in range(601)]
     slopes = [at(of, t, 1) for t in times]
     found = [at(of, mp.mpf(0), 0)]
     for (a, b), (s, e) in zip(pairwise(times), pairwise(slopes), strict=True):

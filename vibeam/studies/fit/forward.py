@@ -1,10 +1,10 @@
 """Modal data of a fidelity at values of the estimated keys, and their derivatives.
 
 Orbit equations are differentiated exactly (``orbits.orbit_derivatives``); what goes into them, the modal sums of the
-structure, gap, restitution and drive as functions of the keys, by differences of fourth order at 1/5000 of the keys'
-bounds. These are exact to round-off for keys that enter as a polynomial of degree four (gain, voltage, gap,
-restitution, damping ratio), and accurate to about 1e-10 for those of the structure (mass, thickness): no
-difference is ever taken of a motion, which is ill-conditioned near a fold.
+structure, gap, restitution and drive as functions of the keys, by central differences at 1/5000 of the keys' bounds.
+These are exact to round-off for keys that enter as a polynomial of degree two (gain, voltage, gap, restitution,
+damping ratio), and accurate to about 1e-8 for those of the structure (mass, thickness): no difference is ever taken of
+a motion, which is ill-conditioned near a fold.
 """
 
 from __future__ import annotations
@@ -99,21 +99,23 @@ class Forward:
         low, high = self.keys[k].low, self.keys[k].high
         step = STEP * (high - low)
         below, above = round((values[k] - low) / step), round((high - values[k]) / step)
-        shift = max(2 - below, 0) - max(2 - above, 0)  # all nodes within the bounds
-        nodes = np.arange(-2, 3) + shift
+        shift = max(1 - below, 0) - max(1 - above, 0)  # all nodes within the bounds
+        nodes = np.arange(-1, 2) + shift
         total = np.zeros_like(packed)
         for node, weight in zip(nodes.tolist(), _weights(nodes), strict=True):
             at = values.copy()
             at[k] = min(max(at[k] + node * step, low), high)
-            moved = packed if node == 0 else aligned(self.data(at, omega), data).packed()
+            if node == 0:
+                continue
+            moved = aligned(self.data(at, omega), data).packed()
             total += weight * (moved - packed)
         return total / step
 
 
 def _weights(nodes: NDArray[np.int64]) -> Array:
-    """Weights of the first derivative at 0 from values at five whole numbers."""
-    powers = np.vander(nodes.astype(float), 5, increasing=True).T
-    return np.linalg.solve(powers, np.eye(5)[1])
+    """Weights of the first derivative at 0 from values at three whole numbers."""
+    powers = np.vander(nodes.astype(float), 3, increasing=True).T
+    return np.linalg.solve(powers, np.eye(3)[1])
 
 
 def _refuse(case: Case, name: str, made: ImpactSystem) -> None:

@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 LEVEL = 3.841458820694124  # χ² of one degree of freedom, 95 %
 
-TRIES = 14
+TRIES = 24
 
 NEAR = 0.01  # of the root's height, where the crossing is found
 
@@ -106,7 +106,7 @@ def _next(
     if outside[1] > 1e3 * target:
         return (inside[0] + outside[0]) / 2
     share = (target - inside[1]) / (outside[1] - inside[1])
-    return inside[0] + min(max(share, 0.1), 0.9) * (outside[0] - inside[0])
+    return inside[0] + (share if 0.1 < share < 0.9 else 0.5) * (outside[0] - inside[0])
 
 
 def misfit_at(problem: Problem, minimum: Minimum, k: int, share: float) -> float:

@@ -149,7 +149,7 @@ def _constant(problem: Problem, values: Array, k: int, j: int) -> str:
 
 
 def _slow_flow(problem: Problem, names: dict[str, Array], values: Array) -> tuple[float, float, str] | None:
-    """Mean and relative change of drive/(ζ₁ − ln R₁/π) along a ridge."""
+    """Middle and relative change of drive/(ζ₁ − ln R₁/π) along a ridge."""
     drive = next((name for name in DRIVES if name in names), None)
     if drive is None or "stop.restitution" not in names:
         return None
@@ -162,5 +162,5 @@ def _slow_flow(problem: Problem, names: dict[str, Array], values: Array) -> tupl
             return None
         index = next(k for k, each in enumerate(problem.keys) if each.key == drive)
         found.append(row[index] / (made.zeta[0] - log(seen) / pi))
-    mean = float(np.mean(found))
+    mean = float(max(found) + min(found)) / 2
     return mean, float(np.ptp(found) / mean), f"{drive}/(ζ₁ − ln R₁/π)"
