@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING
 from vibeam.case.plans import MapPlan
 from vibeam.exchange.whole_files import regular
 from vibeam.flight.pause import Stopped
-from vibeam.maps.block import Block, Grid, Values, evaluate_block
+from vibeam.maps.block import Block, Grid, Values
+from vibeam.maps.cluster import Cluster, evaluate_here
 from vibeam.maps.evaluate import GridResponse
 from vibeam.maps.grids import blocks_of, grids_of, key_of, lines_of_block, plan_of
 from vibeam.maps.partial import partial_response
@@ -92,12 +93,14 @@ def run_map(
     workers: int | None = None,
     progress: Progress | None = None,
     partial: Callable[[MapResult], None] | None = None,
+    cluster: Cluster | None = None,
 ) -> MapResult:
     """Compute the map ``name`` of a case into the file ``out`` (HDF5), or go on with what is there.
 
     Blocks of lines lie as files of their own in ``OUT.parts`` until all are there: a run that is killed loses the
     blocks in flight, one for each of the ``workers`` (threads; None: one a core). ``fresh``: keep nothing. ``progress``
     is called with the points done and their total, ``partial`` with what is known every few seconds, from any thread.
+    ``cluster``: other processes that compute the blocks (``vibeam.maps.cluster.connected``); this one writes.
 
     KeyError for an unknown map, CaseError for values that the case may not have, ValueError for a case that a grid
     cannot take, StoreError where files are another's or the disk fails.
@@ -118,7 +121,7 @@ def run_map(
         if not finished(target, keys):
             job = _job(case, plan, grids, keys, folder, path)
             found = job.found
-            _compute(job, progress, partial, workers)
+            _compute(job, progress, partial, workers, cluster)
         elif progress:
             progress(total, total)
         discard(folder)
@@ -161,14 +164,17 @@ def _compute(
     progress: Progress | None,
     partial: Callable[[MapResult], None] | None,
     workers: int | None,
+    cluster: Cluster | None,
 ) -> None:
     """Compute the missing blocks, then gather all."""
     lock, watch, total = Lock(), _Watch(), job.points(job.blocks)
     if progress:
         progress(job.found, total)
 
+    evaluate = evaluate_here if cluster is None else cluster.evaluate
+
     def task(block: Block, stop: Event) -> None:
-        values = evaluate_block(block, threads=1)
+        values = evaluate(block)
         if stop.is_set():
             raise Stopped
         try:
@@ -183,7 +189,7 @@ def _compute(
             watch.drawn(lambda: partial(job.result(_known(job))))
 
     missing = [block for block in job.blocks if _name(block) not in job.done]
-    run_parallel(task, missing, workers)
+    run_parallel(task, missing, workers if cluster is None else cluster.blocks)
     gather(job.path, job.case, job.plan, job.keys, _sources(job))
 
 

@@ -17,13 +17,13 @@ from vibeam.maps import run as running
 from vibeam.maps.block import DTYPES
 from vibeam.report.maps.page import write_map
 
-def stand_in(block, threads=None):
+def stand_in(block):
     shape = (block.last - block.first, *block.grid.shape)
     whole = lambda name: np.ones(shape, DTYPES[name]) if name == "period" else np.zeros(shape, DTYPES[name])
     names = block.grid.quantities
     return {name: whole(name) if name in DTYPES else np.full(shape, float(block.first)) for name in names}
 
-running.evaluate_block = stand_in
+running.evaluate_here = stand_in
 axes = [{"key": "drive.voltage", "from": 0.1, "to": 0.7, "points": 2500},
         {"key": "sweep.frequency", "from": 14, "to": 17, "points": 4000}]
 table = {"axes": axes, "fidelities": ["sdof"], "direction": "up", "settle": 100, "hold": 20, "boundaries": False}

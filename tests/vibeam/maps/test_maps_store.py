@@ -36,12 +36,12 @@ def small(monkeypatch: pytest.MonkeyPatch) -> list[Block]:
     """Blocks of two lines, and a list of those that were computed."""
     computed: list[Block] = []
 
-    def counted(block: Block, threads: int | None = None) -> Any:
+    def counted(block: Block) -> Any:
         computed.append(block)
-        return evaluate_block(block, threads)
+        return evaluate_block(block, threads=1)
 
     monkeypatch.setattr(running, "lines_of_block", lambda case, grid: 2)
-    monkeypatch.setattr(running, "evaluate_block", counted)
+    monkeypatch.setattr(running, "evaluate_here", counted)
     return computed
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,6 +15,7 @@ from vibeam.cli.output import print_result
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.maps.cluster import Cluster
     from vibeam.maps.run import MapResult
 
 Only = Annotated[
@@ -28,9 +31,18 @@ Out = Annotated[
 ]  # fmt: skip
 
 
+Workers = Annotated[
+    str | None,
+    typer.Option(
+        "--cluster", metavar="ADDRESS", help="Compute by the workers of this Dask scheduler; or its scheduler file.",
+        show_default=False,
+    ),
+]  # fmt: skip
+
+
 def map(
     case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: Out = None, only: Only = None,
-    fresh: Fresh = False,
+    fresh: Fresh = False, cluster: Workers = None,
 ) -> None:  # fmt: skip
     """Map a case over any of its keys, or continue a map."""
     loaded = load(case, set_)
@@ -41,7 +53,7 @@ def map(
     files: list[Path] = []
     for name in names:
         path = _path(loaded, out, name, len(names))
-        result = _computed(case, loaded, name, path, fresh)
+        result = _computed(case, loaded, name, path, fresh, cluster)
         drawn, said = _drawn(result)
         rows += _rows(result)
         motions += _motions(result)
@@ -80,12 +92,28 @@ def _path(case: Case, out: str | None, name: str, count: int) -> Path:
     return output_path(out, own, (".h5",), "the file of a map")
 
 
-def _computed(case: Path, loaded: Case, name: str, path: Path, fresh: bool) -> MapResult:
+def _computed(case: Path, loaded: Case, name: str, path: Path, fresh: bool, where: str | None) -> MapResult:
     from vibeam.cli.progress import Bar
     from vibeam.maps.run import run_map
 
-    with Bar(f"map {name}") as bar:
-        return of_case(case, lambda: run_map(loaded, name, path, fresh=fresh, progress=bar, partial=_sketch))
+    with _workers(where) as cluster, Bar(f"map {name}") as bar:
+        return of_case(
+            case, lambda: run_map(loaded, name, path, fresh=fresh, progress=bar, partial=_sketch, cluster=cluster)
+        )
+
+
+@contextmanager
+def _workers(where: str | None) -> Iterator[Cluster | None]:
+    if where is None:
+        yield None
+        return
+    from vibeam.maps.cluster import ClusterError, connected
+
+    try:
+        with connected(where) as cluster:
+            yield cluster
+    except ClusterError as fault:
+        raise UsageError(str(fault)) from None
 
 
 def _sketch(result: MapResult) -> None:
