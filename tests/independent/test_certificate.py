@@ -140,6 +140,10 @@ def test_a_stretch_is_what_the_whole_says_of_it() -> None:
     assert sum(halves) == len(whole.pieces)
 
 
+#: what certificates of cases name as not proved: at 8 Hz a period is a whole panel, whose end lies on the stretch's
+LEFT = {"cases/dtu_animated.toml": {"no bound excludes another root": 3}}
+
+
 def test_the_report_has_no_fault() -> None:
     held, laws = stored(), [name for name in entries() if not name.startswith("cases/")]
     assert [name for name in [*laws, *(f"cases/dtu_{gap}.toml" for gap in GAPS)] if name not in held] == []
@@ -147,7 +151,8 @@ def test_the_report_has_no_fault() -> None:
         assert found["faults"] == [], name
         assert found["pieces_proved"] == found["pieces_checked"], name
         assert found["motions"] > 0, name
-        assert all("is integrated" in reason for reason in found["unproved"]), name
+        left = {reason: count for reason, count in found["unproved"].items() if "is integrated" not in reason}
+        assert left == LEFT.get(name, {}), name
 
 
 @pytest.mark.slow
