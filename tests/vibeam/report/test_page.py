@@ -230,3 +230,12 @@ def test_numbers_come_back_within_half_a_step():
     assert decoded(packed(np.full(3, 2.5))) == pytest.approx(2.5)
     assert json.loads(as_json({"a": "</script><!--\u2028&"})) == {"a": "</script><!--\u2028&"}
     assert "<" not in as_json({"a": "</script><!--"})
+
+
+def test_another_title_is_the_file_s_from_the_next_run_on_without_a_word(tmp_path):
+    file = tmp_path / "case.toml"
+    for title in ("one", "another"):
+        file.write_text(CASE.replace("TITLE", title), encoding="utf-8")
+        found = vibeam.run(vibeam.load(file), out=tmp_path / "case.h5")
+        assert vibeam.read(tmp_path / "case.h5").case.title == title
+    assert found.found == found.total

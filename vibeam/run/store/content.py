@@ -61,7 +61,7 @@ def format_of(file: h5py.File) -> str | None:
 
 
 def adapted(file: h5py.File, path: Path, wanted: Wanted) -> str | None:
-    """Adapt the file to ``wanted``: the changes in one line, None without any.
+    """Adapt the file to ``wanted``: the changes in one line, empty where no number changes, None without any.
 
     StoreError where it is another case's, so that nothing in it would stay, where it has more points, or is damaged.
     """
@@ -94,13 +94,13 @@ def _adapt(file: h5py.File, path: Path, wanted: Wanted, reuses: list[Reuse]) -> 
 
 
 def _renewed(file: h5py.File, path: Path, wanted: Wanted) -> str | None:
-    """Bring title, checks and figures of the case up to date, which decide no number of a branch."""
+    """Bring title, checks and figures of the case up to date, which decide no number of a branch: nothing to tell."""
     if wanted.whole in ("", whole_case(file, path)):
         return None
     with reading(path, "/case"):
         del file["case"]
         _write_case(file, wanted)
-    return "its case has another title, checks or figures now"
+    return ""
 
 
 def whole_case(file: h5py.File, path: Path) -> str:

@@ -105,7 +105,8 @@ def _continued(disk: Disk, plan: Plan, tell: Tell) -> Iterator[_Begun]:
         if line is not None:
             file.flush()
             disk.stage(image.getvalue())
-            tell(f"{disk.path}: {line}")
+            if line:
+                tell(f"{disk.path}: {line}")
         yield _Begun(image, file, wanted, models, new=False, changed=line is not None)
 
 
