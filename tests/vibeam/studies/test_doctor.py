@@ -14,7 +14,7 @@ import pytest
 from vibeam.flight import trajectory
 from vibeam.studies.doctor import Finding, State
 from vibeam.studies.doctor.machine import _folder, processor
-from vibeam.studies.doctor.packages import Requirement, numbers, optional, parsed, required, requirements
+from vibeam.studies.doctor.packages import Requirement, numbers, once, optional, parsed, required, requirements
 from vibeam.studies.doctor.self_check import CHECKS, checked, reason, self_check
 
 DOCTOR = "from vibeam.cli.main import main; main()"
@@ -93,6 +93,12 @@ def test_a_deviation_beyond_what_is_allowed_is_a_fault(off: float) -> None:
     assert (found.state, bool(found.cure)) == (State.FAULT, True)
     assert checked("it", lambda: 1e-7, 1e-6).state is State.GOOD
     assert checked("it", lambda: 1 / 0, 1e-6).value == "ZeroDivisionError: division by zero"
+
+
+def test_a_package_of_several_extras_is_of_the_one_that_is_for_users() -> None:
+    test, jit, plain = (Requirement("numba", "0.60", extra) for extra in ("test", "jit", ""))
+    assert once([test, jit]) == once([jit, test]) == [jit]
+    assert once([plain, test]) == [plain]
 
 
 def test_requirements_are_those_of_the_project() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import platform
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, distribution, version
@@ -65,9 +65,18 @@ def _own() -> Finding:
 def requirements() -> list[Requirement]:
     """Requirements by the installed metadata, or by pyproject.toml in a checkout; none where there is neither."""
     try:
-        return [parsed(entry) for entry in distribution("vibeam").requires or ()]
+        return once(map(parsed, distribution("vibeam").requires or ()))
     except PackageNotFoundError:
-        return _of_checkout(Path(__file__).parents[3] / "pyproject.toml")
+        return once(_of_checkout(Path(__file__).parents[3] / "pyproject.toml"))
+
+
+def once(found: Iterable[Requirement]) -> list[Requirement]:
+    """Each package once: of several extras that want it, the first that is not the tests', which take the others' in."""
+    kept: dict[str, Requirement] = {}
+    for each in found:
+        if each.name not in kept or kept[each.name].extra == "test":
+            kept[each.name] = each
+    return list(kept.values())
 
 
 def _of_checkout(path: Path) -> list[Requirement]:
