@@ -71,7 +71,7 @@ def requirements() -> list[Requirement]:
 
 
 def once(found: Iterable[Requirement]) -> list[Requirement]:
-    """Each package once: of several extras that want it, the first that is not the tests', which take the others' in."""
+    """Each package once, by the first extra that wants it; the tests' extra, which takes others in, comes last."""
     kept: dict[str, Requirement] = {}
     for each in found:
         if each.name not in kept or kept[each.name].extra == "test":
