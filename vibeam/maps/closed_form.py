@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.trajectory import simulate
 from vibeam.maps.axes import Axis
 from vibeam.maps.points import GridPoints, grid_points
-from vibeam.maps.variation import narrowed
+from vibeam.maps.settings import setting_along
+from vibeam.maps.variation import narrowed, varied
+from vibeam.orbits.doubled_branches import doubled_branches
 from vibeam.orbits.orbit import Orbit, orbits
+from vibeam.orbits.orbit_curve import orbit_curve
+from vibeam.orbits.train_branch import Branch, Setting
+from vibeam.orbits.train_orbits import displacements_at
+from vibeam.orbits.trains import Train
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import MapPlan
+    from vibeam.system.impact_system import Drive, ImpactSystem
 
 Array = NDArray[np.float64]
 
@@ -28,58 +34,107 @@ PERIODS = (1, 2)  # drive periods from impact to impact
 
 @dataclass(frozen=True)
 class ClosedForm:
-    """The harder or the softer motions with one impact in ``periods`` drive periods, along the axis' ``values``.
+    """A branch of motions with ``impacts`` in ``periods`` drive periods, in order along it: ``values`` of the axis.
 
     ``strobes`` (points, periods): the output at the end of each drive period, in order of size; NaN where there is no
     admissible motion.
     """
 
+    impacts: int
     periods: int
     values: Array
     strobes: Array
     stable: NDArray[np.bool_]
 
 
+@dataclass(frozen=True)
+class _Line:
+    """Points along the axis, and their ``output``."""
+
+    values: Array
+    points: GridPoints
+    output: str
+
+
 def closed_form_strobes(case: Case, plan: MapPlan, fidelity: str, points: int = POINTS) -> tuple[list[ClosedForm], str]:
-    """All such motions at so many ``points`` along the one axis of a map; or why none are known."""
+    """Motions with one impact at so many ``points`` along the one axis of a map, and the branches that their doublings
+    begin; or why none are known."""
     (axis,) = plan.axes
     values = np.linspace(axis.values[0], axis.values[-1], points)
-    line = (Axis(axis.key, tuple(values.tolist())),)
-    known = grid_points(narrowed(case, fidelity), str(case.path), fidelity, line, plan.frequency, np.zeros(1, int))
+    line, text = (Axis(axis.key, tuple(values.tolist())),), narrowed(case, fidelity)
+    known = grid_points(text, str(case.path), fidelity, line, plan.frequency, np.zeros(1, int))
     beyond = known.systems[0].beyond_plain
     derivative = known.systems[0].derivative(plan.output)
     if beyond or derivative is not None:
         why = " or ".join(beyond) if beyond else "an output that is a derivative"
         return [], f"no motions in closed form for {fidelity}: there are none with {why}"
-    found = []
+    along, setting = (
+        _Line(values, known, plan.output),
+        setting_along(varied(text, str(case.path), fidelity, ()), fidelity, axis.key, values, known),
+    )
+    found = list[ClosedForm]()
     for periods in PERIODS:
-        rows = [_known(known, at, periods, plan.output) for at in range(points)]
+        rows = [_known(known, at, periods) for at in range(points)]
         for branch in (0, 1):
-            strobes = np.array([row[branch][0] for row in rows])
-            if np.isfinite(strobes).any():
-                found.append(ClosedForm(periods, values, strobes, np.array([row[branch][1] for row in rows])))
+            motions = [row[branch] for row in rows]
+            if any(motions):
+                found.append(_single(along, periods, motions))
+                found += [] if setting is None else _doubled(along, setting, motions)
     return found, ""
 
 
-def _known(points: GridPoints, at: int, periods: int, output: str) -> list[tuple[Array, bool]]:
-    """Strobes and stability of both motions at one point."""
+def _known(points: GridPoints, at: int, periods: int) -> tuple[Orbit | None, Orbit | None]:
+    """The harder and the softer motion at one point, None where it is not admissible."""
     system, drive = points.system_at(at), points.drive_at(at)
-    blank = np.full(periods, np.nan)
-    found: list[tuple[Array, bool]] = [(blank, False), (blank, False)]
     try:
         known = orbits(system, drive, periods)
     except ValueError:  # at a resonance of an undamped mode there is none
-        return found
-    for branch, orbit in enumerate(known):
-        if orbit.admissible:
-            found[branch] = np.sort(list(_strobes(orbit, output))), orbit.stable
-    return found
+        return None, None
+    impulses = orbit_curve(system, drive.omega, drive.amplitude, periods).impulse[0] if known else np.zeros(2)
+    found = {int(np.nanargmin(np.abs(impulses - orbit.impulse))): orbit for orbit in known if orbit.admissible}
+    return found.get(0), found.get(1)
 
 
-def _strobes(orbit: Orbit, output: str) -> Iterator[float]:
-    """The output at the ends of the drive periods that follow the impact: the flight from there has no other."""
-    period = 2 * np.pi / orbit.drive.omega
-    row = orbit.system.output(output)
-    for count in range(1, orbit.periods + 1):
-        flown = simulate(orbit.system, orbit.drive, count * period, orbit.state, t_start=orbit.time)
-        yield float(row @ flown.state.displacement)
+def _single(line: _Line, periods: int, motions: Sequence[Orbit | None]) -> ClosedForm:
+    """Motions with one impact."""
+    strobes = [np.full(periods, np.nan) if each is None else _strobes_of(line, each) for each in motions]
+    return ClosedForm(
+        1, periods, line.values, np.array(strobes), np.array([each is not None and each.stable for each in motions])
+    )
+
+
+def _strobes_of(line: _Line, orbit: Orbit) -> Array:
+    train = Train(np.array([orbit.time]), np.array([orbit.impulse]))
+    return _strobes(orbit.system, orbit.drive, orbit.periods, train, line.output)
+
+
+def _strobes(system: ImpactSystem, drive: Drive, periods: int, train: Train, output: str) -> Array:
+    """The output at the ends of the drive periods of a motion, in order of size."""
+    period = 2 * np.pi / drive.omega
+    times: Array = period * np.arange(periods, dtype=float)
+    return np.sort(displacements_at(system, drive, periods * period, train, times) @ system.output(output))
+
+
+def _doubled(line: _Line, setting: Setting, motions: Sequence[Orbit | None]) -> Iterator[ClosedForm]:
+    """Branches that begin at the doublings of motions with one impact."""
+    span, first = float(np.ptp(line.values)), next(each for each in motions if each is not None)
+    branch = Branch(1, first.periods, setting, abs(first.impulse), span)
+    low, high = float(line.values.min()), float(line.values.max())
+    for part in _runs(motions):
+        phases = np.unwrap([motions[at].phase for at in part])
+        points = [
+            np.array([phase, motions[at].impulse / branch.size, line.values[at] / span])
+            for phase, at in zip(phases, part, strict=True)
+        ]
+        for each in doubled_branches(branch, points, low, high):
+            strobes = [
+                _strobes(*setting(float(value)), each.periods, train, line.output)
+                for value, train in zip(each.values, each.trains, strict=True)
+            ]
+            yield ClosedForm(each.impacts, each.periods, each.values, np.array(strobes), each.stable)
+
+
+def _runs(motions: Sequence[Orbit | None]) -> list[NDArray[np.int64]]:
+    """Stretches of the axis with a motion."""
+    there = np.flatnonzero([each is not None for each in motions])
+    return np.split(there, np.flatnonzero(np.diff(there) > 1) + 1)

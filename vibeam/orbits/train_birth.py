@@ -39,7 +39,7 @@ SHARES = 0.5 ** np.arange(1, 10)  # of the asymmetry at the start of a step at w
 
 def asymmetry(branch: Branch, z: Array) -> Array:
     """d (m,); empty where m or the number of periods is odd."""
-    m, periods = len(branch.start.times), branch.start.periods
+    m, periods = branch.impacts, branch.periods
     if m % 2 or periods % 2:
         return np.zeros(0)
     phases, impulses = z[:m].reshape(2, -1), z[m:-1].reshape(2, -1)
@@ -69,7 +69,7 @@ def shares_before(branch: Branch, z: Array, birth: Array) -> tuple[list[float], 
 
 def inward(branch: Branch, z: Array) -> Array:
     """The unit vector along which the asymmetry at z goes down."""
-    m, apart = len(branch.start.times), asymmetry(branch, z)
+    m, apart = branch.impacts, asymmetry(branch, z)
     row = np.concatenate([apart[: m // 2], -apart[: m // 2], apart[m // 2 :], -apart[m // 2 :], [0.0]])
     return np.asarray(row / np.linalg.norm(row))
 
@@ -81,15 +81,11 @@ def point_before(branch: Branch, z: Array, birth: Array, share: float) -> Array 
 
 def _doubling(branch: Branch, z: Array, step: float) -> Array | None:
     """The shorter motion's doubling nearest to z, as a point of the longer one's branch; by the secant method."""
-    m, half = len(branch.start.times), len(branch.start.times) // 2
-    orbit = branch.start
-    short = replace(
-        branch,
-        start=replace(orbit, periods=orbit.periods // 2, times=orbit.times[:half], impulses=orbit.impulses[:half]),
-    )
+    m, half = branch.impacts, branch.impacts // 2
+    short = replace(branch, impacts=half, periods=branch.periods // 2)
     fixed = np.append(np.zeros(m), 1.0)
     phases, impulses = z[:m].reshape(2, -1), z[m:-1].reshape(2, -1)
-    point = np.concatenate([(phases[0] + phases[1] - np.pi * orbit.periods) / 2, impulses.mean(axis=0), z[-1:]])
+    point = np.concatenate([(phases[0] + phases[1] - np.pi * branch.periods) / 2, impulses.mean(axis=0), z[-1:]])
 
     @cache
     def at(value: float) -> tuple[Array | None, float]:
@@ -99,7 +95,7 @@ def _doubling(branch: Branch, z: Array, step: float) -> Array | None:
     for before, value in _secant(lambda value: at(value)[1], float(z[-1]), float(z[-1]) + step / 10):
         if abs(value - before) <= ROOT * max(abs(value), 1.0):
             found = at(value)[0]
-            return None if found is None else _twice(found, half, orbit.periods)
+            return None if found is None else twice(found, half, branch.periods)
     return None
 
 
@@ -116,6 +112,7 @@ def _secant(function, first: float, second: float) -> Iterator[tuple[float, floa
         yield first, second
 
 
-def _twice(found: Array, half: int, periods: int) -> Array:
+def twice(found: Array, half: int, periods: int) -> Array:
+    """A motion of ``half`` impacts as one of twice as many in ``periods`` drive periods."""
     phases, impulses = found[:half], found[half:-1]
     return np.concatenate([phases, phases + np.pi * periods, impulses, impulses, found[-1:]])

@@ -7,7 +7,7 @@ parameter, so that it goes round its folds; each change of sign of a test functi
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 from vibeam.orbits.bifurcation_functions import NAMES, Kind
 from vibeam.orbits.boundaries import JUMP
 from vibeam.orbits.train_birth import birth_ahead, inward, point_before, shares_before
-from vibeam.orbits.train_branch import Branch
+from vibeam.orbits.train_branch import Branch, Setting
 from vibeam.orbits.train_orbits import TrainOrbit, multipliers_of
 
 Array = NDArray[np.float64]
@@ -68,9 +68,16 @@ def train_boundaries(
     value = {"omega": orbit.drive.omega, "amplitude": orbit.drive.amplitude, "gap": orbit.system.gap}[parameter]
     if to == value:
         return ()
-    branch = Branch(orbit, parameter, float(np.abs(orbit.impulses).max()), abs(to - value))
+    size = float(np.abs(orbit.impulses).max())
+    branch = Branch(len(orbit.times), orbit.periods, _setting(orbit, parameter), size, abs(to - value))
     begin = np.concatenate([orbit.drive.omega * orbit.times, orbit.impulses / branch.size, [value / branch.scale]])
     return tuple(_follow(branch, begin, float(np.sign(to - value)), 1 / steps, longest))
+
+
+def _setting(orbit: TrainOrbit, parameter: str) -> Setting:
+    if parameter == "gap":
+        return lambda value: (replace(orbit.system, gap=value), orbit.drive)
+    return lambda value: (orbit.system, replace(orbit.drive, **{parameter: value}))
 
 
 def _follow(branch: Branch, begin: Array, towards: float, step: float, longest: int) -> Iterator[TrainBoundary]:
@@ -83,11 +90,11 @@ def _follow(branch: Branch, begin: Array, towards: float, step: float, longest: 
         if birth is not None:
             yield from _to_birth(branch, z, birth, begin[-1], towards)
             return
-        length, ahead = _stepped(branch, z, along, min(step, 2 * length))
+        length, ahead = stepped(branch, z, along, min(step, 2 * length))
         if ahead is None:
             return
         following = {kind: branch.test(kind, ahead, along) for kind in KINDS}
-        stretch = _Stretch(partial(_off, branch, z, along), along, 0.0, length)
+        stretch = Stretch(partial(_off, branch, z, along), along, 0.0, length)
         for found in _crossed(branch, stretch, tests, following):
             if _within(found.place, begin[-1], towards):
                 yield found.boundary
@@ -99,7 +106,7 @@ def _follow(branch: Branch, begin: Array, towards: float, step: float, longest: 
         tests = following | {Kind.FOLD: float(along[-1])}
 
 
-def _stepped(branch: Branch, z: Array, along: Array, length: float) -> tuple[float, Array | None]:
+def stepped(branch: Branch, z: Array, along: Array, length: float) -> tuple[float, Array | None]:
     """A step along the tangent and back to the branch, halved until it lands where it was going: length, point."""
     for _ in range(HALVINGS):
         ahead = branch.corrected(z + length * along, along)
@@ -121,7 +128,7 @@ class _Located(NamedTuple):
     boundary: TrainBoundary
 
 
-class _Stretch(NamedTuple):
+class Stretch(NamedTuple):
     """A stretch of a branch: the point at a position, about which way it goes, from and to which position."""
 
     point: Callable[[float], Array | None]
@@ -135,10 +142,10 @@ def _off(branch: Branch, z: Array, along: Array, length: float) -> Array | None:
     return branch.corrected(z + length * along, along)
 
 
-def _crossed(branch: Branch, stretch: _Stretch, tests: Tests, following: Tests) -> list[_Located]:
+def _crossed(branch: Branch, stretch: Stretch, tests: Tests, following: Tests) -> list[_Located]:
     """The boundaries within a stretch, in order, up to the first that ends the branch."""
     kinds = [kind for kind in KINDS if tests[kind] * following[kind] < 0]
-    found = [(at, kind) for kind in kinds if (at := _root(branch, kind, stretch)) is not None]
+    found = [(at, kind) for kind in kinds if (at := root_on(branch, kind, stretch)) is not None]
     located = list[_Located]()
     for at, kind in sorted(found, key=lambda pair: pair[0]):
         point = stretch.point(at)
@@ -164,7 +171,7 @@ def _to_birth(branch: Branch, z: Array, birth: Array, begin: float, towards: flo
         following = {kind: branch.test(kind, there, along) for kind in KINDS}
         if share == shares[-1]:
             following[Kind.FOLD] = way
-        for found in _crossed(branch, _Stretch(point, along, gone, 1.0 - share), tests, following):
+        for found in _crossed(branch, Stretch(point, along, gone, 1.0 - share), tests, following):
             if _within(found.place, begin, towards):
                 yield found.boundary
             if found.boundary.kind in ENDS:
@@ -174,8 +181,8 @@ def _to_birth(branch: Branch, z: Array, birth: Array, begin: float, towards: flo
         yield _boundary(branch, Kind.FOLD, birth)
 
 
-def _root(branch: Branch, kind: Kind, stretch: _Stretch) -> float | None:
-    """Position of the boundary in the stretch; None where the sign changes by a jump."""
+def root_on(branch: Branch, kind: Kind, stretch: Stretch, within: float = 1e-15) -> float | None:
+    """Position of the boundary in the stretch, ``within`` that length; None where the sign changes by a jump."""
 
     values: dict[float, float] = {}
 
@@ -188,7 +195,7 @@ def _root(branch: Branch, kind: Kind, stretch: _Stretch) -> float | None:
 
     try:
         if test(stretch.low) * test(stretch.high) < 0:
-            brentq(test, stretch.low, stretch.high, xtol=1e-15, rtol=4 * np.finfo(float).eps, disp=False)
+            brentq(test, stretch.low, stretch.high, xtol=within, rtol=4 * np.finfo(float).eps, disp=False)
     except ArithmeticError:
         pass
     sizes = np.abs(np.array(list(values.values())))

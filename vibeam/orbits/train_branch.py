@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from vibeam.orbits.clearance import least_minimum
 from vibeam.orbits.modal_sums import offsets
 from vibeam.orbits.states import phasors
 from vibeam.orbits.train_gap import TrainGap
-from vibeam.orbits.train_orbits import TrainOrbit, multipliers_of, states_before
+from vibeam.orbits.train_orbits import multipliers_of, states_before
 from vibeam.orbits.trains import Train, equations
 from vibeam.system.impact_system import Drive, ImpactSystem
 
@@ -22,26 +23,28 @@ STEP = 1e-6  # parameter step of the finite differences, as a share of its scale
 
 NEWTON, SMALL = 12, 1e-12
 
+Setting = Callable[[float], tuple[ImpactSystem, Drive]]
+
 
 @dataclass(frozen=True)
 class Branch:
-    """Equations of the branch in z = (phases, impulses / size, parameter / scale)."""
+    """Equations of the branch in z = (phases, impulses / size, parameter / scale).
 
-    start: TrainOrbit
-    parameter: str
+    ``setting``: system and drive at a value of the parameter; ``size``: of an impulse; ``scale``: of the parameter.
+    """
+
+    impacts: int
+    periods: int
+    setting: Setting
     size: float
     scale: float
 
     def at(self, z: Array) -> tuple[ImpactSystem, Drive, float, Train]:
         """System, drive, span in s and impacts at z."""
-        m, system, drive = len(self.start.times), self.start.system, self.start.drive
-        value = float(z[-1] * self.scale)
-        if self.parameter == "gap":
-            system = replace(system, gap=value)
-        else:
-            drive = replace(drive, **{self.parameter: value})
+        m = self.impacts
+        system, drive = self.setting(float(z[-1] * self.scale))
         train = Train(z[:m] / drive.omega, z[m:-1] * self.size)
-        return system, drive, 2 * np.pi * self.start.periods / drive.omega, train
+        return system, drive, 2 * np.pi * self.periods / drive.omega, train
 
     def residual(self, z: Array) -> tuple[Array, Array]:
         """Residual (2m,), displacements as velocities, and derivatives (2m, 2m) by phases and scaled impulses."""

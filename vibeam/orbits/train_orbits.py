@@ -11,7 +11,7 @@ from vibeam.orbits.admissibility import AdmissibilityCheck
 from vibeam.orbits.modal_sums import offsets, resonant
 from vibeam.orbits.multipliers import monodromy
 from vibeam.orbits.orbit_curve import checked
-from vibeam.orbits.states import phasors
+from vibeam.orbits.states import carried, phasors
 from vibeam.orbits.trains import Train, lags, newton
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
@@ -111,6 +111,19 @@ def states_before(system: ImpactSystem, drive: Drive, span: float, train: Train)
     lag = lags(system, span, train.times)
     pushed = [np.einsum("jki,k->ji", part, train.impulses) * system.contact for part in lag]
     return turned.imag + offsets(system) + pushed[0], drive.omega * turned.real + pushed[1]
+
+
+def displacements_at(system: ImpactSystem, drive: Drive, span: float, train: Train, times: Array) -> Array:
+    """Modal displacements (times, n) at any times, s: a free flight from the last impact before each."""
+    displacement, before = states_before(system, drive, span, train)
+    after = before + train.impulses[:, None] * system.contact
+    since = np.mod(times[:, None] - train.times, span)
+    last = np.argmin(since, axis=1)
+    found = np.empty((len(times), system.size))
+    for at, (j, ahead) in enumerate(zip(last, since.min(axis=1), strict=True)):
+        begin = float(train.times[j])
+        found[at] = carried(system, drive, State(displacement[j], after[j]), begin, np.array([begin + ahead]))[0][0]
+    return found
 
 
 def multipliers_of(system: ImpactSystem, drive: Drive, span: float, train: Train) -> Complex:

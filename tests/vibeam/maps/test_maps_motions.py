@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.maps.closed_form import closed_form_strobes
+from vibeam.maps.closed_form import ClosedForm, closed_form_strobes
 from vibeam.maps.evaluate import GridResponse
 from vibeam.maps.motions import READ, counted, label
 from vibeam.system.ended import Ended
@@ -95,6 +95,60 @@ def test_motions_in_closed_form_are_those_that_are_flown() -> None:
         ]  # fmt: skip
         assert min(distance) < 1e-9
     assert not any(each.stable[-1] for each in single)
+
+
+def known_of(name: str, points: int, **more: Any) -> tuple[vibeam.Case, list[ClosedForm]]:
+    case = vibeam.load("cases/maps/doubling.toml", set={f"map.{name}.{key}": value for key, value in more.items()})
+    found, why = closed_form_strobes(case, case.maps[name], "sdof", points=points)
+    assert why == ""
+    return case, found
+
+
+def test_the_diagram_of_the_doubling_has_stable_and_unstable_branches_of_doubled_motions() -> None:
+    """Where they are stable, the sweep finds them."""
+    axis = {"key": "sweep.frequency", "from": 16.15, "to": 16.27, "points": 5}
+    case, found = known_of("bifurcation", 13, axes=[axis])
+    assert [(each.impacts, each.periods) for each in found] == [(1, 1), (2, 2), (4, 4)]
+    for each in found[1:]:
+        assert 0 < each.stable.sum() < len(each.stable)
+        assert each.strobes.shape == (len(each.values), each.periods)
+        stable = np.flatnonzero(each.stable)
+        for at in (stable[len(stable) // 2], stable[3 * len(stable) // 4]):
+            flown = vibeam.evaluate(
+                case, "sdof", {"sweep.frequency": [each.values[at]]}, settle=4000, hold=16, strobes=each.periods,
+                quantities=("strobes", "period"),
+            )  # fmt: skip
+            assert flown["period"][0] == each.periods
+            size = np.abs(each.strobes[at]).max()
+            np.testing.assert_allclose(np.sort(flown["strobes"][0]), each.strobes[at], rtol=0, atol=1e-9 * size)
+
+
+@pytest.mark.parametrize(
+    ("key", "ends", "frequency"),
+    [
+        ("drive.voltage", ("0.5985 V", "0.604 V"), 16.2),
+        ("stop.gap", ("0.0995 mm", "0.1002 mm"), 16.2),
+        ("stop.restitution", (0.5, 0.7), 16.182),
+    ],
+)
+def test_doubled_motions_are_followed_over_other_keys_too(key: str, ends: tuple[Any, Any], frequency: float) -> None:
+    axis = {"key": key, "from": ends[0], "to": ends[1], "points": 11}
+    case, found = known_of("bifurcation", 11, axes=[axis], frequency=frequency)
+    doubled = next(each for each in found if each.impacts == 2)
+    at = int(np.flatnonzero(doubled.stable)[len(np.flatnonzero(doubled.stable)) // 2])
+    flown = vibeam.evaluate(
+        case, "sdof", {key: [doubled.values[at]]}, frequency=frequency, settle=4000, hold=16, strobes=2,
+        quantities=("strobes", "period"), direction="apart",
+    )  # fmt: skip
+    assert flown["period"][0] == 2
+    size = np.abs(doubled.strobes[at]).max()
+    np.testing.assert_allclose(np.sort(flown["strobes"][0]), doubled.strobes[at], rtol=0, atol=1e-9 * size)
+
+
+def test_a_key_that_changes_the_modes_has_motions_with_one_impact_alone() -> None:
+    axis = {"key": "mass.mass", "from": "0.2 kg", "to": "0.202 kg", "points": 5}
+    _, found = known_of("bifurcation", 5, axes=[axis], frequency=16.2, direction="apart")
+    assert {each.impacts for each in found} == {1}
 
 
 def test_a_system_without_closed_form_says_so() -> None:

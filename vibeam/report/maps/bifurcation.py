@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 
 SIZES = {"up": 1.3, "down": 2.6, "apart": 1.3}
 
-LOOKS = {True: {"color": "black"}, False: {"color": COLOURS[1]}}  # stable, unstable
+STABLE: dict[str, Any] = {"color": "black", "linestyle": "-"}
+
+UNSTABLE = {1: COLOURS[1], 2: COLOURS[3], 4: COLOURS[2]}  # by impacts, dashed
 
 
 def size_of(result: MapResult) -> tuple[float, float]:
@@ -63,23 +65,26 @@ def bifurcation(figure: Figure, result: MapResult, exact: bool) -> tuple[list[An
 
 
 def _order(name: str) -> int:
-    return ["up", "down", "apart"].index(name) if name in ("up", "down", "apart") else 9
+    known = ("up", "down", "apart", "exact, stable")
+    return known.index(name) if name in known else len(known)
 
 
 def _lines(axes: Any, found: list[ClosedForm], across: float, upward: float, handles: dict[str, Any]) -> None:
-    """Draw periodic motions: full where they are stable, dashed where not."""
-    for each in found:
-        for stable in (True, False):
-            values = np.where((each.stable == stable)[:, None], each.strobes, np.nan) * upward
+    """Draw periodic motions: full where they are stable, dashed, up to the next stable point, where not."""
+    for each in sorted(found, key=lambda branch: branch.impacts):
+        beside = each.stable.copy()
+        beside[1:] &= each.stable[:-1]
+        beside[:-1] &= each.stable[1:]
+        struck = f"{_count(each.impacts, 'impact')} in {_count(each.periods, 'period')}"
+        dashed = {"color": UNSTABLE[each.impacts], "linestyle": (0, (3, 1.5))}
+        for name, shown, look in (
+            ("exact, stable", each.stable, STABLE),
+            (f"exact, unstable: {struck}", ~beside, dashed),
+        ):
+            values = np.where(shown[:, None], each.strobes, np.nan) * upward
             if np.isfinite(values).any():
-                look: dict[str, Any] = {
-                    "linewidth": 0.7,
-                    "linestyle": "-" if stable else (0, (3, 1.5)),
-                    **LOOKS[stable],
-                }
-                axes.plot(each.values * across, joined(values), **look)
-                said = f"exact, one impact in {_periods(each.periods)}, {'' if stable else 'un'}stable"
-                handles[said] = Line2D([], [], label=said, **look)
+                axes.plot(each.values * across, joined(values), linewidth=0.7, **look)
+                handles[name] = Line2D([], [], linewidth=1.0, label=name, **look)
 
 
 def joined(values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -93,5 +98,5 @@ def joined(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return cut
 
 
-def _periods(count: int) -> str:
-    return "1 period" if count == 1 else f"{count} periods"
+def _count(number: int, noun: str) -> str:
+    return f"1 {noun}" if number == 1 else f"{number} {noun}s"
