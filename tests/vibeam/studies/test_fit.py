@@ -108,6 +108,23 @@ def test_a_controlled_reference_finds_the_unstable_branch():
     assert not settled(Problem.of(given), problem.start).actual.all()
 
 
+@pytest.mark.parametrize("start", [(0.2, 0.5), (0.25, 0.55), (0.3, 0.3)])
+def test_points_of_both_branches_are_told_apart_from_starts_whose_fold_lies_beyond_them(start):
+    """Where neither branch exists at the start a point of the lower one is not left with the upper one."""
+    case = vibeam.load(CASES / "dtu_tight.toml", set=TWO | {"fit.references": '["exact"]'})
+    system, grid = case.system("sdof"), np.linspace(16.3, 17.3, 6)
+    amplitude = float(np.ravel(case.amplitude(2 * np.pi * grid))[0])
+    found = [(f, each) for f in grid for each in vibeam.orbits(system, vibeam.Drive(2 * np.pi * f, amplitude))]
+    frequency, value = np.array([(f, each.amplitude("sensor")) for f, each in found]).T
+    given = _with(case, frequency, value, uncertainty=0.01 * value)
+    problem = Problem.of(replace(given, fit=replace(given.fit, unstable=("exact",))))
+    at_start = problem.motions(np.array(start))[1]
+    assert (at_start[:2, :2] > 0).all()  # beyond the fold
+    minimum = settled(problem, np.array(start))
+    assert minimum.chosen.tolist() == 6 * [0, 1]
+    assert minimum.misfit < 1e-6
+
+
 def test_intervals_cover_the_truth():
     """Twelve sets of noise: the likelihood ratio at the truth is below the 95 % level in most (binomial: ≥ 9)."""
     case = _neutral()

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.studies.fit.motions import actual
+from vibeam.studies.fit.assignment import nearest, nearest_actual
 from vibeam.studies.fit.problem import Problem
 
 Array = NDArray[np.float64]
@@ -72,7 +72,7 @@ def minimise(problem: Problem, x: Array, chosen: Index, fixed: dict[int, float] 
 def estimate(problem: Problem) -> Minimum:
     """Best of several minima."""
     tried = [problem.start, *_sobol(len(problem.keys))]
-    ranked = sorted(tried, key=lambda x: problem.nearest(x)[1])
+    ranked = sorted(tried, key=lambda x: nearest(problem, x)[1])
     found = [settled(problem, x) for x in ranked[:POLISHED]]
     return min(found, key=lambda each: (round(float(np.sum(~each.actual)) / max(problem.count, 1), 1), each.misfit))
 
@@ -85,7 +85,7 @@ def _sobol(dimensions: int) -> Array:
 
 def settled(problem: Problem, x: Array) -> Minimum:
     """Minimum from one start, with each point on the nearest actual motion of the last round."""
-    chosen, _ = problem.nearest(x)
+    chosen, _ = nearest(problem, x)
     x, misfit = minimise(problem, x, chosen)
     allowed = np.ones(problem.count, bool)
     for _ in range(ROUNDS):
@@ -96,11 +96,3 @@ def settled(problem: Problem, x: Array) -> Minimum:
         x, misfit = minimise(problem, x, chosen)
     residual, jacobian = problem.residuals(x, chosen)
     return Minimum(x, misfit, residual, jacobian, chosen, allowed)
-
-
-def nearest_actual(problem: Problem, x: Array) -> tuple[Index, NDArray[np.bool_]]:
-    """For each point the nearest actual motion, or the nearest one at all; and whether it is actual."""
-    value, beyond = problem.motions(x)
-    cost, allowed = problem.costs(value, beyond), actual(problem, x, beyond)
-    chosen = np.argmin(np.where(allowed.any(axis=0) & ~allowed, np.inf, cost), axis=0)
-    return chosen, allowed[chosen, np.arange(problem.count)]

@@ -110,10 +110,11 @@ class Problem:
 
     def motions(self, x: Array) -> tuple[Array, Array]:
         """Values and ln(B*/B) of all motions at every point, (3, points) each."""
-        found = [self._of_group(each, *self._still(each, x)) for each in self.groups]
+        found = [self._of_group(each, *self.still(each, x)) for each in self.groups]
         return tuple(np.concatenate([each[part] for each in found], axis=1) for part in (0, 1))  # type: ignore[return-value]
 
-    def _still(self, group: Points, x: Array) -> tuple[ModalData, Tangents]:
+    def still(self, group: Points, x: Array) -> tuple[ModalData, Tangents]:
+        """Modal data of a group, without derivatives."""
         data = self.forward[group.fidelity].data(self.values(x), group.omega)
         return data, Tangents.unpacked(np.zeros((0, len(data.packed()))), len(data.omega))
 
@@ -163,22 +164,6 @@ class Problem:
                 found[each.reference, each.periods] = _drives(data, at), _tangent_drives(tangents, at)
                 first += len(each)
         return found
-
-    def nearest(self, x: Array) -> tuple[Index, float]:
-        """Motion of each point that is nearest to it, whether admissible and stable or not, and the sum of squares."""
-        try:
-            value, beyond = self.motions(x)
-        except ValueError:
-            return np.zeros(self.count, dtype=np.int64), IMPOSSIBLE**2
-        cost = self.costs(value, beyond)
-        chosen = np.argmin(cost, axis=0)
-        return chosen, float(cost.min(axis=0).sum())
-
-    def costs(self, value: Array, beyond: Array) -> Array:
-        """Squared residuals (3, points) of all motions."""
-        off = (value - self.measured) / self.uncertainty
-        cost = off**2 + (beyond * self.hardness) ** 2
-        return np.where(np.isfinite(cost), cost, 1e300)
 
 
 def value_of(group: Points, data: ModalData, tangents: Tangents, motion: int) -> Value:
