@@ -31,11 +31,20 @@ def key_lines(text: str) -> dict[KeyPath, int]:
     return _Scan(text).lines()
 
 
+def value_spans(text: str) -> tuple[dict[KeyPath, tuple[int, int]], dict[KeyPath, int]]:
+    """Begin and end in a valid TOML text of every value that is no table or list; end of every table's header."""
+    scan = _Scan(text)
+    scan.lines()
+    return scan.spans, scan.headers
+
+
 class _Scan:
     def __init__(self, text: str) -> None:
         self.text = text
         self.at = 0
         self.found: dict[KeyPath, int] = {}
+        self.spans: dict[KeyPath, tuple[int, int]] = {}
+        self.headers: dict[KeyPath, int] = {}
         self.lengths: dict[KeyPath, int] = {}  # of the arrays of tables
         self.starts = [0, *(match.end() for match in re.finditer("\n", text))]
 
@@ -69,6 +78,7 @@ class _Scan:
         table = self.inside(parts)
         self.note(table, line)
         self.found[table] = line
+        self.headers[table] = self.at
         return table
 
     def inside(self, parts: list[str]) -> KeyPath:
@@ -95,7 +105,8 @@ class _Scan:
         elif first == "{":
             self.items(path, "}")
         else:
-            self.at = self.past(_STRING if first in "\"'" else _PLAIN)
+            begin, self.at = self.at, self.past(_STRING if first in "\"'" else _PLAIN)
+            self.spans[path] = begin, begin + len(self.text[begin : self.at].rstrip())
 
     def items(self, path: KeyPath, end: str) -> None:
         """An array's values or an inline table's pairs, with the brackets around them."""

@@ -87,6 +87,26 @@ def write_fit(study: FitStudy, path: Path, figures: Iterable[Path]) -> None:
     write_page(lambda: fit_figure(study), figures)
 
 
+def estimated_case(study: FitStudy) -> str:
+    """Text of the case's file with the estimated values in place of its own; keys that are not determined keep theirs.
+
+    ValueError for a key that the file does not have, in a table written inline.
+    """
+    from vibeam.casefile.edited_text import with_values
+    from vibeam.casefile.toml import read_text
+
+    found = {row.key: _in_toml(row) for row in study.rows if row.determined}
+    names = dict.fromkeys(point.reference for point in study.points)
+    head = (
+        f"# {', '.join(found) or 'nothing'}: estimated by vibeam fit from {', '.join(names)} of {study.case.path.name}"
+    )
+    return f"{head}\n\n{with_values(read_text(study.case.path), found)}"
+
+
+def _in_toml(row: FitRow) -> str:
+    return f'"{row.value:.6g} {row.unit}"' if row.unit else f"{row.value:.6g}"
+
+
 def fit_figure(study: FitStudy) -> Figure:
     """Points, fitted branch and band above residuals, a column a reference; the contour of the least known pair."""
     from vibeam.figures.page import blank_page, legend, titled
