@@ -142,6 +142,55 @@ def test_intervals_cover_the_truth():
     assert (inside >= 9).all()
 
 
+def test_points_with_several_impacts_are_left_out_with_a_note(tmp_path):
+    """Impacts a drive period times period: 2 in 1 and 3 in 2 go, 1 in 2 stays."""
+    rows = ["15,4e-4,1,1", "15.5,3e-4,1,2", "15.7,3e-4,2,0.5", "16,3e-4,2,1.5"]
+    head = "frequency_hz,amplitude,period,impacts_per_period"
+    (tmp_path / "own.csv").write_text("\n".join([head, *rows]) + "\n")
+    changes = {"fidelity.sdof.reduction": "static_mode", "fit.references": None, "reference.laser.fidelity": "sdof"}
+    changes |= {"reference.laser.file": str(tmp_path / "own.csv"), "reference.laser.columns": None}
+    case = vibeam.load(CASES / "synthetic/fit.toml", set=TWO | changes | {"reference.laser.uncertainty": "1 %"})
+    problem = Problem.of(case)
+    assert [(each.periods, each.frequency.tolist()) for each in problem.groups] == [(1, [15.0]), (2, [15.7])]
+    (note,) = problem.notes
+    assert note.startswith("laser: 2 points with several impacts a span are left out")
+
+
+def test_one_rig_at_three_gaps_is_fitted_jointly():
+    """Fidelities that set the gap, each with a reference of its own: the joint estimates are the truth."""
+    gaps = {"closed": "-0.08 mm", "open": "0.08 mm"}
+    changes = {f"fidelity.{name}.reduction": "static_mode" for name in gaps}
+    changes |= {f"fidelity.{name}.set": f'{{ "stop.gap" = "{gap}" }}' for name, gap in gaps.items()}
+    keys = '{"drive.gain" = [3e-4, 9e-4], "stop.restitution" = [0.5, 0.9], "beam.thickness" = ["1.0 mm", "1.07 mm"]}'
+    case = _neutral(**changes | {"fit.keys": keys})
+    ranges = {"sdof": (14.2, 17.0), "closed": (16.0, 17.4), "open": (13.9, 14.6)}
+    given = replace(case, references={})
+    for name, (low, high) in ranges.items():
+        grid = np.linspace(low, high, 5)
+        value = [_hardest(case, name, each) for each in grid]
+        curve = ReferenceCurve.of(grid, value, uncertainty=0.01 * np.array(value))
+        given = given.with_reference(name, curve, name)
+    assert case.fit is not None
+    problem = Problem.of(replace(given, fit=replace(case.fit, references=tuple(ranges))))
+    assert len({float(each.data(problem.low, np.ones(1)).gap) for each in problem.forward.values()}) == 3
+    found = settled(problem, np.array([0.45, 0.45, 0.55]))
+    assert problem.values(found.x) == pytest.approx([5.16e-4, 0.72, 1.034e-3], rel=1e-5)
+    assert found.misfit < 1e-6
+    assert found.actual.all()
+
+
+def _hardest(case, name, frequency):
+    """Amplitude of the stable motion with one impact a period, by exact flight from rest."""
+    omega = 2 * np.pi * np.array([frequency])
+    amplitude = float(np.ravel(case.amplitude_of(name, omega))[0])
+    flown = vibeam.sweep(
+        case.system(name), omega=omega, amplitude=amplitude, direction="up", settle=400, hold=5, output="sensor"
+    )
+    assert flown.period[0] == 1
+    assert flown.impacts_per_period[0] == 1
+    return float(flown.amplitude[0])
+
+
 @pytest.mark.parametrize(
     ("changes", "message"),
     [

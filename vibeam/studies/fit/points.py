@@ -9,13 +9,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.reference_curves import reference_curve
+from vibeam.case.faults import CaseError
+from vibeam.case.reference_curves import read_curve, reference_curve
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.case.plans import Reference
     from vibeam.observe.measuring_chain import Chain
 
 Array = NDArray[np.float64]
+
+MORE_THAN_ONE = 1.01  # impacts until the motion repeats
 
 Gain = Callable[[Array], NDArray[np.complex128]]
 
@@ -79,6 +83,11 @@ def _of_reference(case: Case, name: str) -> tuple[list[Points], list[str]]:
         )
     lost = len(points) - len(kept)
     notes = [f"{name}: {lost} points without a period are left out"] if lost else []
+    several = _several_impacts(reference)
+    left = sum(each.line in several for each in kept)
+    if left:
+        notes.append(f"{name}: {left} points with several impacts a span are left out: a fit knows one in n periods")
+        kept = [each for each in kept if each.line not in several]
     gain = _gain(case.chain_of(reference.fidelity))
     made = []
     for periods in sorted({each.period or 1 for each in kept}):
@@ -92,6 +101,17 @@ def _of_reference(case: Case, name: str) -> tuple[list[Points], list[str]]:
             Points(name, reference.fidelity, reference.quantity, periods, frequency, value, spread, unstable, gain)
         )
     return made, notes
+
+
+def _several_impacts(reference: Reference) -> set[int]:
+    """Lines of a file of our own form whose motions have more than one impact until they repeat."""
+    if reference.curve is not None or not reference.form.own:
+        return set()
+    try:
+        counts = read_curve(reference.file, "impacts_per_period", quote=reference.quote).points
+    except CaseError:  # no such column
+        return set()
+    return {each.line for each in counts if each.value and each.period and each.value * each.period > MORE_THAN_ONE}
 
 
 def _unstable(case: Case) -> tuple[str, ...]:

@@ -60,7 +60,8 @@ def on_misfit(problem: Problem, minimum: Minimum) -> Iterator[str]:
     if lost:
         where = ", ".join(f"{f:.5g} Hz" for f in problem.frequency[~minimum.actual][:6])
         why = "it passes through the stop, is not stable, or exists at larger drives only"
-        yield f"At {lost} of them the nearest motion is none that the model has ({why}): {where}."
+        told = "a motion with several impacts until it repeats is not among those that a fit knows"
+        yield f"At {lost} of them the nearest motion is none that the model has ({why}; {told}): {where}."
 
 
 def _points(count: int) -> str:
