@@ -1,6 +1,7 @@
-"""Motions at the stored points of a run: each goes on from the state that its file holds, exactly.
+"""Motions at the stored points of a run: each goes on from the state that its file holds.
 
-A few drive periods are flown, so that a reader may look at any of the points without running the sweep again.
+A few drive periods are flown, or stepped by a fidelity's own solver where that steps, so that a reader may look at any
+of the points without running the sweep again.
 """
 
 from __future__ import annotations
@@ -8,21 +9,25 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.fidelity import gap_drift, system
-from vibeam.flight.trajectory import Trajectory, simulate
+from vibeam.flight.trajectory import simulate
 from vibeam.observe.motion import impacts_within
 from vibeam.observe.participation import modal_participation
+from vibeam.observe.participation import shares as energy_shares
 from vibeam.observe.poincare import stroboscopic_section
 from vibeam.observe.portrait import phase_portrait
 from vibeam.observe.spectrum import spectrum_of
-from vibeam.solvers import SOLVERS
+from vibeam.solvers import SOLVERS, solver
+from vibeam.solvers.harmonic_point import several_of
+from vibeam.studies.sampled_path import SampledPath
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
+from vibeam.system.state import State
 from vibeam_models.outputs import Output
 from vibeam_models.scene import Scene
 
@@ -40,6 +45,8 @@ FLOWN = 16  # drive periods flown, of which the spectrum is
 LINES = 16  # highest drive harmonic of the spectrum
 
 FRAMES = 32  # of the moving beam over the window
+
+POINTS = 480  # of a sampled motion that are shown
 
 STATIONS = 25  # places along the beam at which it is drawn
 
@@ -95,7 +102,8 @@ class StoredMotions:
                     why = ended.value if ended is not Ended.COMPLETE else "the file has no state of this point"
                     yield StoredMotion(name, direction, at, fault=why)
                     continue
-                yield _motion(rigs[name], direction, at, int(response.period[point]), state)
+                head = StoredMotion(name, direction, at, _window(int(response.period[point])))
+                yield _motion(rigs[name], head, state, response.mode_energy[point])
 
 
 @dataclass(frozen=True)
@@ -134,51 +142,95 @@ def stations(case: Case, name: str) -> dict[str, float]:
     return {made: float(x) for x in places if (made := f"at {x:.6g} m") not in taken}
 
 
-def _motion(rig: _Rig, direction: str, frequency: float, period: int, state: object) -> StoredMotion:
-    case, name, output = rig.case, rig.name, rig.case.sweep.output
-    if case.scene_of(name).harmonics:
-        return StoredMotion(name, direction, frequency, fault="a drive of several harmonics is not shown here")
-    if SOLVERS[case.fidelities[name].solver].samples:
-        why = f"{case.fidelities[name].solver} steps on by itself: see the figure kind history"
-        return StoredMotion(name, direction, frequency, fault=why)
-    here, drive = rig.at(frequency)
-    turn = 2 * np.pi / drive.omega
-    path = simulate(here, drive, FLOWN * turn, state)  # type: ignore[arg-type]
+def _window(period: int) -> int:
+    """Drive periods shown of a motion of that period."""
+    return period if 1 <= period <= WINDOW else 1 if period == -1 else WINDOW
+
+
+def _motion(rig: _Rig, head: StoredMotion, state: State, energy: Array) -> StoredMotion:
+    """Motion on from ``state``; ``energy`` (n,) of the modes, as stored."""
+    here, drive = rig.at(head.frequency)
+    shares: Array | None = None
+    fidelity, harmonics = rig.case.fidelities[rig.name], rig.case.scene_of(rig.name).harmonics
+    if harmonics:
+        several = several_of(here, drive, harmonics, fidelity.solver)
+        here, state = several.system, several.enter(state)
+        shares = energy_shares(energy)  # the modes of ``here`` are without their steady responses
+    continued = _stepped if SOLVERS[fidelity.solver].samples else _flown
+    return continued(rig, head, here, drive, state, shares)
+
+
+def _flown(
+    rig: _Rig, head: StoredMotion, here: ImpactSystem, drive: Drive, state: State, shares: Array | None
+) -> StoredMotion:
+    turn, output, window = 2 * np.pi / drive.omega, rig.case.sweep.output, head.window
+    path = simulate(here, drive, FLOWN * turn, state)
     if path.ended is not Ended.COMPLETE:
-        return StoredMotion(name, direction, frequency, fault=path.ended.value)
-    window = period if 1 <= period <= WINDOW else 1 if period == -1 else WINDOW
+        return replace(head, fault=path.ended.value)
     curve = phase_portrait(path, output, periods=window, points=max(120, 480 // window))
     section = stroboscopic_section(path, output, periods=FLOWN)
     begin = path.t_end - window * turn
     hits = impacts_within(path, begin, path.t_end)
-    return StoredMotion(
-        name,
-        direction,
-        frequency,
-        window,
-        (curve.time - curve.time[0]) / turn,
-        curve.displacement,
-        curve.velocity,
-        np.column_stack([(hits[:, 0] - begin) / turn, hits[:, 1]]),
-        np.column_stack([section.displacement, section.velocity]),
-        _lines(path, output, turn),
-        modal_participation(path, output, periods=window).energy_share,
-        _deflection(path, rig.stations, np.linspace(begin, path.t_end, FRAMES, endpoint=False)),
+    return replace(
+        head,
+        time=(curve.time - curve.time[0]) / turn,
+        displacement=curve.displacement,
+        velocity=curve.velocity,
+        impacts=np.column_stack([(hits[:, 0] - begin) / turn, hits[:, 1]]),
+        section=np.column_stack([section.displacement, section.velocity]),
+        lines=_lines(path.at(_samples(path.t_end, turn), output), turn),
+        shares=modal_participation(path, output, periods=window).energy_share if shares is None else shares,
+        deflection=_deflection(rig, here, path.modes_at(_frames(begin, path.t_end))[:, 0]),
     )
 
 
-def _lines(path: Trajectory, output: str, turn: float) -> Array:
+def _stepped(
+    rig: _Rig, head: StoredMotion, here: ImpactSystem, drive: Drive, state: State, shares: Array | None
+) -> StoredMotion:
+    """Motion at the solver's own samples, thinned out."""
+    turn, fidelity = 2 * np.pi / drive.omega, rig.case.fidelities[rig.name]
+    made: Any = solver(fidelity.solver, here, drive.omega, 0.0, **fidelity.options)
+    found = made.motion(drive, state, 0.0, FLOWN * turn)
+    if found.ended is not Ended.COMPLETE:
+        return replace(head, fault=found.ended.value)
+    path, row, begin = SampledPath(found), here.output(rig.case.sweep.output), (FLOWN - head.window) * turn
+    time, values = path.shown(begin, POINTS)
+    strobes, struck = path.at(turn * np.arange(1.0, FLOWN + 1)), found.impact_times >= begin
+    return replace(
+        head,
+        time=(time - begin) / turn,
+        displacement=values[:, 0] @ row,
+        velocity=values[:, 1] @ row,
+        impacts=np.column_stack([(found.impact_times[struck] - begin) / turn, found.impact_velocities[struck]]),
+        section=strobes @ row,
+        lines=_lines(path.at(_samples(found.t_end, turn))[:, 0] @ row, turn),
+        shares=path.energy_shares(begin) if shares is None else shares,
+        deflection=_deflection(rig, here, path.at(_frames(begin, found.t_end))[:, 0]),
+    )
+
+
+def _samples(end: float, turn: float) -> Array:
+    """Even times over all periods flown."""
+    count = 8 * LINES * FLOWN
+    return np.asarray(end + (np.arange(count) - count) * (FLOWN * turn / count))
+
+
+def _frames(begin: float, end: float) -> Array:
+    return np.linspace(begin, end, FRAMES, endpoint=False)
+
+
+def _lines(values: Array, turn: float) -> Array:
     """Amplitudes of the output at multiples of 1/FLOWN of the drive frequency: of a whole number of periods, no window.
 
     A motion that does not repeat within them leaks; its lines are those of this record.
     """
-    samples = 8 * LINES * FLOWN
-    times = path.t_end + (np.arange(samples) - samples) * (FLOWN * turn / samples)
-    return spectrum_of(times, path.at(times, output), window="boxcar").amplitude[: LINES * FLOWN + 1]
+    lines: Array = spectrum_of(_samples(0.0, turn), values, window="boxcar").amplitude
+    return np.asarray(lines[: LINES * FLOWN + 1])
 
 
-def _deflection(path: Trajectory, places: Mapping[str, float], times: Array) -> Array:
-    if not places:
+def _deflection(rig: _Rig, here: ImpactSystem, modes: Array) -> Array:
+    """Deflections (frames, stations) of modal displacements (frames, n)."""
+    if not rig.stations:
         return np.empty((0, 0))
-    rows = np.stack([path.system.output(name) for name in places])
-    return np.asarray(path.modes_at(times)[:, 0] @ rows.T)
+    rows = np.stack([here.output(name) for name in rig.stations])
+    return np.asarray(modes @ rows.T)
