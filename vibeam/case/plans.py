@@ -235,7 +235,7 @@ class MapPlan:
     ``direction``: "up", "down" or "both", the state carried; "apart": every point from its own start. ``frequency`` in
     Hz, where it is no axis; ``settle`` and ``hold`` in drive periods; ``strobes``: how many values at the end of a
     period; ``starts`` at random, from ``seed``, within ``spread`` (m). ``picture`` and the ``quantity`` that it shows;
-    ``boundaries``: whether exact ones are laid over it.
+    ``boundaries``: whether exact ones are laid over it; ``refine``: levels of a quadtree.
     """
 
     name: str
@@ -254,3 +254,4 @@ class MapPlan:
     seed: int = 1
     spread: float | None = None
     boundaries: bool = True
+    refine: int = 0

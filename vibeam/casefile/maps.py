@@ -51,6 +51,8 @@ def map_complaints(case: SimpleNamespace, model: type[AnyCase]) -> Iterator[Comp
         yield from _axes(case, path, table, model)
         yield from _random(path, table)
         yield from _picture(case, path, table)
+        if table.refine:
+            yield from _refined(case, path, table)
 
 
 def _axes(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace, model: type[AnyCase]) -> Iterator[Complaint]:
@@ -159,6 +161,30 @@ def _picture(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace) -> It
         yield (*path, "strobes"), f"{table.strobes} values need as many periods held: hold is {hold}"
 
 
+def _refined(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about a refined map: of points that are independent, and of labels."""
+    at, keys = (*path, "refine"), [axis.key_ for axis in table.axes or ()]
+    if table.picture not in ("period", "basins"):
+        yield at, f'"{table.picture}" shows numbers, and refining follows labels: leave it away'
+        return
+    if table.starts is not None:
+        yield at, "is of one motion a point: leave starts or refine away"
+        return
+    if direction_of(table, keys, case.sweep.direction) != "apart":
+        yield (
+            at,
+            'flies points by themselves, and here the state is carried along the last axis: write direction = "apart"',
+        )
+    if len(keys) < 2 or (table.picture == "basins" and not all(key in STARTS for key in keys[-2:])):
+        said = "start.displacement and start.velocity" if table.picture == "basins" else "two axes or three"
+        yield at, f"halves cells of a plane: the axes must be {said}"
+        return
+    fewest = min(_count(axis) for axis in table.axes[-2:])
+    if 2**table.refine > fewest - 1:
+        most = max(fewest - 1, 1).bit_length() - 1
+        yield at, f"begins with every {2**table.refine}th point, and an axis has {fewest}: {most} at most"
+
+
 def direction_of(table: Any, keys: list[str], swept: str | None) -> str:
     """Which way the last axis is swept: as said, else apart where motions have starts of their own, else the sweep's.
 
@@ -255,6 +281,7 @@ def _plan(name: str, table: Any, declared: AnyCase, sweep: SweepPlan) -> MapPlan
         seed=table.seed,
         spread=table.spread,
         boundaries=table.boundaries,
+        refine=table.refine,
     )
 
 

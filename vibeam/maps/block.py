@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from math import prod
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -11,8 +12,8 @@ from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import DISPLACEMENT, STARTS, VELOCITY
 from vibeam.flight.pause import pause
-from vibeam.maps.axes import Axis, lines_of, shape_of, values_at
-from vibeam.maps.points import GridPoints, grid_points
+from vibeam.maps.axes import Axis, indices, indices_of, lines_of, shape_of, values_at
+from vibeam.maps.points import GridPoints, points_at
 from vibeam.maps.starts import Starts, random_starts, start_states
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ Values = dict[str, NDArray[Any]]
 
 Way = Literal["up", "down"]
 
-DTYPES: Mapping[str, type] = {"period": np.int16, "ended": np.int16, "resting": np.int16}
+DTYPES: Mapping[str, type] = {"period": np.int16, "ended": np.int16, "resting": np.int16, "flown": np.uint8}
 
 QUANTITIES = (
     "amplitude", "reach", "maximum", "minimum", "impacts_per_period", "impact_velocity", "period", "rest", "energy",
@@ -40,7 +41,8 @@ class Grid:
     ``axes`` is swept: with ``ways`` (up, down or first up, then down) the state is carried from point to point along
     it, and every line begins at equilibrium; without any, every point starts from equilibrium, from where the axes say,
     or from ``starts``. ``frequency`` in Hz, where that is no axis; ``settle`` and ``hold`` in drive periods;
-    ``strobes``: how many values of the output at the end of a period are read.
+    ``strobes``: how many values of the output at the end of a period are read. ``refine``: levels of the quadtree over
+    the last two axes, 0: every point is flown.
     """
 
     text: str
@@ -55,6 +57,7 @@ class Grid:
     frequency: float | None = None
     strobes: int = 0
     starts: Starts | None = None
+    refine: int = 0
 
     @property
     def lines(self) -> int:
@@ -70,22 +73,29 @@ class Grid:
 
 @dataclass(frozen=True)
 class Block:
-    """Lines ``first`` to ``last`` (not itself) of a grid."""
+    """Lines ``first`` to ``last`` (not itself) of a grid; of a refined one these are ``points``, flat numbers in it."""
 
     grid: Grid
     first: int
     last: int
+    points: NDArray[np.int64] | None = field(default=None, compare=False)
+
+    @property
+    def size(self) -> int:
+        """Number of points: ways and random starts are counted each."""
+        return (self.last - self.first) * (prod(self.grid.shape) if self.points is None else 1)
 
 
 def evaluate_block(block: Block, threads: int | None = None) -> Values:
     """Every quantity of a block, (lines, ways, points of the last axis, starts …): a function of the block alone.
 
+    Points of a refined grid are lines of one point.
     The same to the bit wherever and in however many threads. ``Stopped`` or KeyboardInterrupt pass through.
     """
     grid = block.grid
-    points = grid_points(
-        grid.text, grid.path, grid.fidelity, grid.axes, grid.frequency, np.arange(block.first, block.last)
-    )
+    lines = np.arange(block.first, block.last)
+    index = indices(grid.axes, lines) if block.points is None else indices_of(grid.axes, block.points)
+    points = points_at(grid.text, grid.path, grid.fidelity, grid.axes, grid.frequency, index)
     if grid.ways:
         return _carried(grid, points, threads)
     return _apart(grid, points, block.first, threads)

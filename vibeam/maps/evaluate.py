@@ -104,7 +104,7 @@ def over_axes(grid: Grid, parts: Sequence[Values]) -> Values:
 def grid_of(
     case: Case, fidelity: str, axes: Mapping[str, ArrayLike], *, quantities: Sequence[str], direction: Run,
     frequency: float | None, settle: int | None, hold: int | None, output: str | None, strobes: int,
-    starts: Starts | None,
+    starts: Starts | None, refine: int = 0,
 ) -> Grid:  # fmt: skip
     """The grid that ``evaluate`` is asked for; errors as there."""
     unknown = [name for name in quantities if name not in QUANTITIES]
@@ -126,6 +126,7 @@ def grid_of(
         _frequency(case, axes, frequency),
         strobes,
         starts,
+        refine,
     )
     faults = faults_of(grid)
     if faults:

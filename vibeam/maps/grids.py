@@ -38,7 +38,7 @@ def grids_of(case: Case, plan: MapPlan) -> Mapping[str, Grid]:
         fidelity: grid_of(
             case, fidelity, {axis.key: axis.values for axis in plan.axes}, quantities=plan.quantities,
             direction=plan.direction, frequency=plan.frequency, settle=plan.settle, hold=plan.hold,
-            output=plan.output, strobes=plan.strobes, starts=starts,
+            output=plan.output, strobes=plan.strobes, starts=starts, refine=plan.refine,
         )
         for fidelity in plan.fidelities
     }  # fmt: skip
@@ -48,15 +48,17 @@ def key_of(case: Case, grid: Grid) -> str:
     """Digest of all that decides the numbers of a grid, the code aside."""
     rest = asdict(grid)
     del rest["text"], rest["path"]
+    if not grid.refine:
+        del rest["refine"]
     return sha256(f"{case.own[grid.fidelity]} {rest!r}".encode()).hexdigest()
 
 
 def lines_of_block(case: Case, grid: Grid) -> int:
-    """Number of lines of a block: those that take about ``SECONDS``, and at least one."""
+    """Number of lines of a block: those that take about ``SECONDS``, and at least one; of points of a refined grid."""
     modes = case.fidelities[grid.fidelity].modes or 1
     seconds = (grid.settle + grid.hold) * PERIOD * (1 + modes / 8)
     points = min(max(SECONDS / seconds, LEAST), MOST)
-    return max(1, min(int(points / prod(grid.shape)), grid.lines))
+    return int(points) if grid.refine else max(1, min(int(points / prod(grid.shape)), grid.lines))
 
 
 def blocks_of(grid: Grid, size: int) -> list[Block]:

@@ -14,7 +14,7 @@ from vibeam.system.ended import Ended
 
 if TYPE_CHECKING:
     from vibeam.maps.evaluate import GridResponse
-    from vibeam.maps.run import MapResult
+    from vibeam.maps.result import MapResult
 
 Array = NDArray[np.float64]
 
@@ -67,7 +67,7 @@ def label(response: GridResponse, way: int) -> Labelled:
     which = np.full(apart["period"].shape, FAILED)
     found: dict[str, _Found] = {}
     for place in range(len(which)):
-        for name, group, motion in _at_one_place({key: each[place] for key, each in apart.items()}):
+        for name, group, motion in at_one_place({key: each[place] for key, each in apart.items()}):
             known = found.setdefault(name, _Found(len(found), motion))
             which[place][group] = known.number
             known.add(len(group), motion.amplitude)
@@ -128,7 +128,7 @@ def _back(values: NDArray[Any], shape: tuple[int, ...], dimensions: Sequence[int
     return np.moveaxis(moved, range(-len(dimensions), 0), dimensions)
 
 
-def _at_one_place(flat: dict[str, NDArray[Any]]) -> Iterator[tuple[str, NDArray[np.int64], _Kind]]:
+def at_one_place(flat: dict[str, NDArray[Any]]) -> Iterator[tuple[str, NDArray[np.int64], _Kind]]:
     """Motions at one place: name, the starts that lead there, what it is."""
     period = np.where(flat["period"] < 0, -1, flat["period"]).astype(np.int64)
     impacts = np.where(period > 0, np.rint(np.nan_to_num(flat["impacts_per_period"]) * np.maximum(period, 1)), 0)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from vibeam.maps.axes import shape_of
 from vibeam.maps.block import DTYPES, Block, Grid, Values
 from vibeam.maps.evaluate import GridResponse
+from vibeam.maps.refined import over_grid
 from vibeam.maps.store.gathered import SHOWN, steps_of
 from vibeam.system.ended import Ended
 
@@ -19,6 +20,8 @@ ASIDE = ("state", "resting")  # shown by no picture of a map under way
 
 def partial_response(grid: Grid, known: Iterable[tuple[Block, Values | None]], most: int = SHOWN) -> GridResponse:
     """Response of the blocks that are ``known``; a point of any other is NaN and not run yet."""
+    if grid.refine:
+        return _refined(grid, known, most)
     steps, lines = steps_of(grid, most), np.arange(grid.lines)
     above = shape_of(grid.axes)[:-1]
     kept = np.ones(grid.lines, dtype=bool)
@@ -40,6 +43,15 @@ def partial_response(grid: Grid, known: Iterable[tuple[Block, Values | None]], m
         grid.fidelity, axes, grid.ways or ("apart",),
         {name: np.moveaxis(each, len(shape) - 1, 0) for name, each in made.items()},
     )  # fmt: skip
+
+
+def _refined(grid: Grid, known: Iterable[tuple[Block, Values | None]], most: int) -> GridResponse:
+    """Response of a refined grid: the label of a point that is not flown yet is that of a corner of its cell."""
+    there = [(block, values) for block, values in known if values is not None]
+    steps, every = steps_of(grid, most), over_grid(grid, there, grid.quantities)
+    where = (slice(None), *(slice(None, None, step) for step in steps))
+    axes = {axis.key: np.array(axis.values)[::step] for axis, step in zip(grid.axes, steps, strict=True)}
+    return GridResponse(grid.fidelity, axes, ("apart",), {name: values[where] for name, values in every.items()})
 
 
 def _blank(grid: Grid, name: str, lines: int, step: int) -> NDArray[Any]:

@@ -11,7 +11,7 @@ import numpy as np
 from vibeam.figures.motion_classes import Class, classes
 
 if TYPE_CHECKING:
-    from vibeam.maps.run import MapResult
+    from vibeam.maps.result import MapResult
 
 
 @dataclass(frozen=True)

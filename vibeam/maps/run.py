@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from glob import escape
 from math import prod
 from pathlib import Path
@@ -11,16 +10,15 @@ from threading import Lock
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from vibeam.case.plans import MapPlan
 from vibeam.exchange.whole_files import regular
 from vibeam.flight.pause import Stopped
-from vibeam.maps.block import Block, Grid, Values
+from vibeam.maps.block import Block
 from vibeam.maps.cluster import Cluster, evaluate_here
-from vibeam.maps.evaluate import GridResponse
-from vibeam.maps.grids import blocks_of, grids_of, key_of, lines_of_block, plan_of
-from vibeam.maps.partial import partial_response
-from vibeam.maps.store.blocks import digest_of, read_block, write_block
-from vibeam.maps.store.gathered import Source, finished, gather, read_map
+from vibeam.maps.grids import grids_of, key_of, lines_of_block, plan_of
+from vibeam.maps.job import Job, name_of, points_of
+from vibeam.maps.result import MapResult
+from vibeam.maps.store.blocks import write_block
+from vibeam.maps.store.gathered import finished, gather, read_map
 from vibeam.maps.store.manifest import discard, opened
 from vibeam.run.parallel import run_parallel
 from vibeam.run.store.errors import StoreError, unwritable
@@ -31,57 +29,11 @@ if TYPE_CHECKING:
 
     from vibeam.case.case import Case
 
+__all__ = ["MapResult", "run_map"]
+
 Progress = Callable[[int, int], None]
 
 EVERY, SHARE = 5.0, 20.0  # s between partial pictures at least, and how many times as long as one takes
-
-
-@dataclass(frozen=True)
-class MapResult:
-    """A map: quantities of each fidelity (of very many points every so many along the last two axes).
-
-    ``points`` in all, of which ``found`` were in the file; ``done`` of them are computed. ``path``: its file.
-    """
-
-    case: Case
-    plan: MapPlan
-    responses: Mapping[str, GridResponse]
-    points: int
-    found: int
-    done: int
-    path: Path
-
-    def __getitem__(self, fidelity: str) -> GridResponse:
-        return self.responses[fidelity]
-
-
-@dataclass
-class _Job:
-    """Blocks of a map that are there, and those that are not yet."""
-
-    case: Case
-    plan: MapPlan
-    grids: Mapping[str, Grid]
-    keys: Mapping[str, str]
-    folder: Path
-    path: Path
-    blocks: list[Block]
-    done: set[tuple[str, int]]
-    found: int = 0
-
-    def points(self, blocks: list[Block]) -> int:
-        """Number of points of some blocks: ways and random starts are counted each."""
-        return sum((block.last - block.first) * prod(block.grid.shape) for block in blocks)
-
-    @property
-    def there(self) -> list[Block]:
-        """Blocks that are on disk."""
-        return [block for block in self.blocks if _name(block) in self.done]
-
-    def result(self, responses: Mapping[str, GridResponse]) -> MapResult:
-        """What is known now."""
-        total, done = self.points(self.blocks), self.points(self.there)
-        return MapResult(self.case, self.plan, responses, total, self.found, done, self.path)
 
 
 def run_map(
@@ -119,9 +71,10 @@ def run_map(
             _remove(path, target, folder)
         found = total = sum(grid.lines * prod(grid.shape) for grid in grids.values())
         if not finished(target, keys):
-            job = _job(case, plan, grids, keys, folder, path)
-            found = job.found
+            manifest = opened(folder, keys, {name: lines_of_block(case, grid) for name, grid in grids.items()})
+            job = Job.begun(case, plan, grids, manifest, folder, path)
             _compute(job, progress, partial, workers, cluster)
+            found = job.found
         elif progress:
             progress(total, total)
         discard(folder)
@@ -142,34 +95,17 @@ def _remove(path: Path, target: Path, folder: Path) -> None:
         raise unwritable(path, fault, "choose another --out") from None
 
 
-def _job(
-    case: Case, plan: MapPlan, grids: Mapping[str, Grid], keys: Mapping[str, str], folder: Path, path: Path
-) -> _Job:
-    """All blocks; those that are there and whole are done."""
-    sizes = {name: lines_of_block(case, grid) for name, grid in grids.items()}
-    manifest = opened(folder, keys, sizes)
-    blocks = [block for name, grid in grids.items() for block in blocks_of(grid, manifest.sizes[name])]
-    done = {_name(block) for block in blocks if read_block(folder, block, keys[block.grid.fidelity]) is not None}
-    job = _Job(case, plan, grids, keys, folder, path, blocks, done)
-    job.found = job.points(job.there)
-    return job
-
-
-def _name(block: Block) -> tuple[str, int]:
-    return block.grid.fidelity, block.first
-
-
 def _compute(
-    job: _Job,
+    job: Job,
     progress: Progress | None,
     partial: Callable[[MapResult], None] | None,
     workers: int | None,
     cluster: Cluster | None,
 ) -> None:
-    """Compute the missing blocks, then gather all."""
-    lock, watch, total = Lock(), _Watch(), job.points(job.blocks)
+    """Compute the missing blocks, pass by pass, then gather all."""
+    lock, watch = Lock(), _Watch()
     if progress:
-        progress(job.found, total)
+        progress(job.found, points_of(job.blocks))
 
     evaluate = evaluate_here if cluster is None else cluster.evaluate
 
@@ -182,41 +118,16 @@ def _compute(
         except OSError as fault:
             raise unwritable(job.path, fault, "make room, then run again to go on") from None
         with lock:
-            job.done.add(_name(block))
+            job.done.add(name_of(block))
         if progress:
-            progress(job.points(job.there), total)
+            progress(points_of(job.there), points_of(job.blocks))
         if partial and len(job.done) < len(job.blocks) and watch.due():
-            watch.drawn(lambda: partial(job.result(_known(job))))
+            watch.drawn(lambda: partial(job.result()))
 
-    missing = [block for block in job.blocks if _name(block) not in job.done]
-    run_parallel(task, missing, workers if cluster is None else cluster.blocks)
-    gather(job.path, job.case, job.plan, job.keys, _sources(job))
-
-
-def _known(job: _Job) -> Mapping[str, GridResponse]:
-    """What the blocks on disk hold."""
-    there = job.there
-    return {
-        name: partial_response(
-            grid,
-            ((block, read_block(job.folder, block, job.keys[name])) for block in there if block.grid.fidelity == name),
-        )
-        for name, grid in job.grids.items()
-    }
-
-
-def _sources(job: _Job) -> Iterator[Source]:
-    for name, grid in job.grids.items():
-        yield Source(grid, _stored(job, [block for block in job.blocks if block.grid.fidelity == name]))
-
-
-def _stored(job: _Job, blocks: list[Block]) -> Iterator[tuple[Block, Values, str]]:
-    for block in blocks:
-        key = job.keys[block.grid.fidelity]
-        values = read_block(job.folder, block, key)
-        if values is None:
-            raise StoreError(f"{job.folder}: a block was damaged meanwhile: run again to compute it anew")
-        yield block, values, digest_of(block, key, values)
+    while missing := job.missing:
+        run_parallel(task, missing, workers if cluster is None else cluster.blocks)
+        job.grow()
+    gather(job.path, job.case, job.plan, job.keys, job.sources())
 
 
 class _Watch:

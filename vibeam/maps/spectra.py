@@ -19,7 +19,7 @@ from vibeam.system.ended import Ended
 from vibeam.system.state import State
 
 if TYPE_CHECKING:
-    from vibeam.maps.run import MapResult
+    from vibeam.maps.result import MapResult
 
 Array = NDArray[np.float64]
 

@@ -134,6 +134,11 @@ class MapTable(Table):
     spread: Annotated[float | None, Quantity(units.LENGTH, POSITIVE)] = key(
         "how far from 0 the contact starts at random, its velocity within Ω times that", "1 mm", None, written=False
     )
+    refine: Annotated[int, Count(0, 12)] = key(
+        "levels of a quadtree over the last two axes: every 2^levels-th point is flown, then cells are halved where "
+        "the period or the motion differs; the other points have the label of their cell; 0 = every point",
+        3, 0, written=False,
+    )  # fmt: skip
     boundaries: Annotated[bool, Flag()] = key(
         "whether exact boundaries of motions with one impact a period are laid over, where there are any", False, True,
         written=False,

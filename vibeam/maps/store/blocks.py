@@ -47,6 +47,8 @@ def read_block(folder: Path, block: Block, key: str) -> Values | None:
 def digest_of(block: Block, key: str, values: Mapping[str, NDArray[Any]]) -> str:
     """Digest of the values of a block of the grid with that key."""
     found = sha256(f"{key} {block.first} {block.last}".encode())
+    if block.points is not None:
+        found.update(np.ascontiguousarray(block.points).tobytes())
     for name in sorted(values):
         each = np.ascontiguousarray(values[name])
         found.update(f"{name} {each.dtype.str} {each.shape}".encode())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, prod, sqrt
 from pathlib import Path
@@ -18,6 +18,7 @@ from vibeam.exchange.whole_files import regular
 from vibeam.maps.axes import shape_of
 from vibeam.maps.block import DTYPES, Block, Grid, Values
 from vibeam.maps.evaluate import GridResponse
+from vibeam.maps.refined import FLOWN, over_grid
 from vibeam.run.store.errors import StoreError, unwritable
 from vibeam.run.store.provenance import write_provenance
 from vibeam.system.quantities import LAYOUT, Quantity, unit_of
@@ -35,6 +36,7 @@ SHOWN = 4_000_000  # points of a quantity that are read back at most: for pictur
 OWN: Mapping[str, Quantity] = {
     "energy": Quantity("time-mean energy of all modes", "E"),
     "lyapunov": Quantity("largest Lyapunov exponent", "1/s"),  # type: ignore[arg-type]
+    FLOWN: Quantity("1: flown itself; 0: has what its cell's corner has", "1"),
     "strobes": Quantity("output at the end of the last drive periods", "q"),
 }
 
@@ -70,20 +72,39 @@ def gather(path: Path, case: Case, plan: MapPlan, keys: Mapping[str, str], sourc
 
 
 def _write(group: h5py.Group, case: Case, plan: MapPlan, source: Source) -> None:
+    scales, units = _scales(group, plan, source.grid), units_of_output(case, plan.output)
+
+    def made(name: str, *shape: int, **more: Any) -> h5py.Dataset:
+        data = group.create_dataset(name, shape, DTYPES.get(name, "f8"), **more)
+        _label(data, scales, LAYOUT.get(name, OWN.get(name)), units)
+        return data
+
+    digests = (_by_points if source.grid.refine else _by_lines)(group, source, made)
+    group.attrs["blocks"] = json.dumps(digests)
+
+
+def _by_lines(group: h5py.Group, source: Source, made: Callable[..., h5py.Dataset]) -> list[str]:
+    """Write block by block; the digests of the blocks."""
     grid, digests = source.grid, list[str]()
-    scales = _scales(group, plan, grid)
     whole = (len(grid.ways) or 1, *shape_of(grid.axes), *grid.shape[2:])
-    units = units_of_output(case, plan.output)
     for block, values, digest in source.blocks:
         digests.append(digest)
         for name, rows in values.items():
             if name not in group:
-                data = group.create_dataset(name, (*whole, *rows.shape[len(grid.shape) + 1 :]), DTYPES.get(name, "f8"))
-                _label(data, scales, LAYOUT.get(name, OWN.get(name)), units)
+                made(name, *whole, *rows.shape[len(grid.shape) + 1 :])
             for at, lines in runs(grid, block):
                 piece = np.moveaxis(rows[lines], 0, 1)
                 group[name][(slice(None), *at)] = piece if at else piece[:, 0]
-    group.attrs["blocks"] = json.dumps(digests)
+    return digests
+
+
+def _by_points(group: h5py.Group, source: Source, made: Callable[..., h5py.Dataset]) -> list[str]:
+    """Write a refined grid, all points of which have a number."""
+    blocks = list(source.blocks)
+    every = over_grid(source.grid, [(block, values) for block, values, _ in blocks], source.grid.quantities)
+    for name, values in every.items():
+        made(name, *values.shape, data=values)
+    return [digest for *_, digest in blocks]
 
 
 def runs(grid: Grid, block: Block) -> Iterator[tuple[tuple[Any, ...], slice]]:
@@ -161,7 +182,8 @@ def _response(group: h5py.Group, grid: Grid, most: int) -> GridResponse:
     steps = steps_of(grid, most)
     axes = {axis.key: np.array(axis.values)[::step] for axis, step in zip(grid.axes, steps, strict=True)}
     where = (slice(None), *(slice(None, None, step) for step in steps))
-    values: dict[str, NDArray[Any]] = {name: np.asarray(group[name][where]) for name in grid.quantities}
+    names = (*grid.quantities, *((FLOWN,) if grid.refine else ()))
+    values: dict[str, NDArray[Any]] = {name: np.asarray(group[name][where]) for name in names}
     return GridResponse(grid.fidelity, axes, grid.ways or ("apart",), values)
 
 
