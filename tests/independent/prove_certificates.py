@@ -1,7 +1,7 @@
 """Certificates of all cases and of all kinds of stops, proved by the checker: writes certificates.json.
 
     python tests/independent/prove_certificates.py               # entries that the file does not hold; --again: all
-    python tests/independent/prove_certificates.py --only fig19  # those whose name holds that, printed only
+    python tests/independent/prove_certificates.py --only fig19  # those whose name holds that; --again: written too
 
 Each point of each branch of a case's flight fidelities is flown with a certificate over all of settle and hold, the
 state carried on as in a sweep. The checker proves the first and the last ``PERIODS`` drive periods of it; with --whole
@@ -246,10 +246,16 @@ def main() -> None:
             continue
         found = prove()
         print(line(name, found), *found.faults[:5], sep="\n  ", flush=True)
-        if not options.only:
-            found = replace(found, **{key: round(getattr(found, key), 1) for key in ROUNDED})
-            held = {each: held[each] for each in entries() if each in held} | {name: asdict(found)}
-            FILE.write_text(json.dumps(held, indent=1) + "\n", encoding="utf-8")
+        if options.again or not options.only:
+            write(name, found)
+
+
+def write(name: str, found: Proved) -> None:
+    """Put one entry into the file, which another program may have changed meanwhile."""
+    found = replace(found, **{key: round(getattr(found, key), 1) for key in ROUNDED})
+    held = stored() | {name: asdict(found)}
+    held = {each: held[each] for each in entries() if each in held}
+    FILE.write_text(json.dumps(held, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

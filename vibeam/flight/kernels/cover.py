@@ -102,10 +102,11 @@ def show(regime: Regime, drive: Array, clock: float, task: Array) -> None:
 def walk(g: Signal, coarsest: int, duration: float, task: Array, pieces: Array, row: int) -> int:
     """Pieces of one signal, just begun, over its segment, written from ``row`` on; −1 where there is no room for them.
 
-    The verdicts are those of ``bounds.verdict``. The last panel reaches beyond the segment's end. Where the signal
-    closes there, the panel must hold one root (or, where a graze leaves that in doubt, the signal must vanish at the
-    end, to ``CLOSE`` of the length), and the signal must be seen to start above zero, or to rise from it by its order;
-    elsewhere the panel is halved until nothing of it is in doubt.
+    The verdicts are those of ``bounds.verdict``. The last panel reaches beyond the segment's end; where the signal
+    closes, also one that is not clear and ends less than ``CLOSE`` of the length before it, for a root at a panel's end
+    may lie on either side of it by round-off. That panel must hold one root (or, where a graze leaves that in doubt,
+    the signal must vanish at the end, to ``CLOSE`` of the length), and the signal must be seen to start above zero, or
+    to rise from it by its order. Elsewhere a panel is halved until nothing of it is in doubt.
     """
     pairs, table, levels, signal, attached = g
     start = Start(int(task[ORDER]), task[RISE])
@@ -114,8 +115,8 @@ def walk(g: Signal, coarsest: int, duration: float, task: Array, pieces: Array, 
         att.restart(attached, signal)
     re, im = signal[ZR], signal[ZI]
     signal[HARMONIC] = norm(re, im)
-    size = abs(signal[CONST]) + signal[HARMONIC] + total + att.swing(attached, signal, duration)
-    tolerance = 8.0 * EPSILON * size
+    size = abs(signal[CONST]) + signal[HARMONIC] + total
+    tolerance = 8.0 * EPSILON * (size + att.swing(attached, signal, duration))
     never = signal[CONST] - signal[HARMONIC] - total > tolerance and signal[ATTACHED] == 0.0
     if never and start.order == 0 and task[CLOSING] == 0.0:
         return note(pieces, row, task, 0.0, duration, OPEN)
@@ -135,7 +136,7 @@ def walk(g: Signal, coarsest: int, duration: float, task: Array, pieces: Array, 
         if found == MINIMUM:
             _, value = polish_minimum(g, here, time, h)
             found = CLEAR if value > 0.0 else found
-        last = time + h >= duration
+        last = time + h >= duration or (task[CLOSING] > 0.0 and found != CLEAR and time + h >= (1.0 - CLOSE) * duration)
         claim = OPEN if found == CLEAR else UNPROVED
         if last and task[CLOSING] > 0.0:
             closed = found == ROOT or vanishes(g, time, duration, tolerance)
@@ -145,12 +146,11 @@ def walk(g: Signal, coarsest: int, duration: float, task: Array, pieces: Array, 
             since = 0
             continue
         doubts += 1 if claim == UNPROVED else 0
-        if doubts > MOST_DOUBTS:
-            h = duration - time
-        if note(pieces, row + count, task, time, min(h, duration - time), claim) < 0:
+        last = last or doubts > MOST_DOUBTS
+        if note(pieces, row + count, task, time, duration - time if last else h, claim) < 0:
             return -1
         count += 1
-        if doubts > MOST_DOUBTS:
+        if last:
             break
         if here.order > 0:
             step_pairs(pairs, table, level)

@@ -53,8 +53,6 @@ def first_root(g: Signal, start: Start, span: float, coarsest: int, initial: Ini
     harmonic = norm(re, im)
     signal[HARMONIC] = harmonic
     size = abs(signal[CONST]) + harmonic + total
-    if signal[ATTACHED] > 0.0:
-        size += att.swing(attached, signal, min(span, levels[STEP, coarsest]))
     tolerance = 8.0 * EPSILON * size
     if order == 0 and signal[ATTACHED] == 0.0 and signal[CONST] - harmonic - total > tolerance:
         return False, span, 0
@@ -68,6 +66,8 @@ def first_root(g: Signal, start: Start, span: float, coarsest: int, initial: Ini
             return False, -1.0, panels
         h, time = levels[STEP, level], node.time
         here = Start(order if time == 0.0 else 0, rise)
+        if signal[ATTACHED] > 0.0:
+            tolerance = 8.0 * EPSILON * (size + att.swing(attached, signal, min(time + h, levels[STEP, coarsest])))
         found = launching(g, start, level) if here.order > 0 else ordinary(g, node, level, tolerance)
         if found == SPLIT and level == LEVELS - 1:
             found = ROOT if signal[P1] <= 0.0 else CLEAR
@@ -120,14 +120,16 @@ def first_level(g: Signal, start: Start, coarsest: int, size: float) -> int:
     """The level to start with: twice the flight 2g'(0)/|g''(0)| that the first two derivatives foretell.
 
     That is a panel of one to two such flights. Damping makes a flight longer, so that now and then it ends just beyond
-    the panel: there g is known to round-off of its parts, ``size``, not of the flight. A flight that rises to no more
-    than 1e-9 of them takes a panel of at least 1¼ flights.
+    the panel: there g is known to round-off of its parts, ``size`` and the attached pairs' swing, not of the flight. A
+    flight that rises to no more than 1e-9 of them takes a panel of at least 1¼ flights.
     """
     ahead = g.terms[WHOLE + 2]
     if start.order > 1 or ahead >= 0.0:
         return coarsest
     flight = -2.0 * start.rise / ahead
     level = level_of(g.levels, 2.0 * flight)
+    if g.terms[ATTACHED] > 0.0:
+        size += att.swing(g.attached, g.terms, min(flight, g.levels[STEP, coarsest]))
     if start.rise * flight < FAINT * size and g.levels[STEP, level] < AMPLE * flight:
         level -= 1
     return max(coarsest, level)
