@@ -123,3 +123,19 @@ def test_a_push_among_nearly_equal_modes(apart: float, zeta: float, coupled: flo
         found = np.concatenate([path.state.displacement, path.state.velocity])
         off = np.abs(found - contact_flow(system, x, v, t)).max()
         assert off <= 64 * EPSILON * np.abs(x).max() * max(1.0, t)
+
+
+def critical(apart: float, stop: dict[str, Any]) -> vibeam.Trajectory:
+    """Three modes of nearly one frequency, critically damped but for ``apart`` from one to the next, let go."""
+    omega, zeta = 1.3 * (1 + 1e-9 * np.arange(3)), 1 + apart * np.arange(3)
+    system = vibeam.ImpactSystem.from_modes(omega, zeta, ROW, LOAD, gap=0.0, static=0.25 * ROW, **stop)
+    return vibeam.simulate(system, DRIVE, 30.0, vibeam.State(-ROW, np.zeros(3)))
+
+
+@pytest.mark.parametrize("stop", ["linear", "linear, damped"])
+def test_three_nearly_equal_critical_modes_are_refused_with_the_cure(stop: str) -> None:
+    with pytest.raises(ValueError, match=r"damping ratios differ by 0\.1 % or more"):
+        critical(0.0, STOPS[stop])
+    cured, further = critical(1e-3, STOPS[stop]), critical(2e-3, STOPS[stop])
+    assert len(cured.impact_times) == len(further.impact_times) >= 1
+    np.testing.assert_allclose(cured.impact_times, further.impact_times, rtol=3e-3)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.linear.common_plane import common_plane
+from vibeam.flight.linear.common_plane import INSEPARABLE, common_plane
 from vibeam.flight.linear.eigenpairs import Linear, refined, refined_plane
 from vibeam.flight.linear.equal_modes import deflated
 
@@ -44,11 +44,14 @@ class Planes:
 
 
 def planes(system: Linear) -> Planes:
-    """The blocks; ValueError where complex modes coincide so closely that there are none."""
+    """The blocks; ValueError where modes coincide so closely that there are none: three near critical damping."""
     turned = deflated(system)
-    if turned is None:
-        return _planes(system)
-    found, both = _planes(turned[0]), np.kron(np.eye(2), turned[1])
+    try:
+        if turned is None:
+            return _planes(system)
+        found, both = _planes(turned[0]), np.kron(np.eye(2), turned[1])
+    except np.linalg.LinAlgError:
+        raise ValueError(INSEPARABLE) from None
     return Planes(both @ found.columns, found.inverse @ both, found.blocks)
 
 
@@ -111,7 +114,7 @@ def _inverse(part: Linear, columns: Array) -> Array:
         square = np.concatenate([columns, both], axis=1)
     inverse = np.asarray(np.linalg.inv(square), dtype=np.float64)
     if np.linalg.norm(square) * np.linalg.norm(inverse) > WORST * len(square):
-        raise ValueError("damping: two or more complex modes nearly coincide, shape and rate: separate them slightly")
+        raise ValueError(INSEPARABLE)
     return inverse[: columns.shape[1]]
 
 

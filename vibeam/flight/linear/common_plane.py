@@ -9,6 +9,11 @@ Array = NDArray[np.float64]
 
 Complex = NDArray[np.complex128]
 
+INSEPARABLE = (
+    "damping: modes coincide so nearly, in rates and shapes, that contact has no closed form in which they are told "
+    "apart: make their damping ratios differ by 0.1 % or more"
+)
+
 DISTINCT = 1e-4  # relative distance of two eigenvalues above which QR's eigenvectors span their plane
 
 
@@ -24,7 +29,7 @@ def common_plane(state: Array, pair: Complex, vectors: Complex) -> tuple[Array, 
     middle, limit = pair.mean().real, _limit(schur(state, output="real")[0], pair.mean().real)
     _, every, count = schur(state, output="real", sort=lambda x, y=0.0: abs(complex(x, y) - middle) <= limit)
     if count != 2:
-        raise ValueError("damping: three or more real rates nearly coincide: separate them slightly")
+        raise ValueError(INSEPARABLE)
     column = np.asarray(every[:, :2])
     return column, column.T @ state @ column
 

@@ -191,9 +191,9 @@ def refined_plane(part: Linear, column: Array, block: Array) -> tuple[Array, Arr
                 return column, block
             further, wider = further + float(slope) / 2, wider + float(constant) - float(slope) ** 2 / 4
         at, rate = _divided(part, further, wider, j)[2]
-    sigma, e = float(half[j]) + further, float(_turns(part)[j]) + wider
-    first = np.concatenate([scale * at, -sigma * at - e * rate])
-    second = np.concatenate([scale * rate, at - sigma * rate]) * size
+        sigma, e = float(half[j]) + further, float(_turns(part)[j]) + wider
+        first = np.concatenate([scale * at, -sigma * at - e * rate])
+        second = np.concatenate([scale * rate, at - sigma * rate]) * size
     if not np.all(np.isfinite(first + second)):
         return column, block
     unit, lengths = np.linalg.qr(np.stack([first, second], axis=1))
