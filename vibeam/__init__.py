@@ -1,6 +1,7 @@
 """vibeam: how much model does a vibro-impact beam need?
 
-The public names, loaded when first used: ``import vibeam`` itself loads no scipy, matplotlib, numba or pint.
+The public names, loaded when first used: ``import vibeam`` itself loads no scipy, matplotlib, numba or pint, nor
+anything that the interpreter has not loaded before it runs a module.
 """
 
 from __future__ import annotations
@@ -8,7 +9,8 @@ from __future__ import annotations
 import sys
 from importlib import import_module
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+
+TYPE_CHECKING = False  # known to type checkers by its name: importing ``typing`` takes longer than all else here
 
 if TYPE_CHECKING:
     from vibeam import observe as observe
@@ -189,11 +191,11 @@ __all__ = sorted((*_HOMES, *_MODULES, "__version__"))
 class _House(ModuleType):
     """A package in which ``vibeam.sweep`` stays the function, though importing it brings a module of that name."""
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         if not (name in _HOMES and isinstance(value, ModuleType)):
             super().__setattr__(name, value)
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name: str) -> object:
         if name in _MODULES:
             return import_module(f"vibeam.{name}")
         if name not in _HOMES:

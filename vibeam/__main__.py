@@ -2,17 +2,36 @@
 
 from __future__ import annotations
 
+import os
+
 INTERRUPTED = 130
 
 
 def main() -> None:
-    """The entry point; Ctrl-C while the command is being imported ends it like one later."""
+    """The entry point. Ctrl-C outside the command, at its import or after its end, silently ends the process.
+
+    Before the first line here it is the interpreter that is interrupted, which says so with a traceback.
+    """
     try:
+        import signal
+
+        usual = signal.getsignal(signal.SIGINT)  # ignored in a background job: it stays so
+        outside = _leave if usual is signal.default_int_handler else usual
+        signal.signal(signal.SIGINT, outside)
         from vibeam.cli.main import main as command
 
-        command()
+        signal.signal(signal.SIGINT, usual)
+        try:
+            command()
+        finally:
+            signal.signal(signal.SIGINT, outside)
     except KeyboardInterrupt:
         raise SystemExit(INTERRUPTED) from None
+
+
+def _leave(*_: object) -> None:
+    """End the process where it is: an exception would be lost, or turned into another, in code that is imported."""
+    os._exit(INTERRUPTED)
 
 
 if __name__ == "__main__":
