@@ -18,6 +18,7 @@ from typing import Any
 
 import h5py
 import numpy as np
+from progress import IDLE, Idleness
 
 BEAM = """[beam]
 length = "180 mm"
@@ -71,7 +72,9 @@ OF_TIMES = ("comparison@key", "estimates@key")  # keys that are of CPU times too
 
 SECONDS = re.compile(rb'"\w*seconds": [^,}]*')  # in what is stored as JSON
 
-PATIENCE = 300.0
+PATIENCE = 300  # seconds of CPU time
+
+GLANCE = 1.0  # seconds after which it is looked whether a command works
 
 
 @dataclass(frozen=True)
@@ -97,6 +100,7 @@ def vibeam(
 
     def first() -> None:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # a background job inherits it as ignored
+        resource.setrlimit(resource.RLIMIT_CPU, (PATIENCE, PATIENCE))
         before()
 
     start = time.monotonic()
@@ -108,13 +112,22 @@ def vibeam(
     if kill is not None:
         time.sleep(kill[0])
         process.send_signal(kill[1])
-    try:
-        out, err = process.communicate(timeout=PATIENCE)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        out, err = process.communicate()
-        err += f"\nno end in {PATIENCE:g} s"
+    out, err = _ended(process)
     return Run(process.returncode, out, err, time.monotonic() - start)
+
+
+def _ended(process: subprocess.Popen[str]) -> tuple[str, str]:
+    """What a command printed; one that waits for ``IDLE`` seconds without working is ended."""
+    idleness, more = Idleness(process.pid), ""
+    while True:
+        try:
+            out, err = process.communicate(timeout=GLANCE)
+        except subprocess.TimeoutExpired:
+            if idleness.lasts() and not more:
+                more = f"\nwaits for {IDLE:g} s without working"
+                process.kill()
+        else:
+            return out, err + more
 
 
 def usual_environment() -> dict[str, str]:
@@ -203,12 +216,18 @@ def _data_named(file: Path, names: Iterable[str]) -> dict[str, bytes]:
 
 def fault_of_message(ran: Run, codes: Sequence[int]) -> str:
     """A command ends with one of the codes, without a traceback; unless 0 or by a signal, with a message."""
-    if ran.code == -signal.SIGINT and "/vibeam/" not in ran.err:  # the interpreter itself was starting
+    if not has_begun(ran):
         return ""
     if "Traceback" in ran.err or ran.code not in codes:
         lines = [line for line in ran.err.strip().splitlines() if line.strip()]
         return f"exit {ran.code}: {' | '.join(lines[-4:])[:500]}"
     return "exit 2 without a message" if ran.code == 2 and not ran.err.strip() else ""
+
+
+def has_begun(ran: Run) -> bool:
+    """Whether a command was not interrupted before its first line: Python imports ``site`` and ``runpy`` until then."""
+    by_hand = ran.code == -signal.SIGINT or (ran.code == 1 and "KeyboardInterrupt" in ran.err)
+    return not by_hand or "/vibeam/" in ran.err
 
 
 def fault_of_completion(name: str, folder: Path) -> str:

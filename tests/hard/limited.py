@@ -12,33 +12,40 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from progress import IDLE, Idleness
+
 GIB = 2**30
 HEADROOM = 2 * GIB  # of address space beyond the largest resident set allowed: libraries, stacks, arenas
 
 
 @dataclass(frozen=True)
 class Limits:
-    """``cpu`` and ``wall`` in seconds, ``memory`` as the largest resident set in bytes."""
+    """``cpu`` in seconds of CPU time, ``memory`` as the largest resident set in bytes."""
 
     cpu: int = 20
-    wall: float = 120.0
     memory: int = 2 * GIB
 
 
 @dataclass(frozen=True)
 class Ended:
-    """How a process ended: exit ``code`` (negative: by that signal), what it printed, CPU seconds, resident bytes."""
+    """How a process ended: exit ``code`` (negative: by that signal), what it printed, CPU seconds, resident bytes.
+
+    ``idle``: it was ended because it waited for ``IDLE`` seconds.
+    """
 
     code: int
     out: str
     err: str
     seconds: float
     resident: int
+    idle: bool = False
 
     def fault(self, limits: Limits) -> str:
         """What no command may do; empty: nothing of it."""
+        if self.idle:
+            return f"waits for {IDLE:g} s without working"
         if -self.code in (signal.SIGXCPU, signal.SIGKILL):
-            return f"no end in {limits.cpu} s: {_last_call(self.err)}"
+            return f"no end in {limits.cpu} s of CPU time: {_last_call(self.err)}"
         if self.code < 0:
             return f"ended by {signal.Signals(-self.code).name}: {_last_call(self.err)}"
         if "Traceback" in self.err or self.code not in (0, 2):
@@ -57,11 +64,11 @@ def run_limited(work: Callable[[], None], folder: Path, limits: Limits) -> Ended
     child = os.fork()
     if not child:
         _child(work, folder, limits)
-    code, usage = _awaited(child, limits.wall)
+    code, usage, idle = _awaited(child)
     out, err = ((folder / name).read_text(errors="replace") for name in ("stdout", "stderr"))
     for name in {"stdout", "stderr"} - {path.name for path in before}:
         (folder / name).unlink()
-    return Ended(code, out, err, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024)
+    return Ended(code, out, err, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024, idle)
 
 
 def _child(work: Callable[[], None], folder: Path, limits: Limits) -> None:
@@ -102,15 +109,16 @@ def _code_of(work: Callable[[], None]) -> int:
     return 0
 
 
-def _awaited(child: int, wall: float) -> tuple[int, resource.struct_rusage]:
-    due, pause = time.monotonic() + wall, 0.002
+def _awaited(child: int) -> tuple[int, resource.struct_rusage, bool]:
+    """Exit code of a child, what it used, and whether it was ended because it waited."""
+    idleness, idle, pause = Idleness(child), False, 0.002
     while True:
         found, status, usage = os.wait4(child, os.WNOHANG)
         if found:
-            return os.waitstatus_to_exitcode(status), usage
-        if time.monotonic() > due:
+            return os.waitstatus_to_exitcode(status), usage, idle
+        if idleness.lasts() and not idle:
             os.kill(child, signal.SIGKILL)
-            due = float("inf")
+            idle = True
         time.sleep(pause)
         pause = min(0.05, 1.5 * pause)
 

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import multiprocessing as mp
 import signal
-import time
 from collections.abc import Callable, Iterable, Iterator
 from multiprocessing.connection import Connection
 from typing import Any
 
+from progress import IDLE, Idleness
 from report import cpu_seconds
 
 Stage = Callable[[str], None]  # called by a task as it goes on, so that one that is ended has said what it was at
 
 Task = Callable[[int, Stage], Any]
 
-IDLE = 60.0  # seconds without any CPU time after which a process waits for what never comes
+GLANCE = 1.0  # seconds after which it is looked whether a process that says nothing works
 
 
 class Lost(Exception):
@@ -52,9 +52,9 @@ class _Worker:
     def ask(self, number: int) -> tuple[Any, float]:
         """The answer and its CPU seconds; after Lost the process is gone."""
         self.pipe.send(number)
-        stage, worked = "start", -1.0
+        stage, idleness = "start", Idleness(self.process.pid or 0)
         try:
-            while self.pipe.poll(IDLE) or worked < (worked := self._worked()):
+            while self.pipe.poll(GLANCE) or not idleness.lasts():
                 kind, value = self.pipe.recv() if self.pipe.poll() else ("stage", stage)
                 if kind != "stage":
                     return value, kind
@@ -63,10 +63,6 @@ class _Worker:
             return Lost(f"{self._why()}, in {stage}"), self.seconds
         self.end()
         return Lost(f"waits for {IDLE:g} s without working, in {stage}"), 0.0
-
-    def _worked(self) -> float:
-        """CPU seconds of the process so far: the clock that Linux numbers by its id."""
-        return time.clock_gettime(~(self.process.pid or 0) << 3 | 2)
 
     def _why(self) -> str:
         self.process.join()
