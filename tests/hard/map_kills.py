@@ -48,7 +48,7 @@ axes = [
   { key = "sweep.frequency", from = "14 Hz", to = "17 Hz", points = 65 },
 ]
 direction = "apart"
-refine = 3
+refine = 2
 settle = 2000
 hold = 16
 """

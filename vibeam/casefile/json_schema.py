@@ -20,7 +20,18 @@ def case_schema() -> dict[str, Any]:
     models = [kind.declaration() for kind in KINDS.values()]
     _, declared = models_json_schema([(model, "validation") for model in models])
     kinds = [{"$ref": f"#/$defs/{model.__name__}"} for model in models]
-    return {"$schema": DIALECT, "title": TITLE, "anyOf": kinds, "$defs": _plain(declared["$defs"])}
+    tables = _plain(declared["$defs"])
+    for model in models:
+        _allow_unnamed(tables[model.__name__]["properties"])
+    return {"$schema": DIALECT, "title": TITLE, "anyOf": kinds, "$defs": tables}
+
+
+def _allow_unnamed(keys: dict[str, Any]) -> None:
+    """Allow [map] with the keys of a map, beside [map.NAME]."""
+    named = keys["map"]
+    own = {key: named[key] for key in ("description", "title") if key in named}
+    either = {key: value for key, value in named.items() if key not in own}
+    keys["map"] = own | {"anyOf": [either, {"$ref": named["additionalProperties"]["$ref"]}]}
 
 
 def _plain(value: Any) -> Any:

@@ -18,6 +18,7 @@ from vibeam.casefile.fidelity_changes import field_at
 from vibeam.casefile.field_lists import OneOrSeveral
 from vibeam.casefile.fields import Count, Entry, Quantity
 from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.map_rules import count_of, direction_of, picture_complaints, random_complaints, refine_complaints
 from vibeam.casefile.overrides import override
 from vibeam.casefile.tables.maps import STROBES
 from vibeam.casefile.tables.names import named_fidelity
@@ -49,10 +50,10 @@ def map_complaints(case: SimpleNamespace, model: type[AnyCase]) -> Iterator[Comp
             yield from named_fidelity(case, (*path, "fidelities", index), fidelity)
         yield from KINDS[case.kind].output_complaints(case, (*path, "output"), table.output)
         yield from _axes(case, path, table, model)
-        yield from _random(path, table)
-        yield from _picture(case, path, table)
+        yield from random_complaints(path, table)
+        yield from picture_complaints(case, path, table)
         if table.refine:
-            yield from _refined(case, path, table)
+            yield from refine_complaints(case, path, table)
 
 
 def _axes(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace, model: type[AnyCase]) -> Iterator[Complaint]:
@@ -73,12 +74,8 @@ def _axes(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace, model: t
     run = direction_of(table, keys, case.sweep.direction)
     for which, message in axis_faults(keys, run != "apart", _frequency(case, table, keys), table.starts is not None):
         yield (*path, "axes", keys.index(which)) if which in keys else (*path, which), message
-    if (count := int(np.prod([_count(axis) for axis in table.axes], dtype=object))) > LARGEST:
+    if (count := int(np.prod([count_of(axis) for axis in table.axes], dtype=object))) > LARGEST:
         yield (*path, "axes"), f"{count} points are more than {LARGEST:.0e}: take fewer"
-
-
-def _count(axis: SimpleNamespace) -> int:
-    return len(axis.values) if axis.values else axis.points or 1
 
 
 def key_of(name: str, case: Any, model: type[AnyCase]) -> _Key:
@@ -128,71 +125,6 @@ def _values(at: KeyPath, axis: SimpleNamespace, key: _Key) -> Iterator[Complaint
         yield (*at, "points"), f"{axis.points} points from a value to itself: points = 1, or another to"
     if isinstance(key.entry, Count) and axis.points is not None and axis.values is None:
         yield (*at, "points"), "the key takes whole numbers: list them, values = [1, 2, 4, 8]"
-
-
-def _random(path: KeyPath, table: SimpleNamespace) -> Iterator[Complaint]:
-    if table.starts is not None and table.spread is None:
-        yield (*path, "spread"), 'missing: says how far from 0 motions start; write spread = "1 mm"'
-    elif table.starts is None and table.spread is not None:
-        yield (*path, "spread"), "goes with starts: say how many, or leave it away"
-
-
-def _picture(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace) -> Iterator[Complaint]:
-    axes, starts = len(table.axes or ()), [axis.key_ for axis in table.axes or () if axis.key_ in STARTS]
-    if table.picture == "spectra" and any((axis.key_ or "").endswith(".modes") for axis in table.axes or ()):
-        yield (*path, "picture"), '"spectra" is of one number of modes: take another axis'
-    if table.quantity is not None and table.picture != "values":
-        yield (*path, "quantity"), 'goes with picture = "values": leave it away'
-    if table.picture in ("bifurcation", "spectra") and axes > 1:
-        yield (*path, "axes"), f'picture = "{table.picture}" is of one axis, not {axes}'
-    elif table.picture == "period" and axes == 1:
-        yield (*path, "axes"), 'picture = "period" is of two axes or three: add one, or write picture = "values"'
-    elif axes > 3:
-        yield (*path, "axes"), f"{axes} axes cannot be drawn: three at most"
-    if table.picture == "basins" and not starts and table.starts is None:
-        said = "start.displacement and start.velocity as axes, or starts = 50"
-        yield (*path, "picture"), f'"basins" is of motions with starts of their own: write {said}'
-    elif table.picture == "basins" and starts and axes > 2:
-        yield (*path, "axes"), 'picture = "basins" with starts as axes is of two axes at most'
-    elif table.picture != "basins" and table.starts is not None:
-        yield (*path, "picture"), f'"{table.picture}" shows one motion a point: with starts write "basins"'
-    hold = case.sweep.hold if table.hold is None else table.hold
-    if table.strobes is not None and hold is not None and table.strobes > hold:
-        yield (*path, "strobes"), f"{table.strobes} values need as many periods held: hold is {hold}"
-
-
-def _refined(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace) -> Iterator[Complaint]:
-    """Complaints about a refined map: of points that are independent, and of labels."""
-    at, keys = (*path, "refine"), [axis.key_ for axis in table.axes or ()]
-    if table.picture not in ("period", "basins"):
-        yield at, f'"{table.picture}" shows numbers, and refining follows labels: leave it away'
-        return
-    if table.starts is not None:
-        yield at, "is of one motion a point: leave starts or refine away"
-        return
-    if direction_of(table, keys, case.sweep.direction) != "apart":
-        yield (
-            at,
-            'flies points by themselves, and here the state is carried along the last axis: write direction = "apart"',
-        )
-    if len(keys) < 2 or (table.picture == "basins" and not all(key in STARTS for key in keys[-2:])):
-        said = "start.displacement and start.velocity" if table.picture == "basins" else "two axes or three"
-        yield at, f"halves cells of a plane: the axes must be {said}"
-        return
-    fewest = min(_count(axis) for axis in table.axes[-2:])
-    if 2**table.refine > fewest - 1:
-        most = max(fewest - 1, 1).bit_length() - 1
-        yield at, f"begins with every {2**table.refine}th point, and an axis has {fewest}: {most} at most"
-
-
-def direction_of(table: Any, keys: list[str], swept: str | None) -> str:
-    """Which way the last axis is swept: as said, else apart where motions have starts of their own, else the sweep's.
-
-    Along a key that changes the modes nothing can be carried: also apart.
-    """
-    if table.direction is not None:
-        return str(table.direction)
-    return "apart" if table.starts is not None or any(key in STARTS for key in keys) else swept or "both"
 
 
 def _frequency(case: Any, table: Any, keys: list[str]) -> float | None:

@@ -40,6 +40,7 @@ from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.rules import cross_checks
 from vibeam.casefile.toml import parsed
 from vibeam.casefile.uncertain import uncertain_checks, uncertain_inputs
+from vibeam.casefile.unnamed_map import as_written, name_map
 from vibeam.casefile.validation import complaints, declaration, read, readable_case
 
 
@@ -99,7 +100,7 @@ def validate(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[AnyCa
     """The declared case in SI units, and that of each fidelity that changes it; CaseError with all faults."""
     tables, lines = parsed(text, file)
     faults, paths = _override(tables, overrides)
-    place = _Places(str(file), lines, paths)
+    place = _Places(str(file), lines, paths, name_map(tables))
     case, wrong = _validated(tables, file.parent)
     changed, more = variants(tables, declaration(tables), wrong, lambda own: _validated(own, file.parent))
     if case is not None and not wrong + more:
@@ -178,9 +179,11 @@ class _Places:
     file: str
     lines: Mapping[KeyPath, int]
     overridden: set[KeyPath]
+    unnamed_map: bool
 
     def fault(self, complaint: Complaint) -> Fault:
         path, message = complaint
+        path = as_written(path) if self.unnamed_map else path
         key = ".".join(name_of(shortened(str(part))) for part in path)
         places = [path[:length] for length in range(len(path), 0, -1)]
         if self.overridden.intersection(places):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -98,6 +99,29 @@ def test_a_fault_has_its_line_its_key_and_its_cure(text: str, line: int, said: s
     assert len(found) == 1, found
     assert found[0].startswith(f"mine.toml:{LINES + line}: map.m")
     assert said in found[0]
+
+
+ALONE = GOOD.replace("[map.plane]", "[map]")
+
+
+def test_a_single_map_needs_no_name() -> None:
+    found, named = case(ALONE), case(GOOD)
+    assert list(found.maps) == ["map"]
+    assert replace(found.maps["map"], name="plane") == named.maps["plane"]
+    assert parse(found.text, found.path).maps == found.maps
+
+
+def test_a_map_without_a_name_goes_with_others_and_with_overrides() -> None:
+    found = parse(RIG + ALONE + GOOD, "mine.toml", {"map.hold": 21, "map.plane.hold": 22})
+    assert {name: plan.hold for name, plan in found.maps.items()} == {"map": 21, "plane": 22}
+
+
+def test_faults_of_a_map_without_a_name_are_where_they_are_written() -> None:
+    assert faults(ALONE.replace("hold = 20", "hold = 0"))[0].startswith(f"mine.toml:{LINES + 10}: map.hold: ")
+    assert "map.hodl: unknown key; did you mean 'hold'?" in faults(ALONE.replace("hold", "hodl"))[0]
+    with pytest.raises(vibeam.CaseError, match=r"--set.*map\.hold: 0"):
+        parse(RIG + ALONE, "mine.toml", {"map.hold": 0})
+    assert any("must be a table" in each for each in faults("[map]\nmap = { hold = 3 }\nhold = 2\n"))
 
 
 def test_all_faults_are_reported_at_once() -> None:

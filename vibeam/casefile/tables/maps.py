@@ -87,7 +87,7 @@ class AxisTable(Table):
 
 
 class MapTable(Table):
-    """A map over any keys of the case, one table each: what vibeam map computes, stores and draws."""
+    """A map over any keys of the case, one table each, [map] where there is one: what vibeam map computes and draws."""
 
     axes: tuple[AxisTable, ...] = key(
         "the last is swept and lies across, the one before upward, of one more each value has a panel",
@@ -146,7 +146,7 @@ class MapTable(Table):
 
 
 class SdofMapTable(MapTable):
-    """A map over any keys of the case, one table each: what vibeam map computes, stores and draws."""
+    """A map over any keys of the case, one table each, [map] where there is one: what vibeam map computes and draws."""
 
     spread: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
         "how far from 0 the contact starts at random, its velocity within Ω times that", 0.01, None, written=False
