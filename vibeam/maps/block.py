@@ -42,7 +42,8 @@ class Grid:
     it, and every line begins at equilibrium; without any, every point starts from equilibrium, from where the axes say,
     or from ``starts``. ``frequency`` in Hz, where that is no axis; ``settle`` and ``hold`` in drive periods;
     ``strobes``: how many values of the output at the end of a period are read. ``refine``: levels of the quadtree over
-    the last two axes, 0: every point is flown.
+    the last two axes, 0: every point is flown. ``lanes``: lines that are swept fly side by side in the processor's
+    lanes, so that they are sweeps to round-off, and not to the bit.
     """
 
     text: str
@@ -58,6 +59,7 @@ class Grid:
     strobes: int = 0
     starts: Starts | None = None
     refine: int = 0
+    lanes: bool = False
 
     @property
     def lines(self) -> int:
@@ -175,7 +177,8 @@ def _flown(
     restitution = None if points.restitution is None else rows(points.restitution)
     return batch(
         system, rows(points.omega), rows(points.amplitude), gap=rows(points.gap), restitution=restitution, state=state,
-        settle=grid.settle, hold=grid.hold, output=grid.output, strobes=grid.strobes, lanes=wide,
+        settle=grid.settle, hold=grid.hold, output=grid.output, strobes=grid.strobes,
+        lanes=wide or grid.lanes,
         threads=threads,
     )  # fmt: skip
 

@@ -103,10 +103,10 @@ def over_axes(grid: Grid, parts: Sequence[Values]) -> Values:
 
 def grid_of(
     case: Case, fidelity: str, axes: Mapping[str, ArrayLike], *, quantities: Sequence[str], direction: Run,
-    frequency: float | None, settle: int | None, hold: int | None, output: str | None, strobes: int,
-    starts: Starts | None, refine: int = 0,
+    frequency: float | None = None, settle: int | None = None, hold: int | None = None, output: str | None = None,
+    strobes: int = 0, starts: Starts | None = None, refine: int = 0, lanes: bool = False,
 ) -> Grid:  # fmt: skip
-    """The grid that ``evaluate`` is asked for; errors as there."""
+    """The grid that ``evaluate`` is asked for, its lines side by side with ``lanes``; errors as there."""
     unknown = [name for name in quantities if name not in QUANTITIES]
     if unknown:
         raise KeyError(f"no quantity {', '.join(map(repr, unknown))}: there are {', '.join(QUANTITIES)}")
@@ -127,6 +127,7 @@ def grid_of(
         strobes,
         starts,
         refine,
+        lanes,
     )
     faults = faults_of(grid)
     if faults:

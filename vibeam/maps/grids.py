@@ -50,6 +50,8 @@ def key_of(case: Case, grid: Grid) -> str:
     del rest["text"], rest["path"]
     if not grid.refine:
         del rest["refine"]
+    if not grid.lanes:
+        del rest["lanes"]  # so that maps of earlier versions stay the same ones
     return sha256(f"{case.own[grid.fidelity]} {rest!r}".encode()).hexdigest()
 
 

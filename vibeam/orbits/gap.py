@@ -12,12 +12,12 @@ one by one.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.linear.propagator import pair
+from vibeam.flight.linear.propagator import pair, pairs
 from vibeam.orbits.impulse_balance import Roots
 from vibeam.orbits.modal_sums import Sums, green
 from vibeam.system.impact_system import ImpactSystem
@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 APART = 1.2  # damping ratio from which the two decays of a mode are bounded separately
+
+AT_ONCE = 200_000  # numbers of an array of several modes at most
 
 
 class Gap(NamedTuple):
@@ -81,12 +83,36 @@ class Flights:
 
     def _green(self, which: Index, times: Array) -> Gap:
         """Green's function G − G(0), G', G'' and the bound on G''''."""
-        total = np.zeros((4, len(times)))
-        for i in np.flatnonzero(self.system.contact):
-            natural, zeta = float(self.system.omega[i]), float(self.system.zeta[i])
+        system, total = self.system, np.zeros((4, len(times)))
+        modes = np.flatnonzero(system.contact)
+        swinging = (system.omega > 0) & (system.zeta < 1) & (len(modes) * len(times) <= AT_ONCE)
+        some = modes[swinging[modes]]
+        if len(some):
+            weights = system.contact[some] ** 2
+            together = _swinging(system.omega[some], system.zeta[some], self.start[some][:, :, which], times)
+            total += np.stack([weights @ each for each in together])
+        for i in modes[~swinging[modes]]:
+            natural, zeta = float(system.omega[i]), float(system.zeta[i])
             mode = _mode(natural, zeta, self.start[i][:, which], times, self.span[which])
-            total += self.system.contact[i] ** 2 * np.stack(mode)
+            total += system.contact[i] ** 2 * np.stack(mode)
         return Gap(*total)
+
+
+def _swinging(natural: Array, zeta: Array, start: Array, times: Array) -> Gap:
+    """As ``_mode``, of several underdamped modes (n,) at once: every field (n, times)."""
+    p, natural, sigma = pairs(natural, zeta, times), natural[:, None], (zeta * natural)[:, None]
+    first, second = start[:, 0], start[:, 1]
+    value, slope = p.p01 * second - p.rise * first, p.p10 * first + p.p11 * second
+    return Gap(value, slope, *_derivatives(natural, sigma, first, value, slope))
+
+
+def _derivatives(natural: Any, sigma: Any, first: Array, value: Array, slope: Array) -> tuple[Array, Array]:
+    """The second derivative of modes, and the bound on the fourth where they swing."""
+    bend = -2 * sigma * slope - natural**2 * (first + value)
+    third = -2 * sigma * bend - natural**2 * slope
+    fourth = -2 * sigma * third - natural**2 * bend
+    fifth = -2 * sigma * fourth - natural**2 * third
+    return bend, np.hypot(fourth, fifth / natural)
 
 
 def _mode(natural: float, zeta: float, start: Array, times: Array, span: Array) -> Gap:
@@ -95,13 +121,8 @@ def _mode(natural: float, zeta: float, start: Array, times: Array, span: Array) 
         return Gap(times / 2 - times**2 / (2 * span), 0.5 - times / span, -1 / span, np.zeros_like(times))
     sigma, p = zeta * natural, pair(natural, zeta, times)
     value, slope = p.p01 * start[1] - p.rise * start[0], p.p10 * start[0] + p.p11 * start[1]
-    bend = -2 * sigma * slope - natural**2 * (start[0] + value)
-    if zeta > APART:
-        return Gap(value, slope, bend, _two_decays(natural, sigma, zeta, times, span))
-    third = -2 * sigma * bend - natural**2 * slope
-    fourth = -2 * sigma * third - natural**2 * bend
-    fifth = -2 * sigma * fourth - natural**2 * third
-    return Gap(value, slope, bend, np.hypot(fourth, fifth / natural))
+    bend, fourth = _derivatives(natural, sigma, start[0], value, slope)
+    return Gap(value, slope, bend, _two_decays(natural, sigma, zeta, times, span) if zeta > APART else fourth)
 
 
 def _two_decays(natural: float, sigma: float, zeta: float, times: Array, span: Array) -> Array:

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, run_study, table_path
+from vibeam.cli.arguments import AsJson, CaseFile, Fresh, Overrides, TableFile, load, run_study, table_path
 from vibeam.cli.output import print_result
 
 Over = Annotated[str, typer.Option("--over", help="frequency and gap, drive, restitution or any dotted key.")]
@@ -28,8 +28,9 @@ def verdict(
     fidelity: Annotated[
         list[str] | None, typer.Option("--fidelity", help="This one; repeatable; absent = all.", show_default=False)
     ] = None,
+    fresh: Fresh = False,
 ) -> None:
-    """Map the cheapest model that suffices, and where models differ in kind.
+    """Map the cheapest model that suffices, and where models differ in kind; or continue such a map.
 
     The axes are frequency and another key of the case. Kinds: period, coexisting motions, chaos.
     """
@@ -37,18 +38,17 @@ def verdict(
     from vibeam.report import output
     from vibeam.report.verdict import sentences, table_of
     from vibeam.report.verdict_figure import write_verdict
+    from vibeam.studies.verdict.planes import kept_beside
     from vibeam.studies.verdict.study import verdict as judge
 
     loaded = load(case, set_)
     path = table_path(loaded, out, "verdict")
-    found = run_study(
-        case,
-        loaded,
-        lambda own, tell: judge(own, over, low, high, points, frequencies, accuracy, quantity, fidelity, verify, tell),
-    )
-    figures, words = paths_of(path, loaded.figure), list(sentences(found))
-    write_verdict(found, *figures)
-    output.write_csv(found.points, path)
+    asked = over, low, high, points, frequencies, accuracy, quantity, fidelity, verify
+    with kept_beside(path, fresh) as folder:
+        found = run_study(case, loaded, lambda own, tell: judge(own, *asked, tell, folder))
+        figures, words = paths_of(path, loaded.figure), list(sentences(found))
+        write_verdict(found, *figures)
+        output.write_csv(found.points, path)
     files = [path, *figures]
     print_result(
         {"fidelities": found.rows, "shares": found.shares, "boundaries": found.boundaries, "sentences": words,

@@ -66,8 +66,7 @@ def points_at(case: Case, model: Motions, axis: VerdictAxis, hertz: Array, value
 
 def _point(case: Case, name: str, key: str, hertz: float, value: float) -> GridPoints:
     grid = grid_of(
-        case, name, {key: [value], FREQUENCY: [hertz]}, quantities=("amplitude",), direction="up", frequency=None,
-        settle=None, hold=None, output=None, strobes=0, starts=None,
+        case, name, {key: [value], FREQUENCY: [hertz]}, quantities=("amplitude",), direction="up"
     )  # fmt: skip
     axes = (Axis(key, (value,)), Axis(FREQUENCY, (hertz,)))
     return grid_points(grid.text, grid.path, name, axes, None, np.zeros(1, dtype=np.int64))

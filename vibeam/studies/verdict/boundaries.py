@@ -1,26 +1,25 @@
 """Exact boundaries of motions with one impact a drive period over the plane.
 
-Over gap and drive they are contours of exact test functions (``orbits.orbit_map``); over any other key, which changes
+Over gap and drive they are contours of exact test functions (``maps.boundaries``); over any other key, which changes
 the structure, they are located to round-off along each row and joined from row to row.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import GAP, LEVELS
-from vibeam.orbits.bifurcation_functions import Kind, MotionsAt, motions
+from vibeam.maps.boundaries import boundaries_over
+from vibeam.maps.points import GridPoints
+from vibeam.orbits.bifurcation_functions import Kind
 from vibeam.orbits.boundaries import boundaries
-from vibeam.orbits.contours import Plane
-from vibeam.orbits.orbit_map import plane_boundaries
 from vibeam.studies.stability.rows import NAMES
 from vibeam.studies.verdict.axes import VerdictAxis
-from vibeam.studies.verdict.motions import Motions
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -46,53 +45,35 @@ class ExactBoundary:
     value: Array
 
 
-@dataclass(frozen=True)
-class _Driven(Plane):
-    """Plane of frequency and gap, or of a factor on the drive, whose amplitude is a function of the frequency."""
-
-    amplitude: Callable[[Array], Array]
-
-    def at(self, omega: Array, values: Array) -> MotionsAt:
-        """Both motions at points of the plane."""
-        drive = np.broadcast_to(self.amplitude(omega), omega.shape)
-        given = (drive, values) if self.over == "gap" else (values * drive, np.full(len(omega), self.held))
-        return motions(self.system, self.periods, omega, *given)
-
-
-def exact_boundaries(case: Case, model: Motions, axis: VerdictAxis, frequency: Array) -> Iterator[ExactBoundary]:
+def exact_boundaries(
+    case: Case, name: str, points: GridPoints, axis: VerdictAxis, frequency: Array
+) -> Iterator[ExactBoundary]:
     """The boundaries of a model; none beyond plain systems, nor where both key and frequency change the drive."""
-    points = model.points
     if points.systems[0].beyond_plain or not points.amplitude.all():
         return
     if axis.key == GAP or axis.key in LEVELS:
-        yield from _contours(case, model, axis)
+        yield from _over_plane(case, name, points, axis)
     elif not np.any(np.ptp(points.amplitude, axis=1)):
-        yield from _rows(model, axis, STEP * float(frequency[1] - frequency[0]))
+        yield from _rows(name, points, axis, STEP * float(frequency[1] - frequency[0]))
 
 
-def _contours(case: Case, model: Motions, axis: VerdictAxis) -> Iterator[ExactBoundary]:
-    points = model.points
-    own = points.amplitude[0, 0] / np.ravel(case.amplitude_of(model.name, points.omega[0, :1]))[0]
-    factor = points.amplitude[:, 0] / points.amplitude[0, 0]
-    over, up = ("gap", points.gap[:, 0]) if axis.key == GAP else ("amplitude", own * factor)
+def _over_plane(case: Case, name: str, points: GridPoints, axis: VerdictAxis) -> Iterator[ExactBoundary]:
+    def unit(omega: Array) -> Array:
+        return np.asarray(case.amplitude_of(name, omega))
+
+    own = points.amplitude[:, 0] / np.ravel(unit(points.omega[0, :1]))[0]
+    over: Literal["gap", "amplitude"] = "gap" if axis.key == GAP else "amplitude"
+    up = points.gap[:, 0] if over == "gap" else own
     if not np.all(np.diff(up) > 0):
         return
-    plane = _Driven(
-        points.systems[0], 1, over, points.omega[0], up, float(points.gap[0, 0]),
-        lambda omega: np.asarray(case.amplitude_of(model.name, omega)),
-    )  # fmt: skip
-    for curve in plane_boundaries(plane):
-        drive = np.broadcast_to(plane.amplitude(curve.omega), curve.omega.shape)
-        values = np.interp(curve.gap if over == "gap" else curve.amplitude / drive, up, axis.values)
-        for part in np.split(np.arange(len(curve)), np.flatnonzero(np.diff(curve.clear)) + 1):
-            if curve.clear[part[0]]:
-                hertz = curve.omega[part] / (2 * np.pi)
-                yield ExactBoundary(model.name, NAMES[curve.kind], curve.branch, hertz, values[part])
+    for curve in boundaries_over(points.systems[0], over, points.omega[0], up, float(points.gap[0, 0]), unit):
+        values = np.interp(curve.value, up, axis.values)
+        yield ExactBoundary(name, NAMES[curve.kind], curve.branch, curve.frequency, values)
 
 
-def _rows(model: Motions, axis: VerdictAxis, width: float) -> Iterator[ExactBoundary]:
+def _rows(name: str, points: GridPoints, axis: VerdictAxis, width: float) -> Iterator[ExactBoundary]:
     """``width``: Hz by which a boundary may move from row to row."""
-    points, known = model.points, dict[tuple[Kind, int], list[list[float]]]()
+    known = dict[tuple[Kind, int], list[list[float]]]()
     for row in range(len(axis.values)):
         system = points.systems[int(points.which[row, 0])]
         if points.restitution is not None:
@@ -109,7 +90,7 @@ def _rows(model: Motions, axis: VerdictAxis, width: float) -> Iterator[ExactBoun
     for (kind, branch), rows in known.items():
         for curve in joined(rows, width):
             at, hertz = np.array(curve).T
-            yield ExactBoundary(model.name, NAMES[kind], branch, hertz, axis.values[at.astype(int)])
+            yield ExactBoundary(name, NAMES[kind], branch, hertz, axis.values[at.astype(int)])
 
 
 def joined(rows: Sequence[Sequence[float]], width: float) -> list[list[tuple[int, float]]]:

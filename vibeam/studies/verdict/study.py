@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,9 +16,10 @@ from vibeam.run.comparison.wording import listed
 from vibeam.run.systems import Systems
 from vibeam.studies.verdict import axes
 from vibeam.studies.verdict.axes import VerdictAxis
-from vibeam.studies.verdict.boundaries import ExactBoundary, exact_boundaries
+from vibeam.studies.verdict.boundaries import ExactBoundary
 from vibeam.studies.verdict.judgement import cheapest, difference, doubtful, relative
-from vibeam.studies.verdict.motions import Motions, motions
+from vibeam.studies.verdict.motions import Motions
+from vibeam.studies.verdict.planes import computed, plane_of
 from vibeam.studies.verdict.rows import FidelityRow, fidelity_row
 from vibeam.studies.verdict.verification import Verification, verified
 
@@ -112,6 +114,7 @@ def verdict(
     fidelities: Sequence[str] | None = None,
     verify: int = 24,
     tell: Callable[[str], None] | None = None,
+    folder: str | Path | None = None,
 ) -> Verdict:
     """Compute the fidelity map of a case over its frequencies and another of its keys.
 
@@ -119,9 +122,10 @@ def verdict(
     has it, with unit (None: chosen, for gap and drive). ``accuracy`` of ``quantity`` ("amplitude" of the sweep's output
     or "reach" of the contact) against the fidelity with most modes. ``fidelities``: which, also where they change the
     rig; None: all that do not. ``verify``: at how many places, drawn at random from the whole plane, all models are
-    flown anew. ``tell``: hears which model is flown. ValueError
-    for arguments or a case that make no sense, fewer than two models included; CaseError for values of the key that
-    the case may not have.
+    flown anew. ``tell``: hears how far it is, from any thread. ``folder``: where finished blocks of rows are kept, so
+    that the same call goes on with those that are there; to be deleted by the caller. ValueError for arguments or a
+    case that make no sense, fewer than two models included; CaseError for values of the key that the case may not have;
+    StoreError for a folder with another map's blocks.
     """
     share = _accuracy(accuracy)
     if quantity not in QUANTITIES:
@@ -133,23 +137,19 @@ def verdict(
     systems, refused = _models(case, fidelities)
     axis = axes.second_axis(case, key, low, high, points, next(iter(systems.values())))
     hertz = np.linspace(grid.min(), grid.max(), frequencies)
-    flown = []
-    for name in systems:
-        if tell is not None:
-            tell(f"{name}: {points} × {frequencies} points up and down")
-        flown.append(motions(case, name, hertz, axis, quantity))
-    found = _judged(case, axis, hertz, share, quantity, flown, refused)
+    planes = [plane_of(case, name, axis, hertz, quantity) for name in systems]
+    flown, known = computed(case, planes, axis, hertz, quantity, None if folder is None else Path(folder), tell)
+    found = _judged(case, axis, hertz, share, quantity, flown, known, refused)
     return replace(found, verification=verified(found, verify)) if verify > 0 else found
 
 
 def _judged(
     case: Case, axis: VerdictAxis, hertz: Array, accuracy: float, quantity: str, flown: list[Motions],
-    refused: tuple[str, ...],
+    known: list[ExactBoundary], refused: tuple[str, ...],
 ) -> Verdict:  # fmt: skip
     models = tuple(sorted(flown, key=lambda model: model.modes))  # the cost grows with them; measured, it is noisy
     finest = models[-1]
     rows = tuple(fidelity_row(model, finest, hertz, axis, accuracy) for model in models)
-    known = [boundary for model in models for boundary in exact_boundaries(case, model, axis, hertz)]
     return Verdict(
         case, axis, hertz, accuracy, quantity, models, cheapest(models, accuracy),
         tuple(difference(model, finest) for model in models), tuple(relative(model, finest) for model in models),

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.batch.batch import batch
+from vibeam.run.parallel import run_parallel
 from vibeam.studies.verdict.between import labels_between, points_at
+from vibeam.studies.verdict.irregular import judged
 from vibeam.studies.verdict.judgement import cheapest, doubtful
-from vibeam.studies.verdict.motions import Motions, motions_from
+from vibeam.studies.verdict.motions import Motions, motions
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -84,7 +85,7 @@ def verified(found: Judged, count: int, seed: int = SEED) -> Verification:
     draw = np.random.default_rng(seed).random((2, count))
     hertz = found.frequency[0] + draw[0] * np.ptp(found.frequency)
     values = found.axis.values[0] + draw[1] * np.ptp(found.axis.values)
-    again = [_flown(found, model, hertz, values) for model in found.models]
+    again = run_parallel(lambda model, _: _flown(found, model, hertz, values), found.models[::-1])[::-1]
     predicted, unclear = labels_between(
         found.case, found.models, found.axis, found.frequency, found.accuracy, found.quantity, hertz, values
     )
@@ -108,7 +109,7 @@ def _flown(found: Judged, model: Motions, hertz: Array, values: Array) -> Motion
         ))  # fmt: skip
     names = (found.quantity, "period", "ended", "state", "resting", "cpu_seconds")
     stacked = {name: np.stack([getattr(each, name) for each in responses])[:, None] for name in names}
-    return motions_from(found.case, model.name, points, SimpleNamespace(values=stacked), found.quantity)
+    return motions(model.name, points, judged(plan, points, stacked, found.quantity))
 
 
 def _onto_stops(state: Array, points: Any) -> Array:

@@ -1,0 +1,161 @@
+"""Planes of all models, block by block of rows in threads; finished blocks on disk, where a folder is given."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Event, Lock
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.grid_keys import FREQUENCY
+from vibeam.exchange.whole_files import regular
+from vibeam.flight.pause import Stopped
+from vibeam.maps.block import Block, Grid, Values, evaluate_block
+from vibeam.maps.evaluate import grid_of
+from vibeam.maps.grids import blocks_of, key_of
+from vibeam.maps.points import GridPoints, grid_points
+from vibeam.maps.store.blocks import read_block, write_block
+from vibeam.maps.store.manifest import discard, opened
+from vibeam.run.parallel import run_parallel
+from vibeam.run.store.errors import unwritable
+from vibeam.run.store.lock import locked
+from vibeam.studies.verdict.boundaries import ExactBoundary, exact_boundaries
+from vibeam.studies.verdict.irregular import judged
+from vibeam.studies.verdict.motions import Motions, motions
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.studies.verdict.axes import VerdictAxis
+
+Array = NDArray[np.float64]
+
+ROWS = 8  # of a block at most: the points that stand in the processor's lanes together
+
+READ = ("period", "ended", "state", "resting", "cpu_seconds")
+
+Task = Callable[[Event], None]
+
+
+@dataclass(frozen=True)
+class Plane:
+    """One model over the plane: what is evaluated, the key of all that decides it, its points (rows, columns)."""
+
+    grid: Grid
+    key: str
+    points: GridPoints
+
+    @property
+    def name(self) -> str:
+        """The fidelity."""
+        return self.grid.fidelity
+
+    @property
+    def size(self) -> int:
+        """Rows of a block: blocks as even as may be."""
+        return -(-self.grid.lines // -(-self.grid.lines // ROWS))
+
+
+@contextmanager
+def kept_beside(path: Path, fresh: bool = False) -> Iterator[Path]:
+    """Folder of blocks beside the file ``path``, locked; deleted at the end, or at once with ``fresh``.
+
+    StoreError where another process has it.
+    """
+    target = regular(path)
+    folder = target.with_name(f"{target.name}.parts")
+    with locked(path, target):
+        if fresh:
+            discard(folder)
+        yield folder
+        discard(folder)
+
+
+def plane_of(case: Case, name: str, axis: VerdictAxis, frequency: Array, quantity: str) -> Plane:
+    """The plane of a model; errors as in ``vibeam.evaluate``."""
+    axes = {axis.key: axis.values, FREQUENCY: frequency}
+    grid = grid_of(case, name, axes, quantities=(quantity, *READ), direction="both", lanes=True)
+    points = grid_points(grid.text, grid.path, name, grid.axes, grid.frequency, np.arange(len(axis.values)))
+    return Plane(grid, f"verdict {key_of(case, grid)}", points)
+
+
+def computed(
+    case: Case, planes: Sequence[Plane], axis: VerdictAxis, frequency: Array, quantity: str,
+    folder: Path | None = None, tell: Callable[[str], None] | None = None,
+) -> tuple[list[Motions], list[ExactBoundary]]:  # fmt: skip
+    """Motions of each model, and all exact boundaries: the dearest model first, so that both ends meet.
+
+    Blocks lie in ``folder``, where one is given, and those that are there and whole are not computed again. StoreError
+    for a folder of another map, or where the disk fails.
+    """
+    work = _Work(case, quantity, folder, tell)
+    known: dict[str, list[ExactBoundary]] = {}
+    if folder is not None:
+        opened(folder, {each.name: each.key for each in planes}, {each.name: each.size for each in planes})
+    tasks = list[Task]()
+    for plane in sorted(planes, key=lambda plane: -plane.points.systems[0].size):
+        mine = [work.task(plane, block) for block in blocks_of(plane.grid, plane.size)]
+        tasks += [*mine[:1], _boundary_task(known, case, plane, axis, frequency), *mine[1:]]
+    run_parallel(lambda task, stop: task(stop), tasks)
+    found = [motions(plane.name, plane.points, work.gathered(plane)) for plane in planes]
+    return found, [boundary for plane in planes for boundary in known[plane.name]]
+
+
+def _boundary_task(
+    known: dict[str, list[ExactBoundary]], case: Case, plane: Plane, axis: VerdictAxis, frequency: Array
+) -> Task:
+    def task(stop: Event) -> None:
+        known[plane.name] = list(exact_boundaries(case, plane.name, plane.points, axis, frequency))
+
+    return task
+
+
+class _Work:
+    """Blocks under way: those in memory, and their files."""
+
+    def __init__(self, case: Case, quantity: str, folder: Path | None, tell: Callable[[str], None] | None) -> None:
+        self.case, self.quantity, self.folder, self.tell = case, quantity, folder, tell
+        self.known: dict[tuple[str, int], Values] = {}
+        self._lock = Lock()
+
+    def task(self, plane: Plane, block: Block) -> Task:
+        """Compute one block, or find it in the folder."""
+
+        def task(stop: Event) -> None:
+            found = None if self.folder is None else read_block(self.folder, block, plane.key)
+            if found is None:
+                found = self._computed(block)
+                if stop.is_set():
+                    raise Stopped
+                self._write(plane, block, found)
+            with self._lock:
+                self.known[plane.name, block.first] = found
+                if self.tell is not None:
+                    rows = sum(len(values["value"]) for (name, _), values in self.known.items() if name == plane.name)
+                    self.tell(f"{plane.name}: {rows} of {plane.grid.lines} rows")
+
+        return task
+
+    def _computed(self, block: Block) -> Values:
+        grid, lines = block.grid, np.arange(block.first, block.last)
+        points = grid_points(grid.text, grid.path, grid.fidelity, grid.axes, grid.frequency, lines)
+        swept = {name: np.moveaxis(values, 1, 0) for name, values in evaluate_block(block, threads=1).items()}
+        found = judged(self.case.sweep, points, swept, self.quantity)
+        return {name: np.moveaxis(values, 0, 1) for name, values in found.items()}
+
+    def _write(self, plane: Plane, block: Block, found: Values) -> None:
+        if self.folder is None:
+            return
+        try:
+            write_block(self.folder, block, plane.key, found)
+        except OSError as fault:
+            raise unwritable(self.folder, fault, "make room, then run again to go on") from None
+
+    def gathered(self, plane: Plane) -> Values:
+        """All rows of a model, (ways, rows, columns, …)."""
+        parts = [self.known[plane.name, block.first] for block in blocks_of(plane.grid, plane.size)]
+        return {name: np.moveaxis(np.concatenate([part[name] for part in parts]), 1, 0) for name in parts[0]}
