@@ -68,8 +68,8 @@ def boundaries(
 
     Exactly one of ``omega`` (rad/s), ``amplitude`` (m) and ``gap`` (m; None: the system's) is a pair (from, to). The
     range is looked at in ``points`` places, closer where a branch ends; each sign change is then bracketed down to
-    round-off on the exact expressions. Two boundaries of one kind within one step are missed. ValueError where none or
-    several of the three are ranges, and as in ``orbits``.
+    round-off on the exact expressions, and an exact zero at a place is a boundary too. Two boundaries of one kind
+    within one step are missed. ValueError where none or several of the three are ranges, and as in ``orbits``.
     """
     given = {"omega": omega, "amplitude": amplitude, "gap": system.gap if gap is None else gap}
     line, low, high = _line(system, given, periods)
@@ -85,10 +85,23 @@ def boundaries(
 def crossings(line: Line, kind: Kind, branch: int, grid: Array) -> list[Found]:
     """Parameter values on ``grid`` at which the branch's test function passes through zero."""
     with np.errstate(invalid="ignore", over="ignore"):
-        values = line.test(kind, branch, line.at(grid))
+        points = line.at(grid)
+        values = np.where(points.amplitude != 0, line.test(kind, branch, points), np.nan)
         steps = np.flatnonzero(values[:-1] * values[1:] < 0)
     found = [bracketed(line, kind, branch, grid[i], grid[i + 1]) for i in steps]
-    return [(value, kind, branch) for value in found if value is not None]
+    between = [value for value in found if value is not None]
+    return [(value, kind, branch) for value in [*between, *grid[on_nodes(values)].tolist()]]
+
+
+def on_nodes(values: Array) -> NDArray[np.int64]:
+    """Nodes of a grid at which a test function, given there, is exactly zero and passes through it, or ends.
+
+    None where it only touches zero, or is zero on neighbours too: of no damping and R = 1 some are zero all along.
+    """
+    zero, sign = values == 0, np.sign(values)
+    before, after = np.append(np.nan, sign[:-1]), np.append(sign[1:], np.nan)
+    known = np.isfinite(before) | np.isfinite(after)
+    return np.flatnonzero(zero & known & (before != 0) & (after != 0) & (before != after))
 
 
 def bracketed(line: Line, kind: Kind, branch: int, low: float, high: float) -> float | None:

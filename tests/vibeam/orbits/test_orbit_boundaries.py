@@ -10,7 +10,7 @@ import pytest
 
 import vibeam
 from vibeam.orbits.bifurcation_functions import Kind
-from vibeam.orbits.boundaries import Boundary, boundaries
+from vibeam.orbits.boundaries import Boundary, boundaries, on_nodes
 from vibeam.orbits.continuation import follow
 from vibeam.orbits.orbit import orbits
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -124,3 +124,31 @@ def test_wrong_questions_are_named() -> None:
     with pytest.raises(ValueError, match="parameter"):
         follow(COCO, at, "amplitude", [1.0])
     assert follow(COCO, at, "omega", [40.0]) == ()
+
+
+@pytest.mark.parametrize("points", [2, 3, 4, 5, 500, 501])
+def test_a_boundary_on_a_place_that_is_looked_at_is_not_missed(points: int) -> None:
+    """Without damping |H| = Ω²/(9 − Ω²) = 1/8 at Ω = 1 to the bit: the motion grazes at that gap."""
+    system = ImpactSystem.from_modes([3.0], 0.0, 1.0, 1.0, restitution=0.5)
+    (found,) = boundaries(system, 1.0, 1.0, gap=(0.0625, 0.1875), points=points, kinds=(Kind.GRAZING,))
+    assert found.gap == pytest.approx(0.125, rel=1e-14)
+    (found,) = boundaries(replace(system, gap=0.125), (1.0, 1.5), 1.0, points=points, kinds=(Kind.GRAZING,))
+    assert found.amplitude == pytest.approx(1.0, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("values", "nodes"),
+    [
+        ([-1.0, 0.0, 2.0, 3.0], [1]),
+        ([1.0, 0.0, 2.0], []),  # touches zero
+        ([1.0, 0.0, np.nan], [1]),  # ends there
+        ([0.0, 1.0, 0.0], [0, 2]),
+        ([-1.0, 0.0, 0.0, 1.0], []),
+        ([0.0, 0.0, 0.0], []),
+        ([np.nan, 0.0, np.nan], []),
+    ],
+)
+def test_a_zero_at_a_node_counts_where_the_function_passes_through_it_or_ends(
+    values: list[float], nodes: list[int]
+) -> None:
+    assert on_nodes(np.array(values)).tolist() == nodes
