@@ -279,7 +279,8 @@ def recommended_table(rows: list[Row]) -> str:
 
 
 def _flown_cell(row: Row) -> str:
-    return f"{row['modes']}: {100 * row['worst']:.2g} % ({100 * row['rms']:.2g} %)"
+    few = "" if row["alike"] == row["points"] else f", {row['alike']} of {row['points']}"
+    return f"{row['modes']}: {100 * row['worst']:.2g} % ({100 * row['rms']:.2g} %){few}"
 
 
 def front_table(found: dict[str, Any]) -> str:

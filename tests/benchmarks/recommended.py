@@ -22,7 +22,7 @@ from vibeam.system.response import FrequencyResponse
 
 CASES = Path(__file__).parents[2] / "cases"
 TARGET = Path(__file__).with_name("results") / "recommended.json"
-NAMES = ("dtu_neutral", "dtu_loose", "dtu_tight", "reductions/near_clamp", "reductions/at_mass")
+NAMES = ("dtu_neutral", "dtu_loose", "dtu_tight", "reductions/near_clamp", "reductions/at_mass", "rigs/elastic_stop")
 HELD = ("contact", "first mode")
 WITHIN = 0.05
 SWEEP = {"sweep.settle": 150, "sweep.hold": 30, "sweep.direction": "up"}

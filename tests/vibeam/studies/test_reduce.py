@@ -178,6 +178,12 @@ def test_each_spring_stop_predicts_the_winner_of_its_case() -> None:
     ]
 
 
+@pytest.mark.parametrize(("name", "noted"), [("reductions/near_clamp", True), ("dtu_neutral", False)])
+def test_a_stop_that_yields_has_a_note_on_what_the_recommendation_does_not_say(name: str, noted: bool) -> None:
+    found = vibeam.reduce(vibeam.load(CASES / f"{name}.toml", set={"beam.elements": 8}), most=2, bases=["modal"])
+    assert any("the stop yields" in note for note in found.notes) == noted
+
+
 def test_bases_of_fidelities_come_with_their_keys() -> None:
     own = {"reduction": "krylov", "modes": 2, "frequency": "300 Hz"}
     flown = {"reduction": "pod", "modes": 2, "frequency": "15 Hz", "periods": 20}

@@ -22,6 +22,11 @@ if TYPE_CHECKING:
 
 MOST = 12
 
+YIELDS = (
+    "the stop yields: the losses are of one impact, and no error of a response is estimated for such a stop; where few "
+    "motions repeat, what is recommended may be off by more: fly it beside more coordinates"
+)
+
 FREQUENCIES = 400  # of the band
 
 WIDER = 10  # times the highest drive frequency, where no band is asked for
@@ -149,9 +154,10 @@ def _pulse(case: Case, form: ModalForm, asked: float | None) -> ContactPulse | N
 
 def _notes(case: Case, pulse: ContactPulse | None) -> list[str]:
     law = None if case.scene.stop is None else case.scene.stop.law
-    if pulse is None and law is not None and law.compliant:
-        return [f'the contact time of law "{law.name}" depends on the velocity: an impulse stands for it']
-    return []
+    if law is None or not law.compliant:
+        return []
+    timed = [f'the contact time of law "{law.name}" depends on the velocity: an impulse stands for it']
+    return [*(timed if pulse is None else []), YIELDS]
 
 
 def _answered(
