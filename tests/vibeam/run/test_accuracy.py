@@ -344,6 +344,7 @@ def test_a_run_keeps_the_curve_and_what_gave_it(tmp_path):
         assert (ours.fidelity, ours.solver) == (theirs.fidelity, theirs.solver)
         assert np.array_equal(response.amplitude, theirs.response.amplitude)
         assert np.array_equal(ours.estimate, theirs.estimate)
+        assert np.array_equal(ours.response.frequency, case.sweep.frequency[:: 1 if way == "up" else -1])
     assert first.accuracy.chosen == again.accuracy.chosen or np.isnan(first.accuracy.chosen[0].estimate)
     assert first.accuracy.verified == again.accuracy.verified
     assert without_accuracy(case).key == case_of("dtu_loose", points=25).key != case.key

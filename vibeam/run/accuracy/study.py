@@ -106,7 +106,8 @@ def study(
     ValueError for a fidelity that cannot be built, or that knows more than modes, one stop and one restitution.
     """
     require_one_harmonic(case, "a choice within an accuracy")
-    omega = 2 * np.pi * np.sort(case.sweep.frequency)
+    frequency = np.sort(case.sweep.frequency)
+    omega = 2 * np.pi * frequency
     models = ordered_models(case, systems)
     offered = [_candidates(case, model, omega, quantities) for model in models]
     candidates = [candidate for several in offered for candidate in several]
@@ -118,7 +119,7 @@ def study(
     total = sum(len(branch.grid) for branch in branches)
     everywhere = total * float(np.mean([each.seconds for each in verified])) if verified else 0.0
     chosen = tuple(_use(candidate, number, branches) for number, candidate in enumerate(candidates))
-    curves = {branch.direction: _curve(branch, candidates) for branch in branches}
+    curves = {branch.direction: _curve(branch, candidates, frequency) for branch in branches}
     return AccuracyChoice(within, quantities, models[-1].name, curves, chosen, tuple(verified), spent, everywhere)
 
 
@@ -185,7 +186,9 @@ def _use(candidate: Candidate, number: int, branches: list[BranchChoice]) -> Cho
     )
 
 
-def _curve(branch: BranchChoice, candidates: list[Candidate]) -> Curve:
+def _curve(branch: BranchChoice, candidates: list[Candidate], frequency: Array) -> Curve:
+    """A branch at the very frequencies of the case, which the rates in between hold to their last digit only."""
     names = [candidates[number].fidelity for number in branch.candidate]
     solvers = [candidates[number].solver for number in branch.candidate]
-    return Curve(branch.response, tuple(names), tuple(solvers), branch.estimate, branch.statistical, branch.scatter)
+    response = replace(branch.response, frequency=frequency[branch.grid])
+    return Curve(response, tuple(names), tuple(solvers), branch.estimate, branch.statistical, branch.scatter)
