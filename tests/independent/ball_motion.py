@@ -23,6 +23,7 @@ class Equations:
 
     def __init__(self, system, drive):
         self.n, self.w = system.size, arb(drive.omega)
+        self.turn = acb(0, self.w)
         self.strength = self.w * self.w * arb(drive.amplitude)
         self.omega, self.zeta = balls(system.omega), balls(system.zeta)
         self.load, self.static = balls(system.load), balls(system.static)
@@ -69,7 +70,7 @@ class Equations:
         found = Signal(sum((c * s for c, s in zip(row, self.static, strict=True)), arb(0)) / self.mobility)
         along = sum((c * x for c, x in zip(row, self.load, strict=True)), arb(0)) * self.strength / self.mobility
         if along != 0:
-            found.waves.append((along * sine(self.w * arb(clock)), acb(0, self.w)))
+            found.waves.append((along * sine(self.w * arb(clock)), self.turn))
         for k, x in enumerate(motion):
             braked = sum((row[i] * self.damper[i][k] for i in range(self.n)), arb(0))
             found.add(-braked / self.mobility, x.rate())
@@ -97,7 +98,7 @@ def mode_signal(own, k, x0, v0, phase):
         found.constant += static / omega**2
         x0 -= static / omega**2
     if force != 0:
-        lam = acb(0, own.w)
+        lam = own.turn
         if sigma == 0 and omega == own.w:
             part = sine(phase) * force / (2 * lam)  # t e^{iwt}: resonance
             found.ramps.append((part, lam))
@@ -116,7 +117,10 @@ def mode_signal(own, k, x0, v0, phase):
         root = acb(omega**2 * (zeta - 1) * (zeta + 1)).sqrt()
         first, second = -sigma + root, -sigma - root
         share = (v0 - second * x0) / (first - second)
-        found.waves += [(share, first), (x0 - share, second)]
+        if zeta < 1:
+            found.waves.append((2 * share, first))  # the other one's conjugate
+        else:
+            found.waves += [(share, first), (x0 - share, second)]
     return found
 
 
@@ -176,7 +180,7 @@ class Linear:
         constant, forced = self._rate(nothing, 1, 0), self._rate(nothing, 0, 1)
         self.rates, self.left, self.right = matrix.eig(left=True, right=True)
         self.steady = solved(matrix, [-c for c in constant])
-        turn = acb_mat([[acb(0, self.own.w) if i == j else acb(0) for j in range(size)] for i in range(size)])
+        turn = acb_mat([[self.own.turn if i == j else acb(0) for j in range(size)] for i in range(size)])
         self.turning = solved(turn - matrix, forced)
 
     def motion(self, pose, phase):
@@ -191,9 +195,10 @@ class Linear:
             ]  # fmt: skip
             shares = self.left * acb_mat([[each] for each in rest])
             for place, k in enumerate(self.kept):
-                waves = [(self.right[place, j] * shares[j, 0], self.rates[j]) for j in range(2 * m)]
+                waves = [(self.right[place, j] * shares[j, 0], rate) for j, rate in enumerate(self.rates)]
+                waves = [(2 * c if rate.imag > 0 else c, rate) for c, rate in waves if not rate.imag < 0]
                 if self.turning[place] != 0:
-                    waves.append((turn * self.turning[place], acb(0, self.own.w)))
+                    waves.append((turn * self.turning[place], self.own.turn))
                 values[k] = Signal(self.steady[place].real, 0, 0, waves)
         if self.pivot >= 0:
             held = Signal(self.stop / self.row[self.pivot])

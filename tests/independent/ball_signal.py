@@ -28,8 +28,17 @@ class Signal:
             self.constant += factor * other.constant
             self.slope += factor * other.slope
             self.bend += factor * other.bend
-            self.waves += [(factor * c, lam) for c, lam in other.waves]
+            for c, lam in other.waves:
+                self.add_wave(factor * c, lam)
             self.ramps += [(factor * c, lam) for c, lam in other.ramps]
+
+    def add_wave(self, coefficient, lam):
+        """Add Re(C e^{λt}), to one of the very same λ where there is one: steady responses of all modes have Ω's."""
+        for i, (c, other) in enumerate(self.waves):
+            if other is lam:
+                self.waves[i] = c + coefficient, lam
+                return
+        self.waves.append((coefficient, lam))
 
     def rate(self):
         """The derivative as a signal."""
@@ -38,8 +47,7 @@ class Signal:
 
     def derivative(self, j, t, half=None):
         """The j-th derivative at t; with ``half`` without the waves too fast for a piece of that half length."""
-        total = self.constant + t * (self.slope + t * self.bend) if j == 0 else arb(0)
-        total += self.slope + 2 * t * self.bend if j == 1 else 2 * self.bend if j == 2 else 0
+        total = self.derivative_of_polynomial(j, t)
         for coefficient, lam in self.waves:
             if half is None or abs(lam) * half < FASTEST:
                 total += (coefficient * lam**j * (lam * t).exp()).real
@@ -47,6 +55,34 @@ class Signal:
             below = j * lam ** (j - 1) if j else acb(0)
             total += (coefficient * (t * lam**j + below) * (lam * t).exp()).real
         return total
+
+    def derivative_of_polynomial(self, j, t):
+        """The j-th derivative of constant + slope t + bend t²."""
+        if j == 0:
+            return self.constant + t * (self.slope + t * self.bend)
+        return self.slope + 2 * t * self.bend if j == 1 else 2 * self.bend if j == 2 else arb(0)
+
+    def derivatives(self, first, count, t, half):
+        """``count`` derivatives at t from the ``first`` on, as ``derivative`` gives them one by one."""
+        found = [self.derivative_of_polynomial(first + j, t) for j in range(count)]
+        for coefficient, lam in self.waves:
+            if abs(lam) * half < FASTEST:
+                term = coefficient * lam**first * (lam * t).exp()
+                for j in range(count):
+                    found[j] += term.real
+                    term *= lam
+        for coefficient, lam in self.ramps:
+            term = coefficient * (lam * t).exp()
+            for j in range(first, first + count):
+                found[j - first] += (term * (t * lam**j + (j * lam ** (j - 1) if j else 0))).real
+        return found
+
+    def least(self, low):
+        """A bound from below from ``low`` on: constant less every wave's size there; None where a part may grow."""
+        steady = self.slope == 0 and self.bend == 0 and not self.ramps
+        if not (steady and all(lam.real <= 0 for _, lam in self.waves)):
+            return None
+        return self.constant - sum((abs(c) * (lam.real * low).exp() for c, lam in self.waves), arb(0))
 
     def fast(self, order, low, half):
         """Bound of the order-th derivative of the waves too fast for the piece, from ``low`` on."""
@@ -58,8 +94,9 @@ class Signal:
         middle, half = (low + high) / 2, (high - low) / 2
         ball = ball_of(low, high)
         step, power, value = ball_of(-half, half), arb(1), arb(0)
-        for j in range(TERMS + 1):
-            value += self.derivative(order + j, middle if j < TERMS else ball, half) * power / factorial(j)
+        terms = [*self.derivatives(order, TERMS, middle, half), self.derivative(order + TERMS, ball, half)]
+        for j, term in enumerate(terms):
+            value += term * power / factorial(j)
             power *= step
         hidden = self.fast(order, low, half)
         return value + ball_of(-hidden, hidden)

@@ -36,7 +36,8 @@ AFTER = {  # what may follow each kind and end
 
 def is_open(signal, low, high, depth=DEPTH):
     """Whether g > 0 is proved on [low, high]."""
-    if signal.enclose(0, low, high) > 0:
+    least = signal.least(low)
+    if (least is not None and least > 0) or signal.enclose(0, low, high) > 0:
         return True
     if depth == 0 or signal.derivative(0, (low + high) / 2) <= 0:
         return False

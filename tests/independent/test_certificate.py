@@ -6,7 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from ball_signal import Signal
 from check_certificate import check
+from flint import acb, arb
 from prove_certificates import CASES, entries, stored, stretch, sweeps
 from random_rigs import KINDS, rig
 
@@ -66,6 +68,25 @@ def test_grazing_is_proved_too() -> None:
         assert len(path.impact_times) == touches
         faults, _ = check(path.certificate, slack=1e-9)
         assert faults == []
+
+
+def test_bounds_of_a_signal_hold_and_none_is_given_where_a_part_grows() -> None:
+    decaying = Signal(2, 0, 0, [(acb(0.4, 0.3), acb(-0.1, 2.0)), (acb(-0.7), acb(-3)), (acb(0, 0.5), acb(0, 1.3))])
+    for low in (0.0, 0.7, 5.0):
+        least = decaying.least(arb(low))
+        values = [decaying.derivative(0, arb(low + step)) for step in np.linspace(0.0, 9.0, 400)]
+        assert all(value > least for value in values)
+        assert min(float(value.mid()) for value in values) < float(least.mid()) + 0.8
+    for grows in (
+        Signal(2, 1),
+        Signal(2, 0, 1),
+        Signal(2, 0, 0, [], [(acb(1), acb(-1))]),
+        Signal(2, 0, 0, [(acb(1), acb(1))]),
+    ):
+        assert grows.least(arb(0)) is None
+    ramped = Signal(0.3, 0.2, 0.1, decaying.waves, [(acb(0.2, 0.1), acb(-0.3, 1.1))])
+    found = ramped.derivatives(1, 4, arb(0.8), arb(0))
+    assert all(each.overlaps(ramped.derivative(1 + j, arb(0.8))) for j, each in enumerate(found))
 
 
 def test_a_missed_impact_is_found() -> None:
