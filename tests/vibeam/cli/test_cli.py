@@ -475,6 +475,42 @@ def test_ctrl_c_while_the_command_is_imported_is_no_traceback(tmp_path: Path, at
     assert "Traceback" not in done.stderr
 
 
+SWALLOWED = """
+import os, signal, sys, time
+class Interrupted:
+    def find_spec(self, name, *given):
+        if name == "vibeam.cli.streams":
+            try:
+                os.kill(os.getpid(), signal.SIGINT)
+                time.sleep(60)
+            except BaseException:
+                pass
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job inherits it as ignored
+sys.meta_path.insert(0, Interrupted())
+sys.argv = ["vibeam", "--version"]
+from vibeam.__main__ import main
+main()
+"""
+
+
+def test_ctrl_c_ends_the_process_where_imported_code_would_swallow_it(tmp_path: Path) -> None:
+    script = f"import sys\nsys.path[:0] = {sys.path!r}\n{SWALLOWED}"
+    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
+
+
+def test_the_package_imports_nothing_before_the_first_line_of_the_command(tmp_path: Path) -> None:
+    """Until then Ctrl-C is the interpreter's, which prints a traceback: ``runpy`` is what it runs modules with."""
+    script = f"""import sys
+sys.path[:0] = {sys.path!r}
+import runpy
+before = set(sys.modules)
+import vibeam
+print(sorted(set(sys.modules) - before))"""
+    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert done.stdout == "['__future__', 'vibeam']\n"
+
+
 def test_libraries_without_room_are_a_message_and_other_imports_a_defect(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(typer.Exit) as end, mistakes():
         raise ImportError("/a/_x.so: failed to map segment from shared object")
