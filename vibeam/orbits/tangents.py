@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.system.impact_system import ImpactSystem
+
 Array = NDArray[np.float64]
 
 
@@ -26,6 +28,14 @@ class ModalData:
     gap: float
     restitution: float
     drive: Array
+
+    @classmethod
+    def of(cls, system: ImpactSystem, output: str, drive: Array) -> ModalData:
+        """Modal data of a system under base amplitudes ``drive`` (points,) m; KeyError for an unknown output."""
+        return cls(
+            system.omega, system.zeta * system.omega, system.contact, system.load, system.static, system.output(output),
+            system.gap, system.restitution, drive,
+        )  # fmt: skip
 
     @property
     def zeta(self) -> Array:

@@ -8,19 +8,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from vibeam.case.outputs import quantity_of
 from vibeam.case.plans import FigurePlan
 from vibeam.figures.files import paths_of
-from vibeam.figures.outputs import amplitude_of, frequency_label
-from vibeam.figures.page import blank_page, legend, titled, write_page
-from vibeam.figures.style import look, looks_of, name_of
+from vibeam.figures.page import write_page
 from vibeam.figures.units import Units, percent, units_of
 from vibeam.report.output import write_rows
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, plain
+from vibeam.report.uncertainty_figure import bands
 
 if TYPE_CHECKING:
     from vibeam.studies.uncertainty.spread import Spread
@@ -31,6 +28,12 @@ def units_in(study: UncertaintyStudy) -> Units:
     """Units by the largest amplitude."""
     output = quantity_of(study.case, study.case.sweep.output).name
     return units_of(study.case, float(np.nanmax(study.finest.bands, initial=0.0)), quantity=output)
+
+
+def tables(study: UncertaintyStudy) -> list[ReportTable]:
+    """All tables of the study."""
+    found = (inputs(study), fidelities(study), changes(study), errors(study))
+    return [each for each in found if each is not None]
 
 
 def inputs(study: UncertaintyStudy) -> ReportTable:
@@ -72,6 +75,24 @@ def fidelities(study: UncertaintyStudy) -> ReportTable:
             f"{1e3 * row.seconds:.3g} ms",
         )
     return table
+
+
+CHANGES = (("begin", "impacts begin"), ("doubling", "period 1 becomes 2"))
+
+
+def changes(study: UncertaintyStudy) -> ReportTable | None:
+    """Table of where impacts begin and period 1 doubles in the sweeps; None where neither happens in any."""
+    units = units_in(study)
+    hertz = f" ({units.frequency})" if units.frequency else ""
+    table = blank("Where motions change", "fidelity", "change", f"at{hertz}|", "5 % … 95 %|", "of the samples|")
+    table.caption = "first of each in the way of the sweep, to its grid; first number: at the case's own values"
+    for row in study.rows:
+        for name, words in CHANGES:
+            each: Spread = getattr(row, name)
+            if each.share > 0:
+                cells = tuple(_spread(each, units, "frequencies"))
+                table.add_row(row.fidelity, words, *cells, percent(each.share))
+    return table if table.rows else None
 
 
 def _spread(each: Spread, units: Units, way: str, mean: bool = False) -> Iterator[str]:
@@ -148,7 +169,7 @@ def _ratio(saving: float) -> str:
 
 
 def _pilot() -> int:
-    from vibeam.studies.uncertainty.study import PILOT
+    from vibeam.studies.uncertainty.mean_of_peak import PILOT
 
     return PILOT
 
@@ -179,7 +200,7 @@ USUAL = FigurePlan()
 def write_files(study: UncertaintyStudy, table: Path, plan: FigurePlan = USUAL) -> list[Path]:
     """Write the bands as CSV, and the figure beside it as ``plan`` says; return the paths."""
     figures = paths_of(table, plan)
-    write_page(lambda: bands(study, plan), figures, dots=160)
+    write_page(lambda: bands(study, units_in(study), plan), figures, dots=160)
     write_rows(list(rows(study)), table)
     return [*figures, table]
 
@@ -197,42 +218,3 @@ def rows(study: UncertaintyStudy) -> Iterator[dict[str, Any]]:
                 found[f"first_order {each.key}"] = study.over_frequency.first[at, place] if last else np.nan
                 found[f"total {each.key}"] = study.over_frequency.total[at, place] if last else np.nan
             yield {name: "" if value != value else value for name, value in found.items()}
-
-
-def bands(study: UncertaintyStudy, plan: FigurePlan = USUAL) -> Figure:
-    """Bands on the curve of each fidelity above the total indices of the finest one's amplitude."""
-    units = units_in(study)
-    figure = blank_page((7.0, 6.0), plan)
-    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
-    _draw_bands(study, upper, units)
-    frequency = study.frequency * units.frequency_factor
-    for place, each in enumerate(study.uncertain):
-        keys = look(len(study.rows) + place).keys(1.2)  # no colour of a fidelity
-        lower.plot(frequency, study.over_frequency.total[place], label=f"total index of {each.key}", **keys)
-    lower.set_ylim(0, 1.05)
-    lower.set_ylabel("share of the variance")
-    lower.set_xlabel(frequency_label(units))
-    caption = (
-        f"nine of ten (light) and half (dark) of {study.finest.samples} samples; dashed ends: of the other fidelities"
-    )
-    titled(figure, plan, study.case.title, caption)
-    handles = [each for axes in (upper, lower) for each in axes.get_legend_handles_labels()[0]]
-    legend(figure, handles, [str(each.get_label()) for each in handles])
-    return figure
-
-
-def _draw_bands(study: UncertaintyStudy, axes: Axes, units: Units) -> None:
-    frequency = study.frequency * units.frequency_factor
-    own = looks_of(study.case, [row.fidelity for row in study.rows])
-    for row in study.rows:
-        edges, colour = row.bands * units.length_factor, own[row.fidelity].colour
-        label = name_of(study.case, row.fidelity)
-        if row is study.finest:
-            axes.fill_between(frequency, edges[0], edges[-1], color=colour, alpha=0.18, linewidth=0)
-            axes.fill_between(frequency, edges[1], edges[-2], color=colour, alpha=0.30, linewidth=0)
-        else:
-            for edge in (edges[0], edges[-1]):
-                axes.plot(frequency, edge, color=colour, linewidth=0.7, linestyle=(0, (3, 2)))
-        axes.plot(frequency, row.nominal * units.length_factor, label=label, **own[row.fidelity].keys(1.2))
-    axes.set_ylim(bottom=0)
-    axes.set_ylabel(amplitude_of(study.case.sweep.output, units))

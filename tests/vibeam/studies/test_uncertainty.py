@@ -2,20 +2,25 @@
 
 import csv
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.optimize import minimize
+from stand_in import curve
 
 import vibeam
 from vibeam.case.plans import Uncertain
 from vibeam.casefile.read import parse
 from vibeam.maps.variation import narrowed, varied
 from vibeam.report import uncertainty as report
+from vibeam.studies.uncertainty.closed_form import ClosedForm, known
 from vibeam.studies.uncertainty.multifidelity import Pilot, allocation, estimate
-from vibeam.studies.uncertainty.samples import Sampler, _Declared, inputs_of
+from vibeam.studies.uncertainty.samples import Declared, Sampler, _changes, inputs_of
 from vibeam.studies.uncertainty.sensitivity import indices, saltelli
 from vibeam.studies.uncertainty.study import uncertainty
+
+CASES = Path(__file__).parents[3] / "cases"
 
 CASE = """
 title = "rig"
@@ -192,7 +197,7 @@ def test_a_scene_of_other_values_is_that_of_the_case_read_anew(name):
     keys = ("mass.mass", "beam.damping_ratio", "added_mass.0.mass", "stop.gap", "drive.amplitude", "beam.thickness")
     values = (0.21, 0.03, 0.003, 0.011, 3e-5, 0.0031)
     case = parse(text)
-    quick = _Declared.of(case, name, keys).scene(np.array(values))
+    quick = Declared.of(case, name, keys).scene(np.array(values))
     slow = varied(narrowed(case, name), "case.toml", name, tuple(zip(keys, values, strict=True))).scene_of(name)
     assert quick == slow
     assert quick != case.scene_of(name)
@@ -247,9 +252,7 @@ def test_tables_sentences_and_files(study, tmp_path):
     text = " ".join(report.sentences(study))
     assert "Most of it comes from drive.amplitude" in text
     assert "multi-fidelity Monte Carlo" in text
-    assert [len(table.rows) for table in (report.inputs(study), report.fidelities(study), report.errors(study))] == [
-        2
-    ] * 3
+    assert [len(table.rows) for table in report.tables(study)] == [2, 2, 2]  # no motion changes
     files = report.write_files(study, tmp_path / "case.csv")
     assert {path.suffix for path in files} == {".png", ".svg", ".csv"}
     with (tmp_path / "case.csv").open() as file:
@@ -262,3 +265,48 @@ def test_a_sample_that_the_case_may_not_have_is_refused():
     case = parse(f'{CASE}\n[uncertain]\n"mass.position" = "100 mm … 200 mm"')
     with pytest.raises(vibeam.CaseError, match=r"mass\.position"):
         Sampler(case, ("mass.position",))("sdof", np.array([[0.1], [0.2]]))
+
+
+def test_changes_of_the_motion_are_found_in_the_way_of_the_sweep():
+    """Impacts begin once before the first doubling; a sweep that begins with impacts has no begin of them."""
+    seen = curve(np.arange(1.0, 9.0), 1e-3, np.array([-1, -1, 1, 1, 2, 2, 1, 2]))
+    assert _changes(seen) == (3.0, 5.0)
+    assert _changes(curve(np.arange(9.0, 1.0, -1.0), 1e-3, np.array([1, 1, 2, 1, -1, -1, 1, 1]))) == (3.0, 7.0)
+    begin, doubling = _changes(curve(np.arange(1.0, 4.0), 1e-3, np.array([1, 0, 2])))
+    assert np.isnan([begin, doubling]).all()
+
+
+def test_where_impacts_begin_follows_the_gap():
+    """One mode below its resonance: impacts begin where |u| of the linear response passes the gap, to the grid."""
+    grid = '{ from = "20 Hz", to = "31 Hz", points = 61 }'
+    text = CASE.replace('gap = "10 mm"', 'gap = "0.025 mm"').replace(
+        '{ from = "30 Hz", to = "60 Hz", points = 7 }', grid
+    )
+    case = parse(text.replace("settle = 60", "settle = 300") + '\n[uncertain]\n"stop.gap" = "± 1 µm"')
+    system, frequency = case.system("sdof"), np.sort(case.sweep.frequency)
+    omega, natural = 2 * np.pi * frequency, system.omega[0]
+    stiffness = natural**2 - omega**2 + 2j * system.zeta[0] * natural * omega
+    reach = np.abs(system.contact[0] * system.load[0] * omega**2 * 2e-5 / stiffness)
+    first = np.array([20, 35, 50])
+    gaps = (reach[first - 1] + reach[first]) / 2
+    found = Sampler(case, ("stop.gap",))("sdof", gaps[:, None])
+    assert (found.begin <= frequency[first] + 1e-9).all()
+    assert (found.begin >= frequency[first - 1] - 1e-9).all()  # a step of the sweep may strike a little before
+
+
+def test_peaks_in_closed_form_are_those_of_the_flown_sweeps():
+    """Struck at every frequency: the largest motion with one impact a period, sampled, is the sweep's."""
+    case = vibeam.load(CASES / "uncertain" / "neutral.toml", set={"sweep.frequency.points": 31})
+    keys = tuple(each.key for each in case.uncertain)
+    inputs = inputs_of(case.uncertain, np.random.default_rng(2).random((3, len(keys))))
+    assert known(case, "beam")
+    for name in ("sdof", "beam"):
+        flown, closed = Sampler(case, keys)(name, inputs), ClosedForm(case, keys)(name, inputs)
+        assert closed.peak == pytest.approx(flown.peak, rel=0.01)
+        assert closed.peak_frequency == pytest.approx(flown.peak_frequency, abs=0.11)
+        assert closed.amplitude == pytest.approx(flown.amplitude, rel=0.03)
+
+
+def test_a_rig_without_closed_forms_is_known_to_have_none():
+    text = CASE.replace("restitution = 0.7", 'law = "linear"\nstiffness = "1e6 N/m"\ndamping = "1 N s/m"')
+    assert not known(parse(text), "sdof")

@@ -28,5 +28,5 @@ def uncertainty(
     files, sentences = report.write_files(study, path, loaded.figure), list(report.sentences(study))
     print_result(
         report.record(study) | {"sentences": sentences, "files": files}, as_json,
-        lambda tables: [report.inputs(study), report.fidelities(study), report.errors(study)], [*sentences, *files],
+        lambda tables: report.tables(study), [*sentences, *files],
     )  # fmt: skip

@@ -81,10 +81,7 @@ class Forward:
         scene = self.scene(values)
         made = system(scene, self.fidelity)
         drive = np.broadcast_to(np.asarray(drive_amplitude(scene, omega), dtype=float), omega.shape)
-        return ModalData(
-            made.omega, made.zeta * made.omega, made.contact, made.load, made.static, made.output(self.output),
-            made.gap, made.restitution, drive,
-        )  # fmt: skip
+        return ModalData.of(made, self.output, drive)
 
     def with_tangents(self, values: Array, omega: Array) -> tuple[ModalData, Tangents]:
         """Modal data and their derivatives by the keys."""

@@ -48,7 +48,9 @@ class Responses:
     """Responses of one fidelity to ``inputs`` (m, d): ``amplitude`` (m, points) in the sweep's first direction.
 
     NaN where a point failed. ``peak`` (m,) and ``peak_frequency`` (m,) Hz; ``jump`` (m,) Hz: where period 1 around the
-    peak ends in the way of the sweep. ``seconds`` (m,): CPU time of each, the model's making included.
+    peak ends in the way of the sweep; ``begin`` (m,) Hz: where impacts begin; ``doubling`` (m,) Hz: where period 1
+    becomes 2; NaN where that does not happen, or before the first point. ``seconds`` (m,): CPU time of each, the
+    model's making included.
     """
 
     fidelity: str
@@ -57,7 +59,21 @@ class Responses:
     peak: Array
     peak_frequency: Array
     jump: Array
+    begin: Array
+    doubling: Array
     seconds: Array
+
+    @classmethod
+    def of_amplitude(
+        cls, fidelity: str, inputs: Array, frequency: Array, amplitude: Array, seconds: Array
+    ) -> Responses:
+        """Responses known by their amplitudes (m, points) at frequencies (points,) Hz alone."""
+        filled = np.where(np.isfinite(amplitude), amplitude, -np.inf)
+        top, some = np.argmax(filled, axis=1), np.isfinite(amplitude).any(axis=1)
+        peak = np.where(some, filled[np.arange(len(filled)), top], np.nan)
+        at = np.where(some, frequency[top], np.nan)
+        unknown = np.full(len(inputs), np.nan)
+        return cls(fidelity, inputs, amplitude, peak, at, unknown, unknown, unknown, seconds)
 
     @property
     def failed(self) -> int:
@@ -84,17 +100,17 @@ class Sampler:
 
     def nominal(self, fidelity: str) -> Responses:
         """Response at the case's own values."""
-        return self._gathered(fidelity, _Declared.of(self.case, fidelity, ()), np.empty((1, 0)))
+        return self._gathered(fidelity, Declared.of(self.case, fidelity, ()), np.empty((1, 0)))
 
     def __call__(self, fidelity: str, inputs: Array) -> Responses:
         """Responses to inputs (m, d), several at once; CaseError for a value that the case may not have."""
-        declared = _Declared.of(self.case, fidelity, self.keys)
+        declared = Declared.of(self.case, fidelity, self.keys)
         for extreme in (inputs.min(axis=0), inputs.max(axis=0)):
             settings = tuple(zip(self.keys, map(float, extreme), strict=True))
             varied(narrowed(self.case, fidelity), str(self.case.path), fidelity, settings)
         return self._gathered(fidelity, declared, inputs)
 
-    def _gathered(self, fidelity: str, declared: _Declared, inputs: Array) -> Responses:
+    def _gathered(self, fidelity: str, declared: Declared, inputs: Array) -> Responses:
         rows: list[tuple[Array, Array]] = [(np.empty(0), np.empty(0))] * len(inputs)
 
         def one(index: int, stop: Event) -> None:
@@ -104,10 +120,10 @@ class Sampler:
         amplitudes, numbers = (np.stack(each) for each in zip(*rows, strict=True))
         return Responses(fidelity, inputs, amplitudes, *numbers.T)
 
-    def _row(self, fidelity: str, declared: _Declared, values: Array) -> tuple[Array, Array]:
+    def _row(self, fidelity: str, declared: Declared, values: Array) -> tuple[Array, Array]:
         begin = thread_time()
         response = self._swept(declared.scene(values), fidelity)
-        numbers = (*_peak(response), _jump(response), thread_time() - begin)
+        numbers = (*_peak(response), _jump(response), *_changes(response), thread_time() - begin)
         return np.where(complete(response), response.amplitude, np.nan), np.array(numbers)
 
     def _swept(self, scene: Any, name: str) -> FrequencyResponse:
@@ -131,7 +147,7 @@ class Sampler:
 
 
 @dataclass(frozen=True)
-class _Declared:
+class Declared:
     """Tables of one fidelity's case, and the paths of the keys that change: a scene without reading a case anew."""
 
     tables: Any
@@ -139,12 +155,14 @@ class _Declared:
     folder: Path
 
     @classmethod
-    def of(cls, case: Case, fidelity: str, keys: Sequence[str]) -> _Declared:
+    def of(cls, case: Case, fidelity: str, keys: Sequence[str]) -> Declared:
+        """Tables of a fidelity, and the paths of ``keys``."""
         own, changed = validate(narrowed(case, fidelity), case.path, {})
         paths = tuple(tuple(key_parts(key)) for key in keys)
         return cls(changed.get(fidelity, own), paths, case.path.parent)
 
     def scene(self, values: Array) -> Any:
+        """Scene at values of the keys."""
         tables = self.tables
         for path, value in zip(self.paths[: len(values)], values, strict=True):
             tables = put(tables, path, float(value))
@@ -177,3 +195,16 @@ def _jump(response: FrequencyResponse) -> float:
     if found is None:
         return float("nan")
     return found[1] if response.frequency[-1] >= response.frequency[0] else found[0]
+
+
+def _changes(response: FrequencyResponse) -> tuple[float, float]:
+    """First frequencies (Hz), in the way of the sweep, with impacts after none and with period 2 after 1; NaN: none."""
+    done = complete(response)
+    struck = done & (response.impacts_per_period > 0)
+    once, twice = struck & (response.period == 1), struck & (response.period == 2)
+    return _first(response, done & ~struck, struck), _first(response, once, twice)
+
+
+def _first(response: FrequencyResponse, before: Any, after: Any) -> float:
+    found = np.flatnonzero(before[:-1] & after[1:])
+    return float(response.frequency[found[0] + 1]) if len(found) else float("nan")

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.run.result import finest_of
-from vibeam.studies.uncertainty.multifidelity import Allocation, Estimate, Pilot, allocation, estimate
-from vibeam.studies.uncertainty.samples import Coarse, Responses, Sampler, inputs_of
+from vibeam.studies.uncertainty.mean_of_peak import PILOT, MeanPeak, mean_of_peak
+from vibeam.studies.uncertainty.samples import Responses, Sampler, inputs_of
 from vibeam.studies.uncertainty.sensitivity import Indices, indices, saltelli
 from vibeam.studies.uncertainty.spread import LEVELS, Spread
 from vibeam.studies.uncertainty.validation import ErrorRow, error_rows
@@ -24,8 +24,6 @@ Array = NDArray[np.float64]
 
 Progress = Callable[[str], None]
 
-PILOT = 32  # samples from which correlations and costs are taken
-
 MISSING = 'the case says nothing of what is uncertain: write [uncertain] with, say, "mass.mass" = "± 2 g"'
 
 
@@ -33,7 +31,8 @@ MISSING = 'the case says nothing of what is uncertain: write [uncertain] with, s
 class FidelityUncertainty:
     """One fidelity: ``bands`` (5, points) of its amplitude at ``LEVELS``, ``nominal`` (points,); peak, its frequency.
 
-    ``jump``: where period 1 around the peak ends in the way of the sweep, Hz. ``failed`` of ``samples`` have a point
+    In the way of the sweep, Hz: ``jump``, where period 1 around the peak ends; ``begin``, where impacts begin;
+    ``doubling``, where period 1 becomes 2. ``failed`` of ``samples`` have a point
     that failed; ``seconds``: CPU time a sample.
     """
 
@@ -43,30 +42,11 @@ class FidelityUncertainty:
     peak: Spread
     peak_frequency: Spread
     jump: Spread
+    begin: Spread
+    doubling: Spread
     samples: int
     failed: int
     seconds: float
-
-
-@dataclass(frozen=True)
-class MeanPeak:
-    """Mean of the finest fidelity's peak: by that alone, and by several models (``chosen``) with ``counts`` of runs.
-
-    ``correlations`` with the finest, from the pilot. ``saving``: cost of the finest alone over that of the several, at
-    equal variance, as measured.
-    """
-
-    chosen: Allocation
-    counts: tuple[int, ...]
-    correlations: Mapping[str, float]
-    seconds: Mapping[str, float]
-    alone: Estimate
-    several: Estimate
-
-    @property
-    def saving(self) -> float:
-        """(error² · seconds) of the finest alone over that of the several."""
-        return self.alone.error**2 * self.alone.seconds / (self.several.error**2 * self.several.seconds)
 
 
 @dataclass(frozen=True)
@@ -129,7 +109,7 @@ def uncertainty(
         rows,
         indices(whole.amplitude.T, len(case.uncertain), seed),
         indices(whole.peak[None], len(case.uncertain), seed),
-        _mean_peak(sampler, found, finest, 2 * samples, seed, tell),
+        mean_of_peak(sampler, found, finest, 2 * samples, seed, tell),
         error_rows(nominal, {row.fidelity: row.peak for row in rows}),
         samples,
         seed,
@@ -152,68 +132,9 @@ def _row(nominal: Responses, found: Responses, count: int) -> FidelityUncertaint
         spread("peak"),
         spread("peak_frequency"),
         spread("jump"),
+        spread("begin"),
+        spread("doubling"),
         count,
         found.failed,
         float(np.mean(found.seconds)),
     )
-
-
-def _mean_peak(
-    sampler: Sampler, found: Mapping[str, Responses], finest: str, count: int, seed: int, tell: Progress
-) -> MeanPeak | None:
-    """Mean of the finest one's peak, by a quarter of its runs and as many of cheaper models as serve it best.
-
-    Cheaper are the other fidelities, and all but the finest by a coarse sweep: correlations and costs are measured.
-    """
-    models = {name: _Model(sampler, name, known) for name, known in found.items()}
-    first = found[finest].inputs[:PILOT]
-    for name in found if len(found) > 1 and sampler.coarse is None else ():
-        if name != finest:
-            coarse = replace(sampler, coarse=Coarse())
-            models[f"{name}, coarse sweep"] = _Model(coarse, name, coarse(name, first))
-    order = [finest, *(name for name in models if name != finest)]
-    pilot = Pilot(
-        {name: models[name].known.peak[:PILOT] for name in order},
-        {name: float(np.mean(models[name].known.seconds[:PILOT])) for name in order},
-    )
-    chosen = allocation(pilot)
-    if len(chosen.names) < 2:
-        return None
-    budget = pilot.seconds[finest] * count  # no model is run for longer than the finest alone
-    counts = chosen.counts(max(PILOT, count // 4), [budget / pilot.seconds[name] for name in chosen.names])
-    runs = dict(zip(chosen.names, counts, strict=True))
-    inputs = _further(sampler, found[finest].inputs[:count], max(counts), seed)
-    tell(f"mean of the peak: {', '.join(f'{number} × {name}' for name, number in runs.items())}")
-    values = {name: models[name].peaks(inputs[:number]) for name, number in runs.items()}
-    seconds = sum(pilot.seconds[name] * number for name, number in runs.items())
-    alone = estimate(
-        Allocation((finest,), (1.0,), (1.0,), 1.0), {finest: found[finest].peak[:count]},
-        pilot.seconds[finest] * count, seed,
-    )  # fmt: skip
-    correlations = {name: pilot.correlation(name) for name in order[1:]}
-    return MeanPeak(chosen, counts, correlations, pilot.seconds, alone, estimate(chosen, values, seconds, seed))
-
-
-@dataclass(frozen=True)
-class _Model:
-    """A fidelity by one kind of sweep, and its responses to the first inputs."""
-
-    sampler: Sampler
-    fidelity: str
-    known: Responses
-
-    def peaks(self, inputs: Array) -> Array:
-        """Peaks (m,) at inputs that begin with those known."""
-        known = min(len(inputs), len(self.known.inputs))
-        known = int(np.argmin(np.append((inputs[:known] == self.known.inputs[:known]).all(axis=1), False)))
-        if known == len(inputs):
-            return self.known.peak[:known]
-        return np.concatenate([self.known.peak[:known], self.sampler(self.fidelity, inputs[known:]).peak])
-
-
-def _further(sampler: Sampler, inputs: Array, count: int, seed: int) -> Array:
-    """``count`` inputs: those given, then independent ones."""
-    missing = max(count - len(inputs), 0)
-    shares = np.random.default_rng([seed, 1]).random((missing, len(sampler.keys)))
-    further = inputs_of(sampler.case.uncertain, shares) if missing else inputs[:0]
-    return np.concatenate([inputs, further])[:count]

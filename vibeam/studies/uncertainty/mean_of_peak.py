@@ -1,0 +1,128 @@
+"""Mean of the finest fidelity's peak from few of its runs and many of cheaper models, and what that saves.
+
+Cheaper models are the other fidelities; all but the finest by a coarse sweep; and all of them in closed form, the
+finest too, which follows the finest's sweep to round-off where that is on a motion with one impact a period. Which of
+them are used, and how often, follows from correlations and costs as measured. A structure that was assembled a short
+while ago is kept: so the cost of each is taken at inputs of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.studies.uncertainty.closed_form import ClosedForm, known
+from vibeam.studies.uncertainty.multifidelity import Allocation, Estimate, Pilot, allocation, estimate
+from vibeam.studies.uncertainty.samples import Coarse, Responses, Sampler, inputs_of
+
+Array = NDArray[np.float64]
+
+Progress = Callable[[str], None]
+
+PILOT = 32  # samples from which correlations are taken
+
+EVERY = 2  # frequencies of a closed form: each so many of the sweep
+
+TIMED = 12  # further samples from which costs are taken
+
+
+@dataclass(frozen=True)
+class MeanPeak:
+    """Mean of the finest fidelity's peak: by that alone, and by several models (``chosen``) with ``counts`` of runs.
+
+    ``correlations`` with the finest, from the pilot; ``seconds``: CPU time a run, of the pilot. ``saving``: cost of the
+    finest alone over that of the several, at equal variance, as measured.
+    """
+
+    chosen: Allocation
+    counts: tuple[int, ...]
+    correlations: Mapping[str, float]
+    seconds: Mapping[str, float]
+    alone: Estimate
+    several: Estimate
+
+    @property
+    def saving(self) -> float:
+        """(error² · seconds) of the finest alone over that of the several."""
+        return self.alone.error**2 * self.alone.seconds / (self.several.error**2 * self.several.seconds)
+
+
+@dataclass(frozen=True)
+class _Model:
+    """A fidelity by one kind of solution, its responses to the first inputs, and CPU ``seconds`` of another one."""
+
+    sampler: Callable[[str, Array], Responses]
+    fidelity: str
+    known: Responses
+    seconds: float
+
+    def peaks(self, inputs: Array) -> tuple[Array, float]:
+        """Peaks (m,) at inputs that begin with those known, and the CPU time that they cost."""
+        count = min(len(inputs), len(self.known.inputs))
+        same = (inputs[:count] == self.known.inputs[:count]).all(axis=1)
+        count = int(np.argmin(np.append(same, False)))
+        if count == len(inputs):
+            return self.known.peak[:count], count * self.seconds
+        further = self.sampler(self.fidelity, inputs[count:])
+        seconds = count * self.seconds + float(further.seconds.sum())
+        return np.concatenate([self.known.peak[:count], further.peak]), seconds
+
+
+def mean_of_peak(
+    sampler: Sampler, found: Mapping[str, Responses], finest: str, count: int, seed: int, tell: Progress
+) -> MeanPeak | None:
+    """Mean of the finest one's peak, by a quarter of its runs and as many of cheaper models as serve it best.
+
+    None where no cheaper model saves any.
+    """
+    models = _models(sampler, found, finest, seed)
+    pilot = Pilot(
+        {name: each.known.peak[:PILOT] for name, each in models.items()},
+        {name: each.seconds for name, each in models.items()},
+    )
+    chosen = allocation(pilot)
+    if len(chosen.names) < 2:
+        return None
+    budget = pilot.seconds[finest] * count  # no model is run for longer than the finest alone
+    counts = chosen.counts(max(PILOT, count // 4), [budget / pilot.seconds[name] for name in chosen.names])
+    runs = dict(zip(chosen.names, counts, strict=True))
+    inputs = _further(sampler, found[finest].inputs[:count], max(counts), seed)
+    tell(f"mean of the peak: {', '.join(f'{number} × {name}' for name, number in runs.items())}")
+    several = {name: models[name].peaks(inputs[:number]) for name, number in runs.items()}
+    values, seconds = {name: peaks for name, (peaks, _) in several.items()}, sum(each for _, each in several.values())
+    alone = estimate(
+        Allocation((finest,), (1.0,), (1.0,), 1.0), {finest: found[finest].peak[:count]},
+        pilot.seconds[finest] * count, seed,
+    )  # fmt: skip
+    correlations = {name: pilot.correlation(name) for name in models if name != finest}
+    return MeanPeak(chosen, counts, correlations, pilot.seconds, alone, estimate(chosen, values, seconds, seed))
+
+
+def _models(sampler: Sampler, found: Mapping[str, Responses], finest: str, seed: int) -> dict[str, _Model]:
+    """The finest model, then the cheaper ones, by name."""
+    first = found[finest].inputs[:PILOT]
+    rng = np.random.default_rng([seed, 2])
+
+    def timed(kind: Callable[[str, Array], Responses], name: str) -> _Model:
+        apart = inputs_of(sampler.case.uncertain, rng.random((TIMED, len(sampler.keys))))
+        return _Model(kind, name, kind(name, first), float(np.mean(kind(name, apart).seconds)))
+
+    models = {
+        name: _Model(sampler, name, found[name], float(np.mean(found[name].seconds)))
+        for name in (finest, *(name for name in found if name != finest))
+    }
+    coarse = replace(sampler, coarse=Coarse())
+    models |= {f"{name}, coarse sweep": timed(coarse, name) for name in found if name != finest}
+    closed = ClosedForm(sampler.case, sampler.keys, EVERY)
+    return models | {f"{name}, closed form": timed(closed, name) for name in found if known(sampler.case, name)}
+
+
+def _further(sampler: Sampler, inputs: Array, count: int, seed: int) -> Array:
+    """``count`` inputs: those given, then independent ones."""
+    missing = max(count - len(inputs), 0)
+    shares = np.random.default_rng([seed, 1]).random((missing, len(sampler.keys)))
+    further = inputs_of(sampler.case.uncertain, shares) if missing else inputs[:0]
+    return np.concatenate([inputs, further])[:count]
