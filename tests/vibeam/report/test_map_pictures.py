@@ -121,16 +121,19 @@ def test_boundaries_over_a_level_of_the_drive_are_roots_at_that_level(drive: dic
             assert np.min(np.abs(roots(system, float(np.ravel(amplitude)[0]), omega, Kind.FOLD) - omega)) < 1e-6 * omega
 
 
-def test_boundaries_over_the_gap_are_roots_at_that_gap() -> None:
-    """A gap that was measured at the sensor is larger at the contact."""
-    rig = vibeam.load(RIG)
+@pytest.mark.parametrize("drive", [{}, {"drive": {"velocity": "8 mm/s"}}])
+def test_boundaries_over_the_gap_are_roots_at_that_gap(drive: dict[str, Any]) -> None:
+    """A gap that was measured at the sensor is larger at the contact; also where the drive falls with the frequency."""
+    rig = vibeam.load(RIG, set=drive)
     axes = [AxisPlan("stop.gap", (0.0, 5e-5, 1e-4), "m"), AxisPlan("sweep.frequency", (15.0, 16.0, 17.0), "Hz")]
-    found, _ = boundaries_of(rig, "sdof", axes, ())
+    found, why = boundaries_of(rig, "sdof", axes, ())
+    assert why == ""
     curve = next(each for each in found if each.kind is Kind.DOUBLING)
     at = len(curve.across) // 2
     gap = vibeam.load(RIG, set={"stop.gap": float(curve.upward[at])}).system("sdof").gap
     omega = 2 * np.pi * curve.across[at]
-    known = roots(replace(rig.system("sdof"), gap=gap), float(rig.amplitude_of("sdof")), omega, Kind.DOUBLING)
+    amplitude = float(np.ravel(rig.amplitude_of("sdof", np.array([omega])))[0])
+    known = roots(replace(rig.system("sdof"), gap=gap), amplitude, omega, Kind.DOUBLING)
     assert np.min(np.abs(known - omega)) < 1e-6 * omega
 
 
