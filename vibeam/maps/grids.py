@@ -20,6 +20,10 @@ SECONDS = 1.0  # of a block, about: what a run that is killed may lose
 
 PERIOD = 1.5e-6  # s that a drive period of one mode takes, about
 
+POINT, CALL, SHARE = 4e-5, 1e-3, 4  # s that a point takes beside its periods, and a call of the batch, about; ratio
+
+MOST_CARRIED = 1_000_000  # points of a block whose lines take steps together
+
 LEAST, MOST = 256, 50_000  # points of a block
 
 
@@ -56,11 +60,19 @@ def key_of(case: Case, grid: Grid) -> str:
 
 
 def lines_of_block(case: Case, grid: Grid) -> int:
-    """Number of lines of a block: those that take about ``SECONDS``, and at least one; of points of a refined grid."""
+    """Number of lines of a block: those that take about ``SECONDS``, and at least one; of points of a refined grid.
+
+    Where the state is carried, all lines of a block take a step of the last axis in one call: there are as many as
+    make the points ``SHARE`` times as long as the call.
+    """
     modes = case.fidelities[grid.fidelity].modes or 1
-    seconds = (grid.settle + grid.hold) * PERIOD * (1 + modes / 8)
+    seconds = POINT + (grid.settle + grid.hold) * PERIOD * (1 + modes / 8)
     points = min(max(SECONDS / seconds, LEAST), MOST)
-    return int(points) if grid.refine else max(1, min(int(points / prod(grid.shape)), grid.lines))
+    if grid.refine:
+        return int(points)
+    line = prod(grid.shape)
+    together = min(SHARE * CALL / seconds, MOST_CARRIED / line) if grid.ways else 1
+    return max(1, min(int(max(points / line, together)), grid.lines))
 
 
 def blocks_of(grid: Grid, size: int) -> list[Block]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
-from threading import Event
+from threading import Event, current_thread, main_thread
 from typing import TypeVar
 
 from vibeam.flight.pause import Stopped, stopping_at
@@ -20,11 +20,14 @@ def run_parallel(task: Callable[[Item, Event], Made], items: Sequence[Item], wor
     """Compute ``task(item, stop)`` for every item, one thread a core; results in the order of the items.
 
     The first failure, or Ctrl-C, sets ``stop``, waits until the running tasks have left (by raising ``Stopped``, as
-    solvers do within a fraction of a second), and is raised.
+    solvers do within a fraction of a second), and is raised. One task at a time within a thread that another call has
+    begun runs in that thread, where the signal of that call reaches it.
     """
     from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 
     stop = Event()
+    if (workers == 1 or len(items) <= 1) and current_thread() is not main_thread():
+        return [task(item, stop) for item in items]
 
     def stoppable(item: Item) -> Made:
         with stopping_at(stop):
