@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.colors import ListedColormap
 from numpy.typing import NDArray
 
 from vibeam.figures.style import COLOURS
 from vibeam.system.ended import Ended
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 RESTING = 0.999  # share of the time on the stop from which a motion has no impacts
 
@@ -45,6 +49,16 @@ def edges(centres: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.array([centres[0] - 0.5, centres[0] + 0.5])
     inner = (centres[1:] + centres[:-1]) / 2
     return np.concatenate([[2 * centres[0] - inner[0]], inner, [2 * centres[-1] - inner[-1]]])
+
+
+def draw_classes(
+    axes: Axes, across: NDArray[np.float64], upward: NDArray[np.float64], found: NDArray[np.int_]
+) -> None:  # fmt: skip
+    """Draw a cell for each point, ``found`` (upward, across), its colour by its class."""
+    axes.pcolormesh(
+        edges(across), edges(upward), found, cmap=ListedColormap(SHADES), vmin=-0.5, vmax=len(SHADES) - 0.5,
+        rasterized=True,
+    )  # fmt: skip
 
 
 def key(found: int) -> dict[str, Any]:

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import STARTS
-from vibeam.figures.motion_classes import RESTING
 from vibeam.maps.axes import shape_of
 from vibeam.maps.block import DTYPES, Block, Grid, Values
 from vibeam.maps.motions import READ, at_one_place
@@ -34,6 +33,8 @@ def label_quantities(grid: Grid) -> tuple[str, ...]:
 def labels_of(grid: Grid, values: Mapping[str, NDArray[Any]]) -> NDArray[np.int64]:
     """Labels of points (points,), by the numbers of ``label_quantities``."""
     if label_quantities(grid) == PERIODS:
+        from vibeam.figures.motion_classes import RESTING
+
         idle = (values["period"] < 0) | (values["rest"] > RESTING)
         labels = np.where(idle, NO_IMPACT, values["period"])
         return np.where(values["ended"] == Ended.COMPLETE.code, labels, FAILED + values["ended"]).astype(np.int64)

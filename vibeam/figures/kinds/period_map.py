@@ -8,11 +8,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from matplotlib.colors import ListedColormap
 from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.motion_classes import SHADES, classes, edges
+from vibeam.figures.motion_classes import classes, draw_classes
 from vibeam.figures.motion_classes import key as key_of
 from vibeam.figures.panels import across_frequency
 from vibeam.figures.sheet import Sheet
@@ -66,8 +65,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
         across = branches[0][direction].frequency[order] * units.frequency_factor
         cells = np.array([classes_of(each[direction])[order] for each in branches])
         seen |= set(cells.ravel().tolist())
-        colours = ListedColormap(SHADES)
-        axes.pcolormesh(edges(across), edges(up), cells, cmap=colours, vmin=-0.5, vmax=len(SHADES) - 0.5)
+        draw_classes(axes, across, up, cells)
         axes.set_title(f"sweep {direction}")
         across_frequency(axes, units)
     if values is None:

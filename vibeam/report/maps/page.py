@@ -21,7 +21,7 @@ CAPTIONS = {
     "period": "period of the motion",
     "bifurcation": "bifurcation diagram: output at the end of each drive period",
     "basins": "coexisting motions",
-    "spectra": "spectra along the axis",
+    "spectra": "spectra along one axis",
 }
 
 HOMES = {
@@ -57,7 +57,8 @@ def _figure(result: MapResult, exact: bool, notes: list[str]) -> Figure:
     figure = blank_page(module.size_of(result), result.case.figure)
     handles, said = getattr(module, name)(figure, result, exact)
     notes += said
-    titled(figure, result.case.figure, result.case.title, _caption(result))
+    caption = "\n".join([_caption(result), *(said if result.plan.picture == "spectra" else ())])
+    titled(figure, result.case.figure, result.case.title, caption)
     legend(figure, handles, [str(each.get_label()) for each in handles])
     return figure
 

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import ListedColormap, Normalize, TwoSlopeNorm
+from matplotlib.colors import Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from vibeam.figures.motion_classes import SHADES, classes, edges, key
+from vibeam.figures.motion_classes import classes, draw_classes, edges, key
 from vibeam.figures.page import PAGE, plain
 from vibeam.report.maps.axes import Panel, ShownAxis, cells, panels, quantity_label, shown_axis
 from vibeam.report.maps.boundaries import boundaries_of
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from vibeam.maps.run import MapResult
 
 Handles = list[Any]
+
+HALO = withStroke(linewidth=2.2, foreground="white", alpha=0.8)  # a boundary is seen over cells of its colour too
 
 
 def size_of(result: MapResult) -> tuple[float, float]:
@@ -41,10 +44,7 @@ def period(figure: Figure, result: MapResult, exact: bool) -> tuple[Handles, lis
         response = result[panel.fidelity]
         found = cells(classes(*(panel.of(response, name) for name in ("period", "rest", "ended"))))
         seen.update(np.unique(found).tolist())
-        axes.pcolormesh(
-            edges(across), edges(upward), found, cmap=ListedColormap(SHADES), vmin=-0.5, vmax=len(SHADES) - 0.5,
-            rasterized=True,
-        )  # fmt: skip
+        draw_classes(axes, across, upward, found)
 
     drawn, notes = _plane(figure, result, draw, exact)
     marks = [Line2D([], [], **key(each)) for each in sorted(seen)]
@@ -116,7 +116,10 @@ def _overlay(
     found, why = boundaries_of(result.case, panel.fidelity, result.plan.axes, panel.outer)
     limits = axes.get_xlim(), axes.get_ylim()
     for each in found:
-        axes.plot(each.across * across.factor, each.upward * upward.factor, linewidth=1.0, **LOOKS[each.kind])
+        axes.plot(
+            each.across * across.factor, each.upward * upward.factor, linewidth=1.0, path_effects=[HALO],
+            **LOOKS[each.kind],
+        )  # fmt: skip
         lines.setdefault(
             each.kind, Line2D([], [], linewidth=1.0, label=f"exact: {NAMES[each.kind]}", **LOOKS[each.kind])
         )
