@@ -24,46 +24,22 @@ from numpy.typing import NDArray
 from vibeam.flight.kernels.layout import BEFORE, CHATTER, DURATION, END, REMAINDER, RESTING, START, WHAT
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.flight.rebound import rebound
+from vibeam.observe.motion import Path
 
 if TYPE_CHECKING:
     from vibeam.flight.event_driven import Segments
-    from vibeam.system.impact_system import Drive, ImpactSystem
 
 Array = NDArray[np.float64]
 
 PLACES = 512  # at which the force is read off over a rest
 
 
-class ExactMotion(Protocol):
-    """What the bound needs of a trajectory."""
-
-    @property
-    def system(self) -> ImpactSystem:
-        """Whose motion it is."""
-        ...
-
-    @property
-    def drive(self) -> Drive:
-        """Under which."""
-        ...
-
-    @property
-    def t_start(self) -> float:
-        """Its first time, s."""
-        ...
-
-    @property
-    def t_end(self) -> float:
-        """Its last time, s."""
-        ...
+class ExactMotion(Path, Protocol):
+    """A motion whose flights and rests are known."""
 
     @property
     def segments(self) -> Segments:
         """Flights and rests, one after another."""
-        ...
-
-    def modes_at(self, t: Array) -> Array:
-        """Modal displacements and velocities (m, 2, n) at times t (m,)."""
         ...
 
 
