@@ -2,7 +2,8 @@
 
 Such a motion has no amplitude of its own: it goes on for some more readings of the hold's length, and what stands for
 it is their mean with its standard error. One that has settled by then was slow, no more. Of the others the sign of the
-largest Lyapunov exponent says whether they are chaotic.
+largest Lyapunov exponent says whether they are chaotic. One mode that rests on the stop is not: the rest leaves nothing
+of a disturbance, so that the motion repeats in the end, however seldom it rests.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ Array = NDArray[np.float64]
 READINGS = 8  # of a motion that does not repeat, the sweep's own among them
 
 # drive periods of the mean of an exponent, and standard errors by which it must differ from 0: more periods where it
-# does not
+# does not. One mode begins with the second stage: a rest, which decides, may be seldom.
 STAGES = ((60, 4.0), (200, 2.0), (1000, 2.0))
 
 Place = tuple[int, int, int]  # way, row, column
@@ -63,6 +64,7 @@ class _Plane:
         self.kind: NDArray[np.int64] = np.array(found["period"], dtype=np.int64)
         self.kind[np.array(found["ended"]) != Ended.COMPLETE.code] = FAILED
         self.error, self.exponent = np.zeros(self.value.shape), np.full(self.value.shape, np.nan)
+        self.one_mode = points.systems[0].size == 1
         self._slowest = float(points.omega.min())
         self._solvers: dict[tuple[int, float, float | None], Any] = {}
 
@@ -71,7 +73,10 @@ class _Plane:
         for at in self._irregular():
             pause()
             self._read(at)
-        left = [at for at in self._irregular() if not tangent_fault(self._solver(at).system)]
+        left = [
+            at for at in self._irregular()
+            if np.isnan(self.exponent[at]) and not tangent_fault(self._solver(at).system)
+        ]  # fmt: skip
         if left:
             self._judge(left)
 
@@ -105,10 +110,12 @@ class _Plane:
         settled = self.kind[at] != IRREGULAR
         self.value[at] = taken[-1] if settled else taken.mean()
         self.error[at] = 0.0 if settled else taken.std(ddof=1) / np.sqrt(READINGS)
+        if not settled and self.one_mode and np.any(response.rest > 0):
+            self.exponent[at] = -np.inf
 
     def _judge(self, places: list[Place]) -> None:
         """Tell chaos from other motions that do not repeat, by the sign of the largest Lyapunov exponent."""
-        for periods, margin in STAGES:
+        for periods, margin in STAGES[self.one_mode :]:
             solvers = [self._solver(at) for at in places]
             plain = all(isinstance(each, EventDrivenSolver) for each in solvers)
             found = largest_exponents(
