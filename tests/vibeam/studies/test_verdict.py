@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,9 @@ from typer.testing import CliRunner
 
 import vibeam
 from vibeam.cli.main import app
-from vibeam.orbits.largest_exponents import largest_exponents
-from vibeam.studies.verdict import judgement
+from vibeam.maps.points import GridPoints
+from vibeam.orbits.largest_exponents import LargestExponents, largest_exponents
+from vibeam.studies.verdict import irregular, judgement
 from vibeam.studies.verdict.boundaries import joined
 from vibeam.studies.verdict.motions import CHAOTIC, IRREGULAR, NO_CONTACT, Motions
 from vibeam.studies.verdict.rows import control_variate_gain, correlation
@@ -124,6 +126,28 @@ def test_chaos_is_told_by_the_sign_of_the_exponent() -> None:
     assert np.all(beam.exponent[beam.kind == CHAOTIC] > 0)
     assert np.all(beam.error[beam.kind == CHAOTIC] > 0)
     assert np.all(np.isnan(beam.exponent[beam.kind > 0]))
+
+
+@pytest.mark.parametrize(("modes", "rest", "kind"), [(1, 0.1, IRREGULAR), (1, 0.0, CHAOTIC), (2, 0.1, CHAOTIC)])
+def test_one_mode_that_rests_is_not_chaotic(
+    monkeypatch: pytest.MonkeyPatch, case: vibeam.Case, modes: int, rest: float, kind: int
+) -> None:
+    """A rest takes both directions of a disturbance of one mode, and two of four of two modes."""
+    system = case.system("sdof" if modes == 1 else "two_modes")
+    period = np.zeros(7, dtype=int)
+    read = SimpleNamespace(ended=period, amplitude=np.arange(7.0), rest=np.full(7, rest), period=period)
+    after = SimpleNamespace(displacement=np.zeros(modes), velocity=np.zeros(modes), resting=False)
+    solver = SimpleNamespace(system=system, steady=lambda *_: (read, after))
+    monkeypatch.setattr(irregular, "exact_solver", lambda *_: solver)
+    positive = LargestExponents(np.array([1.0]), np.array([0.1]))
+    monkeypatch.setattr(irregular, "largest_exponents", lambda *_: positive)
+    one, blank = np.ones((1, 1)), np.zeros((1, 1, 1))
+    points = GridPoints((system,), np.zeros((1, 1), dtype=int), one, one, one, None, {})
+    found = dict.fromkeys(("amplitude", "period", "ended", "resting", "cpu_seconds"), blank)
+    judged = irregular.judged(case.sweep, points, found | {"state": np.zeros((1, 1, 1, 2 * modes))}, "amplitude")
+    assert judged["kind"].item() == kind
+    assert judged["exponent"].item() == (-np.inf if kind == IRREGULAR else 1.0)
+    assert judged["value"].item() == np.mean([0.0, *range(7)])
 
 
 def test_places_between_are_as_the_map_says_and_a_wrong_map_is_found_out(case: vibeam.Case) -> None:
