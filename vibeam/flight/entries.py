@@ -45,9 +45,22 @@ regimes_cover = Entry("regimes", f"{KERNELS}.regimes.cover", "cover")
 
 run_points = Entry("points", "vibeam.flight.points.kernels.entry", "run")
 
+carry_disturbances = Entry("tangents", "vibeam.flight.points.tangents.entry", "carry")
+
 march = Entry("moreau", f"{KERNELS}.moreau", "march")
 
-ENTRIES = (tabulate, move, poses_at, cover, regimes_move, regimes_poses_at, regimes_cover, run_points, march)
+ENTRIES = (
+    tabulate,
+    move,
+    poses_at,
+    cover,
+    regimes_move,
+    regimes_poses_at,
+    regimes_cover,
+    run_points,
+    carry_disturbances,
+    march,
+)
 
 
 def origin() -> str:

@@ -132,3 +132,29 @@ def test_an_interrupt_ends_a_batch_soon() -> None:
         assert time.perf_counter() - begun < 10  # a second on a machine that is not busy
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.parametrize(
+    ("system", "omega", "amplitude", "output"),
+    [
+        (replace(ONE, gap=0.02, restitution=0.9, outputs={"twice": [2.0]}), np.linspace(0.4, 3.3, 60), 0.05, "twice"),
+        (replace(ONE, gap=-0.06, restitution=0.6), np.linspace(0.5, 2.5, 30), 0.05, "contact"),
+        (BEAM, np.linspace(40.0, 140.0, 20), 1e-4, "sensor"),
+        (EIGHT, np.linspace(60.0, 130.0, 4), 1e-4, "contact"),
+    ],
+    ids=["one mode", "rests", "three modes", "eight modes"],
+)
+@pytest.mark.parametrize("hold", [1, 17])
+def test_motions_that_do_not_repeat_yet_are_read_off_as_alone(
+    system: vibeam.ImpactSystem, omega: np.ndarray, amplitude: float, output: str, hold: int
+) -> None:
+    """From the first periods on, before chaos has told them apart: extremes and energies of every flight differ."""
+    found, alone = (
+        vibeam.batch(system, omega, amplitude, settle=1, hold=hold, output=output, strobes=1, lanes=lanes)
+        for lanes in (True, False)
+    )
+    assert np.array_equal(found.impacts, alone.impacts)
+    assert np.count_nonzero(found.period == 0) > len(omega) // 4
+    for name in READ:
+        assert np.allclose(getattr(found, name), getattr(alone, name), rtol=1e-8, atol=1e-13, equal_nan=True), name
+    assert np.allclose(found.mode_energy, alone.mode_energy, rtol=1e-8)

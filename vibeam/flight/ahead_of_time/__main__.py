@@ -24,7 +24,7 @@ from typing import Any
 from vibeam.flight.ahead_of_time import link
 from vibeam.flight.libraries.manifest import FOLDER, manifest
 
-GROUPS = ("points", "regimes", "flight", "moreau")  # the longest first
+GROUPS = ("points", "regimes", "flight", "tangents", "moreau")  # the longest first
 
 SETTINGS = {
     "VIBEAM_KERNELS": "numba",

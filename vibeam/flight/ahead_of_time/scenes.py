@@ -8,6 +8,7 @@ import numpy as np
 
 from vibeam.flight.entries import march
 from vibeam.flight.kernels.moreau_layout import ROWS
+from vibeam.flight.points.disturbances import carry
 from vibeam.flight.points.points import PlainPoints, Settings, compute
 from vibeam.flight.trajectory import simulate
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -37,6 +38,13 @@ def fly_side_by_side() -> None:
     compute(points, Settings(settle=1, hold=1, output="contact", strobes=0, elastic=False, most_modes=2))
 
 
+def disturb() -> None:
+    """Disturbances of a batch's points."""
+    one = np.ones(1)
+    points = PlainPoints([PLAIN], np.zeros(1, dtype=np.int64), DRIVE.omega * one, DRIVE.amplitude * one, one, 0.7 * one)
+    carry(points, False, np.ones(1, dtype=np.int64), np.ones((1, 1, 2, 2)), single=True)
+
+
 def step() -> None:
     """No step of Moreau–Jean time stepping."""
     march(
@@ -49,5 +57,6 @@ SCENES = {  # by group: the libraries and what calls all of their entry points
     "flight": (("tables", "flight", "certificate"), (fly,)),
     "regimes": (("regimes",), (fly_in_regimes,)),
     "points": (("points",), (fly_side_by_side,)),
+    "tangents": (("tangents",), (disturb,)),
     "moreau": (("moreau",), (step,)),
 }

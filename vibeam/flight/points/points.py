@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -109,16 +109,18 @@ Packed = tuple[PackedSystem, Engine]
 
 def compute(points: PlainPoints, settings: Settings) -> list[tuple[NDArray[np.int64], PlainResults]]:
     """Settle and watch every point: those that are packed alike, by their numbers, and what they came to."""
+    return [(which, _run(points.of(which), made, settings)) for which, made in packed_alike(points, settings)]
+
+
+def packed_alike(points: PlainPoints, settings: Settings) -> Iterator[tuple[NDArray[np.int64], list[Packed]]]:
+    """Points that are packed alike, by their numbers, and their systems packed."""
     slowest = float(points.omega.min())
     made = [packed(system, slowest, settings.elastic, settings.output) for system in points.systems]
     kinds = [(engine.cells.size, _output(packing, settings).tobytes()) for packing, engine in made]
     kind = np.array([kinds.index(each) for each in kinds])[points.system]
-    found = []
     for each in np.unique(kind):
         which = np.flatnonzero(kind == each)
-        alike = [made[i] for i in np.unique(points.system[which])]
-        found.append((which, _run(points.of(which), alike, settings)))
-    return found
+        yield which, [made[i] for i in np.unique(points.system[which])]
 
 
 def _output(packing: PackedSystem, settings: Settings) -> Array:
@@ -127,8 +129,8 @@ def _output(packing: PackedSystem, settings: Settings) -> Array:
 
 
 def _run(points: PlainPoints, made: list[Packed], settings: Settings) -> PlainResults:
-    begun, task = time.thread_time(), _task(points, made, settings)
-    lane, room = _lane(task), _room(made[0][0], settings)
+    begun, task = time.thread_time(), task_of(points, made, settings)
+    lane, room = _lane(task), room_of(made[0][0], settings)
     outcome, first = PAUSED, 0
     while outcome == PAUSED:
         pause()
@@ -138,7 +140,8 @@ def _run(points: PlainPoints, made: list[Packed], settings: Settings) -> PlainRe
     return _results(points, made, task, settings.hold, time.thread_time() - begun)
 
 
-def _task(points: PlainPoints, made: list[Packed], settings: Settings) -> row.Task:
+def task_of(points: PlainPoints, made: list[Packed], settings: Settings) -> row.Task:
+    """The arrays of the points, as the kernels take them."""
     m, n, blocks = len(points.omega), points.systems[0].size, made[0][1].rest.blocks.shape[1]
     at, constants, offsets = np.zeros((m, n)), np.zeros((m, 2, blocks)), np.zeros((m, 2))
     poses, kinds = np.zeros((m, 2, n)), np.zeros(m)
@@ -168,10 +171,12 @@ def _lane(task: row.Task) -> row.Lane:
         np.zeros(row.COMMON_ROWS * width), np.zeros(n * row.MODAL_ROWS * width), blank(task.packs, width),
         np.zeros((width, 2, n)), np.zeros((width, STATUS_ROWS)), np.zeros((width, COUNT_ROWS), dtype=np.int64),
         whole, np.zeros((width, row.ALONE_ROWS)), np.zeros(row.MARK + n),
+        np.zeros((row.FLIGHT_COMMON + n * row.FLIGHT_ROWS) * width),
     )  # fmt: skip
 
 
-def _room(made: PackedSystem, settings: Settings) -> Watch:
+def room_of(made: PackedSystem, settings: Settings) -> Watch:
+    """What a point is watched with."""
     n, hold = made.system.size, settings.hold
     return Watch(
         _output(made, settings), np.zeros((0, TRACE_COLUMNS)),

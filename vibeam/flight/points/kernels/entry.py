@@ -8,7 +8,7 @@ from vibeam.flight.kernels.layout import COMPLETE, IMPACTS, OMEGA, PANELS, PAUSE
 from vibeam.flight.points.kernels import layout as row
 from vibeam.flight.points.kernels.compiler import entry
 from vibeam.flight.points.kernels.landing import find_roots, recur, strike
-from vibeam.flight.points.kernels.layout import WIDTH, Lane, Task
+from vibeam.flight.points.kernels.layout import WIDTH, Lane, Rows, Task
 from vibeam.flight.points.kernels.point import engine_of, go_alone, join, keep, leave, take_point
 from vibeam.flight.points.kernels.walk import launch, walk
 from vibeam.flight.points.kernels.watch import watched_point
@@ -29,6 +29,7 @@ def run(
     """
     schedule = Schedule(settle, hold, limit, longest, piece_of(lane.poses[0]), WATCHING)
     point, points, work = first, task.pack.shape[0], 0
+    rows = Rows(lane.common, lane.modal, lane.desks.levels, lane.desks.rungs)
     while True:
         flying = 0
         for slot in range(WIDTH):
@@ -51,7 +52,10 @@ def run(
                 else:
                     pose, status = lane.poses[slot], lane.status[slot]
                     if whole[row.ELIGIBLE] > 0:
-                        outcome, period = watched_point(desk, pose, status, schedule, room, counts, lane.marks)
+                        outcome, period = watched_point(
+                            desk, pose, status, schedule, room, counts, lane.marks, lane.flights,
+                            whole[row.RECURS] > 0,
+                        )  # fmt: skip
                     else:
                         outcome, period = steady_point(desk, desk.pairs[OMEGA], pose, status, schedule, room, counts)
                     if outcome == COMPLETE:
@@ -67,15 +71,17 @@ def run(
                 flying |= 1 << slot
         if flying == 0:
             return COMPLETE, point
-        struck, rounds = flying, 0
+        struck, rounds, came_back = flying, 0, 0
         while struck == flying and rounds < ROUNDS:
-            lost = launch(lane, flying)
-            landed = walk(lane, flying & ~lost)
-            struck = strike(lane, find_roots(lane, landed))
-            recur(lane, struck)
+            lost = launch(rows, flying)
+            landed = walk(rows, flying & ~lost)
+            struck = strike(rows, find_roots(rows, landed))
+            came_back |= recur(rows, struck)
             rounds += 1
         work += 16 * rounds
         for slot in range(WIDTH):
+            if (came_back >> slot) & 1:
+                lane.whole[slot, row.RECURS] = 1
             if (flying >> slot) & 1 and not (struck >> slot) & 1:
                 leave(lane, slot, engine_of(lane.desks, slot))
         if work > BUDGET:

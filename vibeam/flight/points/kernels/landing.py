@@ -16,7 +16,7 @@ from vibeam.flight.kernels.lanes.simd import Lanes, eight, every, larger, load, 
 from vibeam.flight.kernels.roots.newton import EPSILON
 from vibeam.flight.kernels.thresholds import REDUCED
 from vibeam.flight.points.kernels import layout as row
-from vibeam.flight.points.kernels.layout import Lane
+from vibeam.flight.points.kernels.layout import Rows
 from vibeam.flight.points.kernels.masks import at_most, below, equal, pick, quotient
 from vibeam.flight.points.kernels.tables import modes_of
 from vibeam.flight.points.kernels.walk import blend, get, mode, put
@@ -89,10 +89,10 @@ def nearest(f: Quartic, least: Lanes, like: Lanes) -> tuple[Lanes, int]:
 
 
 @kernel
-def find_roots(lane: Lane, wanted: int) -> int:
+def find_roots(rows: Rows, wanted: int) -> int:
     """The lanes whose root is found; TIME, phase, VALUE, SLOPE and LAND_X, LAND_Y receive what is there."""
-    common, modal, like = lane.common, lane.modal, eight()
-    n, nought = modes_of(lane), every(0.0, like)
+    common, modal, like = rows.common, rows.modal, eight()
+    n, nought = modes_of(rows), every(0.0, like)
     clock, const, w = get(common, row.CLOCK, like), get(common, row.CONST, like), get(common, row.OMEGA, like)
     re, im = get(common, row.PHASOR_RE, like), get(common, row.PHASOR_IM, like)
     fifth, w2 = get(common, row.FIFTH, like), w * w
@@ -168,10 +168,10 @@ def find_roots(lane: Lane, wanted: int) -> int:
 
 
 @kernel
-def strike(lane: Lane, landed: int) -> int:
+def strike(rows: Rows, landed: int) -> int:
     """The impacts of the lanes that landed within their time and whose rebound is no end of a chatter: those lanes."""
-    common, modal, like = lane.common, lane.modal, eight()
-    n, nought = modes_of(lane), every(0.0, like)
+    common, modal, like = rows.common, rows.modal, eight()
+    n, nought = modes_of(rows), every(0.0, like)
     w, clock, time = get(common, row.OMEGA, like), get(common, row.CLOCK, like), get(common, row.TIME, like)
     span = smaller(get(common, row.LEFT, like) * get(common, row.PERIOD, like) - clock, get(common, row.LONGEST, like))
     restitution, value = get(common, row.RESTITUTION, like), get(common, row.VALUE, like)
@@ -212,14 +212,14 @@ def strike(lane: Lane, landed: int) -> int:
 
 
 @kernel
-def recur(lane: Lane, struck: int) -> int:
+def recur(rows: Rows, struck: int) -> int:
     """Lanes whose motion has come back to the very bits of an earlier impact go on by whole rounds of it at once.
 
     The motion after an impact is a function of the numbers compared here: where they are the same, so is all that
     follows (cycle detection by Brent 1980: the state compared to is renewed after 1, 2, 4, 8 … impacts).
     """
-    common, modal, like = lane.common, lane.modal, eight()
-    n = modes_of(lane)
+    common, modal, like = rows.common, rows.modal, eight()
+    n = modes_of(rows)
     same = struck & equal(get(common, row.CLOCK, like), get(common, row.SAME_CLOCK, like))
     if same:
         same &= equal(get(common, row.SPEED, like), get(common, row.SAME_SPEED, like))

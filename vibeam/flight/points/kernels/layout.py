@@ -62,10 +62,11 @@ MODAL_ROWS = 39
 EMPTY, FLYING, ALONE, SETTLED = range(4)
 
 # integers of a lane: its phase, its point, the packed system that its engine holds, whether its point may fly side by
-# side with others, impacts that it goes alone when it does, impacts when it was entered, whether it is paused alone
-PHASE, POINT, PACK, ELIGIBLE, STAY, ENTERED, PAUSED_ALONE = range(7)
+# side with others, impacts that it goes alone when it does, impacts when it was entered, whether it is paused alone,
+# whether its motion has come back to the bits of an earlier impact
+PHASE, POINT, PACK, ELIGIBLE, STAY, ENTERED, PAUSED_ALONE, RECURS = range(8)
 
-LANE_ROWS = 7
+LANE_ROWS = 8
 
 # numbers of a lane that is alone: span, impacts at which it ends, clock and periods left at its start, periods in it
 SPAN, UPTO, BEGAN, TURNS = range(4)
@@ -74,8 +75,27 @@ ALONE_ROWS = 4
 
 
 # mark (MARK + n,): the period it was set at, the largest velocity, free or resting, impacts in the hold, sum of their
-# velocities, time at rest, impacts in all; then the modes' energies
-PLACE, TOP, STATE, HITS, SUM, RESTED, ALL, MARK = range(8)
+# velocities, time at rest, impacts in all; the first row of the trace that is of the period watched, −1: that is no
+# longer there; then the modes' energies
+PLACE, TOP, STATE, HITS, SUM, RESTED, ALL, FROM, MARK = range(9)
+
+
+# flights of one point side by side, to be read off: time in the drive's period at their start, duration, a sum, two
+# rows of room; then for each mode the free motion at the start, at the node and the trial end, two sides
+FLIGHT_CLOCK, FLIGHT_SPAN, FLIGHT_SUM, FLIGHT_ROOM, FLIGHT_COMMON = 0, 1, 2, 3, 5
+
+FLIGHT_U, FLIGHT_V, FLIGHT_X, FLIGHT_Y = 0, 1, 2, 3  # + 2 for the other side
+
+FLIGHT_ROWS = 6
+
+
+class Rows(NamedTuple):
+    """What flights side by side work on: a call passes every array's every length, so as few as can be."""
+
+    common: Array
+    modal: Array
+    levels: Array  # (WIDTH, LEVEL_ROWS, LEVELS)
+    rungs: Array  # (WIDTH, …)
 
 
 class Lane(NamedTuple):
@@ -90,6 +110,7 @@ class Lane(NamedTuple):
     whole: NDArray[np.int64]  # (WIDTH, LANE_ROWS)
     alone: Array  # (WIDTH, ALONE_ROWS)
     marks: Array  # (MARK + n,): see ``watch``; of one lane at a time, as there is one ``Watch``
+    flights: Array  # ((FLIGHT_COMMON + n * FLIGHT_ROWS) * WIDTH,) of one lane at a time
 
 
 class Task(NamedTuple):

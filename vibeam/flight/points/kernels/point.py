@@ -135,12 +135,8 @@ def engine_of(desks: Engine, slot: int) -> Engine:
 
 
 @kernel
-def take_point(task: Task, lane: Lane, slot: int, point: int, schedule: Schedule, most_modes: int) -> None:
-    """The lane takes on a point, to go alone first."""
-    desk, whole = engine_of(lane.desks, slot), lane.whole[slot]
-    if whole[row.PACK] != task.pack[point]:
-        whole[row.PACK] = task.pack[point]
-        fill_engine(desk, engine_of(task.packs, task.pack[point]))
+def set_point(task: Task, desk: Engine, point: int) -> None:
+    """The engine of a packed system as that of one of its points."""
     drive, rest = desk.drive, desk.rest
     drive[GAP], drive[RESTITUTION] = task.drives[point, 2], task.drives[point, 3]
     fill(rest.held, task.held[point])
@@ -150,6 +146,16 @@ def take_point(task: Task, lane: Lane, slot: int, point: int, schedule: Schedule
     rest.signals[FORCE_SIGNAL, last] = task.offsets[point, 0]
     rest.signals[OUTPUT_SIGNAL, last] = task.offsets[point, 1]
     set_drive(desk, task.drives[point, 0], task.drives[point, 1])
+
+
+@kernel
+def take_point(task: Task, lane: Lane, slot: int, point: int, schedule: Schedule, most_modes: int) -> None:
+    """The lane takes on a point, to go alone first."""
+    desk, whole = engine_of(lane.desks, slot), lane.whole[slot]
+    if whole[row.PACK] != task.pack[point]:
+        whole[row.PACK] = task.pack[point]
+        fill_engine(desk, engine_of(task.packs, task.pack[point]))
+    set_point(task, desk, point)
     copy_pose(task.poses[point], lane.poses[slot])
     status, counts = lane.status[slot], lane.counts[slot]
     for i in range(status.shape[0]):
@@ -158,6 +164,7 @@ def take_point(task: Task, lane: Lane, slot: int, point: int, schedule: Schedule
     for i in range(counts.shape[0]):
         counts[i] = 0
     whole[row.POINT], whole[row.STAY], whole[row.ENTERED], whole[row.PAUSED_ALONE] = point, SHORT, 0, 0
+    whole[row.RECURS] = 0
     whole[row.ELIGIBLE] = 1 if schedule.settle > 0 and is_eligible(desk, most_modes) else 0
     whole[row.PHASE] = row.SETTLED
     if whole[row.ELIGIBLE] > 0:

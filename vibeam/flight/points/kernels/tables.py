@@ -14,13 +14,13 @@ from vibeam.flight.kernels.layout import (
     TURN_RE,
 )
 from vibeam.flight.points.kernels import layout as row
-from vibeam.flight.points.kernels.layout import MODAL_ROWS, WIDTH, Lane
+from vibeam.flight.points.kernels.layout import MODAL_ROWS, WIDTH, Lane, Rows
 
 
 @joined
-def modes_of(lane: Lane) -> int:
+def modes_of(rows: Rows) -> int:
     """Number of modes."""
-    return int(lane.modal.shape[0] // (MODAL_ROWS * WIDTH))
+    return int(rows.modal.shape[0] // (MODAL_ROWS * WIDTH))
 
 
 @joined
@@ -36,51 +36,51 @@ def block_width(n: int) -> int:
 
 
 @kernel
-def take_panel(lane: Lane, slot: int, level: int) -> None:
+def take_panel(rows: Rows, slot: int, level: int) -> None:
     """The lane walks on in panels of that level."""
-    common, modal, desks = lane.common, lane.modal, lane.desks
-    n = modes_of(lane)
+    common, modal, levels, rungs = rows
+    n = modes_of(rows)
     side = block_width(n)
     blocks = (n + side - 1) // side
     common[row.LEVEL * WIDTH + slot] = level
-    common[row.STEP * WIDTH + slot] = desks.levels[slot, STEP, level]
-    common[row.TURN_RE * WIDTH + slot] = desks.levels[slot, TURN_RE, level]
-    common[row.TURN_IM * WIDTH + slot] = desks.levels[slot, TURN_IM, level]
+    common[row.STEP * WIDTH + slot] = levels[slot, STEP, level]
+    common[row.TURN_RE * WIDTH + slot] = levels[slot, TURN_RE, level]
+    common[row.TURN_IM * WIDTH + slot] = levels[slot, TURN_IM, level]
     for k in range(n):
         at = (level * blocks + k // side) * cells.RUNG_ROWS * side + k % side
         for j in range(4):
-            modal[place(k, row.P00 + j, slot)] = desks.rungs[slot, at + (cells.P00 + j) * side]
-        modal[place(k, row.LOW, slot)] = desks.rungs[slot, at + cells.LOW * side]
-        modal[place(k, row.MISSED, slot)] = desks.rungs[slot, at + cells.MISSED * side]
+            modal[place(k, row.P00 + j, slot)] = rungs[slot, at + (cells.P00 + j) * side]
+        modal[place(k, row.LOW, slot)] = rungs[slot, at + cells.LOW * side]
+        modal[place(k, row.MISSED, slot)] = rungs[slot, at + cells.MISSED * side]
 
 
 @kernel
-def take_first_panel(lane: Lane, slot: int, level: int) -> None:
+def take_first_panel(rows: Rows, slot: int, level: int) -> None:
     """The lane tries first panels of that level."""
-    common, modal, desks = lane.common, lane.modal, lane.desks
-    n = modes_of(lane)
+    common, modal, levels, rungs = rows
+    n = modes_of(rows)
     side = block_width(n)
     blocks = (n + side - 1) // side
     common[row.LEVEL_1 * WIDTH + slot] = level
-    common[row.STEP_1 * WIDTH + slot] = desks.levels[slot, STEP, level]
-    common[row.TURN_RE_1 * WIDTH + slot] = desks.levels[slot, TURN_RE, level]
-    common[row.TURN_IM_1 * WIDTH + slot] = desks.levels[slot, TURN_IM, level]
-    common[row.SECOND_RE * WIDTH + slot] = desks.levels[slot, SECOND_RE, level]
-    common[row.SECOND_IM * WIDTH + slot] = desks.levels[slot, SECOND_IM, level]
-    common[row.FIRST_RE * WIDTH + slot] = desks.levels[slot, FIRST_RE, level]
-    common[row.FIRST_IM * WIDTH + slot] = desks.levels[slot, FIRST_IM, level]
+    common[row.STEP_1 * WIDTH + slot] = levels[slot, STEP, level]
+    common[row.TURN_RE_1 * WIDTH + slot] = levels[slot, TURN_RE, level]
+    common[row.TURN_IM_1 * WIDTH + slot] = levels[slot, TURN_IM, level]
+    common[row.SECOND_RE * WIDTH + slot] = levels[slot, SECOND_RE, level]
+    common[row.SECOND_IM * WIDTH + slot] = levels[slot, SECOND_IM, level]
+    common[row.FIRST_RE * WIDTH + slot] = levels[slot, FIRST_RE, level]
+    common[row.FIRST_IM * WIDTH + slot] = levels[slot, FIRST_IM, level]
     for k in range(n):
         at = (level * blocks + k // side) * cells.RUNG_ROWS * side + k % side
         for j in range(4):
-            modal[place(k, row.D0 + j, slot)] = desks.rungs[slot, at + (cells.D0 + j) * side]
-        modal[place(k, row.LOW_1, slot)] = desks.rungs[slot, at + cells.LOW * side]
-        modal[place(k, row.MISSED_1, slot)] = desks.rungs[slot, at + cells.MISSED_FIRST * side]
+            modal[place(k, row.D0 + j, slot)] = rungs[slot, at + (cells.D0 + j) * side]
+        modal[place(k, row.LOW_1, slot)] = rungs[slot, at + cells.LOW * side]
+        modal[place(k, row.MISSED_1, slot)] = rungs[slot, at + cells.MISSED_FIRST * side]
 
 
 @kernel
 def take_constants(lane: Lane, slot: int) -> None:
     """The lane's rows of its modes' constants, from its engine's ``cells``."""
-    n, modal, source = modes_of(lane), lane.modal, lane.desks.cells
+    n, modal, source = lane.poses.shape[2], lane.modal, lane.desks.cells
     side = block_width(n)
     for k in range(n):
         at = (k // side) * cells.CELL_ROWS * side + k % side

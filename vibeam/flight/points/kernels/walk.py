@@ -16,7 +16,7 @@ from vibeam.flight.kernels.layout import LEVELS, STEP
 from vibeam.flight.kernels.roots.bounds import SLOPE, THIRD, VALUE
 from vibeam.flight.kernels.roots.newton import EPSILON
 from vibeam.flight.points.kernels import layout as row
-from vibeam.flight.points.kernels.layout import MODAL_ROWS, WIDTH, Lane
+from vibeam.flight.points.kernels.layout import MODAL_ROWS, WIDTH, Rows
 from vibeam.flight.points.kernels.masks import below, equal, lowest, pick, quotient
 from vibeam.flight.points.kernels.tables import modes_of, take_first_panel, take_panel
 
@@ -55,17 +55,17 @@ def mode(k: int, which: int) -> int:
 
 
 @kernel
-def try_first_panels(lane: Lane) -> tuple[int, int, int]:
+def try_first_panels(rows: Rows) -> tuple[int, int, int]:
     """Lanes whose first panel after an impact is clear, those for which it is to be halved, and those far from both.
 
     By the quotient p = g/t: see ``lanes.panels.first_panel``. X2, Y2, E2 receive the pairs at its end.
     """
-    common, modal, like = lane.common, lane.modal, eight()
+    common, modal, like = rows.common, rows.modal, eight()
     w, zr, zi = get(common, row.OMEGA, like), get(common, row.P0, like), get(common, row.S0, like)
     h, rise = get(common, row.STEP_1, like), get(common, row.RISE, like)
     nought = every(0.0, like)
     hidden, second, whole, gamma, delta, missed = nought, nought, nought, nought, nought, nought
-    for k in range(modes_of(lane)):
+    for k in range(modes_of(rows)):
         x, y = load(modal, mode(k, row.START_X), like), load(modal, mode(k, row.START_Y), like)
         low = load(modal, mode(k, row.LOW_1), like)
         g = load(modal, mode(k, row.D0), like) * x + load(modal, mode(k, row.D1), like) * y
@@ -97,9 +97,9 @@ def try_first_panels(lane: Lane) -> tuple[int, int, int]:
 
 
 @kernel
-def first_level(lane: Lane, slot: int) -> int:
+def first_level(rows: Rows, slot: int) -> int:
     """Level of the first panel to try: that of the flight before, or a shorter one for a shorter flight."""
-    common, levels = lane.common, lane.desks.levels
+    common, levels = rows.common, rows.levels
     level, pull, rise = (
         int(common[row.FIRST * WIDTH + slot]),
         common[row.C0 * WIDTH + slot],
@@ -111,9 +111,9 @@ def first_level(lane: Lane, slot: int) -> int:
 
 
 @kernel
-def launch(lane: Lane, flying: int) -> int:
+def launch(rows: Rows, flying: int) -> int:
     """Carry the lanes over the first panel of their flights; those that could not be."""
-    common, modal, like = lane.common, lane.modal, eight()
+    common, modal, like = rows.common, rows.modal, eight()
     cosine, sine = get(common, row.COS, like), get(common, row.SIN, like)
     re, im = get(common, row.PHASOR_RE, like), get(common, row.PHASOR_IM, like)
     zr, zi = im * sine - re * cosine, 0.0 - (re * sine + im * cosine)
@@ -131,10 +131,10 @@ def launch(lane: Lane, flying: int) -> int:
     while rest:
         slot = lowest(rest)
         rest &= rest - 1
-        take_first_panel(lane, slot, first_level(lane, slot))
+        take_first_panel(rows, slot, first_level(rows, slot))
     lost, todo, wide = 0, struck, 0
     while todo:
-        clear, split, wide = try_first_panels(lane)
+        clear, split, wide = try_first_panels(rows)
         lost |= todo & ~(clear | split)
         todo &= split
         rest = todo
@@ -146,7 +146,7 @@ def launch(lane: Lane, flying: int) -> int:
                 lost |= 1 << slot
                 todo &= ~(1 << slot)
             else:
-                take_first_panel(lane, slot, level)
+                take_first_panel(rows, slot, level)
     begun = struck & ~lost
     coarsest = get(common, row.COARSEST, like)
     level = pick(begun, get(common, row.LEVEL_1, like), coarsest)
@@ -156,7 +156,7 @@ def launch(lane: Lane, flying: int) -> int:
     while rest:
         slot = lowest(rest)
         rest &= rest - 1
-        take_panel(lane, slot, int(common[(row.LEVEL_1 if (begun >> slot) & 1 else row.COARSEST) * WIDTH + slot]))
+        take_panel(rows, slot, int(common[(row.LEVEL_1 if (begun >> slot) & 1 else row.COARSEST) * WIDTH + slot]))
     tr, ti = get(common, row.TURN_RE_1, like), get(common, row.TURN_IM_1, like)
     put(common, row.P1, pick(begun, zr * tr - zi * ti, zr))
     put(common, row.S1, pick(begun, zi * tr + zr * ti, zi))
@@ -164,7 +164,7 @@ def launch(lane: Lane, flying: int) -> int:
     put(common, row.SINCE, pick(begun, every(1.0, like), nought))
     put(common, row.PATIENCE, every(1.0, like))
     put(common, row.LENGTHENED, nought)
-    for k in range(modes_of(lane)):
+    for k in range(modes_of(rows)):
         x, y = load(modal, mode(k, row.START_X), like), load(modal, mode(k, row.START_Y), like)
         store(modal, mode(k, row.X), pick(begun, load(modal, mode(k, row.X2), like), x))
         store(modal, mode(k, row.Y), pick(begun, load(modal, mode(k, row.Y2), like), y))
@@ -174,25 +174,25 @@ def launch(lane: Lane, flying: int) -> int:
 
 
 @kernel
-def halve(lane: Lane, split: int, bowl: int) -> int:
+def halve(rows: Rows, split: int, bowl: int) -> int:
     """Halve the panels of some lanes; those that no shorter panel will help. ``bowl``: where the gap has a minimum."""
     hopeless = 0
     while split:
         slot = lowest(split)
         split &= split - 1
-        level = int(lane.common[row.LEVEL * WIDTH + slot]) + 1
-        if level >= LEVELS or ((bowl >> slot) & 1 and level > int(lane.common[row.COARSEST * WIDTH + slot]) + DEEP):
+        level = int(rows.common[row.LEVEL * WIDTH + slot]) + 1
+        if level >= LEVELS or ((bowl >> slot) & 1 and level > int(rows.common[row.COARSEST * WIDTH + slot]) + DEEP):
             hopeless |= 1 << slot
         else:
-            take_panel(lane, slot, level)
+            take_panel(rows, slot, level)
     return hopeless
 
 
 @kernel
-def walk(lane: Lane, flying: int) -> int:
+def walk(rows: Rows, flying: int) -> int:
     """Carry the lanes on to the panel that has their one root; those that came to one."""
-    common, modal, like = lane.common, lane.modal, eight()
-    n, nought = modes_of(lane), every(0.0, like)
+    common, modal, like = rows.common, rows.modal, eight()
+    n, nought = modes_of(rows), every(0.0, like)
     const, w, coarsest = get(common, row.CONST, like), get(common, row.OMEGA, like), get(common, row.COARSEST, like)
     drive = get(common, row.SIZE, like)
     span = smaller(
@@ -288,7 +288,7 @@ def walk(lane: Lane, flying: int) -> int:
                 landed |= struck
                 flying &= ~struck
             if split:
-                flying &= ~halve(lane, split, bowl & split)
+                flying &= ~halve(rows, split, bowl & split)
                 doubled = smaller(larger(every(1.0, like), 2.0 * patience), every(64.0, like))
                 patience = pick(split & lengthened, doubled, patience)
                 since = pick(split, every(-1.0, like), since)
@@ -313,5 +313,5 @@ def walk(lane: Lane, flying: int) -> int:
             while longer:
                 slot = lowest(longer)
                 longer &= longer - 1
-                take_panel(lane, slot, int(common[row.LEVEL * WIDTH + slot]) - 1)
+                take_panel(rows, slot, int(common[row.LEVEL * WIDTH + slot]) - 1)
     return landed

@@ -1,0 +1,1 @@
+"""Kernels of small disturbances carried along the motions of points."""
