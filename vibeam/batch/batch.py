@@ -38,6 +38,7 @@ def batch(
     hold: int = 50,
     output: str | None = None,
     strobes: int = 0,
+    lyapunov: int = 0,
     lanes: bool = True,
     threads: int | None = None,
 ) -> BatchResponse:
@@ -50,13 +51,17 @@ def batch(
     ``output``: None for the contact. ``strobes``: how many values of the output at the ends of the last periods held
     are kept, at most ``hold``. ``threads``: None for one a core; results are the same to the bit for any number.
 
+    ``lyapunov``: drive periods over which the largest exponent of a motion that does not repeat is a mean, at least
+    20, after 50 in which a disturbance turns into its direction; of one that does it is that of its multipliers
+    (``vibeam.lyapunov``). 0: it is not computed.
+
     ``lanes``: points of plain systems with at most eight modes fly side by side in the processor's lanes; they are
     those of ``vibeam.sweep`` at one frequency to round-off, so that chaotic motions differ. False, and any other
     system: to the bit. A point that fails is NaN with its reason in ``ended``.
     ValueError names every argument that is wrong, KeyError an unknown output.
     """
     points = points_of(systems, omega, amplitude, gap, restitution, damping, state)
-    plan = _plan(points, settle, hold, output, strobes, bool(lanes))
+    plan = _plan(points, settle, hold, output, strobes, bool(lanes), lyapunov)
     workers = None if threads is None else _count("threads", threads, least=1)
     record, compiled = Record(len(points.base), points.size, plan.strobes), is_compiled(points, plan.output)
     tasks = [(run_task, which) for which in tasks_of(points, np.flatnonzero(compiled))]
@@ -65,7 +70,11 @@ def batch(
     def task(item: tuple[Callable[..., None], NDArray[np.int64]], stop: Event) -> None:
         item[0](points, item[1], plan, record)
 
-    run_parallel(task, tasks, workers)
+    if workers == 1 or len(tasks) == 1:
+        for run, which in tasks:
+            run(points, which, plan, record)
+    else:
+        run_parallel(task, tasks, workers)
     return record.response(points.shape)
 
 
@@ -78,7 +87,9 @@ def _one_by_one(points: Points, which: NDArray[np.int64], plan: Plan) -> list[ND
     return [which[first : first + TASK] for first in range(0, len(which), TASK)]
 
 
-def _plan(points: Points, settle: int, hold: int, output: str | None, strobes: int, lanes: bool) -> Plan:
+def _plan(
+    points: Points, settle: int, hold: int, output: str | None, strobes: int, lanes: bool, lyapunov: int
+) -> Plan:  # fmt: skip
     faults: list[str] = []
     settle = count("settle", settle, faults, most=LONGEST)
     hold = count("hold", hold, faults, least=1, most=HELD // points.size)
@@ -87,8 +98,13 @@ def _plan(points: Points, settle: int, hold: int, output: str | None, strobes: i
     derivatives = [base.derivative(name) for base in points.bases]
     if strobes and any(each is not None and each.order == 2 for each in derivatives):
         faults.append("strobes: an acceleration is not read at the ends of periods: take its displacement or velocity")
+    periods = count("lyapunov", lyapunov, faults)
+    if periods:
+        from vibeam.batch.exponents import exponent_faults
+
+        faults += exponent_faults(points, periods)
     refuse("batch", faults)
-    return Plan(settle, hold, name, lanes, strobes)
+    return Plan(settle, hold, name, lanes, strobes, periods)
 
 
 def _count(name: str, value: int, least: int) -> int:

@@ -9,6 +9,7 @@ from vibeam.batch.points import Points
 from vibeam.batch.record import Plan, Record
 from vibeam.flight.pause import pause
 from vibeam.solvers import solver
+from vibeam.system.ended import Ended
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.state import State
 
@@ -33,3 +34,7 @@ def _run(points: Points, point: int, system: ImpactSystem, plan: Plan, record: R
         states=states, strobes=strobes,
     )  # fmt: skip
     record.note(point, response, after, plan.strobed(system, strobes[0]))
+    if plan.lyapunov and response.ended[0] == Ended.COMPLETE.code:
+        from vibeam.batch.exponents import largest_exponent
+
+        record.lyapunov[point] = largest_exponent(points, point, plan.lyapunov, record)

@@ -33,6 +33,7 @@ class Plan:
     output: str
     lanes: bool  # whether points go side by side
     strobes: int  # how many values of the output at the end of a period are kept
+    lyapunov: int  # drive periods of the mean of the largest Lyapunov exponent, 0: it is not asked for
 
     def strobed(self, system: ImpactSystem, states: Array) -> Array:
         """The output at the last states (hold + 1, 2, n) of a hold."""
@@ -53,6 +54,7 @@ class Record:
         self.values["ended"][:] = Ended.NOT_RUN.code
         self.state, self.resting = np.zeros((points, 2 * modes)), np.zeros(points, dtype=bool)
         self.strobes = np.full((points, strobes), np.nan)
+        self.lyapunov = np.full(points, np.nan)
 
     def fill(
         self, which: NDArray[np.int64], response: FrequencyResponse, states: Array, resting: NDArray[np.bool_],
@@ -76,4 +78,5 @@ class Record:
     def response(self, shape: tuple[int, ...]) -> BatchResponse:
         """The batch in its shape."""
         every = self.values | {"state": self.state, "resting": self.resting, "strobes": self.strobes}
+        every["lyapunov"] = self.lyapunov
         return BatchResponse(**{name: values.reshape((*shape, *values.shape[1:])) for name, values in every.items()})

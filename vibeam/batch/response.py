@@ -36,6 +36,7 @@ class BatchResponse:
     state: Array  #: (…, 2n) modal displacements, then velocities, at the end of the hold
     resting: NDArray[np.bool_]  #: whether that state is in lasting contact with the stop
     strobes: Array  #: (…, k) the output at the end of the last k periods held, the latest last
+    lyapunov: Array  #: largest Lyapunov exponent, 1/s, −∞ where every direction is lost (NaN where not asked for)
 
     @property
     def shape(self) -> tuple[int, ...]:
