@@ -20,12 +20,13 @@ import numpy as np
 
 import vibeam
 from vibeam.flight.points import points as compiled
+from vibeam.system.state import State
 
 HERE = Path(__file__).parent
 
 CASES = HERE.parents[1] / "cases"
 
-SETTLE, HOLD = 350, 50
+SETTLE, HOLD, MEAN = 350, 50, 50
 
 
 def nominal() -> vibeam.ImpactSystem:
@@ -111,6 +112,26 @@ def threaded(job: Callable[[bool, int | None], vibeam.BatchResponse], rounds: in
     return {"one": min(walls[1]), "two": min(walls[2]), "ratio": min(walls[1]) / min(walls[2])}
 
 
+def exponents(rounds: int) -> dict[str, float]:
+    """CPU time of largest Lyapunov exponents over the nominal map, and of every 97th point one by one in Python."""
+    system, omega, gap = nominal(), np.linspace(1.2, 3.2, 100), np.linspace(-0.5e-3, 2.0e-3, 100)[:, None]
+    spent: dict[int, list[float]] = {0: [], MEAN: []}
+    for _ in range(rounds):
+        for periods, times in spent.items():
+            begun = time.process_time()
+            found = vibeam.batch(system, omega, 0.5e-3, gap=gap, settle=SETTLE, hold=HOLD, lyapunov=periods, threads=1)
+            times.append(time.process_time() - begun)
+    every = np.arange(0, found.ended.size, 97)
+    begun = time.process_time()
+    for at in every.tolist():
+        state = State(found.state[at // 100, at % 100, :1], found.state[at // 100, at % 100, 1:])
+        own = replace(system, gap=float(gap[at // 100, 0]))
+        vibeam.lyapunov(own, vibeam.Drive(omega[at % 100], 0.5e-3), state, settle=0, periods=MEAN, count=1)
+    alone = (time.process_time() - begun) / len(every)
+    more = (min(spent[MEAN]) - min(spent[0])) / found.ended.size
+    return {"batch": min(spent[0]), "with exponents": min(spent[MEAN]), "a point": more, "a point in Python": alone}
+
+
 def basins(side: int) -> dict[str, float]:
     """Starts on a grid of ``side`` by ``side``, 200 periods each, where motions coexist."""
     place, velocity = np.meshgrid(np.linspace(-5e-3, 0.0, side), np.linspace(-5e-3, 5e-3, side), indexing="ij")
@@ -136,6 +157,7 @@ def main() -> None:
     rows = {name: measured(job, given.rounds) for name, job in made.items()}
     found: dict[str, Any] = {"rounds": given.rounds, "rows": rows, "settle": SETTLE, "hold": HOLD}
     found["threads"] = threaded(made["nominal map, one mode"], given.rounds)
+    found["exponents"] = exponents(given.rounds)
     found["basins"] = basins(given.basins)
     found["load"] = {"before": before, "after": os.getloadavg()}
     given.out.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

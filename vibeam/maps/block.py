@@ -27,6 +27,8 @@ Way = Literal["up", "down"]
 
 DTYPES: Mapping[str, type] = {"period": np.int16, "ended": np.int16, "resting": np.int16, "flown": np.uint8}
 
+LEAST = 20  # drive periods of the mean of a Lyapunov exponent
+
 QUANTITIES = (
     "amplitude", "reach", "maximum", "minimum", "impacts_per_period", "impact_velocity", "period", "rest", "energy",
     "strobes", "state", "resting", "lyapunov", "ended", "cpu_seconds",
@@ -42,8 +44,8 @@ class Grid:
     it, and every line begins at equilibrium; without any, every point starts from equilibrium, from where the axes say,
     or from ``starts``. ``frequency`` in Hz, where that is no axis; ``settle`` and ``hold`` in drive periods;
     ``strobes``: how many values of the output at the end of a period are read. ``refine``: levels of the quadtree over
-    the last two axes, 0: every point is flown. ``lanes``: lines that are swept fly side by side in the processor's
-    lanes, so that they are sweeps to round-off, and not to the bit.
+    the last two axes, 0: every point is flown. ``lanes``: lines, or points apart, fly side by side where they can
+    (``vibeam.batch``).
     """
 
     text: str
@@ -59,7 +61,7 @@ class Grid:
     strobes: int = 0
     starts: Starts | None = None
     refine: int = 0
-    lanes: bool = False
+    lanes: bool = True
 
     @property
     def lines(self) -> int:
@@ -112,7 +114,7 @@ def _carried(grid: Grid, points: GridPoints, threads: int | None) -> Values:
         for column in range(columns) if way == "up" else range(columns - 1, -1, -1):
             pause()
             before = _flown(grid, points, np.s_[:, column], _back_on_stop(points, column, before), threads)
-            columns_of_way[column] = _read(grid, points, np.s_[:, column], before)
+            columns_of_way[column] = _read(grid, before)
     return {
         name: np.stack([np.stack([way[at][name] for at in range(columns)], axis=1) for way in found], axis=1)
         for name in grid.quantities
@@ -151,7 +153,7 @@ def _apart(grid: Grid, points: GridPoints, first: int, threads: int | None) -> V
     found: Values = {}
     for part in _of_one_size(points):
         response = _flown(grid, points, part, None if state is None else state[part], threads)
-        for name, values in _read(grid, points, part, response).items():
+        for name, values in _read(grid, response).items():
             shape = (*points.omega.shape, *values.shape[1:])
             found.setdefault(name, np.empty(shape, dtype=values.dtype))[part] = values
     return {name: values[:, None] for name, values in found.items()}
@@ -177,17 +179,12 @@ def _flown(
     restitution = None if points.restitution is None else rows(points.restitution)
     return batch(
         system, rows(points.omega), rows(points.amplitude), gap=rows(points.gap), restitution=restitution, state=state,
-        settle=grid.settle, hold=grid.hold, output=grid.output, strobes=grid.strobes,
-        lanes=wide or grid.lanes,
-        threads=threads,
+        settle=grid.settle, hold=grid.hold, output=grid.output, strobes=grid.strobes, lanes=grid.lanes,
+        lyapunov=max(grid.hold, LEAST) if "lyapunov" in grid.quantities else 0, threads=threads,
     )  # fmt: skip
 
 
-def _read(grid: Grid, points: GridPoints, part: Any, response: BatchResponse) -> Values:
-    """Quantities of the points ``part`` by name."""
+def _read(grid: Grid, response: BatchResponse) -> Values:
+    """Quantities of points by name."""
     every: dict[str, Any] = vars(response) | {"energy": np.sum(response.mode_energy, axis=-1)}
-    if "lyapunov" in grid.quantities:
-        from vibeam.maps.exponents import largest_exponents
-
-        every["lyapunov"] = largest_exponents(points, part, response, grid.hold)
     return {name: np.asarray(every[name], dtype=DTYPES.get(name, float)) for name in grid.quantities}

@@ -65,6 +65,7 @@ def evaluate(
     output: str | None = None,
     strobes: int = 0,
     starts: Starts | None = None,
+    lanes: bool = True,
     threads: int | None = None,
 ) -> GridResponse:
     """Evaluate a fidelity of a case over the grid of ``axes``: dotted keys and their values in SI.
@@ -73,15 +74,16 @@ def evaluate(
     contact are where each motion starts. The last axis is swept ``direction`` "up", "down" or "both", the state carried
     along it and every line begun at equilibrium; "apart": every point by itself, from equilibrium, from where the
     axes say or, ``starts`` times, at random. ``frequency``: in Hz, where it is no axis. ``settle``, ``hold`` and
-    ``output``: None as in the case's sweep. ``quantities``: of ``QUANTITIES``; ``strobes`` and ``threads`` as in
-    ``vibeam.batch``.
+    ``output``: None as in the case's sweep. ``quantities``: of ``QUANTITIES``; ``strobes``, ``lanes`` and ``threads``
+    as in ``vibeam.batch``: a line over the frequency is a sweep of ``vibeam.run`` to round-off, without ``lanes`` to
+    the bit.
 
     KeyError for an unknown fidelity or quantity, CaseError for a value that the case may not have, ValueError for axes
     or a case that a grid cannot take.
     """
     grid = grid_of(
         case, fidelity, axes, quantities=quantities, direction=direction, frequency=frequency, settle=settle,
-        hold=hold, output=output, strobes=strobes, starts=starts,
+        hold=hold, output=output, strobes=strobes, starts=starts, lanes=lanes,
     )  # fmt: skip
     size = max(1, AT_ONCE // int(np.prod(grid.shape)))
     parts = [
@@ -104,7 +106,7 @@ def over_axes(grid: Grid, parts: Sequence[Values]) -> Values:
 def grid_of(
     case: Case, fidelity: str, axes: Mapping[str, ArrayLike], *, quantities: Sequence[str], direction: Run,
     frequency: float | None = None, settle: int | None = None, hold: int | None = None, output: str | None = None,
-    strobes: int = 0, starts: Starts | None = None, refine: int = 0, lanes: bool = False,
+    strobes: int = 0, starts: Starts | None = None, refine: int = 0, lanes: bool = True,
 ) -> Grid:  # fmt: skip
     """The grid that ``evaluate`` is asked for, its lines side by side with ``lanes``; errors as there."""
     unknown = [name for name in quantities if name not in QUANTITIES]

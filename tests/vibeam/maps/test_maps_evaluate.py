@@ -49,7 +49,7 @@ def swept(case: vibeam.Case, fidelity: str, direction: str = "up") -> Any:
 def test_a_line_is_the_sweep_of_the_case_with_that_value_to_the_bit(key: str, values: tuple[float, ...]) -> None:
     found = vibeam.evaluate(
         rig(), "two_modes", {key: values, "sweep.frequency": FREQUENCIES}, direction="both",
-        quantities=("amplitude", "period", "impact_velocity"), **SHORT,
+        quantities=("amplitude", "period", "impact_velocity"), lanes=False, **SHORT,
     )  # fmt: skip
     assert found["amplitude"].shape == (2, len(values), 7)
     for line, value in enumerate(values):
@@ -59,9 +59,26 @@ def test_a_line_is_the_sweep_of_the_case_with_that_value_to_the_bit(key: str, va
                 np.testing.assert_array_equal(got[line], getattr(expected, name)[order], err_msg=f"{name} {way}")
 
 
+@pytest.mark.parametrize("direction", ["both", "apart"])
+def test_lines_side_by_side_are_those_alone_to_round_off(direction: Any) -> None:
+    grid = {"stop.restitution": [0.6, 0.7], "drive.voltage": np.linspace(0.3, 0.7, 5), "sweep.frequency": FREQUENCIES}
+    found, alone = (
+        vibeam.evaluate(
+            rig(), "two_modes", grid, direction=direction, settle=300, hold=16, lanes=lanes,
+            quantities=("amplitude", "period", "impact_velocity", "strobes", "energy"), strobes=2,
+        )
+        for lanes in (True, False)
+    )  # fmt: skip
+    settled = alone["period"] > 0
+    assert np.mean(settled) > 0.9
+    np.testing.assert_array_equal(found["period"], alone["period"])
+    for name in ("amplitude", "impact_velocity", "energy"):
+        np.testing.assert_allclose(found[name][settled], alone[name][settled], rtol=1e-7, err_msg=name)
+
+
 def test_keys_that_decide_different_things_go_together() -> None:
     grid = {"drive.voltage": [0.4, 0.6], "stop.gap": [0.0, 1e-4], "stop.restitution": [0.6, 0.8]}
-    found = vibeam.evaluate(rig(), "beam", grid | {"sweep.frequency": FREQUENCIES}, **SHORT)
+    found = vibeam.evaluate(rig(), "beam", grid | {"sweep.frequency": FREQUENCIES}, lanes=False, **SHORT)
     expected = swept(rig(drive__voltage=0.4, stop__gap=1e-4, stop__restitution=0.8), "beam")
     np.testing.assert_array_equal(found["amplitude"][0, 1, 1], expected.amplitude)
     expected = swept(rig(drive__voltage=0.6, stop__gap=0.0, stop__restitution=0.6), "beam")
@@ -70,7 +87,7 @@ def test_keys_that_decide_different_things_go_together() -> None:
 
 def test_a_key_that_the_fidelity_sets_itself_is_changed_there() -> None:
     case = vibeam.load(RIG, set={"fidelity.sdof.set": {"stop.gap": 2e-4}})
-    found = vibeam.evaluate(case, "sdof", {"stop.gap": [0.0], "sweep.frequency": FREQUENCIES}, **SHORT)
+    found = vibeam.evaluate(case, "sdof", {"stop.gap": [0.0], "sweep.frequency": FREQUENCIES}, lanes=False, **SHORT)
     np.testing.assert_array_equal(found["amplitude"][0], swept(rig(stop__gap=0.0), "sdof").amplitude)
 
 
@@ -90,7 +107,7 @@ def test_a_gap_that_changes_along_the_sweep_is_that_of_a_sweep_whose_gap_drifts(
 
 
 def test_points_apart_start_from_equilibrium_each() -> None:
-    found = vibeam.evaluate(rig(), "sdof", {"sweep.frequency": FREQUENCIES}, direction="apart", **SHORT)
+    found = vibeam.evaluate(rig(), "sdof", {"sweep.frequency": FREQUENCIES}, direction="apart", lanes=False, **SHORT)
     case, omega = rig(), 2 * np.pi * FREQUENCIES[3]
     alone = vibeam.sweep(
         case.system("sdof"), omega=[omega], amplitude=case.amplitude_of("sdof"), output="sensor", **SHORT
