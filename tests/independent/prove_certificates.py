@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import proved_table
 from check_certificate import check
 
 import vibeam
@@ -256,6 +257,7 @@ def write(name: str, found: Proved) -> None:
     held = stored() | {name: asdict(found)}
     held = {each: held[each] for each in entries() if each in held}
     FILE.write_text(json.dumps(held, indent=1) + "\n", encoding="utf-8")
+    proved_table.write()
 
 
 if __name__ == "__main__":
