@@ -247,7 +247,7 @@ def main() -> None:
             continue
         found = prove()
         print(line(name, found), *found.faults[:5], sep="\n  ", flush=True)
-        if options.again or not options.only:
+        if found.motions and (options.again or not options.only):
             write(name, found)
 
 

@@ -14,7 +14,7 @@ from proved_table import PAGE, written
 from random_rigs import KINDS, rig
 
 import vibeam
-from vibeam.flight.certificate import certificate_of
+from vibeam.flight.certificate import CLOSES, OPEN, _without_slivers, certificate_of
 from vibeam.flight.event_driven import Segments
 from vibeam.flight.kernels.layout import AT_CLOCK, DURATION, END, RELEASE, START, WHAT
 from vibeam.flight.kernels.regimes.layout import CONTACT, PASS
@@ -69,6 +69,20 @@ def test_grazing_is_proved_too() -> None:
         assert len(path.impact_times) == touches
         faults, _ = check(path.certificate, slack=1e-9)
         assert faults == []
+
+
+def test_a_sliver_at_the_end_of_a_flight_is_one_with_the_piece_before() -> None:
+    """The root on a panel's end: before it or behind it, by the last digit."""
+    good = certified(ONE, vibeam.Drive(2.0, 0.5e-3), 30.0).certificate
+    durations, rows = good.durations, []
+    for row in good.pieces:
+        end, ulp = row[1] + row[2], np.spacing(durations[int(row[0])])
+        closes = row[3] == CLOSES and row[1] > 0
+        rows += [[row[0], row[1], row[2] - ulp, OPEN, row[4]], [row[0], end - ulp, ulp, *row[3:]]] if closes else [row]
+    split = np.array(rows)
+    assert len(split) > len(good.pieces) + 5
+    np.testing.assert_array_equal(_without_slivers(split, durations), good.pieces)
+    np.testing.assert_array_equal(_without_slivers(good.pieces.copy(), durations), good.pieces)
 
 
 def test_bounds_of_a_signal_hold_and_none_is_given_where_a_part_grows() -> None:

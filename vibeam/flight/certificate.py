@@ -51,6 +51,8 @@ Array = NDArray[np.float64]
 
 PIECES_A_TASK = 8
 
+SLIVER = 1e-10  # share of a segment's length: a piece so short that says that a signal closes is one with that before
+
 
 __all__ = ["CLOSES", "OPEN", "UNPROVED", "Certificate", "Stretch", "certificate_of"]
 
@@ -165,4 +167,18 @@ def _pieces(solver: EventDrivenSolver, motion: Motion, tasks: Array, size: float
         count, reached = solver.cover(motion.drive, motion.trace, motion.poses, size, tasks, first, room)
         found.append(room[:count])
         first, a_task = reached, 2 * a_task
-    return found[0] if len(found) == 1 else np.concatenate([np.empty((0, COLUMNS)), *found])
+    pieces = found[0] if len(found) == 1 else np.concatenate([np.empty((0, COLUMNS)), *found])
+    return _without_slivers(pieces, motion.trace[:, DURATION])
+
+
+def _without_slivers(pieces: Array, durations: Array) -> Array:
+    """The pieces, a last one that is a sliver joined to that before: where the panel ended on the root, to round-off.
+
+    On which side of the panel's end the root lies, and whether the signal is positive there, doubles cannot say.
+    """
+    whole = durations[pieces[:, FLIGHT].astype(np.int64)]
+    sliver = (pieces[:, CLAIM] == CLOSES) & (pieces[:, FROM] > 0) & (pieces[:, LENGTH] <= SLIVER * whole)
+    last = np.flatnonzero(sliver)
+    before = last[pieces[last - 1, CLAIM] == OPEN] - 1
+    pieces[before, CLAIM], pieces[before, LENGTH] = CLOSES, whole[before] - pieces[before, FROM]
+    return np.delete(pieces, before + 1, axis=0) if len(before) else pieces
