@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from vibeam.run.stored_result import StoredResult
 
 
+SCRIPTS = ("response.js", "motion.js", "page.js")  # one after the other
+
 DOTS = 110  # dots an inch of a static picture
 
 PICTURES_BYTES = 420_000  # of all static pictures together
@@ -60,7 +62,7 @@ def page(stored: StoredResult) -> str:
         pictures=_pictures(result),
         provenance=sorted(stored.provenance.items()),
         data=as_json(chart_data(stored)),
-        script=(room / "page.js").read_text(encoding="utf-8"),
+        script="\n".join((room / name).read_text(encoding="utf-8") for name in SCRIPTS),
         style=(room / "page.css").read_text(encoding="utf-8"),
         plot_script=(room / "vendor" / "uPlot.iife.min.js").read_text(encoding="utf-8"),
         plot_style=(room / "vendor" / "uPlot.min.css").read_text(encoding="utf-8"),
