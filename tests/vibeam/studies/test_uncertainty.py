@@ -15,10 +15,12 @@ from vibeam.casefile.read import parse
 from vibeam.maps.variation import narrowed, varied
 from vibeam.report import uncertainty as report
 from vibeam.studies.uncertainty.closed_form import ClosedForm, known
+from vibeam.studies.uncertainty.mean_of_peak import _models
 from vibeam.studies.uncertainty.multifidelity import Pilot, allocation, estimate
-from vibeam.studies.uncertainty.samples import Declared, Sampler, _changes, inputs_of
+from vibeam.studies.uncertainty.samples import Declared, Responses, Sampler, _changes, inputs_of
 from vibeam.studies.uncertainty.sensitivity import indices, saltelli
 from vibeam.studies.uncertainty.study import uncertainty
+from vibeam.studies.uncertainty.surface import Surface, runs
 
 CASES = Path(__file__).parents[3] / "cases"
 
@@ -310,3 +312,40 @@ def test_peaks_in_closed_form_are_those_of_the_flown_sweeps():
 def test_a_rig_without_closed_forms_is_known_to_have_none():
     text = CASE.replace("restitution = 0.7", 'law = "linear"\nstiffness = "1e6 N/m"\ndamping = "1 N s/m"')
     assert not known(parse(text), "sdof")
+
+
+def _square(fidelity, inputs):
+    """A model whose peak is of degree two, without a value where its first input is large."""
+    x, y, z = inputs.T
+    peak = np.where(x > 2.5, np.nan, 3 - x + 0.5 * x * y + 2 * z**2)
+    return Responses.of_amplitude(fidelity, inputs, np.ones(1), peak[:, None], np.full(len(inputs), 0.25))
+
+
+def test_a_surface_of_degree_two_is_exact_for_one():
+    rng = np.random.default_rng(4)
+    assert runs(3) == 30  # ten coefficients
+    found = Surface.of(_square, "beam", rng.normal(1.0, 0.5, (runs(3), 3)))
+    assert found.seconds == 7.5
+    inputs = rng.normal(1.0, 0.5, (9, 3)) * [1, 1, -3]
+    np.testing.assert_allclose(found("beam", inputs).peak, _square("beam", inputs).peak, rtol=1e-10)
+
+
+def test_a_surface_needs_twice_as_many_peaks_as_coefficients():
+    inputs = np.random.default_rng(4).normal(1.0, 0.5, (runs(3), 3))
+    inputs[15:, 0] = 3.0
+    assert Surface.of(_square, "beam", inputs) is None
+
+
+def test_the_surface_of_a_rig_is_known_by_the_runs_that_it_took():
+    """Amplitudes in proportion to the drive are of degree one: correlation 1 with the flown sweeps."""
+    case = parse(f'{CASE}\n[uncertain]\n"drive.amplitude" = "± 1 %"\n"stop.restitution" = "0.6 … 0.8"')
+    sampler = Sampler(case, tuple(each.key for each in case.uncertain))
+    inputs = inputs_of(case.uncertain, np.random.default_rng(6).random((6, 2)))
+    models = _models(sampler, {"sdof": sampler("sdof", inputs), "beam": sampler("beam", inputs)}, "beam", 0)
+    assert [name for name in models if name.startswith("beam")] == [
+        "beam", "beam, closed form", "beam, quadratic surface",
+    ]  # fmt: skip
+    surface = models["beam, quadratic surface"]
+    np.testing.assert_allclose(surface.peaks(inputs)[0], models["beam"].known.peak, rtol=1e-3)
+    assert surface.before > runs(2) * surface.seconds  # its own runs are no evaluations of a polynomial
+    assert all(each.before == 0 for name, each in models.items() if name != "beam, quadratic surface")

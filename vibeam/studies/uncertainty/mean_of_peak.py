@@ -1,9 +1,10 @@
 """Mean of the finest fidelity's peak from few of its runs and many of cheaper models, and what that saves.
 
-Cheaper models are the other fidelities; all but the finest by a coarse sweep; and all of them in closed form, the
-finest too, which follows the finest's sweep to round-off where that is on a motion with one impact a period. Which of
-them are used, and how often, follows from correlations and costs as measured. A structure that was assembled a short
-while ago is kept: so the cost of each is taken at inputs of its own.
+Cheaper models are the other fidelities; all but the finest by a coarse sweep; all of them in closed form, the finest
+too, which follows the finest's sweep to round-off where that is on a motion with one impact a period; and a quadratic
+surface of the finest's closed form (of its sweep, where it has none). Which of them are used, and how often, follows
+from correlations and costs as measured. A structure that was assembled a short while ago is kept: so the cost of each
+is taken at inputs of its own.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from vibeam.studies.uncertainty.closed_form import ClosedForm, known
 from vibeam.studies.uncertainty.multifidelity import Allocation, Estimate, Pilot, allocation, estimate
 from vibeam.studies.uncertainty.samples import Coarse, Responses, Sampler, inputs_of
+from vibeam.studies.uncertainty.surface import Surface, runs
 
 Array = NDArray[np.float64]
 
@@ -24,7 +26,9 @@ Progress = Callable[[str], None]
 
 PILOT = 32  # samples from which correlations are taken
 
-EVERY = 2  # frequencies of a closed form: each so many of the sweep
+POINTS = 60  # frequencies of a closed form at least, of a sweep that has as many
+
+MOST = 20_000  # runs of any model
 
 TIMED = 12  # further samples from which costs are taken
 
@@ -58,6 +62,7 @@ class _Model:
     fidelity: str
     known: Responses
     seconds: float
+    before: float = 0.0  # CPU seconds that it takes once
 
     def peaks(self, inputs: Array) -> tuple[Array, float]:
         """Peaks (m,) at inputs that begin with those known, and the CPU time that they cost."""
@@ -87,12 +92,14 @@ def mean_of_peak(
     if len(chosen.names) < 2:
         return None
     budget = pilot.seconds[finest] * count  # no model is run for longer than the finest alone
-    counts = chosen.counts(max(PILOT, count // 4), [budget / pilot.seconds[name] for name in chosen.names])
-    runs = dict(zip(chosen.names, counts, strict=True))
+    most = [min(budget / pilot.seconds[name], MOST) for name in chosen.names]
+    counts = chosen.counts(max(PILOT, count // 4), most)
+    asked = dict(zip(chosen.names, counts, strict=True))
     inputs = _further(sampler, found[finest].inputs[:count], max(counts), seed)
-    tell(f"mean of the peak: {', '.join(f'{number} × {name}' for name, number in runs.items())}")
-    several = {name: models[name].peaks(inputs[:number]) for name, number in runs.items()}
-    values, seconds = {name: peaks for name, (peaks, _) in several.items()}, sum(each for _, each in several.values())
+    tell(f"mean of the peak: {', '.join(f'{number} × {name}' for name, number in asked.items())}")
+    several = {name: models[name].peaks(inputs[:number]) for name, number in asked.items()}
+    values = {name: peaks for name, (peaks, _) in several.items()}
+    seconds = sum(each for _, each in several.values()) + sum(models[name].before for name in several)
     alone = estimate(
         Allocation((finest,), (1.0,), (1.0,), 1.0), {finest: found[finest].peak[:count]},
         pilot.seconds[finest] * count, seed,
@@ -116,8 +123,15 @@ def _models(sampler: Sampler, found: Mapping[str, Responses], finest: str, seed:
     }
     coarse = replace(sampler, coarse=Coarse())
     models |= {f"{name}, coarse sweep": timed(coarse, name) for name in found if name != finest}
-    closed = ClosedForm(sampler.case, sampler.keys, EVERY)
-    return models | {f"{name}, closed form": timed(closed, name) for name in found if known(sampler.case, name)}
+    every = max(len(sampler.case.sweep.frequency) // POINTS, 1)
+    closed = ClosedForm(sampler.case, sampler.keys, every)
+    models |= {f"{name}, closed form": timed(closed, name) for name in found if known(sampler.case, name)}
+    cheapest = closed if known(sampler.case, finest) else sampler
+    drawn = inputs_of(sampler.case.uncertain, rng.random((runs(len(sampler.keys)), len(sampler.keys))))
+    surface = Surface.of(cheapest, finest, drawn)
+    if surface is not None:
+        models[f"{finest}, quadratic surface"] = replace(timed(surface, finest), before=surface.seconds)
+    return models
 
 
 def _further(sampler: Sampler, inputs: Array, count: int, seed: int) -> Array:
