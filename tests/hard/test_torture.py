@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 import torture
 from energy_balance import balance
+from progress import Idleness
 from rig_checks import penetration
 from rigs import random_rig
 from verdict import Verdict
@@ -92,6 +94,21 @@ def test_what_hangs_or_crashes_is_lost_and_the_rest_goes_on() -> None:
     assert str(found[2]) == "no answer within 0.3 s of CPU time, in work"
     assert str(found[3]) == "the process ended with SIGKILL, in work"
     assert found[4].counts == {"numbers": 1}
+
+
+@pytest.mark.parametrize(("command", "waits"), [("sleep 60", True), ("(while :; do :; done) & wait", False)])
+def test_only_what_neither_works_nor_could_waits(command: str, waits: bool) -> None:
+    """A process whose child is busy, or is queued for a processor, does not, however long it takes."""
+    process = subprocess.Popen(["sh", "-c", command], start_new_session=True)
+    try:
+        idleness, asked = Idleness(process.pid, 0.2), 0
+        while not (lasts := idleness.lasts()) and (waits or asked < 10):
+            time.sleep(0.05)
+            asked += 1
+        assert lasts == waits
+    finally:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
 
 
 def test_the_time_of_commands_counts_too() -> None:
