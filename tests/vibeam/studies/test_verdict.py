@@ -50,24 +50,24 @@ def swept(case: vibeam.Case, name: str, gap: float) -> vibeam.Branches:
 
 
 def test_the_label_is_the_cheapest_within_the_accuracy(case: vibeam.Case, found: vibeam.Verdict) -> None:
-    """Where all is periodic: kinds and amplitudes of plain sweeps give the same regions."""
+    """In rows where all is periodic kinds and amplitudes of plain sweeps give the same regions."""
     judged = 0
     for row, gap in enumerate(found.axis.values):
         curves = {model.name: swept(case, model.name, float(gap)) for model in found.models}
+        if any((way.period == 0).any() for each in curves.values() for _, way in each.items()):
+            continue  # which motion a sweep comes to after a chaotic one is chance
         for column in range(13):
-            want, periodic = len(found.models) - 1, True
+            want = len(found.models) - 1
             for index in (1, 0):
                 fits = True
                 for way in ("up", "down"):
                     mine, best = (getattr(curves[name], way) for name in (found.models[index].name, "beam"))
                     at = column if way == "up" else 12 - column
-                    periodic &= mine.period[at] != 0 and best.period[at] != 0
                     near = abs(mine.amplitude[at] - best.amplitude[at]) <= 0.02 * best.amplitude[at]
                     fits &= bool(near) and mine.period[at] == best.period[at]
                 want = index if fits else want
-            if periodic:
-                assert found.label[row, column] == want
-                judged += 1
+            assert found.label[row, column] == want
+            judged += 1
     assert judged >= 50
     assert len(np.unique(found.label)) >= 2
 
