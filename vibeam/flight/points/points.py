@@ -5,6 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from threading import local
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +39,8 @@ from vibeam.system.response import FrequencyResponse
 Array = NDArray[np.float64]
 
 LIMIT = 100_000  # impacts a drive period after which a point is given up, as of a sweep
+
+_OWN = local()
 
 SIDE_BY_SIDE = 8  # modes up to which points go side by side
 
@@ -163,16 +167,29 @@ def task_of(points: PlainPoints, made: list[Packed], settings: Settings) -> row.
 
 
 def _lane(task: row.Task) -> row.Lane:
-    """Lanes without points."""
+    """Lanes without points: the calling thread's last ones where they fit, since to fill a call's slots costs more."""
     width, n = row.WIDTH, task.energy.shape[1]
-    whole = np.zeros((width, row.LANE_ROWS), dtype=np.int64)
-    whole[:, row.PACK] = -1
-    return row.Lane(
-        np.zeros(row.COMMON_ROWS * width), np.zeros(n * row.MODAL_ROWS * width), blank(task.packs, width),
-        np.zeros((width, 2, n)), np.zeros((width, STATUS_ROWS)), np.zeros((width, COUNT_ROWS), dtype=np.int64),
-        whole, np.zeros((width, row.ALONE_ROWS)), np.zeros(row.MARK + n),
-        np.zeros((row.FLIGHT_COMMON + n * row.FLIGHT_ROWS) * width),
-    )  # fmt: skip
+    shapes = tuple(shape[1:] for shape in _shapes(task.packs))
+    if getattr(_OWN, "shapes", None) != shapes:
+        _OWN.shapes, _OWN.lane = shapes, row.Lane(
+            np.zeros(row.COMMON_ROWS * width), np.zeros(n * row.MODAL_ROWS * width), blank(task.packs, width),
+            np.zeros((width, 2, n)), np.zeros((width, STATUS_ROWS)), np.zeros((width, COUNT_ROWS), dtype=np.int64),
+            np.zeros((width, row.LANE_ROWS), dtype=np.int64), np.zeros((width, row.ALONE_ROWS)),
+            np.zeros(row.MARK + n), np.zeros((row.FLIGHT_COMMON + n * row.FLIGHT_ROWS) * width),
+        )  # fmt: skip
+    lane: row.Lane = _OWN.lane
+    lane.whole[:] = 0
+    lane.whole[:, row.PACK] = -1
+    return lane
+
+
+def _shapes(engine: Any) -> Iterator[tuple[int, ...]]:
+    """Shapes of an engine's arrays."""
+    for each in engine:
+        if isinstance(each, np.ndarray):
+            yield each.shape
+        else:
+            yield from _shapes(each)
 
 
 def room_of(made: PackedSystem, settings: Settings) -> Watch:
