@@ -20,6 +20,7 @@ KERNELS = {  # by the module of the entry point: what is compiled, and about how
     "vibeam.flight.kernels.entry": ("the flight kernels", "about a minute"),
     "vibeam.flight.kernels.cover": ("the kernels of certificates", "about half a minute"),
     "vibeam.flight.points.kernels.entry": ("the kernels of batches", "one to two minutes"),
+    "vibeam.flight.points.tangents.entry": ("the kernels of Lyapunov exponents", "about a minute"),
     "vibeam.flight.kernels.moreau": ("time stepping", "some seconds"),
     "vibeam.flight.kernels.regimes.entry": (
         "the kernels of yielding stops, R(v), second stops and coupled damping",
