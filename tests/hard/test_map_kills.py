@@ -15,7 +15,7 @@ def nothing(stage: str) -> None:
 
 @pytest.fixture(autouse=True)
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
-    case = map_kills.CASE.replace("points = 100", "points = 30").replace("settle = 200", "settle = 60")
+    case = map_kills.CASE.replace("points = 100", "points = 12").replace("settle = 200", "settle = 60")
     monkeypatch.setattr(map_kills, "CASE", case)
     monkeypatch.setattr(map_kills, "NAMES", ("plane",))
     map_kills.undisturbed.cache_clear()

@@ -19,6 +19,7 @@ STEPPED = ("direct", "zhuravlev", "ivanov", "moreau")
 ANALYTICAL = ("mapping", "averaging", "orbit")  # they say where they have no motion
 WHOLE = 201  # points of a sweep up to which it is run as it is
 FILES = sorted((Path(__file__).parents[3] / "cases").rglob("*.toml"))
+SLOW = ("two_stops", "dtu_harmonic")  # impacts in several places; harmonics: half a minute each
 
 
 def shortened(file: Path, **more: object) -> Case:
@@ -61,7 +62,11 @@ def expecting(case: Case, **more: object) -> Case:
     return vibeam.load(case.path, set={"sweep.frequency": grid} | settle | more)
 
 
-@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+@pytest.mark.parametrize(
+    "file",
+    [pytest.param(file, marks=pytest.mark.slow) if file.stem in SLOW else file for file in FILES],
+    ids=lambda file: file.stem,
+)
 def test_a_case_runs_and_meets_its_references(file: Path) -> None:
     case = shortened(file)
     result = vibeam.run(case, show=False)

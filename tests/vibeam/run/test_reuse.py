@@ -260,7 +260,7 @@ sys.exit(2)
 """
 
 
-@pytest.mark.parametrize("changed", [False, True])
+@pytest.mark.parametrize("changed", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_kill_between_calls_to_the_system_loses_nothing(tmp_path: Path, changed: bool) -> None:
     """Of a new file and of one that is adapted: the run after it ends in the bits of a run from nothing."""
     places = [str(Path(__file__).parent), *sys.path]
