@@ -4,7 +4,8 @@
 
 Scheduler and workers are processes of one thread each. The sides take turns; of each the round of the least wall time
 is kept. On a machine with other work the speed-up says little; the overhead does: CPU time of scheduler, workers and
-client over that of one local thread, beside that of two local threads, which share the processor's caches alike.
+client over that of one local thread, beside that of two local threads, which share the processor's caches alike. Then
+``BLOCKS`` blocks of next to no work: what one costs the client and the scheduler bounds how many cores they can feed.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from typing import Any
 import psutil  # type: ignore[import-untyped]
 
 import vibeam
+from vibeam.maps import grids
 from vibeam.maps.cluster import Cluster, connected
 
 HERE = Path(__file__).parent
@@ -35,11 +37,27 @@ AXES = [
     {"key": "sweep.frequency", "from": "14 Hz", "to": "17 Hz", "points": 30},
 ]
 
+BLOCKS = 600
+
 
 def case_of(settle: int) -> vibeam.Case:
     """A case with the map."""
     table = {"axes": AXES, "fidelities": ["sdof"], "direction": "both", "settle": settle, "hold": 50}
     return vibeam.load(ROOT / "cases/dtu_neutral.toml", set={"map": {"m": table}})
+
+
+def handed_over(folder: Path, processes: list[psutil.Process], cluster: Cluster) -> dict[str, float]:
+    """Wall and CPU s a block where a block is one line of two points and one period each."""
+    axes = [AXES[0] | {"points": BLOCKS}, AXES[1] | {"points": 2}]
+    table = {"axes": axes, "fidelities": ["sdof"], "direction": "apart", "settle": 1, "hold": 1}
+    case = vibeam.load(ROOT / "cases/dtu_neutral.toml", set={"map": {"m": table}})
+    kept = grids.SECONDS, grids.LEAST
+    grids.SECONDS, grids.LEAST = 0.0, 1
+    try:
+        found = timed(case, folder, processes, cluster=cluster)
+    finally:
+        grids.SECONDS, grids.LEAST = kept
+    return {name: value / BLOCKS for name, value in found.items()}
 
 
 @contextmanager
@@ -110,6 +128,7 @@ def main() -> None:
                 sides["one thread"].append(timed(case, folder, [], workers=1))
                 sides["two threads"].append(timed(case, folder, [], workers=2))
                 sides["two workers"].append(timed(case, folder, processes, cluster=cluster))
+            block = handed_over(folder, processes, cluster)
     load.append(os.getloadavg()[0])
     best = {name: min(rounds, key=lambda each: each["wall"]) for name, rounds in sides.items()}
     least = {name: min(each["cpu"] for each in rounds) for name, rounds in sides.items()}
@@ -117,6 +136,7 @@ def main() -> None:
         "speed-up": best["one thread"]["wall"] / best["two workers"]["wall"],
         "CPU over that of one thread": {name: value / least["one thread"] for name, value in least.items()},
         **sides,
+        "a block of no work": block,
         "machine": {"processors": os.cpu_count(), "load": load},
     }
     arguments.out.write_text(json.dumps(found, indent=1) + "\n", encoding="utf-8")

@@ -26,6 +26,8 @@ MOST_CARRIED = 1_000_000  # points of a block whose lines take steps together
 
 LEAST, MOST = 256, 50_000  # points of a block
 
+FILES = 20_000  # blocks of a map, about: of larger maps each is longer, so that one client can hand them all out
+
 
 def plan_of(case: Case, name: str) -> MapPlan:
     """The plan of a map; KeyError names those of the case."""
@@ -67,10 +69,10 @@ def lines_of_block(case: Case, grid: Grid) -> int:
     """
     modes = case.fidelities[grid.fidelity].modes or 1
     seconds = POINT + (grid.settle + grid.hold) * PERIOD * (1 + modes / 8)
-    points = min(max(SECONDS / seconds, LEAST), MOST)
+    line = prod(grid.shape)
+    points = min(max(SECONDS / seconds, LEAST, grid.lines * line / FILES), MOST)
     if grid.refine:
         return int(points)
-    line = prod(grid.shape)
     together = min(SHARE * CALL / seconds, MOST_CARRIED / line) if grid.ways else 1
     return max(1, min(int(max(points / line, together)), grid.lines))
 

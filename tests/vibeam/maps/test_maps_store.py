@@ -191,6 +191,18 @@ def test_a_block_is_no_longer_than_its_map_and_has_a_line_at_least() -> None:
     assert 1 <= lines_of_block(slow, grids_of(slow, slow.maps["m"])["sdof"]) <= 15
 
 
+def test_a_very_large_map_has_no_more_blocks_than_a_client_can_hand_out() -> None:
+    axes = [
+        {"key": "stop.gap", "from": 0.0, "to": 1e-4, "points": 1000},
+        {"key": "drive.voltage", "from": 0.3, "to": 0.7, "points": 1000},
+        {"key": "sweep.frequency", "from": 14.0, "to": 17.0, "points": 300},
+    ]
+    rig = case(axes=axes, direction="apart", settle=3000)
+    grid = grids_of(rig, rig.maps["m"])["sdof"]
+    assert grid.lines / lines_of_block(rig, grid) < 21_000
+    assert 300 * lines_of_block(rig, grid) > 14_000  # four seconds and more, for one of a small map
+
+
 def test_what_is_known_of_a_map_under_way_stands_in_its_place() -> None:
     rig = case()
     grid = grids_of(rig, rig.maps["m"])["sdof"]
