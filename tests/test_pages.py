@@ -107,6 +107,11 @@ def test_the_table_of_the_front_page_agrees_with_the_results(pages: ModuleType) 
     assert pages.with_tables(page, pages.generated_for_front()) == page, "run python tests/benchmarks/pages.py"
 
 
+def test_the_table_of_the_maps_page_agrees_with_the_results(pages: ModuleType) -> None:
+    page = pages.MAPS.read_text(encoding="utf-8")
+    assert pages.with_tables(page, pages.generated_for_maps()) == page, "run python tests/benchmarks/pages.py"
+
+
 def test_another_result_is_another_page(pages: ModuleType, tmp_path: Path) -> None:
     committed = ("peers", "modes", "limits", "libraries", "startup", "sparse", "recommended", "estimates")
     for name in (f"{each}.json" for each in committed):

@@ -1,6 +1,6 @@
 """Two local Dask workers against one local process without Dask: wall and CPU times of one map.
 
-    python tests/benchmarks/cluster.py [--rounds 2] [--settle 20000] [--out tests/benchmarks/results/cluster.json]
+    python tests/benchmarks/cluster.py [--rounds 2] [--settle 120000] [--out tests/benchmarks/results/cluster.json]
 
 Scheduler and workers are processes of one thread each. The sides take turns; of each the round of the least wall time
 is kept. On a machine with other work the speed-up says little; the overhead does: CPU time of scheduler, workers and
@@ -114,7 +114,7 @@ def main() -> None:
     """Measure and write."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=2)
-    parser.add_argument("--settle", type=int, default=20_000)
+    parser.add_argument("--settle", type=int, default=120_000)
     parser.add_argument("--out", type=Path, default=HERE / "results" / "cluster.json")
     arguments = parser.parse_args()
     case = case_of(arguments.settle)

@@ -7,7 +7,7 @@ A table stands between ``<!-- begin: NAME -->`` and ``<!-- end: NAME -->``; ever
 ``against_peers.py`` writes results/peers.json, ``modes.py`` writes results/modes.json, ``printed_stability.py``
 writes results/printed_stability.json, ``paper_methods.py --write`` writes results/paper_methods.json, ``limits.py``
 writes results/limits.json, ``estimates.py`` writes results/estimates.json, ``recommended.py`` writes
-results/recommended.json.
+results/recommended.json, ``batches.py`` writes results/batches.json, ``cluster.py`` writes results/cluster.json.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ HERE = Path(__file__).parent
 PAGE, RESULTS = HERE / "README.md", HERE / "results"
 FRONT = HERE.parents[1] / "README.md"
 PAPER = HERE.parents[1] / "cases" / "paper" / "README.md"
+MAPS = HERE.parents[1] / "vibeam" / "maps" / "README.md"
 DAMPINGS = ("constant", "stiffness")
 Row = dict[str, Any]
 
@@ -283,6 +284,35 @@ def _flown_cell(row: Row) -> str:
     return f"{row['modes']}: {100 * row['worst']:.2g} % ({100 * row['rms']:.2g} %){few}"
 
 
+def scale_table(batches: dict[str, Any], cluster: dict[str, Any]) -> str:
+    """Points a second that a core does, measured, and what 1, 16 and 256 cores need for 10⁹ points, predicted."""
+    jobs = {
+        "DTU rig as in Fig. 18, one mode": batches["rows"]["as Fig. 18, one mode"],
+        "the same, eight modes": batches["rows"]["as Fig. 18, eight modes"],
+        "gap against frequency, one mode, 11 % aperiodic": batches["rows"]["nominal map, one mode"],
+    }
+    periods = batches["settle"] + batches["hold"]
+    rates = {name: (row["points"] / row["lanes"], periods) for name, row in jobs.items()}
+    basins = batches["basins"]
+    rates["starts of a basin of attraction, one mode"] = basins["points"] / basins["cpu"], 200
+    over = cluster["CPU over that of one thread"]["two workers"]
+    columns = ("points", "drive periods each", "a second and core", "1 core", "16 cores", "256 cores")
+    return markdown(columns, (_scale_cells(name, *rate, over) for name, rate in rates.items()))
+
+
+def _scale_cells(name: str, rate: float, periods: int, over: float) -> list[str]:
+    seconds = 1e9 / rate
+    together = (_lasting(over * seconds / cores) for cores in (16, 256))
+    return [name, str(periods), significant(rate), _lasting(seconds), *together]
+
+
+def _lasting(seconds: float) -> str:
+    for unit, size in (("days", 86400.0), ("h", 3600.0)):
+        if seconds >= 1.5 * size:
+            return f"{significant(seconds / size)} {unit}"
+    return f"{significant(seconds / 60)} min"
+
+
 def front_table(found: dict[str, Any]) -> str:
     """Peaks of the neutral case under both choices of the restitution held."""
     choices = {"first mode": ("R₁ held: R at the contact", "restitution"), "contact": ("R held: R₁", "first_mode")}
@@ -331,6 +361,11 @@ def generated_for_paper(results: Path = RESULTS) -> dict[str, str]:
     }
 
 
+def generated_for_maps(results: Path = RESULTS) -> dict[str, str]:
+    """The table of the maps' page by name, from the results files in a folder."""
+    return {"scale": scale_table(_read(results, "batches"), _read(results, "cluster"))}
+
+
 def generated_for_front(results: Path = RESULTS) -> dict[str, str]:
     """The table of the front page by name, from the results files in a folder."""
     return {"held": front_table(_read(results, "limits")["front"])}
@@ -356,7 +391,12 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="change nothing; exit code 1 where the page disagrees")
     check = parser.parse_args().check
-    for place, tables in ((PAGE, generated()), (PAPER, generated_for_paper()), (FRONT, generated_for_front())):
+    for place, tables in (
+        (PAGE, generated()),
+        (PAPER, generated_for_paper()),
+        (FRONT, generated_for_front()),
+        (MAPS, generated_for_maps()),
+    ):
         page = place.read_text(encoding="utf-8")
         renewed = with_tables(page, tables)
         if renewed != page and check:
