@@ -141,7 +141,10 @@ def test_a_slow_chirp_is_the_settled_curve():
 
 @pytest.mark.parametrize(
     ("solver", "options", "within"),
-    [("direct", {"rtol": 1e-10, "atol": 1e-14}, 1e-6), ("moreau", {"steps": 4000}, 2e-3)],
+    [
+        pytest.param("direct", {"rtol": 1e-10, "atol": 1e-14}, 1e-6, marks=pytest.mark.slow),
+        ("moreau", {"steps": 4000}, 2e-3),
+    ],
 )
 def test_other_solvers_fly_it_too(solver, options, within):
     chirp = linear_chirp(FIRST, FIRST + 2.0, 2 * np.pi * 2.0)
