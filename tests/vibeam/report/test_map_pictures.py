@@ -53,6 +53,14 @@ def test_every_picture_is_drawn_of_its_map(picture: str, tmp_path: Path) -> None
     assert all(np.all(np.isfinite(axes.dataLim.get_points())) for axes in figure.axes[:1])
 
 
+@pytest.mark.parametrize("picture", ["bifurcation", "basins", "spectra"])
+def test_a_map_of_one_point_is_drawn_without_a_warning(picture: str, tmp_path: Path) -> None:
+    axes = [{"key": "sweep.frequency", "values": [15.0]}]
+    figure = map_figure(vibeam.run_map(case(picture, axes=axes), "m", tmp_path / "m.h5"))
+    low, high = figure.axes[0].get_xlim()
+    assert low < high
+
+
 def test_the_cells_of_a_period_map_are_the_classes_of_its_points(tmp_path: Path) -> None:
     found = vibeam.run_map(case("period"), "m", tmp_path / "m.h5")
     figure = map_figure(found)

@@ -102,7 +102,8 @@ def _shares(axes: Axes, found: Labelled, x: Any, names: dict[str, str]) -> list[
     shares = [np.mean(found.which == each, axis=-1) for each in range(len(colours))]
     if shares:
         axes.stackplot(x, shares, colors=colours, step="mid", linewidth=0)
-    axes.set_xlim(x.min(), x.max())
+    if len(x) > 1:
+        axes.set_xlim(x.min(), x.max())
     axes.set_ylim(0, 1)
     return _legend(names, found)
 

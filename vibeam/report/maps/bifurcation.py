@@ -56,7 +56,8 @@ def bifurcation(figure: Figure, result: MapResult, exact: bool) -> tuple[list[An
             _lines(axes, found, across.factor, units.length_factor, handles)
             if why:
                 notes[why] = None
-        axes.set_xlim(x.min(), x.max())
+        if len(x) > 1:
+            axes.set_xlim(x.min(), x.max())
         axes.set_ylabel(motion_of(plan.output, "displacement", units))
         if count > 1:
             axes.set_title(plain(name_of(result.case, fidelity)))
