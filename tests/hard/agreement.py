@@ -203,9 +203,9 @@ def _doubles(values: list) -> np.ndarray:
 
 def follow(case: Case, impacts: int, each: int = 10, seconds: float = np.inf) -> Tally:
     """Bursts of ``each`` impacts until so many are judged, nothing more comes, or the truth has taken so long."""
-    begun = time.monotonic()
+    begun = time.process_time()
     total, t, start, quiet = Tally(), 0.0, case.start, 0
-    while total.impacts < impacts and quiet < 8 and not total.faults and time.monotonic() < begun + seconds:
+    while total.impacts < impacts and quiet < 8 and not total.faults and time.process_time() < begun + seconds:
         try:
             tally, start, t = burst(Case(case.system, case.drive, start), t, each)
         except (ArithmeticError, ValueError):  # nearer to the stop than doubles can tell: the truth cannot start

@@ -3,8 +3,8 @@
     python tests/hard/torture.py impacts --count 10000
 
 Counts what was missed, invented or wrong, and keeps the worst errors. One system in ten has up to 30 modes, the others
-one to three, whose truth is some hundred impacts a second. That of stiff systems is slow: after ``PATIENCE`` seconds a
-system's motion is judged no further.
+one to three, whose truth is some hundred impacts a second. That of stiff systems is slow: after ``PATIENCE`` seconds of
+CPU time a system's motion is judged no further.
 """
 
 from __future__ import annotations

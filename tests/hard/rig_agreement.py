@@ -93,7 +93,8 @@ def steady_agrees(rig: Rig, rng: Generator, verdict: Verdict) -> None:
         return
     path = vibeam.simulate(rig.system, rig.drive, SHORT * rig.period, rig.start, max_impacts=5000)
     point, last = next(march(
-        rig.system, [rig.drive.omega], rig.drive.amplitude, settle=0, hold=SHORT, state=rig.start
+        rig.system, [rig.drive.omega], rig.drive.amplitude, settle=0, hold=SHORT, state=rig.start,
+        options={"limit": 5000},
     ))  # fmt: skip
     if path.ended is not vibeam.Ended.COMPLETE or point.ended[0] != vibeam.Ended.COMPLETE.code:
         return

@@ -138,11 +138,12 @@ def fly(rig: Rig, share: float = 1.0) -> vibeam.Trajectory:
 
 def motion(rig: Rig, rng: Generator, verdict: Verdict) -> None:
     """One motion: how it ended, the same again and in eight threads, penetration, energy."""
-    path = fly(rig, min(1.0, LONGEST / max(PERIODS * rig.cost, 1e-9)))
+    foretold = PERIODS * rig.cost if rig.complete else 0.0  # else ``IMPACTS`` end it
+    path = fly(rig, min(1.0, LONGEST / max(foretold, 1e-9)))
     verdict.count("impacts flown", len(path.impact_times))
     _ended(path, verdict)
     verdict.hold(_finite(path) or path.ended is vibeam.Ended.NOT_FINITE, "simulate: not finite without a reason")
-    share = min(1.0, AFFORDED / max(PERIODS * rig.cost, path.stats["cpu_seconds"], 1e-9))
+    share = min(1.0, AFFORDED / max(foretold, path.stats["cpu_seconds"], 1e-9))
     again = fly(rig, share)
     verdict.hold(_same(path if share == 1 else fly(rig, share), again), "simulate: other bits on repeat")
     with ThreadPoolExecutor(THREADS) as pool:
@@ -263,12 +264,14 @@ def swept(rig: Rig, rng: Generator, verdict: Verdict) -> None:
 
 
 def _shortened(rig: Rig, verdict: Verdict) -> Rig:
-    """The same with two periods a point where impacts are without number, as where R → 1 for weak ones, or costly."""
+    """The same with two periods a point, of ``IMPACTS`` at most, where those are without number or costly."""
     if not _is_long(rig):
         return rig
     verdict.count("sweeps shortened")
     points = {"sweep.settle": 0 if rig.cost > COSTLY / 10 else 1, "sweep.hold": 1, "sweep.frequency.points": 2}
-    return replace(rig, case=parse(rig.case.text, set=points | {"sweep.direction": "up"}))
+    options = dict(rig.case.fidelities["flown"].options) | {"limit": IMPACTS}
+    less = points | {"sweep.direction": "up", "fidelity.flown.options": options}
+    return replace(rig, case=parse(rig.case.text, set=less))
 
 
 def _is_long(rig: Rig) -> bool:
@@ -288,6 +291,7 @@ def _sweep(rig: Rig) -> vibeam.Branches:
     found = vibeam.sweep(
         rig.system, omega=omega, amplitude=rig.case.amplitude_of("flown", omega), direction=plan.direction,
         settle=plan.settle, hold=plan.hold, output=plan.output, drift=drift, wear=gap_wear(scene),
+        options=rig.case.fidelities["flown"].options,
     )  # fmt: skip
     return found if isinstance(found, vibeam.Branches) else vibeam.Branches(**{plan.direction: found})
 

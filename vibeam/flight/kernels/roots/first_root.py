@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.layout import ATTACHED, CONST, CREEP, HARMONIC, LEVELS, P1, STEP, WHOLE, ZI, ZR, E
+from vibeam.flight.kernels.layout import ATTACHED, CONST, CREEP, HARMONIC, LEVELS, P1, S0, STEP, WHOLE, ZI, ZR, E
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.bounds import CLEAR, MINIMUM, ROOT, SPLIT
 from vibeam.flight.kernels.roots.double_gap import InitialState, sharp_gap
@@ -31,6 +31,8 @@ GLANCE = 256  # panels after which it is asked whether what is left can reach ze
 FAINT = 1e-9  # share of the parts of a gap below which its rise is lost in their round-off
 
 AMPLE = 1.25  # first panel over the flight that is foretold, where it matters that the flight ends on it
+
+CANCELLED = 64.0  # parts over |g'| t beyond which a root at t is known to fewer digits than its flight's data
 
 SHALLOW = 1e9  # times round-off: how far from zero a minimum is still judged, and its touch found, sharply
 
@@ -88,6 +90,8 @@ def first_root(g: Signal, start: Start, span: float, coarsest: int, initial: Ini
                 found = CLEAR
         if found == ROOT:
             root = polish(g, here, time, time + guess(signal, h, bracket), bracket)
+            if here.order == 0 and size > CANCELLED * root * abs(signal[S0]):
+                root = sharpened(g, initial, time, root, size)
             return root <= span, min(root, span), panels
         if here.order > 0:
             step_pairs(pairs, table, level)
@@ -104,6 +108,24 @@ def first_root(g: Signal, start: Start, span: float, coarsest: int, initial: Ini
         if panels % GLANCE == 0 and is_out_of_reach(g, tolerance):
             break
     return False, span, panels
+
+
+@kernel
+def sharpened(g: Signal, initial: InitialState, node: float, root: float, size: float) -> float:
+    """``root`` of a gap after one Newton step in twice the precision, where its parts cancel; else as it is.
+
+    Round-off ε ``size`` of the parts moves a root of slope g' by ε ``size``/|g'|, here by 64 last digits and more.
+    """
+    if initial.clock < 0.0 or g.terms[ATTACHED] > 0.0:
+        return root
+    _, slope, _ = value_at(g, node, root)
+    if size <= CANCELLED * root * abs(slope):
+        return root
+    step = sharp_gap(g.pairs, initial, root) / slope
+    if step < root:
+        root -= step
+    value_at(g, node, root)
+    return root
 
 
 @joined
