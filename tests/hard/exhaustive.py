@@ -14,9 +14,9 @@ from random_systems import random_case
 from verdict import Verdict
 from workers import Stage
 
-IMPACTS, EACH = 300, 8  # of a system, and of a burst
+IMPACTS, EACH = 2000, 8  # of a system at most, and of a burst
 
-PATIENCE = 10.0
+PATIENCE = 2.0
 
 LARGE = 10  # one number in so many has any size
 

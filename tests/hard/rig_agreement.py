@@ -5,6 +5,7 @@ Where they may differ by round-off or a tolerance, the bar is what the motion it
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -38,6 +39,12 @@ SAMPLES = 32  # of a motion, for its size
 SHORT = 2  # drive periods
 
 STIFFEST = 100.0  # frequency over the drive's above which ``direct`` takes too long
+
+SECONDS = 1.0  # of CPU time that a sweep's impacts may take, about
+
+FEW, MANY = 20, 5000  # impacts by which it is known what one costs, read off; those of a period at most
+
+FLIGHT = 3e-6  # CPU seconds of an impact at least, a mode
 
 DENSE = 1e3  # standard deviations of the plain engine: the other goes through dense matrices, which round more
 
@@ -87,16 +94,28 @@ def spread(rig: Rig, periods: int, last: vibeam.State, amount: float, rng: Gener
     return found
 
 
+def affordable(rig: Rig, points: int) -> int:
+    """Impacts a drive period beyond which a point is given up: what a sweep affords that meets so many at each."""
+    begun = time.process_time()
+    point, _ = next(march(
+        rig.system, [rig.drive.omega], rig.drive.amplitude, settle=1, hold=1, options={"limit": FEW}
+    ))  # fmt: skip
+    each = (time.process_time() - begun) / max(int(point.impacts[0]), FEW)
+    return int(np.clip(SECONDS / (points * max(each, FLIGHT * rig.system.size)), FEW, MANY))
+
+
 def steady_agrees(rig: Rig, rng: Generator, verdict: Verdict) -> None:
     """A point of a sweep without settling is the motion of ``simulate``."""
     if rig.cost > COSTLY:
         return
     path = vibeam.simulate(rig.system, rig.drive, SHORT * rig.period, rig.start, max_impacts=5000)
+    if path.ended is not vibeam.Ended.COMPLETE:
+        return
     point, last = next(march(
         rig.system, [rig.drive.omega], rig.drive.amplitude, settle=0, hold=SHORT, state=rig.start,
-        options={"limit": 5000},
+        options={"limit": affordable(rig, 1)},
     ))  # fmt: skip
-    if path.ended is not vibeam.Ended.COMPLETE or point.ended[0] != vibeam.Ended.COMPLETE.code:
+    if point.ended[0] != vibeam.Ended.COMPLETE.code:
         return
     whole = size(rig, path)
     if not moves(rig, whole):

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from energy_balance import balance
 from numpy.random import Generator
-from rig_agreement import direct_agrees, engines_agree, steady_agrees
+from rig_agreement import affordable, direct_agrees, engines_agree, steady_agrees
 from rig_orbits import orbits_hold
 from rigs import random_rig
 from verdict import Verdict
@@ -39,7 +39,9 @@ PERIODS, IMPACTS = 20, 5000  # length of a motion, at most
 
 FAST = 1e4  # times the drive's frequency, from which on a mode may be too fast to find the next event
 
-MORE = 20  # times as long a period of a sweep may take as one that ``IMPACTS`` ended
+MORE = 20  # times as long a period may take as one that ``IMPACTS`` ended
+
+TRIED = 20  # part of a drive period by which it is known whether one is costly
 
 COSTLY = 1.0  # CPU seconds of a sweep that is shortened, or not repeated
 
@@ -68,8 +70,8 @@ class Rig:
     system: vibeam.ImpactSystem
     drive: vibeam.Drive
     start: vibeam.State | None
-    cost: float  # CPU seconds of a drive period
-    complete: bool  # whether one was flown to its end, by which the cost is known
+    cost: float  # CPU seconds of a drive period, about
+    endless: bool = False  # whether its impacts are more than are flown, by which its cost is foretold
 
     @property
     def period(self) -> float:
@@ -111,9 +113,12 @@ def read(text: str, rng: Generator) -> Rig:
     amplitude = float(np.broadcast_to(case.amplitude_of("flown", omega), omega.shape)[0])
     drive = vibeam.Drive(float(omega[0]), amplitude)
     start = None if rng.random() < 0.4 else _start(system, drive, rng)
-    first = vibeam.simulate(system, drive, 2 * np.pi / drive.omega, start, max_impacts=IMPACTS)
-    complete = first.ended is vibeam.Ended.COMPLETE
-    return Rig(case, system, drive, start, (1 if complete else MORE) * first.stats["cpu_seconds"], complete)
+    for share in (1 / TRIED, 1.0):
+        first = vibeam.simulate(system, drive, share * 2 * np.pi / drive.omega, start, max_impacts=IMPACTS)
+        endless, cost = first.ended is vibeam.Ended.EVENT_LIMIT, first.stats["cpu_seconds"] / share
+        if endless or cost > COSTLY:
+            break
+    return Rig(case, system, drive, start, MORE * cost if endless else cost, endless)
 
 
 def _start(system: vibeam.ImpactSystem, drive: vibeam.Drive, rng: Generator) -> vibeam.State:
@@ -131,23 +136,23 @@ def _kind(system: vibeam.ImpactSystem) -> str:
     return law + (", two stops" if system.second_gap is not None else "")
 
 
-def fly(rig: Rig, share: float = 1.0) -> vibeam.Trajectory:
-    """The motion over that share of ``PERIODS``."""
-    return vibeam.simulate(rig.system, rig.drive, share * PERIODS * rig.period, rig.start, max_impacts=IMPACTS)
+def fly(rig: Rig, span: float) -> vibeam.Trajectory:
+    """The motion over ``span`` seconds, or ``IMPACTS``."""
+    return vibeam.simulate(rig.system, rig.drive, span, rig.start, max_impacts=IMPACTS)
 
 
 def motion(rig: Rig, rng: Generator, verdict: Verdict) -> None:
     """One motion: how it ended, the same again and in eight threads, penetration, energy."""
-    foretold = PERIODS * rig.cost if rig.complete else 0.0  # else ``IMPACTS`` end it
-    path = fly(rig, min(1.0, LONGEST / max(foretold, 1e-9)))
+    foretold = 0.0 if rig.endless else PERIODS * rig.cost
+    path = fly(rig, PERIODS * rig.period * min(1.0, LONGEST / max(foretold, 1e-9)))
     verdict.count("impacts flown", len(path.impact_times))
     _ended(path, verdict)
     verdict.hold(_finite(path) or path.ended is vibeam.Ended.NOT_FINITE, "simulate: not finite without a reason")
-    share = min(1.0, AFFORDED / max(foretold, path.stats["cpu_seconds"], 1e-9))
-    again = fly(rig, share)
-    verdict.hold(_same(path if share == 1 else fly(rig, share), again), "simulate: other bits on repeat")
+    part = path.t_end * min(1.0, AFFORDED / max(path.stats["cpu_seconds"], 1e-9))
+    again = fly(rig, part)
+    verdict.hold(_same(fly(rig, part), again), "simulate: other bits on repeat")
     with ThreadPoolExecutor(THREADS) as pool:
-        others = list(pool.map(lambda _: fly(rig, share), range(THREADS)))
+        others = list(pool.map(lambda _: fly(rig, part), range(THREADS)))
     verdict.hold(all(_same(again, other) for other in others), "simulate: other bits in eight threads")
     verdict.count("repeats to the bit", 1 + THREADS)
     if path.ended in (vibeam.Ended.COMPLETE, vibeam.Ended.EVENT_LIMIT):
@@ -240,8 +245,8 @@ def _checked(found: Any, verdict: Verdict) -> None:
 
 def swept(rig: Rig, rng: Generator, verdict: Verdict) -> None:
     """The case run and the system swept: the same bits; a point that is not complete says why."""
-    if rig.complete and rig.cost > COSTLY:
-        verdict.count("sweeps left out: a period takes more than a second")
+    if rig.cost > COSTLY / 8 and not rig.endless:
+        verdict.count("sweeps left out: a period takes more than an eighth of a second")
         return
     rig = _shortened(rig, verdict)
     run = vibeam.run(rig.case, show=False)["flown"]
@@ -264,24 +269,27 @@ def swept(rig: Rig, rng: Generator, verdict: Verdict) -> None:
 
 
 def _shortened(rig: Rig, verdict: Verdict) -> Rig:
-    """The same with two periods a point, of ``IMPACTS`` at most, where those are without number or costly."""
-    if not _is_long(rig):
-        return rig
-    verdict.count("sweeps shortened")
-    points = {"sweep.settle": 0 if rig.cost > COSTLY / 10 else 1, "sweep.hold": 1, "sweep.frequency.points": 2}
-    options = dict(rig.case.fidelities["flown"].options) | {"limit": IMPACTS}
-    less = points | {"sweep.direction": "up", "fidelity.flown.options": options}
-    return replace(rig, case=parse(rig.case.text, set=less))
+    """The same with a bound of impacts a period, and with two periods a point where those would cost much."""
+    plan, less = rig.case.sweep, {}
+    bound = affordable(rig, len(plan.frequency))
+    if _is_long(rig, bound):
+        verdict.count("sweeps shortened")
+        less = {"sweep.settle": 0 if rig.cost > COSTLY / 10 else 1, "sweep.hold": 1, "sweep.frequency.points": 2}
+        less["sweep.direction"] = "up"
+    options = dict(rig.case.fidelities["flown"].options) | {"limit": bound}
+    return replace(rig, case=parse(rig.case.text, set=less | {"fidelity.flown.options": options}))
 
 
-def _is_long(rig: Rig) -> bool:
+def _is_long(rig: Rig, bound: int) -> bool:
     """Whether the sweep as it is planned takes too long."""
-    added = gap_drift(rig.case.scene_of("flown"), [rig.drive.omega])
+    added, plan = gap_drift(rig.case.scene_of("flown"), [rig.drive.omega]), rig.case.sweep
     drifted = rig.system if added is None else replace(rig.system, gap=rig.system.gap + float(added[0]))
-    first = vibeam.simulate(drifted, rig.drive, 3 * rig.period, max_impacts=IMPACTS)
-    plan = rig.case.sweep
-    cost = first.stats["cpu_seconds"] / 3 * (plan.settle + plan.hold) * 2 * len(plan.frequency)
-    return len(first.impact_times) >= IMPACTS or cost >= COSTLY
+    for system in (drifted, rig.system):  # a warm-up knows of no drift
+        first = vibeam.simulate(system, rig.drive, 3 * rig.period, max_impacts=bound)
+        cost = first.stats["cpu_seconds"] / 3 * (plan.settle + plan.hold) * 2 * len(plan.frequency)
+        if len(first.impact_times) >= bound or cost >= COSTLY:
+            return True
+    return False
 
 
 def _sweep(rig: Rig) -> vibeam.Branches:

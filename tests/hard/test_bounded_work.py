@@ -80,3 +80,36 @@ def test_a_long_pressed_contact_costs_no_more_than_a_short_one() -> None:
     assert path.ended is vibeam.Ended.COMPLETE
     assert path.stats["evaluations"] < 1000
     assert len(path.contacts) == 1
+
+
+def stiff(static: np.ndarray | float, gap: float) -> vibeam.ImpactSystem:
+    """Modes from 5 to 120 000 Hz, the stiff ones far overdamped, and a stop that lets nothing bounce."""
+    omega = np.geomspace(30.0, 7.6e5, 12)
+    return vibeam.ImpactSystem.from_modes(
+        omega, np.minimum(6e-5 * omega, 50.0), SIGNS, np.geomspace(1.0, 0.1, 12), gap=gap, restitution=0.0,
+        static=static,
+    )  # fmt: skip
+
+
+SIGNS = np.where(np.arange(12) % 2, -1.0, 1.0)
+
+
+def test_a_start_that_is_nothing_against_the_drive_costs_no_more_than_none() -> None:
+    """Stiff modes answer the drive at once: none is carried along for the sake of the start's digits."""
+    system, drive = stiff(0.0, 9e-7), vibeam.Drive(27.0, 3.4e-6)
+    tiny = vibeam.simulate(system, drive, 0.4, vibeam.State(np.zeros(12), -1e-14 * SIGNS))
+    none = vibeam.simulate(system, drive, 0.4, vibeam.State(np.zeros(12), np.zeros(12)))
+    assert tiny.ended is none.ended is vibeam.Ended.COMPLETE
+    np.testing.assert_allclose(tiny.impact_times, none.impact_times, rtol=1e-6)
+    assert tiny.stats["evaluations"] < 20 * none.stats["evaluations"]
+    assert tiny.segments.size < 1e-14  # flown once, with the start's digits
+
+
+@pytest.mark.parametrize("resting", [True, False])
+def test_a_load_set_on_at_rest_is_flown_to_the_end(resting: bool) -> None:
+    """From nothing all static displacements are far, and carrying stiff modes there would take 10⁷ panels."""
+    static = np.where(np.arange(12) % 3 == 0, 9.81, np.where(np.arange(12) % 3 == 1, -4.0, 0.0))
+    system, drive = stiff(static, 0.0), vibeam.Drive(27.0, 0.0)
+    path = vibeam.simulate(system, drive, 0.4, vibeam.State(np.zeros(12), np.zeros(12), resting))
+    assert path.ended is vibeam.Ended.COMPLETE
+    assert np.all(path.at(np.linspace(0, 0.4, 4000)) <= 1e-14)

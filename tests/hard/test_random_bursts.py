@@ -30,6 +30,15 @@ def test_none_missed_none_invented_none_late() -> None:
     assert total.worst_relative < 1e-11
 
 
+@pytest.mark.parametrize("number", [313, 1083, 1119])
+def test_systems_that_once_had_findings(number: int) -> None:
+    """A gap that is a small difference of static offsets (313); starts among an accumulation's last digits."""
+    tally = follow(random_case(1, number, 1 + number % 3), 300, 8, 10.0)
+    assert not tally.faults
+    assert tally.impacts > 30
+    assert tally.worst_blur < 1
+
+
 @pytest.mark.parametrize("seed", [3, 8, 17])
 def test_where_a_motion_ends_changes_no_bit_of_it(seed: int) -> None:
     """A free mode is carried by Taylor series, whose round-off is judged by the panel at hand."""

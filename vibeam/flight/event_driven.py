@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from vibeam.flight.equilibrium import equilibrium, size_of_motion
 from vibeam.flight.kernels.layout import (
     AT_CLOCK,
+    CARRIED,
     CLOCK,
     COMPLETE,
     COUNT_ROWS,
@@ -31,6 +32,7 @@ from vibeam.flight.kernels.layout import (
     START,
     STATUS_ROWS,
     TRACE_COLUMNS,
+    UNRESOLVED,
     WHAT,
     Regime,
     Watch,
@@ -132,11 +134,36 @@ class EventDrivenSolver(ABC):
     def simulate(
         self, drive: Drive, state: State | None, start: float, end: float, limit: int
     ) -> tuple[Ended, float, State, Segments, dict[str, float]]:
-        """The motion from time ``start`` to ``end``: why it ended, when, its last state, all segments, stats."""
+        """The motion from time ``start`` to ``end``: why it ended, when, its last state, all segments, stats.
+
+        Where modes that are far from a small motion (``size_of_motion``) take too many panels, it is flown anew with
+        their steady response taken out.
+        """
         begun = time.thread_time()
         pose, status = self.pose(state)
         status[CLOCK] = start
         size = size_of_motion(self.system, drive, self._outward(pose))
+        first = pose.copy(), status.copy()
+        outcome, segments, counts = self._flown(drive, pose, status, start, end, limit, size)
+        if outcome == UNRESOLVED and size < np.inf and self._carries():
+            pose, status = first
+            outcome, segments, counts = self._flown(drive, pose, status, start, end, limit, np.inf)
+        stats = {
+            "impacts": int(counts[IMPACTS]),
+            "evaluations": int(counts[PANELS]),
+            "cpu_seconds": time.thread_time() - begun,
+        }
+        last = end if outcome == COMPLETE else float(segments.trace[-1, START] + segments.trace[-1, DURATION])
+        return OUTCOMES[outcome], last, self.state(pose, status), segments, stats
+
+    def _carries(self) -> bool:
+        """Whether the last motion carried modes along without their steady response."""
+        return any(bool(regime.blocks[CARRIED].any()) for regime in self._regimes())
+
+    def _flown(
+        self, drive: Drive, pose: Array, status: Array, start: float, end: float, limit: int, size: float
+    ) -> tuple[int, Segments, NDArray[np.int64]]:
+        """Carry ``pose`` and ``status`` on to time ``end``: outcome, segments, counts."""
         engine = self._engine_for(size)
         rows, done, kept = ROWS, 0.0, []
         counts = np.zeros(COUNT_ROWS, dtype=np.int64)
@@ -156,13 +183,7 @@ class EventDrivenSolver(ABC):
         segments = Segments(np.concatenate([s.trace for s in kept]), np.concatenate([s.poses for s in kept]), size)
         if not len(segments.trace):  # ended where it began: the start is all there is
             segments = self._instant(start, pose, status, size)
-        stats = {
-            "impacts": int(counts[IMPACTS]),
-            "evaluations": int(counts[PANELS]),
-            "cpu_seconds": time.thread_time() - begun,
-        }
-        last = end if outcome == COMPLETE else float(segments.trace[-1, START] + segments.trace[-1, DURATION])
-        return OUTCOMES[outcome], last, self.state(pose, status), segments, stats
+        return outcome, segments, counts
 
     def _instant(self, time: float, pose: Array, status: Array, size: float) -> Segments:
         """A segment without duration."""

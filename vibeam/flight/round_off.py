@@ -23,7 +23,7 @@ from vibeam.flight import tangent
 from vibeam.flight.endless import endless
 from vibeam.flight.equilibrium import size_of_motion
 from vibeam.flight.kernels.layout import BEFORE, CHATTER, DURATION, END, IMPACT, STUCK
-from vibeam.flight.kernels.thresholds import FAR, FAR_DRIVEN
+from vibeam.flight.kernels.thresholds import BRISK, FAR, FAR_DRIVEN
 
 if TYPE_CHECKING:
     from vibeam.system.impact_system import Drive, ImpactSystem
@@ -140,4 +140,8 @@ def _far(system: ImpactSystem, drive: Drive, pose: Array) -> Array:
     driven = np.abs(system.load * w * w * drive.amplitude) / np.where(usable, response, np.inf)
     static = np.abs(system.static) / np.where(square > 0, square, np.inf)
     size = size_of_motion(system, drive, pose)
-    return np.asarray(np.where((driven > FAR_DRIVEN * size) | (static > FAR * size), 0.0, driven + static))
+    damping = 2 * system.zeta * system.omega
+    offset = np.where(damping <= BRISK * np.maximum(system.omega, w), FAR, FAR_DRIVEN)
+    slow = np.maximum(system.omega, damping) <= BRISK * w
+    carried = (static > offset * size) | (slow & (driven > FAR_DRIVEN * size))
+    return np.asarray(np.where(carried, 0.0, driven + static))

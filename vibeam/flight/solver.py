@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vibeam.flight.entries import cover, move, poses_at
 from vibeam.flight.event_driven import EventDrivenSolver
-from vibeam.flight.kernels.layout import EVERYTHING, STATUS_ROWS, Engine, Regime
+from vibeam.flight.kernels.layout import ATTACHED, EVERYTHING, STATUS_ROWS, Engine, Regime
 from vibeam.flight.linear.packing import PackedSystem, pack
 from vibeam.system.impact_system import ImpactSystem
 
@@ -46,6 +46,9 @@ class FlightSolver(EventDrivenSolver):
 
     def _regimes(self) -> tuple[Regime, ...]:
         return (self.packed.desk.rest,)
+
+    def _carries(self) -> bool:
+        return super()._carries() or bool(self.packed.desk.signal[ATTACHED] > 0.0)
 
     def _scratch(self) -> tuple[Array, ...]:
         return *super()._scratch(), np.zeros(STATUS_ROWS)

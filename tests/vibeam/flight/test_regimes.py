@@ -400,3 +400,24 @@ def test_what_makes_no_system_is_refused() -> None:
         vibeam.ImpactSystem.from_modes([1, 2], 0, 1, 1, coupling=[[1]])
     with pytest.raises(ValueError, match="second_gap"):
         vibeam.ImpactSystem.from_modes([1], 0, 1, 1, gap=-1e-3, second_gap=1e-3)
+
+
+@pytest.mark.parametrize("law", [None, LinearStop(3e4, 2.0)])
+def test_another_gap_takes_no_other_blocks(law: object) -> None:
+    """They are kept: found once for a sweep with drift, read-only, and to the bit those found anew."""
+    from vibeam.flight.linear import blocks
+    from vibeam.flight.linear.eigenpairs import Linear
+    from vibeam.flight.linear.regimes import damper_of
+
+    system = made(4, law=law, coupled=True)
+    linear = Linear(system.omega**2, damper_of(system), system.contact)
+    kept, anew = blocks.planes(linear), blocks._found(linear)
+    for name in ("columns", "inverse", "blocks"):
+        array = getattr(kept, name)
+        np.testing.assert_array_equal(array, getattr(anew, name))
+        assert not array.flags.writeable
+    before = blocks._kept.cache_info().misses
+    RegimeSolver(system, DRIVE.omega)
+    first = blocks._kept.cache_info().misses
+    RegimeSolver(replace(system, gap=3e-4), DRIVE.omega)
+    assert before <= first == blocks._kept.cache_info().misses

@@ -78,9 +78,9 @@ def set_drive(desk: Engine, omega: float, amplitude: float) -> None:
         modes[RE, k], modes[IM, k], modes[OFFSET, k] = 0.0, 0.0, 0.0
         own, sigma = desk.pairs[OMEGA, k], desk.pairs[SIGMA, k]
         real, imaginary = (own - omega) * (own + omega), 2.0 * sigma * omega
-        worth = FAR if 2.0 * sigma <= BRISK * max(own, omega) else FAR_DRIVEN  # carrying it costs 2σ
-        far = abs(modes[STATIC, k]) > worth * own * own * drive[MOTION]
-        far = far or abs(modes[LOAD, k] * strength) > FAR_DRIVEN * hypot(real, imaginary) * drive[MOTION]
+        offset, driven = bounds_of_motion(own, sigma, omega)
+        far = abs(modes[STATIC, k]) > offset * own * own * drive[MOTION]
+        far = far or abs(modes[LOAD, k] * strength) > driven * hypot(real, imaginary) * drive[MOTION]
         if far or is_attached(own, sigma, modes[LOAD, k] * strength, modes[STATIC, k], omega):
             desk.attached[AMODE, int(desk.signal[ATTACHED])] = k
             desk.signal[ATTACHED] += 1.0
@@ -99,6 +99,17 @@ def set_drive(desk: Engine, omega: float, amplitude: float) -> None:
     drive[COARSEST] = coarsest_level(desk.pairs, desk.levels, rate)
     rate = max(rate, carried_rate(desk.rest.pairs, desk.rest.blocks))
     drive[COARSEST_AT_REST] = coarsest_level(desk.pairs, desk.levels, rate)
+
+
+@joined
+def bounds_of_motion(own: float, sigma: float, omega: float) -> tuple[float, float]:
+    """Times the size of the motion from which on a mode's static displacement, and its steady response, are far.
+
+    Carrying a mode along costs panels by its own rate and by 2σ. Brisk ones answer a drive within a small part of its
+    period, so that the motion is soon as large as their response; where damping decides, the offset has to be farther.
+    """
+    offset = FAR if 2.0 * sigma <= BRISK * max(own, omega) else FAR_DRIVEN
+    return offset, FAR_DRIVEN if max(own, 2.0 * sigma) <= BRISK * omega else np.inf
 
 
 @kernel
@@ -145,10 +156,15 @@ def coarsest_level(pairs: Array, levels: Array, rate: float) -> int:
 
 @kernel
 def steady_response(regime: Regime, drive: Array) -> None:
-    """Steady response of every block, (iΩ − A) Y = load Ω²B and −A⁻¹ constant, or CARRIED."""
+    """Steady response of every block, (iΩ − A) Y = load Ω²B and −A⁻¹ constant, or CARRIED.
+
+    Held at a stop the motion is at least as large as what the stop holds.
+    """
     pairs, blocks, out = regime.pairs, regime.blocks, regime.outof
     omega, strength, motion = drive[W], drive[STRENGTH], drive[MOTION]
     m, stiffest = blocks.shape[1], omega
+    for i in range(regime.held.shape[0]):
+        motion = max(motion, abs(regime.held[i]))
     for k in range(m):
         stiffest = max(stiffest, pairs[OMEGA, k])
     for k in range(m):
@@ -160,7 +176,8 @@ def steady_response(regime: Regime, drive: Array) -> None:
         blocks[CARRIED, k] = 1.0 if loose or is_attached(own, sigma, force, static, omega) else 0.0
         if blocks[CARRIED, k] == 0.0:
             block_response(blocks, k, omega, strength)
-            if block_is_far(blocks, out, k, motion):
+            offset, driven = bounds_of_motion(own, sigma, omega)
+            if block_is_far(blocks, out, k, offset * motion, driven * motion):
                 blocks[RE1 : OFFSET2 + 1, k] = 0.0
                 blocks[CARRIED, k] = 1.0
 
@@ -176,14 +193,14 @@ def carried_rate(pairs: Array, blocks: Array) -> float:
 
 
 @kernel
-def block_is_far(blocks: Array, out: Array, k: int, motion: float) -> bool:
-    """Whether the steady response of one block is, in some mode, so far beyond the motion that it costs digits."""
+def block_is_far(blocks: Array, out: Array, k: int, farthest: float, strongest: float) -> bool:
+    """Whether in some mode a block's static displacement or its steady response is beyond these."""
     offset, driven = 0.0, 0.0
     for i in range(out.shape[0] // 2):
         a, b = out[i, 2 * k], out[i, 2 * k + 1]
         offset = max(offset, abs(a * blocks[OFFSET1, k] + b * blocks[OFFSET2, k]))
         driven = max(driven, hypot(a * blocks[RE1, k] + b * blocks[RE2, k], a * blocks[IM1, k] + b * blocks[IM2, k]))
-    return offset > FAR * motion or driven > FAR_DRIVEN * motion
+    return offset > farthest or driven > strongest
 
 
 @kernel

@@ -20,6 +20,6 @@ REDUCED = 1e5  # rad up to which the parts keep all digits
 
 FAR = 10.0  # distance of the equilibrium over the size of the motion beyond which taking it out loses digits
 
-BRISK = 1e3  # 2σ over the rate of the motion beyond which a mode that is far costs more than the digits are worth
+BRISK = 1e3  # 2σ over the rate of the motion, or both over the drive's, beyond which carrying a mode costs too much
 
 FAR_DRIVEN = 1e5  # the same of a steady response, which the motion soon becomes as large as, and carrying costs more

@@ -10,6 +10,7 @@ which it is diagonal, two that nearly coincide have one in common.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,7 +45,25 @@ class Planes:
 
 
 def planes(system: Linear) -> Planes:
-    """The blocks; ValueError where modes coincide so closely that there are none: three near critical damping."""
+    """The blocks; ValueError where modes coincide so closely that there are none: three near critical damping.
+
+    Those found last are kept: another gap or load, as at every point of a sweep with drift, changes none of them.
+    """
+    arrays = (np.asarray(part, dtype=float).tobytes() for part in (system.spring, system.damper, system.contact))
+    return _kept(*arrays, float(system.stiffness), float(system.damping))
+
+
+@lru_cache(maxsize=8)
+def _kept(spring: bytes, damper: bytes, contact: bytes, stiffness: float, damping: float) -> Planes:
+    rates, n = np.frombuffer(spring), len(spring) // 8
+    system = Linear(rates, np.frombuffer(damper).reshape(n, n), np.frombuffer(contact), stiffness, damping)
+    found = _found(system)
+    for array in (found.columns, found.inverse, found.blocks):
+        array.flags.writeable = False
+    return found
+
+
+def _found(system: Linear) -> Planes:
     turned = deflated(system)
     try:
         if turned is None:
