@@ -27,6 +27,8 @@ FAINT = 0.02  # share of v²/2|a| that the blur of the contact may be where an i
 HORIZON = 60.0  # drive periods after which a burst ends without impacts
 STEPS = 2000.0  # radians of the fastest motion after which it does: a bound on the time that its truth takes
 FEEBLE = 1e-4  # share of the velocities' scale below which impacts are those of an accumulation
+SHORTER = 1e-6  # share by which flights of an accumulation do so at least
+EXTINCT = 1e-200  # scale of velocities below which doubles say nothing more of a motion
 FINER = (45, 1e-25)  # digits and ``tiny`` of a truth that is cut within an accumulation
 LONGEST = 4000  # impacts of a true chatter that are followed
 
@@ -80,6 +82,12 @@ def burst(case: Case, t_start: float, count: int) -> tuple[Tally, vibeam.State, 
     return tally, part.state, cut
 
 
+def _accumulates(path: vibeam.Trajectory, first: int, weak: float) -> bool:
+    """Whether from an impact on all are weak and their flights grow shorter, unlike those of a mode left to itself."""
+    flights = np.diff(path.impact_times[first:])
+    return bool(path.impact_velocities[first:].max() < weak and flights[-1] < (1 - SHORTER) * flights[0])
+
+
 def _is_begin(part: np.ndarray, whole: np.ndarray, cut: float) -> bool:
     """Whether ``part`` holds the times of ``whole`` up to the cut; several may be the same double as it."""
     some = len(part)
@@ -106,8 +114,8 @@ def _cut(case: Case, t_start: float, count: int) -> tuple[vibeam.Trajectory, flo
     fastest = max(drive.omega, (system.omega * (1 + 2 * system.zeta)).max())
     end = t_start + min(HORIZON * 2 * np.pi / max(drive.omega, 1e-3 * fastest), STEPS / fastest)
     path = vibeam.simulate(system, drive, end, start, t_start=t_start, max_impacts=count + 1)
-    while len(path.impact_times) > count and path.impact_velocities[count // 2 :].max() < FEEBLE * _speed(case):
-        count *= 4  # within an accumulation: on to its end
+    while len(path.impact_times) > count and _accumulates(path, count // 2, FEEBLE * _speed(case)):
+        count *= 4  # on to its end
         path = vibeam.simulate(system, drive, end, start, t_start=t_start, max_impacts=count + 1)
     later = path.rests[(path.rests[:, 0] > t_start) & (path.rests[:, 1] > path.rests[:, 0])]
     if len(later):
@@ -220,11 +228,14 @@ def follow(case: Case, impacts: int, each: int = 10, seconds: float = np.inf) ->
     begun = time.process_time()
     total, t, start, quiet = Tally(), 0.0, case.start, 0
     while total.impacts < impacts and quiet < 8 and not total.faults and time.process_time() < begun + seconds:
-        if _on_the_brink(Case(case.system, case.drive, start), t):
+        now = Case(case.system, case.drive, start)
+        if _speed(now) < EXTINCT:
+            break
+        if _on_the_brink(now, t):
             total.undecided += 1
             break
         try:
-            tally, start, t = burst(Case(case.system, case.drive, start), t, each)
+            tally, start, t = burst(now, t, each)
         except (ArithmeticError, ValueError):  # nearer to the stop than doubles can tell: the truth cannot start
             total.undecided += 1
             break

@@ -58,3 +58,19 @@ def test_restitution_by_a_last_digit(restitution: float) -> None:
     t = np.linspace(0, 30.0, 301)
     off = min(restitution, 1 - restitution)
     np.testing.assert_allclose(path.at(t), limit.at(t), atol=100 * off + 1e-12)
+
+
+@pytest.mark.parametrize("restitution", [0.021, 0.3])
+@pytest.mark.parametrize("zeta", [0.0, 0.0008289, 0.01])
+def test_a_mode_that_bounces_on_its_equilibrium_never_comes_to_rest(zeta: float, restitution: float) -> None:
+    """Nothing presses it on: half a turn and the factor R e^{−πσ/ω_d} from one impact to the next, however weak."""
+    omega, contact = 178.4, 0.561
+    system = vibeam.ImpactSystem.from_modes(omega, zeta, contact, 1.0, gap=0.0, restitution=restitution)
+    decay, turn = zeta * omega, omega * np.sqrt(1 - zeta**2)
+    first, steps = (np.pi - np.arctan2(turn, decay)) / turn, np.arange(20)
+    path = vibeam.simulate(system, NONE, first + 19.5 * np.pi / turn, state(-0.0058, 0.0))
+    assert path.ended is vibeam.Ended.COMPLETE
+    np.testing.assert_allclose(path.impact_times, first + steps * np.pi / turn, rtol=1e-13)
+    speed = contact * 0.0058 * omega**2 / turn * np.exp(-decay * first) * np.sin(turn * first)
+    exact = speed * (restitution * np.exp(-decay * np.pi / turn)) ** steps
+    np.testing.assert_allclose(path.impact_velocities, exact, rtol=1e-9)

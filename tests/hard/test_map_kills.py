@@ -25,6 +25,7 @@ def test_a_map_that_is_killed_goes_on_where_it_was() -> None:
     assert map_kills.judge(2, 0, nothing).findings == []
 
 
+@pytest.mark.slow
 def test_other_numbers_are_seen(tmp_path: Path) -> None:
     (tmp_path / "rig.toml").write_text(map_kills.CASE, encoding="utf-8")
     assert map_kills.completed("plane", tmp_path, False) == ""

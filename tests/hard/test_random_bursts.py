@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from agreement import Tally, follow
-from random_systems import random_case
+from agreement import Tally, burst, follow
+from random_systems import Case, random_case
 
 import vibeam
 
@@ -30,12 +30,24 @@ def test_none_missed_none_invented_none_late() -> None:
     assert total.worst_relative < 1e-11
 
 
-@pytest.mark.parametrize("number", [313, 1083, 1119])
-def test_systems_that_once_had_findings(number: int) -> None:
-    """A gap that is a small difference of static offsets (313); starts among an accumulation's last digits."""
+@pytest.mark.parametrize("number", [1083, 1119])
+def test_starts_among_the_last_digits_of_an_accumulation(number: int) -> None:
+    """Several impacts at one double, and a start that may lie on either side of the stop: neither is a finding."""
     tally = follow(random_case(1, number, 1 + number % 3), 300, 8, 10.0)
     assert not tally.faults
     assert tally.impacts > 30
+
+
+def test_a_gap_that_is_a_small_difference_of_static_offsets() -> None:
+    """3.4 ns of flight, while s/ω² is 44 mm: a root by doubles alone is off by 77 times what the data's digits make."""
+    case = random_case(1, 313, 2)
+    late = vibeam.State(
+        np.array([-3.91030262673338e-05, -9.437687087326912e-06]),
+        np.array([-0.022143684621753493, -0.005344474879804234]),
+    )
+    tally, _, _ = burst(Case(case.system, case.drive, late), 0.1275902892260291, 8)
+    assert not tally.faults
+    assert tally.impacts > 1
     assert tally.worst_blur < 1
 
 

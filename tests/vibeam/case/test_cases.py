@@ -19,7 +19,7 @@ STEPPED = ("direct", "zhuravlev", "ivanov", "moreau")
 ANALYTICAL = ("mapping", "averaging", "orbit")  # they say where they have no motion
 WHOLE = 201  # points of a sweep up to which it is run as it is
 FILES = sorted((Path(__file__).parents[3] / "cases").rglob("*.toml"))
-SLOW = ("two_stops", "dtu_harmonic")  # impacts in several places; harmonics: half a minute each
+SLOW = ("two_stops", "dtu_harmonic", "fig27_drive", "fig27_damping", "fig27_mass")  # 10 to 30 s each; fig27 stays
 
 
 def shortened(file: Path, **more: object) -> Case:

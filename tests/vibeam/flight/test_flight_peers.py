@@ -82,7 +82,9 @@ def assert_the_same(path: vibeam.Trajectory, expected: np.ndarray) -> None:
     np.testing.assert_allclose(path.impact_velocities, speeds, rtol=BAR, atol=BAR * speeds.max())
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name == "four modes" else name for name in CASES]
+)
 def test_five_hundred_impacts(name: str) -> None:
     system, drive = CASES[name]
     start = near_the_orbit(system, drive)

@@ -127,7 +127,9 @@ def start_of(rig: Rig) -> TrainOrbit:
     return found
 
 
-@pytest.mark.parametrize("name", RIGS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow) if name == "two impacts a period" else name for name in RIGS]
+)
 def test_several_impacts(name: str) -> None:
     rig = RIGS[name]
     found = train_boundaries(start_of(rig), "omega", rig.to)

@@ -37,6 +37,7 @@ def test_a_shifted_peak_is_no_amplitude_error_though_it_is_pointwise() -> None:
     assert "too high in frequency" in found.sentence
 
 
+@pytest.mark.slow
 def test_intervals_cover_the_truth_of_noisy_curves() -> None:
     """Of 40 sets with 2 % noise at least 33 of the 95 % intervals hold the truth (binomial: 99.9 %), of each error."""
     covered = np.zeros(2, int)

@@ -181,6 +181,8 @@ def time_left(
     left, length = 2.0 * after / (toward * loss), top * (top / toward)
     jerk, size = jerk_bound(g), size_of_gap(g, contact, gap, pose)
     remainder = left * (jerk * left / toward)
+    if left * slowest > 1.0:  # flights as long as a swing: nothing but damping draws the contact back
+        return -1.0, 0.0
     if remainder > FAITHFUL * restitution * 2.0 * (top / toward) / loss and after * left >= FLOOR * length:
         return -1.0, 0.0
     remainder += share * left

@@ -7,6 +7,7 @@ halved (``bounds.verdict``).
 from __future__ import annotations
 
 from math import sqrt
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,13 @@ AMPLE = 1.25  # first panel over the flight that is foretold, where it matters t
 CANCELLED = 64.0  # parts over |g'| t beyond which a root at t is known to fewer digits than its flight's data
 
 SHALLOW = 1e9  # times round-off: how far from zero a minimum is still judged, and its touch found, sharply
+
+
+class Panel(NamedTuple):
+    """Where a panel begins, and its length, in flight time."""
+
+    begin: float
+    length: float
 
 
 @kernel
@@ -91,7 +99,7 @@ def first_root(g: Signal, start: Start, span: float, coarsest: int, initial: Ini
         if found == ROOT:
             root = polish(g, here, time, time + guess(signal, h, bracket), bracket)
             if here.order == 0 and size > CANCELLED * root * abs(signal[S0]):
-                root = sharpened(g, initial, time, root, size)
+                root = sharpened(g, initial, Panel(time, h), root, size)
             return root <= span, min(root, span), panels
         if here.order > 0:
             step_pairs(pairs, table, level)
@@ -111,20 +119,21 @@ def first_root(g: Signal, start: Start, span: float, coarsest: int, initial: Ini
 
 
 @kernel
-def sharpened(g: Signal, initial: InitialState, node: float, root: float, size: float) -> float:
+def sharpened(g: Signal, initial: InitialState, panel: Panel, root: float, size: float) -> float:
     """``root`` of a gap after one Newton step in twice the precision, where its parts cancel; else as it is.
 
-    Round-off ε ``size`` of the parts moves a root of slope g' by ε ``size``/|g'|, here by 64 last digits and more.
+    Round-off ε ``size`` of the parts moves a root of slope g' by ε ``size``/|g'|, here by 64 last digits and more. A
+    step as long as the panel that holds the root would be none of round-off.
     """
     if initial.clock < 0.0 or g.terms[ATTACHED] > 0.0:
         return root
-    _, slope, _ = value_at(g, node, root)
-    if size <= CANCELLED * root * abs(slope):
+    _, slope, _ = value_at(g, panel.begin, root)
+    if size <= CANCELLED * root * abs(slope) or slope >= 0.0:
         return root
     step = sharp_gap(g.pairs, initial, root) / slope
-    if step < root:
+    if abs(step) < panel.length and step < root:
         root -= step
-    value_at(g, node, root)
+    value_at(g, panel.begin, root)
     return root
 
 
