@@ -98,7 +98,7 @@ def affordable(rig: Rig, points: int) -> int:
     """Impacts a drive period beyond which a point is given up: what a sweep affords that meets so many at each."""
     begun = time.process_time()
     point, _ = next(march(
-        rig.system, [rig.drive.omega], rig.drive.amplitude, settle=1, hold=1, options={"limit": FEW}
+        rig.system, [rig.drive.omega], rig.drive.amplitude, settle=0, hold=1, options={"limit": FEW}
     ))  # fmt: skip
     each = (time.process_time() - begun) / max(int(point.impacts[0]), FEW)
     return int(np.clip(SECONDS / (points * max(each, FLIGHT * rig.system.size)), FEW, MANY))

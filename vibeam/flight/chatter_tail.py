@@ -13,7 +13,7 @@ jerk, so ρ ≤ 1 + θu with θ = J/a⁻². Then launch velocities fall by κ'u^
 a stays within |j| T + ½ √S E T² of its value, j the jerk and E = √(Σ ω²η'''² + η''''²), which grows at most by the
 drive; and the impulses to come, P in all, change it by √(|Dc|² + Σ ω²c²) √S P at most, since no motion without drive
 gains in the norm √(Σ ω²x² + x'²). All of that holds by induction from impact to impact as soon as the T and P assumed
-are larger than those that follow. u₀ is known as well as doubles can tell it: bounds are wider by that.
+are larger than those that follow. u₀ and a are known as well as doubles can tell them: bounds are wider by that.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ from vibeam.flight.endless import endless
 from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, CHATTER, END
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.flight.rebound import rebound
+from vibeam.flight.round_off import responses
 from vibeam.flight.watched import Motion
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.laws.restitution import TableRestitution, ViscousRestitution
@@ -38,9 +39,9 @@ ROOM = 2.0  # times the first estimate: what T and P are assumed to be at most
 
 MARGIN = 1e-9  # for the rounding of all this
 
-DOUBTFUL = 0.5  # the largest doubt in u₀ for which its bounds mean something
+DOUBTFUL = 0.5  # the largest doubt in u₀ and a for which its bounds mean something
 
-SLACK = 64 * float(np.finfo(float).eps)  # share of the parts of a velocity by which doubles may miss it
+SLACK = 64 * float(np.finfo(float).eps)  # share of the parts of a velocity or pull by which doubles may miss it
 
 
 class _Start(NamedTuple):
@@ -50,7 +51,7 @@ class _Start(NamedTuple):
     pull: Array  # a
     jerk: Array  # |j|
     fourth: Array  # E
-    doubt: Array  # share of u₀ that may be round-off
+    doubt: Array  # shares of u₀ and of a that may be round-off, together
 
 
 class _Range(NamedTuple):
@@ -109,8 +110,15 @@ def _after_impact(motion: Motion, side: int, which: NDArray[np.int64]) -> _Start
     found = Derivatives(system, drive, FREE, side, poses, motion.trace[which + 1, AT_CLOCK])
     _, _, second, third = (each.value for each in found.gap(side))
     norm = np.sqrt(np.sum((system.omega * found.known[3].value) ** 2 + found.known[4].value ** 2, axis=1))
-    parts = (np.abs(poses[:, 1]) + system.omega * np.abs(poses[:, 0])) @ np.abs(row)
-    return _Start(speed, -second, np.abs(third), norm, 2 * SLACK * parts / speed)
+    driven, static = responses(system, drive)
+    reach = np.abs(poses[:, 0]) + driven + static
+    parts = (np.abs(poses[:, 1]) + system.omega * reach + drive.omega * driven) @ np.abs(row)
+    push = np.abs(system.static) + np.abs(system.load) * drive.omega**2 * abs(drive.amplitude)
+    braked = np.abs(poses[:, 1]) @ np.abs(damper_of(system)).T
+    pulls = (system.omega**2 * reach + braked + push) @ np.abs(row)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        doubt = 2 * SLACK * (parts / speed + pulls / np.abs(second))
+    return _Start(speed, -second, np.abs(third), norm, doubt)
 
 
 def _range(motion: Motion, start: _Start, time: Array, pushed: Array) -> _Range:

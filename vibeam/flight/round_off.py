@@ -128,19 +128,25 @@ class _Walk:
         return np.asarray(np.concatenate([turns * x, turns * v]) ** 2)
 
 
-def _far(system: ImpactSystem, drive: Drive, pose: Array) -> Array:
-    """Size (n,) of what closed forms take out of the modes and put back: steady response and static displacement.
+def responses(system: ImpactSystem, drive: Drive) -> tuple[Array, Array]:
+    """Sizes (n,) of the steady response to the drive and of the static displacement; 0 where a mode has no usable one.
 
-    A mode without a usable one (free, undamped at resonance, far beyond the motion) carries its force along and takes
-    nothing out.
+    Free modes and those driven at an undamped resonance have none, and carry their force along.
     """
     square, w = system.omega**2, drive.omega
     response = np.hypot(square - w * w, 2 * system.zeta * system.omega * w)
     usable = (response > 1e-3 * w * w) & (square > 0)
     driven = np.abs(system.load * w * w * drive.amplitude) / np.where(usable, response, np.inf)
-    static = np.abs(system.static) / np.where(square > 0, square, np.inf)
-    size = size_of_motion(system, drive, pose)
-    damping = 2 * system.zeta * system.omega
+    return driven, np.abs(system.static) / np.where(square > 0, square, np.inf)
+
+
+def _far(system: ImpactSystem, drive: Drive, pose: Array) -> Array:
+    """Size (n,) of what closed forms take out of the modes and put back: steady response and static displacement.
+
+    A mode whose response is far beyond the motion carries its force along and takes nothing out.
+    """
+    w, (driven, static) = drive.omega, responses(system, drive)
+    size, damping = size_of_motion(system, drive, pose), 2 * system.zeta * system.omega
     offset = np.where(damping <= BRISK * np.maximum(system.omega, w), FAR, FAR_DRIVEN)
     slow = np.maximum(system.omega, damping) <= BRISK * w
     carried = (static > offset * size) | (slow & (driven > FAR_DRIVEN * size))
