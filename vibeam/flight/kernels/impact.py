@@ -14,6 +14,7 @@ from vibeam.flight.kernels.layout import (
     AX,
     CONST,
     CONTACT,
+    DISC,
     GAP,
     HARMONIC,
     KAPPA,
@@ -181,7 +182,7 @@ def time_left(
     left, length = 2.0 * after / (toward * loss), top * (top / toward)
     jerk, size = jerk_bound(g), size_of_gap(g, contact, gap, pose)
     remainder = left * (jerk * left / toward)
-    if left * slowest > 1.0:  # flights as long as a swing: nothing but damping draws the contact back
+    if left * slowest > 1.0 and all_turn(g.pairs):  # as long as a swing: nothing but damping draws the contact back
         return -1.0, 0.0
     if remainder > FAITHFUL * restitution * 2.0 * (top / toward) / loss and after * left >= FLOOR * length:
         return -1.0, 0.0
@@ -189,6 +190,15 @@ def time_left(
     if not is_over(after, left, remainder, jerk * left / toward, length, size, pose.shape[1], slowest):
         return -1.0, 0.0
     return left, remainder
+
+
+@joined
+def all_turn(pairs: Array) -> bool:
+    """Whether no pair creeps."""
+    turn = True
+    for k in range(pairs.shape[1]):
+        turn = turn and pairs[DISC, k] < 0.0
+    return turn
 
 
 @kernel
