@@ -196,7 +196,8 @@ def penetration(path: vibeam.Trajectory, samples: int = 4000) -> float:
         return 0.0
     times = np.concatenate([np.linspace(path.t_start, path.t_end, samples), path.impact_times[:samples]])
     place = path.at(times)
-    size = float(np.abs(path.segments.poses[:, 0]).max(axis=0) @ np.abs(system.contact)) + abs(system.gap)
+    poses = np.concatenate([path.segments.poses, path.modes_at(times[::50])])  # a rest is one segment, and moves
+    size = float(np.abs(poses[:, 0]).max(axis=0) @ np.abs(system.contact)) + abs(system.gap)
     beyond = float(np.max(place - system.gap))
     if system.second_gap is not None:
         beyond = max(beyond, float(np.max(-place - system.second_gap)))
