@@ -94,13 +94,19 @@ def spread(rig: Rig, periods: int, last: vibeam.State, amount: float, rng: Gener
     return found
 
 
-def affordable(rig: Rig, points: int) -> int:
-    """Impacts a drive period beyond which a point is given up: what a sweep affords that meets so many at each."""
+def read_off(rig: Rig) -> tuple[float, int]:
+    """CPU seconds of a drive period that is read off, up to ``FEW`` impacts, and how many it had."""
     begun = time.process_time()
     point, _ = next(march(
         rig.system, [rig.drive.omega], rig.drive.amplitude, settle=0, hold=1, options={"limit": FEW}
     ))  # fmt: skip
-    each = (time.process_time() - begun) / max(int(point.impacts[0]), FEW)
+    return time.process_time() - begun, int(point.impacts[0])
+
+
+def affordable(rig: Rig, points: int) -> int:
+    """Impacts a drive period beyond which a point is given up: what a sweep affords that meets so many at each."""
+    seconds, impacts = read_off(rig)
+    each = seconds / max(impacts, FEW)
     return int(np.clip(SECONDS / (points * max(each, FLIGHT * rig.system.size)), FEW, MANY))
 
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from energy_balance import balance
 from numpy.random import Generator
-from rig_agreement import affordable, direct_agrees, engines_agree, steady_agrees
+from rig_agreement import affordable, direct_agrees, engines_agree, read_off, steady_agrees
 from rig_orbits import orbits_hold
 from rigs import random_rig
 from verdict import Verdict
@@ -285,6 +285,8 @@ def _is_long(rig: Rig, bound: int) -> bool:
     """Whether the sweep as it is planned takes too long."""
     added, plan = gap_drift(rig.case.scene_of("flown"), [rig.drive.omega]), rig.case.sweep
     drifted = rig.system if added is None else replace(rig.system, gap=rig.system.gap + float(added[0]))
+    if 2 * len(plan.frequency) * plan.hold * read_off(rig)[0] >= COSTLY:
+        return True
     for system in (drifted, rig.system):  # a warm-up knows of no drift
         first = vibeam.simulate(system, rig.drive, 3 * rig.period, max_impacts=bound)
         cost = first.stats["cpu_seconds"] / 3 * (plan.settle + plan.hold) * 2 * len(plan.frequency)
