@@ -94,20 +94,19 @@ def spread(rig: Rig, periods: int, last: vibeam.State, amount: float, rng: Gener
     return found
 
 
-def read_off(rig: Rig) -> tuple[float, int]:
-    """CPU seconds of a drive period that is read off, up to ``FEW`` impacts, and how many it had."""
+def read_off(rig: Rig) -> tuple[float, float]:
+    """CPU seconds of a drive period that is read off, up to ``FEW`` impacts, and about those of an impact."""
     begun = time.process_time()
     point, _ = next(march(
         rig.system, [rig.drive.omega], rig.drive.amplitude, settle=0, hold=1, options={"limit": FEW}
     ))  # fmt: skip
-    return time.process_time() - begun, int(point.impacts[0])
+    seconds = time.process_time() - begun
+    return seconds, max(seconds / max(int(point.impacts[0]), FEW), FLIGHT * rig.system.size)
 
 
-def affordable(rig: Rig, points: int) -> int:
-    """Impacts a drive period beyond which a point is given up: what a sweep affords that meets so many at each."""
-    seconds, impacts = read_off(rig)
-    each = seconds / max(impacts, FEW)
-    return int(np.clip(SECONDS / (points * max(each, FLIGHT * rig.system.size)), FEW, MANY))
+def affordable(points: int, each: float) -> int:
+    """Impacts a drive period of so many seconds each beyond which a point is given up, if all points have as many."""
+    return int(np.clip(SECONDS / (points * each), FEW, MANY))
 
 
 def steady_agrees(rig: Rig, rng: Generator, verdict: Verdict) -> None:
@@ -119,7 +118,7 @@ def steady_agrees(rig: Rig, rng: Generator, verdict: Verdict) -> None:
         return
     point, last = next(march(
         rig.system, [rig.drive.omega], rig.drive.amplitude, settle=0, hold=SHORT, state=rig.start,
-        options={"limit": affordable(rig, 1)},
+        options={"limit": affordable(1, read_off(rig)[1])},
     ))  # fmt: skip
     if point.ended[0] != vibeam.Ended.COMPLETE.code:
         return

@@ -272,8 +272,9 @@ def swept(rig: Rig, rng: Generator, verdict: Verdict) -> None:
 def _shortened(rig: Rig, verdict: Verdict) -> Rig:
     """The same with a bound of impacts a period, and with two periods a point where those would cost much."""
     plan, less = rig.case.sweep, {}
-    bound = affordable(rig, len(plan.frequency))
-    if _is_long(rig, bound):
+    seconds, each = read_off(rig)
+    bound = affordable(len(plan.frequency), each)
+    if 2 * len(plan.frequency) * plan.hold * seconds >= COSTLY or _is_long(rig, bound):
         verdict.count("sweeps shortened")
         less = {"sweep.settle": 0 if rig.cost > COSTLY / 10 else 1, "sweep.hold": 1, "sweep.frequency.points": 2}
         less["sweep.direction"] = "up"
@@ -285,8 +286,6 @@ def _is_long(rig: Rig, bound: int) -> bool:
     """Whether the sweep as it is planned takes too long."""
     added, plan = gap_drift(rig.case.scene_of("flown"), [rig.drive.omega]), rig.case.sweep
     drifted = rig.system if added is None else replace(rig.system, gap=rig.system.gap + float(added[0]))
-    if 2 * len(plan.frequency) * plan.hold * read_off(rig)[0] >= COSTLY:
-        return True
     for system in (drifted, rig.system):  # a warm-up knows of no drift
         first = vibeam.simulate(system, rig.drive, 3 * rig.period, max_impacts=bound)
         cost = first.stats["cpu_seconds"] / 3 * (plan.settle + plan.hold) * 2 * len(plan.frequency)
