@@ -53,6 +53,7 @@ FIGURES = Registry(
         ("quantity",),
         swept=True,
         one_harmonic=True,
+        refuses=True,
     ),
     FigureKind(
         "period_map", f"{HOME}period_map", "period over frequency and what the fidelities set, as a map", swept=True

@@ -23,7 +23,8 @@ class FigureKind:
     fidelity's own sweep, which a case with an accuracy does not run.
     ``one_harmonic``: True where it knows a drive of one harmonic alone. ``formats``: of one that moves, in place of the
     case's: ``draw`` then returns its ``Moving``, and other formats than pictures are by ``write(path, plan, sheets,
-    mark)``. ``of_beam``: True where it draws the beam itself.
+    mark)``. ``of_beam``: True where it draws the beam itself. ``refuses``: True where it cannot show all systems:
+    ``refusal(case, fidelity, system)`` of its module then says why, or is empty.
     """
 
     name: str
@@ -40,3 +41,4 @@ class FigureKind:
     one_harmonic: bool = False
     formats: tuple[str, ...] = ()
     of_beam: bool = False
+    refuses: bool = False

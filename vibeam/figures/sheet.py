@@ -19,6 +19,7 @@ from vibeam_models.outputs import DISPLACEMENT
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.system.impact_system import ImpactSystem
 
 
 Array = NDArray[np.float64]
@@ -67,6 +68,11 @@ def sheets(case: Case, plan: ShowPlan) -> tuple[Sheet, ...]:
     made, quantity = module_of(plan).sheets, quantity_of(case, plan.output)
     found = tuple(sheet for name in plan.fidelities for sheet in made(case, name, plan))
     return found if quantity is DISPLACEMENT else tuple(_named(sheet, quantity.name) for sheet in found)
+
+
+def refusal(case: Case, plan: ShowPlan, fidelity: str, system: ImpactSystem) -> str:
+    """Why the plan's kind cannot show a fidelity of this ``system``; empty where it can."""
+    return str(module_of(plan).refusal(case, fidelity, system)) if FIGURES[plan.kind].refuses else ""
 
 
 def _named(sheet: Sheet, quantity: str) -> Sheet:

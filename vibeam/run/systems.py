@@ -28,7 +28,7 @@ class ModelProperties:
 class Systems(Mapping[str, "ImpactSystem"]):
     """System of every fidelity of a case by name, all built when the first is asked for.
 
-    CaseError then names all that cannot be built or that their solver cannot take.
+    CaseError then names all that cannot be built or that their solver or a figure cannot take.
     """
 
     def __init__(self, case: Case) -> None:
@@ -46,6 +46,11 @@ class Systems(Mapping[str, "ImpactSystem"]):
 
     def __len__(self) -> int:
         return len(self._case.fidelities)
+
+
+def require_runnable(case: Case) -> None:
+    """CaseError where a fidelity cannot be built, or a solver or a figure cannot take it."""
+    _systems(case)
 
 
 def properties_of(case: Case, name: str, modes: int) -> ModelProperties:
@@ -77,6 +82,17 @@ def _systems(case: Case) -> dict[str, ImpactSystem]:
         except ValueError as error:
             where = "drive" if getattr(case.scene_of(name), "platform", None) is None else "platform"
             faults.append(Fault(str(case.path), None, where, str(error)))
+    faults += _not_shown(case, systems)
     if faults:
         raise CaseError(faults)
     return systems
+
+
+def _not_shown(case: Case, systems: Mapping[str, ImpactSystem]) -> Iterator[Fault]:
+    """What a figure cannot show."""
+    from vibeam.figures.sheet import refusal
+
+    for plan in case.shows.values():
+        for name in plan.fidelities:
+            if name in systems and (reason := refusal(case, plan, name, systems[name])):
+                yield Fault(str(case.path), None, f"show.{plan.name}.fidelities", f"{name}: {reason}")

@@ -182,6 +182,14 @@ def test_wrong_tables_are_told(lines: str, fault: str) -> None:
     assert [str(each).split(": ", 1)[1] for each in caught.value.faults] == [f"show.it.{fault}"]
 
 
+def test_a_figure_refuses_a_system_that_its_closed_forms_do_not_know() -> None:
+    linear = 'law = "linear"\nstiffness = 100.0\nrestitution = 0.9'
+    made = [parse(case_of(EVERY[4]).text.replace("restitution = 0.9", linear)), case_of(EVERY[4])]
+    with pytest.raises(CaseError, match=r"show\.gaps\.fidelities: flight: no closed form of the folds knows"):
+        vibeam.run(made[0])
+    assert not vibeam.run(made[1]).shown["gaps"][0].fault
+
+
 @pytest.mark.parametrize("group", ["show", "comparison", "models"])
 def test_no_fidelity_takes_the_place_of_another_group(group: str) -> None:
     with pytest.raises(CaseError, match=f'the name "{group}" is that of a group'):

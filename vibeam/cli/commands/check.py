@@ -52,6 +52,9 @@ def check(
     loaded = load(case, set_)
     path = None if plot is None else output_path(plot, f"{loaded.path.stem}_check.png", DRAWN, "a figure")
     if not (loaded.references or loaded.expectations or loaded.measured):
+        from vibeam.run.systems import require_runnable
+
+        require_runnable(loaded)
         say(f"{case}: a sound case, but it names no reference to check against and no measured number")
         print_result([], as_json)
         return

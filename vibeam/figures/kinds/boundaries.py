@@ -23,6 +23,7 @@ from vibeam.figures.style import FEW, GAP, STABLE, UNSTABLE, Look, arrow, looks_
 from vibeam.figures.units import Units, units_for
 from vibeam.orbits.bifurcation_functions import Kind
 from vibeam.orbits.boundaries import Boundary, boundaries
+from vibeam.orbits.modal_sums import fault
 from vibeam.orbits.orbit import orbits
 from vibeam.solvers.averaging.solver import slow_flow
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -43,6 +44,8 @@ BESIDE = 1e-6  # step off a fold, as a share of the drive: the mean of both root
 
 STRONGER = 1e3  # upper end of the search for the weakest drive with orbits, in multiples of the case's drive
 
+CURE = "name other fidelities, or leave the table away"
+
 CALLED = {"least_stable_reach": "least stable reach Q* of the contact", "largest_gap": "largest |gap| Δ_MAX"}
 
 
@@ -54,6 +57,15 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
         "value": Column(limits(case, fidelity, frequency, quantity), "c", CALLED[quantity]),
     }
     return [Sheet(fidelity, float("nan"), columns)]
+
+
+def refusal(case: Case, fidelity: str, system: ImpactSystem) -> str:
+    """Why a fidelity of this ``system`` has no such limit at all; empty where it may have one."""
+    if case.fidelities[fidelity].solver == "averaging":
+        return ""
+    if system.beyond_plain:
+        return f"no closed form of the folds knows {' or '.join(system.beyond_plain)}: {CURE}"
+    return fault(system)
 
 
 def limits(case: Case, fidelity: str, frequency: Array, quantity: str) -> Array:
