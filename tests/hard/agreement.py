@@ -114,15 +114,16 @@ def _cut(case: Case, t_start: float, count: int) -> tuple[vibeam.Trajectory, flo
     fastest = max(drive.omega, (system.omega * (1 + 2 * system.zeta)).max())
     end = t_start + min(HORIZON * 2 * np.pi / max(drive.omega, 1e-3 * fastest), STEPS / fastest)
     path = vibeam.simulate(system, drive, end, start, t_start=t_start, max_impacts=count + 1)
-    while len(path.impact_times) > count and _accumulates(path, count // 2, FEEBLE * _speed(case)):
-        count *= 4  # on to its end
-        path = vibeam.simulate(system, drive, end, start, t_start=t_start, max_impacts=count + 1)
+    most = count
+    while LONGEST > most < len(path.impact_times) and _accumulates(path, most // 2, FEEBLE * _speed(case)):
+        most *= 4  # on to the accumulation's end, if it has one
+        path = vibeam.simulate(system, drive, end, start, t_start=t_start, max_impacts=most + 1)
     later = path.rests[(path.rests[:, 0] > t_start) & (path.rests[:, 1] > path.rests[:, 0])]
     if len(later):
         return path, float(later[0].mean())
     if path.ended is vibeam.Ended.COMPLETE:
         return path, path.t_end
-    k = count // 2 + int(np.argmax(np.diff(path.impact_times[count // 2 :])))
+    k = count // 2 + int(np.argmax(np.diff(path.impact_times[count // 2 : count + 1])))
     return path, float(path.impact_times[k : k + 2].mean())
 
 

@@ -31,6 +31,8 @@ CURVED = 0.2  # the same where the force has kinks
 
 MOST = 200  # panels of a segment that are looked at
 
+LOOKS = 65  # instants of a contact at which its stiffness and damping are looked at
+
 
 @dataclass(frozen=True)
 class Balance:
@@ -60,7 +62,7 @@ def _segment(path: vibeam.Trajectory, i: int, scale: float, found: dict[str, flo
     row = path.segments.trace[i]
     span = float(row[DURATION])
     curved = row[WHAT] == CONTACT and isinstance(path.system.law, HuntCrossley)
-    panels = max(1, int(np.ceil(span * _rate(path) / (CURVED if curved else TURN))))
+    panels = max(1, int(np.ceil(span * (_rate_in(path, i, span) / CURVED if curved else _rate(path) / TURN))))
     looked = min(panels, MOST)
     length = span * looked / panels
     edges = np.linspace(0.0, length, looked + 1)
@@ -104,17 +106,21 @@ def energy(system: vibeam.ImpactSystem, pose: Array) -> Array:
 
 def _power(path: vibeam.Trajectory, row: Array, times: Array, pose: Array) -> Array:
     """dE/dt (m,) by the equations of motion."""
-    system, drive = path.system, path.drive
-    x, v = pose[:, 0], pose[:, 1]
+    system, drive, v = path.system, path.drive, pose[:, 1]
     push = drive.omega**2 * drive.amplitude * np.sin(drive.omega * (row[AT_CLOCK] + times))
     damper = np.diag(2 * system.zeta * system.omega) if system.coupling is None else system.coupling
     power = push * (v @ system.load) - np.einsum("ij,jk,ik->i", v, damper, v)
     if row[WHAT] != CONTACT:
         return power
-    second = len(row) > AT_SIDE and row[AT_SIDE] == 1
-    side, gap = (-1.0, system.second_gap or 0.0) if second else (1.0, system.gap)
-    depth, rate = side * (x @ system.contact) - gap, side * (v @ system.contact)
+    depth, rate = _into(path, row, pose)
     return power - force(system.law, depth, rate) * rate
+
+
+def _into(path: vibeam.Trajectory, row: Array, pose: Array) -> tuple[Array, Array]:
+    """Penetration and its rate of poses (m, 2, n) at the stop of a segment."""
+    system, second = path.system, len(row) > AT_SIDE and row[AT_SIDE] == 1
+    side, gap = (-1.0, system.second_gap or 0.0) if second else (1.0, system.gap)
+    return side * (pose[:, 0] @ system.contact) - gap, side * (pose[:, 1] @ system.contact)
 
 
 def force(law: object, depth: Array, rate: Array) -> Array:
@@ -139,16 +145,17 @@ def _rate(path: vibeam.Trajectory) -> float:
     mobility = float(system.contact @ system.contact)
     if isinstance(law, LinearStop):
         return fastest + np.sqrt(law.stiffness * mobility) + law.damping * mobility
-    if isinstance(law, HuntCrossley):
-        depth = max(_depth(path), 1e-300)
-        return fastest + 2 * np.sqrt(law.stiffness * law.exponent * mobility * depth ** (law.exponent - 1))
     return fastest
 
 
-def _depth(path: vibeam.Trajectory) -> float:
-    """About how deep the contact goes in: where its force is the largest that was seen."""
-    peak = path.contacts[:, 2].max(initial=0.0)
-    return float((peak / path.system.law.stiffness) ** (1 / path.system.law.exponent))
+def _rate_in(path: vibeam.Trajectory, i: int, span: float) -> float:
+    """The same in a contact by Hunt–Crossley's law: by the largest slopes of its force in depth and rate."""
+    law, mobility = path.system.law, float(path.system.contact @ path.system.contact)
+    depth, rate = _into(path, path.segments.trace[i], poses(path, i, np.linspace(0.0, span, LOOKS)))
+    depth = np.maximum(depth, 0.0)
+    stiff = law.stiffness * law.exponent * depth ** (law.exponent - 1) * np.maximum(1 + law.damping * rate, 0.0)
+    damped = law.stiffness * law.damping * depth**law.exponent
+    return _rate(path) + float(2 * np.sqrt(mobility * stiff.max()) + mobility * damped.max())
 
 
 def _scale(path: vibeam.Trajectory) -> float:

@@ -73,24 +73,30 @@ def moves(rig: Rig, whole: float) -> bool:
     return whole > max(MOVING * held, DRIVEN * driven)
 
 
-def disturbed(rig: Rig, amount: float, rng: Generator) -> vibeam.State:
-    """The start with other velocities, ``amount`` away in √energy, none of them at the contact."""
-    start = equilibrium(rig.system) if rig.start is None else rig.start
-    push, c = rng.normal(size=rig.system.size), rig.system.contact
-    if rig.system.size > 1 and start.resting:
+def disturbed(rig: Rig, start: vibeam.State, amount: float, rng: Generator) -> vibeam.State:
+    """Another place with other velocities, each ``amount`` away in √energy, off the stop or along it."""
+    rate = np.where(rig.system.omega > 0, rig.system.omega, rig.drive.omega)
+    there = start.displacement + _push(rig, amount, start.resting, rate, rng)
+    return replace(start, displacement=there, velocity=start.velocity + _push(rig, amount, start.resting, 1.0, rng))
+
+
+def _push(rig: Rig, amount: float, along: bool, rate: Array | float, rng: Generator) -> Array:
+    """A random change whose product with ``rate`` is ``amount``, away from the stop, or ``along`` it."""
+    push, c = rng.normal(size=rig.system.size) / rate, rig.system.contact
+    if rig.system.size > 1 and along:
         push -= c * (c @ push) / (c @ c)
-    off = -abs(amount) * np.sign(c @ push or 1.0)  # away from the stop
-    return replace(start, velocity=start.velocity + off * push / np.linalg.norm(push))
+    return -abs(amount) * np.sign(c @ push or 1.0) * push / np.linalg.norm(rate * push)
 
 
 def spread(rig: Rig, periods: int, last: vibeam.State, amount: float, rng: Generator) -> float:
-    """How far disturbed motions end from ``last`` at most."""
-    found = 0.0
-    for _ in range(2):
-        path = vibeam.simulate(
-            rig.system, rig.drive, periods * rig.period, disturbed(rig, amount, rng), max_impacts=5000
-        )
-        found = max(found, apart(rig, path.state, last))
+    """How far motions disturbed at the start or half-way end from ``last`` at most."""
+    found, middle, end = 0.0, periods * rig.period / 2, periods * rig.period
+    half = vibeam.simulate(rig.system, rig.drive, middle, rig.start, max_impacts=MANY).state
+    for begin, state in ((0.0, equilibrium(rig.system) if rig.start is None else rig.start), (middle, half)):
+        for _ in range(2):
+            other = disturbed(rig, state, amount, rng)
+            path = vibeam.simulate(rig.system, rig.drive, end, other, t_start=begin, max_impacts=MANY)
+            found = max(found, apart(rig, path.state, last))
     return found
 
 

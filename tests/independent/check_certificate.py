@@ -179,7 +179,7 @@ def check_segment(certificate, own, motion, i, pieces, slack):
         if not found and not signal.put_on_root(order, scale(own, certificate, i, number)):
             found = ["it is said to start at a root and does not"]
         if not found:
-            size = scale(own, certificate, i, number) + signal.size()
+            size = scale(own, certificate, i, number) + signal.size() + summed(own, certificate, motion, i, number)
             near = max(slack * duration, least, min(blurred(signal, duration, size), MOST * duration))
             found = [text for piece in mine for text in check_piece(signal, order, piece, near)]
         faults += [f"signal {number}: {text}" for text in found]
@@ -207,6 +207,16 @@ def scale(own, certificate, i, number):
     springs = [omega**2 * abs(arb(float(x))) for omega, x in zip(own.omega, pose[0], strict=True)]
     pulls = [abs(c) * (push + pull) for c, push, pull in zip(row, pushes, springs, strict=True)]
     return sum(pulls, arb(0)) / own.mobility
+
+
+def summed(own, certificate, motion, i, number):
+    """Size of what the modes have in a gap, or in the force of a stop that yields, before it cancels in their sum."""
+    row, _ = own.stops[number % 2]
+    places = sum((abs(c) * x.size() for c, x in zip(row, motion, strict=True)), arb(0))
+    if number % 4 < 2 or certificate.kinds[i] == REST:
+        return places
+    rates = sum((abs(c) * x.rate().size() for c, x in zip(row, motion, strict=True)), arb(0))
+    return own.spring * places + own.damping * rates
 
 
 def check_cover(pieces, duration, closing):
