@@ -44,3 +44,8 @@ def test_no_contact_gives_that(first_mode):
 def test_coefficients_out_of_range_are_refused(coefficient):
     with pytest.raises(ValueError, match=r"in \[0, 1\]"):
         Restitution(coefficient)
+
+
+def test_a_mode_that_does_not_move_the_contact_sees_no_restitution():
+    with pytest.raises(ValueError, match="mode 1 does not move the contact"):
+        contact_restitution(0.8, 0.0, 4.2)

@@ -155,6 +155,8 @@ def contact_restitution(first_mode: float, first: float, mobility: float) -> flo
 
     ValueError where no R in [0, 1] gives that R₁ in this model.
     """
+    if first**2 == 0:
+        raise ValueError("restitution: mode 1 does not move the contact, and sees none: give the contact's own")
     restitution = (1 + first_mode) * mobility / first**2 - 1
     if not 0 <= restitution <= 1:
         raise ValueError(
