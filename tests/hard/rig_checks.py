@@ -41,7 +41,7 @@ FAST = 1e4  # times the drive's frequency, from which on a mode may be too fast 
 
 MORE = 20  # times as long a period may take as one that ``IMPACTS`` ended
 
-TRIED = 20  # part of a drive period by which it is known whether one is costly
+TRIED = (0.05, 1.0, 4.0)  # drive periods by which it is known, one after the other, whether one is costly
 
 COSTLY = 1.0  # CPU seconds of a sweep that is shortened, or not repeated
 
@@ -113,7 +113,7 @@ def read(text: str, rng: Generator) -> Rig:
     amplitude = float(np.broadcast_to(case.amplitude_of("flown", omega), omega.shape)[0])
     drive = vibeam.Drive(float(omega[0]), amplitude)
     start = None if rng.random() < 0.4 else _start(system, drive, rng)
-    for share in (1 / TRIED, 1.0):
+    for share in TRIED:
         first = vibeam.simulate(system, drive, share * 2 * np.pi / drive.omega, start, max_impacts=IMPACTS)
         endless, cost = first.ended is vibeam.Ended.EVENT_LIMIT, first.stats["cpu_seconds"] / share
         if endless or cost > COSTLY:
