@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from vibeam.case.plans import FigurePlan
 from vibeam.exchange.whole_files import write_whole
 from vibeam.figures.files import metadata
+from vibeam.figures.fonts import set_fonts
 from vibeam.figures.tick_labels import set_plain_labels
 from vibeam.figures.ticks import thin_out
 
@@ -69,6 +70,7 @@ def composed(make: Callable[[], Figure]) -> Figure:
     """Figure in the style of the page, with as many ticks as have room."""
     with mpl.rc_context(PAGE):
         figure = make()
+        set_fonts(figure)
         set_plain_labels(figure)
         thin_out(figure)
         return figure
