@@ -62,7 +62,7 @@ def _segment(path: vibeam.Trajectory, i: int, scale: float, found: dict[str, flo
     row = path.segments.trace[i]
     span = float(row[DURATION])
     curved = row[WHAT] == CONTACT and isinstance(path.system.law, HuntCrossley)
-    panels = max(1, int(np.ceil(span * (_rate_in(path, i, span) / CURVED if curved else _rate(path) / TURN))))
+    panels = max(1, int(np.ceil(span * (rate_in(path, i) / CURVED if curved else _rate(path) / TURN))))
     looked = min(panels, MOST)
     length = span * looked / panels
     edges = np.linspace(0.0, length, looked + 1)
@@ -148,10 +148,11 @@ def _rate(path: vibeam.Trajectory) -> float:
     return fastest
 
 
-def _rate_in(path: vibeam.Trajectory, i: int, span: float) -> float:
-    """The same in a contact by Hunt–Crossley's law: by the largest slopes of its force in depth and rate."""
+def rate_in(path: vibeam.Trajectory, i: int) -> float:
+    """The same in segment ``i``, a contact by Hunt–Crossley's law: by the largest slopes of its force."""
     law, mobility = path.system.law, float(path.system.contact @ path.system.contact)
-    depth, rate = _into(path, path.segments.trace[i], poses(path, i, np.linspace(0.0, span, LOOKS)))
+    row = path.segments.trace[i]
+    depth, rate = _into(path, row, poses(path, i, np.linspace(0.0, row[DURATION], LOOKS)))
     depth = np.maximum(depth, 0.0)
     stiff = law.stiffness * law.exponent * depth ** (law.exponent - 1) * np.maximum(1 + law.damping * rate, 0.0)
     damped = law.stiffness * law.damping * depth**law.exponent

@@ -14,7 +14,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from energy_balance import balance
+from energy_balance import balance, rate_in
 from numpy.random import Generator
 from rig_agreement import affordable, direct_agrees, engines_agree, read_off, steady_agrees
 from rig_orbits import orbits_hold
@@ -28,6 +28,8 @@ from vibeam.casefile.read import parse
 from vibeam.flight.certificate import certificate_of
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.flight.exact import exact_solver
+from vibeam.flight.kernels.layout import WHAT
+from vibeam.flight.kernels.regimes.layout import CONTACT
 from vibeam.flight.trajectory import Outcome
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
@@ -165,12 +167,15 @@ def _ended(path: vibeam.Trajectory, verdict: Verdict) -> None:
         return
     verdict.count(path.outcome.name)
     many = path.outcome is Outcome.EVENT_LIMIT and len(path.impact_times) >= IMPACTS
-    fast = path.outcome is Outcome.UNRESOLVED and _fastest(path.system) > FAST * path.drive.omega
+    fast = path.outcome is Outcome.UNRESOLVED and _fastest(path) > FAST * path.drive.omega
     verdict.hold(many or fast, f"simulate: {path.outcome.value}")
 
 
-def _fastest(system: vibeam.ImpactSystem) -> float:
-    """The fastest decay or turn of a mode, 1/s."""
+def _fastest(path: vibeam.Trajectory) -> float:
+    """The fastest decay or turn of a mode, or of contact that is integrated where the motion ended, 1/s."""
+    system = path.system
+    if isinstance(system.law, HuntCrossley) and path.segments.trace[-1, WHAT] == CONTACT:
+        return rate_in(path, len(path.segments.trace) - 1)
     if system.coupling is not None:
         return float(np.linalg.norm(system.coupling, 2) + system.omega.max())
     return float(np.max(system.omega * (1 + 2 * system.zeta)))

@@ -14,7 +14,10 @@ class Ended(Enum):
     NOT_FINITE = "a number overflowed: the response grew beyond all bounds"
     NOT_RUN = "not run yet"
     NO_ORBIT = "no stable motion of the kind this solver looks for at this frequency"
-    UNRESOLVED = "the next event was not found in bounded work: some modes are far too fast beside it; keep fewer modes"
+    UNRESOLVED = (
+        "the next event was not found in bounded work: some modes, or the contact's own damping, are far too fast "
+        "beside it; keep fewer modes, or damp the contact less"
+    )
 
     @property
     def code(self) -> int:
