@@ -165,6 +165,14 @@ def test_check_without_a_reference_says_so(command: Command, sdof: Path) -> None
     assert command("check", sdof, "--json").stdout == "[]\n"
 
 
+def test_check_refuses_what_run_would(command: Command, sdof: Path) -> None:
+    linear = 'stop={law = "linear", stiffness = 100.0, restitution = 0.9, gap = 0.0}'
+    words = ("--set", linear, "--set", 'fidelity.sdof.solver="orbit"')
+    shown = [command(name, sdof, *words, expect=2).stderr for name in ("check", "run")]
+    assert "cannot take" in shown[0]
+    assert shown[0] == shown[1]
+
+
 def test_derive_prints_and_writes_its_table(command: Command, tmp_path: Path) -> None:
     assert "K_S" in command("derive", RIG).stdout
     rows = json.loads(command("derive", RIG, "--json", "--out", "a.csv").stdout)
