@@ -118,7 +118,7 @@ def read(text: str, rng: Generator) -> Rig:
     for share in TRIED:
         first = vibeam.simulate(system, drive, share * 2 * np.pi / drive.omega, start, max_impacts=IMPACTS)
         endless, cost = first.ended is vibeam.Ended.EVENT_LIMIT, first.stats["cpu_seconds"] / share
-        if endless or cost > COSTLY:
+        if endless or cost > COSTLY / 8:
             break
     return Rig(case, system, drive, start, MORE * cost if endless else cost, endless)
 
