@@ -30,7 +30,7 @@ WIDER = 1e3  # times the spread of disturbed motions that two ways may be apart
 
 MOVING, DRIVEN = 1e-3, 1e-9  # of what statics hold, of the drive's velocity: what a motion must be at least
 
-COSTLY = 0.2  # CPU seconds of a drive period that is not gone through again and again
+COSTLY = 0.1  # CPU seconds of a drive period that is not gone through again and again
 
 CHAOTIC = 1e-3  # of a motion's size: a spread that says no more how disturbances grow
 

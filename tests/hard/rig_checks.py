@@ -47,6 +47,8 @@ TRIED = (0.05, 1.0, 4.0)  # drive periods by which it is known, one after the ot
 
 COSTLY = 1.0  # CPU seconds of a sweep that is shortened, or not repeated
 
+LONG = 2.0  # CPU seconds of a period that is read off, the first time, beyond which nothing is swept
+
 LONGEST = 0.5  # CPU seconds of a motion, about
 
 AFFORDED = 0.15  # CPU seconds of what is done over and over: of costly motions less is repeated
@@ -254,7 +256,11 @@ def swept(rig: Rig, rng: Generator, verdict: Verdict) -> None:
     if rig.cost > COSTLY / 8 and not rig.endless:
         verdict.count("sweeps left out: a period takes more than an eighth of a second")
         return
-    rig = _shortened(rig, verdict)
+    seconds, each = read_off(rig)
+    if seconds > LONG:
+        verdict.count("sweeps left out: reading a period off takes more than two seconds")
+        return
+    rig = _shortened(rig, seconds, each, verdict)
     run = vibeam.run(rig.case, show=False)["flown"]
     for _, found in run.items():
         _complete(found, verdict)
@@ -274,10 +280,12 @@ def swept(rig: Rig, rng: Generator, verdict: Verdict) -> None:
     verdict.count("repeats to the bit", 1 + THREADS)
 
 
-def _shortened(rig: Rig, verdict: Verdict) -> Rig:
-    """The same with a bound of impacts a period, and with two periods a point where those would cost much."""
+def _shortened(rig: Rig, seconds: float, each: float, verdict: Verdict) -> Rig:
+    """The same with a bound of impacts a period, and with two periods a point where those would cost much.
+
+    ``seconds``: of a period that is read off, ``each``: of an impact.
+    """
     plan, less = rig.case.sweep, {}
-    seconds, each = read_off(rig)
     bound = affordable(len(plan.frequency), each)
     if 2 * len(plan.frequency) * plan.hold * seconds >= COSTLY or _is_long(rig, bound):
         verdict.count("sweeps shortened")
