@@ -29,7 +29,7 @@ TURN = 1.5  # radians of the fastest mode in a panel
 
 CURVED = 0.2  # the same where the force has kinks
 
-MOST = 200  # panels of a segment that are looked at
+MOST = 200  # panels of a segment that are looked at; an eighth of integrated contact, whose nodes cost more
 
 STEPS = 30  # of integrated contact, about, each as costly as a node in closed form, from a segment's start to a node
 
@@ -66,7 +66,7 @@ def _segment(path: vibeam.Trajectory, i: int, scale: float, found: dict[str, flo
     span = float(row[DURATION])
     curved = row[WHAT] == CONTACT and isinstance(path.system.law, HuntCrossley)
     panels = max(1, int(np.ceil(span * (rate_in(path, i) / CURVED if curved else _rate(path) / TURN))))
-    looked = min(panels, MOST)
+    looked = min(panels, MOST // 8 if curved else MOST)
     length = span * looked / panels
     edges = np.linspace(0.0, length, looked + 1)
     half = np.diff(edges)[:, None] / 2
