@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.faults import Complaint, Fault
 from vibeam.case.plans import AccuracyPlan, CostPlan, FigurePlan, FitPlan, InfluencePlan, Reference, SweepPlan
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ class Case:
     it that decides what the sweeps compute (no title, source, checks, figures), ``key`` its SHA-256: two cases compute
     the same where it is equal. ``shared`` is the part of ``numbers`` common to all fidelities, ``own`` the key of all
     that decides the numbers of each at given frequencies. ``scenes`` has the scenes of the fidelities that change the
-    case's, ``chains`` their measuring chains (None: exact).
+    case's, ``chains`` their measuring chains (None: exact). ``locate`` finds the line of a complaint.
     """
 
     path: Path
@@ -57,6 +58,13 @@ class Case:
     maps: Mapping[str, MapPlan] = field(default_factory=dict)
     uncertain: tuple[Uncertain, ...] = ()
     fit: FitPlan | None = None
+    locate: Callable[[Complaint], Fault] | None = None
+
+    def fault(self, *path: str | int, message: str) -> Fault:
+        """Fault of a key, at its line of the file or in the override that set it where that is known."""
+        if self.locate is None:
+            return Fault(str(self.path), None, ".".join(map(str, path)), message)
+        return self.locate((path, message))
 
     def __repr__(self) -> str:
         grid = self.sweep.frequency

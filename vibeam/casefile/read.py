@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from pathlib import Path as File
@@ -32,15 +32,15 @@ from vibeam.casefile.build import (
 from vibeam.casefile.content import content, digest, toml_text
 from vibeam.casefile.fidelity_changes import FidelityCase, variants
 from vibeam.casefile.fit_keys import fit_checks
-from vibeam.casefile.inline import name_of
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.maps import map_complaints, map_plans, value_complaints
 from vibeam.casefile.overrides import OverrideError, override
+from vibeam.casefile.places import Places
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.rules import cross_checks
 from vibeam.casefile.toml import parsed
 from vibeam.casefile.uncertain import uncertain_checks, uncertain_inputs
-from vibeam.casefile.unnamed_map import as_written, name_map
+from vibeam.casefile.unnamed_map import name_map
 from vibeam.casefile.validation import complaints, declaration, read, readable_case
 
 
@@ -58,7 +58,7 @@ def load(path: str | PathLike[str], set: Mapping[str, Any] | None = None) -> Cas
 def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, Any] | None = None) -> Case:
     """The case that ``text`` says, as ``load``; ``path`` is what faults call it, references lie in its folder."""
     file = Path(path)
-    declared, changed = validate(text, file, set or {})
+    declared, changed, place = _validated_at(text, file, set or {})
     sweep, numbers = _sweep(declared.sweep), numbers_of(declared, changed, file.parent)
     return Case(
         path=file,
@@ -86,6 +86,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         maps=map_plans(declared, sweep),
         uncertain=uncertain_inputs(declared),
         fit=_fit(declared),
+        locate=place.fault,
     )
 
 
@@ -93,14 +94,19 @@ def without_accuracy(case: Case) -> Case:
     """Same case without its ``accuracy``: every fidelity at every frequency."""
     tables = tomllib.loads(case.text)
     rest = {key: value for key, value in tables.items() if key not in ("accuracy", "accuracy_of")}
-    return replace(parse(toml_text(rest), case.path), references=case.references)
+    return replace(parse(toml_text(rest), case.path), references=case.references, locate=case.locate)
 
 
 def validate(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[AnyCase, dict[str, AnyCase]]:
     """The declared case in SI units, and that of each fidelity that changes it; CaseError with all faults."""
+    return _validated_at(text, file, overrides)[:2]
+
+
+def _validated_at(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[AnyCase, dict[str, AnyCase], Places]:
+    """The same, and where its keys come from."""
     tables, lines = parsed(text, file)
     faults, paths = _override(tables, overrides)
-    place = _Places(str(file), lines, paths, name_map(tables))
+    place = Places(str(file), lines, paths, name_map(tables))
     case, wrong = _validated(tables, file.parent)
     changed, more = variants(tables, declaration(tables), wrong, lambda own: _validated(own, file.parent))
     if case is not None and not wrong + more:
@@ -108,7 +114,7 @@ def validate(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[AnyCa
     faults += [place.fault(complaint) for complaint in wrong + more]
     if faults or case is None:
         raise CaseError(faults)
-    return _settled(case, changed), {name: variant.declared for name, variant in changed.items()}
+    return _settled(case, changed), {name: variant.declared for name, variant in changed.items()}, place
 
 
 def _settled(case: AnyCase, changed: Mapping[str, FidelityCase]) -> AnyCase:
@@ -170,31 +176,3 @@ def _unreported(together: Collection[Complaint], reported: set[KeyPath]) -> list
         and path not in unread
         and not any(path[:length] in reported for length in range(1, len(path) + 1))
     ]
-
-
-@dataclass(frozen=True)
-class _Places:
-    """Origins of the keys of a case: lines of the file, or overrides."""
-
-    file: str
-    lines: Mapping[KeyPath, int]
-    overridden: set[KeyPath]
-    unnamed_map: bool
-
-    def fault(self, complaint: Complaint) -> Fault:
-        path, message = complaint
-        path = as_written(path) if self.unnamed_map else path
-        key = ".".join(name_of(shortened(str(part))) for part in path)
-        places = [path[:length] for length in range(len(path), 0, -1)]
-        if self.overridden.intersection(places):
-            return Fault(OVERRIDE, None, key, message)
-        for place in places:
-            if place in self.lines:
-                return Fault(self.file, self.lines[place], key, message)
-            if self._opened(place):
-                return Fault(OVERRIDE, None, key, message)
-        return Fault(self.file, None, key, message)
-
-    def _opened(self, place: KeyPath) -> bool:
-        """Test whether an override opened this table."""
-        return any(path[: len(place)] == place for path in self.overridden)

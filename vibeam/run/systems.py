@@ -75,13 +75,13 @@ def _systems(case: Case) -> dict[str, ImpactSystem]:
 
                 several_of(systems[name], Drive(slowest, 0.0), harmonics, fidelity.solver)
         except ValueError as error:
-            faults.append(Fault(str(case.path), None, f"fidelity.{name}", str(error)))
+            faults.append(case.fault("fidelity", name, message=str(error)))
     for name in case.fidelities:
         try:
             case.amplitude_of(name, 2 * np.pi * case.sweep.frequency)
         except ValueError as error:
             where = "drive" if getattr(case.scene_of(name), "platform", None) is None else "platform"
-            faults.append(Fault(str(case.path), None, where, str(error)))
+            faults.append(case.fault(where, message=str(error)))
     faults += _not_shown(case, systems)
     if faults:
         raise CaseError(faults)
@@ -95,4 +95,4 @@ def _not_shown(case: Case, systems: Mapping[str, ImpactSystem]) -> Iterator[Faul
     for plan in case.shows.values():
         for name in plan.fidelities:
             if name in systems and (reason := refusal(case, plan, name, systems[name])):
-                yield Fault(str(case.path), None, f"show.{plan.name}.fidelities", f"{name}: {reason}")
+                yield case.fault("show", plan.name, "fidelities", message=f"{name}: {reason}")

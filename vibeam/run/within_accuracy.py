@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.faults import CaseError, Fault
+from vibeam.case.faults import CaseError
 from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.run.accuracy.study import AccuracyChoice, study
 from vibeam.run.store.accuracy import HOME
@@ -30,7 +30,7 @@ def refuse_beyond(case: Case, systems: Mapping[str, ImpactSystem]) -> None:
     reasons |= {name: "a stop that wears" for name in systems if gap_wear(case.scene_of(name)) is not None}
     if reasons:
         listed = "; ".join(f"{name} has {reason}" for name, reason in reasons.items())
-        raise CaseError([Fault(str(case.path), None, "accuracy", f"cannot be had of {listed}: take this key away")])
+        raise CaseError([case.fault("accuracy", message=f"cannot be had of {listed}: take this key away")])
 
 
 def branches_of(case: Case, branches: Mapping[str, tuple[Branch, ...]]) -> tuple[Branch, ...]:

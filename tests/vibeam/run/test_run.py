@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from stand_in import SDOF, Solver, case, same, system
 
-from vibeam.case.faults import CaseError
+from vibeam.case.faults import CaseError, Fault
 from vibeam.casefile.read import parse
 from vibeam.flight.pause import Stopped
 from vibeam.run import fidelity_sweep, recorder
@@ -134,9 +134,13 @@ def test_a_fidelity_that_cannot_be_built_stops_before_any_file(tmp_path: Path) -
     def none(name: str) -> None:
         raise ValueError(f"{name} cannot be")
 
+    def fault(*path: str, message: str) -> Fault:
+        return Fault("a.toml", 7, ".".join(path), message)
+
     with pytest.raises(CaseError) as caught:
-        run(case(system=none), tmp_path / "a.h5")
-    assert len(caught.value.faults) == 2
+        run(case(system=none, fault=fault), tmp_path / "a.h5")
+    wanted = [f"a.toml:7: fidelity.{name}: {name} cannot be" for name in ("one", "three")]
+    assert [str(each) for each in caught.value.faults] == wanted
     assert not list(tmp_path.iterdir())
 
 
