@@ -53,6 +53,8 @@ ENTRY = 52  # largest number of letters in a line of a legend's entry
 
 COLUMNS = 4  # largest number of columns of a legend
 
+LINES = 4  # of a title or an entry at most: what is longer ends in an ellipsis
+
 
 def write_page(make: Callable[[], Figure], paths: Iterable[Path], dots: int = DOTS, mark: str | None = None) -> None:
     """Make a figure and write it, with ``mark`` in its metadata; the format follows each path's ending."""
@@ -88,8 +90,9 @@ def blank_page(size: tuple[float, float], plan: FigurePlan) -> Figure:
 def titled(figure: Figure, plan: FigurePlan, title: str, shows: str) -> None:
     """Set the case's title above the caption; nothing where the plan wants none."""
     if plan.title:
-        lines = [_filled(plain(line), figure, TITLE) for line in (title, *shows.splitlines()) if line]
-        figure.suptitle("\n".join(lines), fontsize=TITLE)
+        letters = _letters(figure, TITLE)
+        lines = [shortened(title, letters), *(fill(plain(line), letters) for line in shows.splitlines())]
+        figure.suptitle("\n".join(line for line in lines if line), fontsize=TITLE)
 
 
 def legend(figure: Figure, handles: Sequence[Artist], labels: Sequence[str]) -> None:
@@ -97,7 +100,8 @@ def legend(figure: Figure, handles: Sequence[Artist], labels: Sequence[str]) -> 
     if not handles:
         return
     size = PAGE["legend.fontsize"]
-    texts = [fill(plain(label), _letters(figure, size, HANDLE, ENTRY)) for label in labels]
+    letters = _letters(figure, size, HANDLE, ENTRY)
+    texts = [shortened(label, letters) for label in labels]
     widths = [HANDLE + LETTER * size / 72 * max(map(len, text.splitlines())) for text in texts]
     columns = next((n for n in range(COLUMNS, 1, -1) if _wide(widths, n) <= figure.get_figwidth()), 1)
     figure.legend(
@@ -116,9 +120,9 @@ def plain(text: str) -> str:
     return "".join(visible).replace("$", r"\$")
 
 
-def _filled(text: str, figure: Figure, size: float) -> str:
-    """Text broken into lines of the figure's width."""
-    return fill(text, _letters(figure, size))
+def shortened(text: str, letters: int) -> str:
+    """A user's text, plain, in lines of so many letters, ``LINES`` at most."""
+    return fill(plain(text), letters, max_lines=LINES, placeholder=" …")
 
 
 def _letters(figure: Figure, size: float, beside: float = 0.1, most: int = 1000) -> int:

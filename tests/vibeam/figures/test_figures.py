@@ -244,6 +244,13 @@ def test_titles_and_labels_are_no_formulas(tmp_path: Path) -> None:
     assert "\x1b" not in text
 
 
+def test_a_title_takes_a_few_lines_however_long_it_is() -> None:
+    made = frc(responses(1, title="no end " * 1000))
+    title = made.get_suptitle().splitlines()
+    assert [line.startswith("no end") for line in title] == [True] * 4 + [False] * (len(title) - 4)
+    assert title[3].endswith(" …")
+
+
 def test_the_figure_table_says_formats_width_and_title(tmp_path: Path) -> None:
     table = '[figure]\nformat = ["pdf", "svg"]\nwidth = "90 mm"\ntitle = false'
     case = shows("curve", 'quantity = "reach"', fidelities=1, further=table)
