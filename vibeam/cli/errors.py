@@ -9,6 +9,7 @@ from typing import TypeVar
 
 import typer
 
+from vibeam.cli.address_space import refusal
 from vibeam.cli.streams import STOPPED, WRONG, reader_gone, say
 
 Made = TypeVar("Made")
@@ -23,6 +24,8 @@ class UsageError(Exception):
 @contextmanager
 def mistakes() -> Iterator[None]:
     """Context that turns a user's mistakes into a message on stderr and an exit code; a defect keeps its traceback."""
+    if short := refusal():
+        _stop(short, WRONG)
     from vibeam.case.faults import CaseError
     from vibeam.flight.libraries.errors import KernelsUnavailable
     from vibeam.run.store.errors import StoreError

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import shlex
 import subprocess
 import sys
 from collections.abc import Callable
@@ -517,6 +518,24 @@ import vibeam
 print(sorted(set(sys.modules) - before))"""
     done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stdout == "['__future__', 'vibeam']\n"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a limit of Unix systems, which macOS does not keep")
+@pytest.mark.parametrize(("threads", "words"), [("1", "allow 448 MiB\n"), ("2", "with OPENBLAS_NUM_THREADS=1\n")])
+def test_too_little_address_space_is_a_message_at_once(tmp_path: Path, threads: str, words: str) -> None:
+    """OpenBLAS would ask for its buffers without end."""
+    if int(threads) > len(os.sched_getaffinity(0)):
+        pytest.skip("one processor")
+    (tmp_path / "sdof.toml").write_text(SDOF, encoding="utf-8")
+    command = f"ulimit -v {225 * 1024}; exec {shlex.quote(sys.executable)} -m vibeam run sdof.toml"
+    own = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "OPENBLAS_NUM_THREADS": threads}
+    done = subprocess.run(
+        ["sh", "-c", command], cwd=tmp_path, env=own, capture_output=True, text=True, timeout=HANGS, check=False
+    )
+    assert done.returncode == 2
+    assert done.stderr.startswith("the address space is limited to 225 MiB (ulimit -v): allow ")
+    assert done.stderr.endswith(words)
+    assert [path.name for path in tmp_path.iterdir()] == ["sdof.toml"]
 
 
 def test_libraries_without_room_are_a_message_and_other_imports_a_defect(capsys: pytest.CaptureFixture[str]) -> None:
