@@ -35,5 +35,8 @@ def refusal() -> str:
 def _threads() -> int:
     """Threads that OpenBLAS will have."""
     given = [os.environ[name] for name in COUNTS if os.environ.get(name, "").isdecimal()]
-    there = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    try:
+        there = len(os.sched_getaffinity(0))
+    except AttributeError:  # not on this system
+        there = os.cpu_count() or 1
     return max(1, min(int(given[0]) if given else there, there, MOST))
