@@ -24,9 +24,11 @@ def refusal() -> str:
     except ImportError:  # no limit of this kind on this system
         return ""
     limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if limit == resource.RLIM_INFINITY:
+        return ""
     count = _threads()
     needed = OWN + EACH * count
-    if limit == resource.RLIM_INFINITY or limit >= needed:
+    if limit >= needed:
         return ""
     fewer = f", or {(OWN + EACH) // MIB} MiB with {COUNTS[0]}=1" if count > 1 else ""
     return f"the address space is limited to {limit // MIB} MiB (ulimit -v): allow {needed // MIB} MiB{fewer}"

@@ -21,6 +21,7 @@ from typer.testing import CliRunner
 
 from vibeam import __version__
 from vibeam.casefile.read import parse
+from vibeam.cli import address_space
 from vibeam.cli.errors import mistakes
 from vibeam.cli.main import app
 from vibeam.run import fidelity_sweep
@@ -521,21 +522,36 @@ print(sorted(set(sys.modules) - before))"""
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="a limit of Unix systems, which macOS does not keep")
-@pytest.mark.parametrize(("threads", "words"), [("1", "allow 448 MiB\n"), ("2", "with OPENBLAS_NUM_THREADS=1\n")])
-def test_too_little_address_space_is_a_message_at_once(tmp_path: Path, threads: str, words: str) -> None:
+def test_too_little_address_space_is_a_message_at_once(tmp_path: Path) -> None:
     """OpenBLAS would ask for its buffers without end."""
-    if int(threads) > len(os.sched_getaffinity(0)):
-        pytest.skip("one processor")
     (tmp_path / "sdof.toml").write_text(SDOF, encoding="utf-8")
     command = f"ulimit -v {225 * 1024}; exec {shlex.quote(sys.executable)} -m vibeam run sdof.toml"
-    own = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "OPENBLAS_NUM_THREADS": threads}
+    own = os.environ | {"PYTHONPATH": os.pathsep.join(sys.path), "OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run(
         ["sh", "-c", command], cwd=tmp_path, env=own, capture_output=True, text=True, timeout=HANGS, check=False
     )
     assert done.returncode == 2
-    assert done.stderr.startswith("the address space is limited to 225 MiB (ulimit -v): allow ")
-    assert done.stderr.endswith(words)
+    assert done.stderr == "the address space is limited to 225 MiB (ulimit -v): allow 448 MiB\n"
     assert [path.name for path in tmp_path.iterdir()] == ["sdof.toml"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a limit of Unix systems, which macOS does not keep")
+@pytest.mark.parametrize(
+    ("processors", "mebibytes", "words"),
+    [(8, 600, "allow 784 MiB, or 448 MiB with OPENBLAS_NUM_THREADS=1"), (8, 784, ""), (1, 448, ""), (1, -1, "")],
+)
+def test_every_thread_takes_address_space(
+    processors: int, mebibytes: int, words: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import resource
+
+    for name in address_space.COUNTS:
+        monkeypatch.delenv(name, raising=False)
+    limit = mebibytes * address_space.MIB if mebibytes > 0 else resource.RLIM_INFINITY
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (limit, limit))
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(processors)))
+    assert address_space.refusal().endswith(words)
+    assert bool(address_space.refusal()) is bool(words)
 
 
 def test_libraries_without_room_are_a_message_and_other_imports_a_defect(capsys: pytest.CaptureFixture[str]) -> None:
