@@ -20,6 +20,32 @@ ROW = 0.028  # height of a row of marks of failed points, in axes
 
 SLIGHT, MARGIN = 1e-3, 0.1  # relative range below which all points coincide; margin around one
 
+TOP = 0.4  # share of the largest value that the range of all values is below, for an axis that does not start at 0
+
+CUT = ((-1.0, -0.5), (1.0, 0.5))  # stroke of the mark of such an axis
+
+NOT_FROM_ZERO = "the axis does not start at 0"
+
+
+def start_upward(panels: Sequence[Axes]) -> str:
+    """Start upward axes of one scale at 0, or mark them where all that is drawn lies in their upper part.
+
+    Return what their label has to add: nothing, or that they do not start at 0.
+    """
+    boxes = [axes.dataLim for axes in panels if not is_empty(axes)]
+    low, high = (min(box.y0 for box in boxes), max(box.y1 for box in boxes)) if boxes else (0.0, 0.0)
+    if not SLIGHT * high < high - low < TOP * high:
+        for axes in panels:
+            from_zero(axes)
+        return ""
+    for axes in panels:
+        for height in (0.03, 0.05):
+            axes.plot(
+                0, height, transform=axes.transAxes, clip_on=False, marker=CUT, markersize=7, color="black",
+                markeredgewidth=0.8, gid="not-from-zero",
+            )  # fmt: skip
+    return NOT_FROM_ZERO
+
 
 def from_zero(axes: Axes) -> None:
     """Start the upward axis at 0; its upper end goes on to scale with whatever is drawn."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,8 @@ from vibeam.system.response import FrequencyResponse, complete
 Array = NDArray[np.float64]
 
 STEEP = 5.0  # a step is a jump if it is this many times its larger neighbour …
+
+STEEP_ELSEWHERE = 3.0  # … this many times where the number of impacts changes too …
 
 LARGE = 0.05  # … and at least this share of the range
 
@@ -31,11 +34,13 @@ class MotionClass(Enum):
 
 @dataclass(frozen=True)
 class Piece:
-    """Neighbouring points of one class: frequency in Hz and amplitude (points,)."""
+    """Neighbouring points of one class on one branch, as the range of their indices."""
 
     kind: MotionClass
-    frequency: Array
-    amplitude: Array
+    points: slice
+
+    def __len__(self) -> int:
+        return int(self.points.stop - self.points.start)
 
 
 @dataclass(frozen=True)
@@ -65,27 +70,35 @@ def motion_pieces(curves: MotionCurves, quantity: str = "amplitude") -> Iterator
                 yield MotionPiece(stable, curves.frequency[joined], values[joined, branch])
 
 
-def pieces(response: FrequencyResponse) -> Iterator[Piece]:
-    """Branch cut wherever the period changes or the amplitude jumps."""
+def pieces(response: FrequencyResponse, values: Array | None = None) -> Iterator[Piece]:
+    """Branch cut where the period changes, or where the amplitude jumps or ``values`` (points,), drawn in its place."""
     if not len(response):
         return
     period = np.where(complete(response), response.period, -2)
-    cuts = np.flatnonzero((np.diff(period) != 0) | jumps(response.amplitude, period)) + 1
-    for points in np.split(np.arange(len(response)), cuts):
-        yield Piece(_kind(int(period[points[0]])), response.frequency[points], response.amplitude[points])
+    cut = np.diff(period) != 0
+    for each in [response.amplitude] if values is None else [response.amplitude, values]:
+        cut |= jumps(each, period, response.impacts_per_period)
+    ends = [0, *(np.flatnonzero(cut) + 1).tolist(), len(response)]
+    for begin, end in pairwise(ends):
+        yield Piece(_kind(int(period[begin])), slice(begin, end))
 
 
-def jumps(amplitude: Array, period: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Mask of the steps (points − 1,) that are jumps: steep compared with the steps next to them, and large."""
-    if len(amplitude) < 2:
+def jumps(values: Array, period: NDArray[np.int64], impacts: Array) -> NDArray[np.bool_]:
+    """Mask of the steps (points − 1,) that are jumps: steep compared with the steps next to them, and large.
+
+    ``impacts``: impacts a drive period. Where their number changes another branch of motions may begin, of the same
+    period; a motion that grazes gains an impact and goes on smoothly.
+    """
+    if len(values) < 2:
         return np.zeros(0, dtype=bool)
     alike = np.diff(period) == 0
-    step = np.where(alike & np.isfinite(np.diff(amplitude)), np.abs(np.diff(amplitude)), 0.0)
+    step = np.where(alike & np.isfinite(np.diff(values)), np.abs(np.diff(values)), 0.0)
     around = np.concatenate(([0.0], step, [0.0]))
     beside = np.maximum(around[:-2], around[2:])
-    finite = amplitude[np.isfinite(amplitude)]
+    steep = np.where(np.diff(impacts) != 0, STEEP_ELSEWHERE, STEEP)
+    finite = values[np.isfinite(values)]
     extent = np.ptp(finite) if len(finite) else 0.0
-    return np.asarray((step > STEEP * beside) & (step > LARGE * extent))
+    return np.asarray((step > steep * beside) & (step > LARGE * extent))
 
 
 def _kind(period: int) -> MotionClass:

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Any
 
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter
 
 from vibeam.case.faults import suggest
-from vibeam.figures.branches import MotionClass, pieces
-from vibeam.figures.style import BEHIND, COLOURS, KEY, LINES, WIDER, shade
+from vibeam.figures.branch_lines import ALONE, draw_branch
+from vibeam.figures.branches import MotionClass
+from vibeam.figures.style import COLOURS, DOT, KEY, LINES, Look, shade
 from vibeam.system.quantities import LAYOUT
 from vibeam.system.response import SINGLE, FrequencyResponse
 
@@ -28,42 +27,28 @@ def response_figure(branches: Mapping[str, FrequencyResponse], quantity: str) ->
         raise ValueError(f"quantity: no {quantity!r} with one number a point: {suggest(str(quantity), SHOWN)}")
     figure = Figure(figsize=(5.8, 4.2), layout="constrained")
     axes = figure.subplots()
-    kinds = {kind for direction, response in branches.items() for kind in _draw(axes, response, direction, quantity)}
+    drawn: set[object] = set()
+    for direction, response in branches.items():
+        values, row = getattr(response, quantity).astype(float), int(direction == "down")
+        drawn |= draw_branch(axes, response, direction, Look(COLOURS[0]), values=values, failed_row=row)
     layout = LAYOUT[quantity]
     axes.xaxis.set_major_formatter(EngFormatter("Hz"))
     if layout.unit in PREFIXED:
         axes.yaxis.set_major_formatter(EngFormatter(PREFIXED[layout.unit]))
     axes.set_xlabel(LAYOUT["frequency"].long_name)
     axes.set_ylabel(layout.long_name)
-    figure.legend(handles=_keys(branches, kinds), loc="outside lower center", ncols=3, frameon=False)
+    figure.legend(handles=_keys(branches, drawn), loc="outside lower center", ncols=3, frameon=False)
     return figure
-
-
-def _draw(axes: Axes, response: FrequencyResponse, direction: str, quantity: str) -> set[MotionClass]:
-    """Draw one branch in pieces of one class of motion; failed points have no value and are left out."""
-    drawn = set()
-    for piece in pieces(replace(response, amplitude=getattr(response, quantity).astype(float))):
-        drawn.add(piece.kind)
-        axes.plot(piece.frequency, piece.amplitude, **_look(piece.kind, direction, len(piece.frequency)))
-    return drawn
-
-
-def _look(kind: MotionClass, direction: str, points: int) -> dict[str, Any]:
-    colour = shade(COLOURS[0], direction)
-    look: dict[str, Any] = {"color": colour, "markerfacecolor": "white", "markeredgecolor": colour} | LINES[kind]
-    look |= {"zorder": BEHIND[direction]}
-    if kind is MotionClass.PERIOD_ONE:
-        look |= {"linewidth": look["linewidth"] * WIDER[direction]}
-    return look | ({"marker": "o", "markersize": 2.0} if points == 1 and "marker" not in look else {})
 
 
 def _colour(direction: str) -> dict[str, Any]:
     return {"color": shade(COLOURS[0], direction)}
 
 
-def _keys(branches: Mapping[str, FrequencyResponse], kinds: set[MotionClass]) -> list[Line2D]:
+def _keys(branches: Mapping[str, FrequencyResponse], drawn: set[object]) -> list[Line2D]:
     directions = branches if len(branches) > 1 else ()
     swept = [
         Line2D([], [], label=f"sweep {direction}", **_colour(direction), linewidth=2.5) for direction in directions
     ]
-    return swept + [Line2D([], [], label=kind.value, **(KEY | LINES[kind])) for kind in MotionClass if kind in kinds]
+    kinds = [Line2D([], [], label=kind.value, **(KEY | LINES[kind])) for kind in MotionClass if kind in drawn]
+    return swept + kinds + [Line2D([], [], label=ALONE, **(KEY | DOT))] * (ALONE in drawn)

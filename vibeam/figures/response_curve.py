@@ -14,13 +14,15 @@ from matplotlib.lines import Line2D
 
 from vibeam.case.outputs import quantity_of
 from vibeam.case.reference_curves import reference_points
-from vibeam.figures.axes import from_zero, is_empty, mark_failed, say
+from vibeam.figures.axes import is_empty, say, start_upward
+from vibeam.figures.branch_lines import ALONE, draw_branch
 from vibeam.figures.branches import MotionClass, motion_pieces, pieces
 from vibeam.figures.outputs import amplitude_of, frequency_label
 from vibeam.figures.page import PAGE, blank_page, legend, plain, titled, write_page
 from vibeam.figures.style import (
+    DOT,
     GAP,
-    GHOST,
+    GHOST_LINE,
     KEY,
     LINES,
     REFERENCE,
@@ -28,7 +30,6 @@ from vibeam.figures.style import (
     UNSTABLE,
     Look,
     arrow,
-    line,
     looks_of,
     name_of,
 )
@@ -41,7 +42,9 @@ if TYPE_CHECKING:
     from vibeam.system.response import Branches
 
 
-TOGETHER = 3  # largest number of fidelities in one panel
+TOGETHER = 3  # largest number of fidelities in one panel …
+
+SCATTERED = 0.15  # … and largest share of their points that no line joins
 
 ARROWS_A_BRANCH = 8
 
@@ -57,7 +60,7 @@ def write_frc(result: Comparison, *paths: Path, mark: str | None = None) -> None
 
 def frc(result: Comparison) -> Figure:
     """Draw the frequency-response curve: fidelity by colour, direction by shade and arrows, class of motion by line."""
-    together = len(result) <= TOGETHER
+    together = len(result) < TOGETHER or (len(result) == TOGETHER and scattered(result) <= SCATTERED)
     figure, grid = _grid(1 if together else len(result), result)
     units, finest = units_for(result), result.finest
     panels = []
@@ -68,20 +71,34 @@ def frc(result: Comparison) -> Figure:
         panels.append(panel)
     highest = max((panel.highest for panel in panels), default=0.0)
     for panel in panels:
-        panel.limit(highest)
-    for axes in {panel.axes for panel in panels if is_empty(panel.axes)}:
+        panel.limit(highest, len(panels) if together else 1)
+    shown = list(dict.fromkeys(panel.axes for panel in panels))
+    note = start_upward(shown)
+    for axes in filter(is_empty, shown):
         say(axes, "no motion at any frequency")
-    _label(figure, grid, result, units)
+    _label(figure, grid, result, units, note)
     handles = _legend(panels, _ghost_called(result, finest), together)
     legend(figure, handles, [str(handle.get_label()) for handle in handles])
     return figure
 
 
+def scattered(result: Comparison) -> float:
+    """Share of the points that no line joins: motions that do not repeat, and isolated ones."""
+    branches = [response for each in result.values() for _, response in each.items()]
+    loose = (
+        len(piece)
+        for response in branches
+        for piece in pieces(response)
+        if piece.kind is MotionClass.NOT_PERIODIC or len(piece) == 1 < len(response)
+    )
+    return sum(loose) / max(sum(map(len, branches)), 1)
+
+
 def _grid(count: int, result: Comparison) -> tuple[Figure, Any]:
     """Grid of axes with common scales, the last of each column numbered below."""
-    columns = 1 if count == 1 else 2 if count <= 4 else 3
+    columns = {1: 1, 2: 2, 3: 1, 4: 2}.get(count, 3)
     rows = ceil(count / columns)
-    size = (5.8, 4.2) if count == 1 else (3.5 * columns, 2.3 * rows + 1.0)
+    size = (5.8, 4.2) if count == 1 else (3.5 * columns if columns > 1 else 5.8, 2.3 * rows + 1.0)
     figure = blank_page(size, result.case.figure)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for spare in grid.flat[count:]:
@@ -126,18 +143,13 @@ class _Panel:
         self._curves()
         self._references()
         self.axes.margins(x=0.02, y=0.08 + 0.1 * (MotionClass.FAILED in self.drawn))
-        from_zero(self.axes)
 
     def _branch(self, response: FrequencyResponse, direction: str) -> None:
-        for index, piece in enumerate(pieces(response)):
-            self.drawn.add(piece.kind)
-            keys = line(piece.kind, direction, self.look, len(piece.frequency), len(response))
-            name = f"{self.name}-{direction}-{index}-{piece.kind.name.lower()}"
-            if piece.kind is MotionClass.FAILED:
-                row = 2 * self.row + (direction == "down")
-                mark_failed(self.axes, piece.frequency * self.units.frequency_factor, row, gid=name, **keys)
-            else:
-                self._plot(piece.frequency, piece.amplitude, gid=name, **keys)
+        factors = self.units.frequency_factor, self.units.length_factor
+        row = 2 * self.row + (direction == "down")
+        self.drawn |= draw_branch(
+            self.axes, response, direction, self.look, *factors, failed_row=row, name=self.name
+        )  # fmt: skip
         self.reasons |= {Ended.of_code(int(code)).value for code in response.ended[~complete(response)]}
 
     def _curves(self) -> None:
@@ -162,7 +174,10 @@ class _Panel:
         for _, response in branches.items():
             for piece in pieces(response):
                 if piece.kind in (MotionClass.PERIOD_ONE, MotionClass.PERIOD_MORE):
-                    self._plot(piece.frequency, piece.amplitude, color=GHOST, linewidth=3.6, zorder=1)
+                    alone = {"marker": "o", "markersize": 3.6, "markeredgewidth": 0} if len(piece) == 1 else {}
+                    at = piece.points
+                    name = f"{self.name}-ghost"
+                    self._plot(response.frequency[at], response.amplitude[at], gid=name, **(GHOST_LINE | alone))
 
     def _references(self) -> None:
         for reference in self.result.case.references.values():
@@ -173,20 +188,29 @@ class _Panel:
                 every = ceil(len(points) / REFERENCES_SHOWN)  # too many marks would hide the curve
                 self._plot(frequency, value, gid=f"reference-{reference.name}", markevery=every, **REFERENCE)
 
-    def limit(self, highest: float) -> None:
-        """Draw the amplitude at which the first mode alone reaches the stop, unless it is far above the curves."""
+    def limit(self, highest: float, shared: int) -> None:
+        """Draw the amplitude at which the first mode alone reaches the stop, unless it is far above the curves.
+
+        ``shared``: number of fidelities in the panel; where their lines coincide, their dots alternate.
+        """
         case, study = self.result.case, self.result.accuracy
         if quantity_of(case, case.sweep.output).rate:
             return  # where mode 1 grazes depends on the frequency
         height = grazing(case.system(self.name if study is None else study.finest), case.sweep.output)
         if 0 < height <= FAR * highest or (height > 0 and highest == 0):
             self.drawn.add("gap")
-            self.axes.axhline(height * self.units.length_factor, gid=f"{self.name}-gap", **GAP)
+            own = GAP | {"color": self.look.colour, "linestyle": _dots(self.row, shared)}
+            self.axes.axhline(height * self.units.length_factor, gid=f"{self.name}-gap", **own)
         elif height > 0:
             self.drawn.add("gap above")
 
     def _plot(self, frequency: Array, length: Array, **look: Any) -> None:
         self.axes.plot(frequency * self.units.frequency_factor, length * self.units.length_factor, **look)
+
+
+def _dots(row: int, shared: int) -> tuple[float, tuple[float, float]]:
+    """Dotted line style of one of several lines that may coincide."""
+    return 2.65 * row, (1.0, 2.65 * shared - 1.0)
 
 
 def grazing(system: ImpactSystem, output: str) -> float:
@@ -196,12 +220,12 @@ def grazing(system: ImpactSystem, output: str) -> float:
     return float(left * abs(system.output(output)[0] / system.contact[0]))
 
 
-def _label(figure: Figure, grid: Any, result: Comparison, units: Units) -> None:
+def _label(figure: Figure, grid: Any, result: Comparison, units: Units, note: str) -> None:
     columns = grid.shape[1]
     for axes in [axes for axes in grid.flat if axes.axison][-columns:]:
         axes.set_xlabel(frequency_label(units))
     upward = amplitude_of(result.case.sweep.output, units)
-    figure.supylabel(upward, fontsize=PAGE["font.size"])
+    figure.supylabel("\n".join(filter(None, [upward, note])), fontsize=PAGE["font.size"])
     titled(figure, result.case.figure, result.case.title, _shows(result))
 
 
@@ -228,10 +252,11 @@ def _legend(panels: list[_Panel], finest: str, together: bool) -> list[Line2D]:
             for kind in MotionClass
             if kind not in (MotionClass.PERIOD_ONE, MotionClass.FAILED)
         },
+        ALONE: (ALONE, DOT),
         "unstable": ("unstable", UNSTABLE),
-        "ghost": (f"{finest}, for comparison", {"color": GHOST, "linewidth": 3.6}),
+        "ghost": (f"{finest}, for comparison", GHOST_LINE),
         "reference": ("reference", REFERENCE),
-        "gap": ("grazing: mode 1 reaches the stop", GAP),
+        "gap": (f"grazing: mode 1 reaches the stop{', each in its colour' * (together and len(panels) > 1)}", GAP),
         "gap above": ("grazing: above the figure", GAP),
         MotionClass.FAILED: (f"failed, along the upper edge: {'; '.join(reasons)}", LINES[MotionClass.FAILED]),
     }

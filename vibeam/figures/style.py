@@ -25,7 +25,7 @@ DASHES: tuple[Any, ...] = ("-", (0, (7, 1.8)), (0, (1.2, 1.2)), (0, (7, 1.5, 1.2
 
 HATCHES = ("", "////", "....", "xxxx")  # hatches of bars
 
-GHOST = "#C4C4C4"
+GHOST_LINE: Keys = {"color": "#C4C4C4", "linewidth": 3.6, "zorder": 1}
 
 LIGHTER = {"up": 0.0, "down": 0.58}
 
@@ -47,6 +47,10 @@ LINES: dict[MotionClass, Keys] = {
     MotionClass.NOT_PERIODIC: {"linestyle": "", "marker": "o", "markersize": 2.4, "markeredgewidth": 0.6},
     MotionClass.FAILED: {"linestyle": "", "marker": "x", "markersize": 3.0, "markeredgewidth": 0.8},
 }
+
+DOT: Keys = {"linestyle": "", "marker": "o", "markersize": 2.0, "markerfacecolor": "0.25"}  # isolated, of period 1
+
+DASH: Keys = {"marker": "_", "markersize": 5.0}  # isolated, without contact
 
 UNSTABLE: Keys = {"linewidth": 0.9, "linestyle": (0, (3, 1.6)), "zorder": 2.5}
 
@@ -131,14 +135,16 @@ def arrow(direction: str, colour: str) -> Keys:
 def line(kind: MotionClass, direction: str, own: Look, points: int, all_points: int) -> Keys:
     """Line style of a piece of ``points`` points of a branch of ``all_points``: dashes by kind, of period 1 its own.
 
-    An isolated point of a line becomes a dot.
+    An isolated point of a line becomes a dot, without contact a dash.
     """
     shaded = shade(own.colour, direction)
     keys = LINES[kind] | {"color": shaded, "markerfacecolor": "white", "markeredgecolor": shaded}
     keys["zorder"] = BEHIND[direction]
     if kind is MotionClass.PERIOD_ONE:
         keys |= {"linewidth": keys["linewidth"] * WIDER[direction] * own.wide, "linestyle": own.dash}
-    if points == 1 and "marker" not in keys:
-        size = 4.0 if all_points <= FEW else 2.0
-        keys |= {"marker": "o", "markersize": size * own.wide**0.5, "markerfacecolor": shaded}
-    return keys
+    if points > 1 or "marker" in keys:
+        return keys
+    if kind is MotionClass.NO_CONTACT:
+        return keys | DASH
+    size = (2.0 if all_points <= FEW else 1.0) * DOT["markersize"] * own.wide**0.5
+    return keys | DOT | {"markersize": size, "markerfacecolor": shaded}

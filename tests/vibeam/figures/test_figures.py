@@ -98,6 +98,46 @@ def test_a_higher_curve_after_the_first_is_within_the_limits(sizes: tuple[float,
     assert made.axes[0].get_ylim()[1] > max(sizes) * 1.0
 
 
+def test_an_axis_by_the_data_says_that_it_does_not_start_at_zero() -> None:
+    """The range is a fifth of the top; with a curve a tenth as high on the same scale the axis starts at 0 again."""
+    flat = {"f0": Branches(curve(GRID, 0.8e-3 + 0.2 * PEAK), None)}
+    low = flat | {"f1": Branches(curve(GRID, 0.1e-3), None)}
+    for branches, bottom in ((flat, 0.75), (low, 0.0)):
+        systems = {name: system(1, gap=0.0) for name in branches}
+        made = frc(Result(stand_in_case(system=systems.__getitem__), branches))
+        assert made.axes[0].get_ylim()[0] >= bottom
+        marks = [each for each in made.axes[0].lines if each.get_gid() == "not-from-zero"]
+        assert (len(marks) == 2, "does not start at 0" in made.get_supylabel()) == (bottom > 0, bottom > 0)
+    assert frc(responses(1)).axes[0].get_ylim()[0] == 0
+
+
+def test_scattered_motions_of_three_fidelities_get_a_panel_each() -> None:
+    chaotic = np.where(GRID > 16, 0, 1)
+    assert [len(frc(responses(*sizes, period=chaotic)).axes) for sizes in ((1, 2), (1, 2, 3))] == [1, 3]
+    assert len(frc(responses(1, 2, 3)).axes) == 1
+
+
+def test_an_isolated_point_of_period_one_is_explained_and_one_without_contact_is_a_dash() -> None:
+    alone = np.select([GRID[30] == GRID, GRID[40] == GRID], [1, -1], 0)
+    made = frc(responses(1, period=alone))
+    assert "period 1, at one frequency alone" in labels(made)
+    marks = {each.get_gid(): each.get_marker() for each in made.axes[0].lines if len(each.get_xdata()) == 1}
+    assert marks["f0-up-1-period_one"] == "o"
+    assert marks["f0-up-3-no_contact"] == "_"
+    assert "period 1, at one frequency alone" not in labels(frc(responses(1)))
+
+
+def test_every_grazing_line_has_the_colour_of_its_fidelity() -> None:
+    branches = {name: Branches(curve(GRID, PEAK), None) for name in ("f0", "f1")}
+    systems = {"f0": system(1, gap=1e-3), "f1": system(1, gap=1.2e-3)}
+    fidelities = {name: plain(name) for name in branches}
+    made = frc(Result(stand_in_case(system=systems.__getitem__, fidelities=fidelities), branches))
+    lines = {each.get_gid(): each for each in made.axes[0].lines if str(each.get_gid()).endswith("-gap")}
+    assert [lines[name].get_color() for name in ("f0-gap", "f1-gap")] == list(COLOURS[:2])
+    assert lines["f0-gap"].get_linestyle() == "--"  # matplotlib's name of every dash pattern
+    assert lines["f0-gap"]._dash_pattern != lines["f1-gap"]._dash_pattern
+
+
 def test_an_axis_from_zero_goes_on_to_scale_itself() -> None:
     axes = Figure().subplots()
     axes.plot([0, 1], [1, 2])

@@ -72,9 +72,24 @@ def test_a_jump_is_not_joined(tmp_path: Path) -> None:
 
 def test_a_smooth_curve_is_one_piece_however_steep() -> None:
     peak = 1e-3 / (1 + 400 * (GRID - 15.2) ** 2)
-    assert [len(piece.frequency) for piece in pieces(curve(GRID, peak))] == [61]
+    assert [len(piece) for piece in pieces(curve(GRID, peak))] == [61]
     for amplitude in (GRID * 0 + 1.0, GRID, 1 / GRID, np.sin(GRID)):
-        assert not jumps(amplitude, np.ones(61, dtype=np.int64)).any()
+        assert not jumps(amplitude, np.ones(61, dtype=np.int64), np.ones(61)).any()
+
+
+def test_another_branch_of_the_same_period_is_not_joined() -> None:
+    """A sweep down of two modes: at 5.45 Hz two impacts in two periods, below one, and the amplitude leaps."""
+    amplitude = 1e-3 * np.array([0.6348, 0.6212, 0.7375, 0.7104, 0.6876])
+    impacts = np.array([1, 1, 0.5, 0.5, 0.5])
+    swept = curve(np.linspace(5.5, 5.3, 5), amplitude, [1, 2, 2, 2, 2], impacts_per_period=impacts)
+    assert [len(piece) for piece in pieces(swept)] == [1, 1, 3]
+    grazing_only = curve(np.linspace(5.5, 5.3, 5), 1e-3 * np.array([5, 4, 3, 1.5, 1]), impacts_per_period=impacts)
+    assert [len(piece) for piece in pieces(grazing_only)] == [5]
+
+
+def test_a_jump_of_another_quantity_is_cut_beside_those_of_the_amplitude() -> None:
+    speed = np.where(GRID < 14.6, 1.0, 2.0)
+    assert [len(piece) for piece in pieces(curve(GRID, JUMPED), speed)] == [12, 24, 25]
 
 
 def test_kinds_of_motion_are_apart_and_explained(tmp_path: Path) -> None:

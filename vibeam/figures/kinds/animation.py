@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.axes import from_zero, is_empty, say
+from vibeam.figures.axes import is_empty, say, start_upward
 from vibeam.figures.beam_panel import BeamPanel, scale_of
-from vibeam.figures.branches import MotionClass, pieces
+from vibeam.figures.branch_lines import draw_branch
 from vibeam.figures.loop import LONGEST, loop_columns
 from vibeam.figures.moving import FRAMES_A_SECOND, Moving
 from vibeam.figures.outputs import frequency_label, motion_of, with_unit
@@ -23,7 +23,7 @@ from vibeam.figures.page import plain
 from vibeam.figures.prefixes import FREQUENCIES, LENGTHS, prefixed
 from vibeam.figures.settled_motion import sheet_each
 from vibeam.figures.sheet import Sheet
-from vibeam.figures.style import Look, line, looks_of, name_of
+from vibeam.figures.style import Look, looks_of, name_of
 from vibeam.figures.units import units_for
 
 if TYPE_CHECKING:
@@ -158,17 +158,14 @@ def _curve(axes: Axes, result: Comparison, plan: ShowPlan, loop: Loop) -> None:
         axes.plot(
             at, height, marker="o", markersize=6, color=looks[sheet.fidelity].colour, markeredgecolor="black", zorder=6
         )  # fmt: skip
-    from_zero(axes)
+    note = start_upward([axes])
     axes.set_xlabel(frequency_label(units))
-    axes.set_ylabel(motion_of(result.case.sweep.output, "amplitude", units))
+    axes.set_ylabel("\n".join(filter(None, [motion_of(result.case.sweep.output, "amplitude", units), note])))
 
 
 def _response(axes: Axes, result: Comparison, name: str, look: Look, units: Units) -> None:
     for direction, response in result[name].items():
-        for piece in pieces(response):
-            if piece.kind is not MotionClass.FAILED:
-                keys = line(piece.kind, direction, look, len(piece.frequency), len(response))
-                axes.plot(piece.frequency * units.frequency_factor, piece.amplitude * units.length_factor, **keys)
+        draw_branch(axes, response, direction, look, units.frequency_factor, units.length_factor)
 
 
 def _history(axes: Axes, result: Comparison, plan: ShowPlan, loop: Loop) -> Line2D:

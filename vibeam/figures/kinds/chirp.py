@@ -16,12 +16,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.axes import from_zero, is_empty, say
-from vibeam.figures.branches import MotionClass, pieces
+from vibeam.figures.axes import is_empty, say, start_upward
+from vibeam.figures.branch_lines import draw_branch
 from vibeam.figures.outputs import amplitude_of
 from vibeam.figures.panels import across_frequency
 from vibeam.figures.sheet import Column, Columns, Sheet
-from vibeam.figures.style import line, looks_of, name_of
+from vibeam.figures.style import looks_of, name_of
 from vibeam.figures.units import Units, percent, units_for
 from vibeam.solvers.chirp import Chirp, linear_chirp, swept
 from vibeam.system.response import Ended, FrequencyResponse
@@ -133,11 +133,11 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     for sheet in shown:
         if not sheet.fault:
             _swept(axes, result, plan, sheet, units)
-    from_zero(axes)
+    note = start_upward([axes])
     if is_empty(axes):
         say(axes, "no motion at any frequency")
     across_frequency(axes, units)
-    axes.set_ylabel(amplitude_of(plan.output, units))
+    axes.set_ylabel("\n".join(filter(None, [amplitude_of(plan.output, units), note])))
 
 
 def _has_settled(result: Comparison, plan: ShowPlan, name: str) -> bool:
@@ -148,10 +148,7 @@ def _has_settled(result: Comparison, plan: ShowPlan, name: str) -> bool:
 def _settled(axes: Axes, result: Comparison, name: str, look: Look, units: Units) -> None:
     axes.plot([], [], label=f"{name_of(result.case, name)}, settled", **look.keys())
     for direction, response in result[name].items():
-        for piece in pieces(response):
-            if piece.kind is not MotionClass.FAILED:
-                keys = line(piece.kind, direction, look, len(piece.frequency), len(response))
-                axes.plot(piece.frequency * units.frequency_factor, piece.amplitude * units.length_factor, **keys)
+        draw_branch(axes, response, direction, look, units.frequency_factor, units.length_factor)
 
 
 def _swept(axes: Axes, result: Comparison, plan: ShowPlan, sheet: Sheet, units: Units) -> None:

@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.axes import is_empty, mark_failed, say
-from vibeam.figures.branches import MotionClass, pieces
+from vibeam.figures.axes import is_empty, say
+from vibeam.figures.branch_lines import draw_branch
+from vibeam.figures.branches import MotionClass
 from vibeam.figures.panels import across_frequency, labelled
 from vibeam.figures.response_quantities import values_of
 from vibeam.figures.sheet import Sheet
-from vibeam.figures.style import KEY, LINES, line, looks_of, name_of
+from vibeam.figures.style import KEY, LINES, looks_of, name_of
 from vibeam.figures.units import Units, units_for
 from vibeam.system.response import complete
 from vibeam_models.outputs import DISPLACEMENT
@@ -60,22 +60,15 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     units = units_for(result, "contact" if name in OF_CONTACT else None)
     unit, factor = (units.length, units.length_factor) if name in LENGTHS else ("", 1.0)
     unit, factor = (units.speed, units.speed_factor) if name == "impact_velocity" else (unit, factor)
-    axes, failed = figure.subplots(), False
+    axes, drawn = figure.subplots(), set[object]()
     for row, (fidelity, look) in enumerate(looks_of(case, plan.fidelities).items()):
         known = False
         for direction, response in result[fidelity].items():
-            drawn = replace(response, amplitude=values_of(case, fidelity, response, name))
-            known |= bool(np.isfinite(drawn.amplitude[complete(response)]).any())
-            for piece in pieces(drawn):
-                keys = line(piece.kind, direction, look, len(piece.frequency), len(response))
-                across = piece.frequency * units.frequency_factor
-                if piece.kind is MotionClass.FAILED:
-                    failed = True
-                    mark_failed(axes, across, 2 * row + (direction == "down"), **keys)
-                else:
-                    axes.plot(across, piece.amplitude * factor, **keys)
+            values, place = values_of(case, fidelity, response, name), 2 * row + (direction == "down")
+            known |= bool(np.isfinite(values[complete(response)]).any())
+            drawn |= draw_branch(axes, response, direction, look, units.frequency_factor, factor, values, place)
         axes.plot([], [], label=name_of(case, fidelity) + ("" if known else f": {NOTHING[name]}"), **look.keys())
-    if failed:
+    if MotionClass.FAILED in drawn:
         axes.plot([], [], label="failed, along the upper edge", **(KEY | LINES[MotionClass.FAILED]))
         axes.margins(y=0.15)
     if name == "period":

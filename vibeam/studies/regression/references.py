@@ -221,12 +221,12 @@ def registered(reference: Reference, matches: list[Match], branches: Branches) -
 
 def pieces_of(branches: Branches, direction: str, quantity: str) -> list[Piece]:
     """Pieces of a branch's periodic motions, cut at jumps and changes of the period."""
-    from vibeam.figures.branches import jumps
+    from vibeam.figures.branches import MotionClass, pieces
 
     response = dict(branches.items())[direction]
-    order = np.argsort(response.frequency)
-    frequency, value = response.frequency[order], np.asarray(getattr(response, quantity), dtype=float)[order]
-    period = np.where(response.ended[order] == Ended.COMPLETE.code, response.period[order], 0)
-    cuts = np.flatnonzero((np.diff(period) != 0) | jumps(value, period)) + 1
-    spans = [each for each in np.split(np.arange(len(frequency)), cuts) if len(each) and period[each[0]] != 0]
-    return [(frequency[each], value[each]) for each in spans]
+    value, scattered = (
+        np.asarray(getattr(response, quantity), dtype=float),
+        (MotionClass.FAILED, MotionClass.NOT_PERIODIC),
+    )
+    found = [each for each in pieces(response, value) if each.kind not in scattered]
+    return [(response.frequency[each.points], value[each.points]) for each in found]
