@@ -8,7 +8,8 @@ from typing import Any
 
 from vibeam.case.faults import as_shown_in_message
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import NUMBER_WITH_UNIT, Entry, Range
+from vibeam.casefile.fields import NUMBER_WITH_UNIT, EntryInUnits, Range
+from vibeam.casefile.unit_systems import SI, UnitSystem
 
 RATE = units.dimension("1/s")
 
@@ -38,39 +39,49 @@ DIMENSIONS = {
 }
 
 
+def kind_of_reading(unit: str, *, plain: bool, of: str = "displacement") -> units.Dimension:
+    """Dimension of a compared quantity by its unit; ``plain``: outputs have none; ``of``: what the output reads."""
+    if plain and unit[0] in "qc":
+        return units.RATIO
+    return OF_OUTPUT[of][unit.endswith("/s")] if unit.startswith("q") else DIMENSIONS[unit]
+
+
 @dataclass(frozen=True)
 class Amount:
-    """Number in SI and its dimension; None: written without a unit. ``percent``: written as a percentage."""
+    """Number in SI and its dimension; None: written without a unit, in those of ``system``. ``percent``: so written."""
 
     number: float
     kind: units.Dimension | None = None
     percent: bool = False
+    system: UnitSystem | None = SI
 
-    def fault(self, quantity: str, unit: str, *, plain: bool, of: str = "displacement") -> str | None:
-        """Reason why this cannot be a ``quantity`` of that unit.
+    def of(self, wanted: units.Dimension) -> Amount:
+        """The same in SI, as that of a quantity; UnitError where its unit is missing."""
+        return self if self.kind else Amount(units.to_si(self.number, wanted, self.system), wanted)
 
-        ``plain``: outputs have no dimension; ``of``: what the output reads.
-        """
-        wanted = units.RATIO if plain and unit[0] in "qc" else DIMENSIONS[unit]
-        if not plain and unit.startswith("q"):
-            wanted = OF_OUTPUT[of][unit.endswith("/s")]
-        if self.kind in (None, wanted):
+    def fault(self, quantity: str, wanted: units.Dimension) -> str | None:
+        """Reason why this cannot be a ``quantity``, which is of the dimension ``wanted``."""
+        try:
+            kind = self.of(wanted).kind
+        except units.UnitError as missing:
+            return str(missing)
+        if kind is None or kind == wanted:
             return None
-        assert self.kind is not None
-        written = "a percentage" if self.percent else self.kind.phrase
+        written = "a percentage" if self.percent else kind.phrase
         return f'{written}, but "{quantity}" is {wanted.phrase}: write it as {as_shown_in_message(wanted.example)}'
 
 
 @dataclass(frozen=True)
-class AmountEntry(Entry):
-    """A number with any unit that a compared quantity may have, a percentage, or a plain number in SI units."""
+class AmountEntry(EntryInUnits):
+    """A number with any unit that a compared quantity may have, or a percentage; a plain number where it has none."""
 
     range: Range
 
-    def parse(self, value: Any) -> Amount:
-        """As ``Entry.parse``."""
+    def read(self, value: Any, system: UnitSystem | None) -> Amount:
+        """As ``Entry.read``."""
         if not isinstance(value, str):
-            amount = Amount(units.to_si(value, units.RATIO))
+            units.to_si(value, units.RATIO)
+            amount = Amount(value, system=system)
         else:
             kind = next((kind for kind in KINDS if _suits(value, kind)), units.RATIO)
             amount = Amount(units.to_si(value, kind), kind, value.strip().endswith("%"))
@@ -88,11 +99,11 @@ class AmountEntry(Entry):
 
     def canonical(self, value: Any) -> Any:
         """As ``Entry.canonical``."""
-        if not isinstance(value, Amount) or value.kind is None:
-            return value.number if isinstance(value, Amount) else value
+        if not isinstance(value, Amount):
+            return value
         if value.percent:
             return f"{Decimal(repr(value.number)) * 100:f} %"
-        return f"{value.number!r} {value.kind.unit}".strip()
+        return units.with_unit(value.number, value.kind or units.RATIO)
 
 
 def _suits(text: str, kind: units.Dimension) -> bool:

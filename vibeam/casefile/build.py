@@ -219,8 +219,11 @@ def _expectations(case: AnyCase, swept: Direction) -> dict[str, Expectation]:
         return {}
     from vibeam.case.plans import Expectation
 
-    values = {name: table.model_dump() | {"direction": table.direction or swept} for name, table in case.expect.items()}
-    return {name: Expectation(name=name, **value) for name, value in values.items()}
+    def record(name: str, table: Any) -> Expectation:
+        own = {"value": table.value.number, "direction": table.direction or swept}
+        return Expectation(name=name, **table.model_dump() | own)
+
+    return {name: record(name, table) for name, table in case.expect.items()}
 
 
 def _fit(case: AnyCase) -> FitPlan | None:

@@ -17,7 +17,18 @@ from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam.casefile.field_tables import flat
 from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.toml import key_parts
-from vibeam.casefile.validation import entry_of, fields_of, is_list, is_repeated, keys_of, physics_keys, table_of
+from vibeam.casefile.unit_systems import UnitSystem
+from vibeam.casefile.validation import (
+    SHARED,
+    entry_of,
+    fields_of,
+    is_list,
+    is_repeated,
+    keys_of,
+    physics_keys,
+    table_of,
+    units_of,
+)
 
 OWN = ("set", "without")
 
@@ -47,7 +58,7 @@ def variants(
             change = _Change(model, name, table)
             own = change.validated(tables, dict(reported), validate, wrong)
             if own is not None:
-                found[name] = FidelityCase(own, change.canonical())
+                found[name] = FidelityCase(own, change.canonical(units_of(own.units)))
     return found, wrong
 
 
@@ -73,14 +84,14 @@ class _Change:
         wrong += self._placed(faults, places, reported)
         return declared if len(wrong) == before else None
 
-    def canonical(self) -> dict[str, Any]:
+    def canonical(self, units: UnitSystem | None) -> dict[str, Any]:
         """The settings in SI, as the case as TOML has them."""
-        return {key: self._in_si(key, value) for key, value in self.settings.items()}
+        return {key: self._in_si(key, value, units) for key, value in self.settings.items()}
 
-    def _in_si(self, key: str, value: Any) -> Any:
+    def _in_si(self, key: str, value: Any, units: UnitSystem | None) -> Any:
         field = field_at(self.model, key)[0]
         entry = entry_of(field) if field is not None else None
-        return value if entry is None else entry.canonical(entry.parse(value))
+        return value if entry is None else entry.canonical(entry.read(value, units))
 
     def _key_faults(self) -> Iterator[Complaint]:
         for key in self.settings:
@@ -109,7 +120,7 @@ class _Change:
 
     def _changed(self, tables: dict[str, Any], wrong: list[Complaint]) -> tuple[dict[str, Any], dict[KeyPath, KeyPath]]:
         """The case's tables with the changes, less what is no physics; and where each changed key was written."""
-        shared = set(keys_of(self.model)) - {*physics_keys(self.model), "sweep"}
+        shared = set(keys_of(self.model)) - {*physics_keys(self.model), *SHARED}
         own = {key: deepcopy(value) for key, value in tables.items() if key not in shared}
         own["fidelity"] = {self.name: {key: each for key, each in self.table.items() if key not in OWN}}
         for key in self.left:

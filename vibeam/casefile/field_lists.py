@@ -8,12 +8,12 @@ from itertools import pairwise
 from typing import Any
 
 from vibeam.case.faults import as_shown_in_message
-from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import Entry, Quantity, Word
+from vibeam.casefile.fields import Entry, EntryInUnits, Quantity, Word
+from vibeam.casefile.unit_systems import SI, UnitSystem
 
 
 @dataclass(frozen=True)
-class Several(Entry):
+class Several(EntryInUnits):
     """A list of at least one quantity; also one alone, or a word instead, where ``alone`` or ``words`` say so."""
 
     each: Quantity
@@ -22,13 +22,13 @@ class Several(Entry):
     limit: int = 1_000_000
     ascending: bool = False
 
-    def parse(self, value: Any) -> str | tuple[float, ...]:
-        """As ``Entry.parse``: the word or the numbers."""
+    def read(self, value: Any, units: UnitSystem | None) -> str | tuple[float, ...]:
+        """As ``Entry.read``: the word or the numbers."""
         if isinstance(value, list):
-            return self._numbers(value)
+            return self._numbers(value, units)
         if self.words:
             return self._word(value)
-        return (self.each.parse(value),) if self.alone else self._refuse(value)
+        return (self.each.read(value, units),) if self.alone else self._refuse(value)
 
     def _word(self, value: Any) -> str:
         return Word(self.words).parse(value) if isinstance(value, str) else str(self._refuse(value))
@@ -36,10 +36,10 @@ class Several(Entry):
     def _refuse(self, value: Any) -> Any:
         raise ValueError(f"must be {self.describe()}, not {as_shown_in_message(value)}")
 
-    def _numbers(self, values: list[Any]) -> tuple[float, ...]:
+    def _numbers(self, values: list[Any], units: UnitSystem | None) -> tuple[float, ...]:
         if not 0 < len(values) <= self.limit:
             raise ValueError(f"a list of {len(values)} numbers is outside [1, {self.limit}]")
-        numbers = tuple(_items(self.each, values, "number"))
+        numbers = tuple(_items(self.each, values, "number", units))
         if self.ascending and any(one >= two for one, two in pairwise(numbers)):
             raise ValueError("the list must ascend, each number once; the direction is said elsewhere")
         return numbers
@@ -62,7 +62,7 @@ class Several(Entry):
 
 
 @dataclass(frozen=True)
-class OneOrSeveral(Entry):
+class OneOrSeveral(EntryInUnits):
     """A quantity, or a list of at least one."""
 
     each: Quantity
@@ -72,9 +72,9 @@ class OneOrSeveral(Entry):
     def _several(self) -> Several:
         return Several(self.each, limit=self.limit)
 
-    def parse(self, value: Any) -> Any:
-        """As ``Entry.parse``: a number, or a tuple of numbers."""
-        return self._several.parse(value) if isinstance(value, list) else self.each.parse(value)
+    def read(self, value: Any, units: UnitSystem | None) -> Any:
+        """As ``Entry.read``: a number, or a tuple of numbers."""
+        return (self._several if isinstance(value, list) else self.each).read(value, units)
 
     def nondimensional(self) -> OneOrSeveral:
         """As ``Entry.nondimensional``."""
@@ -119,10 +119,10 @@ class Each(Entry):
         return {"type": "array", "items": self.of.schema(), "minItems": 1, "uniqueItems": True}
 
 
-def _items(entry: Entry, values: list[Any], called: str) -> Iterator[Any]:
+def _items(entry: Entry, values: list[Any], called: str, units: UnitSystem | None = SI) -> Iterator[Any]:
     for number, value in enumerate(values, 1):
         try:
-            yield entry.parse(value)
+            yield entry.read(value, units)
         except ValueError as error:
             raise ValueError(f"{called} {number} of the list: {error}") from None
 
@@ -148,29 +148,3 @@ class Names(Entry):
     def schema(self) -> dict[str, Any]:
         """As ``Entry.schema``."""
         return {"type": "array", "items": {"type": "string"}, "minItems": 1, "uniqueItems": True}
-
-
-@dataclass(frozen=True)
-class Value(Entry):
-    """A plain number, a percentage or a frequency."""
-
-    def parse(self, value: Any) -> float:
-        """As ``Entry.parse``."""
-        try:
-            return Quantity(units.RATIO).parse(value)
-        except ValueError as error:
-            return self._frequency(value, error)
-
-    def _frequency(self, value: Any, error: ValueError) -> float:
-        try:
-            return Quantity(units.FREQUENCY).parse(value)
-        except ValueError:
-            raise error from None
-
-    def describe(self) -> str:
-        """As ``Entry.describe``."""
-        return "number | Hz"
-
-    def schema(self) -> dict[str, Any]:
-        """As ``Entry.schema``."""
-        return Quantity(units.RATIO).schema()

@@ -9,12 +9,14 @@ from typing import Any
 
 from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
+from pydantic_core.core_schema import ValidationInfo
 
 from vibeam.case.faults import as_shown_in_message
 from vibeam.casefile.field_lists import Several
-from vibeam.casefile.fields import Entry
+from vibeam.casefile.fields import Entry, EntryInUnits
 from vibeam.casefile.inline import name_of
 from vibeam.casefile.toml import key_parts
+from vibeam.casefile.unit_systems import UnitSystem
 
 
 @dataclass(frozen=True)
@@ -47,19 +49,19 @@ def _is_plain(value: Any) -> bool:
 
 
 @dataclass(frozen=True)
-class TableOr(Entry):
+class TableOr(EntryInUnits):
     """A table of its own (a model), or a list instead."""
 
     table: type[BaseModel]
     several: Several
 
-    def parse(self, value: Any) -> Any:
-        """As ``Entry.parse``, of the list alone: the table is read by its model."""
+    def read(self, value: Any, units: UnitSystem | None) -> Any:
+        """As ``Entry.read``, of the list alone: the table is read by its model."""
         if not isinstance(value, list):
             raise ValueError(
                 f"must be {{ {', '.join(self._names())} }} or a {self.describe()}, not {as_shown_in_message(value)}"
             )
-        return self.several.parse(value)
+        return self.several.read(value, units)
 
     def _names(self) -> list[str]:
         return [field.alias or name for name, field in self.table.model_fields.items()]
@@ -77,12 +79,12 @@ class TableOr(Entry):
         return value.model_dump(by_alias=True) if isinstance(value, BaseModel) else value
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        def either(value: Any, inner: Any) -> Any:
-            return inner(value) if isinstance(value, dict) else self._validated(value)
+        def either(value: Any, inner: Any, info: ValidationInfo) -> Any:
+            return inner(value) if isinstance(value, dict) else self._validated(value, info)
 
         written = core_schema.plain_serializer_function_ser_schema(self.canonical)
         inner = handler.generate_schema(self.table)
-        return core_schema.no_info_wrap_validator_function(either, inner, serialization=written)
+        return core_schema.with_info_wrap_validator_function(either, inner, serialization=written)
 
     def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         inner: Any = core

@@ -10,17 +10,23 @@ from typing import Any
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic_core.core_schema import ValidationInfo
 
 from vibeam.case.faults import as_shown_in_message, suggestion
 from vibeam.casefile.quantities import FREQUENCY, RATIO, Dimension, to_si
+from vibeam.casefile.unit_systems import SI, UnitSystem
 
 
 class Entry(ABC):
-    """The reading of one value: pydantic calls ``parse`` and keeps what it returns."""
+    """The reading of one value: pydantic calls ``read`` with the units of the case, and keeps what it returns."""
 
     @abstractmethod
     def parse(self, value: Any) -> Any:
         """The value in SI units; ValueError, whose text is the fault's message, if it is none."""
+
+    def read(self, value: Any, units: UnitSystem | None) -> Any:
+        """As ``parse``, in a case whose numbers without a unit are in ``units``; None: they need one."""
+        return self.parse(value)
 
     @abstractmethod
     def describe(self) -> str:
@@ -38,18 +44,30 @@ class Entry(ABC):
         """The same without a unit, for a case that has none; frequencies keep theirs."""
         return self
 
-    def _validated(self, value: Any) -> Any:
+    def _validated(self, value: Any, info: ValidationInfo) -> Any:
         try:
-            return self.parse(value)
+            return self.read(value, info.context)
         except ValueError as error:
             raise PydanticCustomError("entry", "{text}", {"text": str(error)}) from None
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
         written = core_schema.plain_serializer_function_ser_schema(self.canonical)
-        return core_schema.no_info_plain_validator_function(self._validated, serialization=written)
+        return core_schema.with_info_plain_validator_function(self._validated, serialization=written)
 
     def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         return self.schema()
+
+
+class EntryInUnits(Entry):
+    """The reading of a value whose numbers may have a dimension: ``read`` says it, ``parse`` takes them as SI."""
+
+    def parse(self, value: Any) -> Any:
+        """As ``Entry.parse``."""
+        return self.read(value, SI)
+
+    @abstractmethod
+    def read(self, value: Any, units: UnitSystem | None) -> Any:
+        """As ``Entry.read``."""
 
 
 @dataclass(frozen=True)
@@ -95,15 +113,15 @@ NUMBER_WITH_UNIT = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?(\s|[A
 
 
 @dataclass(frozen=True)
-class Quantity(Entry):
+class Quantity(EntryInUnits):
     """A number of one kind, in SI."""
 
     kind: Dimension
     range: Range = ANY
 
-    def parse(self, value: Any) -> float:
-        """As ``Entry.parse``."""
-        number = to_si(value, self.kind)
+    def read(self, value: Any, units: UnitSystem | None) -> float:
+        """As ``Entry.read``."""
+        number = to_si(value, self.kind, units)
         self.range.check(number, value)
         return number
 

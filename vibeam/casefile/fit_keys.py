@@ -12,10 +12,11 @@ from vibeam.casefile.fidelity_changes import field_at
 from vibeam.casefile.field_lists import OneOrSeveral, Several
 from vibeam.casefile.fields import Count, Quantity
 from vibeam.casefile.kinds import KINDS
+from vibeam.casefile.quantities import with_unit
 from vibeam.casefile.tables.names import not_there
 from vibeam.casefile.tables.studies import FitTable
 from vibeam.casefile.uncertain import number_of, value_at
-from vibeam.casefile.validation import entry_of
+from vibeam.casefile.validation import entry_of, units_of
 
 WRITE = "write its bounds as [lowest, highest]"
 
@@ -61,10 +62,22 @@ def read_key(name: str, bounds: Any, model: Any, case: Any) -> FitKey:
         raise ValueError("has no number in this case: write the key itself, with a value to start from")
     if not isinstance(bounds, list | tuple) or len(bounds) != 2:
         raise ValueError(f"must be [lowest, highest], not {as_shown_in_message(bounds)}")
-    low, high = (float(entry.parse(number_of(each) if isinstance(each, str) else each)) for each in bounds)
+    units = units_of(case.units)
+    low, high = (float(entry.read(number_of(each) if isinstance(each, str) else each, units)) for each in bounds)
     if not low < high:
         raise ValueError(f"goes from {low:.6g} to {high:.6g}: {WRITE}")
     return FitKey(name, low, high, min(max(float(own), low), high))
+
+
+def fit_in_si(case: Any) -> FitTable | None:
+    """[fit] of a checked case, its numbers without a unit with that of SI."""
+    if case.fit is None:
+        return None
+    units = units_of(case.units)
+    kinds = {name: _entry(name, KINDS[case.kind].declaration()).kind for name in case.fit.keys}
+    keys = {name: [with_unit(each, kinds[name], units) for each in bounds] for name, bounds in case.fit.keys.items()}
+    settled: FitTable = case.fit.model_copy(update={"keys": keys})
+    return settled
 
 
 def _entry(name: str, model: Any) -> Quantity:

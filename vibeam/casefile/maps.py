@@ -20,10 +20,12 @@ from vibeam.casefile.fields import Count, Entry, Quantity
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.map_rules import count_of, direction_of, picture_complaints, random_complaints, refine_complaints
 from vibeam.casefile.overrides import override
+from vibeam.casefile.quantities import with_unit
 from vibeam.casefile.tables.maps import STROBES
 from vibeam.casefile.tables.names import named_fidelity
 from vibeam.casefile.tables.table import MOST_ELEMENTS, Frequency
-from vibeam.casefile.validation import entry_of, physics_keys
+from vibeam.casefile.unit_systems import SI, UnitSystem
+from vibeam.casefile.validation import SHARED, entry_of, physics_keys, units_of
 
 if TYPE_CHECKING:
     from vibeam.casefile.tables.cases import AnyCase
@@ -40,6 +42,12 @@ class _Key:
     entry: Entry | None = None
     unit: str = ""
     fault: str = ""
+
+    def written(self, value: Any, units: UnitSystem | None = SI) -> Any:
+        """A value as a case has it whatever its units are: with its SI unit, a whole number as one."""
+        if isinstance(self.entry, Quantity):
+            return with_unit(value, self.entry.kind, units)
+        return int(value) if isinstance(value, float) else value
 
 
 def map_complaints(case: SimpleNamespace, model: type[AnyCase]) -> Iterator[Complaint]:
@@ -67,7 +75,7 @@ def _axes(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace, model: t
             if key.fault:
                 yield (*at, "key"), key.fault
             else:
-                yield from _values(at, axis, key)
+                yield from _values(at, axis, key, units_of(case.units))
     keys = [axis.key_ for axis in table.axes]
     if None in keys:
         return
@@ -99,7 +107,7 @@ def key_of(name: str, case: Any, model: type[AnyCase]) -> _Key:
     return _Key(entry, entry.kind.unit if isinstance(entry, Quantity) else "")
 
 
-def _values(at: KeyPath, axis: SimpleNamespace, key: _Key) -> Iterator[Complaint]:
+def _values(at: KeyPath, axis: SimpleNamespace, key: _Key, units: UnitSystem | None) -> Iterator[Complaint]:
     ranged = {"from": axis.from_, "to": axis.to, "points": axis.points}
     given = [name for name, value in ranged.items() if value is not None]
     if axis.values is not None and given:
@@ -113,7 +121,7 @@ def _values(at: KeyPath, axis: SimpleNamespace, key: _Key) -> Iterator[Complaint
         if value is not None:
             place: KeyPath = (*at, where) if isinstance(where, str) else (*at, "values", where)
             try:
-                found[where] = key.entry.parse(value) if key.entry else value
+                found[where] = key.entry.read(value, units) if key.entry else value
             except ValueError as error:
                 yield place, f"{axis.key_}: {error}"
     numbers = [value for where, value in found.items() if not isinstance(where, str)]
@@ -146,12 +154,13 @@ def value_complaints(tables: dict[str, Any], declared: AnyCase, validate: Valida
         for index, axis in enumerate(table.axes):
             if axis.key_ in (FREQUENCY, *STARTS):
                 continue
-            numbers = axis_values(axis, key_of(axis.key_, declared, type(declared)))
+            key = key_of(axis.key_, declared, type(declared))
+            numbers = axis_values(axis, key, units_of(declared.units))
             for place, value in {0: numbers[0], len(numbers) - 1: numbers[-1]}.items():
                 where = ("values", place) if axis.values else ("to" if place else "from",)
                 found: dict[Complaint, str] = {}
                 for fidelity in table.fidelities or tuple(declared.fidelity):
-                    for complaint in _with_value(tables, declared, fidelity, axis.key_, value, validate):
+                    for complaint in _with_value(tables, declared, fidelity, axis.key_, key.written(value), validate):
                         found.setdefault(complaint, fidelity)
                 for (path, message), fidelity in found.items():
                     said = f"{axis.key_} = {value:g} in fidelity {fidelity}, {'.'.join(map(str, path))}: {message}"
@@ -159,26 +168,40 @@ def value_complaints(tables: dict[str, Any], declared: AnyCase, validate: Valida
 
 
 def _with_value(
-    tables: dict[str, Any], declared: AnyCase, fidelity: str, key: str, value: float, validate: Validate
+    tables: dict[str, Any], declared: AnyCase, fidelity: str, key: str, value: Any, validate: Validate
 ) -> list[Complaint]:
     """Complaints about a case of one fidelity with a key set."""
-    own = {name: deepcopy(tables[name]) for name in (*physics_keys(type(declared)), "sweep") if name in tables}
+    own = {name: deepcopy(tables[name]) for name in (*physics_keys(type(declared)), *SHARED) if name in tables}
     model = deepcopy(tables["fidelity"][fidelity])
     own["fidelity"] = {fidelity: model}
-    plain = int(value) if float(value).is_integer() else value
     if "set" in model and not key.startswith("fidelity."):
-        model["set"] = {**model["set"], key: plain}
+        model["set"] = {**model["set"], key: value}
     else:
-        override(own, key, plain, literal=True)
+        override(own, key, value, literal=True)
     return validate(own)[1]
 
 
-def axis_values(axis: Any, key: _Key) -> tuple[float, ...]:
+def maps_in_si(case: Any) -> dict[str, Any]:
+    """The tables [map.NAME] of a checked case, the numbers of their axes without a unit with that of SI."""
+    return {
+        name: table.model_copy(update={"axes": tuple(_axis_in_si(axis, case) for axis in table.axes)})
+        for name, table in case.map.items()
+    }
+
+
+def _axis_in_si(axis: Any, case: Any) -> Any:
+    key, units = key_of(axis.key_, case, type(case)), units_of(case.units)
+    if axis.values:
+        return axis.model_copy(update={"values": tuple(key.written(value, units) for value in axis.values)})
+    return axis.model_copy(update={name: key.written(getattr(axis, name), units) for name in ("from_", "to")})
+
+
+def axis_values(axis: Any, key: _Key, units: UnitSystem | None = SI) -> tuple[float, ...]:
     """Values of an axis in SI, in the order given."""
     assert key.entry is not None
     if axis.values:
-        return tuple(float(key.entry.parse(value)) for value in axis.values)
-    ends = float(key.entry.parse(axis.from_)), float(key.entry.parse(axis.to))
+        return tuple(float(key.entry.read(value, units)) for value in axis.values)
+    ends = float(key.entry.read(axis.from_, units)), float(key.entry.read(axis.to, units))
     return tuple(np.linspace(*ends, axis.points).tolist())
 
 

@@ -1,4 +1,4 @@
-"""Quantities in case files: ``'180 mm'`` is 0.18, a plain number is SI already, and a wrong dimension says so."""
+"""Quantities in case files: ``'180 mm'`` is 0.18, a number without its unit says so, as does a wrong dimension."""
 
 from __future__ import annotations
 
@@ -10,62 +10,67 @@ from typing import Any
 
 from vibeam.case.faults import as_shown_in_message, suggest
 from vibeam.case.units import unit_size
+from vibeam.casefile.unit_systems import SI, UnitSystem
 
 
 @dataclass(frozen=True)
 class Dimension:
-    """A kind of quantity: what a message calls it, its SI unit (empty: a plain number), one example."""
+    """A kind of quantity: what a message calls it, its SI unit (empty: a plain number), one example.
+
+    ``usual``: units that a number without one may be meant in; none: the SI unit alone.
+    """
 
     phrase: str
     unit: str
     example: str
+    usual: tuple[str, ...] = ()
     bare: bool = True  # whether a number without a unit can only mean one thing
     own: tuple[str, str] | None = None  # a unit that means something else elsewhere, in units of ``unit``
 
 
-LENGTH = Dimension("a length", "m", "180 mm")
+LENGTH = Dimension("a length", "m", "180 mm", ("mm", "m"))
 
-MASS = Dimension("a mass", "kg", "0.2 kg")
+MASS = Dimension("a mass", "kg", "0.2 kg", ("g", "kg"))
 
-TIME = Dimension("a time", "s", "1 s")
+TIME = Dimension("a time", "s", "1 s", ("ms", "s"))
 
 INERTIA = Dimension("a moment of inertia", "kg m^2", "2.84e-5 kg m^2")
 
-PRESSURE = Dimension("a pressure", "Pa", "210 GPa")
+PRESSURE = Dimension("a pressure", "Pa", "210 GPa", ("GPa", "Pa"))
 
 DENSITY = Dimension("a density", "kg/m^3", "7850 kg/m^3")
 
-VOLTAGE = Dimension("a voltage", "V", "0.6 V")
+VOLTAGE = Dimension("a voltage", "V", "0.6 V", ("mV", "V"))
 
 PER_VOLT = Dimension("a number per volt", "1/V", "5.16e-4 1/V")
 
-SPEED = Dimension("a speed", "m/s", "0.1 m/s")
+SPEED = Dimension("a speed", "m/s", "0.1 m/s", ("mm/s", "m/s"))
 
 VISCOUS = Dimension("a damping constant", "N s/m", "10 N s/m")
 
-FREQUENCY = Dimension("a frequency", "Hz", "15.5 Hz")
+FREQUENCY = Dimension("a frequency", "Hz", "15.5 Hz", ("Hz", "rad/s"))
 
 ANGULAR_FREQUENCY = Dimension("a frequency", "rad/s", "1 rad/s", bare=False)
 
-ANGLE = Dimension("an angle", "rad", "30 deg")
+ANGLE = Dimension("an angle", "rad", "30 deg", ("deg", "rad"))
 
 SWEEP_RATE = Dimension("a sweep rate", "Hz/s", "0.1 Hz/s")
 
 RATIO = Dimension("a plain number", "", "0.5")
 
-ACCELERATION = Dimension("an acceleration", "m/s^2", "9.81 m/s^2", own=("g", "9.80665"))  # not grams
+ACCELERATION = Dimension("an acceleration", "m/s^2", "9.81 m/s^2", ("m/s^2", "g"), own=("g", "9.80665"))  # not grams
 
 FORCE = Dimension("a force", "N", "5 N")
 
 MOMENT = Dimension("a moment", "N m", "0.1 N m")
 
-STIFFNESS = Dimension("a stiffness", "N/m", "2000 N/m")
+STIFFNESS = Dimension("a stiffness", "N/m", "2000 N/m", ("N/m", "N/mm"))
 
 TURNING_STIFFNESS = Dimension("a rotational stiffness", "N m/rad", "500 N m/rad")
 
 RESISTANCE = Dimension("a resistance", "ohm", "4 ohm")
 
-INDUCTANCE = Dimension("an inductance", "H", "1 mH")
+INDUCTANCE = Dimension("an inductance", "H", "1 mH", ("mH", "H"))
 
 FORCE_FACTOR = Dimension("a force per current", "N/A", "20 N/A")
 
@@ -103,12 +108,15 @@ class UnitError(ValueError):
     """A value that is not the quantity asked for; the text says what it is instead, or how to write it."""
 
 
-def to_si(value: Any, kind: Dimension) -> float:
-    """The value as a finite number in ``kind``'s SI unit; UnitError if it is none."""
+def to_si(value: Any, kind: Dimension, units: UnitSystem | None = SI) -> float:
+    """The value as a finite number in ``kind``'s SI unit; UnitError if it is none.
+
+    ``units``: those of a number without one; None: such a number is none, unless it is 0 or has no dimension.
+    """
     if isinstance(value, str):
         number = _from_text(value, kind)
     elif isinstance(value, int | float) and not isinstance(value, bool):
-        number = _from_number(value, kind)
+        number = _from_number(value, kind, units)
     else:
         raise UnitError(f"must be {kind.phrase} such as {_example(kind)}, not {as_shown_in_message(value)}")
     if not math.isfinite(number):
@@ -120,18 +128,36 @@ def to_si(value: Any, kind: Dimension) -> float:
     return number
 
 
+def with_unit(value: Any, kind: Dimension, units: UnitSystem | None = SI) -> Any:
+    """A value as cases of all units have it: a number that ``to_si`` takes with its SI unit, text as it is."""
+    bare = isinstance(value, int | float) and kind.unit
+    return f"{to_si(value, kind, units)!r} {kind.unit}" if bare else value
+
+
 def _example(kind: Dimension) -> str:
     return repr(kind.example) if kind.unit else kind.example
 
 
-def _from_number(value: float, kind: Dimension) -> float:
+def _from_number(value: float, kind: Dimension, units: UnitSystem | None) -> float:
     try:
         number = float(value)
     except OverflowError:
         return math.inf
-    if not kind.bare and math.isfinite(number):
+    if not (number and kind.unit and math.isfinite(number)):
+        return number
+    if not kind.bare:
         raise UnitError(f"{as_shown_in_message(value)} may be rad/s or Hz: write '{number:g} rad/s' or '{number:g} Hz'")
-    return number
+    if units is None:
+        raise UnitError(f'{_without_unit(str(value), kind)}, or units = "SI" at the top of the case')
+    if units is SI:
+        return number
+    return float(Decimal(str(value)) * units.size((unit_size(kind.unit) or (1, {}))[1]))
+
+
+def _without_unit(number: str, kind: Dimension, shown: str = "") -> str:
+    """The fault of a number without its unit, with what it may be meant as."""
+    meant = " or ".join(f"'{number} {unit}'" for unit in kind.usual or (kind.unit,))
+    return f"{shown or number} has no unit: write {meant if len(number) < 40 else _example(kind)}"
 
 
 def _from_text(text: str, kind: Dimension) -> float:
@@ -142,8 +168,7 @@ def _from_text(text: str, kind: Dimension) -> float:
         raise UnitError(f"{as_shown_in_message(text)} is not a number with a unit: write {_example(kind)}")
     number, unit = found[1], found[2].replace("μ", "µ")
     if not unit and kind.unit:
-        written = f"'{number} {kind.unit}'" if len(number) < 40 else _example(kind)
-        raise UnitError(f"{as_shown_in_message(text)} has no unit: write {written}")
+        raise UnitError(_without_unit(number, kind, as_shown_in_message(text)))
     factor = _factor(unit, kind, text) if unit else Decimal(1)
     try:
         exact = Decimal(number) * factor

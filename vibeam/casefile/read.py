@@ -31,15 +31,17 @@ from vibeam.casefile.build import (
 )
 from vibeam.casefile.content import content, digest, toml_text
 from vibeam.casefile.fidelity_changes import FidelityCase, variants
-from vibeam.casefile.fit_keys import fit_checks
+from vibeam.casefile.fit_keys import fit_checks, fit_in_si
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.maps import map_complaints, map_plans, value_complaints
+from vibeam.casefile.maps import map_complaints, map_plans, maps_in_si, value_complaints
 from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.places import Places
 from vibeam.casefile.tables.cases import AnyCase
+from vibeam.casefile.tables.readings import amounts_in_si
 from vibeam.casefile.tables.rules import cross_checks
 from vibeam.casefile.toml import parsed
-from vibeam.casefile.uncertain import uncertain_checks, uncertain_inputs
+from vibeam.casefile.uncertain import uncertain_checks, uncertain_in_si, uncertain_inputs
+from vibeam.casefile.unit_systems import UNIT_SYSTEMS
 from vibeam.casefile.unnamed_map import name_map
 from vibeam.casefile.validation import complaints, declaration, read, readable_case
 
@@ -107,6 +109,7 @@ def _validated_at(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[
     tables, lines = parsed(text, file)
     faults, paths = _override(tables, overrides)
     place = Places(str(file), lines, paths, name_map(tables))
+    _share_units(tables)
     case, wrong = _validated(tables, file.parent)
     changed, more = variants(tables, declaration(tables), wrong, lambda own: _validated(own, file.parent))
     if case is not None and not wrong + more:
@@ -117,11 +120,19 @@ def _validated_at(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[
     return _settled(case, changed), {name: variant.declared for name, variant in changed.items()}, place
 
 
+def _share_units(tables: dict[str, Any]) -> None:
+    """Give the matrices of a case its own units, in place, where they have none of theirs."""
+    matrices, units = tables.get("matrices"), str(tables.get("units", "SI"))
+    if isinstance(matrices, dict):
+        matrices.setdefault("units", units if units in UNIT_SYSTEMS else "SI")
+
+
 def _settled(case: AnyCase, changed: Mapping[str, FidelityCase]) -> AnyCase:
-    """The case with what its fidelities set in SI units, so that equal cases have equal texts."""
+    """The case with all that is written in its own units in SI, so that equal cases have equal texts."""
     tables: Any = case.fidelity
     own = {name: table.model_copy(update=_own(table, changed.get(name))) for name, table in tables.items()}
-    return case.model_copy(update={"fidelity": own})
+    further = {"uncertain": case.uncertain and uncertain_in_si(case), "fit": fit_in_si(case), "map": maps_in_si(case)}
+    return case.model_copy(update={"units": "SI", "fidelity": own} | amounts_in_si(case) | further)
 
 
 def _own(table: Any, variant: FidelityCase | None) -> dict[str, Any]:

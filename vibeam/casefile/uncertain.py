@@ -12,9 +12,9 @@ from vibeam.casefile.fidelity_changes import field_at
 from vibeam.casefile.field_lists import OneOrSeveral, Several
 from vibeam.casefile.fields import Quantity, Range
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.quantities import RATIO, to_si
+from vibeam.casefile.quantities import RATIO, to_si, with_unit
 from vibeam.casefile.toml import key_parts
-from vibeam.casefile.validation import entry_of
+from vibeam.casefile.validation import entry_of, units_of
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -55,10 +55,28 @@ def read_uncertain(key: str, text: Any, model: Any, case: Any) -> Uncertain:
     if not isinstance(text, str):
         raise ValueError(f"must be text, not {as_shown_in_message(text)}: {WRITE}")
     if found := SPREAD.fullmatch(text):
-        return _normal(key, found["middle"], found["spread"], entry, float(own))
+        return _normal(key, _with_units(found, entry, case), entry, float(own))
     if found := INTERVAL.fullmatch(text):
-        return _uniform(key, entry.parse(number_of(found["low"])), entry.parse(number_of(found["high"])))
+        return _uniform(key, *(entry.parse(number_of(each)) for each in _with_units(found, entry, case).values()))
     raise ValueError(f"{as_shown_in_message(text)} is no distribution: {WRITE}")
+
+
+def uncertain_in_si(case: Any) -> dict[str, str]:
+    """[uncertain] of a checked case, its numbers without a unit with that of SI."""
+    return {key: _in_si(text, _entry(key, type(case)), case) for key, text in (case.uncertain or {}).items()}
+
+
+def _in_si(text: str, entry: Quantity, case: Any) -> str:
+    found, sign = SPREAD.fullmatch(text), "±"
+    if not found:
+        found, sign = INTERVAL.fullmatch(text), "…"
+    return text if not found else f" {sign} ".join(_with_units(found, entry, case).values()).strip()
+
+
+def _with_units(found: re.Match[str], entry: Quantity, case: Any) -> dict[str, str]:
+    """The parts of a distribution, a number without a unit with that of SI."""
+    units = units_of(case.units)
+    return {name: str(with_unit(number_of(part), entry.kind, units)) for name, part in found.groupdict().items()}
 
 
 def _entry(key: str, model: Any) -> Quantity:
@@ -73,7 +91,8 @@ def _entry(key: str, model: Any) -> Quantity:
     return entry
 
 
-def _normal(key: str, middle: str, spread: str, entry: Quantity, own: float) -> Uncertain:
+def _normal(key: str, parts: Mapping[str, str], entry: Quantity, own: float) -> Uncertain:
+    middle, spread = parts["middle"], parts["spread"]
     if middle and abs(entry.parse(number_of(middle)) - own) > SAME * abs(own):
         raise ValueError(
             f"{as_shown_in_message(middle)} is not the value of the case itself, {own:.9g} in SI units: "

@@ -1,8 +1,12 @@
-"""Consistent systems of units, by name: those that matrices of other programs are written in."""
+"""Consistent systems of units, by name: those of a case's numbers without one, and of other programs' matrices."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from decimal import Decimal
+
+from vibeam.case.common_units import LENGTH, MASS, TIME
 
 
 @dataclass(frozen=True)
@@ -32,11 +36,22 @@ class UnitSystem:
         """Factor of M: J s²."""
         return self.damping * self.time
 
+    def size(self, dimension: Mapping[str, float]) -> Decimal:
+        """SI units in one of the system's, of a quantity of that dimension; volts and radians are in all of them."""
+        length, force, time = (Decimal(repr(each)) for each in (self.length, self.force, self.time))
+        base = {MASS: force * time**2 / length, LENGTH: length, TIME: time}
+        size = Decimal(1)
+        for name, unit in base.items():
+            size *= unit ** Decimal(repr(dimension.get(name, 0.0)))
+        return size
+
 
 POUND = 4.4482216152605  # N, exactly
 
+SI = UnitSystem()
+
 UNIT_SYSTEMS = {
-    "SI": UnitSystem(),
+    "SI": SI,
     "mm N s t": UnitSystem(length=1e-3),
     "mm mN s kg": UnitSystem(length=1e-3, force=1e-3),
     "mm kN ms kg": UnitSystem(length=1e-3, force=1e3, time=1e-3),

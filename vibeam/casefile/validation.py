@@ -17,6 +17,7 @@ from vibeam.casefile.kinds import KINDS, kind_of
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.effects import EffectTable
 from vibeam.casefile.tables.table import note
+from vibeam.casefile.unit_systems import SI, UNIT_SYSTEMS, UnitSystem
 from vibeam_models.effects import tables as effect_tables
 
 
@@ -28,7 +29,12 @@ def declaration(tables: dict[str, Any]) -> type[AnyCase]:
 
 def read(tables: dict[str, Any]) -> AnyCase:
     """The case; pydantic's ValidationError if a key by itself is wrong."""
-    return declaration(tables).model_validate(tables)
+    return declaration(tables).model_validate(tables, context=units_of(tables.get("units")))
+
+
+def units_of(said: Any) -> UnitSystem | None:
+    """Units of a case's numbers without one by what it says of them: None where it says nothing, SI if it is wrong."""
+    return UNIT_SYSTEMS.get(str(said), SI)
 
 
 def complaints(error: ValidationError, model: type[BaseModel]) -> tuple[list[Complaint], set[KeyPath]]:
@@ -90,6 +96,10 @@ def fields_of(model: type[BaseModel]) -> dict[str, FieldInfo]:
 def keys_of(model: type[BaseModel] | None) -> list[str]:
     """The keys that a table may have."""
     return list(fields_of(model)) if model else []
+
+
+#: what every fidelity takes from its case, beside the rig
+SHARED = ("units", "sweep")
 
 
 def physics_keys(model: type[BaseModel]) -> list[str]:
@@ -165,34 +175,34 @@ def example_of(field: FieldInfo) -> str:
 
 def readable_case(model: type[AnyCase], tables: Any) -> SimpleNamespace:
     """``readable_part`` of a whole case, and its ``kind``."""
-    return SimpleNamespace(kind=model.kind, **vars(readable_part(model, tables)))
+    return SimpleNamespace(kind=model.kind, **vars(readable_part(model, tables, units_of(tables.get("units")))))
 
 
-def readable_part(model: type[BaseModel], tables: Any) -> SimpleNamespace:
+def readable_part(model: type[BaseModel], tables: Any, units: UnitSystem | None) -> SimpleNamespace:
     """Readable values of a table, for rules between keys; None where a value is missing or faulty."""
     found = tables if isinstance(tables, dict) else {}
     fields = model.model_fields.items()
-    return SimpleNamespace(**{name: _known(field, found.get(field.alias or name)) for name, field in fields})
+    return SimpleNamespace(**{name: _known(field, found.get(field.alias or name), units) for name, field in fields})
 
 
-def _known(field: FieldInfo, value: Any) -> Any:
+def _known(field: FieldInfo, value: Any, units: UnitSystem | None) -> Any:
     if value is None and _effect_of(field):
         return field.default
     entry, table = entry_of(field), table_of(field)
     if table and (isinstance(value, dict) or not entry):
-        return _tables(field, table, value)
+        return _tables(field, table, value, units)
     if value is None or not entry:
         return None if field.is_required() else field.default
     try:
-        return entry.parse(value)
+        return entry.read(value, units)
     except ValueError:
         return None
 
 
-def _tables(field: FieldInfo, table: type[BaseModel], value: Any) -> Any:
+def _tables(field: FieldInfo, table: type[BaseModel], value: Any, units: UnitSystem | None) -> Any:
     if not is_repeated(field):
-        return None if value is None and not field.is_required() else readable_part(table, value)
+        return None if value is None and not field.is_required() else readable_part(table, value, units)
     if _container(field) is dict:
         items = value.items() if isinstance(value, dict) else ()
-        return {name: readable_part(table, inner) for name, inner in items}
-    return [readable_part(table, inner) for inner in value] if isinstance(value, list) else []
+        return {name: readable_part(table, inner, units) for name, inner in items}
+    return [readable_part(table, inner, units) for inner in value] if isinstance(value, list) else []

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from vibeam.run.result import Result
 
 
+#: units of a stored case's numbers, which one of before this key does not say
+IN_SI = {"units": "SI"}
+
+
 def read(path: str | Path) -> Result:
     """Result in a results file, complete or not: ``vibeam.read("dtu_neutral.h5")["beam"].up.amplitude``.
 
@@ -54,7 +58,7 @@ def _parsed(text: str, results: Path) -> tuple[Case, list[str]]:
 
     place = results.with_suffix(".toml")
     try:
-        return parse(text, place), []
+        return parse(text, place, IN_SI), []
     except CaseError as wrong:
         names = list(dict.fromkeys(fault.key.split(".")[1] for fault in wrong.faults if _of_reference(fault)))
         if not all(map(_of_reference, wrong.faults)):
@@ -63,7 +67,7 @@ def _parsed(text: str, results: Path) -> tuple[Case, list[str]]:
             ) from None
     tables = tomllib.loads(text)
     tables["reference"] = {name: value for name, value in tables["reference"].items() if name not in names}
-    return parse(toml_text(tables), place), names
+    return parse(toml_text(tables), place, IN_SI), names
 
 
 def _of_reference(fault: Fault) -> bool:

@@ -70,7 +70,7 @@ def test_a_quantity_in_si(value, kind, expected):
         ("180 MM", units.LENGTH, "'180 MM' has the unknown unit 'MM'; did you mean 'mm'?"),
         ("2 Gpa", units.PRESSURE, "'2 Gpa' has the unknown unit 'Gpa'; did you mean 'GPa'?"),
         ("0,1 mm", units.LENGTH, "'0,1 mm': write the decimal sign as a point"),
-        ("180", units.LENGTH, "'180' has no unit: write '180 m'"),
+        ("180", units.LENGTH, "'180' has no unit: write '180 mm' or '180 m'"),
         ("9" * 400, units.LENGTH, f"'{'9' * 55} …' has no unit: write '180 mm'"),
         ("mm", units.LENGTH, "'mm' is not a number with a unit: write '180 mm'"),
         ("", units.RATIO, "'' is not a number with a unit: write 0.5"),

@@ -22,6 +22,7 @@ from vibeam.casefile.tables.stop import sdof_stop_table, stop_table
 from vibeam.casefile.tables.studies import CostTable, FitTable, InfluenceTable
 from vibeam.casefile.tables.sweep import FidelityTable, SdofFidelityTable, SdofSweepTable, SweepTable
 from vibeam.casefile.tables.table import ACCURATE, Table, Within, key, table
+from vibeam.casefile.unit_systems import UNIT_SYSTEMS
 from vibeam_models.effects import EFFECTS
 from vibeam_models.homes import Home
 from vibeam_models.laws import LAWS
@@ -55,6 +56,14 @@ class AnyCase(Table):
     )
     source: Annotated[str, Text()] = key(
         "where it comes from", "Rebouças, Santos & Thomsen 2018, Fig. 31(b)", "", **ASIDE
+    )
+    units: Annotated[str | None, Word(tuple(UNIT_SYSTEMS))] = key(
+        "units of the numbers that are written without one, SI: m, kg, s, N, Pa, Hz; absent = every number with a "
+        "dimension needs its unit, 0 alone does not",
+        "SI",
+        None,
+        written=False,
+        **ASIDE,
     )
     accuracy: Annotated[float | None, Within] = key(
         "relative error allowed, of the finest fidelity's: vibeam run then takes what is cheapest, place by place",

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, TypeAdapter
 from pydantic_core import CoreSchema, core_schema
+from pydantic_core.core_schema import ValidationInfo
 
 from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile.tables.table import Table, declared_key, table
@@ -29,13 +30,13 @@ class EffectTable:
         """One table."""
         return effect_table(self.home.load())
 
-    def read(self, value: Any) -> Any:
+    def read(self, value: Any, info: ValidationInfo) -> Any:
         """The value as the table, or as a tuple of them; pydantic's ValidationError."""
         kind: Any = tuple[self.table, ...] if self.home.repeated else self.table  # type: ignore[name-defined]
-        return TypeAdapter(kind).validate_python(value)
+        return TypeAdapter(kind).validate_python(value, context=info.context)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self.read)
+        return core_schema.with_info_plain_validator_function(self.read)
 
     def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         one = handler(self.table.__pydantic_core_schema__)

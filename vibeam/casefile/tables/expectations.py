@@ -8,8 +8,8 @@ from typing import Annotated
 
 from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, shortened, suggest
 from vibeam.casefile import quantities as units
-from vibeam.casefile.field_lists import Value
-from vibeam.casefile.fields import POSITIVE, Quantity, Text, Word
+from vibeam.casefile.amounts import Amount, AmountEntry
+from vibeam.casefile.fields import ANY, POSITIVE, Quantity, Text, Word
 from vibeam.casefile.tables.names import NAME, named_fidelity
 from vibeam.casefile.tables.outputs import of_displacement
 from vibeam.casefile.tables.table import DIRECTIONS, EXTENTS, QUANTITIES, Frequency, Ratio, Table, key
@@ -108,7 +108,7 @@ class ReadingTable(Table):
 class ExpectTable(ReadingTable):
     """A number that a fidelity is checked against, by itself or against another fidelity, one table each."""
 
-    value: Annotated[float, Value()] = key("the number expected, in SI units (frequencies in Hz)", "34 %")
+    value: Annotated[Amount, AmountEntry(ANY)] = key("the number expected, with its unit", "34 %")
     tolerance: Annotated[float, Quantity(units.RATIO, POSITIVE)] = key(
         "largest difference: relative to the value, or, with against or where the value is 0, of the number itself",
         "1 %",

@@ -10,12 +10,15 @@ from typing import Annotated, Any
 from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import POSITIVE, Quantity, Word
+from vibeam.casefile.inline import to_toml
 from vibeam.casefile.quantities import MASS
 from vibeam.casefile.row_fields import InFile, Row, Rows
 from vibeam.casefile.tables.beam import damping_checks
 from vibeam.casefile.tables.given import given_output, given_rules
 from vibeam.casefile.tables.table import Ratio, Table, key
 from vibeam.casefile.unit_systems import UNIT_SYSTEMS
+
+_SYSTEMS = " or ".join(map(to_toml, UNIT_SYSTEMS))
 
 FULL = 3000  # coordinates up to which all modes can be had
 
@@ -27,6 +30,8 @@ def matrices_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
         yield from damping_checks(table, "matrices")
     elif table.damping_ratio is not None or table.damping != "constant":
         yield ("matrices", "damping_matrix"), "the damping is said twice: keep the matrix, or damping and damping_ratio"
+    if table.units is None:
+        yield ("matrices", "units"), f"missing (of length, force, time, mass): write units = {_SYSTEMS}"
     from vibeam.casefile.matrices import given_matrices
 
     given, complaints = given_matrices(table, folder)
@@ -81,8 +86,8 @@ class MatricesTable(Table):
         "constant",
         "constant",
     )
-    units: Annotated[str, Word(tuple(UNIT_SYSTEMS))] = key(
-        "consistent units of the matrices: of length, force, time, mass", "SI", "SI"
+    units: Annotated[str | None, Word(tuple(UNIT_SYSTEMS))] = key(
+        "consistent units of the matrices: of length, force, time, mass; absent = those of the case", "SI", None
     )
     contact: Annotated[Any, Row()] = key("what meets the stop, positive toward it", 2)
     sensor: Annotated[Any, Row()] = key("the sensor of the displacement; absent = the contact", 1, None)

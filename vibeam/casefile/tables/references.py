@@ -14,21 +14,14 @@ from vibeam.case.reference_form import ROLES, ReferenceForm
 from vibeam.casefile.amounts import Amount, AmountEntry
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import ANY, POSITIVE, Flag, Quantity, Text, Word
-from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import RATIO
 from vibeam.casefile.reference_fields import Heads, Scale, Units
 from vibeam.casefile.tables.expectations import swept_checks
-from vibeam.casefile.tables.measured import unit_of_reading
 from vibeam.casefile.tables.names import named_fidelity
-from vibeam.casefile.tables.outputs import quantity_named
+from vibeam.casefile.tables.readings import si_unit
 from vibeam.casefile.tables.table import DIRECTIONS, QUANTITIES, Frequency, Table, key
 
 SIGNS = {"semicolon": ";", "comma": ",", "tab": "\t", "bar": "|", "blank": " "}
-
-SI = {
-    "displacement": ("m", "m/s"), "velocity": ("m/s", "m/s^2"), "acceleration": ("m/s^2", "m/s^3"),
-    "slope": ("rad", "rad/s"), "strain": ("1", "1/s"),
-}  # fmt: skip
 
 
 class ReferenceTable(Table):
@@ -90,7 +83,6 @@ def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]
             yield (*path, "window"), 'must be two frequencies: write window = ["14 Hz", "17 Hz"]'
         if reference.quantity is not None:
             yield from _column_checks(path, reference)
-            yield from _unit_checks(case, path, reference)
 
 
 def _column_checks(path: KeyPath, reference: SimpleNamespace) -> Iterator[Complaint]:
@@ -98,16 +90,6 @@ def _column_checks(path: KeyPath, reference: SimpleNamespace) -> Iterator[Compla
         for name in getattr(reference, table) or ():
             if name not in (*ROLES, reference.quantity):
                 yield (*path, table), f'{name} is not compared: quantity = "{reference.quantity}"'
-
-
-def _unit_checks(case: SimpleNamespace, path: KeyPath, reference: SimpleNamespace) -> Iterator[Complaint]:
-    unit, of = unit_of_reading(reference.quantity, None), quantity_named(case, case.sweep.output).name
-    for name in ("offset", "uncertainty"):
-        amount: Amount | None = getattr(reference, name)
-        if amount is None or (name == "uncertainty" and amount.percent):
-            continue
-        if fault := amount.fault(reference.quantity, unit, plain=KINDS[case.kind].plain, of=of):
-            yield (*path, name), fault
 
 
 def _file_fault(folder: File, name: str) -> str | None:
@@ -121,7 +103,7 @@ def record(name: str, table: ReferenceTable, case: Any, folder: File, swept: Dir
     """Record of a table of a case."""
     file, direction = (folder / table.file).absolute(), _direction(table, swept)
     quote = file.resolve().is_relative_to(folder.resolve())
-    form = _form(table, si_unit(case, table.quantity))
+    form = _form(table, si_unit(case, table))
     return Reference(
         name=name, file=file, fidelity=table.fidelity, quantity=table.quantity, tolerance=table.tolerance,
         direction=direction, quote=quote, form=form, measured=table.measured, source=table.source,
@@ -149,12 +131,3 @@ def _form(table: ReferenceTable, unit: str) -> ReferenceForm:
         separator=SIGNS.get(table.separator or "", ""),
         decimal=table.decimal or "",
     )
-
-
-def si_unit(case: Any, quantity: str) -> str:
-    """SI unit of a quantity of the sweep's output; ``"1"`` of a length in a case without units."""
-    unit = unit_of_reading(quantity, None)
-    si = {"c": "m", "c/s": "m/s"} | dict(
-        zip(("q", "q/s"), SI[quantity_named(case, case.sweep.output).name], strict=True)
-    )
-    return "1" if KINDS[case.kind].plain and unit in si else si.get(unit, unit)

@@ -16,6 +16,7 @@ from vibeam.casefile.tables.figures import figure_checks, measurement_checks
 from vibeam.casefile.tables.harmonics import harmonic_checks
 from vibeam.casefile.tables.measured import measured_checks
 from vibeam.casefile.tables.names import name_checks
+from vibeam.casefile.tables.readings import amount_checks
 from vibeam.casefile.tables.references import reference_checks
 from vibeam.casefile.tables.stop import stop_checks
 from vibeam.casefile.tables.studies import study_checks
@@ -32,6 +33,7 @@ def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
     yield from reference_checks(case, folder)
     yield from expectation_checks(case)
     yield from measured_checks(case)
+    yield from amount_checks(case)
     yield from figure_checks(case)
     yield from measurement_checks(case.measurement)
     yield from study_checks(case)

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from vibeam.report.table_widths import ReportTable
 
-ELSEWHERE = ("title", "source", "fidelity", "sweep", "show", "reference", "expect", "measured", "cost", "influence",
-             "map", "uncertain", "fit", "figure", "accuracy", "accuracy_of")  # fmt: skip
+ELSEWHERE = ("title", "source", "units", "fidelity", "sweep", "show", "reference", "expect", "measured", "cost",
+             "influence", "map", "uncertain", "fit", "figure", "accuracy", "accuracy_of")  # fmt: skip
 
 
 @dataclass(frozen=True)
