@@ -5,8 +5,11 @@ from __future__ import annotations
 import errno
 import os
 import stat
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+
+Fill = Callable[[int], None]  # writes the content of a new file, by its descriptor
 
 
 def regular(path: Path) -> Path:
@@ -29,24 +32,23 @@ def write_whole(path: Path, content: bytes) -> None:
 
     OSError, naming ``path``, where it is no regular file or cannot be written.
     """
+    fill_whole(path, lambda handle: write_at(handle, 0, content))
+
+
+def fill_whole(path: Path, fill: Fill) -> None:
+    """Replace the file at ``path`` by what ``fill`` writes; otherwise as ``write_whole``. Other errors pass through."""
     target = regular(path)
-    part = part_of(target)
+    part = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
-        handle = new_part(part, target, content)
-        os.close(handle)
-        os.replace(part, target)
+        os.close(new_part(part, target, fill))
+        take_place(part, target)
     except OSError as fault:
         part.unlink(missing_ok=True)
         raise OSError(fault.errno, fault.strerror, str(path)) from None
 
 
-def part_of(target: Path) -> Path:
-    """Path of this process's temporary file for ``target``."""
-    return target.with_name(f".{target.name}.{os.getpid()}.part")
-
-
-def new_part(part: Path, target: Path, content: bytes) -> int:
-    """Write ``content`` to a new file ``part``, synchronised to disk, and return its descriptor; OSError removes it.
+def new_part(part: Path, target: Path, fill: Fill) -> int:
+    """Fill a new file ``part``, synchronised to disk, and return its descriptor; an error removes it.
 
     It gets the permissions of an existing ``target``.
     """
@@ -54,13 +56,24 @@ def new_part(part: Path, target: Path, content: bytes) -> int:
     try:
         with suppress(FileNotFoundError):
             os.fchmod(handle, stat.S_IMODE(os.stat(target).st_mode))
-        write_at(handle, 0, content)
+        fill(handle)
         os.fsync(handle)
     except BaseException:
         os.close(handle)
         part.unlink()
         raise
     return handle
+
+
+def take_place(part: Path, target: Path) -> None:
+    """Rename ``part`` to ``target``, and bring the folder's names to disk where that can be asked for."""
+    os.replace(part, target)
+    with suppress(OSError):
+        folder = os.open(target.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
 
 
 def write_at(handle: int, start: int, content: bytes | memoryview) -> None:

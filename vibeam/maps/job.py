@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,7 @@ from vibeam.maps.grids import blocks_of
 from vibeam.maps.partial import partial_response
 from vibeam.maps.refined import Passes
 from vibeam.maps.result import MapResult
-from vibeam.maps.store.blocks import digest_of, read_block
+from vibeam.maps.store.blocks import read_block
 from vibeam.maps.store.gathered import Source
 from vibeam.maps.store.manifest import Manifest
 from vibeam.run.store.errors import StoreError
@@ -62,9 +63,7 @@ class Job:
         """Add the passes that follow from finished ones."""
         for name, passes in self.passes.items():
             while self.latest[name] and all(name_of(block) in self.done for block in self.latest[name]):
-                self._add(
-                    name, passes.following([(block, values) for block, values, _ in self._stored(self.latest[name])])
-                )
+                self._add(name, passes.following(self._stored(self.latest[name])))
 
     @property
     def missing(self) -> list[Block]:
@@ -92,17 +91,19 @@ class Job:
         total, done = points_of(self.blocks), points_of(there)
         return MapResult(self.case, self.plan, known, total, self.found, done, self.path)
 
-    def sources(self) -> Iterator[Source]:
+    def sources(self) -> list[Source]:
         """All blocks with their values, fidelity by fidelity; StoreError where one is damaged."""
-        for name, grid in self.grids.items():
-            yield Source(grid, self._stored([block for block in self.blocks if block.grid.fidelity == name]))
+        return [Source(grid, partial(self._stored, self._of(name))) for name, grid in self.grids.items()]
 
-    def _stored(self, blocks: list[Block]) -> Iterator[tuple[Block, Values, str]]:
+    def _of(self, fidelity: str) -> list[Block]:
+        return [block for block in self.blocks if block.grid.fidelity == fidelity]
+
+    def _stored(self, blocks: list[Block]) -> Iterator[tuple[Block, Values]]:
         for block in blocks:
             values = self.read(block)
             if values is None:
                 raise StoreError(f"{self.folder}: a block was damaged meanwhile: run again to compute it anew")
-            yield block, values, digest_of(block, self.keys[block.grid.fidelity], values)
+            yield block, values
 
 
 def name_of(block: Block) -> tuple[str, int]:

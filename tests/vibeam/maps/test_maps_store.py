@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import resource
 from pathlib import Path
 from typing import Any
 
@@ -13,10 +15,10 @@ import vibeam
 from vibeam.maps import run as running
 from vibeam.maps.axes import Axis
 from vibeam.maps.block import Block, evaluate_block
-from vibeam.maps.grids import blocks_of, grids_of, key_of, lines_of_block
+from vibeam.maps.grids import grids_of, key_of, lines_of_block
 from vibeam.maps.partial import partial_response
 from vibeam.maps.store.blocks import block_path, read_block, write_block
-from vibeam.maps.store.gathered import runs, steps_of
+from vibeam.maps.store.gathered import finished, steps_of
 from vibeam.system.ended import Ended
 
 AXES = [
@@ -126,11 +128,69 @@ def test_a_damaged_block_is_computed_anew(tmp_path: Path) -> None:
         changed = bytearray(whole)
         changed[at] ^= 0x10
         block_path(tmp_path, block).write_bytes(bytes(changed))
-        found = read_block(tmp_path, block, key)
-        if found is not None:  # a byte that says nothing of the numbers, as the time of an entry
-            np.testing.assert_array_equal(found["amplitude"], evaluate_block(block)["amplitude"])
+        assert read_block(tmp_path, block, key) is None
     block_path(tmp_path, block).write_bytes(whole[:-100])
     assert read_block(tmp_path, block, key) is None
+
+
+def test_a_damaged_map_is_told_whatever_byte_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "m.h5"
+    vibeam.run_map(case(), "m", path)
+    rig = case()
+    whole, keys = path.read_bytes(), {"sdof": key_of(rig, grids_of(rig, rig.maps["m"])["sdof"])}
+    assert finished(path, keys)
+    flipped = [whole[:at] + bytes([whole[at] ^ 16]) + whole[at + 1 :] for at in range(0, len(whole), len(whole) // 60)]
+    for content in (*flipped, whole[:-1], whole[:9], b"", whole + b"0", whole[:5000] + whole[5001:]):
+        path.write_bytes(content)
+        with pytest.raises(vibeam.StoreError, match=f"^{path}: (its digest does not fit|is no file of a map)"):
+            finished(path, keys)
+
+
+def test_a_map_that_another_program_has_changed_is_not_taken_for_ours(tmp_path: Path) -> None:
+    vibeam.run_map(case(), "m", tmp_path / "m.h5")
+    with h5py.File(tmp_path / "m.h5", "r+") as file:
+        file["sdof/period"][...] = 1
+    with pytest.raises(vibeam.StoreError, match=r"its digest does not fit .* start over with --fresh"):
+        vibeam.run_map(case(), "m", tmp_path / "m.h5")
+    vibeam.run_map(case(), "m", tmp_path / "m.h5", fresh=True)
+    np.testing.assert_array_equal(data(tmp_path / "m.h5")["period"], expected()["period"])
+
+
+def test_a_disk_that_is_full_while_a_map_is_gathered_loses_nothing(
+    tmp_path: Path, small: list[Block], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    vibeam.run_map(case(), "m", tmp_path / "whole.h5")
+    whole = (tmp_path / "whole.h5").stat().st_size
+    with monkeypatch.context() as patch:
+        patch.setattr(running, "gather", lambda *given: (_ for _ in ()).throw(KeyboardInterrupt))
+        with pytest.raises(KeyboardInterrupt):
+            vibeam.run_map(case(), "m", tmp_path / "m.h5")
+    before = sorted((tmp_path / "m.h5.parts").iterdir())
+    for size in (4096, whole // 2, whole - 1):
+        said = f"{tmp_path}/m.h5: cannot be written (file too large): make room, then run again to go on"
+        assert gathered_in_a_fork(tmp_path / "m.h5", size) == (0, said)
+        assert sorted((tmp_path / "m.h5.parts").iterdir()) == before
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["m.h5.parts", "whole.h5"]
+    small.clear()
+    assert vibeam.run_map(case(), "m", tmp_path / "m.h5").found == 90
+    assert small == []
+
+
+def gathered_in_a_fork(path: Path, size: int) -> tuple[int, str]:
+    """Exit code (negative: by that signal) and message of a process whose files end at ``size`` bytes."""
+    said, say = os.pipe()
+    if not (child := os.fork()):
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+        try:
+            vibeam.run_map(case(), "m", path)
+        except vibeam.StoreError as fault:
+            os.write(say, str(fault).encode())
+        finally:
+            os._exit(0)
+    os.close(say)
+    with os.fdopen(said) as message:
+        told = message.read()
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), told
 
 
 def test_another_map_is_refused_and_fresh_starts_over(tmp_path: Path) -> None:
@@ -139,7 +199,7 @@ def test_another_map_is_refused_and_fresh_starts_over(tmp_path: Path) -> None:
         vibeam.run_map(case(settle=31), "m", tmp_path / "m.h5")
     assert vibeam.run_map(case(settle=31), "m", tmp_path / "m.h5", fresh=True).found == 0
     (tmp_path / "other.h5").write_text("something")
-    with pytest.raises(vibeam.StoreError, match="cannot be read as a map"):
+    with pytest.raises(vibeam.StoreError, match="is no file of a map"):
         vibeam.run_map(case(), "m", tmp_path / "other.h5")
 
 
@@ -157,6 +217,8 @@ def test_blocks_of_another_map_are_refused(tmp_path: Path, monkeypatch: pytest.M
         patch.setattr("vibeam.maps.store.manifest.digest_of_code", lambda: "other")
         with pytest.raises(vibeam.StoreError, match="another version of vibeam"):
             vibeam.run_map(case(), "m", tmp_path / "m.h5")
+    manifest = tmp_path / "m.h5.parts" / "manifest"
+    manifest.write_bytes(manifest.read_bytes().replace(b"sizes", b"sizer"))  # blocks say themselves what they are of
     assert vibeam.run_map(case(), "m", tmp_path / "m.h5").found == 90
 
 
@@ -168,19 +230,6 @@ def test_what_does_not_change_the_numbers_does_not_change_the_key() -> None:
     assert keys[0] == keys[1]
     third = case(hold=9)
     assert key_of(third, grids_of(third, third.maps["m"])["sdof"]) != keys[0]
-
-
-def test_runs_of_lines_cover_a_block_once() -> None:
-    rig = case()
-    grid = grids_of(rig, rig.maps["m"])["sdof"]
-    seen = np.zeros((3, 5), dtype=int)
-    for block in blocks_of(grid, 4):
-        covered = np.full(block.last - block.first, -1)
-        for at, lines in runs(grid, block):
-            seen[at] += 1
-            covered[lines] = np.ravel_multi_index((at[0], np.arange(5)[at[1]]), (3, 5))
-        np.testing.assert_array_equal(covered, np.arange(block.first, block.last))
-    assert np.all(seen == 1)
 
 
 def test_a_block_is_no_longer_than_its_map_and_has_a_line_at_least() -> None:

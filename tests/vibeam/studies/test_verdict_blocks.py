@@ -102,7 +102,7 @@ def test_a_damaged_block_is_computed_anew_and_another_map_is_refused(
 def test_the_folder_beside_is_deleted_at_the_end_alone(tmp_path: Path) -> None:
     path, folder = tmp_path / "rig_verdict.csv", tmp_path / "rig_verdict.csv.parts"
     folder.mkdir()
-    (folder / "manifest.json").write_text("{}")
+    (folder / "manifest").write_text("{}")
     with pytest.raises(KeyboardInterrupt), planes.kept_beside(path):
         raise KeyboardInterrupt
     assert folder.is_dir()

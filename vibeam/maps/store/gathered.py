@@ -1,10 +1,9 @@
-"""The file of a finished map: HDF5 that NetCDF's readers take, written block by block and put in place whole."""
+"""The file of a finished map: HDF5 that NetCDF's readers take, written block by block, sealed, put in place whole."""
 
 from __future__ import annotations
 
 import json
-import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, prod, sqrt
 from pathlib import Path
@@ -14,12 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.outputs import units_of_output
-from vibeam.exchange.whole_files import regular
+from vibeam.exchange.sealed_files import fill_sealed, is_sealed
+from vibeam.exchange.whole_files import write_at
 from vibeam.maps.axes import shape_of
 from vibeam.maps.block import DTYPES, Block, Grid, Values
 from vibeam.maps.evaluate import GridResponse
 from vibeam.maps.refined import FLOWN, over_grid
-from vibeam.run.store.errors import StoreError, unwritable
+from vibeam.maps.store.structure import Structure, without_values
+from vibeam.run.store.content import SIGNATURE
+from vibeam.run.store.errors import StoreError, reason, unwritable
 from vibeam.run.store.provenance import write_provenance
 from vibeam.system.quantities import LAYOUT, Quantity, unit_of
 
@@ -30,6 +32,8 @@ if TYPE_CHECKING:
     from vibeam.case.plans import MapPlan
 
 FORMAT = "vibeam map 1"
+
+UNSEALED = "its digest does not fit (it is damaged, was changed since, or is no map of this version)"
 
 SHOWN = 4_000_000  # points of a quantity that are read back at most: for pictures
 
@@ -43,82 +47,66 @@ OWN: Mapping[str, Quantity] = {
 
 @dataclass(frozen=True)
 class Source:
-    """Blocks of one grid in order, each with its values, and the digest that each had."""
+    """One grid, and its blocks in order, each with its values, as often as they are asked for."""
 
     grid: Grid
-    blocks: Iterable[tuple[Block, Values, str]]
+    blocks: Callable[[], Iterator[tuple[Block, Values]]]
+
+    def shapes(self) -> dict[str, tuple[int, ...]]:
+        """Shape of each quantity over the grid: ways, axes, random starts, what it has of its own."""
+        _, values = next(self.blocks())
+        of_points = 1 + len(self.grid.shape)
+        whole = (len(self.grid.ways) or 1, *shape_of(self.grid.axes), *self.grid.shape[2:])
+        names = (*values, *((FLOWN,) if self.grid.refine else ()))
+        return {name: (*whole, *(values[name].shape[of_points:] if name in values else ())) for name in names}
+
+    def pieces(self) -> Iterator[tuple[str, int, NDArray[Any]]]:
+        """Quantity by name, the number of its first value in the file, and values from there on."""
+        if self.grid.refine:
+            every = over_grid(self.grid, self.blocks(), self.grid.quantities)
+            yield from ((name, 0, values) for name, values in every.items())
+            return
+        for block, values in self.blocks():
+            for name, rows in values.items():
+                for way in range(rows.shape[1]):
+                    line = way * self.grid.lines + block.first
+                    yield name, line * prod(rows.shape[2:]), rows[:, way]
 
 
-def gather(path: Path, case: Case, plan: MapPlan, keys: Mapping[str, str], sources: Iterable[Source]) -> None:
+def gather(path: Path, case: Case, plan: MapPlan, keys: Mapping[str, str], sources: Sequence[Source]) -> None:
     """Write the file of a map from its blocks, one in memory at a time; StoreError where the disk fails."""
     import h5py
 
-    target = regular(path)
-    part = target.with_name(f".{target.name}.part")  # the lock is held: there is no other
+    structure = Structure()
+    with h5py.File(structure, "w") as file:
+        file.attrs.update({"format": FORMAT, "map": plan.name, "case": case.text, "keys": json.dumps(dict(keys))})
+        write_provenance(file.create_group("provenance"))
+        groups = [(source, file.create_group(source.grid.fidelity)) for source in sources]
+        rooms = [(source, _laid_out(group, case, plan, source)) for source, group in groups]
+
+    def fill(handle: int) -> None:
+        structure.write_to(handle)
+        for source, room in rooms:
+            for name, first, values in source.pieces():
+                start, dtype = room[name]
+                content = np.ascontiguousarray(values, dtype)
+                write_at(handle, start + first * dtype.itemsize, content.data.cast("B"))
+
     try:
-        with h5py.File(part, "w") as file:
-            file.attrs.update({"format": FORMAT, "map": plan.name, "case": case.text, "keys": json.dumps(dict(keys))})
-            write_provenance(file.create_group("provenance"))
-            for source in sources:
-                _write(file.create_group(source.grid.fidelity), case, plan, source)
-        handle = os.open(part, os.O_RDONLY)
-        os.fsync(handle)
-        os.close(handle)
-        os.replace(part, target)
+        fill_sealed(path, fill)
     except OSError as fault:
         raise unwritable(path, fault, "make room, then run again to go on") from None
-    finally:
-        part.unlink(missing_ok=True)
 
 
-def _write(group: h5py.Group, case: Case, plan: MapPlan, source: Source) -> None:
+def _laid_out(group: h5py.Group, case: Case, plan: MapPlan, source: Source) -> dict[str, tuple[int, np.dtype[Any]]]:
+    """Lay out the quantities of a grid; of each the first byte of its values in the file, and their type."""
     scales, units = _scales(group, plan, source.grid), units_of_output(case, plan.output)
-
-    def made(name: str, *shape: int, **more: Any) -> h5py.Dataset:
-        data = group.create_dataset(name, shape, DTYPES.get(name, "f8"), **more)
+    rooms = {}
+    for name, shape in source.shapes().items():
+        data, start = without_values(group, name, shape, dtype := np.dtype(DTYPES.get(name, "f8")))
         _label(data, scales, LAYOUT.get(name, OWN.get(name)), units)
-        return data
-
-    digests = (_by_points if source.grid.refine else _by_lines)(group, source, made)
-    group.attrs["blocks"] = json.dumps(digests)
-
-
-def _by_lines(group: h5py.Group, source: Source, made: Callable[..., h5py.Dataset]) -> list[str]:
-    """Write block by block; the digests of the blocks."""
-    grid, digests = source.grid, list[str]()
-    whole = (len(grid.ways) or 1, *shape_of(grid.axes), *grid.shape[2:])
-    for block, values, digest in source.blocks:
-        digests.append(digest)
-        for name, rows in values.items():
-            if name not in group:
-                made(name, *whole, *rows.shape[len(grid.shape) + 1 :])
-            for at, lines in runs(grid, block):
-                piece = np.moveaxis(rows[lines], 0, 1)
-                group[name][(slice(None), *at)] = piece if at else piece[:, 0]
-    return digests
-
-
-def _by_points(group: h5py.Group, source: Source, made: Callable[..., h5py.Dataset]) -> list[str]:
-    """Write a refined grid, all points of which have a number."""
-    blocks = list(source.blocks)
-    every = over_grid(source.grid, [(block, values) for block, values, _ in blocks], source.grid.quantities)
-    for name, values in every.items():
-        made(name, *values.shape, data=values)
-    return [digest for *_, digest in blocks]
-
-
-def runs(grid: Grid, block: Block) -> Iterator[tuple[tuple[Any, ...], slice]]:
-    """Places of a block's lines in the axes above the last: whole stretches of the innermost of these."""
-    above = shape_of(grid.axes)[:-1]
-    if not above:
-        yield (), slice(0, 1)
-        return
-    inner, line = above[-1], block.first
-    while line < block.last:
-        *outer, first = (int(each) for each in np.unravel_index(line, above))
-        last = min(first + block.last - line, inner)
-        yield (*outer, slice(first, last)), slice(line - block.first, line - block.first + last - first)
-        line += last - first
+        rooms[name] = start, dtype
+    return rooms
 
 
 def _scales(group: h5py.Group, plan: MapPlan, grid: Grid) -> list[h5py.Dataset]:
@@ -150,18 +138,22 @@ def _label(data: h5py.Dataset, scales: Sequence[h5py.Dataset], described: Quanti
 
 
 def finished(path: Path, keys: Mapping[str, str]) -> bool:
-    """Test whether the file of a map is there with all its points; StoreError where it is another's."""
+    """Test whether the file of a map is there with all its points; StoreError for a damaged or another one."""
     import h5py
 
     if not path.exists():
         return False
     try:
+        with path.open("rb") as file:
+            begin = file.read(len(SIGNATURE))
+        if begin != SIGNATURE:
+            raise StoreError(f"{path}: is no file of a map: choose another --out, or delete it")
+        if not is_sealed(path):
+            raise StoreError(f"{path}: {UNSEALED}: choose another --out, or start over with --fresh")
         with h5py.File(path, "r") as file:
-            said, found = file.attrs.get("format"), file.attrs.get("keys", "{}")
+            found = file.attrs["keys"]
     except OSError as fault:
-        raise StoreError(f"{path}: cannot be read as a map ({fault}): choose another --out, or delete it") from None
-    if said != FORMAT:
-        raise StoreError(f"{path}: is no file of a map: choose another --out, or delete it")
+        raise StoreError(f"{path}: cannot be opened ({reason(fault)}): choose another --out") from None
     if json.loads(found) != dict(keys):
         raise StoreError(
             f"{path}: holds another map, or this one before its case changed: choose another --out, or start over "

@@ -8,13 +8,11 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from vibeam.exchange.whole_files import write_whole
+from vibeam.exchange.sealed_files import read_sealed, write_sealed
 from vibeam.run.code import digest_of_code
 from vibeam.run.store.errors import StoreError, unwritable
 
-FORMAT = "vibeam map blocks 1"
-
-NAME = "manifest.json"
+NAME = "manifest"
 
 ANEW = "choose another --out, or start over with --fresh"
 
@@ -26,11 +24,10 @@ class Manifest:
     keys: Mapping[str, str]
     sizes: Mapping[str, int]
     code: str
-    format: str = FORMAT
 
 
 def opened(folder: Path, keys: Mapping[str, str], sizes: Mapping[str, int]) -> Manifest:
-    """The manifest in ``folder``, made where there is none.
+    """The manifest in ``folder``, made where there is none, or a damaged one: blocks say themselves what they are of.
 
     StoreError where the blocks there are of another map or another version of the code, or the disk fails.
     """
@@ -38,28 +35,17 @@ def opened(folder: Path, keys: Mapping[str, str], sizes: Mapping[str, int]) -> M
     path = folder / NAME
     try:
         folder.mkdir(exist_ok=True)
-        if not path.exists():
-            write_whole(path, json.dumps(asdict(wanted), indent=1).encode())
+        content = read_sealed(path) if path.exists() else None
+        if content is None:
+            write_sealed(path, json.dumps(asdict(wanted), indent=1).encode())
             return wanted
-        found = _read(path)
     except OSError as fault:
         raise unwritable(folder, fault, "choose another --out") from None
+    found = Manifest(**json.loads(content))
     if found.keys != wanted.keys:
         raise StoreError(f"{folder}: holds blocks of another map, or of this one before its case changed: {ANEW}")
     if found.code != wanted.code:
         raise StoreError(f"{folder}: holds blocks that another version of vibeam computed: {ANEW}")
-    return found
-
-
-def _read(path: Path) -> Manifest:
-    try:
-        content = json.loads(path.read_bytes())
-        found = Manifest(**content)
-        known = found.format == FORMAT and all(int(size) > 0 for size in found.sizes.values())
-    except (ValueError, TypeError, AttributeError):
-        known = False
-    if not known:
-        raise StoreError(f"{path}: is no manifest of a map: {ANEW}")
     return found
 
 

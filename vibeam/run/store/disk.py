@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from vibeam.exchange.whole_files import new_part, write_at
+from vibeam.exchange.whole_files import new_part, take_place, write_at
 from vibeam.run.store.errors import StoreError, reason, unwritable
 from vibeam.run.store.lock import lock
 
@@ -60,7 +60,7 @@ class Disk:
         """Write ``content`` to a file beside."""
         try:
             self._part.unlink(missing_ok=True)
-            handle = new_part(self._part, self._target, content)
+            handle = new_part(self._part, self._target, lambda part: write_at(part, 0, content))
         except OSError as fault:
             raise unwritable(self.path, fault, cure) from None
         lock(handle)
@@ -86,7 +86,7 @@ class Disk:
         """Move the staged file into place."""
         if self._staged:
             try:
-                os.replace(self._part, self._target)
+                take_place(self._part, self._target)
             except OSError as fault:
                 raise unwritable(self.path, fault, ELSEWHERE) from None
             self._staged = False
@@ -108,7 +108,7 @@ class Disk:
             if fault.errno not in NO_LINKS:
                 raise
             os.close(os.open(self._target, os.O_WRONLY | os.O_CREAT | os.O_EXCL))
-            os.replace(self._part, self._target)
+            take_place(self._part, self._target)
         with suppress(FileNotFoundError):
             self._part.unlink()
 
