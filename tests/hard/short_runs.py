@@ -19,7 +19,7 @@ Tables = dict[str, Any]
 def shortened(case: Case) -> str:
     """The case as TOML, short; what only checks results is left out."""
     tables = tomllib.loads(case.text)
-    for name in ("reference", "expect", "measured", "cost", "influence"):
+    for name in ("reference", "expect", "measured", "chosen_by", "cost", "influence"):
         tables.pop(name, None)
     _cut(tables["sweep"], settle=SETTLE, hold=HOLD)
     tables["sweep"]["frequency"] = _few_frequencies(tables["sweep"]["frequency"])

@@ -52,14 +52,15 @@ class Expectation(Reading):
 class Measured(Reading):
     """Number that was measured as ``value``, in ``unit`` (m, m/s, Hz, 1/s, 1), from ``source``.
 
-    ``scatter`` is of the measurement, in the same unit; None: not given. ``calibrated``: the model was fitted to it.
+    ``scatter`` is of the measurement, in the same unit; None: not given. ``chose``: keys of the fidelity's model whose
+    values this number chose: the model is calibrated by it, else predicts it.
     """
 
     value: float
     unit: str
     scatter: float | None
-    calibrated: bool
     source: str
+    chose: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

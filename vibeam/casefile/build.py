@@ -234,12 +234,13 @@ def _fit(case: AnyCase) -> FitPlan | None:
     return plan_of(case.fit, case)
 
 
-def _measurements(case: AnyCase, swept: Direction) -> dict[str, Measured]:
+def _measurements(case: AnyCase, changed: Mapping[str, AnyCase], swept: Direction) -> dict[str, Measured]:
     if not case.measured:
         return {}
+    from vibeam.casefile.chosen import keys_chosen
     from vibeam.casefile.tables.measured import record
 
-    return {name: record(name, table, case, swept) for name, table in case.measured.items()}
+    return {name: record(name, case, swept, keys_chosen(name, case, changed)) for name in case.measured}
 
 
 def _shows(case: AnyCase, changed: Mapping[str, AnyCase], sweep: SweepPlan, folder: Path) -> dict[str, ShowPlan]:

@@ -93,7 +93,9 @@ class TableOr(EntryInUnits):
 
 @dataclass(frozen=True)
 class Settings(Entry):
-    """A table of dotted keys with values as in a case; nested tables mean the same."""
+    """A table of dotted keys with values as in a case, or another ``value``; nested tables mean the same."""
+
+    value: str = "value"
 
     def parse(self, value: Any) -> dict[str, Any]:
         """As ``Entry.parse``: keys are flat, values as written."""
@@ -106,7 +108,7 @@ class Settings(Entry):
 
     def describe(self) -> str:
         """As ``Entry.describe``."""
-        return 'table { "stop.gap" = value, … }'
+        return f'table {{ "stop.gap" = {self.value}, … }}'
 
     def schema(self) -> dict[str, Any]:
         """As ``Entry.schema``."""

@@ -29,6 +29,7 @@ from vibeam.casefile.build import (
     _sweep,
     numbers_of,
 )
+from vibeam.casefile.chosen import absent_checks, chosen_checks
 from vibeam.casefile.content import content, digest, toml_text
 from vibeam.casefile.fidelity_changes import FidelityCase, variants
 from vibeam.casefile.fit_keys import fit_checks, fit_in_si
@@ -77,7 +78,7 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
         references=_references(declared, file.parent, sweep.direction),
         scenes={name: KINDS[own.kind].scene_of(own, file.parent) for name, own in changed.items()},
         expectations=_expectations(declared, sweep.direction),
-        measured=_measurements(declared, sweep.direction),
+        measured=_measurements(declared, changed, sweep.direction),
         shows=_shows(declared, changed, sweep, file.parent),
         cost=CostPlan(**dict(declared.cost)),
         influence=InfluencePlan(**dict(getattr(declared, "influence", ()))),
@@ -114,6 +115,7 @@ def _validated_at(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[
     changed, more = variants(tables, declaration(tables), wrong, lambda own: _validated(own, file.parent))
     if case is not None and not wrong + more:
         more = list(value_complaints(tables, case, lambda own: _validated(own, file.parent)))
+        more += absent_checks(case, {name: variant.declared for name, variant in changed.items()})
     faults += [place.fault(complaint) for complaint in wrong + more]
     if faults or case is None:
         raise CaseError(faults)
@@ -160,7 +162,12 @@ def _validated(tables: dict[str, Any], folder: File) -> tuple[AnyCase | None, li
     except ValidationError as error:
         alone, excused = complaints(error, model)
     readable = readable_case(model, tables)
-    further = (*map_complaints(readable, model), *uncertain_checks(readable), *fit_checks(readable))
+    further = (
+        *map_complaints(readable, model),
+        *uncertain_checks(readable),
+        *chosen_checks(readable),
+        *fit_checks(readable),
+    )
     together = (*cross_checks(readable, folder), *further)
     return case, alone + _unreported(together, {path for path, _ in alone} | excused)
 

@@ -20,15 +20,15 @@ def measurements(rows: Iterable[MeasuredRow], units: Units = METRIC) -> ReportTa
     """Table of measured numbers: the model's, their difference, whether it is within the scatter."""
     table = ReportTable("Measured", 1)
     table.add("measured", "fidelity", "quantity", "at|", "measured|", "scatter|", "model|", "difference|")
-    table.add("within scatter", "the model", "source", "why")
-    table.caption = "difference: model − measured; calibrated: the model was fitted to this number, which tests nothing"
+    table.add("within scatter", "the model", "chosen by it", "source", "why")
+    table.caption = "difference: model − measured; calibrated: the number chose keys of the model, and tests nothing"
     for row in rows:
         numbers = (row.value, NAN if row.scatter is None else row.scatter, row.model)
         values = (_amount(row, each, units) for each in numbers)
-        status = "calibrated" if row.calibrated else "predicted"
-        words = (WITHIN[row.within] if isfinite(row.difference) else "–", status, row.source, "; ".join(row.notes))
+        words = (WITHIN[row.within] if isfinite(row.difference) else "–", "calibrated" if row.chose else "predicted")
+        further = (", ".join(row.chose), row.source, "; ".join(row.notes))
         place = (row.measured, row.fidelity, _quantity(row), units.frequencies(row.frequency))
-        table.add_row(*place, *values, _difference(row, units), *words)
+        table.add_row(*place, *values, _difference(row, units), *words, *further)
     return table
 
 

@@ -48,14 +48,15 @@ def test_a_number_within_the_scatter_or_not(scatter: str, within: bool | None) -
     """The model's 3.0 is 0.5 above the measured 2.5, which is 20 % of 2.5."""
     (row,) = rows(f'quantity = "peak"\nvalue = 2.5\n{scatter}')
     assert (row.model, row.difference, row.within) == (3.0, 0.5, within)
-    assert not row.calibrated
+    assert not row.chose
 
 
 def test_branches_that_differ_have_a_row_each() -> None:
-    up, down = rows('quantity = "peak"\nvalue = 2.8\ncalibrated = true', APART)
-    assert [(row.direction, row.model, row.calibrated) for row in (up, down)] == [
-        ("up", 3.0, True),
-        ("down", 2.5, True),
+    chosen = '[chosen_by]\n"stop.gap" = ["it"]\n'
+    up, down = rows(f'quantity = "peak"\nvalue = 2.8\n{chosen}', APART)
+    assert [(row.direction, row.model, row.chose) for row in (up, down)] == [
+        ("up", 3.0, ("stop.gap",)),
+        ("down", 2.5, ("stop.gap",)),
     ]
 
 
@@ -116,7 +117,7 @@ def test_an_expected_number_without_a_source_is_a_regression_value() -> None:
 
 
 ROW = MeasuredRow(
-    "it", "beam", "ringing_frequency", None, None, 15.0, "both", "Hz", 103.0, 0.5, 101.0, -2.0, False, False, "Fig. 27"
+    "it", "beam", "ringing_frequency", None, None, 15.0, "both", "Hz", 103.0, 0.5, 101.0, -2.0, False, (), "Fig. 27"
 )
 
 
@@ -124,7 +125,7 @@ ROW = MeasuredRow(
     ("change", "words"),
     [
         ({}, ["103 Hz", "0.5 Hz", "101 Hz", "-2 Hz (-1.94 %)", "no", "predicted", "Fig. 27"]),
-        ({"calibrated": True, "within": True}, ["yes", "calibrated"]),
+        ({"chose": ("beam.width", "beam.length"), "within": True}, ["yes", "calibrated", "beam.width, beam.length"]),
         ({"scatter": None, "within": None}, ["not given"]),
         (
             {"unit": "m/s", "value": 0.035, "model": 0.0223, "difference": -0.0127},

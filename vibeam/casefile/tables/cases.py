@@ -50,6 +50,7 @@ class AnyCase(Table):
         reference: Any
         expect: Any
         measured: Any
+        chosen_by: Any
 
     title: Annotated[str, Text()] = key(
         "what the case is; absent = the name of its file", "DTU impacting beam, neutral gap, 0.6 V", "", **ASIDE
@@ -102,6 +103,13 @@ class _Checks(Table):
     reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False, **ASIDE)
     expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False, **ASIDE)
     measured: dict[str, MeasuredTable] = key("numbers that were measured", None, {}, written=False, **ASIDE)
+    chosen_by: Annotated[dict[str, Any] | None, Settings("[names]")] = key(
+        "keys whose values measured numbers chose, by their names: calibrated by these, the model predicts the others",
+        {"platform.mass": ["decay", "peak"]},
+        None,
+        written=False,
+        **ASIDE,
+    )
     show: dict[str, ShowTable] = key("further figures", None, {}, written=False, **ASIDE)
     map: dict[str, MapTable] = key("maps over keys of the case", None, {}, written=False, **ASIDE)
     uncertain: Annotated[dict[str, Any] | None, Settings()] = key(

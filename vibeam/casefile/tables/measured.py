@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from vibeam.case.faults import Complaint
 from vibeam.case.plans import Direction, Measured
 from vibeam.casefile.amounts import Amount, AmountEntry
-from vibeam.casefile.fields import ANY, POSITIVE, Flag, Text
+from vibeam.casefile.fields import ANY, POSITIVE, Text
 from vibeam.casefile.tables.expectations import ReadingTable, reading_checks
 from vibeam.casefile.tables.readings import si_unit
 from vibeam.casefile.tables.table import key
@@ -28,17 +28,15 @@ class MeasuredTable(ReadingTable):
     scatter: Annotated[Amount | None, AmountEntry(POSITIVE)] = key(
         "scatter of the measurement, in its unit or as a percentage; absent = not given", "5 %", None
     )
-    calibrated: Annotated[bool, Flag()] = key(
-        "whether the model was fitted to this number; if not, the model predicts it", False, False
-    )
     source: Annotated[str, Text()] = key("figure, table or section that gives it", "Fig. 31(b)")
 
 
-def record(name: str, table: MeasuredTable, case: Any, swept: Direction) -> Measured:
-    """Record of a table of a case."""
+def record(name: str, case: Any, swept: Direction, chose: tuple[str, ...]) -> Measured:
+    """Record of a table of a case; ``chose``: the keys that the number chose."""
+    table = case.measured[name]
     values = table.model_dump() | {"value": table.value.number, "scatter": _absolute_scatter(table)}
     values |= {"direction": table.direction or swept, "unit": si_unit(case, table)}
-    return Measured(name=name, **values)
+    return Measured(name=name, chose=chose, **values)
 
 
 def _absolute_scatter(table: MeasuredTable) -> float | None:

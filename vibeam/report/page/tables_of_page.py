@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from vibeam.report.table_widths import ReportTable
 
 ELSEWHERE = ("title", "source", "units", "fidelity", "sweep", "show", "reference", "expect", "measured", "cost",
-             "influence", "map", "uncertain", "fit", "figure", "accuracy", "accuracy_of")  # fmt: skip
+             "influence", "map", "uncertain", "chosen_by", "fit", "figure", "accuracy", "accuracy_of")  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -146,6 +146,6 @@ def _notes(used: Sequence[Measured], deviations: Array, half: Array) -> list[str
     if free > 0 and chi2.sf(misfit, free) < UNLIKELY:
         told = f"the model misses the frequencies by more than their scatter (χ² = {misfit:.3g} for {free} to spare)"
         notes.append(f"{told}: the intervals do not hold")
-    if any(each.calibrated for each in used):
-        notes.append("frequencies marked calibrated are used as any others")
+    if chosen := [each.name for each in used if each.chose]:
+        notes.append(f"{', '.join(chosen)}: used as the others, though keys of the case were chosen by them")
     return notes

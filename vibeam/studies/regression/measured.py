@@ -24,7 +24,8 @@ class MeasuredRow:
 
     ``number``: of the mode or order. ``frequency`` in Hz, ``difference``: model − measured, NaN where the model has no
     such number (``notes`` say why). ``within``: whether it is within the scatter of the measurement; None where that is
-    not given. ``calibrated``: the model was fitted to the number, which then tests nothing.
+    not given. ``chose``: keys of the model that the number chose: with any, the model is calibrated by it and it
+    tests nothing; without, the model predicts it.
     """
 
     measured: str
@@ -40,7 +41,7 @@ class MeasuredRow:
     model: float
     difference: float
     within: bool | None
-    calibrated: bool
+    chose: tuple[str, ...]
     source: str
     notes: tuple[str, ...] = ()
     kind: str = "measured"
@@ -76,7 +77,7 @@ def _row(measured: Measured, result: Result, direction: str) -> MeasuredRow:
         model=found.number,
         difference=difference,
         within=abs(difference) <= (measured.scatter or 0.0) * (1 + SAME) if known else None,
-        calibrated=measured.calibrated,
+        chose=measured.chose,
         source=measured.source,
         notes=(found.fault,) if found.fault else (),
     )
