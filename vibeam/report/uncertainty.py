@@ -126,6 +126,8 @@ def sentences(study: UncertaintyStudy) -> Iterator[str]:
     yield from _wide(study)
     yield from _mean(study)
     yield from _told_apart(study)
+    for row in (each for each in study.errors if each.chose):
+        yield f"The measured peak chose {', '.join(row.chose)} of {row.fidelity}: it validates nothing there."
     failed = [f"{row.failed} of {row.fidelity}" for row in study.rows if row.failed]
     if failed:
         yield f"Samples with a point that failed: {', '.join(failed)}; bands and indices leave these out."

@@ -241,13 +241,16 @@ def test_errors_stand_side_by_side():
     text = (
         '[measured.lab]\nfidelity = "beam"\nquantity = "peak"\nvalue = "0.1 mm"\nscatter = "1 µm"\nsource = "bench"\n'
     )
-    case = parse(f'{CASE}\n{text}\n[uncertain]\n"drive.amplitude" = "± 1 %"')
-    sdof, beam = uncertainty(case, samples=16).errors
+    text += '[chosen_by]\n"drive.amplitude" = ["lab"]\n'
+    study = uncertainty(parse(f'{CASE}\n{text}\n[uncertain]\n"drive.amplitude" = "± 1 %"'), samples=16)
+    sdof, beam = study.errors
     assert sdof.form == pytest.approx(sdof.peak - beam.peak)
     assert beam.comparison == pytest.approx(beam.peak - 1e-4)
     known = [each for each in (beam.numerical, beam.given, 1e-6) if np.isfinite(each)]
     assert beam.validation == pytest.approx(np.sqrt(np.sum(np.square(known))))
     assert np.isnan(sdof.validation)
+    said = [each for each in report.sentences(study) if "validates" in each]
+    assert said == ["The measured peak chose drive.amplitude of beam: it validates nothing there."]
 
 
 def test_tables_sentences_and_files(study, tmp_path):

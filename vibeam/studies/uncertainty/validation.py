@@ -21,7 +21,8 @@ class ErrorRow:
     """Peak of one fidelity, all in its unit; NaN where not known.
 
     ``numerical``: distance of the fidelity from its own limit; ``given``: standard deviation by the inputs;
-    ``measured`` value and its ``scatter``; ``form``: difference to the finest, which is error of the reduction.
+    ``measured`` value and its ``scatter``, ``chose``: keys of the fidelity that it chose, so that it validates nothing;
+    ``form``: difference to the finest, which is error of the reduction.
     """
 
     fidelity: str
@@ -31,6 +32,7 @@ class ErrorRow:
     measured: float
     scatter: float
     form: float
+    chose: tuple[str, ...] = ()
 
     @property
     def comparison(self) -> float:
@@ -62,6 +64,7 @@ def error_rows(result: Result, peaks: Mapping[str, Spread]) -> tuple[ErrorRow, .
                 nan if measured is None else measured.value,
                 nan if measured is None or measured.scatter is None else measured.scatter,
                 nan if name == finest else spread.nominal - peaks[finest].nominal,
+                () if measured is None else measured.chose,
             )
         )
     return tuple(rows)
