@@ -176,7 +176,7 @@ class DriveTable(Table):
         "amplitude of the shaker's voltage", "0.6 V", None
     )
     gain: Annotated[float | None, Quantity(units.PER_VOLT, POSITIVE)] = key(
-        "γ of eq. 46: base amplitude over mode shape at the mass, length and voltage", 5.16e-4, None
+        "γ of eq. 46: base amplitude over mode shape at the mass, length and voltage", "5.16e-4 1/V", None
     )
     amplitude: Annotated[Any, OneOrSeveral(Quantity(units.LENGTH, NOT_NEGATIVE))] = key(
         "of the base, instead of voltage and gain", "0.05 mm", None, written=False
