@@ -127,6 +127,23 @@ def test_library_and_numba_give_the_same_bits(name: str, monkeypatch: pytest.Mon
 
 
 @needs_library
+@pytest.mark.skipif(BY_NUMBA, reason="both are numba's then")
+def test_library_and_numba_give_the_same_bits_of_time_stepping(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Time stepping takes a second to compile, all kernels minutes: they run by name."""
+
+    def stepped() -> list[np.ndarray[Any, Any]]:
+        swept = vibeam.sweep(TWO, omega=[90.0, 97.0], amplitude=2e-4, settle=4, hold=3, solver="moreau")
+        return [swept.amplitude, swept.impact_velocity]
+
+    monkeypatch.setitem(vars(march), "function", taken(march))
+    by_library = stepped()
+    monkeypatch.setitem(vars(march), "function", choice.compiled(march.module, march.name))
+    for a, b in zip(by_library, stepped(), strict=True):
+        assert a.any()
+        np.testing.assert_array_equal(a, b)
+
+
+@needs_library
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_v2_agrees_with_v3(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without fused products, within the round-off of twenty impacts; chaos would have it grow, and is not chosen."""
