@@ -19,7 +19,7 @@ from vibeam.report.table_widths import ReportTable, fitted, needed
 if TYPE_CHECKING:
     from vibeam.casefile.documentation import KeyRow
     from vibeam.run.comparison.differences import HeldComparison
-    from vibeam.run.estimate.summary import EstimateSummary
+    from vibeam.run.estimate.summary import EstimateTexts
     from vibeam.run.summary import Summary
     from vibeam.studies.derive import DerivedParameter
     from vibeam.studies.identification.estimates import Identification
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 WIDEST = 160
 
 ARROWS = {"up": " ↑", "down": " ↓"}  # way of the sweep
-
-WHOLE = "it is the full model"  # why a fidelity has no error against it
 
 
 def print_table(table: ReportTable) -> None:
@@ -53,7 +51,7 @@ def print_table(table: ReportTable) -> None:
 
 
 def responses(
-    summaries: Sequence[Summary], units: Units = METRIC, estimates: Sequence[EstimateSummary] = ()
+    summaries: Sequence[Summary], units: Units = METRIC, estimates: EstimateTexts | None = None
 ) -> ReportTable:
     """Table of every fidelity's peak and period-1 range.
 
@@ -63,18 +61,21 @@ def responses(
     hertz, length = (f" ({unit})" if unit else "" for unit in (units.frequency, units.length))
     table = blank("Response", "fidelity", "modes|", "R|", "R₁|", f"peak{length}|", f"at{hertz}|")
     table.add(*(f"period 1 {ARROWS[branch].strip()}{hertz}|" for branch in swept))
-    if known := any(each.points or each.why == WHOLE for each in estimates):
-        table.add("est. off|")
+    cells = estimates.cells if estimates else {}
     table.caption = (
         "R: restitution of the contact; R₁: what mode 1 sees of it; ↑ ↓: way of the sweep\n"
         "period 1: the contiguous range with impacts around the largest amplitude"
-    ) + "\nest. off: largest error in amplitude, estimated against the full model along exact orbits" * known
-    cells = {each.fidelity: _estimated(each) for each in estimates} if known else {}
+    )
+    if estimates and cells:
+        table.add(f"{estimates.column}|")
+        table.caption += f"\n{estimates.caption}"
     for row in summaries:
         peak = (plain(units.lengths(row.peak_amplitude)), _peak_frequency(row, units))
         coefficients = map(coefficient, (row.restitution, row.first_mode_restitution))
         ranges = (units.range(row.period_one.get(branch)) for branch in swept)
-        table.add_row(row.fidelity, str(row.modes), *coefficients, *peak, *ranges, *cells.get(row.fidelity, ()))
+        table.add_row(
+            row.fidelity, str(row.modes), *coefficients, *peak, *ranges, *filter(None, [cells.get(row.fidelity)])
+        )
     return table
 
 
@@ -107,13 +108,6 @@ def costs(summaries: Sequence[Summary], comparisons: Sequence[HeldComparison] = 
         cost = (f"{row.cpu_seconds:.3g} s", f"{row.cost_ratio:.3g}", str(row.impacts), per_impact)
         table.add_row(row.fidelity, *_off(row, compared), *cost, _failed(row))
     return table
-
-
-def _estimated(row: EstimateSummary) -> tuple[str]:
-    """Cell of the largest error estimated against the full model."""
-    if row.why:
-        return ("full" if row.why == WHOLE else "–",)
-    return (percent(row.worst),)
 
 
 def _other_symbol(compared: Sequence[HeldComparison]) -> str:

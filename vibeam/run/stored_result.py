@@ -16,6 +16,7 @@ from vibeam.run.store.checksum import CHECKSUM, verify
 from vibeam.run.store.comparison import COMPARISON, read_comparisons
 from vibeam.run.store.content import FORMAT, format_of, whole_case
 from vibeam.run.store.errors import StoreError, reading
+from vibeam.run.store.estimates import ESTIMATES, read_estimates
 from vibeam.run.store.figures import read_sheets
 from vibeam.run.store.file import opened_to_read
 from vibeam.run.store.layout import read_curves
@@ -79,6 +80,7 @@ def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
         read_comparisons(stored) if COMPARISON in stored else (),
         {name: properties for name, (_, properties) in read_models(stored).items()},
     )
+    result.estimates = read_estimates(stored) if ESTIMATES in stored else {}
     provenance = {name: str(value) for name, value in stored["provenance"].attrs.items()}
     states = {at: _states(values) for at, values in rows.items()}
     numbers = stored["case/text"][()].decode()

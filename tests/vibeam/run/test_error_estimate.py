@@ -21,8 +21,8 @@ from vibeam.orbits.train_sums import Trains
 from vibeam.run.estimate.basis import Basis
 from vibeam.run.estimate.error import estimate_error
 from vibeam.run.estimate.of_case import estimates
-from vibeam.run.estimate.records import ErrorEstimate
-from vibeam.run.estimate.summary import sentences, summaries
+from vibeam.run.estimate.records import QUANTITIES, ErrorEstimate, FidelityEstimate
+from vibeam.run.estimate.summary import estimate_texts
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Branches, FrequencyResponse
 from vibeam.system.state import StatesAfter
@@ -233,9 +233,41 @@ def test_what_has_no_closed_form_says_why(at: str, text: str, why: str, tmp_path
     case = vibeam.load(tmp_path / "it.toml", set=SHORT)
     made = estimates(case, {name: case.system(name) for name in ("beam",)}, {"beam": Branches(empty())}, {})
     assert why in made["beam"].why
-    (row,) = summaries(made)
-    assert (row.points, row.total) == (0, 0)
-    assert next(sentences([row])).startswith("beam: not estimated against the full model (")
+    texts = estimate_texts(made)
+    assert (texts.rows[0].points, texts.rows[0].total, texts.cells) == (0, 0, {})
+    assert texts.sentences[0].startswith("beam: not estimated against the full model (")
+
+
+def estimate_of(bounds: list[float], basis: list[Basis]) -> FidelityEstimate:
+    """Estimate of one branch by its bounds alone."""
+    row = np.array(bounds)
+    names = (*QUANTITIES, *(f"{name}_bound" for name in QUANTITIES), "correction")
+    codes = np.array([each.code for each in basis])
+    branch = ErrorEstimate(frequency=np.arange(len(row)) + 1.0, basis=codes, **dict.fromkeys(names, row))
+    return FidelityEstimate(64, {"up": branch})
+
+
+NAN, SEEN, CLEAR, GONE = float("nan"), Basis.ORBIT, Basis.FREE, Basis.NO_ORBIT
+
+
+@pytest.mark.parametrize(
+    ("bounds", "basis", "cell", "said"),
+    [
+        ([0.2, 0.01, 0.03], [CLEAR, SEEN, SEEN], "3 % (2/2)", ""),  # points clear of the stop count for nothing
+        ([0.2, 0.01, NAN], [CLEAR, SEEN, GONE], "1 % (1/2)", "known at 1 of 2 points with impacts (the full model has"),
+        ([0.2, 0.01, NAN, NAN], [CLEAR, SEEN, GONE, GONE], "– (1/3)", "1 of 3 points with impacts, too few to say"),
+        ([0.2, NAN], [CLEAR, Basis.TOUCHES], "– (0/1)", "the full model touches the stop, this one does not: 1"),
+        ([0.2, NAN], [CLEAR, Basis.FAILED], "", ""),  # no point with impacts at all: no column
+    ],
+)  # fmt: skip
+def test_an_estimate_says_over_which_points_with_impacts_it_holds(
+    bounds: list[float], basis: list[Basis], cell: str, said: str
+) -> None:
+    texts = estimate_texts({"sdof": estimate_of(bounds, basis)})
+    assert texts.cells == ({"sdof": cell} if cell else {})
+    assert said in " ".join(texts.sentences)
+    assert bool(said) == bool(texts.sentences)
+    assert np.isfinite(texts.rows[0].worst) == ("%" in cell) == np.isfinite(texts.rows[0].rms)
 
 
 def empty() -> FrequencyResponse:

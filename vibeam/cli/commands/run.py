@@ -33,7 +33,7 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
     from vibeam.figures.units import units_for
     from vibeam.report.figures import write_figures
     from vibeam.run.comparison.wording import headline, notes
-    from vibeam.run.estimate.summary import sentences, summaries
+    from vibeam.run.estimate.summary import estimate_texts
     from vibeam.run.remarks import remarks
     from vibeam.run.summary import compare
 
@@ -43,10 +43,10 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
     remarked, compared = remarks(result), result.comparisons
     whole = {"fidelities": rows, "remarks": remarked, "found": result.found, "total": result.total, "files": files}
     whole |= {"comparisons": compared} | ({"curves": curves} if (curves := result.curves) else {})
-    estimated = summaries(result.estimates)
-    whole |= {"estimates": estimated} if estimated else {}
+    estimated = estimate_texts(result.estimates)
+    whole |= {"estimates": estimated.rows} if estimated.rows else {}
     head = list(map(headline, compared))
-    below = [*(line for each in compared for line in notes(each)), *sentences(estimated), *remarked, *files]
+    below = [*(line for each in compared for line in notes(each)), *estimated.sentences, *remarked, *files]
     study = result.accuracy
     if study is None:
         print_result(

@@ -19,6 +19,7 @@ class Basis(Enum):
     UNSETTLED = "no exact orbit agrees with the point"
     FAILED = "the point failed"
     RESONANT = "an undamped mode is driven at a resonance"
+    FREE = "clear of the stop, as the full model"
 
     @property
     def code(self) -> int:
@@ -30,5 +31,9 @@ class Basis(Enum):
         """Member with a given number."""
         return list(cls)[code]
 
+
+KNOWN = (Basis.ORBIT, Basis.FREE)  # those with an estimate
+
+WITHOUT_IMPACTS = (Basis.FREE, Basis.FAILED)  # neither model is known to touch the stop
 
 _CODES = {member: code for code, member in enumerate(Basis)}

@@ -41,10 +41,10 @@ def estimate_error(
     for which, trains in _without_resonance(full, swept):
         different, back = _distinct(trains)
         there = predicted(full, trains.at(different), output)
-        made.enter(response, which, PredictedResponse._make(row[back] for row in there))
+        made.enter(response, which, PredictedResponse._make(row[back] for row in there), Basis.ORBIT)
     if len(swept.free):
         omega = 2 * np.pi * response.frequency[swept.free]
-        made.enter(response, swept.free, predicted_free(full, omega, base[swept.free], output))
+        made.enter(response, swept.free, predicted_free(full, omega, base[swept.free], output), Basis.FREE)
     names = (*QUANTITIES, *(f"{name}_bound" for name in QUANTITIES), "correction")
     rows = dict(zip(names, (*made.signed, *made.bounds), strict=True))
     return ErrorEstimate(frequency=response.frequency.copy(), basis=made.basis, **rows)
@@ -85,7 +85,10 @@ class _Rows:
     bounds: Array
     basis: NDArray[np.int64]
 
-    def enter(self, response: FrequencyResponse, which: NDArray[np.int64], there: PredictedResponse) -> None:
+    def enter(
+        self, response: FrequencyResponse, which: NDArray[np.int64], there: PredictedResponse, same: Basis
+    ) -> None:
+        """Enter the other model's response at the points ``which``; ``same``: basis where its motion is the same."""
         values = there.amplitude, there.reach, there.impact_velocity
         unsure = there.uncertainty, there.reach_uncertainty, np.zeros(len(which))
         for row, (name, value, off) in enumerate(zip(QUANTITIES, values, unsure, strict=True)):
@@ -94,4 +97,5 @@ class _Rows:
                 self.signed[row, which] = signed
                 self.bounds[row, which] = np.abs(signed) + (1 + np.abs(signed)) * (off / np.abs(value) + READ_OFF)
         self.bounds[3, which] = there.first
-        self.basis[which] = [Basis[list(Found)[code].name].code for code in there.found.tolist()]
+        codes = np.array([same.code, *(Basis[each.name].code for each in Found if each is not Found.ORBIT)])
+        self.basis[which] = codes[there.found]

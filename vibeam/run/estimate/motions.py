@@ -66,7 +66,7 @@ def _reasons(response: FrequencyResponse, count: Index) -> NDArray[np.int64]:
     reasons = np.full(len(response), Basis.UNSETTLED.code)
     tests = (
         (count > MOST, Basis.SEVERAL), (response.rest > 0, Basis.RESTS), (response.period == 0, Basis.APERIODIC),
-        (response.period == -1, Basis.ORBIT), (response.ended != Ended.COMPLETE.code, Basis.FAILED),
+        (response.period == -1, Basis.FREE), (response.ended != Ended.COMPLETE.code, Basis.FAILED),
     )  # fmt: skip
     for mask, basis in tests:
         reasons[mask] = basis.code

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.run.estimate.basis import Basis
+from vibeam.run.estimate.basis import KNOWN, WITHOUT_IMPACTS, Basis
 
 Array = NDArray[np.float64]
 
@@ -21,8 +21,8 @@ class ErrorEstimate:
 
     ``amplitude``, ``reach``, ``impact_velocity``: this model's over the fuller one's, less 1; the same with ``_bound``:
     the estimate of the error's size, which has the uncertainty of the estimate on top. NaN where ``basis``, the code of
-    a ``Basis``, is another than ORBIT, and velocities also without impacts. ``correction``: size of the first Newton
-    correction of the impacts, rad and share of the impulse: it grows without bound toward a fold.
+    a ``Basis``, is another than ORBIT or FREE, and velocities also without impacts. ``correction``: size of the first
+    Newton correction of the impacts, rad and share of the impulse: it grows without bound toward a fold.
     """
 
     frequency: Array
@@ -38,12 +38,17 @@ class ErrorEstimate:
     @property
     def known(self) -> NDArray[np.bool_]:
         """Points (points,) with an estimate."""
-        return np.asarray(self.basis == Basis.ORBIT.code)
+        return np.isin(self.basis, [each.code for each in KNOWN])
+
+    @property
+    def impacting(self) -> NDArray[np.bool_]:
+        """Points (points,) at which this model or the full one touches the stop."""
+        return ~np.isin(self.basis, [each.code for each in WITHOUT_IMPACTS])
 
     @property
     def reasons(self) -> dict[Basis, int]:
-        """Number of points without an estimate, by the reason."""
-        codes, counts = np.unique(self.basis[~self.known], return_counts=True)
+        """Number of impacting points without an estimate, by the reason."""
+        codes, counts = np.unique(self.basis[self.impacting & ~self.known], return_counts=True)
         return {Basis.of_code(int(code)): int(count) for code, count in zip(codes, counts, strict=True)}
 
 
