@@ -11,9 +11,10 @@ from vibeam.case.faults import CaseError, as_shown_in_message
 from vibeam.case.reference_files import fault_in, file_fault
 from vibeam.case.reference_form import ReferenceForm, factor
 from vibeam.case.reference_record import Array, Point, given
-from vibeam.exchange.curves.columns import SHOWN, Column, Columns, CurveError, HeadError, Wanted
+from vibeam.exchange.curves.columns import SHOWN, Column, Columns, HeadError, Wanted
 from vibeam.exchange.curves.read import read_columns
 from vibeam.exchange.curves.text import TextForm
+from vibeam.exchange.files import FormatError
 
 NO_COLUMNS = "does not begin with the names of its columns: write {}"
 
@@ -33,11 +34,11 @@ def read_points(path: Path, quantity: str, form: ReferenceForm, quote: bool) -> 
     try:
         found = read_columns(path, _wanted(quantity, form), TextForm(form.separator, form.decimal))
         return _points(found, quantity, form)
-    except CurveError as wrong:
+    except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _told(wrong, quantity, form, quote))]) from None
 
 
-def _told(wrong: CurveError, quantity: str, form: ReferenceForm, quote: bool) -> str:
+def _told(wrong: FormatError, quantity: str, form: ReferenceForm, quote: bool) -> str:
     """Message of a fault; what the file holds is in it where it may be quoted."""
     if isinstance(wrong, HeadError) and not form.columns:
         heads = ", ".join(map(as_shown_in_message, wrong.heads[:SHOWN])) if quote else ""
@@ -76,7 +77,7 @@ def _points(found: Columns, quantity: str, form: ReferenceForm) -> list[Point]:
         if np.isnan(at) and np.isnan(value[row]):
             continue
         if not at > 0:
-            raise CurveError(
+            raise FormatError(
                 "the frequency is missing" if np.isnan(at) else f"the frequency {at:g} Hz is not above 0", line
             )
         way, period = _way(columns.get("direction"), row, line), _period(columns.get("period"), row, line)
@@ -90,7 +91,7 @@ def _in_si(column: Column, role: str, wanted: str, said: str | None, scale_unit:
     try:
         return column.values * factor(unit, wanted, scale_unit)
     except ValueError as fault:
-        raise CurveError(f'column {column.head!r}: {fault}; say it in the case: units = {{ {role} = "…" }}') from None
+        raise FormatError(f'column {column.head!r}: {fault}; say it in the case: units = {{ {role} = "…" }}') from None
 
 
 def _uncertainty(column: Column | None, of: Column, value: Array, quantity: str, form: ReferenceForm) -> Array:
@@ -108,7 +109,7 @@ def _way(column: Column | None, row: int, line: int) -> str | None:
         return None
     word = column.words[row].casefold()
     if word not in WAYS:
-        raise CurveError(f"direction {as_shown_in_message(column.words[row])} is neither up nor down", line)
+        raise FormatError(f"direction {as_shown_in_message(column.words[row])} is neither up nor down", line)
     return WAYS[word]
 
 
@@ -116,7 +117,7 @@ def _period(column: Column | None, row: int, line: int) -> int | None:
     try:
         return None if column is None else period_of(column.words[row].removesuffix(".0"))
     except ValueError as fault:
-        raise CurveError(str(fault), line) from None
+        raise FormatError(str(fault), line) from None
 
 
 def heading_of(quantity: str) -> str:

@@ -6,39 +6,37 @@ import csv
 from collections.abc import Iterator
 from os.path import relpath
 from pathlib import Path
-from stat import S_ISDIR, S_ISREG
 
 from vibeam.case.faults import CaseError, Fault
+from vibeam.exchange.files import LARGEST_TEXT, FormatError, reason, state_of
+from vibeam.exchange.text import numbered
 
-LARGEST = 100_000_000  # bytes: one line for each direction of the longest sweep
+LONGEST = 100_000  # characters of a line
 
 
 def file_fault(path: Path) -> str | None:
     """Reason why a path cannot be read as a reference file, or None; it is not opened."""
     try:
-        found = path.stat()
-    except FileNotFoundError:
-        return "no such file"
-    except (OSError, ValueError) as error:
-        return f"cannot be read: {reason(error)}"
-    if not S_ISREG(found.st_mode):
-        return "is a folder, not a file" if S_ISDIR(found.st_mode) else "is not a regular file"
-    if found.st_size > LARGEST:
-        return f"has {found.st_size / 1e6:.0f} MB; a reference file has at most {LARGEST / 1e6:.0f} MB"
+        state_of(path, LARGEST_TEXT)
+    except FormatError as fault:
+        return fault.message
     return None
 
 
 def cells_of(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Line number and cells of every line but empty ones and comments; CaseError where the file is unreadable."""
-    if fault := file_fault(path):
-        raise CaseError([fault_in(path, None, fault)])
     number = 0
     try:
+        state_of(path, LARGEST_TEXT)
         with path.open(encoding="utf-8-sig") as file:
-            for number, line in enumerate(file, 1):
+            for number, line in numbered(file, LONGEST):
                 if line.strip() and not line.startswith("#"):
                     yield number, [cell.strip() for cell in next(csv.reader([line]))]
-    except (OSError, UnicodeDecodeError) as error:
+    except FormatError as fault:
+        raise CaseError([fault_in(path, fault.line, fault.message)]) from None
+    except UnicodeDecodeError:
+        raise CaseError([fault_in(path, None, "cannot be read: it is not UTF-8 text")]) from None
+    except OSError as error:
         raise CaseError([fault_in(path, None, f"cannot be read: {reason(error)}")]) from None
     except csv.Error as error:
         raise CaseError([fault_in(path, number, f"is no line of a table: {error}")]) from None
@@ -55,10 +53,3 @@ def shortest(path: Path) -> str:
         return min(str(path), relpath(path), key=len)
     except (OSError, ValueError):  # the working directory does not exist
         return str(path)
-
-
-def reason(error: OSError | ValueError) -> str:
-    """Reason of an error, in words for a message."""
-    if isinstance(error, UnicodeDecodeError):
-        return "it is not UTF-8 text"
-    return str(getattr(error, "strerror", None) or error).lower()

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.casefile.row_fields import DIRECTIONS, file_name
+from vibeam.exchange.files import FormatError
 from vibeam.exchange.matrices.declaration import read_matrix
-from vibeam.exchange.matrices.entries import FormatError, Label
+from vibeam.exchange.matrices.entries import Label
 
 Array = NDArray[np.float64]
 

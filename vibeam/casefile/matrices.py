@@ -17,9 +17,9 @@ from vibeam.casefile.coordinates import Array, Coordinates
 from vibeam.casefile.matrix_faults import damping_faults, entry_faults, mass_faults, stiffness_faults
 from vibeam.casefile.row_fields import file_name
 from vibeam.casefile.unit_systems import UNIT_SYSTEMS, UnitSystem
+from vibeam.exchange.files import FormatError, digest_of
 from vibeam.exchange.matrices.declaration import read_matrix
-from vibeam.exchange.matrices.entries import FileMatrix, FormatError, Label, in_labels
-from vibeam.exchange.matrices.files import digest_of
+from vibeam.exchange.matrices.entries import FileMatrix, Label, in_labels
 from vibeam_models.beams.beam import Damping
 from vibeam_models.given import GivenStructure
 from vibeam_models.structure import Structure

@@ -15,8 +15,7 @@ import numpy as np
 from vibeam.case.faults import Complaint
 from vibeam.casefile.coordinates import SHOWN, Array
 from vibeam.casefile.row_fields import DIRECTIONS, file_name
-from vibeam.exchange.matrices.entries import FormatError
-from vibeam.exchange.matrices.files import digest_of
+from vibeam.exchange.files import FormatError, digest_of
 from vibeam.exchange.uff import FileModes, read_modes
 from vibeam_models.given import GivenStructure
 from vibeam_models.structure import Structure

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.exchange.matrices.entries import FormatError, Label
-from vibeam.exchange.matrices.files import State, state_of
+from vibeam.exchange.files import LARGEST_TEXT, FormatError, State, reason, state_of
+from vibeam.exchange.matrices.entries import Label
 
 Array = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ class FileModes:
 
 def read_modes(path: Path) -> FileModes:
     """The modes of a file by ascending frequency; FormatError where there are none, or pyuff is not installed."""
-    return _read(path, state_of(path))
+    return _read(path, state_of(path, LARGEST_TEXT))
 
 
 @lru_cache(maxsize=8)
@@ -72,7 +72,7 @@ def _sets(path: Path) -> list[dict[str, Any]]:
     try:
         found: Any = pyuff.UFF(str(path)).read_sets()
     except Exception as error:  # whatever the reader makes of another file, it is not one of these
-        raise FormatError(f"is no universal file that can be read: {error}") from None
+        raise FormatError(f"is no universal file that can be read: {reason(error)}") from None
     return found if isinstance(found, list) else [found]
 
 

@@ -377,7 +377,7 @@ def test_a_case_with_a_piece_replaced_is_a_case_or_a_case_error(data):
         (".", "'.' is a folder, not a file"),
         ("pipe.csv", "'pipe.csv' is not a regular file"),
         ("/dev/zero", "'/dev/zero' is not a regular file"),
-        ("vast.csv", "'vast.csv' has 6000 MB; a reference file has at most 100 MB"),
+        ("vast.csv", "'vast.csv' has 6000 MB; such a file may have 100 MB at most"),
         ("a\x1b.csv", "no file 'a\\x1b.csv' in the case file's folder"),
     ],
 )

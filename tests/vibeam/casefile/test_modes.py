@@ -143,7 +143,7 @@ OF_KEYS = [
     ('frequency = ["5 Hz", "12 Hz", "40 Hz"]\n', "", "1: modes.frequency: missing: write frequency"),
     ('["5 Hz", "12 Hz", "40 Hz"]', '["12 Hz", "5 Hz", "40 Hz"]', "2: modes.frequency: the list must ascend"),
     ("base = [1.8, -0.5, 0.3]\n", "", "1: modes.base: missing"),
-    ("[modes]", '[modes]\nfile = "none.uff"', "2: modes.file: none.uff: there is no such file"),
+    ("[modes]", '[modes]\nfile = "none.uff"', "2: modes.file: none.uff: no such file"),
     ("[modes]", '[modes]\nfile = "/dev/zero"', "2: modes.file: /dev/zero: is not a regular file"),
     ("modes = 2", "modes = 4", "25: fidelity.two.modes: 4 are more than the model has: [modes] gives 3 at most"),
     ("[stop]", "[torsion]\n[stop]", "8: torsion: [torsion] and [modes] do not go together"),

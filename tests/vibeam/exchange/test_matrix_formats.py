@@ -9,8 +9,8 @@ import pytest
 from scipy.io import mmwrite, savemat
 from scipy.sparse import csc_array, save_npz
 
+from vibeam.exchange.files import FormatError
 from vibeam.exchange.matrices.declaration import read_matrix
-from vibeam.exchange.matrices.entries import FormatError
 from vibeam.exchange.matrices.write import write_arrays
 
 K = np.array([[9000.5, -4000.25, 0.0], [-4000.25, 4000.25, -1 / 3], [0.0, -1 / 3, 7e-5]])
@@ -144,10 +144,10 @@ def test_a_half_matrix_of_scalar_points(tmp_path: Path) -> None:
 REAL, ARRAY = (b"%%MatrixMarket matrix " + kind + b" real general\n" for kind in (b"coordinate", b"array"))
 
 FAULTS = {
-    "none.npz": (None, "there is no such file"),
+    "none.npz": (None, "no such file"),
     "a.xyz": (b"1", ".xyz is no format of matrices: there are .mtx, .inp, .npy"),
     "b.npz": (b"PK nothing", "cannot be read as a file of NumPy"),
-    "c.mat": (b"nothing at all" * 20, "cannot be read as a file of MATLAB"),
+    "c.mat": (b"nothing at all" * 20, "is no MATLAB file that can be read"),
     "d.h5": (b"nothing", "cannot be read as a file of HDF5"),
     "e.mtx": (
         REAL + b"2 2 9\n1 1 1.0\n",
@@ -159,7 +159,7 @@ FAULTS = {
     ),
     "ea.mtx": (
         REAL + b"2 2 1\n1 1 4.0e+",
-        "line 3: '1 1 4.0e+' is no line of",
+        "line 3: '4.0e+' is no number",
     ),
     "eb.mtx": (
         REAL + b"2 2 1\n3 1 4.0",
@@ -169,12 +169,12 @@ FAULTS = {
     "ed.mtx": (ARRAY + b"2\n4.0", "line 2: '2' are no sizes"),
     "ee.mtx": (b"%%MatrixMarket vector", "line 1: is no Matrix Market head"),
     "ef.mtx": (ARRAY + b"% no more\n", "has no line of sizes"),
-    "eg.mtx": (ARRAY + b"2 1\n4.0 1.0\n2.0", "line 3: '4.0 1.0' has not 1 numbers"),
+    "eg.mtx": (ARRAY + b"2 1\n4.0 1.0\n2.0", "line 3: '4.0 1.0' has more numbers in place of 1"),
     "g.mtx": (b"** nothing\n", "holds no entries"),
-    "h.mtx": (b"1,1,1,1,2.0\n1,1,2,1\n", "line 2: '1,1,2,1' has 4 numbers, the entries before 5"),
+    "h.mtx": (b"1,1,1,1,2.0\n1,1,2,1\n", "line 2: '1 1 2 1' has 4 numbers in place of 5"),
     "i.mtx": (b"1,1,1,1,2.0\n1,1,1,1,2.0\n", "the entry of row 1, column 1 is there twice"),
     "j.mtx": (b"1,1,1,1,2.0\n1.5,1,1,1,2.0\n", "line 2: nodes, degrees of freedom, rows and columns are whole numbers"),
-    "k.mtx": (b"1,1,1,1,2.0\n1,1,2,1,x\n", "line 2: is no entry of numbers"),
+    "k.mtx": (b"1,1,1,1,2.0\n1,1,2,1,x\n", "line 2: 'x' is no number"),
     "l.mtx": (b"0 1 2.0\n", "rows and columns are counted from 1"),
     "m.pch": (b"DMIG    K              0       9       1\n", "line 1: IFO 9 is a rectangular matrix"),
     "n.pch": (b"DMIG    K              0       6       3\n", "line 1: TIN 3 is complex"),
@@ -183,9 +183,9 @@ FAULTS = {
         "needs one header, here there are 0",
     ),
     "p.pch": (b"GRID 1\n", "holds no matrix"),
-    "q.csv": (b"1, 2\n3\n", "line 2: 1 numbers, the rows before have 2"),
-    "r.csv": (b"1, two\n", "line 1: '1, two' is no row of numbers"),
-    "s.npy": (b"\x93NUMPY nothing", "cannot be read as a file of NumPy"),
+    "q.csv": (b"1, 2\n3\n", "line 2: '3' has 1 numbers in place of 2"),
+    "r.csv": (b"1, two\n", "line 1: 'two' is no number"),
+    "s.npy": (b"\x93NUMPY nothing", "begins with no head of NumPy's: is it cut off?"),
 }
 
 
@@ -214,9 +214,9 @@ def test_several_matrices_want_a_name(tmp_path: Path) -> None:
         read_matrix(tmp_path / "pipe.npz")
     with (tmp_path / "vast.npz").open("wb") as file:
         file.truncate(6 * 10**9)
-    with pytest.raises(FormatError, match="has 6000 MB; a file may have 2000 MB at most"):
+    with pytest.raises(FormatError, match="has 6000 MB; such a file may have 2000 MB at most"):
         read_matrix(tmp_path / "vast.npz")
-    with pytest.raises(FormatError, match="there is no such file"):
+    with pytest.raises(FormatError, match="no such file"):
         read_matrix(tmp_path / "a\0.npz")
     with pytest.raises(FormatError, match="folder"):
         read_matrix(tmp_path / "own.npz")
@@ -224,7 +224,7 @@ def test_several_matrices_want_a_name(tmp_path: Path) -> None:
 
 def test_nothing_is_unpickled(tmp_path: Path) -> None:
     np.save(tmp_path / "objects.npy", np.array([{"a": 1}], dtype=object), allow_pickle=True)
-    with pytest.raises(FormatError, match=r"allow_pickle|Object arrays"):
+    with pytest.raises(FormatError, match="holds object in place of real numbers"):
         read_matrix(tmp_path / "objects.npy")
 
 

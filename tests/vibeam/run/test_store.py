@@ -19,12 +19,12 @@ import pytest
 import xarray
 from stand_in import point, same
 
+from vibeam.exchange.heap import SIGNATURE, heaps_are_whole
 from vibeam.run.store import file as store_file
 from vibeam.run.store.branch import Branch
 from vibeam.run.store.disk import NO_LINKS, Disk
 from vibeam.run.store.errors import StoreError
 from vibeam.run.store.file import read
-from vibeam.run.store.heap import SIGNATURE, heaps_are_whole
 from vibeam.run.store.layout import STATES
 from vibeam.run.store.reuse import Wanted
 from vibeam.run.store.store import Store

@@ -94,7 +94,7 @@ def _column_checks(path: KeyPath, reference: SimpleNamespace) -> Iterator[Compla
 
 def _file_fault(folder: File, name: str) -> str | None:
     fault = file_fault(folder / name)
-    if fault == "no such file" or "\0" in name:
+    if fault == "no such file":
         return f"no file {as_shown_in_message(name)} in the case file's folder"
     return fault and f"{as_shown_in_message(name)} {fault}"
 

@@ -2,29 +2,50 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import Array, Column, Columns, CurveError, Wanted, missing, split_head
+from vibeam.exchange.curves.columns import Array, Column, Columns, Wanted, missing, split_head
+from vibeam.exchange.files import FormatError, reason
+from vibeam.exchange.hdf5 import contents, opened, text_at, values_of
+from vibeam.exchange.mat import Variable, variables
+
+Read = Callable[[], tuple[Any, str]]  # an array and its unit
 
 
 def read_matlab(path: Path, wanted: Mapping[str, Wanted]) -> Columns:
-    """The variables wanted of a .mat file, by scipy up to version 7, by h5py of version 7.3; CurveError as ``of``."""
+    """The variables wanted of a .mat file, by scipy up to version 7, by h5py of version 7.3; FormatError as ``of``."""
     import h5py
 
     if h5py.is_hdf5(path):
         return read_hdf5(path, wanted)
-    from scipy.io import loadmat
-
     try:
-        held = loadmat(path, simplify_cells=True)
+        found: dict[str, Read] = {}
+        for each in variables(path):
+            if each.plain:
+                found[each.name] = partial(_of_matlab, each)
+            else:
+                inside = _flat({each.name: each.read(simplify_cells=True)})
+                found |= {name: partial(_known, value) for name, value in inside}
+        return of(found, wanted)
+    except FormatError:
+        raise
     except Exception as error:  # whatever the reader makes of another file, it is not one of these
-        raise CurveError(f"is no MATLAB file that can be read: {error}") from None
-    variables = {name: (np.asarray(value), "") for name, value in _flat(held) if not name.startswith("__")}
-    return of(variables, wanted)
+        raise FormatError(f"is no MATLAB file that can be read: {reason(error)}") from None
+
+
+def _of_matlab(variable: Variable) -> tuple[Any, str]:
+    return _known(variable.read(simplify_cells=True))
+
+
+def _known(value: Any) -> tuple[Any, str]:
+    if getattr(value, "format", ""):
+        raise FormatError("holds a sparse matrix in place of a column")
+    return np.asarray(value), ""
 
 
 def _flat(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
@@ -40,20 +61,23 @@ def read_hdf5(path: Path, wanted: Mapping[str, Wanted]) -> Columns:
     """The datasets wanted, by their paths; their attributes ``units`` or ``unit`` are their units."""
     import h5py
 
-    found: dict[str, tuple[Any, str]] = {}
-
-    def visit(name: str, each: Any) -> None:
-        if isinstance(each, h5py.Dataset) and each.ndim <= 2:
-            unit = each.attrs.get("units", each.attrs.get("unit", ""))
-            value = _plain(each[()])
-            found[name] = value, (unit.decode() if isinstance(unit, bytes) else str(unit))
-
     try:
-        with h5py.File(path, "r") as file:
-            file.visititems(visit)
-    except OSError as error:
-        raise CurveError(f"is no HDF5 file that can be read: {error}") from None
-    return of(found, wanted)
+        with opened(path) as file:
+            held = ((place, item) for place, item, again in contents(file) if not again)
+            found: dict[str, Read] = {
+                place: partial(_of_hdf5, item)
+                for place, item in held
+                if isinstance(item, h5py.Dataset) and item.ndim <= 2
+            }
+            return of(found, wanted)
+    except FormatError:
+        raise
+    except Exception as error:  # whatever HDF5 makes of damaged bytes
+        raise FormatError(f"is no HDF5 file that can be read: {reason(error)}") from None
+
+
+def _of_hdf5(dataset: Any) -> tuple[Any, str]:
+    return _plain(values_of(dataset)), text_at(dataset, "units", "unit")
 
 
 def _plain(value: Any) -> Any:
@@ -65,8 +89,11 @@ def _plain(value: Any) -> Any:
     return array
 
 
-def of(variables: Mapping[str, tuple[Any, str]], wanted: Mapping[str, Wanted]) -> Columns:
-    """Columns of variables with their units; CurveError where one is missing, no numbers, or of another length."""
+def of(variables: Mapping[str, Read], wanted: Mapping[str, Wanted]) -> Columns:
+    """Columns of variables with their units; FormatError where one is missing, no numbers, or of another length.
+
+    Those alone that are wanted are read.
+    """
     names = list(variables)
     places = {role: _place(names, each) for role, each in wanted.items()}
     if fault := missing(names, wanted, {role: place and place[0] + 1 for role, place in places.items()}):
@@ -75,12 +102,12 @@ def of(variables: Mapping[str, tuple[Any, str]], wanted: Mapping[str, Wanted]) -
     for role, place in places.items():
         if place is not None:
             name, column = place[1], place[2]
-            value, unit = variables[name]
+            value, unit = variables[name]()
             columns[role] = _column(name, unit or split_head(name.rpartition("/")[2])[1], value, column, wanted[role])
     lengths = {role: len(column.words or column.values) for role, column in columns.items()}
     if len(set(lengths.values())) > 1:
         told = ", ".join(f"{columns[role].head!r} has {length}" for role, length in lengths.items())
-        raise CurveError(f"its columns are of different lengths: {told}")
+        raise FormatError(f"its columns are of different lengths: {told}")
     return Columns(columns, tuple(range(1, next(iter(lengths.values())) + 1)))
 
 
@@ -95,7 +122,7 @@ def _place(names: list[str], wanted: Wanted) -> tuple[int, str, int | None] | No
         for heads in (names, last):
             places = [place for place, head in enumerate(heads) if head.casefold() == name.casefold()]
             if len(places) > 1:
-                raise CurveError(
+                raise FormatError(
                     f"has several {name!r}: {', '.join(names[each] for each in places)}; say the whole path"
                 )
             if places:
@@ -107,10 +134,10 @@ def _column(name: str, unit: str, value: Any, column: int | None, wanted: Wanted
     array = np.asarray(value)
     if column is not None:
         if array.ndim != 2 or not 0 < column <= array.shape[1]:
-            raise CurveError(f"{name!r} has the shape {array.shape}: it has no column {column}")
+            raise FormatError(f"{name!r} has the shape {array.shape}: it has no column {column}")
         array = array[:, column - 1]
     if array.ndim > 1 and sorted(array.shape)[:-1] != [1] * (array.ndim - 1):
-        raise CurveError(f'{name!r} has the shape {array.shape}: say which column, "{name}:2"')
+        raise FormatError(f'{name!r} has the shape {array.shape}: say which column, "{name}:2"')
     array = array.reshape(-1)
     if wanted.words:
         words = tuple(each.decode() if isinstance(each, bytes) else str(each).strip() for each in array)
@@ -122,8 +149,8 @@ def _numbers(name: str, array: Any) -> Array:
     if array.dtype.kind == "c":
         return np.asarray(np.abs(array), dtype=float)
     if array.dtype.kind not in "fiub":
-        raise CurveError(f"{name!r} holds no numbers")
+        raise FormatError(f"{name!r} holds no numbers")
     numbers = np.asarray(array, dtype=float)
     if np.isinf(numbers).any():
-        raise CurveError(f"{name!r} holds an infinite number, at row {int(np.flatnonzero(np.isinf(numbers))[0]) + 1}")
+        raise FormatError(f"{name!r} holds an infinite number, at row {int(np.flatnonzero(np.isinf(numbers))[0]) + 1}")
     return numbers

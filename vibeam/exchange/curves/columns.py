@@ -9,20 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.exchange.files import FormatError
+
 Array = NDArray[np.float64]
 
 SHOWN = 12  # heads named in a message
 
 
-class CurveError(ValueError):
-    """File that is no curve; the message has the cure, ``line`` is where (None: the whole file)."""
-
-    def __init__(self, message: str, line: int | None = None) -> None:
-        self.message, self.line = message, line
-        super().__init__(message)
-
-
-class HeadError(CurveError):
+class HeadError(FormatError):
     """File without a column that is wanted; ``heads``: those that it has."""
 
     def __init__(self, message: str, heads: Sequence[str], line: int | None = None) -> None:
@@ -75,14 +69,14 @@ def split_head(head: str) -> tuple[str, str]:
 
 
 def find(heads: Sequence[str], wanted: Wanted) -> int | None:
-    """Place of the head that is wanted, by its whole text or by its name without unit; CurveError where it is twice."""
+    """Place of the head that is wanted, by its whole text or its name without unit; FormatError where it is twice."""
     for name in wanted.names:
         if isinstance(name, int):
             return name - 1 if 0 < name <= len(heads) else None
         for known in (_whole, _named):
             places = [place for place, head in enumerate(heads) if known(head) == _whole(name)]
             if len(places) > 1:
-                raise CurveError(f"has {len(places)} columns {name!r}: say which by its number, from 1")
+                raise FormatError(f"has {len(places)} columns {name!r}: say which by its number, from 1")
             if places:
                 return places[0]
     return None

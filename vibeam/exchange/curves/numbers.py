@@ -6,7 +6,9 @@ import re
 from collections.abc import Iterable
 from math import isfinite, nan
 
-from vibeam.exchange.curves.columns import CurveError
+from vibeam.exchange.files import FormatError
+
+LONGEST = 100  # characters of a number: some expressions below take time with their square
 
 EMPTY = ("", "-", "--", "n/a", "na", "nan", "null", "none")
 
@@ -24,11 +26,11 @@ Cell = tuple[int, str]  # line, text
 
 
 def decimal_sign(cells: Iterable[Cell]) -> str:
-    """The decimal sign that all cells have; CurveError where they differ, or where it cannot be told."""
+    """The decimal sign that all cells have; FormatError where they differ, or where it cannot be told."""
     proof, doubt, grouped = dict[str, Cell](), dict[str, Cell](), False
     for line, text in cells:
-        signs = re.sub(r"[^.,]", "", text)
-        if not signs or not _LIKELY.fullmatch(text.strip()):
+        signs = re.sub(r"[^.,]", "", text[:LONGEST])
+        if not signs or len(text) > LONGEST or not _LIKELY.fullmatch(text.strip()):
             continue
         both, last = len(set(signs)) == 2, signs[-1]
         grouped |= both
@@ -38,35 +40,37 @@ def decimal_sign(cells: Iterable[Cell]) -> str:
         kind.setdefault(last, (line, text.strip()))
     if len(proof) == 2:
         (_, one), (line, other) = sorted(proof.values())
-        raise CurveError(f"{one!r} and {other!r} have different decimal signs: write all numbers alike", line)
+        raise FormatError(f"{one!r} and {other!r} have different decimal signs: write all numbers alike", line)
     sign = next(iter(proof), ".")
     other = "," if sign == "." else "."
     if other in doubt and not (grouped and proof):
         line, text = doubt[other]
         either = f"{text.replace(',', '').replace('.', '')} or {text.replace(',', '.')}"
-        raise CurveError(f'{text!r} may be {either}: say decimal = "," or decimal = "." in the case', line)
+        raise FormatError(f'{text!r} may be {either}: say decimal = "," or decimal = "." in the case', line)
     return sign
 
 
 def number(cell: Cell, decimal: str) -> float:
-    """A cell as a number, NaN where it is empty; CurveError where it is none."""
+    """A cell as a number, NaN where it is empty; FormatError where it is none."""
     line, text = cell
     shown = text.strip()
     if shown.casefold() in EMPTY:
         return nan
+    if len(shown) > LONGEST:
+        raise FormatError(f"{short(shown)} is not a number: it has {len(shown)} characters", line)
     plain = _GROUPED.sub(lambda found: found[1] + re.sub("[^0-9]", "", found[2]), shown.replace("−", "-"))
     mark = "." if decimal == "," else ","
     whole, sign, rest = plain.partition(decimal)
     if mark in whole:
         if not _THOUSANDS[mark].fullmatch(whole):
-            raise CurveError(f"{short(shown)} is not a number with the decimal sign {decimal!r}", line)
+            raise FormatError(f"{short(shown)} is not a number with the decimal sign {decimal!r}", line)
         whole = whole.replace(mark, "")
     written = whole + ("." if sign else "") + rest
     if not _NUMBER.fullmatch(written):
-        raise CurveError(f"{short(shown)} is not a number{_hint(shown)}", line)
+        raise FormatError(f"{short(shown)} is not a number{_hint(shown)}", line)
     value = float(written.replace("D", "e").replace("d", "e"))
     if not isfinite(value):
-        raise CurveError(f"{short(shown)} is not a finite number", line)
+        raise FormatError(f"{short(shown)} is not a finite number", line)
     return value
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from vibeam.exchange.curves.columns import Columns, Wanted
 from vibeam.exchange.curves.text import TextForm
+from vibeam.exchange.files import LARGEST_TEXT, state_of
 
 BINARY = {
     ".mat": "read_matlab", ".h5": "read_hdf5", ".hdf5": "read_hdf5", ".hdf": "read_hdf5", ".nc": "read_hdf5",
@@ -16,7 +17,8 @@ UNIVERSAL = (".uff", ".unv", ".uf", ".58")
 
 
 def read_columns(path: Path, wanted: Mapping[str, Wanted], form: TextForm | None = None) -> Columns:
-    """The columns wanted of a file, by role; CurveError names what is wrong, where, and the cure."""
+    """The columns wanted of a file, by role; FormatError names what is wrong, where, and the cure."""
+    state_of(path, LARGEST_TEXT)
     ending = path.suffix.lower()
     if ending in BINARY:
         from vibeam.exchange.curves import arrays

@@ -6,18 +6,23 @@ import csv
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import accumulate
 from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import Column, Columns, CurveError, HeadError, Wanted, find, missing, split_head
-from vibeam.exchange.curves.numbers import decimal_sign, number, short
+from vibeam.exchange.curves.columns import Column, Columns, HeadError, Wanted, find, missing, split_head
+from vibeam.exchange.curves.numbers import LONGEST, decimal_sign, number, short
+from vibeam.exchange.files import FormatError
+from vibeam.exchange.text import lines_of, text_of
 
 SEPARATORS = (";", "\t", ",", "|", " ")
 
 LONGEST_HEAD = 500  # lines before the table begins
 
-_ENDS = re.compile("\r\r\n|\r\n|\n|\r")
+LONGEST_LINE = 100_000  # characters of one, and of all that may be heads
+
+LINES = 1_000_000
 
 _FREQUENCY_UNIT = re.compile(r"[\[(]?\s*(k?hz|rad/s|rpm|1/min|[mµu]?s)\s*[\])]?", re.IGNORECASE)
 
@@ -33,9 +38,9 @@ class TextForm:
 
 
 def read(path: Path, wanted: Mapping[str, Wanted], form: TextForm | None = None) -> Columns:
-    """The columns wanted; CurveError, with the line, where one is missing or a cell is no number."""
+    """The columns wanted; FormatError, with the line, where one is missing or a cell is no number."""
     form = form or TextForm()
-    lines = list(_lines(path))
+    lines = list(lines_of(text_of(path), LONGEST_LINE, LINES))
     place, heads, separator = _head(lines, wanted, form)
     places = {role: found for role, each in wanted.items() if (found := find(heads, each)) is not None}
     below = [(line, text) for line, text in lines[place:] if text.lstrip()[0] not in "#%"]
@@ -45,7 +50,7 @@ def read(path: Path, wanted: Mapping[str, Wanted], form: TextForm | None = None)
     units, rows = _units_line(rows, places, wanted)
     kept = [row for row in rows if any(row[1][places[role]].strip() for role in places if wanted[role].needed)]
     if not kept:
-        raise CurveError("has no line of numbers below its heads")
+        raise FormatError("has no line of numbers below its heads")
     decimal = form.decimal or decimal_sign(_cells(kept, [places[role] for role in places if not wanted[role].words]))
     columns = {}
     for role, column in places.items():
@@ -58,32 +63,6 @@ def read(path: Path, wanted: Mapping[str, Wanted], form: TextForm | None = None)
     return Columns(columns, tuple(line for line, _ in kept))
 
 
-def _lines(path: Path) -> Iterator[tuple[int, str]]:
-    """Lines that are not empty, by number."""
-    for count, line in enumerate(_ENDS.split(text_of(path)), 1):
-        if line.strip():
-            yield count, line
-
-
-def text_of(path: Path) -> str:
-    """The text of a file in UTF-8, UTF-16 with its mark, or Windows' Latin; CurveError where it is no text."""
-    try:
-        raw = path.read_bytes()
-    except OSError as error:
-        raise CurveError(f"cannot be read: {error.strerror or error}") from None
-    if raw.startswith(b"PK\x03\x04"):
-        raise CurveError("is a workbook, not text: save the sheet as CSV")
-    encodings = ("utf-16",) if raw[:2] in (b"\xff\xfe", b"\xfe\xff") else ("utf-8-sig", "cp1252")
-    for encoding in encodings:
-        try:
-            text = raw.decode(encoding)
-        except UnicodeDecodeError:
-            continue
-        if "\0" not in text:
-            return text
-    raise CurveError("cannot be read: it is not UTF-8 text")
-
-
 def split(line: str, separator: str) -> list[str]:
     """Cells of a line; blanks in any number are one separator."""
     if separator == " ":
@@ -91,7 +70,7 @@ def split(line: str, separator: str) -> list[str]:
     try:
         return [cell.strip() for cell in next(csv.reader([line.strip("\r\n")], delimiter=separator))]
     except csv.Error as error:
-        raise CurveError(f"is no line of a table: {error}") from None
+        raise FormatError(f"is no line of a table: {error}") from None
 
 
 def _head(lines: list[tuple[int, str]], wanted: Mapping[str, Wanted], form: TextForm) -> tuple[int, list[str], str]:
@@ -100,7 +79,7 @@ def _head(lines: list[tuple[int, str]], wanted: Mapping[str, Wanted], form: Text
         return _without_head(lines, wanted, form)
     separators = (form.separator,) if form.separator else SEPARATORS
     best: tuple[int, list[str], str] | None = None
-    for place, (line, text) in enumerate(lines[:LONGEST_HEAD]):
+    for place, (line, text) in enumerate(_first(lines)):
         for separator in separators:
             heads = _heads_of(line, text, separator)
             if best and (separator == " " or len(heads) <= len(best[1])):
@@ -112,6 +91,12 @@ def _head(lines: list[tuple[int, str]], wanted: Mapping[str, Wanted], form: Text
     raise _no_heads(lines, wanted, separators)
 
 
+def _first(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
+    """The lines that may be heads."""
+    lengths = accumulate(len(text) for _, text in lines[:LONGEST_HEAD])
+    return [line for line, length in zip(lines, lengths, strict=False) if length <= LONGEST_LINE]
+
+
 def _heads_of(line: int, text: str, separator: str) -> list[str]:
     """Heads of a line, which may be a comment; a unit in brackets belongs to the word before it."""
     shown = text.lstrip("#%").strip() if text[0] in "#%" else text
@@ -121,7 +106,7 @@ def _heads_of(line: int, text: str, separator: str) -> list[str]:
 def _no_heads(lines: list[tuple[int, str]], wanted: Mapping[str, Wanted], separators: tuple[str, ...]) -> HeadError:
     """The message for a file whose heads are other ones: those of the line that looks most like heads."""
     likely, line = list[str](), None
-    for count, text in lines[:LONGEST_HEAD]:
+    for count, text in _first(lines):
         heads = max((_trimmed(_cells_of(count, text, each)) for each in separators[:-1] or separators), key=len)
         if sum(map(bool, heads)) > len(likely) and not any(
             re.fullmatch(r"[+-]?[0-9.,eE+-]+", each) for each in heads if each
@@ -136,8 +121,8 @@ def _no_heads(lines: list[tuple[int, str]], wanted: Mapping[str, Wanted], separa
 def _cells_of(line: int, text: str, separator: str) -> list[str]:
     try:
         return split(text, separator)
-    except CurveError as fault:
-        raise CurveError(fault.message, line) from None
+    except FormatError as fault:
+        raise FormatError(fault.message, line) from None
 
 
 def _trimmed(cells: list[str]) -> list[str]:
@@ -152,22 +137,22 @@ def _without_head(
 ) -> tuple[int, list[str], str]:
     """As ``_head`` of a file whose columns are told by number: numbers begin where all of these are numbers."""
     needed = [name for each in wanted.values() if each.needed for name in each.names if isinstance(name, int)]
-    for place, (line, text) in enumerate(lines[:LONGEST_HEAD]):
+    for place, (line, text) in enumerate(_first(lines)):
         for separator in (form.separator,) if form.separator else SEPARATORS:
             cells = _cells_of(line, text, separator)
             if len(cells) >= max(needed) and all(_numeric(cells[each - 1]) for each in needed):
                 heads = _cells_of(*lines[place - 1], separator) if place else []
                 named = len(heads) == len(cells)
                 return place, heads if named else [f"column {each + 1}" for each in range(len(cells))], separator
-    raise CurveError(f"has no line with numbers in the columns {' and '.join(map(str, needed))}")
+    raise FormatError(f"has no line with numbers in the columns {' and '.join(map(str, needed))}")
 
 
 def _numeric(text: str) -> bool:
-    return bool(re.fullmatch(r"\s*[+-]?[0-9.,'  ]*[0-9][0-9.,]*([eEdD][+-]?[0-9]+)?\s*", text))
+    return len(text) <= LONGEST and bool(re.fullmatch(r"\s*[+-]?[0-9.,'  ]*[0-9][0-9.,]*([eEdD][+-]?[0-9]+)?\s*", text))
 
 
 def _rows(lines: list[tuple[int, str]], heads: list[str], separator: str, needed: int) -> Iterator[Row]:
-    """Rows of cells, as many as heads; CurveError where a row has more, or is cut off before the ``needed`` ones."""
+    """Rows of cells, as many as heads; FormatError where a row has more, or is cut off before the ``needed`` ones."""
     for line, text in lines:
         raw = _cells_of(line, text, separator)
         cells = _trimmed(raw)
@@ -175,10 +160,10 @@ def _rows(lines: list[tuple[int, str]], heads: list[str], separator: str, needed
             continue
         if len(cells) > len(heads):
             why = ": decimal commas between commas? Export with semicolons" if separator == "," else ""
-            raise CurveError(f"{len(cells)} cells for {len(heads)} columns{why}", line)
+            raise FormatError(f"{len(cells)} cells for {len(heads)} columns{why}", line)
         if len(raw) < needed:
             counted = f"{len(raw)} cell{'s' * (len(raw) != 1)} for {len(heads)} columns"
-            raise CurveError(
+            raise FormatError(
                 f"{counted}, {short(text.strip())}: complete the line, delete it, or begin it with #", line
             )
         yield line, cells + [""] * (len(heads) - len(cells))

@@ -11,7 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import Column, Columns, CurveError, Wanted
+from vibeam.exchange.curves.columns import Column, Columns, Wanted
+from vibeam.exchange.files import FormatError, reason
 
 MISSING = "pyuff reads it, and is not installed: pip install 'vibeam[lab]', or export the curve as CSV"
 
@@ -29,18 +30,18 @@ def read(path: Path, wanted: Mapping[str, Wanted]) -> Columns:
     sets = _sets(path)
     units = [each for each in sets if each["type"] == 164]
     if units and units[0]["units_code"] != SI:
-        raise CurveError(f"its units have the code {units[0]['units_code']}: export it in SI (code {SI})")
+        raise FormatError(f"its units have the code {units[0]['units_code']}: export it in SI (code {SI})")
     curves = [each for each in sets if each["type"] == 58]
     one = curves[_chosen(curves, wanted["value"])]
     frequency, ordinate = np.asarray(one["x"], dtype=float), np.asarray(one["data"])
     if one.get("abscissa_spec_data_type") != FREQUENCY:
-        raise CurveError("its data set 58 is not over frequency: export a frequency response or an order")
+        raise FormatError("its data set 58 is not over frequency: export a frequency response or an order")
     if not len(frequency) == len(ordinate) == int(one.get("num_pts") or len(ordinate)) > 0:
         told = f"{len(frequency)} frequencies and {len(ordinate)} values for {one.get('num_pts')} points"
-        raise CurveError(f"its data set 58 has {told}: blanks are missing between numbers, or lines?")
+        raise FormatError(f"its data set 58 has {told}: blanks are missing between numbers, or lines?")
     values = np.abs(ordinate) if np.iscomplexobj(ordinate) else np.asarray(ordinate, dtype=float)
     if not (np.isfinite(frequency).all() and np.isfinite(values).all()):
-        raise CurveError("its data set 58 has entries that are no numbers: blanks are missing between numbers?")
+        raise FormatError("its data set 58 has entries that are no numbers: blanks are missing between numbers?")
     columns = {"frequency": Column("abscissa", "Hz", frequency), "value": Column(_called(one), _unit(one), values)}
     return Columns(columns, tuple(range(1, len(frequency) + 1)))
 
@@ -49,27 +50,27 @@ def _sets(path: Path) -> list[dict[str, Any]]:
     try:
         import pyuff
     except ImportError:
-        raise CurveError(MISSING) from None
+        raise FormatError(MISSING) from None
     try:
         with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
             warnings.simplefilter("ignore")
             found: Any = pyuff.UFF(str(path)).read_sets()
     except Exception as error:  # whatever the reader makes of another file, it is not one of these
-        raise CurveError(f"is no universal file that can be read: {error or type(error).__name__}") from None
+        raise FormatError(f"is no universal file that can be read: {reason(error)}") from None
     return found if isinstance(found, list) else [found]
 
 
 def _chosen(curves: list[dict[str, Any]], wanted: Wanted) -> int:
     if not curves:
-        raise CurveError("has no curve: a data set 58 is needed")
+        raise FormatError("has no curve: a data set 58 is needed")
     if isinstance(wanted.names[0], int):
         number = wanted.names[0]
         if not 0 < number <= len(curves):
-            raise CurveError(f"has {len(curves)} data sets 58: there is no number {number}")
+            raise FormatError(f"has {len(curves)} data sets 58: there is no number {number}")
         return number - 1
     if len(curves) > 1:
         told = ", ".join(f"{number}: {_called(each)}" for number, each in enumerate(curves[:8], 1))
-        raise CurveError(f"has {len(curves)} data sets 58, {told}: say which by its number, columns = {{ value = 1 }}")
+        raise FormatError(f"has {len(curves)} data sets 58, {told}: say which by its number, columns = {{ value = 1 }}")
     return 0
 
 

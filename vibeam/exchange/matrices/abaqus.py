@@ -8,65 +8,56 @@ Guide, *MATRIX INPUT). Internal nodes have negative numbers. A degree of freedom
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.matrices.entries import FileMatrix, FormatError, assembled, labelled
-from vibeam.exchange.matrices.text import text_of
+from vibeam.exchange.files import FormatError
+from vibeam.exchange.matrices.entries import FileMatrix, assembled, labelled
+from vibeam.exchange.matrices.text import require_no_name, table
+from vibeam.exchange.text import Line, lines_of, text_of
 
 HELD = 1e35  # on the diagonal
+
+EXACT = 2.0**53  # up to which a double is any whole number
 
 
 def read(path: Path, name: str, wanted: str) -> FileMatrix:
     """The matrix of a file; lines that begin with * are keywords and comments."""
-    if name:
-        raise FormatError(f"holds one matrix without a name: leave name = {name!r} away")
-    table = _table(path)
-    if table.shape[1] == 3:
-        if table[:, :2].min(initial=1) < 1:
+    require_no_name(name)
+    entries = _entries(text_of(path))
+    places, values = entries[:, :-1].astype(np.int64), entries[:, -1]
+    if places.shape[1] == 2:
+        if places.min(initial=1) < 1:
             raise FormatError("rows and columns are counted from 1")
-        places = table[:, :2].astype(np.int64) - 1
-        found = FileMatrix(assembled(places[:, 0], places[:, 1], table[:, 2]))
+        found = FileMatrix(assembled(places[:, 0] - 1, places[:, 1] - 1, values))
     else:
-        labels = table[:, :4].astype(np.int64).tolist()
-        found = labelled([(a, b) for a, b, _, _ in labels], [(c, d) for _, _, c, d in labels], table[:, 4])
+        found = labelled(places[:, :2], places[:, 2:], values)
     held = np.flatnonzero(found.matrix.diagonal() >= HELD)
     return FileMatrix(found.matrix, found.labels, frozenset(held.tolist()))
 
 
-def _table(path: Path) -> np.ndarray:
+def _entries(text: str) -> np.ndarray:
     """The numbers (entries, 3 or 5)."""
-    lines = [
-        (n, line) for n, line in enumerate(text_of(path).splitlines(), 1) if line.strip() and line.strip()[0] != "*"
-    ]
-    if not lines:
+
+    def rows() -> Iterator[Line]:
+        for number, line in lines_of(text):
+            if line.lstrip()[0] != "*":
+                yield number, line.replace(",", " ")
+
+    number, first = next(rows(), (0, ""))
+    if not first:
         raise FormatError("holds no entries")
-    rows = [line.replace(",", " ").split() for _, line in lines]
-    width = len(rows[0])
+    width = len(first.split(maxsplit=5))
     if width not in (3, 5):
         raise FormatError(
-            f'line {lines[0][0]}: {width} numbers: an entry is "row node, dof, column node, dof, value", '
-            'or "row, column, value"'
+            f'{width} numbers: an entry is "row node, dof, column node, dof, value", or "row, column, value"', number
         )
-    for (number, line), row in zip(lines, rows, strict=True):
-        if len(row) != width:
-            raise FormatError(f"line {number}: {line[:40]!r} has {len(row)} numbers, the entries before {width}")
-    try:
-        table = np.array(rows, dtype=float)
-    except ValueError:
-        number = next(n for (n, _), row in zip(lines, rows, strict=True) if not all(map(_is_number, row)))
-        raise FormatError(f"line {number}: is no entry of numbers") from None
-    whole = table[:, :-1]
-    if not np.array_equal(whole, np.floor(whole)):
-        number = lines[int(np.flatnonzero((whole != np.floor(whole)).any(axis=1))[0])][0]
-        raise FormatError(f"line {number}: nodes, degrees of freedom, rows and columns are whole numbers")
-    return table
-
-
-def _is_number(word: str) -> bool:
-    try:
-        float(word)
-    except ValueError:
-        return False
-    return True
+    found = table(rows, width)
+    wrong = ((found[:, :-1] % 1 != 0) | (np.abs(found[:, :-1]) > EXACT)).any(axis=1)
+    if wrong.any():
+        number = next(islice(rows(), int(wrong.argmax()), None))[0]
+        raise FormatError("nodes, degrees of freedom, rows and columns are whole numbers", number)
+    return found

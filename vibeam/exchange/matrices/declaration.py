@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from vibeam.exchange.matrices.entries import FileMatrix, FormatError
-from vibeam.exchange.matrices.files import State, state_of
+from vibeam.exchange.files import FormatError, State, reason, require_coordinates, state_of
+from vibeam.exchange.matrices.entries import FileMatrix
 from vibeam_models.homes import loaded
 from vibeam_models.registry import Registry
 
 HEAD = 512  # bytes by which a format is told where the ending does not
+
+SHOWN = 12  # names in a message
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,11 @@ def _read(path: Path, name: str, wanted: str, state: State) -> FileMatrix:
     except FormatError:
         raise
     except Exception as error:  # whatever numpy, scipy or h5py make of a damaged file, it cannot be read
-        raise FormatError(f"cannot be read as a file of {kind.name}: {error}") from None
+        raise FormatError(f"cannot be read as a file of {kind.name}: {reason(error)}") from None
+    if len(found.matrix.shape) not in (1, 2):
+        told = "a single number" if found.matrix.ndim == 0 else f"an array of {found.matrix.ndim} dimensions"
+        raise FormatError(f"holds {told}: a matrix or a row is needed")
+    require_coordinates(*found.matrix.shape)
     return found
 
 
@@ -82,12 +88,13 @@ def _format_of(path: Path) -> MatrixFormat:
 
 def chosen(names: list[str], name: str, wanted: str) -> str:
     """Which of the ``names`` in a file is meant; FormatError names them where that is not plain."""
+    if not names:
+        raise FormatError("holds no matrix")
+    some = ", ".join(names[:SHOWN]) + " …" * (len(names) > SHOWN)
     if name:
         if name not in names:
-            raise FormatError(f"holds no {name!r}: there are {', '.join(names)}")
+            raise FormatError(f"holds no {name!r}: there are {some}")
         return name
     if wanted in names or len(names) == 1:
         return wanted if wanted in names else names[0]
-    if not names:
-        raise FormatError("holds no matrix")
-    raise FormatError(f"holds {', '.join(names)}: say which by name, {{ file = …, name = {names[0]!r} }}")
+    raise FormatError(f"holds {some}: say which by name, {{ file = …, name = {names[0]!r} }}")

@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from vibeam.exchange.files import FormatError
+from vibeam.exchange.hdf5 import contents, opened, text_at, values_of
 from vibeam.exchange.matrices.declaration import chosen
-from vibeam.exchange.matrices.entries import FileMatrix
-from vibeam.exchange.matrices.numpy_files import numbers
+from vibeam.exchange.matrices.entries import FileMatrix, compressed, numbers
 
 COMPRESSED = {"data", "indices", "indptr"}  # datasets of a sparse matrix as scipy has it
 
@@ -20,33 +19,44 @@ def read(path: Path, name: str, wanted: str) -> FileMatrix:
     """The matrix at a path in the file; MATLAB's, whose arrays lie by columns, are symmetric either way."""
     import h5py
 
-    with h5py.File(path, "r") as file:
-        found = file[chosen(_matrices(file), name.strip("/"), wanted)]
-        return FileMatrix(numbers(found[()]) if isinstance(found, h5py.Dataset) else _sparse(found))
+    with opened(path) as file:
+        found = _matrices(file)
+        name = name.strip("/")
+        if found.get(name or wanted, file) is None:
+            raise FormatError(f"{name or wanted!r} is a link to another place: copy the values into this file")
+        meant = found[chosen([place for place in found if found[place] is not None], name, wanted)]
+        return FileMatrix(numbers(values_of(meant)) if isinstance(meant, h5py.Dataset) else _sparse(meant))
 
 
-def _matrices(file: Any) -> list[str]:
-    """Paths of what may be a matrix: datasets, and groups that are one, whose own datasets are not listed."""
+def _matrices(file: Any) -> dict[str, Any]:
+    """What may be a matrix, by path: datasets, links, and groups that are one, whose own datasets are not listed."""
     import h5py
 
-    names: list[str] = []
-
-    def visit(name: str, each: Any) -> None:
-        inside = any(name.startswith(f"{above}/") for above in names)
-        if not inside and (isinstance(each, h5py.Dataset) or set(each) >= COMPRESSED or set(each) >= MATLAB):
-            names.append(name)
-
-    file.visititems(visit)
-    return names
+    found: dict[str, Any] = {}
+    inside = "/"
+    for place, item, _ in contents(file):
+        if place.startswith(inside):
+            continue
+        if isinstance(item, h5py.Group) and (set(item) >= COMPRESSED or set(item) >= MATLAB):
+            inside = f"{place}/"
+        if item is None or isinstance(item, h5py.Dataset) or inside == f"{place}/":
+            found[place] = item
+    return found
 
 
 def _sparse(group: Any) -> Any:
-    from scipy.sparse import csc_array, csr_array
-
-    kind, indices, starts = csc_array, "ir", "jc"
+    names, by_rows = ("data", "ir", "jc"), False
     if set(group) >= COMPRESSED:
-        by_rows = "csr" in str(group.attrs.get("format", group.attrs.get("h5sparse_format", "csc")))
-        kind, indices, starts = (csr_array if by_rows else csc_array), "indices", "indptr"
-    size = len(group[starts]) - 1
-    parts = group["data"][()].astype(float), group[indices][()].astype(np.int64), group[starts][()].astype(np.int64)
-    return csc_array(kind(parts, shape=(size, size)))
+        names = ("data", "indices", "indptr")
+        by_rows = "csr" in text_at(group, "format", "h5sparse_format")
+    values, indices, starts = (_part(group, name) for name in names)
+    size = len(starts) - 1
+    return compressed(values, indices, starts, (size, size), by_rows=by_rows)
+
+
+def _part(group: Any, name: str) -> Any:
+    import h5py
+
+    if type(group.get(name, getlink=True)) is not h5py.HardLink or not isinstance(group[name], h5py.Dataset):
+        raise FormatError(f"{group.name + '/' + name!r} is no dataset of this file: copy it into it")
+    return values_of(group[name])

@@ -7,18 +7,19 @@ from typing import Any
 
 import numpy as np
 
+from vibeam.exchange.files import require_room
+from vibeam.exchange.mat import variables
 from vibeam.exchange.matrices.declaration import chosen
-from vibeam.exchange.matrices.entries import FileMatrix
-from vibeam.exchange.matrices.numpy_files import numbers
+from vibeam.exchange.matrices.entries import FileMatrix, compressed, numbers, scattered
 
 
 def read(path: Path, name: str, wanted: str) -> FileMatrix:
     """The variable by that name, full or sparse."""
-    from scipy.io import loadmat
-    from scipy.sparse import csc_array
-
-    held = {key: value for key, value in loadmat(path).items() if not key.startswith("__")}
-    found: Any = held[chosen(list(held), name, wanted)]
+    held = {each.name: each for each in variables(path) if each.plain}
+    found: Any = held[chosen(list(held), name, wanted)].read()
     if isinstance(found, np.ndarray):
+        require_room(found.shape)
         return FileMatrix(numbers(found))
-    return FileMatrix(csc_array(found).astype(float))
+    if found.format == "coo":
+        return FileMatrix(scattered(found.data, found.row, found.col, found.shape))
+    return FileMatrix(compressed(found.data, found.indices, found.indptr, found.shape))

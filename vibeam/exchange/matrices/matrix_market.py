@@ -5,98 +5,89 @@ Read here and not by scipy, whose reader ends the whole process at a file that i
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.matrices.entries import FileMatrix, FormatError
-from vibeam.exchange.matrices.text import text_of
+from vibeam.exchange.files import FormatError, require_coordinates, require_room
+from vibeam.exchange.matrices.entries import FileMatrix, scattered
+from vibeam.exchange.matrices.text import SHOWN, require_no_name, shown, table
+from vibeam.exchange.text import Line, lines_of, text_of
 
 HEAD = "%%matrixmarket"
 
 LAYOUTS, FIELDS, SYMMETRIES = ("coordinate", "array"), ("real", "integer", "double"), ("general", "symmetric")
 
+Rows = Callable[[], Iterator[Line]]
+
 
 def read(path: Path, name: str, wanted: str) -> FileMatrix:
     """The matrix of a file, in either layout, symmetric or general; a pattern or complex numbers are none."""
-    if name:
-        raise FormatError(f"holds one matrix without a name: leave name = {name!r} away")
-    lines = text_of(path).splitlines()
-    layout, symmetric = _head(lines[0] if lines else "")
-    data = [(n, line) for n, line in enumerate(lines[1:], start=2) if line.strip() and not line.startswith("%")]
-    if not data:
-        raise FormatError("has no line of sizes")
-    number, sizes = data[0][0], _numbers(*data[0])
-    if len(sizes) != (3 if layout == "coordinate" else 2) or min(sizes) < 0 or any(each % 1 for each in sizes):
-        raise FormatError(f"line {number}: {data[0][1].strip()[:40]!r} are no sizes")
-    shape = int(sizes[0]), int(sizes[1])
-    if layout == "array":
-        return FileMatrix(_array(data[1:], shape, symmetric))
-    return FileMatrix(_coordinate(data[1:], shape, int(sizes[2]), symmetric))
+    require_no_name(name)
+    text = text_of(path)
+    layout, symmetric = _head(next(lines_of(text), (1, ""))[1])
+
+    def data() -> Iterator[Line]:
+        return ((number, line) for number, line in lines_of(text) if not line.startswith("%"))
+
+    sizes = _sizes(next(data(), None), 3 if layout == "coordinate" else 2)
+    shape, made = (sizes[0], sizes[1]), _coordinate if layout == "coordinate" else _array
+    return FileMatrix(made(lambda: islice(data(), 1, None), shape, sizes[-1], symmetric))
 
 
 def _head(line: str) -> tuple[str, bool]:
     """Layout, and whether one half stands for both."""
-    words = line.lower().split()
+    words = line[:200].lower().split()
     if len(words) != 5 or words[:2] != [HEAD, "matrix"]:
-        raise FormatError("line 1: is no Matrix Market head, %%MatrixMarket matrix coordinate real general")
+        raise FormatError("is no Matrix Market head, %%MatrixMarket matrix coordinate real general", 1)
     for word, known in zip(words[2:], (LAYOUTS, FIELDS, SYMMETRIES), strict=True):
         if word not in known:
-            raise FormatError(f"line 1: its matrix is {word}: {' or '.join(known)} is needed")
+            raise FormatError(f"its matrix is {word[:SHOWN]}: {' or '.join(known)} is needed", 1)
     return words[2], words[4] == "symmetric"
 
 
-def _numbers(number: int, line: str) -> list[float]:
-    try:
-        return [float(word) for word in line.split()]
-    except ValueError:
-        raise FormatError(f"line {number}: {line.strip()[:40]!r} is no line of numbers") from None
+def _sizes(line: Line | None, count: int) -> list[int]:
+    if line is None:
+        raise FormatError("has no line of sizes")
+    words = line[1].split(maxsplit=count)
+    if len(words) != count or not all(word.isascii() and word.isdigit() and len(word) < 16 for word in words):
+        raise FormatError(f"{shown(line[1])} are no sizes", line[0])
+    return [int(word) for word in words]
 
 
-def _table(data: list[tuple[int, str]], width: int) -> Any:
-    """The numbers (lines, width)."""
-    try:
-        table = np.array([line.split() for _, line in data], dtype=float)
-    except ValueError:
-        table = np.zeros((0, 0))
-    if data and table.shape != (len(data), width):
-        for number, line in data:
-            if len(_numbers(number, line)) != width:
-                raise FormatError(f"line {number}: {line.strip()[:40]!r} has not {width} numbers")
-    return table.reshape(len(data), width)
-
-
-def _coordinate(data: list[tuple[int, str]], shape: tuple[int, int], count: int, symmetric: bool) -> Any:
-    from scipy.sparse import coo_array
-
-    if len(data) != count:
-        raise FormatError(f"has {len(data)} entries, and its line of sizes says {count}: is it cut off?")
-    table = _table(data, 3)
-    places = table[:, :2]
-    wrong = np.flatnonzero(((places < 1) | (places > shape) | (places % 1 != 0)).any(axis=1))
-    if len(wrong):
-        number, line = data[int(wrong[0])]
-        raise FormatError(f"line {number}: {line.strip()[:40]!r} is outside the matrix, {shape[0]} × {shape[1]}")
-    rows, columns = (places.astype(np.int64) - 1).T
-    values = table[:, 2]
+def _coordinate(rows: Rows, shape: tuple[int, int], count: int, symmetric: bool) -> Any:
+    require_coordinates(*shape)
+    entries = table(rows, 3)
+    if len(entries) != count:
+        raise FormatError(f"has {len(entries)} entries, and its line of sizes says {count}: is it cut off?")
+    places = entries[:, :2]
+    wrong = ((places < 1) | (places > shape) | (places % 1 != 0)).any(axis=1)
+    if wrong.any():
+        number, line = next(islice(rows(), int(wrong.argmax()), None))
+        raise FormatError(f"{shown(line)} is outside the matrix, {shape[0]} × {shape[1]}", number)
+    row, column = (places.astype(np.int64) - 1).T
+    values = entries[:, 2]
     if symmetric:
-        aside = rows != columns
-        rows, columns = np.append(rows, columns[aside]), np.append(columns, rows[aside])
+        aside = row != column
+        row, column = np.append(row, column[aside]), np.append(column, row[aside])
         values = np.append(values, values[aside])
-    return coo_array((values, (rows, columns)), shape=shape).tocsc()
+    return scattered(values, row, column, shape)
 
 
-def _array(data: list[tuple[int, str]], shape: tuple[int, int], symmetric: bool) -> Any:
+def _array(rows: Rows, shape: tuple[int, int], _: int, symmetric: bool) -> Any:
     """A full matrix, column by column; of a symmetric one from the diagonal down."""
-    rows, columns = shape
-    wanted = sum(range(rows + 1)) if symmetric else rows * columns
-    if len(data) != wanted:
-        raise FormatError(f"has {len(data)} numbers, and its line of sizes says {wanted}: is it cut off?")
-    values = _table(data, 1).ravel()
+    require_room(shape)
+    count, columns = shape
+    wanted = count * (count + 1) // 2 if symmetric else count * columns
+    values = table(rows, 1).ravel()
+    if len(values) != wanted:
+        raise FormatError(f"has {len(values)} numbers, and its line of sizes says {wanted}: is it cut off?")
     if not symmetric:
-        return values.reshape(columns, rows).T.copy()
-    full = np.zeros((rows, rows))
-    lower = np.triu_indices(rows)  # columns of the lower half are rows of the upper one
+        return values.reshape(columns, count).T.copy()
+    full = np.zeros((count, count))
+    lower = np.triu_indices(count)  # columns of the lower half are rows of the upper one
     full[lower] = values
     return full + np.triu(full, 1).T

@@ -9,13 +9,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
 
+from vibeam.exchange.files import FormatError
 from vibeam.exchange.matrices.declaration import chosen
-from vibeam.exchange.matrices.entries import FileMatrix, FormatError, Label, labelled
-from vibeam.exchange.matrices.text import text_of
+from vibeam.exchange.matrices.entries import FileMatrix, Label, labelled
+from vibeam.exchange.matrices.text import shown
+from vibeam.exchange.text import Line, lines_of, text_of
 
 SQUARE, SYMMETRIC = 1, 6  # IFO
 
@@ -23,7 +26,9 @@ REAL = (1, 2)  # TIN: single, double precision
 
 ALIKE = {"M": ("M",), "K": ("K",), "C": ("B",)}  # first letters of what Nastran calls mass, stiffness and damping
 
-_EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]+)$")  # 1.5+3 is 1.5E+3
+_WHOLE = re.compile(r"[+-]?[0-9]{1,15}")
+
+_REAL = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[ED]?([+-][0-9]+)|[ED]([0-9]+))?")  # 1.5+3 is 1.5E+3
 
 Card = tuple[int, list[str]]  # line, fields
 
@@ -31,9 +36,9 @@ Card = tuple[int, list[str]]  # line, fields
 def read(path: Path, name: str, wanted: str) -> FileMatrix:
     """The matrix by that name; with none, the only one that begins with K, M or B (damping)."""
     cards: dict[str, list[Card]] = {}
-    for number, fields in _cards(text_of(path)):
+    for number, fields in _cards(lines_of(text_of(path))):
         if len(fields) < 3 or not fields[1]:
-            raise FormatError(f"line {number}: a DMIG card without a name or a column")
+            raise FormatError("a DMIG card without a name or a column", number)
         cards.setdefault(fields[1], []).append((number, fields))
     alike = [each for each in cards if each.startswith(ALIKE.get(wanted, ()))]
     meant = chosen(list(cards), name.upper(), alike[0] if len(alike) == 1 else "")
@@ -43,13 +48,13 @@ def read(path: Path, name: str, wanted: str) -> FileMatrix:
 def _matrix(cards: list[Card]) -> FileMatrix:
     header = [card for card in cards if card[1][2] == "0"]
     if len(header) != 1:
-        raise FormatError(f"line {cards[0][0]}: a DMIG matrix needs one header, here there are {len(header)}")
+        raise FormatError(f"a DMIG matrix needs one header, here there are {len(header)}", cards[0][0])
     number, fields = header[0]
     form, kind = (_whole(number, field) for field in (*fields[3:5], "", "")[:2])
     if form not in (SQUARE, SYMMETRIC):
-        raise FormatError(f"line {number}: IFO {form} is a rectangular matrix: square (1) or symmetric (6) is needed")
+        raise FormatError(f"IFO {form} is a rectangular matrix: square (1) or symmetric (6) is needed", number)
     if kind not in REAL:
-        raise FormatError(f"line {number}: TIN {kind} is complex: real numbers (1 or 2) are needed")
+        raise FormatError(f"TIN {kind} is complex: real numbers (1 or 2) are needed", number)
     rows: list[Label] = []
     columns: list[Label] = []
     values: list[float] = []
@@ -60,8 +65,9 @@ def _matrix(cards: list[Card]) -> FileMatrix:
                 columns.append(_label(line, card[2], card[3]))
                 values.append(value)
     if not values:
-        raise FormatError(f"line {number}: the matrix has no columns")
-    return labelled(rows, columns, np.array(values))
+        raise FormatError("the matrix has no columns", number)
+    places = np.array([rows, columns], dtype=np.int64)
+    return labelled(places[0], places[1], np.array(values))
 
 
 def _column(line: int, card: list[str]) -> Iterator[tuple[Label, float]]:
@@ -77,23 +83,25 @@ def _label(line: int, node: str, direction: str) -> Label:
 
 
 def _whole(line: int, field: str) -> int:
-    try:
-        return int(field)
-    except ValueError:
-        raise FormatError(f"line {line}: {field!r} is no whole number") from None
+    if not _WHOLE.fullmatch(field):
+        raise FormatError(f"{shown(field)} is no whole number", line)
+    return int(field)
 
 
 def _real(line: int, field: str) -> float:
-    try:
-        return float(_EXPONENT.sub(r"E\1", field.upper().replace("D", "E")))
-    except ValueError:
-        raise FormatError(f"line {line}: {field!r} is no number") from None
+    found = _REAL.fullmatch(field.upper())
+    if not found:
+        raise FormatError(f"{shown(field)} is no number", line)
+    value = float(f"{found[1]}E{found[2] or found[3] or 0}")
+    if not isfinite(value):
+        raise FormatError(f"{shown(field)} is beyond the largest number", line)
+    return value
 
 
-def _cards(text: str) -> Iterator[Card]:
+def _cards(lines: Iterator[Line]) -> Iterator[Card]:
     """The DMIG cards, each with its continuations; fields 5 on are groups of four."""
     card: Card | None = None
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in lines:
         line = line.split("$", 1)[0].rstrip().expandtabs(8)
         if not line:
             continue

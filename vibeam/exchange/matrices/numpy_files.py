@@ -2,38 +2,113 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Collection
 from pathlib import Path
+from typing import Any, BinaryIO
+from zipfile import ZipFile
 
 import numpy as np
 
+from vibeam.exchange.files import FormatError, require_room
 from vibeam.exchange.matrices.declaration import chosen
-from vibeam.exchange.matrices.entries import FileMatrix, FormatError
+from vibeam.exchange.matrices.entries import FileMatrix, compressed, numbers, scattered
+from vibeam.exchange.matrices.text import require_no_name
+
+MAGIC = b"\x93NUMPY"
+
+LONGEST_HEAD = 10_000  # bytes, as numpy's own limit
+
+DIRECTORY = 1_000_000  # bytes of the directory of a .npz: some thousand arrays
 
 SPARSE = {"format", "shape", "data"}  # what scipy.sparse.save_npz writes in every file
+
+Part = Callable[[str], Any]
 
 
 def read(path: Path, name: str, wanted: str) -> FileMatrix:
     """The array of a file, or the one by that name; objects of Python's are none."""
-    return FileMatrix(_npz(path, name, wanted) if path.suffix.lower() == ".npz" else _npy(path, name))
+    with path.open("rb") as file:
+        if path.suffix.lower() == ".npz":
+            return FileMatrix(_npz(file, name, wanted))
+        require_no_name(name)
+        return FileMatrix(numbers(_array(file)))
 
 
-def _npy(path: Path, name: str) -> object:
-    if name:
-        raise FormatError(f"holds one array without a name: leave name = {name!r} away")
-    return numbers(np.load(path, allow_pickle=False))
+def _npz(file: BinaryIO, name: str, wanted: str) -> Any:
+    _require_small_directory(file)
+    with ZipFile(file) as members:
+        names = [each.removesuffix(".npy") for each in members.namelist()]
+
+        def part(each: str) -> Any:
+            if each not in names:
+                raise FormatError(f"holds a sparse matrix without its {each!r}")
+            place = names.index(each)
+            with members.open(members.infolist()[place]) as member:
+                return _array(member, kinds="fiubSU")
+
+        if set(names) >= SPARSE:
+            return _sparse(part, names)
+        return numbers(part(chosen(names, name, wanted)))
 
 
-def _npz(path: Path, name: str, wanted: str) -> object:
-    with path.open("rb") as opened, np.load(opened, allow_pickle=False) as file:
-        if not set(file.files) >= SPARSE:
-            return numbers(file[chosen(list(file.files), name, wanted)])
-    from scipy.sparse import csc_array, load_npz
+def _require_small_directory(file: BinaryIO) -> None:
+    """FormatError for a directory of members that zipfile would read whole (APPNOTE 6.3.10, 4.3.12 and 4.3.16)."""
+    size = file.seek(0, 2)
+    file.seek(max(0, size - (1 << 16) - 22))
+    end = file.read()
+    at = end.rfind(b"PK\x05\x06")
+    if at >= 0 and (int.from_bytes(end[at + 12 : at + 16], "little") > DIRECTORY or b"PK\x06\x07" in end[at - 20 : at]):
+        raise FormatError(f"has a directory of more than {DIRECTORY / 1e6:.0f} MB: keep fewer arrays in one file")
+    file.seek(0)
 
-    return csc_array(load_npz(path)).astype(float)
+
+def _array(file: Any, kinds: str = "fiu") -> Any:
+    """The array of an open .npy file, after a look at how large it is."""
+    start = file.read(12)
+    if start[:6] != MAGIC or start[6:7] not in b"\x01\x02":
+        raise FormatError("begins with no head of NumPy's: is it cut off?")
+    if int.from_bytes(start[8 : 10 if start[6] == 1 else 12], "little") > LONGEST_HEAD:
+        raise FormatError(f"has a head of more than {LONGEST_HEAD} bytes")
+    file.seek(len(MAGIC) + 2)
+    head = np.lib.format.read_array_header_1_0 if start[6] == 1 else np.lib.format.read_array_header_2_0
+    shape, _, kind = head(file)
+    if kind.kind not in kinds:
+        raise FormatError(f"holds {kind} in place of real numbers")
+    require_room(shape, kind.itemsize)
+    file.seek(0)
+    return np.lib.format.read_array(file, allow_pickle=False)
 
 
-def numbers(array: np.ndarray) -> np.ndarray:
-    """The array as floats; FormatError where it holds anything else."""
-    if array.dtype.kind not in "fiu":
-        raise FormatError(f"holds {array.dtype} in place of real numbers")
-    return array.astype(float)
+def _sparse(part: Part, names: Collection[str]) -> Any:
+    """A matrix as scipy writes it: compressed, by blocks, by diagonals, or entry by entry."""
+    kind, shape = np.asarray(part("format")).astype(str).item(), _shape(part("shape"))
+    values = part("data")
+    if kind in ("csc", "csr"):
+        return compressed(values, part("indices"), part("indptr"), shape, by_rows=kind == "csr")
+    if kind == "coo":
+        places = part("coords") if "coords" in names else (part("row"), part("col"))
+        return scattered(values, places[0], places[1], shape)
+    if kind == "bsr" and values.ndim == 3:
+        return _of_blocks(values, part("indices"), part("indptr"), shape)
+    if kind == "dia" and values.ndim == 2 and (offsets := part("offsets")).shape == values.shape[:1]:
+        column = np.broadcast_to(np.arange(values.shape[1]), values.shape)
+        row = column - offsets[:, None]
+        there = (row >= 0) & (row < shape[0]) & (column < shape[1])
+        return scattered(values[there], row[there], column[there], shape)
+    raise FormatError(f"holds no sparse matrix of the format {kind!r} that can be read: save it as csc")
+
+
+def _of_blocks(values: Any, indices: Any, starts: Any, shape: tuple[int, int]) -> Any:
+    high, wide = values.shape[1:]
+    blocks = shape[0] // max(high, 1), shape[1] // max(wide, 1)
+    compressed(np.ones(len(values)), indices, starts, blocks, by_rows=True)  # its faults are those of the blocks
+    row = np.repeat(np.arange(blocks[0]), np.diff(starts))[:, None, None] * high + np.arange(high)[:, None]
+    column = np.asarray(indices, dtype=np.int64)[:, None, None] * wide + np.arange(wide)
+    row, column = (np.broadcast_to(each, values.shape).ravel() for each in (row, column))
+    return scattered(values.ravel(), row, column, shape)
+
+
+def _shape(found: Any) -> tuple[int, int]:
+    if found.shape != (2,) or found.dtype.kind not in "iu":
+        raise FormatError("holds a sparse matrix whose shape is not two whole numbers")
+    return int(found[0]), int(found[1])

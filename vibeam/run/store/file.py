@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from vibeam.exchange.heap import heaps_are_whole
 from vibeam.exchange.whole_files import regular
 from vibeam.run.store.branch import Values, read_rows
 from vibeam.run.store.content import FORMAT, OLDER, SIGNATURE, UNSIGNED, adapted, blank, format_of, is_ours
 from vibeam.run.store.disk import Disk
 from vibeam.run.store.errors import CURE, FAULTS, StoreError, damaged, reading, reason
-from vibeam.run.store.heap import heaps_are_whole
 from vibeam.run.store.image import Image
 from vibeam.run.store.lock import locked
 from vibeam.run.store.models import MODELS, Keyed, read_models

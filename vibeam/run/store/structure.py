@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from vibeam.exchange.hdf5 import contents, is_own
 
 if TYPE_CHECKING:
     import h5py
@@ -16,40 +18,23 @@ def refuse_foreign(file: h5py.File) -> None:
     """
     import h5py
 
-    seen: set[int] = set()
-    waiting = [file["/"]]
-    while waiting:
-        group = waiting.pop()
-        for name in group:
-            place = f"{group.name.rstrip('/')}/{name}"
-            if type(group.get(name, getlink=True)) is not h5py.HardLink:
-                raise ValueError(f"{place} is a link to another place")
-            item = group[name]
-            _refuse_twice(item, place, seen)
-            h5py.h5a.iterate(item.id, _read)
-            if isinstance(item, h5py.Group):
-                waiting.append(item)
-            elif not isinstance(item, h5py.Dataset) or not _plain(item):
-                raise ValueError(f"{place} holds no values of its own")
+    for place, item, again in contents(file):
+        if item is None:
+            raise ValueError(f"/{place} is a link to another place")
+        if again:
+            raise ValueError(f"/{place} is linked twice")
+        h5py.h5a.iterate(item.id, _read)
+        if not isinstance(item, h5py.Group) and (not isinstance(item, h5py.Dataset) or not _plain(item)):
+            raise ValueError(f"/{place} holds no values of its own")
 
 
 def _read(name: bytes) -> None:
     """An attribute whose record can be read."""
 
 
-def _refuse_twice(item: Any, place: str, seen: set[int]) -> None:
-    import h5py
-
-    address = h5py.h5o.get_info(item.id).addr
-    if address in seen:
-        raise ValueError(f"{place} is linked twice")
-    seen.add(address)
-
-
 def _plain(dataset: h5py.Dataset) -> bool:
     """Test whether the values lie in the file contiguously."""
     import h5py
 
-    how = dataset.id.get_create_plist()
-    contiguous = how.get_layout() in (h5py.h5d.CONTIGUOUS, h5py.h5d.COMPACT) and not how.get_external_count()
-    return contiguous and dataset.id.get_storage_size() == dataset.nbytes
+    contiguous = dataset.id.get_create_plist().get_layout() in (h5py.h5d.CONTIGUOUS, h5py.h5d.COMPACT)
+    return contiguous and is_own(dataset) and dataset.id.get_storage_size() == dataset.nbytes

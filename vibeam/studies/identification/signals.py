@@ -7,10 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from vibeam.case.faults import CaseError
-from vibeam.case.reference_files import fault_in, file_fault
+from vibeam.case.reference_files import fault_in
 from vibeam.case.reference_form import factor
-from vibeam.exchange.curves.columns import CurveError, Wanted
+from vibeam.exchange.curves.columns import Wanted
 from vibeam.exchange.curves.read import read_columns
+from vibeam.exchange.files import FormatError
 from vibeam.studies.identification.estimates import Array
 
 USUAL = {"time": ("time", "t"), "frequency": ("frequency", "freq", "f")}
@@ -27,8 +28,6 @@ def read_signal(
 
     ``x``, ``y``: heads of the columns, or their numbers from 1. CaseError with the place and the cure.
     """
-    if fault := file_fault(path):
-        raise CaseError([fault_in(path, None, fault)])
     wanted = {
         "frequency": Wanted((_head(x),) if x else USUAL[over]),
         "value": Wanted((_head(y),) if y else VALUES),
@@ -38,7 +37,7 @@ def read_signal(
         found = read_columns(path, wanted).columns
         at = found["frequency"]
         scaled = at.values * factor(at.unit, UNITS[over])
-    except CurveError as wrong:
+    except FormatError as wrong:
         raise CaseError([fault_in(path, wrong.line, _told(wrong.message))]) from None
     except ValueError as wrong:
         raise CaseError([fault_in(path, None, f"column {at.head!r}: {wrong}")]) from None

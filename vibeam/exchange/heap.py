@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Iterator
+from mmap import mmap
+
+Content = bytes | mmap
 
 SIGNATURE = b"GCOL\x01\0\0\0"
 
@@ -12,7 +15,7 @@ HEADER = 16  # bytes: signature, version, size of the collection; likewise of ea
 _OBJECT = struct.Struct("<HHIQ")  # index, references, reserved, size
 
 
-def heaps_are_whole(content: bytes) -> bool:
+def heaps_are_whole(content: Content) -> bool:
     """Test whether the objects of every global heap lie within it, one behind the other.
 
     Layout: HDF5 File Format Specification 3.0, section III.E. An object of index 0 is free space: its size includes its
@@ -21,14 +24,14 @@ def heaps_are_whole(content: bytes) -> bool:
     return all(_is_whole(content, start) for start in _starts(content))
 
 
-def _starts(content: bytes) -> Iterator[int]:
+def _starts(content: Content) -> Iterator[int]:
     at = content.find(SIGNATURE)
     while at >= 0:
         yield at
         at = content.find(SIGNATURE, at + 1)
 
 
-def _is_whole(content: bytes, start: int) -> bool:
+def _is_whole(content: Content, start: int) -> bool:
     if start + HEADER > len(content):
         return False
     end = start + int.from_bytes(content[start + 8 : start + HEADER], "little")
