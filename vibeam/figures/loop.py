@@ -173,17 +173,22 @@ def _amplitude(begin: Settled, case: Case, periods: int) -> Array:
 
 def _stops(scene: Scene, system: ImpactSystem) -> Columns:
     """Places of all stops, in the order of the contacts struck: along the beam, and across it."""
-    first = scene.stop.position
-    found = [(first, system.gap)] + ([] if system.second_gap is None else [(first, -system.second_gap)])
-    for own, contact in zip(scene.named("further_stop"), system.further or (), strict=True):
-        found.append((own.position, contact.gap if own.side == "above" else -contact.gap))
-    side = [1.0, *([-1.0] * (system.second_gap is not None))]
-    side += [1.0 if own.side == "above" else -1.0 for own in scene.named("further_stop")]
-    along, across = np.array(found).T
+    along, across, side = np.array(stop_places(scene, system)).T
     met = [(each.position, each.arm) for each in scene.named("opposite")]
     return {
         "stop_position": Column(along, "m", "of the stops along the beam"),
         "stop_height": Column(across, "m", "deflection at which the beam touches them"),
-        "stop_side": Column(np.array(side), "1", "1: above the beam, −1: below"),
+        "stop_side": Column(side, "1", "1: above the beam, −1: below"),
         **({"met_position": Column(np.array(met[0]), "m", MET)} if met else {}),
     }  # fmt: skip
+
+
+def stop_places(scene: Scene, system: ImpactSystem) -> list[tuple[float, float, float]]:
+    """Place along the beam and touching deflection (m) of every stop, with 1 above the beam and −1 below."""
+    first = scene.stop.position
+    found = [(first, system.gap, 1.0)]
+    found += [] if system.second_gap is None else [(first, -system.second_gap, -1.0)]
+    for own, contact in zip(scene.named("further_stop"), system.further or (), strict=True):
+        side = 1.0 if own.side == "above" else -1.0
+        found.append((own.position, side * contact.gap, side))
+    return found

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from math import ceil
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -69,9 +69,10 @@ def frc(result: Comparison) -> Figure:
         panel = _Panel(grid.flat[0 if together else index], units, own, result, name, index if together else 0)
         panel.fill(ghost=None if together or name == finest[name] else finest[name], titled=not together)
         panels.append(panel)
+    heights = dict(grazing_heights(result))
     highest = max((panel.highest for panel in panels), default=0.0)
     for panel in panels:
-        panel.limit(highest, len(panels) if together else 1)
+        panel.limit(heights.get(panel.name, 0.0), highest, len(panels) if together else 1)
     shown = list(dict.fromkeys(panel.axes for panel in panels))
     note = start_upward(shown)
     for axes in filter(is_empty, shown):
@@ -188,15 +189,11 @@ class _Panel:
                 every = ceil(len(points) / REFERENCES_SHOWN)  # too many marks would hide the curve
                 self._plot(frequency, value, gid=f"reference-{reference.name}", markevery=every, **REFERENCE)
 
-    def limit(self, highest: float, shared: int) -> None:
+    def limit(self, height: float, highest: float, shared: int) -> None:
         """Draw the amplitude at which the first mode alone reaches the stop, unless it is far above the curves.
 
         ``shared``: number of fidelities in the panel; where their lines coincide, their dots alternate.
         """
-        case, study = self.result.case, self.result.accuracy
-        if quantity_of(case, case.sweep.output).rate:
-            return  # where mode 1 grazes depends on the frequency
-        height = grazing(case.system(self.name if study is None else study.finest), case.sweep.output)
         if 0 < height <= FAR * highest or (height > 0 and highest == 0):
             self.drawn.add("gap")
             own = GAP | {"color": self.look.colour, "linestyle": _dots(self.row, shared)}
@@ -211,6 +208,14 @@ class _Panel:
 def _dots(row: int, shared: int) -> tuple[float, tuple[float, float]]:
     """Dotted line style of one of several lines that may coincide."""
     return 2.65 * row, (1.0, 2.65 * shared - 1.0)
+
+
+def grazing_heights(result: Comparison) -> Iterator[tuple[str, float]]:
+    """Amplitude of every fidelity's grazing; none of rates, where it depends on the frequency."""
+    case, study = result.case, result.accuracy
+    if not quantity_of(case, case.sweep.output).rate:
+        for name in result:
+            yield name, grazing(case.system(name if study is None else study.finest), case.sweep.output)
 
 
 def grazing(system: ImpactSystem, output: str) -> float:

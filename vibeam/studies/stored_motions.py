@@ -9,12 +9,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import isinf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.fidelity import gap_drift, system
+from vibeam.figures.loop import stop_places
 from vibeam.flight.trajectory import simulate
 from vibeam.observe.motion import impacts_within
 from vibeam.observe.participation import modal_participation
@@ -42,7 +44,7 @@ WINDOW = 4  # drive periods shown of a motion that does not repeat within them
 
 FLOWN = 16  # drive periods flown, of which the spectrum is
 
-LINES = 16  # highest drive harmonic of the spectrum
+HARMONICS = 16  # highest drive harmonic of the spectrum
 
 FRAMES = 32  # of the moving beam over the window
 
@@ -63,7 +65,9 @@ class StoredMotion:
     the output (SI), both sides of each impact; ``impacts`` (k, 2): times in drive periods, contact velocities just
     before, m/s. ``section`` (m, 2): displacement and velocity at the drive's phase 0. ``lines``: amplitudes of the
     output at multiples of 1/16 of the drive frequency, from 0 on. ``shares``: of the modes in the mean energy.
-    ``deflection`` (frames, stations) in m: the beam, evenly over the window; empty where no places are known.
+    ``deflection`` (frames, stations) in m: the beam seen from its base, evenly over the window; empty where no places
+    are known. ``stops`` (k, 3): their places along the beam (m), deflections at which they are touched (m), and 1 above
+    the beam, −1 below. ``base``: B of the base's own motion B sin Ωt (m), NaN where it is not harmonic.
     """
 
     fidelity: str
@@ -78,6 +82,8 @@ class StoredMotion:
     lines: Array = field(default_factory=_none)
     shares: Array = field(default_factory=_none)
     deflection: Array = field(default_factory=_none)
+    stops: Array = field(default_factory=_none)
+    base: float = np.nan
     fault: str = ""
 
 
@@ -131,6 +137,20 @@ class _Rig:
         here = self.plain if drift is None else replace(self.plain, gap=self.plain.gap + float(drift[0]))
         return here, Drive(float(omega[0]), float(np.ravel(self.case.amplitude_of(self.name, omega))[0]))
 
+    def stops(self, here: ImpactSystem) -> Array:
+        """Stops that stand still as seen from the base; none where no places are known."""
+        scene = self.case.scene_of(self.name)
+        if not isinstance(scene, Scene) or scene.named("opposite"):
+            return np.empty((0, 3))
+        return np.array(list(stop_places(scene, here)), dtype=float)
+
+    def base(self, drive: Drive) -> float:
+        """Amplitude of the base (m); NaN on a platform, which moves by itself, with harmonics, and without a beam."""
+        scene = self.case.scene_of(self.name)
+        if not isinstance(scene, Scene) or scene.platform or scene.harmonics:
+            return np.nan
+        return 0.0 if scene.base.on_beam else drive.amplitude
+
 
 def stations(case: Case, name: str) -> dict[str, float]:
     """Places (m) along the beam at which it is drawn, by name; empty where no places are known."""
@@ -142,6 +162,12 @@ def stations(case: Case, name: str) -> dict[str, float]:
     return {made: float(x) for x in places if (made := f"at {x:.6g} m") not in taken}
 
 
+def held_at_zero(case: Case, name: str) -> bool:
+    """Whether the beam's end at 0 stays at its base."""
+    scene = case.scene_of(name)
+    return isinstance(scene, Scene) and any(each.position == 0 and isinf(each.stiffness) for each in scene.carrier.held)
+
+
 def _window(period: int) -> int:
     """Drive periods shown of a motion of that period."""
     return period if 1 <= period <= WINDOW else 1 if period == -1 else WINDOW
@@ -150,6 +176,7 @@ def _window(period: int) -> int:
 def _motion(rig: _Rig, head: StoredMotion, state: State, energy: Array) -> StoredMotion:
     """Motion on from ``state``; ``energy`` (n,) of the modes, as stored."""
     here, drive = rig.at(head.frequency)
+    head = replace(head, stops=rig.stops(here), base=rig.base(drive))
     shares: Array | None = None
     fidelity, harmonics = rig.case.fidelities[rig.name], rig.case.scene_of(rig.name).harmonics
     if harmonics:
@@ -211,7 +238,7 @@ def _stepped(
 
 def _samples(end: float, turn: float) -> Array:
     """Even times over all periods flown."""
-    count = 8 * LINES * FLOWN
+    count = 8 * HARMONICS * FLOWN
     return np.asarray(end + (np.arange(count) - count) * (FLOWN * turn / count))
 
 
@@ -225,7 +252,7 @@ def _lines(values: Array, turn: float) -> Array:
     A motion that does not repeat within them leaks; its lines are those of this record.
     """
     lines: Array = spectrum_of(_samples(0.0, turn), values, window="boxcar").amplitude
-    return np.asarray(lines[: LINES * FLOWN + 1])
+    return np.asarray(lines[: HARMONICS * FLOWN + 1])
 
 
 def _deflection(rig: _Rig, here: ImpactSystem, modes: Array) -> Array:

@@ -7,8 +7,11 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
+from stand_in import curve as made
 
 import vibeam
+from vibeam.casefile.read import parse
+from vibeam.report.page import charts
 from vibeam.report.page.drawing import LEFT, drawing
 from vibeam.report.page.encoding import as_json, packed
 from vibeam.report.page.page import page
@@ -147,6 +150,60 @@ def test_curves_on_the_page_are_those_of_the_file(results, data):
         factor = {"mm": 1e3, "µm": 1e6}[unit["unit"]]
         np.testing.assert_allclose(curve["values"]["amplitude"], factor * response.amplitude, rtol=1e-5)
         np.testing.assert_allclose(np.sum(curve["shares"], axis=0), 1, atol=1e-3)
+
+
+def test_a_curve_on_the_page_is_cut_where_its_figure_cuts_it(results, data):
+    """Two pieces around a jump; motions without contact by themselves; in the style of the figures."""
+    grid = np.linspace(14.0, 17.0, 61)
+    jumped = np.where(grid < 15.8, 1.0, 0.2) / (1 + 8 * (grid - 15.2) ** 2)
+    steps = np.where(grid < 14.6, 1.0, 2.0)
+    found = charts.chart_pieces(
+        made(grid, jumped), {"amplitude": jumped, "maximum": jumped, "impacts_per_period": steps}
+    )
+    assert found == {
+        "amplitude": [[0, 0, 36], [0, 36, 61]],
+        "impacts_per_period": [[0, 0, 12], [0, 12, 36], [0, 36, 61]],
+    }
+    names = [each["name"] for each in data["kinds"]]
+    assert (data["kinds"][names.index("not periodic")]["width"], data["kinds"][0]["marker"]) == (0, "")
+    for each in data["curves"]:
+        period, kinds = np.array(each["values"]["period"]), np.full(len(each["frequency"]), -1)
+        for kind, begin, end in each["pieces"]["amplitude"]:
+            kinds[begin:end] = kind
+        np.testing.assert_array_equal(kinds == names.index("no contact"), period == -1)
+        assert (kinds >= 0).all()
+        assert {-1, 1} <= set(period)
+
+
+def test_the_beam_has_its_stop_and_its_base_beside_it(data):
+    for motion in data["motions"]:
+        ((place, height, side),) = motion["stops"]
+        assert (place, side) == (0.132, 1)
+        assert height == pytest.approx(1e-4)
+        assert motion["base"] == pytest.approx(2e-5)
+    assert all(each["held"] for each in data["fidelities"])
+
+
+def test_the_finest_fidelity_is_named_where_accuracy_is_drawn_against_time(data):
+    assert [(each["fidelity"], each["finest"]) for each in data["cost"]] == [("sdof", False), ("beam", True)]
+
+
+def test_no_label_of_the_drawing_covers_another():
+    """Mass, sensor, outputs and both stops at one place."""
+    outputs = "".join(f'[output.{name}]\nposition = "132 mm"\n' for name in ("second", "laser"))
+    text = CASE.replace('"100 mm"', '"132 mm"').replace("restitution", 'second_gap = "0.2 mm"\nrestitution', 1)
+    found = drawing(parse(text + outputs).scene)
+    texts = re.findall(r'<text x="([\d.]+)" y="([\d.]+)">([^<]+)</text>', found)
+    boxes = [(float(x), float(y), 3.3 * len(words)) for x, y, words in texts]
+    assert len(boxes) >= 7
+    for at, (x, y, half) in enumerate(boxes):
+        assert 0 <= x - half < x + half <= 960
+        assert all(abs(x - other) >= half + wide or abs(y - low) >= 12 for other, low, wide in boxes[:at])
+
+
+def test_print_has_no_section_that_needs_a_script(text):
+    printed = re.search(r"@media print \{(.*?)\}\s*</style>", text, re.DOTALL)[1]
+    assert "#motion, #participation { display: none; }" in printed
 
 
 def test_motions_have_the_amplitude_and_the_impacts_of_their_points(results, data):

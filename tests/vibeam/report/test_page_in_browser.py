@@ -121,6 +121,53 @@ def test_the_beam_moves_when_played_and_stands_still_before(opened):
     assert opened.page.locator("#play").get_attribute("aria-pressed") == "true"
 
 
+PLOT = "(name) => charts.find((each) => each.host.id === name).plot"
+
+SCALES = f"() => {{ const {{ x, y }} = ({PLOT})('response').scales; return [x.min, x.max, y.min, y.max]; }}"
+
+
+def test_a_zoom_scales_the_upward_axis_anew_and_leaves_no_mark_beside_it(opened):
+    place = opened.page.locator("#response .u-over")
+    place.scroll_into_view_if_needed()
+    box, whole = place.bounding_box(), opened.page.evaluate(SCALES)
+    beside = {"x": box["x"] + box["width"] + 2, "y": box["y"], "width": 16, "height": box["height"] - 10}
+    before = opened.page.screenshot(clip=beside)
+    opened.page.mouse.move(box["x"] + 0.1 * box["width"], box["y"] + 60)
+    opened.page.mouse.down()
+    opened.page.mouse.move(box["x"] + 0.33 * box["width"], box["y"] + 60, steps=3)
+    opened.page.mouse.up()
+    low, high, _, top = opened.page.evaluate(SCALES)
+    assert whole[0] < low < high < whole[1]
+    assert top < 0.9 * whole[3]
+    assert opened.page.screenshot(clip=beside) == before
+
+
+def test_another_quantity_empties_the_readout(opened):
+    place = opened.page.locator("#response .u-over")
+    place.scroll_into_view_if_needed()
+    place.hover()
+    assert "mm" in opened.page.locator("#reading").inner_text()
+    opened.page.locator("#quantity").select_option("impact_velocity")
+    assert "mm," not in opened.page.locator("#reading").inner_text()
+    assert opened.page.locator("#kinds").inner_text().count("grazing") == 0
+
+
+def test_no_tick_of_the_shares_is_zero_and_the_finest_is_named(opened):
+    ticks = f"() => {{ const {{ y }} = ({PLOT})('shares').scales; return logTicks(y.min, y.max).map(percent); }}"
+    found = opened.page.evaluate(ticks)
+    assert len(found) >= 2
+    assert "0 %" not in found
+    for low, high in ((0.039, 1.6), (0.006, 0.12), (0.9, 1.1), (1e-6, 1.3)):
+        assert len(opened.page.evaluate(f"logTicks({low}, {high})")) >= 3
+    assert "four </b> modes" in opened.page.locator("#cost p").inner_text()
+
+
+def test_spectra_have_a_strip_each_and_the_beam_its_stop_and_base(opened):
+    assert opened.page.locator("#spectrum canvas").count() == 2
+    assert opened.page.locator("#beam path.stop").count() == 2
+    assert "base ± 20 µm" in opened.page.locator("#beam").inner_html()
+
+
 def test_a_telephone_needs_no_scrolling_aside(browser, file):
     found = Opened(browser, file, viewport={"width": 390, "height": 800})
     width = found.page.evaluate("document.documentElement.scrollWidth")
@@ -138,7 +185,7 @@ def test_without_scripts_the_static_picture_is_there(browser, file):
 def test_printed_it_has_the_static_picture(opened):
     opened.page.emulate_media(media="print")
     assert opened.page.locator(".still img").first.is_visible()
-    assert not opened.page.locator("#response").is_visible()
+    assert not any(opened.page.locator(each).is_visible() for each in ("#response", "#motion", "#participation"))
 
 
 def test_nothing_serious_is_found_by_axe(opened):

@@ -10,11 +10,14 @@ import numpy as np
 
 from vibeam.case.faults import CaseError
 from vibeam.case.reference_curves import reference_points
-from vibeam.figures.style import DASHES, looks_of, name_of
+from vibeam.figures.axes import NOT_FROM_ZERO, SLIGHT, TOP
+from vibeam.figures.branches import Array, MotionClass, pieces
+from vibeam.figures.response_curve import grazing_heights
+from vibeam.figures.style import DASH, DASHES, DOT, LINES, looks_of, name_of
 from vibeam.figures.units import Units, units_for
 from vibeam.report.page.encoding import packed, rounded
 from vibeam.run.summary import compare
-from vibeam.studies.stored_motions import FRAMES, LINES, StoredMotion, StoredMotions, stations
+from vibeam.studies.stored_motions import FRAMES, HARMONICS, StoredMotion, StoredMotions, held_at_zero, stations
 from vibeam.system.response import Ended, FrequencyResponse, complete
 
 if TYPE_CHECKING:
@@ -66,6 +69,9 @@ def chart_data(stored: StoredResult) -> dict[str, Any]:
         "output": {"unit": units.length, "factor": units.length_factor, "name": result.case.sweep.output},
         "speed": {"unit": units.speed, "factor": units.speed_factor},
         "quantities": [asdict(each) for each in quantities],
+        "contact_speed": dict(zip(("unit", "factor"), _contact_speed(units), strict=True)),
+        "kinds": [_kind(each) for each in MotionClass],
+        "upward": {"top": TOP, "slight": SLIGHT, "note": NOT_FROM_ZERO},
         "fidelities": _fidelities(result),
         "curves": [
             _curve(name, way, response, quantities)
@@ -76,7 +82,7 @@ def chart_data(stored: StoredResult) -> dict[str, Any]:
         "cost": [_cost(row) for row in compare(result)],
         "motions": [_motion(each) for each in StoredMotions(stored, motion_frequencies(result))],
         "frames": FRAMES,
-        "lines": LINES,
+        "lines": HARMONICS,
     }
 
 
@@ -99,22 +105,48 @@ def _peaks(result: Result) -> Iterator[float]:
 
 def _fidelities(result: Result) -> list[dict[str, Any]]:
     case = result.case
-    looks = looks_of(case, result)
+    looks, heights = looks_of(case, result), dict(grazing_heights(result))
     return [
         {
             "name": name,
             "label": name_of(case, name),
             "colour": looks[name].colour,
             "dash": [] if looks[name].dash == DASHES[0] else [3 * each for each in looks[name].dash[1]],
+            "grazing": heights.get(name),
             "places": [0.0, *stations(case, name).values()] if name in case.fidelities else [],
+            "held": name in case.fidelities and held_at_zero(case, name),
         }
         for name in result
     ]
 
 
+def _kind(kind: MotionClass) -> dict[str, Any]:
+    """Style of a class of motion: that of the figures. ``alone``: of a point that no line joins to another."""
+    keys, alone = LINES[kind], DASH if kind is MotionClass.NO_CONTACT else DOT
+    style = keys.get("linestyle", "-")
+    return {
+        "name": kind.value,
+        "width": keys.get("linewidth", 1.0) if style else 0.0,
+        "dash": list(style[1]) if isinstance(style, tuple) else [],
+        "marker": keys.get("marker", ""),
+        "alone": alone["marker"],
+        "size": keys.get("markersize", alone["markersize"]),
+    }
+
+
+def chart_pieces(response: FrequencyResponse, values: dict[str, Array]) -> dict[str, list[list[int]]]:
+    """Pieces of every quantity as figures draw them: class, begin and end; those of the amplitude are said once."""
+    kinds = list(MotionClass)
+    found = {
+        name: [[kinds.index(each.kind), each.points.start, each.points.stop] for each in pieces(response, each_values)]
+        for name, each_values in values.items()
+    }
+    return {name: own for name, own in found.items() if name == "amplitude" or own != found["amplitude"]}
+
+
 def _curve(name: str, way: str, response: FrequencyResponse, quantities: list[ChartQuantity]) -> dict[str, Any]:
     done = complete(response)
-    values = {each.name: getattr(response, each.name) * each.factor for each in quantities}
+    values = {each.name: np.where(done, getattr(response, each.name) * each.factor, np.nan) for each in quantities}
     energy = response.mode_energy
     total = np.nansum(energy, axis=1, keepdims=True)
     shares = np.divide(energy, total, out=np.full_like(energy, np.nan), where=total > 0)[:, :8]
@@ -122,7 +154,8 @@ def _curve(name: str, way: str, response: FrequencyResponse, quantities: list[Ch
         "fidelity": name,
         "way": way,
         "frequency": rounded(response.frequency),
-        "values": {key: rounded(np.where(done, value, np.nan)) for key, value in values.items()},
+        "values": {key: rounded(value) for key, value in values.items()},
+        "pieces": chart_pieces(response, values),
         "ended": {str(i): Ended.of_code(int(response.ended[i])).value for i in np.flatnonzero(~done)},
         "shares": [rounded(column, 4) for column in shares.T],
     }
@@ -145,7 +178,8 @@ def _references(result: Result) -> Iterator[dict[str, Any]]:
 
 def _cost(row: Summary) -> dict[str, Any]:
     off = np.nan if row.distance is None else row.distance.worst
-    return {"fidelity": row.fidelity, "seconds": row.cpu_seconds, "off": rounded([off])[0]}
+    finest = row.distance is None
+    return {"fidelity": row.fidelity, "seconds": row.cpu_seconds, "off": rounded([off])[0], "finest": finest}
 
 
 def _motion(each: StoredMotion) -> dict[str, Any]:
@@ -163,4 +197,6 @@ def _motion(each: StoredMotion) -> dict[str, Any]:
         "spectrum": packed(np.log10(np.maximum(each.lines, floor))),
         "shares": rounded(each.shares[:12], 4),
         "beam": packed(each.deflection) if each.deflection.size else None,
+        "stops": [rounded(stop) for stop in each.stops],
+        "base": rounded([each.base])[0],
     }

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 from html import escape
 from math import isinf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,6 +25,8 @@ THIN = 1.5  # px: least height of a beam that is drawn
 
 POINTS = 8  # of the outline on each stretch
 
+LETTER, ROW = 6.6, 14.0  # px: mean width of a letter, height of a line of text
+
 
 @dataclass(frozen=True)
 class _Frame:
@@ -40,6 +42,37 @@ class _Frame:
         return LEFT + self.scale * place
 
 
+@dataclass(frozen=True)
+class _Label:
+    """Text with its middle at ``x`` and its base line at ``y``, px; ``way``: 1 gives way downward, −1 upward."""
+
+    x: float
+    y: float
+    text: str
+    way: int = 1
+
+    @property
+    def half(self) -> float:
+        return 0.5 * LETTER * len(self.text)
+
+    def meets(self, other: _Label) -> bool:
+        return abs(self.x - other.x) < self.half + other.half + 4 and abs(self.y - other.y) < ROW
+
+    def __str__(self) -> str:
+        return f'<text x="{self.x:.1f}" y="{self.y:.1f}">{escape(self.text)}</text>'
+
+
+def _apart(labels: Iterable[_Label]) -> list[_Label]:
+    """Labels inside the drawing, each a line further from the beam where it would meet one before it."""
+    placed: list[_Label] = []
+    for label in labels:
+        own = replace(label, x=min(max(label.x, label.half + 2), WIDTH - label.half - 2))
+        while any(own.meets(other) for other in placed):
+            own = replace(own, y=own.y + ROW * own.way)
+        placed.append(own)
+    return placed
+
+
 def drawing(scene: AnyScene) -> str:
     """SVG of a rig to one scale in both directions; empty where a scene has no beam.
 
@@ -49,9 +82,12 @@ def drawing(scene: AnyScene) -> str:
         return ""
     frame = _Frame(scene.beam.length)
     parts = [*_base(scene, frame), *_beam(scene.shaped_beam, frame), *_held(scene, frame), *_masses(scene, frame)]
-    parts += [*_stop(scene, frame), *_sensors(scene, frame), *_drive(scene, frame), *_ruler(frame)]
+    parts += [*_stop(scene, frame), *_sensors(scene, frame), *_drive(scene, frame)]
+    labels = _apart(_labels(scene, frame))
+    height = max([HEIGHT, *(each.y + 2 * ROW for each in labels)])
+    parts += [*map(str, labels), *_ruler(frame, height - 8)]
     head = (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height:.0f}" role="img" '
         f'aria-label="{escape(_spoken(scene), quote=True)}" class="scene">'
     )
     return head + "".join(parts) + "</svg>"
@@ -87,27 +123,21 @@ def _held(scene: Scene, frame: _Frame) -> Iterator[str]:
             yield f'<path class="part" d="M{x:.1f} {AXIS + 3} l-9 16 h18 z"/>'
         else:
             yield _spring(x, AXIS + 3)
-            yield _text(x, AXIS + 62, f"{each.stiffness:.4g} N/m" if each.stiffness else "turns stiffly")
 
 
 def _masses(scene: Scene, frame: _Frame) -> Iterator[str]:
     zones = dict(scene.rigid_zones)
-    for mass, position in scene.weights:
+    for _, position in scene.weights:
         half = max(zones.get(position, 0.0) * frame.scale, 5.0)
         x = frame.x(position)
         yield f'<rect class="mass" x="{x - half:.1f}" y="{AXIS - 18}" width="{2 * half:.1f}" height="36" rx="2"/>'
-        yield _text(x, AXIS + 34, _prefixed(mass * 1e3, "g"))
 
 
 def _stop(scene: Scene, frame: _Frame) -> Iterator[str]:
     stop, x = scene.stop, frame.x(scene.stop.position)
     yield from _tip(x, AXIS - _reach(scene, stop.position, frame) - max(stop.gap, 0.0) * frame.scale, -1)
-    yield _text(x, AXIS - 82, f"stop, gap {_length(stop.gap)}")
     if stop.second_gap is not None:
         yield from _tip(x, AXIS + _reach(scene, stop.position, frame) + stop.second_gap * frame.scale, 1)
-        yield _text(x, AXIS + 90, f"second stop, gap {_length(stop.second_gap)}")
-    if scene.named("opposite"):
-        yield _text(x + 90, AXIS - 66, "on the opposite beam")
 
 
 def _tip(x: float, y: float, way: int) -> Iterator[str]:
@@ -122,11 +152,44 @@ def _reach(scene: Scene, position: float, frame: _Frame) -> float:
 
 
 def _sensors(scene: Scene, frame: _Frame) -> Iterator[str]:
-    places = [("sensor", scene.sensor.position), *((each.name, each.position) for each in scene.outputs)]
-    for number, (name, position) in enumerate(places):
-        x = frame.x(position)
-        yield f'<path class="sensor" d="M{x:.1f} {AXIS + 24} v18 m-4 -12 l4 -6 l4 6"/>'
-        yield _text(x, AXIS + 56 + 13 * (number % 2), name)
+    for _, position in _outputs(scene):
+        below = 24 + _lower(scene, position, frame)
+        yield f'<path class="sensor" d="M{frame.x(position):.1f} {AXIS + below} v18 m-4 -12 l4 -6 l4 6"/>'
+
+
+def _lower(scene: Scene, position: float, frame: _Frame) -> float:
+    """Pixels by which a sensor gives way to the second stop."""
+    met = scene.stop.second_gap is not None and abs(scene.stop.position - position) * frame.scale < 12
+    return 10.0 if met else 0.0
+
+
+def _outputs(scene: Scene) -> list[tuple[str, float]]:
+    return [("sensor", scene.sensor.position), *((each.name, each.position) for each in scene.outputs)]
+
+
+def _labels(scene: Scene, frame: _Frame) -> Iterator[_Label]:
+    """Label of everything that is drawn, the masses' first: these have the least room."""
+    stop, place = scene.stop, frame.x(scene.stop.position)
+    arrows = [frame.x(position) for _, position in _outputs(scene)]
+    for mass, position in scene.weights:
+        label = _Label(frame.x(position), AXIS + 34, _prefixed(mass * 1e3, "g"))
+        met = any(abs(label.x - x) < label.half + 8 for x in arrows)
+        yield replace(label, x=label.x - label.half - 12) if met else label
+    for each in scene.shaped_beam.held:
+        if not isinf(each.stiffness):
+            words = f"{each.stiffness:.4g} N/m" if each.stiffness else "turns stiffly"
+            yield _Label(frame.x(each.position), AXIS + 62, words)
+    opposite = ", on the opposite beam" if scene.named("opposite") else ""
+    yield _Label(place, AXIS - 82, f"stop, gap {_length(stop.gap)}{opposite}", -1)
+    for name, position in _outputs(scene):
+        yield _Label(frame.x(position), AXIS + 56 + _lower(scene, position, frame), name)
+    on = scene.base.on_beam
+    yield _Label(22, 195, "drive") if on is None else _Label(frame.x(on[0]), AXIS + 74, "moment" if on[1] else "force")
+    if stop.second_gap is not None:
+        yield _Label(place, AXIS + 90, f"second stop, gap {_length(stop.second_gap)}")
+    if scene.platform is not None:
+        words = f"platform, {scene.platform.coupling}, {scene.platform.mass:.4g} kg"
+        yield _Label(WIDTH / 2, AXIS + 104, words)
 
 
 def _base(scene: Scene, frame: _Frame) -> Iterator[str]:
@@ -135,20 +198,17 @@ def _base(scene: Scene, frame: _Frame) -> Iterator[str]:
     yield f'<rect class="platform" x="{LEFT - 24}" y="{AXIS + 78}" width="{WIDTH - LEFT - RIGHT + 40}" height="12"/>'
     yield f'<path class="platform" d="M{LEFT - 16} {AXIS - 40} V{AXIS + 78}"/>'
     yield _spring(LEFT + 20, AXIS + 90, 20) + _spring(WIDTH - RIGHT, AXIS + 90, 20)
-    yield _text(WIDTH / 2, AXIS + 104, f"platform, {scene.platform.coupling}, {scene.platform.mass:.4g} kg")
 
 
 def _drive(scene: Scene, frame: _Frame) -> Iterator[str]:
     on = scene.base.on_beam
     if on is None:
-        yield '<path class="drive" d="M22 95 v80 m-5 -72 l5 -8 l5 8 m-10 64 l5 8 l5 -8"/>' + _text(22, 195, "drive")
+        yield '<path class="drive" d="M22 95 v80 m-5 -72 l5 -8 l5 8 m-10 64 l5 8 l5 -8"/>'
         return
-    x, what = frame.x(on[0]), "moment" if on[1] else "force"
-    yield f'<path class="drive" d="M{x:.1f} {AXIS + 60} v-34 m-5 8 l5 -8 l5 8"/>' + _text(x, AXIS + 74, what)
+    yield f'<path class="drive" d="M{frame.x(on[0]):.1f} {AXIS + 60} v-34 m-5 8 l5 -8 l5 8"/>'
 
 
-def _ruler(frame: _Frame) -> Iterator[str]:
-    y = HEIGHT - 8
+def _ruler(frame: _Frame, y: float) -> Iterator[str]:
     step = 10.0 ** np.floor(np.log10(frame.length))
     step = step / 2 if 2 * step > frame.length else step
     yield f'<path class="ruler" d="M{LEFT} {y} h{step * frame.scale:.2f} m0 -4 v8 M{LEFT} {y - 4} v8"/>'
@@ -159,10 +219,6 @@ def _spring(x: float, y: float, length: float = 40) -> str:
     turn = length / 8
     zigzag = " ".join(f"l{way * 7} {turn:.2f}" for way in (1, -2, 2, -2, 2, -2, 1))
     return f'<path class="part line" d="M{x:.1f} {y:.1f} v{turn:.2f} {zigzag} m-10 0 h20"/>'
-
-
-def _text(x: float, y: float, text: Any) -> str:
-    return f'<text x="{x:.1f}" y="{y:.1f}">{escape(str(text))}</text>' if text else ""
 
 
 def _length(metres: float) -> str:

@@ -1,7 +1,8 @@
 // Motions at one frequency.
 
 const kept = [...new Set(data.motions.map((each) => each.frequency))].sort((a, b) => a - b);
-let frame = 0, playing = null, current = [];
+const STEP = 1 / 16;  // drive periods from one picture of the beam to the next
+let turn = 0, playing = null, current = [];
 
 function cached(motion) {
   if (!motion.x.map) {
@@ -38,15 +39,42 @@ function drawHistory() {
   chart(host, [{ label: "Time in drive periods", value: (plot, value) => short(value) }, ...current.map(own)], columns, [{ ...axis("Time in drive periods"), size: 44 }, axis(withUnit(data.output.name, data.output.unit))], { height: 250, words: "Displacement of the output over time" });
 }
 
+// One strip a fidelity, lines as stems: spectra do not cover one another.
 function drawSpectrum() {
-  const host = byId("spectrum");
-  if (!current.length) return host.replaceChildren();
-  const count = current[0].spectrum.length, floor = -6;
-  const columns = [Array.from({ length: count }, (_, index) => (index * data.lines) / (count - 1))];
-  const top = Math.max(...current.flatMap((each) => each.spectrum));
-  current.forEach((each) => columns.push(each.spectrum.map((value) => Math.max(value, top + floor) + Math.log10(data.output.factor))));
-  const powers = (plot, splits) => splits.map((value) => (Number.isInteger(value) ? `1e${value}` : ""));
-  chart(host, [{ label: "Multiple of the drive frequency", value: (plot, value) => short(value) }, ...current.map((each) => ({ ...own(each), value: (plot, value) => short(value === null ? null : 10 ** value, 3) }))], columns, [{ ...axis("Multiple of the drive frequency"), size: 44 }, { ...axis(withUnit("Amplitude", data.output.unit)), values: powers }], { height: 250, words: "Spectrum of the output" });
+  const host = byId("spectrum"), decades = 6, count = current.length;
+  host.replaceChildren();
+  byId("spectrum-unit").textContent = withUnit("amplitude", data.output.unit);
+  if (!count) return;
+  const places = Array.from({ length: current[0].spectrum.length }, (_, index) => (index * data.lines) / (current[0].spectrum.length - 1));
+  const shift = Math.log10(data.output.factor), top = Math.max(...current.flatMap((each) => each.spectrum)) + shift;
+  const powers = [];
+  for (let power = Math.ceil((top - decades) / 2) * 2; power <= top + 0.5; power += 2) powers.push(power);
+  current.forEach((each, at) => {
+    const strip = element("div", { class: "chart" }), last = at === count - 1, own = fidelity[each.fidelity];
+    host.append(strip);
+    const across = last ? { ...axis("Multiple of the drive frequency"), size: 44 } : { ...axis(null), size: 8, values: (plot, splits) => splits.map(() => "") };
+    const up = { ...axis(null), size: 50, splits: () => powers, values: (plot, splits) => splits.map((value) => `1e${value}`) };
+    const values = each.spectrum.map((value) => (value + shift <= top - decades ? null : value + shift));
+    const draw = [(plot) => within(plot, (pen) => stems(plot, pen, own))];
+    const scales = { x: { time: false, range: () => [-0.1, data.lines + 0.1] }, y: { range: () => [top - decades, top + 0.5] } };
+    chart(strip, [{}, { ...unjoined, label: own.label, stroke: own.colour }], [places, values], [across, up], { height: last ? 150 : 90, legend: false, hooks: { draw }, scales, cursor: { show: false }, words: `Spectrum of the output: ${own.label}` });
+  });
+}
+
+function stems(plot, pen, own) {
+  pen.strokeStyle = pen.fillStyle = own.colour;
+  pen.lineWidth = 1.2 * devicePixelRatio;
+  pen.beginPath();
+  plot.data[1].forEach((value, at) => {
+    if (value === null) return;
+    const x = plot.valToPos(plot.data[0][at], "x", true);
+    pen.moveTo(x, plot.bbox.top + plot.bbox.height);
+    pen.lineTo(x, plot.valToPos(value, "y", true));
+  });
+  pen.stroke();
+  pen.font = `600 ${12 * devicePixelRatio}px system-ui, sans-serif`;
+  pen.textAlign = "right";
+  pen.fillText(own.label, plot.bbox.left + plot.bbox.width - 4 * devicePixelRatio, plot.bbox.top + 12 * devicePixelRatio);
 }
 
 function spanOf(values) {
@@ -86,32 +114,52 @@ function drawPortrait() {
   }
 }
 
+// The beam in space: base and stops move together, the deflection adds to them.
+
+const metres = (value) => {
+  const [unit, factor] = [["m", 1], ["mm", 1e3], ["µm", 1e6], ["nm", 1e9]].find(([, each]) => Math.abs(value) * each >= 0.1) || ["nm", 1e9];
+  return `${short(value * factor, 2)} ${unit}`;
+};
+
 function drawBeam() {
   const svg = byId("beam"), with_beam = current.filter((each) => each.beam);
   svg.replaceChildren();
   if (!with_beam.length) return svg.append(drawn("text", { x: 240, y: 130 }, "no places along a beam are known here"));
-  const [low, high] = spanOf(with_beam.flatMap((each) => each.beam).concat(0));
-  const y = (value) => 240 - ((value - low) / (high - low)) * 220;
+  const deflections = with_beam.flatMap((each) => each.beam), reach = 3 * Math.max(...deflections.map(Math.abs));
+  const stops = with_beam.flatMap((each) => each.stops.filter(([, height]) => Math.abs(height) <= reach).map((stop) => [...stop, each]));
+  const most = Math.max(...with_beam.map((each) => each.base || 0)), far = with_beam.some((each) => each.stops.some(([, height]) => Math.abs(height) > reach));
+  const [low, high] = spanOf(deflections.concat(0, stops.map(([, height]) => height)).flatMap((value) => [value - most, value + most]));
+  const y = (value) => 226 - ((value - low) / (high - low)) * 186, x = (place, end) => 20 + (440 * place) / end;
+  const base = (each) => (each.base || 0) * Math.sin(2 * Math.PI * turn);
   svg.append(drawn("path", { d: `M20 ${y(0)}H460`, stroke: "#9aa5b1", "stroke-dasharray": "4 3" }));
   for (const each of with_beam) {
-    const places = fidelity[each.fidelity].places, count = places.length - 1, end = places[count];
-    const shown = each.beam.slice(frame * count, (frame + 1) * count);
-    const points = places.slice(1).map((place, at) => `${(20 + (440 * place) / end).toFixed(1)},${y(shown[at]).toFixed(1)}`);
+    const places = fidelity[each.fidelity].places, count = places.length - 1, end = places[count], now = Math.floor(((turn % each.window) / each.window) * data.frames);
+    const shown = [0, ...each.beam.slice(now * count, (now + 1) * count)];
+    const from = fidelity[each.fidelity].held ? 0 : 1;
+    const points = places.slice(from).map((place, at) => `${x(place, end).toFixed(1)},${y(shown[at + from] + base(each)).toFixed(1)}`);
     svg.append(drawn("polyline", { points: points.join(" "), fill: "none", stroke: fidelity[each.fidelity].colour, "stroke-width": 2.2, "stroke-dasharray": fidelity[each.fidelity].dash.join(" ") }));
   }
-  svg.append(drawn("text", { x: 240, y: 16 }, `${frame + 1} of ${data.frames}, deflections ${short(low * 1e3, 2)} … ${short(high * 1e3, 2)} mm, beam not to this scale`));
+  for (const [place, height, side, each] of stops) {
+    const places = fidelity[each.fidelity].places, tip = `${x(place, places[places.length - 1]).toFixed(1)} ${y(height + base(each)).toFixed(1)}`;
+    svg.append(drawn("path", { class: "stop", d: `M${tip}l-5 ${-9 * side}h10z` }));
+  }
+  if (most > 0) svg.append(drawn("rect", { class: "wall", x: 10, y: (y(base(with_beam[0])) - 14).toFixed(1), width: 8, height: 28 }));
+  const said = [`${short(turn % 12, 4)} drive periods`, `deflections ${metres(Math.min(...deflections))} … ${metres(Math.max(...deflections))}`];
+  svg.append(drawn("text", { x: 240, y: 14 }, said.join(", ")));
+  const frame = most > 0 ? `base ± ${metres(most)}` : with_beam.some((each) => each.base === null) ? "seen from the base" : "base at rest";
+  svg.append(drawn("text", { x: 240, y: 254 }, `${frame}${far ? "; a stop is beyond the figure" : ""}; beam not to this scale`));
 }
 
 function listNumbers() {
   const table = byId("numbers");
   table.replaceChildren(element("caption", {}, "Numbers of these motions"));
   const head = element("tr");
-  for (const name of ["fidelity", "repeats after (drive periods)", "impacts shown", "velocities before impact (mm/s)", "modes from 2 on, share of energy"]) head.append(element("th", { scope: "col" }, name));
+  for (const name of ["fidelity", "repeats after (drive periods)", "impacts shown", withUnit("velocities before impact", data.contact_speed.unit), "modes from 2 on, share of energy"]) head.append(element("th", { scope: "col" }, name));
   const body = element("tbody");
   for (const each of current) {
     const row = element("tr"), curve = data.curves.find((one) => one.fidelity === each.fidelity && one.way === each.way);
     const period = curve.values.period[curve.frequency.indexOf(each.frequency)];
-    const cells = [period === 0 ? "does not" : period === -1 ? "1, no contact" : short(period), String(each.impacts.length), each.impacts.slice(0, 6).map((hit) => short(hit[1] * 1e3, 3)).join(", ") || "–", each.shares.length > 1 ? `${short(100 * each.shares.slice(1).reduce((a, b) => a + b, 0), 3)} %` : "–"];
+    const cells = [period === 0 ? "does not" : period === -1 ? "1, no contact" : short(period), String(each.impacts.length), each.impacts.slice(0, 6).map((hit) => short(hit[1] * data.contact_speed.factor, 3)).join(", ") || "–", each.shares.length > 1 ? `${short(100 * each.shares.slice(1).reduce((a, b) => a + b, 0), 3)} %` : "–"];
     row.append(element("th", { scope: "row" }, fidelity[each.fidelity].label), ...cells.map((text) => element("td", {}, text)));
     body.append(row);
   }
@@ -122,7 +170,7 @@ function listNumbers() {
 
 function play() {
   const button = byId("play");
-  if (playing) { clearInterval(playing); playing = null; } else playing = setInterval(() => { frame = (frame + 1) % data.frames; drawBeam(); }, 90);
+  if (playing) { clearInterval(playing); playing = null; } else playing = setInterval(() => { turn = (turn + STEP) % 12; drawBeam(); }, 90);
   button.setAttribute("aria-pressed", String(Boolean(playing)));
   button.textContent = playing ? "Pause" : "Play";
 }

@@ -1,26 +1,40 @@
 // Participation, cost.
 
+// Ticks of a logarithmic axis: powers of ten, with 2 and 5 times them over few decades, and even steps in less than one.
+function logTicks(low, high) {
+  const decades = Math.log10(high / low), found = [];
+  for (let power = Math.floor(Math.log10(low)); power <= Math.log10(high); power += 1) for (const digit of decades > 3 ? [1] : [1, 2, 5]) found.push(+(digit * 10 ** power).toPrecision(3));
+  const inside = found.filter((each) => each >= low && each <= high);
+  return inside.length > 1 ? inside : ticks(low, high).map((each) => +each.toPrecision(6));
+}
+const logarithmic = (label, values, size = 60) => ({ ...axis(label), size, splits: (plot, index, low, high) => logTicks(low, high), filter: (plot, splits) => splits, values: (plot, splits) => splits.map(values) });
+const percent = (value) => (value === null || value === undefined ? "–" : value > 100 ? "> 10000 %" : `${short(100 * value, 3)} %`);
+
 function drawShares() {
   const curve = data.curves.find((each) => title(each) === byId("modal").value);
   const colours = ["#0072B2", "#D55E00", "#009E73", "#AA4499", "#7A5C00", "#333333", "#56B4E9", "#B3261E"];
   const order = curve.frequency.map((value, index) => index).sort((a, b) => curve.frequency[a] - curve.frequency[b]);
-  const columns = [order.map((index) => curve.frequency[index] * FACTOR), ...curve.shares.map((share) => order.map((index) => share[index]))];
-  const positive = columns.slice(1).map((share) => share.map((value) => (value > 1e-6 ? value : null)));
-  chart(byId("shares"), [{ label: withUnit("Frequency", data.frequency.unit), value: (plot, value) => short(value, 6) }, ...curve.shares.map((share, mode) => ({ label: `mode ${mode + 1}`, stroke: colours[mode], width: 1.5, points: { show: columns[0].length < 4 }, value: (plot, value) => (value === null || value === undefined ? "–" : `${short(100 * value, 3)} %`) }))], [columns[0], ...positive], [frequencyAxis(), axis("Share of the energy")], { height: 280, scales: { y: { distr: 3 } }, words: "Share of each mode in the energy against drive frequency" });
+  const positive = curve.shares.map((share) => share.map((value) => (value > 1e-6 ? value : null)));
+  const columns = [curve.frequency, ...positive].map((column, at) => order.map((index) => (at ? column[index] : column[index] * FACTOR)));
+  const series = curve.shares.map((share, mode) => ({ ...unjoined, label: `mode ${mode + 1}`, stroke: colours[mode], value: (plot, value) => percent(value) }));
+  const draw = [(plot) => within(plot, () => positive.forEach((share, mode) => drawPieces(plot, { ...curve, way: "up" }, "amplitude", share, { colour: colours[mode], dash: [] }, 0)))];
+  chart(byId("shares"), [{ label: withUnit("Frequency", data.frequency.unit), value: (plot, value) => short(value, 6) }, ...series], columns, [frequencyAxis(), logarithmic("Share of the energy", percent, 72)], { height: 280, hooks: { draw }, scales: { x: { time: false, range: beside }, y: { distr: 3, range: (plot, low, high) => [low / 1.5, 1.3 * high] } }, words: "Share of each mode in the energy against drive frequency" });
 }
 
 function drawCost() {
   const host = byId("cost"), points = data.cost.filter((each) => each.off !== null && each.seconds > 0);
+  const finest = data.cost.filter((each) => each.finest), also = finest.map((each) => `${fidelity[each.fidelity].label} (${short(each.seconds, 3)} s)`);
   if (!points.length) { host.replaceChildren(element("p", { class: "note" }, "No fidelity has a finer one of the same physics to be compared with.")); return; }
   const sorted = [...points].sort((a, b) => a.seconds - b.seconds);
   const xs = increasing(sorted.map((each) => each.seconds));
   const series = [{ label: "CPU time (s)", value: (plot, value) => short(value, 3) }], columns = [xs];
   sorted.forEach((each, at) => {
-    series.push({ label: fidelity[each.fidelity].label, stroke: fidelity[each.fidelity].colour, width: 0, points: { show: true, size: 12, fill: fidelity[each.fidelity].colour }, value: (plot, value) => (value === null || value === undefined ? "–" : `${short(100 * value, 3)} %`) });
+    series.push({ label: fidelity[each.fidelity].label, stroke: fidelity[each.fidelity].colour, width: 0, points: { show: true, size: 12, fill: fidelity[each.fidelity].colour }, value: (plot, value) => percent(value) });
     columns.push(xs.map((_, index) => (index === at ? Math.max(each.off, 1e-9) : null)));
   });
   const around = (low, high) => (low === high ? [low / 3, high * 3] : [low / 1.5, high * 1.5]);
-  chart(host, series, columns, [{ ...axis("CPU time of the sweep (s)"), size: 44 }, axis("Off the finest, at most")], { height: 240, scales: { x: { time: false, distr: 3, range: (plot, low, high) => around(low, high) }, y: { distr: 3, range: (plot, low, high) => around(low, high) } }, words: "Largest difference to the finest fidelity against CPU time" });
+  chart(host, series, columns, [logarithmic("CPU time of the sweep (s)", (value) => short(value, 3), 44), logarithmic("Off the finest, at most", percent, 72)], { height: 240, scales: { x: { time: false, distr: 3, range: (plot, low, high) => around(low, high) }, y: { distr: 3, range: (plot, low, high) => around(low, high) } }, words: "Largest difference to the finest fidelity against CPU time" });
+  if (also.length) host.append(element("p", { class: "note" }, `Without a point: ${also.join(", ")}, the finest of ${finest.length > 1 ? "their" : "its"} physics, to which the others are compared.`));
 }
 
 fillControls();
