@@ -71,17 +71,17 @@ def _spin() -> None:
 
 
 def _grow() -> None:
-    np.ones(int(0.8 * GIB) // 8)
+    np.ones(GIB // 8 // 8)
 
 
 @pytest.mark.parametrize(
-    ("work", "said"),
-    [(_spin, "no end in 2 s"), (_grow, "GiB"), (lambda: os.kill(os.getpid(), signal.SIGSEGV), "SIGSEGV"),
-     (lambda: [][1], "IndexError"), (lambda: os._exit(2), "without a message")],
+    ("work", "said", "cpu"),
+    [(_spin, "no end in 1 s", 1), (_grow, "GiB", 60), (lambda: os.kill(os.getpid(), signal.SIGSEGV), "SIGSEGV", 60),
+     (lambda: [][1], "IndexError", 60), (lambda: os._exit(2), "without a message", 60)],
 )  # fmt: skip
-def test_what_no_command_may_do_is_seen(work: object, said: str, tmp_path: Path) -> None:
+def test_what_no_command_may_do_is_seen(work: object, said: str, cpu: int, tmp_path: Path) -> None:
     resident = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss  # a fork begins with it
-    limits = Limits(cpu=2, memory=resident + int(0.25 * GIB))
+    limits = Limits(cpu=cpu, memory=resident + GIB // 16)
     assert said in run_limited(work, tmp_path, limits).fault(limits)  # type: ignore[arg-type]
     assert not list(tmp_path.iterdir())
 
