@@ -1,4 +1,4 @@
-"""Between pieces of long work: where a signal, or a computation that is to stop, is heard."""
+"""Between pieces of long work: where a signal, a computation that is to stop, or the end of a time is heard."""
 
 from __future__ import annotations
 
@@ -14,7 +14,15 @@ class Stopped(Exception):
     """A task saw its stop signal and left; never seen outside ``vibeam.run.parallel``."""
 
 
+class OutOfTime(Exception):
+    """Work that did not end within its time; the message says where it was."""
+
+
+Clock = Callable[[], float]
+
 _STOP: ContextVar[Event | None] = ContextVar("stop", default=None)
+
+_TIME: ContextVar[tuple[Clock, float] | None] = ContextVar("time", default=None)
 
 
 @contextmanager
@@ -27,11 +35,23 @@ def stopping_at(stop: Event) -> Iterator[None]:
         _STOP.reset(token)
 
 
+@contextmanager
+def ending_at(clock: Clock, deadline: float) -> Iterator[None]:
+    """Within it, in this thread, long work raises ``OutOfTime`` soon after ``clock()`` has passed ``deadline``."""
+    token = _TIME.set((clock, deadline))
+    try:
+        yield
+    finally:
+        _TIME.reset(token)
+
+
 def pause() -> None:
-    """``Stopped`` where this thread's work is to stop; Ctrl-C needs no call, Python raises it by itself."""
-    stop = _STOP.get()
+    """``Stopped`` or ``OutOfTime`` where this thread's work is to end; Ctrl-C needs no call, Python raises it."""
+    stop, time = _STOP.get(), _TIME.get()
     if stop is not None and stop.is_set():
         raise Stopped
+    if time is not None and time[0]() > time[1]:
+        raise OutOfTime("the time was up")
 
 
 def unpaused(move: Callable[..., tuple[int, float]], *given: object) -> tuple[int, float]:

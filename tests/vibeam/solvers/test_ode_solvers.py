@@ -146,6 +146,14 @@ def test_endless_bouncing_is_bounded(name: str, limit: int) -> None:
     assert state.displacement[0] == pytest.approx(-1.0)
 
 
+def test_a_mode_that_is_far_too_fast_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An explicit method follows its rate of 2e7 1/s: a drive period would take millions of evaluations."""
+    monkeypatch.setattr("vibeam.solvers.integration.impact_events.EVALUATIONS", 2000)
+    stiff = vibeam.ImpactSystem.from_modes([1.0], 1e7, [1.0], [1.0], gap=1.0, restitution=0.7)
+    response, _ = DirectSolver(stiff, 2.0).steady([2.0], B, None, 0, 1, "contact")
+    assert (response.ended[0], response.evaluations[0]) == (Ended.UNRESOLVED.code, 2002)
+
+
 def test_a_short_flight_from_the_stop_is_not_lost() -> None:
     """The whole flight lies within the integrator's first step."""
     system, speed = sdof(gap=-1.0), 1e-3

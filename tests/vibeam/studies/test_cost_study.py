@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
+from vibeam.flight.pause import OutOfTime
 from vibeam.report.cost import parts, runs, sentences, write_files
 from vibeam.report.work_precision import work_precision
 from vibeam.run.models import finest, first_mode_restitution_of, models, with_first_mode_restitution
@@ -188,11 +189,19 @@ def test_a_run_that_fails_is_no_number_with_its_reason(monkeypatch: pytest.Monke
     assert "a number overflowed" in (tmp_path / "a_cost.csv").read_text(encoding="utf-8")
 
 
-def test_time_up_within_a_run_is_told() -> None:
-    case = parse(TINY)
-    studied = measure  # the deadline is looked at between points
-    with pytest.raises(measured_module.OutOfTime, match="stopped after 1 of 3 points"):
-        studied(case.system("sdof"), Setting("flight"), _plan(case), Clock(), 0.5)
+@pytest.mark.parametrize(("solver", "looks"), [("flight", 0.5), ("direct", 500), ("ivanov", 500)])
+def test_time_up_within_a_run_is_told(solver: str, looks: float) -> None:
+    """Between the points, and within one that is integrated: it takes some thousand evaluations."""
+    case, after = parse(TINY), 1 if solver == "flight" else 0
+    with pytest.raises(OutOfTime, match=f"stopped after {after} of 3 points: the time was up"):
+        measure(case.system("sdof"), Setting(solver), _plan(case), Clock(), looks)
+
+
+def test_a_first_setting_that_takes_the_budget_is_left_out_and_said() -> None:
+    case = parse(TINY, set={"cost.budget": 300, "cost.solvers": ["flight", "ivanov"]})
+    study = cost(case, clock=Clock())
+    assert {each.why for each in study.left_out if each.run.startswith("ivanov")} == {"over the whole budget"}
+    assert study.bound.note == "integration at 1e-12 takes more than 3e+02 s"
 
 
 def _plan(case: object) -> object:

@@ -11,6 +11,7 @@ Difficulties of event detection at impacts, and their treatment:
   toward the stop) is none: the contact is plastic there, and the system held on the stop is integrated until the
   contact force changes sign. Where no flight gets that small (R = 1 on a pressed stop) ``limit`` events in one drive
   period end the run.
+- Modes far too fast for an explicit method would take for ever: ``EVALUATIONS`` in one drive period end the run too.
 """
 
 from __future__ import annotations
@@ -47,7 +48,13 @@ ROUNDING = 1e-15
 
 STUCK = 1e-12  # share of a period below which a flight counts as not begun
 
+EVALUATIONS = 1_000_000  # of the right-hand side in a drive period: modes far too fast take more
+
 ONE_AT_A_TIME = Lock()  # before scipy 1.17, LSODA keeps its state in one place for all threads
+
+
+class _Endless(Exception):
+    """More evaluations than may be in a drive period."""
 
 
 class EventSolver(AdaptiveStepper):
@@ -87,11 +94,18 @@ class EventRun:
         self.touching = self.resting = False
         self.impacts, self.evaluations = 0, 0
         self.turn, self.events = -1.0, 0
+        self.evaluated_turn, self.evaluated_before = -1.0, 0
         self.atol = settings.atol * frame.scale
         self.deep = max(DEEP * settings.atol, ROUNDING * float(np.max(np.abs(y / frame.scale))))
 
     def advance(self, allowed: float, resting: bool) -> Ended:
         """Advance through flights, impacts and rests to the end; the start may lie ``allowed`` m beyond the stop."""
+        try:
+            return self._advanced(allowed, resting)
+        except _Endless:
+            return Ended.UNRESOLVED
+
+    def _advanced(self, allowed: float, resting: bool) -> Ended:
         excess = self.frame.excess(self.y)
         if excess > allowed:
             return Ended.PENETRATED
@@ -171,6 +185,7 @@ class EventRun:
 
         def interruptible(t: float, y: Array) -> Any:
             pause()
+            self._count(t)
             return rate(t, y)
 
         with ONE_AT_A_TIME if self.settings.method == "LSODA" else nullcontext():
@@ -178,11 +193,18 @@ class EventRun:
                 interruptible, (self.t, self.end), self.y, method=self.settings.method, rtol=self.settings.rtol,
                 atol=self.atol, events=event, dense_output=dense, max_step=LONGEST * self.period,
             )  # fmt: skip
-        self.evaluations += found.nfev
         if found.status < 0:
             self.y = np.full_like(self.y, np.nan)
             return None
         return found
+
+    def _count(self, t: float) -> None:
+        self.evaluations += 1
+        turn = t // self.period
+        if turn > self.evaluated_turn:
+            self.evaluated_turn, self.evaluated_before = turn, self.evaluations
+        if self.evaluations - self.evaluated_before > EVALUATIONS:
+            raise _Endless
 
     def _missed_passage(self, times: Array, states: Array) -> tuple[float, float] | None:
         """Begin of the first step inside which the contact turns beyond the stop, and time of that turn."""

@@ -30,6 +30,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import equilibrium
+from vibeam.flight.pause import pause
 from vibeam.solvers.integration.adaptive import AdaptiveStepper
 from vibeam.solvers.integration.coordinates import only_one_mode
 from vibeam.solvers.integration.impact_events import LONGEST, samples
@@ -91,6 +92,7 @@ class IvanovCoordinates:
         return float(np.sum(np.diff(times)[frozen[1:] & frozen[:-1]]))
 
     def _count(self, t: float) -> None:
+        pause()
         self.evaluations += 1
         turn = t // self.period
         if turn > self.turn:

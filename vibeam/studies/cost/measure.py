@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.pause import Clock, OutOfTime, ending_at, pause
 from vibeam.solvers import SOLVERS, solver
 from vibeam.studies.cost.settings import Setting
 from vibeam.studies.cost.trajectories import ComparedPath, path_of, released
@@ -16,12 +17,6 @@ from vibeam.system.response import Ended, FrequencyResponse, join
 from vibeam.system.state import State
 
 Array = NDArray[np.float64]
-
-Clock = Callable[[], float]
-
-
-class OutOfTime(Exception):
-    """Run stopped by the deadline: the message says where."""
 
 
 @dataclass(frozen=True)
@@ -94,14 +89,24 @@ class Measured:
 def measure(
     system: ImpactSystem, setting: Setting, plan: Plan, clock: Clock = lambda: 0.0, deadline: float = np.inf
 ) -> Measured:
-    """Run the plan; ValueError where the solver cannot take the system, OutOfTime if ``clock`` passes ``deadline``."""
-    runner = solver(setting.solver, system, float(np.min(plan.omega)), **setting.options)
+    """Run the plan; ValueError where the solver cannot take the system, OutOfTime soon after ``clock`` passes
+    ``deadline``.
+    """
     parts: list[FrequencyResponse] = []
+    try:
+        with ending_at(clock, deadline):
+            return _measured(system, setting, plan, parts)
+    except OutOfTime as up:
+        raise OutOfTime(f"stopped after {len(parts)} of {len(plan.omega)} points: {up}") from None
+
+
+def _measured(system: ImpactSystem, setting: Setting, plan: Plan, parts: list[FrequencyResponse]) -> Measured:
+    """Run the plan; ``parts`` takes the points as they are done."""
+    runner = solver(setting.solver, system, float(np.min(plan.omega)), **setting.options)
     clouds: dict[int, AperiodicSample] = {}
     state: State | None = None
     for index, omega in enumerate(plan.omega):
-        if clock() > deadline:
-            raise OutOfTime(f"stopped after {index} of {len(plan.omega)} points: the time was up")
+        pause()
         one = np.array([omega])
         base = float(plan.amplitude[index])
         part, state = runner.steady(one, base, state, plan.settle, plan.hold, plan.output)

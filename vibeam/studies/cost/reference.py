@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.reference_curves import SAME_FREQUENCY, reference_points
+from vibeam.flight.pause import Clock, OutOfTime
 from vibeam.studies.cost.errors import Errors, errors
 from vibeam.studies.cost.measure import Measured, Plan, measure
 from vibeam.studies.cost.settings import Setting
@@ -66,10 +67,12 @@ class Bound:
         return "; ".join([*sentences, *filter(None, [self.note])])
 
 
-def bound(system: ImpactSystem, exact: Measured, plan: Plan) -> Bound:
-    """Compute both comparisons with ``exact``."""
+def bound(
+    system: ImpactSystem, exact: Measured, plan: Plan, clock: Clock = lambda: 0.0, budget: float = np.inf
+) -> Bound:
+    """Compute both comparisons with ``exact``, integrating for ``budget`` seconds of the ``clock`` at most."""
     by_orbit, refusal = _closed_form(system, exact, plan)
-    by_steps, failure = _integrated(system, plan)
+    by_steps, failure = _integrated(system, plan, clock, budget)
     return Bound(
         by_orbit.amplitude_max, by_orbit.velocity, by_orbit.points, by_orbit.total, by_steps.path,
         by_steps.impact_velocities, "; ".join(filter(None, [refusal, failure])),
@@ -111,13 +114,15 @@ def _single_impacts(response: FrequencyResponse) -> FrequencyResponse:
     return replace(response, period=np.where(simple, response.period, 0))
 
 
-def _integrated(system: ImpactSystem, plan: Plan) -> tuple[Errors, str]:
+def _integrated(system: ImpactSystem, plan: Plan, clock: Clock, budget: float) -> tuple[Errors, str]:
     if system.size > MOST:
         return Errors(), f"{system.size} modes are too many to integrate at {STRICT:.0e}"
     short = replace(plan.at(0), settle=0, hold=1, cloud=0, window=WINDOW)
     options = {"method": "DOP853", "rtol": STRICT, "atol": STRICT * 1e-2 * plan.size}
     try:
-        strict = measure(system, Setting("direct", options=options), short)
+        strict = measure(system, Setting("direct", options=options), short, clock, clock() + budget)
     except ValueError as refusal:
         return Errors(), f"no integration: {refusal}"
+    except OutOfTime:
+        return Errors(), f"integration at {STRICT:.0e} takes more than {budget:.2g} s"
     return errors(strict, measure(system, FLIGHT, short), short), strict.failure

@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
+from math import isfinite
 
 from vibeam.studies.cost.settings import Series, Setting
+
+OVER = "over the whole budget"
 
 
 @dataclass(frozen=True)
 class Schedule:
-    """Series of settings of one solver on one fidelity; ``estimate``: seconds of its first setting."""
+    """Series of settings of one solver on one fidelity; ``estimate``: seconds of its first setting, maybe inf."""
 
     fidelity: str
     series: Series
@@ -58,5 +61,6 @@ def _left_out(fidelity: str, settings: Series, estimate: float, left: float) -> 
     out = []
     for index, setting in enumerate(settings):
         estimate *= setting.growth if index else 1.0
-        out.append(LeftOut(fidelity, setting.label, f"about {estimate:.2g} s, with {left:.2g} s of the budget left"))
+        why = f"about {estimate:.2g} s, with {left:.2g} s of the budget left" if isfinite(estimate) else OVER
+        out.append(LeftOut(fidelity, setting.label, why))
     return out

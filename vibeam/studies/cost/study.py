@@ -12,13 +12,14 @@ import numpy as np
 
 from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.case.one_harmonic import require_one_harmonic
+from vibeam.flight.pause import Clock, OutOfTime
 from vibeam.run.comparison.differences import HeldComparison
 from vibeam.run.comparison.held_comparison import held_comparison
 from vibeam.run.comparison.of_case import compared_model
 from vibeam.run.models import CUT_SOLVERS, Model, built, finest, models
 from vibeam.solvers import SOLVERS
 from vibeam.studies.cost.error_split import Split, split
-from vibeam.studies.cost.measure import Clock, Measured, OutOfTime, Plan, measure
+from vibeam.studies.cost.measure import Measured, Plan, measure
 from vibeam.studies.cost.planning import Planning
 from vibeam.studies.cost.reference import FLIGHT, Bound, bound, given
 from vibeam.studies.cost.row import References, RunRow, compared, stopped
@@ -120,11 +121,11 @@ class _Studied:
                 self._warm(series[0], smallest_first)
 
     def _warm(self, setting: Setting, models: Sequence[Model]) -> None:
-        """Short run on the first model that the solver can take."""
+        """Short run on the first model that the solver can take, as long as a share of the budget."""
         plan = replace(self.planning.first.at(0), settle=0, hold=PROBE)
         for model in models:
-            with suppress(ValueError):
-                measure(model.system, setting, plan)
+            with suppress(ValueError, OutOfTime):
+                measure(model.system, setting, plan, self.clock, self.clock() + SHARE * self.asked.budget)
                 return
 
     def study(self) -> CostStudy:
@@ -139,7 +140,7 @@ class _Studied:
         hertz = plan.omega / (2 * np.pi)
         self.file = None if self.asked.reference is None else given(self.case, hertz)
         self.truth = top if self.file is None else Measured(self.file)
-        bounded = bound(self.finest.system, top, self.planning.long)
+        bounded = bound(self.finest.system, top, self.planning.long, self.clock, self.asked.budget)
         splits = tuple(self._split(model, top) for model in self.models)
         schedules = self._schedules()
         self.ready = self.clock()
@@ -198,7 +199,10 @@ class _Studied:
         return schedules
 
     def _estimate(self, model: Model, setting: Setting) -> float:
-        """Estimated seconds of a run: known for flight, extrapolated from two periods, its warm-up, for others."""
+        """Estimated seconds of a run: known for flight, extrapolated from two periods, its warm-up, for others.
+
+        Infinite where these take so long that all cannot fit into the budget.
+        """
         if setting.solver == "flight":
             return self.exact[model.name][1].cpu_min
         plan = self.planning.of(model)
@@ -206,10 +210,14 @@ class _Studied:
         if setting.solver == "direct" and least * (plan.settle + plan.hold) > self.asked.budget:
             return least * (plan.settle + plan.hold)  # two periods are too short to be measured
         short = replace(plan.at(len(plan.omega) // 2), settle=0, hold=PROBE, cloud=0, window=0)
-        begun = self.clock()
-        measure(model.system, setting, short)
         times = 1 if SOLVERS[setting.solver].stationary else (plan.settle + plan.hold) / PROBE
-        return (self.clock() - begun) * len(plan.omega) * times
+        times *= len(plan.omega)
+        begun = self.clock()
+        try:
+            measure(model.system, setting, short, self.clock, begun + self.asked.budget / times)
+        except OutOfTime:
+            return np.inf
+        return (self.clock() - begun) * times
 
     def _run_setting(self, fidelity: str, setting: Setting) -> float | None:
         """Run one setting and add its row; return its seconds, or None where stricter settings are of no use."""

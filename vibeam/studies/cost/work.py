@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from math import isfinite
 from statistics import median
 
-from vibeam.studies.cost.measure import Clock, Measured
+from vibeam.flight.pause import Clock
+from vibeam.studies.cost.measure import Measured
 
 
 @dataclass(frozen=True)

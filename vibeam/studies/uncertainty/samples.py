@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from time import thread_time
@@ -16,6 +16,7 @@ from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.read import validate
 from vibeam.casefile.toml import key_parts
 from vibeam.maps.variation import narrowed, varied
+from vibeam.run.heartbeat import heartbeat
 from vibeam.run.parallel import run_parallel
 from vibeam.run.sweep import sweep
 from vibeam.system.response import FrequencyResponse, complete, period_one_range
@@ -102,21 +103,27 @@ class Sampler:
         """Response at the case's own values."""
         return self._gathered(fidelity, Declared.of(self.case, fidelity, ()), np.empty((1, 0)))
 
-    def __call__(self, fidelity: str, inputs: Array) -> Responses:
-        """Responses to inputs (m, d), several at once; CaseError for a value that the case may not have."""
+    def __call__(self, fidelity: str, inputs: Array, tell: Callable[[str], None] | None = None) -> Responses:
+        """Responses to inputs (m, d), several at once; CaseError for a value that the case may not have.
+
+        ``tell``: hears every few seconds how many are there.
+        """
         declared = Declared.of(self.case, fidelity, self.keys)
         for extreme in (inputs.min(axis=0), inputs.max(axis=0)):
             settings = tuple(zip(self.keys, map(float, extreme), strict=True))
             varied(narrowed(self.case, fidelity), str(self.case.path), fidelity, settings)
-        return self._gathered(fidelity, declared, inputs)
+        return self._gathered(fidelity, declared, inputs, tell)
 
-    def _gathered(self, fidelity: str, declared: Declared, inputs: Array) -> Responses:
+    def _gathered(
+        self, fidelity: str, declared: Declared, inputs: Array, tell: Callable[[str], None] | None = None
+    ) -> Responses:
         rows: list[tuple[Array, Array]] = [(np.empty(0), np.empty(0))] * len(inputs)
 
         def one(index: int, stop: Event) -> None:
             rows[index] = self._row(fidelity, declared, inputs[index])
 
-        run_parallel(one, list(range(len(inputs))))
+        with heartbeat(tell, lambda: f"{fidelity}: {sum(len(each) > 0 for each, _ in rows)} of {len(rows)} sweeps"):
+            run_parallel(one, list(range(len(inputs))))
         amplitudes, numbers = (np.stack(each) for each in zip(*rows, strict=True))
         return Responses(fidelity, inputs, amplitudes, *numbers.T)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.run.heartbeat import EVERY, heartbeat
 from vibeam.run.result import finest_of
 from vibeam.studies.uncertainty.mean_of_peak import PILOT, MeanPeak, mean_of_peak
 from vibeam.studies.uncertainty.samples import Responses, Sampler, inputs_of
@@ -89,19 +90,22 @@ def uncertainty(
         raise ValueError(f"samples: {samples}, must be a power of two, {PILOT // 2} or more")
     from vibeam.run.run import run
 
-    nominal = run(case, show=False, compare=True)
+    with heartbeat(tell, lambda: "the case as it is"):
+        nominal = run(case, show=False, compare=True)
     finest = finest_of(nominal)
     own = case.fidelities
     names = [name for name in nominal if name != finest and own[name].changes == own[finest].changes] + [finest]
     sampler = Sampler(case, tuple(each.key for each in case.uncertain))
     shares = saltelli(len(case.uncertain), samples, seed)
     inputs = inputs_of(case.uncertain, shares)
-    found = {}
+    found, own_row = dict[str, Responses](), dict[str, Responses]()
     for name in names:
         count = len(inputs) if name == finest else 2 * samples
-        tell(f"{name}: {count} sweeps")
-        found[name] = sampler(name, inputs[:count])
-    rows = tuple(_row(sampler.nominal(name), found[name], 2 * samples) for name in names)
+        own_row[name] = sampler.nominal(name)
+        seconds = count * float(own_row[name].seconds[0])
+        tell(f"{name}: {count} sweeps" + (f", about {seconds:.0f} s of CPU time" if seconds > EVERY else ""))
+        found[name] = sampler(name, inputs[:count], tell)
+    rows = tuple(_row(own_row[name], found[name], 2 * samples) for name in names)
     whole = found[finest]
     return UncertaintyStudy(
         case,

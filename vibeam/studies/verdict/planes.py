@@ -21,6 +21,7 @@ from vibeam.maps.grids import blocks_of, key_of
 from vibeam.maps.points import GridPoints, grid_points
 from vibeam.maps.store.blocks import read_block, write_block
 from vibeam.maps.store.manifest import discard, opened
+from vibeam.run.heartbeat import heartbeat
 from vibeam.run.parallel import run_parallel
 from vibeam.run.store.errors import unwritable
 from vibeam.run.store.lock import locked
@@ -100,7 +101,8 @@ def computed(
     for plane in sorted(planes, key=lambda plane: -plane.points.systems[0].size):
         mine = [work.task(plane, block) for block in blocks_of(plane.grid, plane.size)]
         tasks += [*mine[:1], _boundary_task(known, case, plane, axis, frequency), *mine[1:]]
-    run_parallel(lambda task, stop: task(stop), tasks)
+    with heartbeat(tell, lambda: work.where(planes)):
+        run_parallel(lambda task, stop: task(stop), tasks)
     found = [motions(plane.name, plane.points, work.gathered(plane)) for plane in planes]
     return found, [boundary for plane in planes for boundary in known[plane.name]]
 
@@ -135,10 +137,17 @@ class _Work:
             with self._lock:
                 self.known[plane.name, block.first] = found
                 if self.tell is not None:
-                    rows = sum(len(values["value"]) for (name, _), values in self.known.items() if name == plane.name)
-                    self.tell(f"{plane.name}: {rows} of {plane.grid.lines} rows")
+                    self.tell(self.where([plane]))
 
         return task
+
+    def where(self, planes: Sequence[Plane]) -> str:
+        """How many rows of each model are known."""
+        known = [(name, len(values["value"])) for (name, _), values in list(self.known.items())]
+        return ", ".join(
+            f"{plane.name}: {sum(rows for name, rows in known if name == plane.name)} of {plane.grid.lines} rows"
+            for plane in planes
+        )
 
     def _computed(self, block: Block) -> Values:
         grid, lines = block.grid, np.arange(block.first, block.last)
