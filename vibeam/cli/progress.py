@@ -10,6 +10,8 @@ from rich.console import Console
 if TYPE_CHECKING:
     from rich.progress import Progress
 
+WIDE, NARROW = 120, 60  # columns of a terminal from which on there are words and speed, and a bar
+
 
 def stderr() -> Console:
     """Console on stderr that leaves long lines to the terminal."""
@@ -52,28 +54,24 @@ class Bar:
 
 
 def _bar(console: Console, doing: str) -> Progress:
+    """Bar of a terminal's width: a narrow one has no room for words and speed, a very narrow one none for the bar."""
     from rich import progress
     from rich.text import Text
 
     from vibeam.run.parallel import cores
 
     text = progress.TextColumn
-    columns = text(f"{doing} on up to {_cores(cores())}"), progress.BarColumn(), progress.MofNCompleteColumn()
 
     class Speed(progress.ProgressColumn):
         """Points a second."""
 
         def render(self, task: progress.Task) -> Text:
-            return Text(f"{task.speed:.4g} points/s" if task.speed else "")
+            return Text(f"points · {float(f'{task.speed:.3g}'):g} points/s" if task.speed else "points")
 
-    times = (
-        text("points ·"),
-        Speed(),
-        text("·"),
-        progress.TimeElapsedColumn(),
-        text("· remaining"),
-        progress.TimeRemainingColumn(),
-    )
+    words, speed, line = [text(f"{doing} on up to {_cores(cores())}")], [Speed()], [progress.BarColumn()]
+    wide, narrow = console.width >= WIDE, console.width >= NARROW
+    columns = [*words * wide, *line * narrow, progress.MofNCompleteColumn(), *speed * wide, text("·")]
+    times = progress.TimeElapsedColumn(), text("· remaining" if narrow else "·"), progress.TimeRemainingColumn()
     bar = progress.Progress(*columns, *times, console=console, transient=True)
     bar.add_task("points", total=None)
     return bar

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
+from rich.console import Console
 
+from vibeam.cli.progress import Bar
 from vibeam.cli.streams import legible
 
 RIG = Path(__file__).parents[3] / "cases" / "dtu_neutral.toml"
@@ -82,3 +86,16 @@ def test_what_an_encoding_lacks_is_its_nearest_or_its_escape() -> None:
     text = "R₁ – 5 µm ≥ é 世"
     found, end = legible(UnicodeEncodeError("ascii", text, 0, len(text), ""))
     assert (found, end) == (r"R1 - 5 um >= e \u4e16", len(text))
+
+
+@pytest.mark.parametrize("width", [40, 60, 80, 120])
+def test_progress_keeps_count_elapsed_and_remaining_in_a_narrow_terminal(width: int) -> None:
+    """Words go first, then the bar; nothing is elided."""
+    shown = io.StringIO()
+    with Bar(console=Console(file=shown, force_terminal=True, width=width, color_system=None)) as bar:
+        bar(0, 123456)
+        bar(12345, 123456)
+    last = shown.getvalue().replace("\x1b[?25h", "").split("\r")[-2]
+    assert re.search(r"12345/123456 .*· 0:00:00 · (remaining )?(-:--:--|\d:\d\d:\d\d)", last), last
+    assert "…" not in last
+    assert ("sweeping on up to" in last, "remaining" in last) == (width >= 120, width >= 60)
