@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 Steps = tuple[tuple[float, str, float], ...]  # smallest SI size, unit, factor from SI
 
@@ -23,6 +24,23 @@ STRAINS: Steps = ((0.0, "µε", 1e6),)
 STRAINING: Steps = ((1.0, "1/s", 1.0), (0.0, "µε/s", 1e6))
 
 FREQUENCIES: Steps = ((1e10, "GHz", 1e-9), (1e7, "MHz", 1e-6), (1e4, "kHz", 1e-3), (0.0, "Hz", 1.0))
+
+MASSES: Steps = ((1.0, "kg", 1.0), (1e-3, "g", 1e3), (0.0, "mg", 1e6))
+
+TIMES: Steps = ((1.0, "s", 1.0), (1e-4, "ms", 1e3), (0.0, "µs", 1e6))
+
+MODULI: Steps = ((1e9, "GPa", 1e-9), (1e6, "MPa", 1e-6), (0.0, "Pa", 1.0))
+
+#: prefixes of a key's SI unit
+OF_UNIT: Mapping[str, Steps] = {
+    "m": LENGTHS, "m/s": SPEEDS, "m/s^2": ACCELERATIONS, "rad": ANGLES, "Hz": FREQUENCIES, "kg": MASSES, "s": TIMES,
+    "Pa": MODULI,
+}  # fmt: skip
+
+
+def in_prefix(unit: str, largest: float) -> tuple[str, float]:
+    """Unit and factor that suit the ``largest`` value in an SI ``unit``; that unit itself where it takes no prefix."""
+    return prefixed(OF_UNIT[unit], largest, usual=-1) if unit in OF_UNIT and largest > 0 else (unit, 1.0)
 
 
 def prefixed(steps: Steps, largest: float, usual: int = 1) -> tuple[str, float]:

@@ -14,6 +14,11 @@ if TYPE_CHECKING:
     from vibeam.studies.limit.study import LimitRow
 
 
+LOOSE = 0.1  # share of a limit beyond which its uncertainty is no number to rely on
+
+MORE = "its values are not settled over these numbers of modes, more may settle them (--modes)"
+
+
 def limits(rows: Sequence[LimitRow], units: Units = METRIC) -> ReportTable:
     """Table of every quantity over the numbers of modes, its limit and the rate at which it gets there."""
     counts = rows[0].counts if rows else ()
@@ -69,6 +74,12 @@ def sentences(rows: Sequence[LimitRow]) -> Iterator[str]:
             reasons.setdefault((row.held, row.why), []).append(row.quantity)
     for (held, why), quantities in reasons.items():
         yield f"{held}: no limit of {', '.join(quantities)} is given: {why}"
-    known = [row.uncertainty / abs(row.limit) for row in rows if isfinite(row.limit) and row.limit]
-    if known:
-        yield f"limits are known to {percent(max(known))} or better: the last value, or by the rate where it is steady"
+    known = [(row.uncertainty / abs(row.limit), row) for row in rows if isfinite(row.limit) and row.limit]
+    well = [share for share, _ in known if share <= LOOSE]
+    if well:
+        which = "limits" if len(well) == len(known) else "the other limits"
+        yield f"{which} are known to {percent(max(well))} or better: the last value, or by the rate where it is steady"
+    for share, row in known:
+        if share > LOOSE:
+            how = f"by {percent(share)}" if share < 1 else "by as much as itself"
+            yield f"{row.held}: the limit of {row.quantity} is hardly known, it may be off {how}: {MORE}"

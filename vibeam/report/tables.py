@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.text import Text
 
 from vibeam.figures.prefixes import FREQUENCIES, prefixed
-from vibeam.figures.units import METRIC, Units, percent, signed
+from vibeam.figures.units import METRIC, Units, percent, signed, without_round_off
 from vibeam.report.measured import measurements
 from vibeam.report.table_widths import ReportTable, fitted, needed
 
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from vibeam.studies.stability.rows import Crossing
 
 WIDEST = 160
+
+FEW_IMPACTS = 100  # so few tell nothing of what an impact costs
 
 ARROWS = {"up": " ↑", "down": " ↓"}  # way of the sweep
 
@@ -103,10 +105,15 @@ def costs(summaries: Sequence[Summary], comparisons: Sequence[HeldComparison] = 
     table.caption = "off: in amplitude, where it and the finest are periodic; ratio: to the cheapest" + (
         "\nat peak: of its height, beside it with the other choice; [ ]: the finest off its own limit"
     ) * bool(compared)
+    if any(0 < row.impacts < FEW_IMPACTS for row in summaries):
+        table.caption += f"\nns each: of fewer than {FEW_IMPACTS} impacts it is no cost of impacts"
+    related = len(summaries) == 1 or any(row.distance is not None for row in summaries)
+    if not related:
+        table.caption += "\nno two of the fidelities are of the same physics: none is off another"
     for row in summaries:
-        per_impact = f"{row.nanoseconds_per_impact:.0f}" if row.impacts else "–"
+        per_impact = f"{row.nanoseconds_per_impact:.0f}" if row.impacts >= FEW_IMPACTS else "–"
         cost = (f"{row.cpu_seconds:.3g} s", f"{row.cost_ratio:.3g}", str(row.impacts), per_impact)
-        table.add_row(row.fidelity, *_off(row, compared), *cost, _failed(row))
+        table.add_row(row.fidelity, *_off(row, compared, "finest" if related else ""), *cost, _failed(row))
     return table
 
 
@@ -116,8 +123,8 @@ def _other_symbol(compared: Sequence[HeldComparison]) -> str:
     return symbols.pop() if len(symbols) == 1 else "other"
 
 
-def _off(row: Summary, compared: Sequence[HeldComparison]) -> tuple[str, ...]:
-    """Cells of a fidelity's distance from the finest, of the finest from its limit."""
+def _off(row: Summary, compared: Sequence[HeldComparison], finest: str) -> tuple[str, ...]:
+    """Cells of a fidelity's distance from the finest, of the finest from its limit; else it is called ``finest``."""
     for each in compared:
         if row.fidelity == each.finest and not each.limit.why:
             here, there = each.limit.held, each.limit.other
@@ -125,8 +132,8 @@ def _off(row: Summary, compared: Sequence[HeldComparison]) -> tuple[str, ...]:
             return tuple(f"[{cell}]" for cell in cells)
         for other in each.rows:
             if other.fidelity == row.fidelity:
-                return *_distance(row), signed(other.held.peak), signed(other.other.peak)
-    return *_distance(row), *[""] * (2 * bool(compared))
+                return *_distance(row, finest), signed(other.held.peak), signed(other.other.peak)
+    return *_distance(row, finest), *[""] * (2 * bool(compared))
 
 
 def verdicts(rows: Sequence[CheckRow], measured: Sequence[MeasuredRow], units: Units = METRIC) -> list[ReportTable]:
@@ -191,7 +198,8 @@ def derivation(rows: Iterable[DerivedParameter]) -> ReportTable:
     for row in rows:
         values = (f"{row.value:.5g}", f"{row.reference:.5g}")
         unit = "" if row.unit == "1" else row.unit
-        table.add_row(row.name, row.symbol, *values, unit, _signed(row.error), row.assumption)
+        error = signed(without_round_off(row.error, 1.0))
+        table.add_row(row.name, row.symbol, *values, unit, error, row.assumption)
     return table
 
 
@@ -202,8 +210,10 @@ def modal(modes: ModeTable) -> ReportTable:
     table = blank(f"Modes of the {of}", "mode|", f"{unit}|", "damping|")
     impulsive = any(isfinite(row.contact_restitution) for row in modes.rows)
     table.add("contact|", "sensor|", "load|", "Σ share|", *(["R₁ seen|", "R|"] * impulsive))
-    for row in modes.rows:
-        values = (f"{value:.4g}" for value in (row.contact, row.sensor, row.load))
+    shown = [(row.contact, row.sensor, row.load) for row in modes.rows]
+    largest = [max(map(abs, column)) for column in zip(*shown, strict=True)]
+    for row, numbers in zip(modes.rows, shown, strict=True):
+        values = (f"{without_round_off(*pair):.4g}" for pair in zip(numbers, largest, strict=True))
         restitutions = [f"{row.first_mode_restitution:.4f}", f"{row.contact_restitution:.4f}"] * impulsive
         first = (str(row.number), f"{row.frequency * factor:.5g}", percent(row.damping_ratio))
         table.add_row(*first, *values, percent(row.share), *restitutions)
@@ -253,18 +263,14 @@ def coefficient(value: float) -> str:
     return f"{value:.4f}" if isfinite(value) else "–"
 
 
-def _distance(row: Summary) -> tuple[str, str]:
+def _distance(row: Summary, finest: str) -> tuple[str, str]:
     if row.distance is None:
-        return "finest", ""
+        return finest, ""
     return percent(row.distance.worst), percent(row.distance.rms)
 
 
 def _failed(row: Summary) -> Text:
     return Text(str(row.failed), style="bold red") if row.failed else Text("–")
-
-
-def _signed(error: float) -> str:
-    return f"{100 * error:+.3g} %" if isfinite(error) else "–"
 
 
 def _why(row: CheckRow) -> str:

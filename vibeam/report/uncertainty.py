@@ -13,13 +13,16 @@ from vibeam.case.outputs import quantity_of
 from vibeam.case.plans import FigurePlan
 from vibeam.figures.files import paths_of
 from vibeam.figures.page import write_page
+from vibeam.figures.prefixes import in_prefix
 from vibeam.figures.units import Units, percent, units_of
 from vibeam.report.output import write_rows
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, plain
 from vibeam.report.uncertainty_figure import bands
+from vibeam.studies.identification.modes import unit_of
 
 if TYPE_CHECKING:
+    from vibeam.case.plans import Uncertain
     from vibeam.studies.uncertainty.spread import Spread
     from vibeam.studies.uncertainty.study import UncertaintyStudy
 
@@ -38,20 +41,29 @@ def tables(study: UncertaintyStudy) -> list[ReportTable]:
 
 def inputs(study: UncertaintyStudy) -> ReportTable:
     """Table of the uncertain inputs, with their shares in the variance of the finest fidelity's peak."""
-    table = blank("Uncertain inputs", "key", "distribution", "mean|", "std. deviation|", "first order|", "total|")
-    table.add("95 % of the total|")
+    table = blank("Uncertain inputs", "key", "distribution", "mean|", "std. deviation|", "unit", "first order|")
+    table.add("total|", "95 % of the total|")
     table.caption = (
-        "in SI units; first order: share of the variance of the finest fidelity's peak that this input gives alone,\n"
+        "first order: share of the variance of the finest fidelity's peak that this input gives alone,\n"
         "total: with all that it gives together with others (Sobol' indices; scatter of samples may pass 0 and 1)"
     )
     found = study.of_peak
     for place, each in enumerate(study.uncertain):
-        kind = "normal" if each.kind == "normal" else f"uniform, {each.first:.6g} … {each.second:.6g}"
+        unit, factor = _unit(study, each)
+        kind = "normal" if each.kind == "normal" else f"uniform, {each.first * factor:.6g} … {each.second * factor:.6g}"
         numbers = (found.first[place, 0], found.total[place, 0])
         between = f"{found.low[place, 0]:.2f} … {found.high[place, 0]:.2f}" if isfinite(numbers[1]) else "–"
         cells = (f"{value:.2f}" if isfinite(value) else "–" for value in numbers)
-        table.add_row(each.key, kind, f"{each.middle:.6g}", f"{each.deviation:.3g}", *cells, between)
+        mean, deviation = f"{each.middle * factor:.6g}", f"{each.deviation * factor:.3g}"
+        table.add_row(each.key, kind, mean, deviation, unit, *cells, between)
     return table
+
+
+def _unit(study: UncertaintyStudy, each: Uncertain) -> tuple[str, float]:
+    """Displayed unit of an input and the factor to it."""
+    if study.case.scene.natural_unit is not None:
+        return "", 1.0
+    return in_prefix(unit_of(each.key), max(abs(each.middle), each.deviation))
 
 
 def fidelities(study: UncertaintyStudy) -> ReportTable:

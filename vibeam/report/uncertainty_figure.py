@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from vibeam.case.plans import FigurePlan
 from vibeam.figures.outputs import amplitude_of, frequency_label
 from vibeam.figures.page import blank_page, legend, titled
@@ -26,7 +28,9 @@ def bands(study: UncertaintyStudy, units: Units, plan: FigurePlan) -> Figure:
     for place, each in enumerate(study.uncertain):
         keys = look(len(study.rows) + place).keys(1.2)  # no colour of a fidelity
         lower.plot(frequency, study.over_frequency.total[place], label=f"total index of {each.key}", **keys)
-    lower.set_ylim(0, 1.05)
+    totals = study.over_frequency.total
+    low, high = (float(bound(totals[np.isfinite(totals)], initial=edge)) for bound, edge in ((np.min, 0), (np.max, 1)))
+    lower.set_ylim(low - 0.05 * (low < 0), high + 0.05)  # scatter of samples passes 0 and 1
     lower.set_ylabel("share of the variance")
     lower.set_xlabel(frequency_label(units))
     caption = (

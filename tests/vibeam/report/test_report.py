@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -17,11 +17,15 @@ from vibeam.case.plans import Reference
 from vibeam.casefile.documentation import reference_table
 from vibeam.figures.branches import MotionClass, jumps, pieces
 from vibeam.figures.response_curve import frc, grazing, write_frc
-from vibeam.figures.units import METRIC, units_of
+from vibeam.figures.units import METRIC, percent, signed, units_of
 from vibeam.report import tables as table
+from vibeam.report.limit import sentences as limit_sentences
 from vibeam.report.output import to_json, write_csv
 from vibeam.run.result import Result
 from vibeam.run.summary import compare
+from vibeam.studies.derive import DerivedParameter
+from vibeam.studies.limit.study import LimitRow
+from vibeam.studies.modes import ModeRow, ModeTable
 from vibeam.studies.regression.references import CheckRow
 from vibeam.system.response import Branches
 from vibeam_models.scene import SdofScene
@@ -187,3 +191,48 @@ def test_output_for_programs(tmp_path: Path) -> None:
     }
     write_csv(rows, tmp_path / "a.csv")
     assert (tmp_path / "a.csv").read_text(encoding="utf-8") == "number,path,double\n1.5,a,3.0\n,b,\n"
+
+
+def cells(shown: Any, header: str) -> list[str]:
+    (column,) = [each for each in shown.columns if str(each.header).startswith(header)]
+    return [str(each) for each in column.cells]
+
+
+def test_round_off_is_shown_as_nothing() -> None:
+    """A node's displacement, 9.16e-13 beside 1.19, and an identity's error of half an ulp; 3.6e-6 is a number."""
+    rows = [(1.19, 1.131, 0.8413), (9.16e-13, -3.6e-6, 2.33e-12)]
+    modes = [ModeRow(n, 14.0 * n, 0.01, *each, 0.03 * n, 0.7, 0.7) for n, each in enumerate(rows, 1)]
+    shown = table.modal(ModeTable(tuple(modes), np.zeros(0), np.zeros((0, 0))))
+    assert [cells(shown, name)[1] for name in ("contact", "sensor", "load")] == ["0", "-3.6e-06", "0"]
+    same = DerivedParameter("mass", "M", "kg", 1.0 + 2.0**-52, 1.0, "none")
+    other = DerivedParameter("mass", "M", "kg", 1.00347, 1.0, "a point")
+    assert cells(table.derivation([same, other]), "error") == ["0", "+0.347 %"]
+
+
+def test_what_is_off_altogether_is_capped_and_no_percentage_is_a_power_of_ten() -> None:
+    assert [percent(each) for each in (8e4, 99.9, 0.123456, np.inf, np.nan)] == [
+        "> 10000 %", "9990 %", "12.3 %", "∞", "–",
+    ]  # fmt: skip
+    assert [signed(each) for each in (8e4, 12.34, -0.5, 3e-9, 0)] == ["> +10000 %", "+1230 %", "-50 %", "+3e-09", "0"]
+
+
+def test_seven_impacts_tell_no_cost_of_an_impact_and_a_family_has_no_finest() -> None:
+    shared = compare(result("one", "two", modes=2))
+    few = [replace(each, impacts=count, cpu_seconds=0.0157) for each, count in zip(shared, (7, 20000), strict=True)]
+    shown = table.costs(few)
+    assert cells(shown, "ns each") == ["–", "785"]
+    assert "ns each" in str(shown.caption)
+    assert "ns each" not in str(table.costs(shared).caption)
+    assert "finest" in cells(shown, "max off")
+    family = table.costs([replace(each, distance=None) for each in shared])
+    assert cells(family, "max off") == ["", ""]
+    assert "same physics" in str(family.caption)
+
+
+def test_a_limit_that_is_hardly_known_is_said_in_words() -> None:
+    nothing = ("R = 0.5", "amplitude", "m", 15.0, np.nan, (1, 2), (1e-4, 2e-4), np.nan)
+    rows = [LimitRow(*nothing, 2e-4, share * 2e-4, False, 0, 0, "") for share in (0.01, 0.553)]
+    known, loose = limit_sentences(rows)
+    assert known.startswith("the other limits are known to 1 %")
+    assert "the limit of amplitude is hardly known, it may be off by 55.3 %" in loose
+    assert next(limit_sentences(rows[:1])).startswith("limits are known to 1 %")

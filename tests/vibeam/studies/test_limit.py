@@ -17,8 +17,8 @@ import vibeam
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.cli.main import app
 from vibeam.studies.limit.rates import DIVERGES, ROUND_OFF, observed_limit
-from vibeam.studies.limit.sequences import BARE, MOVING_LAW, models, with_law
-from vibeam.studies.limit.study import LimitRow, limit
+from vibeam.studies.limit.sequences import BARE, MOVING_LAW, ModeSequence, models, with_law
+from vibeam.studies.limit.study import LimitRow, _row, limit
 from vibeam_models.laws.hertz import Elastic
 from vibeam_models.laws.linear import Linear
 
@@ -133,7 +133,10 @@ def test_a_contact_without_mass_has_no_limit_and_says_why(tmp_path: Path) -> Non
     bare = tmp_path / "bare.toml"
     bare.write_text(text.replace('law = "linear"\nstiffness = "20 N/mm"\n', ""), "utf-8")
     rows = limit(vibeam.load(bare), COUNTS)
-    assert {row.why for row in rows if row.held.startswith("R = ")} == {BARE}
+    own = {row.quantity: row.why for row in rows if row.held.startswith("R = ")}
+    assert own.pop("R₁ of mode 1") == BARE
+    lost = "no stable motion with one impact a drive period at this frequency in 4 modes, 8 modes, 16 modes, 32 modes"
+    assert set(own.values()) == {f"{BARE}; {lost}"}
     assert all(np.isnan(row.limit) and row.enough == 0 for row in rows if row.held.startswith("R = "))
     refused = next(row for row in rows if row.held.startswith("R₁"))
     assert "outside [0, 1]" in refused.why
@@ -143,6 +146,14 @@ def test_a_contact_without_mass_has_no_limit_and_says_why(tmp_path: Path) -> Non
     damped.write_text(text.replace("restitution = 0.8", 'damping = "1 N s/m"'), "utf-8")
     found = of(limit(vibeam.load(damped), (*COUNTS, 64)), 'law "linear"', "contact time")
     assert np.isfinite(found.limit)
+
+
+def test_a_motion_that_ends_with_more_modes_is_said_beside_what_else_is_wrong() -> None:
+    lost = ModeSequence("amplitude", "m", (1e-4, 9e-5, float("nan")), "the contact has no mass")
+    why = _row("R = 0.5", (8, 16, 32), lost).why
+    assert (
+        why == "the contact has no mass; no stable motion with one impact a drive period at this frequency in 32 modes"
+    )
 
 
 def run(*words: str) -> Any:

@@ -2,6 +2,7 @@
 
 import csv
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,10 +11,11 @@ from scipy.optimize import minimize
 from stand_in import curve
 
 import vibeam
-from vibeam.case.plans import Uncertain
+from vibeam.case.plans import FigurePlan, Uncertain
 from vibeam.casefile.read import parse
 from vibeam.maps.variation import narrowed, varied
 from vibeam.report import uncertainty as report
+from vibeam.report.uncertainty_figure import bands
 from vibeam.studies.uncertainty.closed_form import ClosedForm, known
 from vibeam.studies.uncertainty.mean_of_peak import _models
 from vibeam.studies.uncertainty.multifidelity import Pilot, allocation, estimate
@@ -210,6 +212,22 @@ def study():
     """A rig that never touches its stop answers in proportion to its drive, whatever the frequency."""
     case = parse(f'{CASE}\n[uncertain]\n"drive.amplitude" = "± 1 %"\n"stop.restitution" = "0.6 … 0.8"')
     return uncertainty(case, samples=64)
+
+
+def test_inputs_are_shown_in_the_units_of_all_other_tables(study):
+    shown = report.inputs(study)
+    columns = {str(each.header): list(map(str, each.cells)) for each in shown.columns}
+    assert columns["unit"] == ["µm", ""]
+    assert columns["mean"] == ["20", "0.7"]
+    assert columns["distribution"][1] == "uniform, 0.6 … 0.8"
+    assert "SI" not in str(shown.caption)
+
+
+def test_indices_beyond_1_lie_in_their_panel(study):
+    over = study.over_frequency
+    scattered = replace(study, over_frequency=replace(over, total=over.total * 0 + np.array([[1.3], [-0.2]])))
+    low, high = bands(scattered, report.units_in(study), FigurePlan()).axes[1].get_ylim()
+    assert low < -0.2 < 1.3 < high
 
 
 def test_a_linear_rig_spreads_as_its_drive(study):

@@ -122,10 +122,9 @@ def _row(
     by_contact_time: int = 0,
 ) -> LimitRow:  # fmt: skip
     seen = ObservedLimit(nan, nan, nan, why=found.why) if found.why else observed_limit(counts, found.values)
-    why = seen.why
     missing = [f"{count} modes" for count, value in zip(counts, found.values, strict=True) if not isfinite(value)]
-    if missing and not found.why:
-        why = NO_MOTION.format(", ".join(missing))
+    lost = NO_MOTION.format(", ".join(missing)) if missing else ""
+    why = "; ".join(filter(None, [found.why, lost])) or seen.why
     return LimitRow(
         held, found.quantity, found.unit, frequency, speed, tuple(counts), found.values, seen.rate, seen.limit,
         seen.uncertainty, seen.extrapolated, _enough(counts, found.values, seen), by_contact_time, why,
