@@ -50,8 +50,12 @@ def mistakes() -> Iterator[None]:
 
 def of_case(case: Path, make: Callable[[], Made]) -> Made:
     """Call ``make``; turn its refusal of the case (for example one without a beam) into a usage error."""
+    from vibeam.case.faults import CaseError
+
     try:
         return make()
+    except CaseError:
+        raise
     except ValueError as refusal:
         raise UsageError(f"{case}: {refusal}") from None
 

@@ -43,6 +43,14 @@ def in_prefix(unit: str, largest: float) -> tuple[str, float]:
     return prefixed(OF_UNIT[unit], largest, usual=-1) if unit in OF_UNIT and largest > 0 else (unit, 1.0)
 
 
+PREFIXED = {"m": LENGTHS, "m/s": SPEEDS, "m/s^2": ACCELERATIONS}
+
+
+def shown_unit(unit: str, largest: float) -> tuple[str, float]:
+    """Unit in which values in SI's ``unit`` up to ``largest`` are shown, and the factor to it."""
+    return prefixed(PREFIXED[unit], largest) if unit in PREFIXED else (unit, 1.0)
+
+
 def prefixed(steps: Steps, largest: float, usual: int = 1) -> tuple[str, float]:
     """Unit and factor that suit the ``largest`` SI value; those of step ``usual`` where it is 0 or unknown."""
     known = math.isfinite(largest) and largest > 0

@@ -6,14 +6,14 @@ exact test functions (``orbits.contours``), are exact on a platform too.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.orbits.bifurcation_functions import Kind, MotionsAt, motions
+from vibeam.orbits.bifurcation_functions import DrivePerLevel, Kind
 from vibeam.orbits.contours import Plane
 from vibeam.orbits.orbit_map import plane_boundaries
 from vibeam.system.impact_system import ImpactSystem
@@ -34,37 +34,19 @@ class PlaneBoundary:
     value: Array
 
 
-@dataclass(frozen=True)
-class _Driven(Plane):
-    """Plane of frequency and gap, or level of the drive, whose unit is a function of the frequency."""
-
-    unit: Callable[[Array], Array]
-
-    def drive(self, omega: Array) -> Array:
-        """Amplitude of the base (points,) at level 1, m."""
-        return np.broadcast_to(np.asarray(self.unit(omega)), omega.shape)
-
-    def at(self, omega: Array, values: Array) -> MotionsAt:
-        """Both motions at points of the plane."""
-        drive = self.drive(omega)
-        given = (drive, values) if self.over == "gap" else (values * drive, np.full(len(omega), self.held))
-        return motions(self.system, self.periods, omega, *given)
-
-
 def boundaries_over(
     system: ImpactSystem, over: Literal["gap", "amplitude"], omega: Array, values: Array, gap: float,
-    unit: Callable[[Array], Array],
+    unit: DrivePerLevel,
 ) -> Iterator[PlaneBoundary]:  # fmt: skip
     """Boundaries over ``omega`` (columns,) rad/s and ``values`` (rows,), both ascending.
 
     ``values``: gaps at the contact (m), or levels where ``over`` is "amplitude", with ``gap`` held. ``unit``: amplitude
     of the base (m) at angular frequencies, at level 1. The system is a plain one.
     """
-    plane = _Driven(system, 1, over, omega, values, gap, unit)
+    plane = Plane(system, 1, over, omega, values, 1.0 if over == "gap" else gap, unit)
     for curve in plane_boundaries(plane):
-        found = curve.gap if over == "gap" else curve.amplitude / plane.drive(curve.omega)
         for part in _stretches(curve.clear):
-            yield PlaneBoundary(curve.kind, curve.branch, curve.omega[part] / (2 * np.pi), found[part])
+            yield PlaneBoundary(curve.kind, curve.branch, curve.omega[part] / (2 * np.pi), curve.value[part])
 
 
 def _stretches(clear: NDArray[np.bool_]) -> list[NDArray[np.int64]]:

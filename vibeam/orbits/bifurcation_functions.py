@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from enum import Enum
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,8 @@ from vibeam.system.impact_system import ImpactSystem
 Array = NDArray[np.float64]
 
 Complex = NDArray[np.complex128]
+
+DrivePerLevel = Callable[[Array], float | Array]  # amplitude of the drive (points,) at level 1 over omega, rad/s
 
 NAMES = ("omega", "amplitude", "gap")
 
@@ -49,6 +52,11 @@ def motions(system: ImpactSystem, periods: int, omega: Array, amplitude: Array, 
     """Both motions at points of frequency (rad/s), amplitude and gap (m), all (points,); the system's gap is unused."""
     total = sums(system, omega, periods)
     return MotionsAt(total, balance(system, total, amplitude, gap), amplitude, gap)
+
+
+def driven(per_level: DrivePerLevel | None, omega: Array) -> Array:
+    """Amplitude (points,) of a drive at level 1; without a function of the frequency its level is the amplitude."""
+    return np.broadcast_to(np.asarray(1.0 if per_level is None else per_level(omega), dtype=float), omega.shape)
 
 
 def test_function(system: ImpactSystem, kind: Kind, branch: int, points: MotionsAt) -> Array:
@@ -93,7 +101,10 @@ def clearances(system: ImpactSystem, points: MotionsAt, branch: int, ceiling: fl
 
 @dataclass(frozen=True)
 class Line:
-    """Line in the parameters: all but ``name`` are held; ``name`` is one of omega (rad/s), amplitude (m), gap (m)."""
+    """Line in the parameters: all but ``name`` are held; ``name`` is one of omega (rad/s), amplitude (m), gap (m).
+
+    With ``per_level`` the amplitude is that of the drive at level 1, times ``amplitude``, its level.
+    """
 
     system: ImpactSystem
     periods: int
@@ -101,16 +112,18 @@ class Line:
     omega: float
     amplitude: float
     gap: float
+    per_level: DrivePerLevel | None = None
 
     def at(self, values: Array) -> MotionsAt:
         """Both motions at ``values`` (points,) of the parameter."""
         rows = {name: np.full(len(values), getattr(self, name)) for name in NAMES} | {self.name: values}
-        return motions(self.system, self.periods, **rows)
+        omega, amplitude, gap = (rows[name] for name in NAMES)
+        return motions(self.system, self.periods, omega, amplitude * driven(self.per_level, omega), gap)
 
     def moved(self, name: str, value: float) -> Line:
         """Line with one of its held parameters changed."""
-        held = {each: float(getattr(self, each)) for each in NAMES} | {name: value}
-        return Line(self.system, self.periods, self.name, **held)
+        changed: dict[str, Any] = {name: value}
+        return replace(self, **changed)
 
     def test(self, kind: Kind, branch: int, points: MotionsAt) -> Array:
         """Test function on the line; see ``test_function``."""

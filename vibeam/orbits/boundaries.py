@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
-from vibeam.orbits.bifurcation_functions import NAMES, Kind, Line, MotionsAt
+from vibeam.orbits.bifurcation_functions import NAMES, DrivePerLevel, Kind, Line, MotionsAt
 from vibeam.orbits.multipliers import multipliers
 from vibeam.orbits.orbit_curve import checked
 from vibeam.system.impact_system import ImpactSystem
@@ -63,16 +63,19 @@ def boundaries(
     gap: Range | None = None,
     points: int = 501,
     kinds: tuple[Kind, ...] = tuple(Kind),
+    per_level: DrivePerLevel | None = None,
 ) -> tuple[Boundary, ...]:
     """Find all boundaries of both branches in a range of one parameter, in ascending order.
 
-    Exactly one of ``omega`` (rad/s), ``amplitude`` (m) and ``gap`` (m; None: the system's) is a pair (from, to). The
-    range is looked at in ``points`` places, closer where a branch ends; each sign change is then bracketed down to
-    round-off on the exact expressions, and an exact zero at a place is a boundary too. Two boundaries of one kind
-    within one step are missed. ValueError where none or several of the three are ranges, and as in ``orbits``.
+    Exactly one of ``omega`` (rad/s), ``amplitude`` (m) and ``gap`` (m; None: the system's) is a pair (from, to).
+    ``per_level``: amplitude of the drive at level 1, a function of ``omega`` (points,), as of a constant acceleration;
+    ``amplitude`` is then the level, and held. The range is looked at in ``points`` places, closer where a branch ends;
+    each sign change is then bracketed down to round-off on the exact expressions, and an exact zero at a place is a
+    boundary too. Two boundaries of one kind within one step are missed. ValueError where none or several of the three
+    are ranges, and as in ``orbits``.
     """
     given = {"omega": omega, "amplitude": amplitude, "gap": system.gap if gap is None else gap}
-    line, low, high = _line(system, given, periods)
+    line, low, high = _line(system, given, periods, per_level)
     grid, found = np.linspace(low, high, points), list[Found]()
     for group in (Kind.FOLD,), (Kind.GRAZING,), tuple(kind for kind in kinds if kind not in ENDS):
         new = [each for kind in group for branch in BRANCHES[kind] for each in crossings(line, kind, branch, grid)]
@@ -162,13 +165,18 @@ def _refined(grid: Array, width: float, ends: list[float]) -> Array:
     return np.asarray(whole[(whole >= grid[0]) & (whole <= grid[-1])])
 
 
-def _line(system: ImpactSystem, given: dict[str, Range], periods: int) -> tuple[Line, float, float]:
+def _line(
+    system: ImpactSystem, given: dict[str, Range], periods: int, per_level: DrivePerLevel | None
+) -> tuple[Line, float, float]:
     ranges = [name for name, value in given.items() if isinstance(value, tuple)]
     if len(ranges) != 1:
         raise ValueError(f"omega, amplitude, gap: exactly one must be a pair (from, to), not {len(ranges)}")
     low, high = (float(v) for v in given[ranges[0]])  # type: ignore[union-attr]
     if not low < high:
         raise ValueError(f"{ranges[0]}: the range must ascend, not go from {low} to {high}")
+    if per_level is not None and ranges[0] == "amplitude":
+        raise ValueError("per_level: the level of the drive is held: give a range of omega or gap")
     held = {name: low if name == ranges[0] else float(value) for name, value in given.items()}  # type: ignore[arg-type]
     checked(system, held["omega"], periods)
-    return Line(system, int(periods), ranges[0], **held), low, high
+    place = held["omega"], held["amplitude"], held["gap"]
+    return Line(system, int(periods), ranges[0], *place, per_level), low, high

@@ -14,7 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
-from vibeam.orbits.bifurcation_functions import Kind, MotionsAt, clearances, motions, test_function
+from vibeam.orbits.bifurcation_functions import (
+    DrivePerLevel,
+    Kind,
+    MotionsAt,
+    clearances,
+    driven,
+    motions,
+    test_function,
+)
 from vibeam.orbits.boundaries import JUMP, TOUCH
 from vibeam.system.impact_system import ImpactSystem
 
@@ -31,13 +39,15 @@ NUDGE = 1e-9  # share of a step from a fold at which both of its motions are rea
 class BoundaryCurve:
     """Boundary curve of one branch, all (points,) in order along it. SI units.
 
-    ``branch``: 0 is the root with the harder impact, 1 the other; ``velocity``: of the impact; ``clear``: the motion
-    keeps clear of the stop between its impacts, proved, so that it is the boundary of a motion.
+    ``branch``: 0 is the root with the harder impact, 1 the other; ``value``: of the plane's rows; ``velocity``: of the
+    impact; ``clear``: the motion keeps clear of the stop between its impacts, proved, so that it is the boundary of a
+    motion.
     """
 
     kind: Kind
     branch: int
     omega: Array
+    value: Array
     amplitude: Array
     gap: Array
     velocity: Array
@@ -49,7 +59,10 @@ class BoundaryCurve:
 
 @dataclass(frozen=True)
 class Plane:
-    """Plane of frequency (columns,) and amplitude or gap (rows,); the third, ``held``, is constant."""
+    """Plane of frequency (columns,) and amplitude or gap (rows,); the third, ``held``, is constant.
+
+    With ``per_level`` an amplitude is that of the drive at level 1, times the level that stands in its place.
+    """
 
     system: ImpactSystem
     periods: int
@@ -57,12 +70,13 @@ class Plane:
     omega: Array
     values: Array
     held: float
+    per_level: DrivePerLevel | None = None
 
     def at(self, omega: Array, values: Array) -> MotionsAt:
         """Both motions at points (points,) of the plane."""
         other = np.full(len(omega), self.held)
         amplitude, gap = (values, other) if self.over == "amplitude" else (other, values)
-        return motions(self.system, self.periods, omega, amplitude, gap)
+        return motions(self.system, self.periods, omega, amplitude * driven(self.per_level, omega), gap)
 
     def grid(self) -> MotionsAt:
         """Both motions at all grid points, row by row."""
@@ -187,7 +201,7 @@ def _curves(
     velocity = np.zeros(len(chain)) if grazing else beside.roots.velocity[:, branch]
     for part in np.split(np.arange(len(chain)), np.flatnonzero(np.diff(strikes)) + 1):
         if strikes[part[0]]:
-            rows = omega[part], points.amplitude[part], points.gap[part], velocity[part], clear[part]
+            rows = omega[part], values[part], points.amplitude[part], points.gap[part], velocity[part], clear[part]
             yield BoundaryCurve(kind, branch, *rows)
 
 

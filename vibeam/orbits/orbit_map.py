@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.orbits.bifurcation_functions import Kind, MotionsAt, clearances
+from vibeam.orbits.bifurcation_functions import DrivePerLevel, Kind, MotionsAt, clearances
 from vibeam.orbits.contours import BoundaryCurve, Plane, beyond_touching, boundary_curves, map_function
 from vibeam.orbits.multipliers import real_crossing
 from vibeam.orbits.orbit_curve import checked, proven, stability
@@ -28,7 +28,7 @@ CURVES = ((Kind.FOLD, 0), *((kind, branch) for kind in BOTH for branch in (0, 1)
 
 @dataclass(frozen=True)
 class OrbitMap:
-    """Motions over ``omega`` (columns,) rad/s and ``values`` (rows,) m of gap or amplitude, ``over``.
+    """Motions over ``omega`` (columns,) rad/s and ``values`` (rows,) of gap (m) or amplitude (m, or a level), ``over``.
 
     Arrays (rows, columns, 2), the harder impact first. ``curves``: the boundaries, located to round-off wherever they
     pass between neighbours of the grid; period doubling and Neimark–Sacker only of motions without a multiplier > 1.
@@ -45,13 +45,15 @@ class OrbitMap:
 
 
 def orbit_map(
-    system: ImpactSystem, omega: ArrayLike, amplitude: ArrayLike, periods: int = 1, gap: ArrayLike | None = None
-) -> OrbitMap:
+    system: ImpactSystem, omega: ArrayLike, amplitude: ArrayLike, periods: int = 1, gap: ArrayLike | None = None,
+    per_level: DrivePerLevel | None = None,
+) -> OrbitMap:  # fmt: skip
     """Compute the map over ascending ``omega`` (rad/s) and either ``amplitude`` or ``gap`` (m; None: the system's own).
 
-    Exactly one of the two is an ascending array. A curve of lost stability may end up to a step of the grid short of a
-    fold or a grazing that it runs into. ValueError where none or both are arrays, or a grid does not ascend, and as in
-    ``orbits``.
+    ``per_level``: amplitude of the drive at level 1, a function of ``omega`` (points,), as of a constant acceleration;
+    ``amplitude`` is then its level. Exactly one of the two is an ascending array. A curve of lost stability may end up
+    to a step of the grid short of a fold or a grazing that it runs into. ValueError where none or both are arrays, or a
+    grid does not ascend, and as in ``orbits``.
     """
     grid = checked(system, omega, periods)
     given = {"amplitude": np.asarray(amplitude, float), "gap": np.asarray(system.gap if gap is None else gap, float)}
@@ -62,7 +64,7 @@ def orbit_map(
     for name, row in (("omega", grid), (over[0], values)):
         if len(row) < 2 or not np.all(np.isfinite(row)) or not np.all(np.diff(row) > 0):
             raise ValueError(f"{name}: must be two or more finite numbers that ascend")
-    plane = Plane(system, int(periods), over[0], grid, values, held)
+    plane = Plane(system, int(periods), over[0], grid, values, held, per_level)
     points, shape = plane.grid(), tuple(len(row) for row in (values, grid))
     share = _shares(plane, points)
     admissible = np.stack([share[branch] > 0 for branch in (0, 1)], axis=1)

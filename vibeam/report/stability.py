@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from vibeam.figures.axes import say
 from vibeam.figures.outputs import frequency_label, with_unit
 from vibeam.figures.page import PAGE, blank_page, legend, plain, titled, write_page
-from vibeam.figures.prefixes import LENGTHS, prefixed
+from vibeam.figures.prefixes import shown_unit
 from vibeam.figures.style import name_of
 from vibeam.figures.units import units_of
 from vibeam.orbits.bifurcation_functions import Kind
@@ -89,12 +89,12 @@ def _panel(axes: Axes, found: Stability, one: ModelMap) -> set[object]:
     )  # fmt: skip
     drawn: set[object] = {name for number, name in enumerate(SHADES) if (kinds == number).any()}
     for number, curve in enumerate(one.orbits.curves):
-        drawn |= _curve(axes, curve, number, units.frequency_factor / (2 * np.pi), scale, one.orbits.over)
+        drawn |= _curve(axes, curve, number, units.frequency_factor / (2 * np.pi), scale)
     if one.averaged is not None:
         inside = (one.averaged >= one.orbits.values[0]) & (one.averaged <= one.orbits.values[-1])
         drawn |= {"averaged"} if inside.any() else set()
         axes.plot(across, one.averaged * scale, gid="averaged", **AVERAGED)
-    axes.axhline(found.axis.own * found.axis.factor * scale, gid="own", **OWN)
+    axes.axhline(one.own * scale, gid="own", **OWN)
     axes.set_xlim(across[0], across[-1])
     axes.set_ylim(one.orbits.values[0] * scale, one.orbits.values[-1] * scale)
     if not kinds.any():
@@ -104,23 +104,21 @@ def _panel(axes: Axes, found: Stability, one: ModelMap) -> set[object]:
     return drawn
 
 
-def _curve(axes: Axes, curve: BoundaryCurve, number: int, across: float, scale: float, over: str) -> set[object]:
+def _curve(axes: Axes, curve: BoundaryCurve, number: int, across: float, scale: float) -> set[object]:
     """Parts of a boundary with an admissible motion."""
-    upward = curve.gap if over == "gap" else curve.amplitude
     drawn: set[object] = set()
     for part in np.split(np.arange(len(curve)), np.flatnonzero(np.diff(curve.clear)) + 1):
         if curve.clear[part[0]]:
             drawn.add(curve.kind)
             name = f"{curve.kind.name.lower()}-{number}-{part[0]}"
-            axes.plot(curve.omega[part] * across, upward[part] * scale, gid=name, linewidth=1.1, **LOOKS[curve.kind])
+            place = curve.omega[part] * across, curve.value[part] * scale
+            axes.plot(*place, gid=name, linewidth=1.1, **LOOKS[curve.kind])
     return drawn
 
 
 def _shown(axis: Axis) -> tuple[str, float]:
     """Displayed unit, and the factor from the SI unit of the map to it."""
-    largest = max(abs(axis.low), abs(axis.high))
-    unit, factor = prefixed(LENGTHS, largest) if axis.unit == "m" else ("" if axis.unit == "1" else axis.unit, 1.0)
-    return unit, factor / axis.factor
+    return shown_unit(axis.unit, max(abs(axis.low), abs(axis.high)))
 
 
 def _span(found: Stability) -> str:
@@ -145,6 +143,6 @@ def _legend(drawn: set[object], found: Stability) -> list[Artist]:
     ]
     lines = [Line2D([], [], label=NAMES[kind], linewidth=1.1, **look) for kind, look in LOOKS.items() if kind in drawn]
     averaged = [Line2D([], [], label="averaging: Δ_MAX", **AVERAGED)] if "averaged" in drawn else []
-    values, own = found.maps[0].orbits.values, found.axis.own * found.axis.factor
-    outside = "" if values[0] <= own <= values[-1] else f", outside: {found.axis.own_text}"
+    values, own = found.maps[0].orbits.values, found.maps[0].own
+    outside = "" if values[0] <= own <= values[-1] else f", outside: {found.axis.text(own)}"
     return [*patches, *lines, *averaged, Line2D([], [], label=f"the case's own{outside}", **OWN)]

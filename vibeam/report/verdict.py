@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.figures.prefixes import LENGTHS, prefixed
+from vibeam.figures.prefixes import shown_unit
 from vibeam.figures.units import signed
 from vibeam.report.table_widths import ReportTable
 from vibeam.studies.verdict.judgement import DIFFERENCES
@@ -89,7 +89,4 @@ def where(found: Verdict, row: FidelityRow) -> str:
 
 def key_unit(found: Verdict) -> tuple[str, float]:
     """Displayed unit of the second key, and the factor from SI."""
-    axis = found.axis
-    if axis.unit == "m":
-        return prefixed(LENGTHS, float(np.abs(axis.values).max()))
-    return axis.unit, 1.0
+    return shown_unit(found.axis.unit, float(np.abs(found.axis.values).max()))

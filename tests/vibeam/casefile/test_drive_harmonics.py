@@ -142,7 +142,7 @@ def sheet_of(found: Any, column: str) -> Any:
 
 @pytest.mark.parametrize("study", [vibeam.cost, vibeam.stability])
 def test_studies_of_one_harmonic_say_so(study: Any) -> None:
-    with pytest.raises(ValueError, match=r"fidelity beam: .* knows a drive of one harmonic: take drive.harmonic away"):
+    with pytest.raises(ValueError, match=r"drive.harmonic: .* knows a drive of one harmonic: take drive.harmonic away"):
         study(case())
 
 

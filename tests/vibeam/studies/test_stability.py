@@ -103,11 +103,100 @@ def test_axes_of_a_beam_are_in_volts_and_metres() -> None:
     case = vibeam.load(RIG)
     few = {"points": 3, "frequencies": 3, "fidelity": "sdof"}
     volts = stability(case, "drive", "0.3 V", "900 mV", **few)
-    assert (volts.axis.unit, volts.axis.own, volts.axis.low, volts.axis.high) == ("V", pytest.approx(0.6), 0.3, 0.9)
-    np.testing.assert_allclose(volts.maps[0].orbits.values, case.base_amplitude * np.array([0.5, 1, 1.5]), rtol=1e-12)
+    assert (volts.axis.unit, volts.maps[0].own, volts.axis.low, volts.axis.high) == ("V", 0.6, 0.3, 0.9)
+    np.testing.assert_allclose(volts.maps[0].orbits.values, [0.3, 0.6, 0.9], rtol=1e-12)
     gaps = stability(case, "gap", "-0.2 mm", "0.1 mm", **few)
     np.testing.assert_allclose(gaps.maps[0].orbits.values, [-2e-4, -0.5e-4, 1e-4], rtol=1e-12)
     assert stability(case, **few).axis.low < case.system("sdof").gap < stability(case, **few).axis.high
+
+
+def nominal_by(**drive: Any) -> Case:
+    return parse(NOMINAL, set={"drive.amplitude": None} | {f"drive.{key}": value for key, value in drive.items()})
+
+
+@pytest.mark.parametrize(
+    ("drive", "power"), [({"acceleration": 2e-3}, 2), ({"velocity": 1e-3}, 1), ({"amplitude": 0.5e-3}, 0)]
+)
+def test_boundaries_of_any_drive_are_those_of_its_amplitude_at_each_frequency(
+    drive: dict[str, Any], power: int
+) -> None:
+    """B = V/Ω = A/Ω²: the boundary lies where one over the amplitude, the frequency held, has that amplitude."""
+    case = nominal_by(**drive)
+    (level,) = drive.values()
+    (crossing,) = stability(case, points=3, frequencies=3).crossings
+    omega = 2 * np.pi * crossing.frequency
+    held = vibeam.boundaries(case.system("flown"), (1e-4, 1e-3), omega, kinds=(vibeam.Kind.DOUBLING,))
+    assert min(abs(each.amplitude * omega**power / level - 1) for each in held) < 1e-9
+    rows = stability(case, "drive", **FEW)
+    curve = next(each for each in rows.maps[0].orbits.curves if each.kind is vibeam.Kind.DOUBLING and each.clear.all())
+    np.testing.assert_allclose(curve.amplitude * curve.omega**power, curve.value, rtol=1e-12)
+    assert {point.drive for point in rows.points} >= {*curve.value.tolist()}
+
+
+def by_force() -> Case:
+    stop = {"stop.gap": "0.1 mm", "stop.restitution": 0.59}
+    return vibeam.load(RIG, set=stop | {"drive": {"force": "0.3 N", "at": "132 mm"}})
+
+
+@pytest.mark.parametrize(("made", "size"), [(lambda: nominal_by(acceleration=2e-3), 2e-3), (by_force, 0.3)])
+def test_flown_motions_change_where_the_exact_boundary_says(made: Callable[[], Case], size: float) -> None:
+    """Period 1 before the doubling and 2 after it, flown with the amplitude size/Ω² that each frequency has."""
+    case = made()
+    name = next(iter(case.fidelities))
+    found = stability(case, points=3, frequencies=3, fidelity=name).crossings
+    (crossing,) = (each for each in found if each.boundary == "period doubling")
+    omega = 2 * np.pi * crossing.frequency * np.array([0.9, 0.94, 0.97, 0.985, 0.997, 1.002])
+    flown = vibeam.sweep(case.system(name), omega=omega, amplitude=size / omega**2, settle=600, hold=16)
+    assert flown.period.tolist() == [1, 1, 1, 1, 1, 2]
+
+
+@pytest.mark.parametrize(
+    ("drive", "label", "own"),
+    [
+        ({"acceleration": "1 g"}, "base acceleration (m/s²)", "base acceleration of 9.807 m/s²"),
+        ({"velocity": "5 mm/s"}, "base velocity (mm/s)", "base velocity of 5 mm/s"),
+        ({"force": "0.3 N", "at": "132 mm"}, "drive force (N)", "drive force of 0.3 N"),
+    ],
+)
+def test_the_axis_has_the_unit_of_what_says_the_drive(drive: dict[str, Any], label: str, own: str) -> None:
+    case = vibeam.load(RIG, set={"drive": drive})
+    found = stability(case, "drive", points=3, frequencies=3, fidelity="sdof")
+    assert stability_figure(found).get_supylabel() == label
+    assert found.axis.text(found.maps[0].own) == own
+
+
+def test_fidelities_whose_drive_is_said_otherwise_have_no_map_over_it() -> None:
+    otherwise = {"reduction": "static_mode", "without": ["drive.amplitude"], "set": {"drive.velocity": 1e-3}}
+    case = parse(NOMINAL, set={"fidelity.otherwise": otherwise})
+    assert [one.fidelities for one in stability(case, **FEW).maps] == [("flown", "averaged"), ("otherwise",)]
+    found = stability(case, "drive", **FEW)
+    assert [one.fidelities for one in found.maps] == [("flown", "averaged")]
+    assert found.notes[0] == (
+        "otherwise: no map over the base amplitude B of flown, for the drive is said by its velocity"
+    )
+
+
+def test_fidelities_of_one_model_under_other_drives_share_no_map() -> None:
+    case = parse(NOMINAL, set={"fidelity.louder": {"reduction": "static_mode", "set": {"drive.amplitude": 1e-3}}})
+    found = stability(case, "drive", **FEW)
+    assert [(one.fidelities, one.own) for one in found.maps] == [(("flown", "averaged"), 0.5e-3), (("louder",), 1e-3)]
+
+
+def test_a_list_over_frequency_is_scaled_as_it_is() -> None:
+    grid = {"drive": {"amplitude": ["0.04 mm", "0.05 mm"], "frequency": ["14 Hz", "17 Hz"]}}
+    found = stability(vibeam.load(RIG, set=grid), "drive", points=3, frequencies=3, fidelity="sdof")
+    assert (found.axis.name, found.axis.low, found.axis.high) == ("share of the drive", 0.05, 2.0)
+
+
+def test_a_model_without_closed_forms_is_told_at_its_line(command: Command, tmp_path: Path) -> None:
+    stop = 'law = "linear"\nstiffness = 100\nrestitution = 0.9'
+    text = NOMINAL.replace("restitution = 0.9", stop).partition("[fidelity.averaged]")[0]
+    (tmp_path / "law.toml").write_text(text, encoding="utf-8")
+    line = text[: text.index("[fidelity.flown]")].count("\n") + 1
+    assert command("law.toml", expect=2).stderr == (
+        f'law.toml:{line}: fidelity.flown: no closed form knows the contact law "linear": vibeam map and vibeam '
+        "verdict fly it instead\n"
+    )
 
 
 def test_the_command_writes_what_it_says(command: Command, tmp_path: Path) -> None:

@@ -47,5 +47,5 @@ def stability(
     notes = found.notes
     print_result(
         {"crossings": found.crossings, "maps": found.shares, "remarks": notes, "files": files}, as_json,
-        lambda tables: [tables.crossings(found.crossings, found.axis.own_text, units)], [*notes, *files],
+        lambda tables: [tables.crossings(found.crossings, found.axis.text(found.maps[0].own), units)], [*notes, *files],
     )  # fmt: skip

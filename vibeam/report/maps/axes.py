@@ -13,7 +13,7 @@ from vibeam.case.grid_keys import FREQUENCY
 from vibeam.case.outputs import units_of_output
 from vibeam.figures.outputs import frequency_label, with_unit
 from vibeam.figures.page import plain
-from vibeam.figures.prefixes import LENGTHS, SPEEDS, prefixed
+from vibeam.figures.prefixes import shown_unit
 from vibeam.figures.style import name_of
 from vibeam.figures.units import units_of
 from vibeam.system.quantities import LAYOUT, unit_of
@@ -34,8 +34,6 @@ CALLED = {
     "start.displacement": "initial displacement of the contact",
     "start.velocity": "initial velocity of the contact",
 }
-
-PREFIXED = {"m": LENGTHS, "m/s": SPEEDS}
 
 LETTERS = "abcdefghijklmnopqrstuvwxyz"
 
@@ -59,8 +57,7 @@ def shown_axis(case: Case, axis: AxisPlan) -> ShownAxis:
     if axis.key == FREQUENCY:
         units = units_of(case)
         return ShownAxis(axis.key, frequency_label(units), units.frequency or "Ω/ω", units.frequency_factor)
-    largest = max(abs(value) for value in axis.values)
-    unit, factor = prefixed(PREFIXED[axis.unit], largest) if axis.unit in PREFIXED else (axis.unit, 1.0)
+    unit, factor = shown_unit(axis.unit, max(abs(value) for value in axis.values))
     return ShownAxis(axis.key, with_unit(CALLED.get(axis.key, axis.key), unit), unit, factor)
 
 

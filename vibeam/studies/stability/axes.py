@@ -1,16 +1,28 @@
-"""Axes of the map: the case's frequencies, and its gap or drive in the case's own units."""
+"""Axes of the map: the case's frequencies, and its gap or the level of its drive in the drive's own unit."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.casefile.quantities import LENGTH, RATIO, VOLTAGE, Dimension, UnitError, to_si
-from vibeam.figures.prefixes import LENGTHS, prefixed
-from vibeam.orbits.bifurcation_functions import motions
+from vibeam.casefile.quantities import (
+    ACCELERATION,
+    FORCE,
+    LENGTH,
+    MOMENT,
+    RATIO,
+    SPEED,
+    VOLTAGE,
+    Dimension,
+    UnitError,
+    to_si,
+)
+from vibeam.figures.prefixes import shown_unit
+from vibeam.orbits.bifurcation_functions import DrivePerLevel
+from vibeam.orbits.modal_sums import sums
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -21,28 +33,62 @@ Array = NDArray[np.float64]
 
 WIDE = 2.0  # default gaps, in amplitudes without the stop
 
+#: names and dimensions of what says the level of a drive, by its key
+LEVELS = {
+    "voltage": ("drive voltage", VOLTAGE),
+    "amplitude": ("base amplitude", LENGTH),
+    "velocity": ("base velocity", SPEED),
+    "acceleration": ("base acceleration", ACCELERATION),
+    "force": ("drive force", FORCE),
+    "moment": ("drive moment", MOMENT),
+}
+
+PLAIN = {"amplitude": "base amplitude B", "velocity": "base velocity ΩB", "acceleration": "base acceleration Ω²B"}
+
+TABLE = "share of the drive"  # the level of one that is a list over frequency
+
 
 @dataclass(frozen=True)
 class Axis:
-    """Second parameter: ``over`` as in ``OrbitMap``, its name, its unit, SI for one of it, the case's own value.
-
-    ``low``, ``high`` and ``own`` are in ``unit`` ("1": no dimension).
-    """
+    """Second parameter: ``over`` as in ``OrbitMap``, its name, its SI unit ("": no dimension), its range in SI."""
 
     over: str
     name: str
     unit: str
-    factor: float
-    own: float
     low: float
     high: float
 
-    @property
-    def own_text(self) -> str:
-        """Case's own value in words."""
-        size = abs(self.own) or max(abs(self.low), abs(self.high))
-        unit, factor = prefixed(LENGTHS, size) if self.unit == "m" else (self.unit.removeprefix("1"), 1.0)
-        return f"{self.name} of {self.own * factor:.4g} {unit}".strip()
+    def text(self, own: float) -> str:
+        """A model's own value in words."""
+        unit, factor = shown_unit(self.unit, abs(own) or max(abs(self.low), abs(self.high)))
+        return f"{self.name} of {own * factor:.4g} {unit}".strip()
+
+
+@dataclass(frozen=True)
+class Driving:
+    """Drive of a fidelity: the key of its level (None: a list over frequency), its own level, the drive at level 1."""
+
+    key: str | None
+    own: float
+    per_level: DrivePerLevel
+
+    @classmethod
+    def of(cls, case: Case, fidelity: str) -> Driving:
+        """Drive of one fidelity of a case."""
+        from vibeam.maps.variation import narrowed, varied
+
+        scene: Any = case.scene_of(fidelity)
+        base = scene.base
+        key = next(name for name in LEVELS if getattr(base, name) is not None)
+        own = getattr(base, key)
+        if isinstance(own, tuple):
+            return cls(None, 1.0, lambda omega: case.amplitude_of(fidelity, omega))
+        unit = varied(narrowed(case, fidelity), str(case.path), fidelity, ((f"drive.{key}", 1.0),))
+        return cls(key, own, lambda omega: unit.amplitude_of(fidelity, omega))
+
+    def amplitude(self, omega: Array) -> Array:
+        """Amplitude of the drive as it is, at ``omega`` (points,) rad/s."""
+        return np.asarray(self.own * np.asarray(self.per_level(omega))) * np.ones(len(omega))
 
 
 def frequencies(case: Case, count: int) -> Array:
@@ -53,13 +99,14 @@ def frequencies(case: Case, count: int) -> Array:
     return np.asarray(2 * np.pi * np.linspace(grid.min(), grid.max(), count))
 
 
-def second_axis(case: Case, over: str, low: str | float | None, high: str | float | None, system: ImpactSystem) -> Axis:
-    """Axis of gap or drive, as in ``stability``; ``system``: its gap and swing are the defaults."""
+def second_axis(
+    case: Case, over: str, low: str | float | None, high: str | float | None, system: ImpactSystem, drive: Driving
+) -> Axis:
+    """Axis of gap or drive, as in ``stability``; ``system``, ``drive``: of the model that the default range is of."""
     if over not in ("gap", "drive"):
         raise ValueError(f"--over: {over!r} is none of gap, drive")
-    name, kind, factor = _gap_unit(case) if over == "gap" else _drive_unit(case)
-    own = system.gap if over == "gap" else case.base_amplitude / factor
-    usual = _usual_gaps(case, system) if over == "gap" else (own / 20, 2 * own)
+    name, kind = _gap_unit(case) if over == "gap" else _drive_unit(case, drive)
+    usual = _usual_gaps(case, system, drive) if over == "gap" else (drive.own / 20, 2 * drive.own)
     first, last = (
         default if given is None else _value(flag, given, kind)
         for flag, given, default in (("--from", low, usual[0]), ("--to", high, usual[1]))
@@ -68,7 +115,7 @@ def second_axis(case: Case, over: str, low: str | float | None, high: str | floa
         raise ValueError(f"--from, --to: {name} must ascend, not go from {first:.4g} to {last:.4g}")
     if over == "drive" and first <= 0:
         raise ValueError(f"--from: {name} must be > 0, not {first:.4g}")
-    return Axis("gap" if over == "gap" else "amplitude", name, kind.unit or "1", factor, own, first, last)
+    return Axis("gap" if over == "gap" else "amplitude", name, kind.unit, first, last)
 
 
 def _value(flag: str, given: str | float, kind: Dimension) -> float:
@@ -78,28 +125,23 @@ def _value(flag: str, given: str | float, kind: Dimension) -> float:
         raise ValueError(f"{flag}: {fault}") from None
 
 
-def _gap_unit(case: Case) -> tuple[str, Dimension, float]:
-    if case.scene.natural_unit is not None:
-        return "gap Δ", RATIO, 1.0
-    return "gap at the contact", LENGTH, 1.0
+def _gap_unit(case: Case) -> tuple[str, Dimension]:
+    return ("gap at the contact", LENGTH) if case.scene.natural_unit is None else ("gap Δ", RATIO)
 
 
-def _drive_unit(case: Case) -> tuple[str, Dimension, float]:
-    """Unit of the drive: volts where the case drives by voltage; SI amplitude for one of them."""
-    scene: Any = case.scene
-    if scene.natural_unit is not None:
-        return "base amplitude B", RATIO, 1.0
-    if scene.base.voltage is None:
-        return "base amplitude", LENGTH, 1.0
-    from vibeam_models.base_motion import base_amplitude
-
-    volt = replace(scene, base=replace(scene.base, voltage=1.0))
-    return "drive voltage", VOLTAGE, base_amplitude(volt)
+def _drive_unit(case: Case, drive: Driving) -> tuple[str, Dimension]:
+    if drive.key is None:
+        return TABLE, RATIO
+    return LEVELS[drive.key] if case.scene.natural_unit is None else (PLAIN[drive.key], RATIO)
 
 
-def _usual_gaps(case: Case, system: ImpactSystem) -> tuple[float, float]:
+def _usual_gaps(case: Case, system: ImpactSystem, drive: Driving) -> tuple[float, float]:
     """Default gaps: around 0, some amplitudes of the motion without the stop, the case's own gap included."""
     grid = frequencies(case, 101)
-    free = motions(system, 1, grid, np.full(101, case.base_amplitude), np.zeros(101))
-    half = max(WIDE * case.base_amplitude * float(np.median(np.abs(free.total.unit))), 2 * abs(system.gap))
+    half = max(WIDE * swing(system, grid, drive.amplitude(grid)), 2 * abs(system.gap))
     return -half, half
+
+
+def swing(system: ImpactSystem, omega: Array, amplitude: float | Array) -> float:
+    """Median amplitude of the contact without the stop at ``omega`` (points,), m."""
+    return float(np.median(np.abs(sums(system, omega, 1).unit) * amplitude))

@@ -10,6 +10,7 @@ import numpy as np
 from vibeam.orbits.bifurcation_functions import Kind
 from vibeam.orbits.boundaries import Boundary, boundaries
 from vibeam.orbits.orbit_map import OrbitMap
+from vibeam.studies.stability.axes import Driving
 from vibeam.system.impact_system import ImpactSystem
 
 NAMES = {
@@ -38,7 +39,10 @@ class Crossing:
 
 @dataclass(frozen=True)
 class CurvePoint:
-    """One point of a boundary curve: Hz, m, m/s; ``clear``: its motion keeps clear of the stop between impacts."""
+    """One point of a boundary curve: Hz, m, m/s; ``clear``: its motion keeps clear of the stop between impacts.
+
+    ``drive``: its level, in the SI unit of the key that says it; of a list over frequency the share of that.
+    """
 
     fidelity: str
     periods: int
@@ -47,7 +51,7 @@ class CurvePoint:
     curve: int
     frequency: float
     gap: float
-    amplitude: float
+    drive: float
     velocity: float
     clear: bool
 
@@ -64,12 +68,12 @@ class Share:
 
 
 def crossings(
-    name: str, system: ImpactSystem, amplitude: float, span: tuple[float, float], periods: int
+    name: str, system: ImpactSystem, drive: Driving, span: tuple[float, float], periods: int
 ) -> Iterator[Crossing]:
-    """Boundaries of the fidelity ``name`` within ``span`` (rad/s), at its own gap and ``amplitude``."""
-    if amplitude == 0:
+    """Boundaries of the fidelity ``name`` within ``span`` (rad/s), at its own gap and drive."""
+    if drive.own == 0:
         return
-    for each in boundaries(system, amplitude, span, periods, kinds=tuple(NAMES)):
+    for each in boundaries(system, drive.own, span, periods, kinds=tuple(NAMES), per_level=drive.per_level):
         if each.clear:
             place = (each.omega / (2 * np.pi), each.velocity)
             yield Crossing(name, periods, NAMES[each.kind], BRANCHES[each.branch], *place, _shown(each))
@@ -84,14 +88,15 @@ def _shown(each: Boundary) -> str:
     return twin if abs(largest.imag) > 1e-9 * abs(largest) else f"{largest.real:.4g}"
 
 
-def curve_points(name: str, orbits: OrbitMap) -> Iterator[CurvePoint]:
-    """Points of all boundary curves of one model's map."""
+def curve_points(name: str, orbits: OrbitMap, drive: float) -> Iterator[CurvePoint]:
+    """Points of all boundary curves of one model's map; ``drive``: its own level."""
     for number, curve in enumerate(orbits.curves):
         boundary, motion = NAMES[curve.kind], "both" if curve.kind is Kind.FOLD else BRANCHES[curve.branch]
-        for omega, gap, amplitude, velocity, clear in zip(
-            curve.omega, curve.gap, curve.amplitude, curve.velocity, curve.clear, strict=True
+        levels = curve.value if orbits.over == "amplitude" else np.full(len(curve), drive)
+        for omega, gap, level, velocity, clear in zip(
+            curve.omega, curve.gap, levels, curve.velocity, curve.clear, strict=True
         ):
-            place = (float(omega) / (2 * np.pi), float(gap), float(amplitude), float(velocity), bool(clear))
+            place = (float(omega) / (2 * np.pi), float(gap), float(level), float(velocity), bool(clear))
             yield CurvePoint(name, orbits.periods, boundary, motion, number, *place)
 
 

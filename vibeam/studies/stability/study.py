@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.faults import CaseError
 from vibeam.case.one_harmonic import require_one_harmonic
 from vibeam.orbits.orbit_map import OrbitMap, orbit_map
 from vibeam.run.comparison.wording import listed
 from vibeam.run.remarks import ill_posed
 from vibeam.solvers.averaging.solver import slow_flow
 from vibeam.studies.stability import axes
-from vibeam.studies.stability.axes import Axis
+from vibeam.studies.stability.axes import Axis, Driving
 from vibeam.studies.stability.rows import Crossing, CurvePoint, Share, crossings, curve_points, share
 
 if TYPE_CHECKING:
@@ -27,14 +28,17 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ModelMap:
-    """One model: its ``fidelities``, its map, and the range of averaged motions, in the axis' SI unit.
+    """One model: its ``fidelities``, its map, its own value of the second parameter, and the range of averaged motions.
 
-    ``averaged``: least and greatest value (columns, 2) at each frequency, NaN without; None for more than one mode.
+    ``drive``: its own level. ``averaged``: least and greatest value (columns, 2) of the second parameter at each
+    frequency, NaN without; None for more than one mode.
     """
 
     fidelities: tuple[str, ...]
     modes: int
     orbits: OrbitMap
+    own: float
+    drive: float
     averaged: Array | None
 
     @property
@@ -68,7 +72,7 @@ class Stability:
     @property
     def points(self) -> list[CurvePoint]:
         """All points of all boundary curves."""
-        return [point for one in self.maps for point in curve_points(one.name, one.orbits)]
+        return [point for one in self.maps for point in curve_points(one.name, one.orbits, one.drive)]
 
     @property
     def shares(self) -> list[Share]:
@@ -88,62 +92,95 @@ def stability(
 ) -> Stability:
     """Compute maps over the case's frequencies and its gap (at the contact) or drive, from ``low`` to ``high``.
 
-    ``over``: "gap" or "drive"; ``low``, ``high``: as a case has them, with unit, None: chosen from the case. Fidelities
-    that make the same model share a map. ValueError for invalid arguments, an unknown fidelity included.
+    ``over``: "gap" or "drive", which is the level that the case says its drive by; ``low``, ``high``: as a case has
+    them, with unit, None: chosen from the case. Fidelities that make the same model share a map. ValueError for invalid
+    arguments, an unknown fidelity included; CaseError, at its line, for a drive or models without closed forms.
     """
     if fidelity is not None and fidelity not in case.fidelities:
         raise ValueError(f"no fidelity {fidelity!r}: there are {', '.join(case.fidelities)}")
-    require_one_harmonic(case, "a stability map")
-    models, refused = _models(case, fidelity)
-    axis = axes.second_axis(case, over, low, high, next(iter(models.values()))[0])
-    grid, values = axes.frequencies(case, frequencies), axis.factor * np.linspace(axis.low, axis.high, points)
-    maps: list[ModelMap] = []
-    met: list[Crossing] = []
+    require_one_harmonic(case, "a stability map", [fidelity] if fidelity else ())
+    grid = axes.frequencies(case, frequencies)
+    models, refused = _models(case, fidelity, grid)
+    first = models[0]
+    axis = axes.second_axis(case, over, low, high, first.system, first.drive)
+    refused += tuple(_otherwise(each, first, axis) for each in models if over == "drive" and not each.like(first))
+    models = [each for each in models if over == "gap" or each.like(first)]
+    values = np.linspace(axis.low, axis.high, points)
     span = float(grid[0]), float(grid[-1])
-    for name, (system, names) in models.items():
-        amplitude = float(case.amplitude_of(name))
-        given = {"amplitude": amplitude, "gap": system.gap} | {axis.over: values}
-        found = orbit_map(system, grid, given["amplitude"], periods, given["gap"])
-        maps.append(ModelMap(tuple(names), system.size, found, _averaged(amplitude, system, axis.over, grid, periods)))
-        met += crossings(name, system, amplitude, span, periods)
-    return Stability(case, axis, tuple(maps), tuple(met), refused)
+    maps = tuple(_map(model, axis, grid, values, periods) for model in models)
+    met = (each for one in models for each in crossings(one.names[0], one.system, one.drive, span, periods))
+    return Stability(case, axis, maps, tuple(met), refused)
 
 
-def _models(
-    case: Case, fidelity: str | None
-) -> tuple[dict[str, tuple[ImpactSystem, list[str]]], tuple[str, ...]]:  # fmt: skip
-    """Distinct systems, by the first fidelity of each, with all their fidelities; and the reasons of those left out.
+@dataclass(frozen=True)
+class _Model:
+    """Distinct model under its own drive, with all its fidelities."""
 
-    ValueError where none has one.
-    """
-    found: dict[str, tuple[ImpactSystem, list[str]]] = {}
+    names: list[str]
+    system: ImpactSystem
+    drive: Driving
+    amplitude: Array
+
+    def moves_as(self, other: _Model) -> bool:
+        """Test whether it moves identically, under a drive of the same size at every frequency."""
+        return self.system.moves_as(other.system) and np.array_equal(self.amplitude, other.amplitude)
+
+    def like(self, other: _Model) -> bool:
+        """Test whether its drive is said by the same key."""
+        return self.drive.key == other.drive.key
+
+
+def _models(case: Case, fidelity: str | None, grid: Array) -> tuple[list[_Model], tuple[str, ...]]:
+    """Distinct models, and the reasons of the fidelities left out; CaseError, at their lines, where all are."""
+    found: list[_Model] = []
     refused: dict[str, list[str]] = {}
     for name in case.fidelities if fidelity is None else [fidelity]:
         system = case.system(name)
         if system.beyond_plain:
             refused.setdefault(" or ".join(system.beyond_plain), []).append(name)
             continue
-        twin = next((names for other, names in found.values() if system.moves_as(other)), None)
+        drive = Driving.of(case, name)
+        model = _Model([name], system, drive, drive.amplitude(grid))
+        twin = next((other for other in found if model.moves_as(other)), None)
         if twin is None:
-            found[name] = system, [name]
+            found.append(model)
         else:
-            twin.append(name)
-    notes = tuple(f"{listed(names)}: no map, for no closed form knows {why}" for why, names in refused.items())
+            twin.names.append(name)
     if not found:
-        raise ValueError("; ".join(notes))
-    return found, notes
+        told = "no closed form knows {}: vibeam map and vibeam verdict fly it instead"
+        wrong = [(name, told.format(why)) for why, names in refused.items() for name in names]
+        raise CaseError([case.fault("fidelity", name, message=message) for name, message in wrong])
+    return found, tuple(f"{listed(names)}: no map, for no closed form knows {why}" for why, names in refused.items())
 
 
-def _averaged(amplitude: float, system: ImpactSystem, over: str, omega: Array, periods: int) -> Array | None:
-    """Open interval of gaps, or of amplitudes, with a stationary averaged motion near Ω = 2n (Δ_MAX of eq. 25)."""
+def _otherwise(model: _Model, first: _Model, axis: Axis) -> str:
+    said = "a list over frequency" if model.drive.key is None else f"its {model.drive.key}"
+    return f"{listed(model.names)}: no map over the {axis.name} of {first.names[0]}, for the drive is said by {said}"
+
+
+def _map(model: _Model, axis: Axis, grid: Array, values: Array, periods: int) -> ModelMap:
+    """Map of one model over the axis."""
+    drive, system = model.drive, model.system
+    given: dict[str, Any] = {"amplitude": drive.own, "gap": system.gap} | {axis.over: values}
+    orbits = orbit_map(system, grid, given["amplitude"], periods, given["gap"], drive.per_level)
+    own = system.gap if axis.over == "gap" else drive.own
+    averaged = _averaged(model, axis.over, grid, periods)
+    return ModelMap(tuple(model.names), system.size, orbits, own, drive.own, averaged)
+
+
+def _averaged(model: _Model, over: str, omega: Array, periods: int) -> Array | None:
+    """Open interval of gaps, or of levels, with a stationary averaged motion near Ω = 2n (Δ_MAX of eq. 25)."""
+    system = model.system
     try:
-        flow, unit = slow_flow(system, amplitude, resonance=periods)
+        flow, unit = slow_flow(system, 1.0, resonance=periods)
     except ValueError:
         return None
-    ends = np.array([flow.gaps(float(each) / unit) for each in omega])
+    per_metre = np.array([flow.gaps(float(each) / unit) for each in omega])  # both ends grow with the drive
     if over == "gap":
-        return ends + (system.gap - flow.oscillator.gap)  # the gap of the stop, not from the static place
+        static = system.gap - flow.oscillator.gap  # the gap of the stop, not from the static place
+        return per_metre * model.amplitude[:, None] + static
     gap = flow.oscillator.gap
     with np.errstate(divide="ignore"):
-        least = amplitude * np.where(gap > 0, gap / ends[:, 1], gap / ends[:, 0])  # both ends grow with the drive
+        least = np.where(gap > 0, gap / per_metre[:, 1], gap / per_metre[:, 0])
+        least = least / np.asarray(model.drive.per_level(omega))
     return np.stack([least, np.full(len(omega), np.nan)], axis=1)

@@ -13,6 +13,7 @@ from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS, RESTITUTION
 from vibeam.casefile.fields import Entry, Quantity
 from vibeam.casefile.quantities import to_si
 from vibeam.casefile.validation import declaration, entry_of, fields_of, table_of
+from vibeam.studies.stability.axes import WIDE, frequencies, swing
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -23,8 +24,6 @@ Array = NDArray[np.float64]
 SHORT = {"frequency": FREQUENCY, "gap": GAP, "restitution": RESTITUTION}  #: "drive" is whichever the case has
 
 DRIVEN = (0.2, 2.0)  # default range of a drive, in its own value
-
-WIDE = 2.0  # default gaps, in amplitudes of the motion without stop
 
 
 @dataclass(frozen=True)
@@ -107,17 +106,10 @@ def _usual(case: Case, key: str, own: float, system: ImpactSystem) -> tuple[floa
         return own * DRIVEN[0], own * DRIVEN[1]
     if key != GAP:
         return float("nan"), float("nan")
-    half = max(WIDE * _swing(case, system) / _at_contact(case), 2 * abs(own))
+    omega = frequencies(case, 101)
+    free = swing(system, omega, case.amplitude_of(next(iter(case.fidelities)), omega))
+    half = max(WIDE * free / _at_contact(case), 2 * abs(own))
     return -half, half
-
-
-def _swing(case: Case, system: ImpactSystem) -> float:
-    """Median amplitude of the contact without the stop over the case's frequencies, m."""
-    from vibeam.orbits.modal_sums import sums
-
-    omega = 2 * np.pi * np.linspace(case.sweep.frequency.min(), case.sweep.frequency.max(), 101)
-    amplitude = case.amplitude_of(next(iter(case.fidelities)), omega)
-    return float(np.median(np.abs(sums(system, omega, 1).unit) * amplitude))
 
 
 def _at_contact(case: Case) -> float:

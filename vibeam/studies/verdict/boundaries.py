@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 from vibeam.case.grid_keys import GAP, LEVELS
 from vibeam.maps.boundaries import boundaries_over
 from vibeam.maps.points import GridPoints
+from vibeam.maps.variation import narrowed, varied
 from vibeam.orbits.bifurcation_functions import Kind
 from vibeam.orbits.boundaries import boundaries
 from vibeam.studies.stability.rows import NAMES
@@ -48,13 +50,13 @@ class ExactBoundary:
 def exact_boundaries(
     case: Case, name: str, points: GridPoints, axis: VerdictAxis, frequency: Array
 ) -> Iterator[ExactBoundary]:
-    """The boundaries of a model; none beyond plain systems, nor where both key and frequency change the drive."""
+    """The boundaries of a model; none beyond plain systems."""
     if points.systems[0].beyond_plain or not points.amplitude.all():
         return
     if axis.key == GAP or axis.key in LEVELS:
         yield from _over_plane(case, name, points, axis)
-    elif not np.any(np.ptp(points.amplitude, axis=1)):
-        yield from _rows(name, points, axis, STEP * float(frequency[1] - frequency[0]))
+    else:
+        yield from _rows(case, name, points, axis, STEP * float(frequency[1] - frequency[0]))
 
 
 def _over_plane(case: Case, name: str, points: GridPoints, axis: VerdictAxis) -> Iterator[ExactBoundary]:
@@ -71,17 +73,19 @@ def _over_plane(case: Case, name: str, points: GridPoints, axis: VerdictAxis) ->
         yield ExactBoundary(name, NAMES[curve.kind], curve.branch, curve.frequency, values)
 
 
-def _rows(name: str, points: GridPoints, axis: VerdictAxis, width: float) -> Iterator[ExactBoundary]:
+def _rows(case: Case, name: str, points: GridPoints, axis: VerdictAxis, width: float) -> Iterator[ExactBoundary]:
     """``width``: Hz by which a boundary may move from row to row."""
+    text = narrowed(case, name)
     known = dict[tuple[Kind, int], list[list[float]]]()
     for row in range(len(axis.values)):
         system = points.systems[int(points.which[row, 0])]
         if points.restitution is not None:
             system = replace(system, restitution=float(points.restitution[row, 0]))
         omega, gap = points.omega[row], float(points.gap[row, 0])
+        own = varied(text, str(case.path), name, ((axis.key, float(axis.values[row])),))
         found = boundaries(
-            system, float(points.amplitude[row, 0]), (float(omega.min()), float(omega.max())), 1, gap=gap,
-            points=PLACES, kinds=tuple(NAMES),
+            system, 1.0, (float(omega.min()), float(omega.max())), 1, gap=gap, points=PLACES, kinds=tuple(NAMES),
+            per_level=partial(own.amplitude_of, name),
         )  # fmt: skip
         for each in found:
             rows = known.setdefault((each.kind, each.branch), [[] for _ in axis.values])

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.one_harmonic import require_one_harmonic
 from vibeam.casefile.quantities import RATIO, UnitError, to_si
 from vibeam.flight.tangent import tangent_fault
 from vibeam.run.comparison.wording import listed
@@ -134,6 +135,10 @@ def verdict(
     if not grid.min() < grid.max():
         raise ValueError("sweep.frequency: a map needs a range of frequencies, there is one")
     key = axes.keys_of(case, over)
+    unknown = [name for name in fidelities or () if name not in case.fidelities]
+    if unknown:
+        raise ValueError(f"no fidelity {', '.join(map(repr, unknown))}: there are {', '.join(case.fidelities)}")
+    require_one_harmonic(case, "a fidelity map", fidelities or ())
     systems, refused = _models(case, fidelities)
     axis = axes.second_axis(case, key, low, high, points, next(iter(systems.values())))
     hertz = np.linspace(grid.min(), grid.max(), frequencies)
@@ -169,9 +174,6 @@ def _accuracy(given: str | float) -> float:
 
 def _models(case: Case, asked: Sequence[str] | None) -> tuple[dict[str, ImpactSystem], tuple[str, ...]]:
     """Distinct systems by name, and sentences on the fidelities left out; ValueError where fewer than two remain."""
-    unknown = [name for name in asked or () if name not in case.fidelities]
-    if unknown:
-        raise ValueError(f"no fidelity {', '.join(map(repr, unknown))}: there are {', '.join(case.fidelities)}")
     built, found, notes = Systems(case), dict[str, "ImpactSystem"](), list[str]()
     usual = min((len(case.fidelities[name].changes) for name in case.fidelities), default=0)
     for name, fidelity in case.fidelities.items():
