@@ -16,6 +16,7 @@ from vibeam.figures.page import plain
 from vibeam.figures.prefixes import shown_unit
 from vibeam.figures.style import name_of
 from vibeam.figures.units import units_of
+from vibeam.studies.stability.axes import NAMES
 from vibeam.system.quantities import LAYOUT, unit_of
 
 if TYPE_CHECKING:
@@ -26,11 +27,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-CALLED = {
+CALLED = NAMES | {
     "stop.gap": "gap",
     "stop.restitution": "restitution R",
-    "drive.voltage": "drive voltage",
-    "drive.amplitude": "base amplitude",
     "start.displacement": "initial displacement of the contact",
     "start.velocity": "initial velocity of the contact",
 }

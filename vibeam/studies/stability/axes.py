@@ -43,6 +43,8 @@ LEVELS = {
     "moment": ("drive moment", MOMENT),
 }
 
+NAMES = {f"drive.{key}": name for key, (name, _) in LEVELS.items()}
+
 PLAIN = {"amplitude": "base amplitude B", "velocity": "base velocity ΩB", "acceleration": "base acceleration Ω²B"}
 
 TABLE = "share of the drive"  # the level of one that is a list over frequency

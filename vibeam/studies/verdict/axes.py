@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.faults import CaseError
 from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS, RESTITUTION
+from vibeam.casefile.field_lists import OneOrSeveral
 from vibeam.casefile.fields import Entry, Quantity
 from vibeam.casefile.quantities import to_si
 from vibeam.casefile.validation import declaration, entry_of, fields_of, table_of
-from vibeam.studies.stability.axes import WIDE, frequencies, swing
+from vibeam.studies.stability.axes import NAMES, WIDE, frequencies, swing
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -82,6 +84,7 @@ def _entry(case: Case, key: str) -> Entry:
         model = None if field is None else table_of(field)
     field = None if model is None else fields_of(model).get(last)
     entry = None if field is None else entry_of(field)
+    entry = entry.each if isinstance(entry, OneOrSeveral) else entry
     if entry is None:
         raise ValueError(f"--over: {key!r} is no key of the case that holds a number: vibeam keys lists them")
     return entry
@@ -98,6 +101,9 @@ def _own(case: Case, key: str) -> float:
     tables: Any = tomllib.loads(case.text)
     for name in key.split("."):
         tables = tables.get(name) if isinstance(tables, dict) else None
+    if isinstance(tables, list) and key in LEVELS:
+        told = "is a list over frequency, which has no one level to vary: write one number, or vibeam stability"
+        raise CaseError([case.fault(*key.split("."), message=told)])
     return float(tables) if isinstance(tables, int | float) else float("nan")
 
 
@@ -126,4 +132,4 @@ def _name(case: Case, key: str) -> str:
     if key == GAP:
         place = getattr(case.scene.stop, "gap_at", "contact")
         return f"gap at the {place}"
-    return key.replace(".", " ").replace("_", " ")
+    return NAMES.get(key, key.replace(".", " ").replace("_", " "))
