@@ -8,9 +8,11 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 from stand_in import curve as made
+from typer.testing import CliRunner
 
 import vibeam
 from vibeam.casefile.read import parse
+from vibeam.cli.main import app
 from vibeam.report.page import charts
 from vibeam.report.page.drawing import LEFT, drawing
 from vibeam.report.page.encoding import as_json, packed
@@ -118,6 +120,18 @@ def test_a_result_is_read_from_its_file_to_the_bit_and_the_file_stays(results):
     assert results.read_bytes() == before
     assert found.comparisons
     assert found.restitutions("beam")[0] == 0.7
+
+
+def test_the_page_says_all_that_the_terminal_says(results, text, monkeypatch):
+    """Every cell and every sentence of ``vibeam run``, the estimated error and its coverage among them."""
+    monkeypatch.setenv("COLUMNS", "240")
+    done = CliRunner().invoke(app, ["run", str(results.with_name("case.toml")), "--out", str(results)])
+    assert done.exit_code == 0, done.output
+    assert "est. off" in done.stdout
+    shown = " ".join(" ".join(elements(text).words).split())
+    lines = [line for line in done.stdout.splitlines() if line and not line.startswith(("─", str(results.parent)))]
+    missing = [part for line in lines for part in re.split(r"\s{2,}", line.strip()) if part not in shown]
+    assert missing == []
 
 
 def test_hostile_texts_are_shown_as_texts(text):

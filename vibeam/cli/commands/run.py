@@ -30,34 +30,16 @@ def run(
 
 
 def _report(result: Result, path: Path, as_json: bool) -> None:
-    from vibeam.figures.units import units_for
     from vibeam.report.figures import write_figures
-    from vibeam.run.comparison.wording import headline, notes
+    from vibeam.report.run_report import run_report
     from vibeam.run.estimate.summary import estimate_texts
     from vibeam.run.remarks import remarks
     from vibeam.run.summary import compare
 
     files = [path, *write_figures(result, path)]
-    rows = compare(result)
-    units = units_for(result)
-    remarked, compared = remarks(result), result.comparisons
-    whole = {"fidelities": rows, "remarks": remarked, "found": result.found, "total": result.total, "files": files}
-    whole |= {"comparisons": compared} | ({"curves": curves} if (curves := result.curves) else {})
-    estimated = estimate_texts(result.estimates)
-    whole |= {"estimates": estimated.rows} if estimated.rows else {}
-    head = list(map(headline, compared))
-    below = [*(line for each in compared for line in notes(each)), *estimated.sentences, *remarked, *files]
-    study = result.accuracy
-    if study is None:
-        print_result(
-            whole, as_json,
-            lambda tables: [tables.responses(rows, units, estimated), tables.costs(rows, compared)], below, head,
-        )  # fmt: skip
-        return
-    from vibeam.report import accuracy as accuracy_table
-
-    print_result(
-        whole | {"accuracy": study}, as_json,
-        lambda tables: [tables.responses(rows, units, estimated), accuracy_table.choices(study)],
-        [*accuracy_table.sentences(study, units), *accuracy_table.limits(study, compared), *below], head,
-    )  # fmt: skip
+    whole = {"fidelities": compare(result), "remarks": remarks(result), "found": result.found, "total": result.total}
+    whole |= {"files": files, "comparisons": result.comparisons}
+    more = {"curves": result.curves, "estimates": estimate_texts(result.estimates).rows, "accuracy": result.accuracy}
+    whole |= {name: value for name, value in more.items() if value}
+    found = run_report(result)
+    print_result(whole, as_json, lambda _: found.tables, [*found.sentences, *files], found.headlines)

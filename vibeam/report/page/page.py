@@ -13,6 +13,7 @@ from vibeam.report.page.charts import chart_data
 from vibeam.report.page.drawing import drawing
 from vibeam.report.page.encoding import as_json
 from vibeam.report.page.tables_of_page import PageTable, of_report, scene_table
+from vibeam.report.run_report import run_report
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -43,7 +44,7 @@ def page(stored: StoredResult) -> str:
     """The page as HTML; CaseError where a model of the case cannot be built any more."""
     from jinja2 import Environment
 
-    result = stored.result
+    result, said = stored.result, run_report(stored.result)
     room = files(__package__)
     template = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True).from_string(
         (room / "page.html").read_text(encoding="utf-8")
@@ -52,12 +53,12 @@ def page(stored: StoredResult) -> str:
         result=result,
         case=result.case,
         missing=stored.missing,
-        headlines=_headlines(result),
-        sentences=_sentences(result),
+        headlines=said.headlines,
+        sentences=said.sentences,
         scene=drawing(result.case.scene),
         scene_keys=scene_table(result.case.text),
         no_beam=result.case.scene.no_beam,
-        tables=_tables(result),
+        tables=list(map(of_report, said.tables)),
         checks=_checks(result, stored.left_out),
         pictures=_pictures(result),
         provenance=sorted(stored.provenance.items()),
@@ -68,38 +69,6 @@ def page(stored: StoredResult) -> str:
         plot_style=(room / "vendor" / "uPlot.min.css").read_text(encoding="utf-8"),
         plot_licence=(room / "vendor" / "uPlot.LICENSE").read_text(encoding="utf-8"),
     )
-
-
-def _headlines(result: Result) -> list[str]:
-    from vibeam.run.comparison.wording import headline
-
-    return [headline(each) for each in result.comparisons]
-
-
-def _sentences(result: Result) -> list[str]:
-    from vibeam.figures.units import units_for
-    from vibeam.run.comparison.wording import notes
-    from vibeam.run.remarks import remarks
-
-    below = [line for each in result.comparisons for line in notes(each)]
-    if result.accuracy is not None:
-        from vibeam.report import accuracy
-
-        below = [*accuracy.sentences(result.accuracy, units_for(result)), *below]
-    return [*below, *remarks(result)]
-
-
-def _tables(result: Result) -> list[PageTable]:
-    from vibeam.figures.units import units_for
-    from vibeam.report import tables
-    from vibeam.run.summary import compare
-
-    rows = compare(result)
-    if result.accuracy is not None:
-        from vibeam.report import accuracy
-
-        return [of_report(tables.responses(rows, units_for(result))), of_report(accuracy.choices(result.accuracy))]
-    return [of_report(tables.responses(rows, units_for(result))), of_report(tables.costs(rows, result.comparisons))]
 
 
 @dataclass(frozen=True)

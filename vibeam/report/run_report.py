@@ -1,0 +1,40 @@
+"""What a run says: headlines, tables and sentences, the same on the terminal and on the page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from vibeam.figures.units import units_for
+from vibeam.report import accuracy, tables
+from vibeam.run.comparison.wording import headline, notes
+from vibeam.run.estimate.summary import estimate_texts
+from vibeam.run.remarks import remarks
+from vibeam.run.summary import compare
+
+if TYPE_CHECKING:
+    from vibeam.report.table_widths import ReportTable
+    from vibeam.run.result import Result
+
+
+@dataclass(frozen=True)
+class RunReport:
+    """Lines above the tables, the tables, sentences below them."""
+
+    headlines: list[str]
+    tables: list[ReportTable]
+    sentences: list[str]
+
+
+def run_report(result: Result) -> RunReport:
+    """Report of a result; its errors are estimated and its comparisons made as far as it has them."""
+    rows, units, compared, study = compare(result), units_for(result), result.comparisons, result.accuracy
+    estimated = estimate_texts(result.estimates)
+    below = [*(line for each in compared for line in notes(each)), *estimated.sentences, *remarks(result)]
+    shown = [tables.responses(rows, units, estimated)]
+    if study is None:
+        shown.append(tables.costs(rows, compared))
+    else:
+        shown.append(accuracy.choices(study))
+        below = [*accuracy.sentences(study, units), *accuracy.limits(study, compared), *below]
+    return RunReport(list(map(headline, compared)), shown, below)
