@@ -7,6 +7,9 @@ another one.
 
 from __future__ import annotations
 
+import json
+import logging
+import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,6 +18,7 @@ from typing import Any
 
 from vibeam.flight.pause import pause
 from vibeam.maps.block import Block, Values, evaluate_block
+from vibeam.run.store.errors import reason
 
 Evaluate = Callable[[Block], Values]
 
@@ -23,6 +27,9 @@ WAIT = 15.0  # s for the scheduler and its first worker
 LOOK = 0.2  # s between two looks whether the run is to stop
 
 AHEAD = 2  # blocks in flight for each thread of a worker: one computed, one waiting
+
+
+ADDRESS = re.compile(r"(\w+://)?[^\s/]+:\d+")
 
 
 class ClusterError(ValueError):
@@ -52,20 +59,50 @@ def connected(where: str) -> Iterator[Cluster]:
         from distributed import Client
     except ImportError:
         raise ClusterError("--cluster needs Dask: pip install 'vibeam[cluster]'") from None
-    file = Path(where) if where.endswith(".json") else None
-    if file is not None and not file.is_file():
-        raise ClusterError(f"{where}: there is no such scheduler file: start dask scheduler --scheduler-file {where}")
-    known = {"scheduler_file": where} if file else {"address": where}
+    address = _address_in(Path(where)) if where.endswith(".json") else where
+    if not ADDRESS.fullmatch(address):  # Dask would look for it for half a minute
+        raise ClusterError(f"{where}: is no address of a scheduler: write tcp://host:8786, or name its file (.json)")
+    with _silent():
+        try:
+            made: Any = Client
+            client = made(address, timeout=WAIT, set_as_default=False)
+        except (OSError, ValueError, TypeError) as fault:
+            raise ClusterError(f"{where}: no scheduler answers there ({fault})") from None
+        try:
+            _require_alike(client, where)
+            yield Cluster(lambda block: _result(client, block), AHEAD * max(sum(client.nthreads().values()), 1))
+        finally:
+            client.close()
+
+
+@contextmanager
+def _silent() -> Iterator[None]:
+    """Context without what Dask and asyncio log of a lost connection: tracebacks above the one message."""
+    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client", "asyncio")]
+    levels = [each.level for each in loggers]
+    for each in loggers:
+        each.setLevel(logging.CRITICAL + 1)
     try:
-        made: Any = Client
-        client = made(**known, timeout=WAIT, set_as_default=False)
-    except (OSError, ValueError, TypeError) as fault:
-        raise ClusterError(f"{where}: no scheduler answers there ({fault})") from None
-    try:
-        _require_alike(client, where)
-        yield Cluster(lambda block: _result(client, block), AHEAD * max(sum(client.nthreads().values()), 1))
+        yield
     finally:
-        client.close()
+        for each, level in zip(loggers, levels, strict=True):
+            each.setLevel(level)
+
+
+def _address_in(file: Path) -> str:
+    """The address in a scheduler file."""
+    begin = f"start dask scheduler --scheduler-file {file}"
+    try:
+        address = json.loads(file.read_bytes())["address"]
+        if ADDRESS.fullmatch(address):
+            return str(address)
+    except FileNotFoundError:
+        raise ClusterError(f"{file}: there is no such scheduler file: {begin}") from None
+    except OSError as fault:
+        raise ClusterError(f"{file}: cannot be read ({reason(fault)}): {begin}") from None
+    except (ValueError, TypeError, KeyError, RecursionError):
+        pass
+    raise ClusterError(f"{file}: is no scheduler file, it names no address: {begin}")
 
 
 def fingerprint() -> str:

@@ -5,6 +5,7 @@ pip install 'vibeam[cluster]'; python -m pytest -m slow tests/vibeam/maps/test_m
 
 from __future__ import annotations
 
+import logging
 import os
 import pickle
 import re
@@ -13,6 +14,7 @@ import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import h5py
@@ -69,13 +71,50 @@ def test_blocks_that_are_sent_elsewhere_give_the_same_file(tmp_path: Path) -> No
     assert sorted(sent) == list(range(12))
 
 
-def test_a_scheduler_file_that_is_not_there_is_named(tmp_path: Path) -> None:
-    pytest.importorskip("distributed")
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (None, "there is no such scheduler file"), ("nonsense{", "is no scheduler file"), ("[" * 9999, "is no sch"),
+        ('{"id": 5}', "names no address"), ('{"address": "rm -rf"}', "names no address"), ("7", "names no address"),
+    ],
+)  # fmt: skip
+def test_a_scheduler_file_that_is_none_is_named_at_once(
+    content: str | None, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if content is not None:
+        (tmp_path / "s.json").write_text(content)
+    client = SimpleNamespace(Client=lambda *given, **named: pytest.fail("Dask was asked"))
+    monkeypatch.setitem(sys.modules, "distributed", client)
     with (
-        pytest.raises(ClusterError, match=re.escape(f"{tmp_path / 's.json'}: there is no such scheduler file")),
+        pytest.raises(ClusterError, match=f"^{re.escape(str(tmp_path / 's.json'))}: .*{said}.*: start dask scheduler "),
         connected(str(tmp_path / "s.json")),
     ):
         pass
+
+
+@pytest.mark.parametrize("where", ["nonsense", "tcp://", "tcp://a b:1", "host:", ""])
+def test_what_is_no_address_is_refused_at_once(where: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=lambda *_, **__: pytest.fail("asked")))
+    with pytest.raises(ClusterError, match=r"is no address of a scheduler: write tcp://host:8786"), connected(where):
+        pass
+
+
+def test_what_dask_logs_of_a_lost_scheduler_is_not_printed(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    loggers = [logging.getLogger(name) for name in ("distributed.client", "distributed.core", "asyncio")]
+    levels = [each.level for each in loggers]
+
+    def lost(*given: Any, **named: Any) -> None:
+        for each in loggers:
+            each.error("Traceback (most recent call last)")
+        raise OSError("nobody there")
+
+    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(Client=lost))
+    with pytest.raises(ClusterError, match="no scheduler answers there"), connected("tcp://localhost:8786"):
+        pass
+    assert caplog.records == []
+    assert [each.level for each in loggers] == levels
 
 
 def test_without_dask_the_cure_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
