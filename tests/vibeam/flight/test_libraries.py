@@ -6,6 +6,7 @@ import json
 import logging
 import lzma
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -27,7 +28,7 @@ from vibeam.flight.kernels.layout import LEVEL_ROWS, LEVELS, PAIR_ROWS, TABLE_RO
 from vibeam.flight.kernels.sources import digest
 from vibeam.flight.libraries import choice, load, processor
 from vibeam.flight.libraries.errors import KernelsUnavailable, LibraryUnavailable
-from vibeam.flight.libraries.manifest import FOLDER, file_of, manifest
+from vibeam.flight.libraries.manifest import FOLDER, file_of, manifest, write_manifest
 from vibeam.flight.libraries.manifest import LEVELS as LIBRARY_LEVELS
 from vibeam.flight.libraries.sources import sources_of
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
@@ -73,8 +74,10 @@ def test_libraries_are_made_from_the_kernels_as_they_are(library: str) -> None:
     assert set(about["entries"]) == {each.name for each in entries}
     assert set(about["levels"]) == set(LIBRARY_LEVELS)
     for level, expected in about["levels"].items():
-        content = lzma.decompress(file_of(library, level).read_bytes())
-        assert sha256(content).hexdigest() == expected
+        packed = file_of(library, level).read_bytes()
+        assert sha256(packed).hexdigest() == expected
+        content = lzma.decompress(packed)
+        assert len(content) < load.MOST
         assert content[:5] == b"\x7fELF\x02"
         assert int.from_bytes(content[18:20], "little") == (183 if level == "aarch64" else 62)  # e_machine
 
@@ -254,13 +257,62 @@ def test_stale_missing_and_damaged_libraries_are_named(tmp_path: Path) -> None:
     path = file_of("flight", HERE, folder)
     path.write_bytes(lzma.compress(b"something else"))
     assert "damaged" in refused(folder)
-    path.write_bytes(b"no archive")
+    path.unlink()
     assert "cannot be read" in refused(folder)
     folder = copied(tmp_path / "b")
     about = json.loads((folder / "manifest.json").read_text())
     about["libraries"]["flight"]["sources"] = "0"
-    (folder / "manifest.json").write_text(json.dumps(about))
+    write_manifest(folder, about["made_with"], about["libraries"])
     assert "older than their sources" in refused(folder)
+
+
+@needs_library
+def test_a_library_with_another_digest_is_not_unpacked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = copied(tmp_path / "a")
+    assert HERE is not None
+    file_of("flight", HERE, folder).write_bytes(lzma.compress(bytes(10**7)))
+    for name in ("decompress", "LZMADecompressor"):
+        monkeypatch.setattr(lzma, name, lambda *given: pytest.fail("it was unpacked"))
+    with pytest.raises(LibraryUnavailable, match="are damaged: install vibeam again"):
+        load.function_of("flight", move.module, move.name, HERE, folder)
+
+
+def _other_kind(content: str) -> str:
+    return content.replace("f8:2", "f8:3", 1)
+
+
+@pytest.mark.parametrize("change", [
+    lambda content: content[:-40], lambda content: "", lambda content: "[]", lambda content: "[" * 9999,
+    _other_kind, lambda content: content.replace("libraries", "librarys"), lambda content: "\xff" + content,
+])  # fmt: skip
+def test_a_damaged_manifest_is_named_and_numba_steps_in(
+    change: Callable[[str], str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    folder = copied(tmp_path / "a")
+    place = folder / "manifest.json"
+    place.write_text(change(place.read_text()), encoding="latin-1")
+    monkeypatch.delenv(choice.VARIABLE, raising=False)
+    monkeypatch.setattr(choice, "function_of", lambda *given: load.function_of(*given, folder=folder))
+    monkeypatch.setattr(load, "level_of_processor", lambda: "x86-64-v3")
+    with caplog.at_level(logging.WARNING, logger="vibeam"):
+        assert hasattr(choice.chosen(move.library, move.module, move.name), "signatures")
+    said = [each.getMessage() for each in caplog.records]
+    assert len(said) == 1
+    assert said[0].startswith(f"the list of compiled kernels, {place}, is damaged (")
+    assert said[0].endswith("install vibeam again: numba compiles the kernels")
+    assert choice.description(move.library, move.module, move.name) == "numba"
+
+
+@needs_library
+def test_a_limit_on_the_size_of_files_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(load, "_opened", load._opened.__wrapped__)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    try:
+        with pytest.raises(LibraryUnavailable, match=r"loaded \(files may not have their \d+ kB: raise ulimit -f\)$"):
+            load.function_of(move.library, move.module, move.name)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def test_numba_steps_in_with_one_line_that_says_why(

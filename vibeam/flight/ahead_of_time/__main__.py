@@ -22,7 +22,7 @@ from time import perf_counter
 from typing import Any
 
 from vibeam.flight.ahead_of_time import link
-from vibeam.flight.libraries.manifest import FOLDER, manifest
+from vibeam.flight.libraries.manifest import FOLDER, manifest, write_manifest
 
 GROUPS = ("points", "regimes", "flight", "tangents", "moreau")  # the longest first
 
@@ -47,8 +47,7 @@ def build(folder: Path, groups: Sequence[str] = GROUPS) -> None:
             about |= json.loads(part.read_text(encoding="utf-8"))
             part.unlink()
         shutil.copytree(fresh, folder, dirs_exist_ok=True)
-    whole = {"made_with": made_with, "libraries": dict(sorted(about.items()))}
-    (folder / "manifest.json").write_text(json.dumps(whole, indent=1) + "\n", encoding="utf-8")
+    write_manifest(folder, made_with, about)
 
 
 def _begun(group: str, folder: str, environment: dict[str, str]) -> subprocess.Popen[bytes]:

@@ -43,8 +43,9 @@ def _written(library: str, parts: Sequence[Compiled], folder: Path) -> dict[str,
     for level in TARGETS:
         content, path = link.linked(emitted(library, parts, level), level), file_of(library, level, folder)
         path.parent.mkdir(exist_ok=True)
-        path.write_bytes(lzma.compress(content, preset=9 | lzma.PRESET_EXTREME))
-        levels[level] = sha256(content).hexdigest()
+        packed = lzma.compress(content, preset=9 | lzma.PRESET_EXTREME)
+        path.write_bytes(packed)
+        levels[level] = sha256(packed).hexdigest()
     entries = {part.entry.name: {"arguments": part.arguments, "results": part.results} for part in parts}
     return {"entries": entries, "levels": levels}
 

@@ -69,7 +69,10 @@ def description(library: str, module: str, name: str) -> str:
     """Where that function comes from in this process: ``library`` and its level, or ``numba``."""
     wanted = os.environ.get(VARIABLE, "")
     try:
-        found = level_of(library, module, name, wanted if wanted in LEVELS else None)
+        if wanted == "numba":
+            return wanted
+        level = wanted if wanted in LEVELS else None
+        function_of(library, module, name, level)
+        return f"library {level_of(library, module, name, level)}"
     except LibraryUnavailable:
         return "numba"
-    return "numba" if wanted == "numba" else f"library {found}"

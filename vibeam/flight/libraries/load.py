@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import errno
 import lzma
 import os
 import tempfile
@@ -21,6 +22,8 @@ from vibeam.flight.libraries.processor import level as level_of_processor
 from vibeam.flight.libraries.sources import sources_of
 
 BUILD = "python -m vibeam.flight.ahead_of_time"
+
+MOST = 1 << 24  # bytes of a library
 
 _NUMBER = count()
 
@@ -49,21 +52,23 @@ def level_of(library: str, module: str, name: str, level: str | None = None, fol
 
 @cache
 def _opened(path: Path, expected: str) -> ctypes.CDLL:
-    """The library in a compressed file, with this SHA-256 when unpacked; LibraryUnavailable where it cannot be had."""
+    """The library in a compressed file with this SHA-256; LibraryUnavailable where it cannot be had."""
     try:
-        content = lzma.decompress(path.read_bytes())
-    except (OSError, lzma.LZMAError) as fault:
+        packed = path.read_bytes()
+    except OSError as fault:
         raise LibraryUnavailable(f"the compiled kernels cannot be read ({fault})") from None
-    if sha256(content).hexdigest() != expected:
-        raise LibraryUnavailable(f"the compiled kernels in {path} are damaged")
-    faults = []
+    if sha256(packed).hexdigest() != expected:
+        raise LibraryUnavailable(f"the compiled kernels in {path} are damaged: install vibeam again")
+    content = lzma.LZMADecompressor().decompress(packed, MOST)
+    faults = list[str]()
     for place in (_in_memory, _in_folder):
         try:
             with place(content) as name:
                 return ctypes.CDLL(name)
         except (AttributeError, OSError) as fault:  # AttributeError: a system without files in memory
-            faults.append(str(fault))
-    raise LibraryUnavailable(f"the compiled kernels cannot be loaded ({'; '.join(faults)})")
+            large = isinstance(fault, OSError) and fault.errno == errno.EFBIG
+            faults.append(f"files may not have their {len(content) >> 10} kB: raise ulimit -f" if large else str(fault))
+    raise LibraryUnavailable(f"the compiled kernels cannot be loaded ({'; '.join(dict.fromkeys(faults))})")
 
 
 @contextmanager

@@ -65,12 +65,12 @@ def reason() -> str:
     from vibeam.flight.entries import move
     from vibeam.flight.libraries.choice import VARIABLE
     from vibeam.flight.libraries.errors import LibraryUnavailable
-    from vibeam.flight.libraries.load import level_of
+    from vibeam.flight.libraries.load import function_of
 
     if os.environ.get(VARIABLE) == "numba":
         return f"{VARIABLE}=numba"
     try:
-        level_of(move.library, move.module, move.name)
+        function_of(move.library, move.module, move.name)
     except LibraryUnavailable as found:
         return str(found)
     return "the library cannot be loaded"
