@@ -171,10 +171,10 @@ class _Panel:
         self._plot(response.frequency[at], response.amplitude[at], **arrow(direction, self.look.colour))
 
     def _ghost(self, branches: Branches) -> None:
-        self.drawn.add("ghost")
         for _, response in branches.items():
             for piece in pieces(response):
                 if piece.kind in (MotionClass.PERIOD_ONE, MotionClass.PERIOD_MORE):
+                    self.drawn.add("ghost")
                     alone = {"marker": "o", "markersize": 3.6, "markeredgewidth": 0} if len(piece) == 1 else {}
                     at = piece.points
                     name = f"{self.name}-ghost"

@@ -117,6 +117,17 @@ def test_scattered_motions_of_three_fidelities_get_a_panel_each() -> None:
     assert len(frc(responses(1, 2, 3)).axes) == 1
 
 
+def test_a_finest_fidelity_of_which_nothing_is_drawn_is_in_no_legend() -> None:
+    """Four fidelities in panels of their own; the finest never repeats."""
+    for period, explained in ((0, False), (1, True)):
+        finest = Branches(curve(GRID, PEAK, period, modes=3), None)
+        branches = {name: Branches(curve(GRID, PEAK), None) for name in ("f0", "f1", "f2")} | {"f3": finest}
+        systems = {name: system(1, gap=0.0) for name in branches}
+        fidelities = {name: plain(name) for name in branches}
+        made = frc(Result(stand_in_case(system=systems.__getitem__, fidelities=fidelities), branches))
+        assert any("for comparison" in each for each in labels(made)) is explained
+
+
 def test_an_isolated_point_of_period_one_is_explained_and_one_without_contact_is_a_dash() -> None:
     alone = np.select([GRID[30] == GRID, GRID[40] == GRID], [1, -1], 0)
     made = frc(responses(1, period=alone))

@@ -147,7 +147,7 @@ function drawBeam() {
   const said = [`${short(turn % 12, 4)} drive periods`, `deflections ${metres(Math.min(...deflections))} … ${metres(Math.max(...deflections))}`];
   svg.append(drawn("text", { x: 240, y: 14 }, said.join(", ")));
   const frame = most > 0 ? `base ± ${metres(most)}` : with_beam.some((each) => each.base === null) ? "seen from the base" : "base at rest";
-  svg.append(drawn("text", { x: 240, y: 254 }, `${frame}${far ? "; a stop is beyond the figure" : ""}; beam not to this scale`));
+  svg.append(drawn("text", { x: 240, y: 254 }, `${frame}${far ? "; a stop is beyond the figure" : with_beam.some((each) => !each.stops.length) ? "; the stop, on the opposite beam, is not shown" : ""}; beam not to this scale`));
 }
 
 function listNumbers() {

@@ -96,7 +96,7 @@ function drawPieces(plot, curve, quantity, values, look, failedRow) {
     if (alone && kind.alone === "o") draw.fill();
     if (!kind.width || points.length < 2) continue;
     const plain = kind.name === data.kinds[0].name;
-    draw.lineWidth = (plain ? (down ? 4 : 1.7) : 1.2 * kind.width) * ratio;
+    draw.lineWidth = (plain ? (down ? 4 : 1.7) : 1.6 * kind.width) * ratio;
     draw.setLineDash((plain ? look.dash : kind.dash).map((each) => 1.5 * each * ratio));
     draw.beginPath();
     points.forEach(([x, y], at) => (at ? draw.lineTo(x, y) : draw.moveTo(x, y)));
