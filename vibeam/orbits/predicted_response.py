@@ -17,7 +17,7 @@ from vibeam.orbits.modal_sums import fault, offsets, resonant
 from vibeam.orbits.multipliers import largest, monodromy
 from vibeam.orbits.nearby_orbits import nearby_orbits
 from vibeam.orbits.train_signal import clear, excited, extremes, sampled, signal
-from vibeam.orbits.train_sums import Trains, ahead, contact_phasor
+from vibeam.orbits.train_sums import Trains, ahead, contact_phasor, repeats_sooner
 from vibeam.system.impact_system import ImpactSystem
 
 Array = NDArray[np.float64]
@@ -39,6 +39,7 @@ class Found(Enum):
     STRIKES = "it strikes the stop between its impacts"
     UNSTABLE = "it is unstable"
     TOUCHES = "it touches the stop where the first model does not"
+    ANOTHER = "it repeats after fewer periods: another motion"
 
     @property
     def code(self) -> int:
@@ -100,6 +101,7 @@ def _predicted(system: ImpactSystem, trains: Trains, output: str) -> PredictedRe
         left = np.flatnonzero(found[which] == Found.ORBIT.code)
         unstable = left[~_stable(system, moved.at(left), near.acceleration[which[left]])]
         found[which[unstable]] = Found.UNSTABLE.code
+        found[which[repeats_sooner(moved)]] = Found.ANOTHER.code
     values[:, found != Found.ORBIT.code] = np.nan
     return PredictedResponse._make((*values, found, near.first))
 

@@ -85,6 +85,24 @@ def lags(trains: Trains) -> tuple[Array, Array]:
     return between, np.broadcast_to(own, between.shape)
 
 
+def repeats_sooner(trains: Trains, within: float = 1e-6) -> NDArray[np.bool_]:
+    """Test (points,) whether a motion repeats after fewer drive periods than the trains' ``periods``.
+
+    ``within``: largest difference of its impacts, rad and share of the impulse.
+    """
+    order = np.argsort(trains.phases, axis=1)
+    phases, impulses = (np.take_along_axis(row, order, axis=1) for row in (trains.phases, trains.impulses))
+    n, m, found = trains.periods, phases.shape[1], np.zeros(len(phases), dtype=bool)
+    for sooner in range(1, n):
+        if n % sooner == 0 and m * sooner % n == 0:
+            impacts = m * sooner // n
+            later = np.concatenate([phases, phases + 2 * np.pi * n], axis=1)[:, impacts : impacts + m]
+            off = np.abs(later - phases - 2 * np.pi * sooner)
+            off = np.maximum(off, np.abs(np.roll(impulses, -impacts, axis=1) / impulses - 1))
+            found |= np.all(off <= within, axis=1)
+    return found
+
+
 def flights(trains: Trains) -> Array:
     """Time from each impact to the next one (points, m), s."""
     order = np.argsort(trains.phases, axis=1)

@@ -188,6 +188,35 @@ def test_points_without_impacts_and_without_a_period_are_told_apart() -> None:
     assert estimate_error(response, cut(free, 1), touching, 0.2, "sensor").reasons == {Basis.TOUCHES: 1}
 
 
+def test_no_point_has_an_estimate_at_which_the_full_model_makes_another_motion() -> None:
+    """Against the full model's own sweep: with that in the case, and without, where it is flown for the estimate."""
+    case = vibeam.load(ROOT / "cases" / "matrices" / "frame.toml")
+    result = vibeam.run(case, show=False)
+    reduced = {name: result[name] for name in ("static", "one")}
+    systems = {name: case.system(name) for name in case.fidelities}
+    for branches in (reduced, reduced | {"whole": result["whole"]}):
+        made, others = estimates(case, systems, branches, {}), 0
+        for name, responses in reduced.items():
+            for way, own in responses.items():
+                found, full = made[name].branches[way], dict(result["whole"].items())[way]
+                numbers = np.isfinite(found.amplitude_bound)
+                assert np.array_equal(numbers, found.known)
+                true = (own.amplitude / full.amplitude - 1)[numbers]  # settled to 1e-3 beside a doubling
+                assert found.amplitude[numbers] == pytest.approx(true, abs=1e-3)
+                others += found.reasons.get(Basis.ANOTHER, 0)
+        assert others > 10
+
+
+def test_an_orbit_that_repeats_sooner_in_the_full_model_is_another_motion() -> None:
+    """Period 2 of the reduced model where the full one's period has not doubled yet: twice its period 1."""
+    drive = Drive(1.8, 0.2)
+    own = next(each for each in orbits(THREE, drive) if each.admissible and each.stable)
+    apart = np.array([[own.phase, own.phase + 2 * np.pi]]), own.impulse * np.array([[1.001, 0.999]])
+    there = predicted(THREE, Trains(*apart, np.array([1.8]), np.array([0.2]), 2), "sensor")
+    assert list(Found)[there.found[0]] is Found.ANOTHER
+    assert np.isnan(there.amplitude[0])
+
+
 SHORT = {"sweep.frequency": [14.5, 15.0, 15.5], "sweep.settle": 150, "sweep.hold": 10, "beam.elements": 12}
 
 

@@ -20,6 +20,7 @@ class Basis(Enum):
     FAILED = "the point failed"
     RESONANT = "an undamped mode is driven at a resonance"
     FREE = "clear of the stop, as the full model"
+    ANOTHER = "the full model makes another motion"
 
     @property
     def code(self) -> int:

@@ -26,7 +26,9 @@ def estimate_error(
     response: FrequencyResponse, system: ImpactSystem, full: ImpactSystem, amplitude: ArrayLike,
     output: str = "contact", after: StatesAfter | None = None,
 ) -> ErrorEstimate:  # fmt: skip
-    """Estimate the error of ``response``, of the model ``system``, against the model ``full``, which is not flown.
+    """Estimate the error of ``response``, of the model ``system``, against the same motion of the model ``full``.
+
+    It is not flown: where several motions coexist, a sweep of it may be on another one (``flown`` tells).
 
     ``amplitude`` of the base motion, m, one number or one a point; ``output``: what the response was read of. The
     states ``after`` its points are needed for motions with several impacts. ValueError where one of the models has no
