@@ -98,12 +98,13 @@ def _require_whole_heaps(path: str) -> None:
 
 def text_at(item: Any, *names: str) -> str:
     """The text of the first attribute of these names that there is, empty without one or where it is no short text."""
+    import numpy as np
+
     for name in names:
         if name in item.attrs and (attribute := item.attrs.get_id(name)).shape in ((), (1,)):
             if attribute.dtype.hasobject:
                 _require_whole_heaps(item.file.filename)
-            value = item.attrs[name]
-            found = value.item() if hasattr(value, "item") else value
+            found = np.asarray(item.attrs[name]).item()
             return (found.decode("utf-8", "replace") if isinstance(found, bytes) else str(found))[:WORD]
     return ""
 
