@@ -19,7 +19,9 @@ from pathlib import Path
 from typing import Any
 
 FILE = Path(__file__).with_name("report.json")
-PARTS = ("rigs", "impacts", "mutants", "runs", "kills", "races", "lacks", "damage", "environment")
+PARTS = (
+    "rigs", "impacts", "mutants", "runs", "kills", "map_kills", "races", "lacks", "damage", "files", "environment",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from report import Span, cpu_seconds, left, machine, record, record_again, spans
+from torture import PARTS
 from verdict import Verdict
 
 
@@ -53,6 +54,12 @@ def test_a_finding_that_no_longer_shows_is_mended(file: Path) -> None:
 def test_time_and_machine_are_stated() -> None:
     assert cpu_seconds() > 0
     assert "Python" in machine()
+
+
+def test_every_part_of_the_torture_is_recorded(file: Path) -> None:
+    for name in PARTS:
+        record(name, span(0, 1), file)
+    assert list(json.loads(file.read_text())) == list(PARTS)
 
 
 def test_a_finding_names_files_without_their_folders() -> None:

@@ -54,6 +54,7 @@ PARTS = {
     "races": Part("races", 600.0),
     "lacks": Part("scarce", 600.0),
     "damage": Part("damage", 600.0),
+    "files": Part("hostile_files", 60.0),
     "environment": Part("environment", 6000.0),
 }
 

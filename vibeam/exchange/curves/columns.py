@@ -90,13 +90,18 @@ def _named(head: str) -> str:
     return _whole(split_head(head)[0])
 
 
+def short(text: str) -> str:
+    """Text as a message shows it."""
+    return repr(text if len(text) <= 50 else f"{text[:48]} …")
+
+
 def missing(heads: Iterable[str], wanted: Mapping[str, Wanted], found: Mapping[str, int | None]) -> HeadError | None:
     """What to say of columns that are needed and not there."""
     absent = [role for role, each in wanted.items() if each.needed and found.get(role) is None]
     if not absent:
         return None
     names = list(heads)
-    there = ", ".join(map(repr, names[:SHOWN])) + (" …" if len(names) > SHOWN else "")
+    there = ", ".join(map(short, names[:SHOWN])) + (" …" if len(names) > SHOWN else "")
     first = wanted[absent[0]].names[0]
     what = f"number {first}" if isinstance(first, int) else repr(first)
     cure = ", ".join(f'{role} = "…"' for role in absent)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable
 from math import isfinite, nan
 
+from vibeam.exchange.curves.columns import short
 from vibeam.exchange.files import FormatError
 
 LONGEST = 100  # characters of a number: some expressions below take time with their square
@@ -72,11 +73,6 @@ def number(cell: Cell, decimal: str) -> float:
     if not isfinite(value):
         raise FormatError(f"{short(shown)} is not a finite number", line)
     return value
-
-
-def short(text: str) -> str:
-    """Text as a message shows it."""
-    return repr(text if len(text) <= 50 else f"{text[:48]} …")
 
 
 def _hint(text: str) -> str:

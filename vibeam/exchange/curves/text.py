@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import Column, Columns, HeadError, Wanted, find, missing, split_head
-from vibeam.exchange.curves.numbers import LONGEST, decimal_sign, number, short
+from vibeam.exchange.curves.columns import Column, Columns, HeadError, Wanted, find, missing, short, split_head
+from vibeam.exchange.curves.numbers import LONGEST, decimal_sign, number
 from vibeam.exchange.files import FormatError
 from vibeam.exchange.text import lines_of, text_of
 
