@@ -43,14 +43,14 @@ BLOCKS = 600
 def case_of(settle: int) -> vibeam.Case:
     """A case with the map."""
     table = {"axes": AXES, "fidelities": ["sdof"], "direction": "both", "settle": settle, "hold": 50}
-    return vibeam.load(ROOT / "cases/dtu_neutral.toml", set={"map": {"m": table}})
+    return vibeam.load(ROOT / "cases/dtu_neutral.toml", set={"units": "SI", "map": {"m": table}})
 
 
 def handed_over(folder: Path, processes: list[psutil.Process], cluster: Cluster) -> dict[str, float]:
     """Wall and CPU s a block where a block is one line of two points and one period each."""
     axes = [AXES[0] | {"points": BLOCKS}, AXES[1] | {"points": 2}]
     table = {"axes": axes, "fidelities": ["sdof"], "direction": "apart", "settle": 1, "hold": 1}
-    case = vibeam.load(ROOT / "cases/dtu_neutral.toml", set={"map": {"m": table}})
+    case = vibeam.load(ROOT / "cases/dtu_neutral.toml", set={"units": "SI", "map": {"m": table}})
     kept = grids.SECONDS, grids.LEAST
     grids.SECONDS, grids.LEAST = 0.0, 1
     try:

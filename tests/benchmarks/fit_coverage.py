@@ -27,7 +27,7 @@ from vibeam.studies.fit.profile import LEVEL, misfit_at
 CASES = Path(__file__).parents[2] / "cases"
 
 GAIN, RESTITUTION, DAMPING = (
-    '"drive.gain" = [2e-4, 1e-3]',
+    '"drive.gain" = ["2e-4 1/V", "1e-3 1/V"]',
     '"stop.restitution" = [0.4, 0.92]',
     '"beam.damping_ratio" = [0.005, 0.04]',
 )
@@ -39,7 +39,7 @@ SCENARIOS: dict[str, tuple[str, str, list[str], dict[str, Any], str]] = {
         "dtu_neutral", "two_modes", [GAIN, RESTITUTION, '"beam.thickness" = ["1 mm", "1.07 mm"]'], {}, "stable",
     ),
     "gain, restitution, damping, two levels of drive": (
-        "dtu_neutral", "sdof", [GAIN, RESTITUTION, DAMPING], {"drive.voltage": 0.9}, "stable",
+        "dtu_neutral", "sdof", [GAIN, RESTITUTION, DAMPING], {"drive.voltage": "0.9 V"}, "stable",
     ),
     "gain, restitution, gap, loose stop": (
         "dtu_loose", "sdof", [GAIN, RESTITUTION, '"stop.gap" = ["0.02 mm", "0.2 mm"]'], {}, "stable",

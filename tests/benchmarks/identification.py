@@ -81,7 +81,7 @@ def force(random: Random) -> Identification:
 
 def modal(random: Random) -> Identification:
     """Thickness, inertia and rigid zone from five modal frequencies with noise of 0.1 %."""
-    case = vibeam.load(CASE, set=TRUE_KEYS)
+    case = vibeam.load(CASE, set={"units": "SI"} | TRUE_KEYS)
     exact = [row.frequency for row in vibeam.modes(case, 5).rows]
     found = {
         name: replace(each, value=f * (1 + 1e-3 * random.standard_normal()), scatter=1e-3 * f)

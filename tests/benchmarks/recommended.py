@@ -57,7 +57,7 @@ def flown(path: Path, held: str | None = None, points: int = 31, within: float =
 def grid(case: Case, points: int) -> Row:
     """Evenly spaced frequencies over those of the case."""
     ends = case.sweep.frequency
-    return {"sweep.frequency": {"from": float(ends[0]), "to": float(ends[-1]), "points": points}}
+    return {"units": "SI", "sweep.frequency": {"from": float(ends[0]), "to": float(ends[-1]), "points": points}}
 
 
 def alone(case: Case) -> Case:

@@ -86,9 +86,9 @@ def calls(rounds: int) -> list[dict[str, Any]]:
     """Rows of the calls."""
     case = vibeam.load(CASE)
     system, drive = case.system("beam"), vibeam.Drive(2 * np.pi * 15.3, float(case.amplitude_of("beam")))
-    gaps = [vibeam.load(CASE, set={"stop.gap": 1e-6 * index}) for index in range(1, rounds + 1)]
+    gaps = [vibeam.load(CASE, set={"units": "SI", "stop.gap": 1e-6 * index}) for index in range(1, rounds + 1)]
     beams = {
-        name: [vibeam.load(CASE, set={key: start + step * index}) for index in range(1, rounds + 1)]
+        name: [vibeam.load(CASE, set={"units": "SI", key: start + step * index}) for index in range(1, rounds + 1)]
         for name, (key, start, step) in BEAMS.items()
     }
 

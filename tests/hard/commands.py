@@ -37,7 +37,7 @@ restitution = 0.72
 position = "100 mm"
 [drive]
 voltage = "0.6 V"
-gain = 5.16e-4
+gain = "5.16e-4 1/V"
 [sweep]
 frequency = { from = "14 Hz", to = "17 Hz", points = 61 }
 settle = 60

@@ -20,7 +20,7 @@ ALONE = 0.06  # share of rigs that are one degree of freedom in their own units
 
 def random_rig(seed: int, number: int) -> str:
     """The text of a case file."""
-    return tomli_w.dumps(random_tables(np.random.default_rng([seed, number])))
+    return tomli_w.dumps({"units": "SI"} | random_tables(np.random.default_rng([seed, number])))
 
 
 def random_tables(rng: Generator) -> Table:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from observed import NEUTRAL
+from stand_in import SI
 
 import vibeam
 from vibeam.case.case import Case
@@ -33,7 +34,7 @@ def beam(kind: str, **keys: Any) -> Case:
     """The neutral rig with the figure ``it`` of a kind; keys with __ for dots, those of the figure without a table."""
     own = {key if "__" in key else f"show__it__{key}": value for key, value in keys.items()}
     named = {key.replace("__", "."): value for key, value in own.items()}
-    return vibeam.load(NEUTRAL, set={"show.it.kind": kind} | named)
+    return vibeam.load(NEUTRAL, set=SI | {"show.it.kind": kind} | named)
 
 
 def sheet(case: Case, fidelity: str, frequency: float | None) -> Sheet:

@@ -25,6 +25,10 @@ RIG = Path(__file__).parents[2] / "cases" / "dtu_neutral.toml"
 HELD_AT_CONTACT = RIG.read_text(encoding="utf-8").replace('restitution_of = "first mode"', 'restitution_of = "contact"')
 
 
+#: makes the plain numbers of a case SI, as an override: the lines of its text stay where they are
+SI = {"units": "SI"}
+
+
 def one_mode(
     frequency: str, settle: int, hold: int, *further: str, gap: object = 0, loss: str = "restitution = 0.9",
     direction: str | None = None,
@@ -32,7 +36,16 @@ def one_mode(
     """Text of a case of one degree of freedom, the paper's nominal one; ``further``: its last lines."""
     swept = [f"frequency = {frequency}", *([f'direction = "{direction}"'] if direction else [])]
     stop = ["[stop]", f"gap = {gap}", loss, "[drive]", "amplitude = 0.5e-3"]
-    lines = ["[sdof]", "damping_ratio = 0.015", *stop, "[sweep]", *swept, f"settle = {settle}", f"hold = {hold}"]
+    lines = [
+        'units = "SI"',
+        "[sdof]",
+        "damping_ratio = 0.015",
+        *stop,
+        "[sweep]",
+        *swept,
+        f"settle = {settle}",
+        f"hold = {hold}",
+    ]
     return "\n".join([*lines, *further]) + "\n"
 
 

@@ -124,8 +124,8 @@ def _validated_at(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[
 
 def _share_units(tables: dict[str, Any]) -> None:
     """Give the matrices of a case its own units, in place, where they have none of theirs."""
-    matrices, units = tables.get("matrices"), str(tables.get("units", "SI"))
-    if isinstance(matrices, dict):
+    matrices, units = tables.get("matrices"), str(tables.get("units"))
+    if isinstance(matrices, dict) and "units" in tables:
         matrices.setdefault("units", units if units in UNIT_SYSTEMS else "SI")
 
 
@@ -178,12 +178,13 @@ DECIDING = {("stop", "law"), *((name, "shape") for name in ("beam", "opposite", 
 
 
 def _unreported(together: Collection[Complaint], reported: set[KeyPath]) -> list[Complaint]:
-    """Complaints across keys where nothing has been reported of the key, or of the table it is in, before.
+    """Complaints across keys where nothing has been reported of the key, of one it names, or of its table, before.
 
     One about a whole table waits until its keys can be read: what it misses may be what is wrong. So do those about
     the keys of a table beside one that says what they mean.
     """
     unread = {path[:1] for path in reported}
+    named = {".".join(map(str, path)) for path in reported}
     unclear = {path[:-1] for path in reported if (path[0], path[-1]) in DECIDING}
     if unclear & {("beam",), ("opposite",)}:  # a section takes from its beam what it does not say
         unclear |= {path[:-1] for path, _ in together if path[0] == "section"}
@@ -192,5 +193,6 @@ def _unreported(together: Collection[Complaint], reported: set[KeyPath]) -> list
         for path, message in together
         if not {path, path[:-1]} & unclear
         and path not in unread
+        and not (path[0] in ("uncertain", "fit") and path[-1] in named)
         and not any(path[:length] in reported for length in range(1, len(path) + 1))
     ]

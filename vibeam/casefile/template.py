@@ -21,8 +21,8 @@ WIDTH = 120
 
 HEAD = """\
 # A case of vibeam: every key with what it means and, in brackets, what it may hold. Quantities are text with a unit, or
-# plain numbers in SI units (frequencies in Hz). What a case can do without is a comment here: take the "# " before the
-# key (and its table) away to use it. "effect:" marks what adds to the plain model. One key alone: vibeam keys stop.gap
+# numbers in the units that the case names. What a case can do without is a comment here: take the "# " before the key
+# (and its table) away to use it. "effect:" marks what adds to the plain model. One key alone: vibeam keys stop.gap
 """
 
 

@@ -34,7 +34,7 @@ def read(tables: dict[str, Any]) -> AnyCase:
 
 def units_of(said: Any) -> UnitSystem | None:
     """Units of a case's numbers without one by what it says of them: None where it says nothing, SI if it is wrong."""
-    return UNIT_SYSTEMS.get(str(said), SI)
+    return None if said is None else UNIT_SYSTEMS.get(str(said), SI)
 
 
 def complaints(error: ValidationError, model: type[BaseModel]) -> tuple[list[Complaint], set[KeyPath]]:

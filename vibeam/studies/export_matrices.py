@@ -32,7 +32,7 @@ def export_matrices(case: Case | AnyScene, path: str | PathLike[str]) -> str:
     keys |= {"sensor": rows.pop("sensor")} if "sensor" in rows else {}
     lines = [f"{key} = {_said(*places[name])}" for key, name in keys.items()]
     further = ", ".join(f"{name} = {_said(*places[name])}" for name in rows)
-    return "\n".join(["[matrices]", *lines, *([f"outputs = {{ {further} }}"] if further else []), ""])
+    return "\n".join(["[matrices]", *lines, 'units = "SI"', *([f"outputs = {{ {further} }}"] if further else []), ""])
 
 
 def arrays_of(scene: AnyScene) -> Arrays:

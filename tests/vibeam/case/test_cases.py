@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from stand_in import SI
 
 import vibeam
 from vibeam.case.case import Case
@@ -30,7 +31,7 @@ def shortened(file: Path, **more: object) -> Case:
     first = next(iter(case.references.values()))
     there = sorted({p.frequency for p in reference_points(first) if p.value is not None})
     few = [there[round(i)] for i in np.linspace(0, len(there) - 1, 5)]
-    return vibeam.load(file, set={"sweep.frequency": few} | more)
+    return vibeam.load(file, set=SI | {"sweep.frequency": few} | more)
 
 
 def expecting(case: Case, **more: object) -> Case:
@@ -45,7 +46,7 @@ def expecting(case: Case, **more: object) -> Case:
     wanted = {each.frequency for each in swept if each.frequency is not None}
     whole = any(each.frequency is None for each in swept)
     if not swept or (whole and case.path.parent.name == "experiment"):
-        return vibeam.load(case.path, set=more if swept else {"sweep.frequency": [14.5]} | more)
+        return vibeam.load(case.path, set=more if swept else {"sweep.frequency": ["14.5 Hz"]} | more)
     small = len(case.sweep.frequency) <= WHOLE
     near = (1.0 if small else 0.04) if whole else 1e-9  # 1: everywhere
     swept_at = case.sweep.frequency.tolist()
@@ -59,7 +60,7 @@ def expecting(case: Case, **more: object) -> Case:
     ]
     stepped = any(each.solver in STEPPED for each in case.fidelities.values())
     settle = {"sweep.settle": 60, "sweep.direction": "up"} if stepped else {}
-    return vibeam.load(case.path, set={"sweep.frequency": grid} | settle | more)
+    return vibeam.load(case.path, set=SI | {"sweep.frequency": grid} | settle | more)
 
 
 @pytest.mark.parametrize(

@@ -324,6 +324,7 @@ def test_five_kilograms_under_the_rig():
     rig = ROOT / "cases" / "dtu_neutral.toml"
     first = assemble(vibeam.load(rig).scene).modes(1).omega[0]
     short = {
+        "units": "SI",
         "sweep.frequency": [15.1, 15.2, 15.3, 15.4, 15.5, 15.6, 15.7],
         "sweep.settle": 150,
         "sweep.direction": "down",

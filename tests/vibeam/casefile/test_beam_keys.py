@@ -18,7 +18,7 @@ from vibeam_models.laws import LAWS
 
 DTU = Path(__file__).parents[3] / "cases" / "dtu_neutral.toml"
 
-PLAIN = """
+PLAIN = """units = "SI"
 [beam]
 length = "1 m"
 width = "20 mm"

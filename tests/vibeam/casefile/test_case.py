@@ -94,7 +94,7 @@ def test_all_that_may_be_left_out_or_said_otherwise():
             "mass.rigid_half_width": None,
             "stop.position": "150 mm",
             "added_mass": [{"mass": "2.4 g", "position": "90 mm"}],
-            "sweep.frequency": ["14 Hz", 15],
+            "sweep.frequency": ["14 Hz", "15 Hz"],
             "sweep.output": "tip",
             "beam.damping": [0.017, "1 %"],
             "beam.damping_ratio": None,
@@ -127,7 +127,7 @@ def test_an_override_is_a_value_or_its_text(value):
 def test_an_override_opens_a_table_and_reaches_into_a_list():
     changes = {
         "fidelity.all.reduction": "full",
-        "added_mass": [{"mass": 1, "position": 0.1}],
+        "added_mass": [{"mass": "1 kg", "position": "0.1 m"}],
         "added_mass.0.mass": "1 g",
     }
     case = parse(template(), set=changes)
@@ -139,7 +139,7 @@ def test_the_text_is_the_case():
     case = parse(template())
     assert parse(case.text).text == case.text
     assert len(case.key) == 64
-    same = parse("# other words\n" + template().replace('"180 mm"', "0.18").replace("\n", "\r\n"))
+    same = parse("# other words\n" + template().replace('"180 mm"', '"0.18 m"').replace("\n", "\r\n"))
     assert same.key == case.key
     assert parse(template(), set={"sweep.frequency.points": 121}).key == case.key
     other = parse(template(), set={"sweep.frequency.points": 31})

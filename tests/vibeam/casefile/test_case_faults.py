@@ -20,7 +20,7 @@ from vibeam.casefile.template import template
 from vibeam.solvers import SOLVERS as DECLARED
 from vibeam_reductions.declaration import REDUCTIONS
 
-RIG = """title = "rig"
+RIG = """units = "SI"
 [beam]
 length = "180 mm"
 width = "20 mm"
@@ -47,7 +47,7 @@ hold = 5
 [fidelity.sdof]
 reduction = "static_mode"
 """
-SDOF = one_mode("[0.3]", 0, 1, "[fidelity.exact]")
+SDOF = one_mode('["0.3 Hz"]', 0, 1, "[fidelity.exact]")
 FREQUENCY = '{ from = "14 Hz", to = "17 Hz", points = 4 }'
 REFERENCE = '[reference.exact]\nfile = "no.csv"\nfidelity = "sdof"\nquantity = "amplitude"\ntolerance = "1 %"\n'
 
@@ -98,7 +98,7 @@ WRONG = [
     ("elements = 36", "elements = 2001", "9: beam.elements: 2001 is outside [1, 2000]"),
     ("elements = 36", "elements = 36.0", "9: beam.elements: must be a whole number, not 36.0"),
     ("elements = 36", "elements = true", "9: beam.elements: must be a whole number, not true"),
-    ('"rig"', "5", "1: title: must be text in quotes, not 5"),
+    ('"SI"', '"SI"\ntitle = 5', "2: title: must be text in quotes, not 5"),
     ("settle = 3", "settle = -1", "23: sweep.settle: -1 is outside [0, 1000000]"),
     ("hold = 5", "hold = 0", "24: sweep.hold: 0 is outside [1, 1000000]"),
     ("points = 4", "points = 0", "22: sweep.frequency.points: 0 is outside [1, 1000000]"),
@@ -168,13 +168,13 @@ def test_references(right, wrong, message):
 @pytest.mark.parametrize(
     ("right", "wrong", "message"),
     [
-        ("gap = 0", 'gap = "0 mm"', "4: stop.gap: '0 mm' is a length, not a plain number"),
-        ("gap = 0", 'gap = 0\ngap_at = "sensor"', "5: stop.gap_at: unknown key; did you mean 'gap'?"),
-        ("amplitude = 0.5e-3", "voltage = 1\namplitude = 0", "7: drive.voltage: unknown key; known here: amplitude, velocity, acceleration, frequency, harmonic, harmonic_share, harmonic_phase"),
-        ("[stop]", "natural_frequency = 2\n[stop]", "3: sdof.natural_frequency: 2 may be rad/s or Hz: write '2 rad/s' or '2 Hz'"),
-        ("exact]", "exact]\nreduction = \"full\"", "13: fidelity.exact.reduction: 'full' is not one of \"static_mode\""),
-        ("exact]", "exact]\nmodes = 2", "13: fidelity.exact.modes: unknown key; known here: reduction, solver, options, set, without, label"),
-        ("[stop]", "[mass]\n[stop]", "3: mass: [mass] and [sdof] do not go together: keep [sdof], or the beam's tables"),
+        ("gap = 0", 'gap = "0 mm"', "5: stop.gap: '0 mm' is a length, not a plain number"),
+        ("gap = 0", 'gap = 0\ngap_at = "sensor"', "6: stop.gap_at: unknown key; did you mean 'gap'?"),
+        ("amplitude = 0.5e-3", "voltage = 1\namplitude = 0", "8: drive.voltage: unknown key; known here: amplitude, velocity, acceleration, frequency, harmonic, harmonic_share, harmonic_phase"),
+        ("[stop]", "natural_frequency = 2\n[stop]", "4: sdof.natural_frequency: 2 may be rad/s or Hz: write '2 rad/s' or '2 Hz'"),
+        ("exact]", "exact]\nreduction = \"full\"", "14: fidelity.exact.reduction: 'full' is not one of \"static_mode\""),
+        ("exact]", "exact]\nmodes = 2", "14: fidelity.exact.modes: unknown key; known here: reduction, solver, options, set, without, label"),
+        ("[stop]", "[mass]\n[stop]", "4: mass: [mass] and [sdof] do not go together: keep [sdof], or the beam's tables"),
     ],
 )  # fmt: skip
 def test_a_single_degree_of_freedom(right, wrong, message):

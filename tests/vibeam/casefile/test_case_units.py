@@ -2,6 +2,7 @@
 
 import pytest
 
+from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
 
 WITH_UNITS = """
@@ -80,6 +81,48 @@ def bare(system):
     for quantity, number in zip(WRITTEN, BARE[system].replace("RAD", RADIANS).split(), strict=True):
         text = text.replace(quantity, number.replace("±", " ±"))
     return text
+
+
+def faults(text, **changes):
+    with pytest.raises(CaseError) as caught:
+        parse(text, "mine.toml", {key.replace("__", "."): value for key, value in changes.items()})
+    return [str(fault) for fault in caught.value.faults]
+
+
+REFERENCE = '[reference.r]\nfile = "r.csv"\nfidelity = "sdof"\nquantity = "amplitude"\nmeasured = true\n'
+
+LENGTH = "1200 has no unit: write '1200 mm' or '1200 m', or units = \"SI\" at the top of the case"
+
+
+def test_a_number_without_a_unit_is_refused_with_what_it_may_mean():
+    assert faults(WITH_UNITS.replace('"180 mm"', "1200")) == [f"mine.toml:3: beam.length: {LENGTH}"]
+    assert faults(WITH_UNITS, beam__length=1200) == [f"--set beam.length: {LENGTH}"]
+    assert faults(WITH_UNITS, beam__length="1200") == [f"--set beam.length: {LENGTH}"]
+    assert parse(WITH_UNITS, set={"units": "SI", "beam.length": 0.3}).scene.beam.length == 0.3
+
+
+def test_every_number_that_has_a_dimension_is_named():
+    said = "\n".join(faults(bare("SI"), sensor__position="132 mm"))
+    keys = ("beam.width", "stop.gap", "drive.acceleration", "drive.harmonic_phase", "sweep.frequency.to",
+            'fidelity.wide.set."stop.gap"', "expect.peak.value", "measured.speed.value", "measured.speed.scatter",
+            "map.gaps.axes.0.values.1", "map.gaps.axes.1.to", "map.gaps.frequency")  # fmt: skip
+    assert [key for key in keys if f" {key}: " not in said] == []
+    assert "from" not in [line.split(": ")[1] for line in said.splitlines() if "axes.1" in line]  # 0 needs none
+    assert not any(f" {key}" in said for key in ("sensor.position", "beam.damping_ratio", "stop.restitution"))
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ('[fit]\nkeys = { "stop.gap" = [1e-5, "0.2 mm"] }\n', 'fit.keys."stop.gap": 1e-05 has no unit'),
+        (REFERENCE + "offset = 0.1\n", "offset: 0.1 has no unit"),
+    ],
+)
+def test_bounds_and_offsets_need_their_units_too(tmp_path, text, said):
+    (tmp_path / "r.csv").write_text("frequency_hz,direction,amplitude\n15,up,1e-3\n")
+    with pytest.raises(CaseError) as caught:
+        parse(WITH_UNITS + text, tmp_path / "mine.toml")
+    assert said in str(caught.value)
 
 
 @pytest.mark.parametrize("system", BARE)

@@ -55,6 +55,6 @@ def test_messages(changes: dict[str, Any], message: str) -> None:
 
 
 def test_a_solver_that_cannot_take_it_says_so() -> None:
-    case = vibeam.load(CASE, set={"fidelity.sdof.solver": "direct", "sweep.frequency": [10.0]})
+    case = vibeam.load(CASE, set={"fidelity.sdof.solver": "direct", "sweep.frequency": ["10 Hz"]})
     with pytest.raises(ValueError, match="solver 'direct' cannot take several contacts"):
         vibeam.run(case)

@@ -30,6 +30,7 @@ damping_ratio = 0.01
 contact = 2
 sensor = 1
 base = "all"
+units = "SI"
 
 [stop]
 gap = "1 mm"
@@ -78,7 +79,7 @@ gap_at = "sensor"
 restitution = 0.72
 restitution_of = "first mode"
 [drive]
-amplitude = {case.base_amplitude!r}
+amplitude = "{case.base_amplitude!r} m"
 [sweep]
 frequency = {{ from = "15 Hz", to = "16 Hz", points = 3 }}
 settle = 20
@@ -185,7 +186,7 @@ def test_units_of_the_matrices(units: str, length: float, force: float, time: fl
     own = vibeam.load(frame(tmp_path)).system("whole")
     for name, matrix in (("M.mtx", M * length / (force * time**2)), ("K.mtx", K * length / force)):
         mmwrite(tmp_path / name, matrix, precision=17)
-    text = FRAME.replace("[matrices]", f'[matrices]\nunits = "{units}"')
+    text = FRAME.replace('units = "SI"', f'units = "{units}"')
     (tmp_path / "other.toml").write_text(text)
     other = vibeam.load(tmp_path / "other.toml").system("whole")
     for field in ("omega", "zeta", "contact", "load"):
@@ -397,15 +398,16 @@ OF_KEYS = [
         'damping_matrix = "M.mtx"\ndamping_ratio',
         "4: matrices.damping_matrix: the damping is said",
     ),
-    ("damping_ratio", 'units = "mm"\ndamping_ratio', "4: matrices.units: 'mm' is not one of"),
-    ("[stop]", "[gravity]\n[stop]", "9: gravity: [gravity] and [matrices] do not go together: keep [matrices]"),
-    ("[stop]", "[beam]\n[stop]", "9: beam: [beam] and [matrices] do not go together: keep [matrices]"),
+    ('"SI"', '"mm"', "8: matrices.units: 'mm' is not one of"),
+    ('units = "SI"\n', "", '1: matrices.units: missing (of length, force, time, mass): write units = "SI" or "'),
+    ("[stop]", "[gravity]\n[stop]", "10: gravity: [gravity] and [matrices] do not go together: keep [matrices]"),
+    ("[stop]", "[beam]\n[stop]", "10: beam: [beam] and [matrices] do not go together: keep [matrices]"),
     ("[stop]", "[sdof]\n[stop]", "1: matrices: [matrices] and [sdof] do not go together: keep one of the two"),
-    ('amplitude = "0.1 mm"', "", "13: drive: the base motion is missing"),
-    ('amplitude = "0.1 mm"', 'amplitude = "0.1 mm"\ngain = 1.0', "15: drive.gain: unknown key"),
-    ('amplitude = "0.1 mm"', 'force = "1 N"', "14: drive.force: acts where matrices.force says"),
-    ("settle = 20", 'output = "tip"', "18: sweep.output: 'tip' is no output"),
-    ('"full"', '"modal"\nmodes = 3', "26: fidelity.whole.modes: 3 are more than the model has: the matrices give 2"),
+    ('amplitude = "0.1 mm"', "", "14: drive: the base motion is missing"),
+    ('amplitude = "0.1 mm"', 'amplitude = "0.1 mm"\ngain = 1.0', "16: drive.gain: unknown key"),
+    ('amplitude = "0.1 mm"', 'force = "1 N"', "15: drive.force: acts where matrices.force says"),
+    ("settle = 20", 'output = "tip"', "19: sweep.output: 'tip' is no output"),
+    ('"full"', '"modal"\nmodes = 3', "27: fidelity.whole.modes: 3 are more than the model has: the matrices give 2"),
 ]
 
 

@@ -88,11 +88,11 @@ def test_the_printed_modes_of_matrices_are_these_matrices(tmp_path: Path) -> Non
         (tmp_path / name).write_text(text)
     rest = MODES.partition("[stop]")[2].replace("modes = 2", "modes = 1")
     matrices = 'mass = "M.mtx"\nstiffness = "K.mtx"\ndamping_ratio = 0.01\ncontact = 2\nsensor = 1\nbase = "all"\n'
-    frame = case(tmp_path, f"[matrices]\n{matrices}[stop]{rest}")
+    frame = case(tmp_path, f'units = "SI"\n[matrices]\n{matrices}[stop]{rest}')
     rows = vibeam.modes(frame).rows
     keys = {"frequency": "frequency", "damping_ratio": "damping_ratio", "contact": "contact", "sensor": "sensor"}
     said = [f"{key} = {[getattr(row, name) for row in rows]}" for key, name in (keys | {"base": "load"}).items()]
-    own = case(tmp_path, "\n".join(["[modes]", *said, f"[stop]{rest}"]))
+    own = case(tmp_path, "\n".join(['units = "SI"', "[modes]", *said, f"[stop]{rest}"]))
     omega = 2 * np.pi * frame.sweep.frequency
     for name in frame.fidelities:
         one, other = (

@@ -64,10 +64,10 @@ def test_parameters_decide_the_key_and_the_basis() -> None:
 @pytest.mark.parametrize(
     ("own", "said"),
     [
-        ({"reduction": "modal", "modes": 2, "frequency": 3}, 'frequency: goes with reduction = "krylov" or "pod" alone, not "modal"'),
+        ({"reduction": "modal", "modes": 2, "frequency": "3 Hz"}, 'frequency: goes with reduction = "krylov" or "pod" alone, not "modal"'),
         ({"reduction": "krylov", "modes": 2, "boundary": ["contact"]}, 'boundary: goes with reduction = "craig_bampton" alone'),
         ({"reduction": "pod", "modes": 2}, 'frequency: missing: reduction = "pod" needs it; write frequency = "15 Hz"'),
-        ({"reduction": "pod", "modes": 2, "frequency": 15, "inner_product": "enrgy"}, "did you mean 'energy'?"),
+        ({"reduction": "pod", "modes": 2, "frequency": "15 Hz", "inner_product": "enrgy"}, "did you mean 'energy'?"),
         ({"reduction": "pod", "modes": 2, "frequency": 0}, "frequency: must be > 0"),
         ({"reduction": "krylov"}, 'modes: missing: reduction = "krylov" needs how many; write modes = 8'),
         ({"reduction": "residual_flexibility", "modes": 13}, "modes: 13 are more than the model has"),
@@ -104,7 +104,7 @@ def test_fidelities_of_other_bases_are_swept_and_compared() -> None:
         NEUTRAL,
         set={
             "fidelity.rubin": {"reduction": "residual_flexibility", "modes": 4},
-            "sweep.frequency": [15.0], "sweep.direction": "up",
+            "sweep.frequency": ["15 Hz"], "sweep.direction": "up",
         },
     )  # fmt: skip
     result = vibeam.run(given)

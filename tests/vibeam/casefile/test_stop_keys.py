@@ -13,7 +13,7 @@ from vibeam.casefile.read import parse
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution
 
-RIG = """
+RIG = """units = "SI"
 [beam]
 length = "180 mm"
 width = "20 mm"

@@ -85,7 +85,7 @@ def test_equal_changes_have_equal_keys_and_others_do_not() -> None:
     def key(changes: dict[str, Any]) -> str:
         return rig(**{"fidelity.sdof.set": changes}).key
 
-    assert key({"stop.gap": "0.1 mm"}) == key({"stop": {"gap": 1e-4}}) == key({"stop.gap": "100 µm"})
+    assert key({"stop.gap": "0.1 mm"}) == key({"stop": {"gap": "1e-4 m"}}) == key({"stop.gap": "100 µm"})
     assert len({key({"stop.gap": "0.1 mm"}), key({"stop.gap": "0.2 mm"}), rig().key}) == 3
     left = rig(**{"fidelity.sdof.without": ["mass.rotary_inertia"]})
     assert left.key != rig().key
@@ -124,13 +124,13 @@ def test_the_text_of_a_case_loads_as_the_same_case() -> None:
 )  # fmt: skip
 def test_wrong_changes_are_told_at_their_line(line: str, fault: str) -> None:
     found = faults(SDOF + "[fidelity.other]\n" + line)
-    assert f"case.toml:15: fidelity.other.{fault}" in found
+    assert f"case.toml:16: fidelity.other.{fault}" in found
 
 
 def test_setting_and_leaving_out_at_once() -> None:
     lines = '[fidelity.other]\nwithout = ["sdof.natural_frequency"]\nset = { sdof.natural_frequency = 2.0 }'
     said = "sdof.natural_frequency is left out and set at once: keep one of the two"
-    assert faults(SDOF + lines) == [f"case.toml:15: fidelity.other.without.0: {said}"]
+    assert faults(SDOF + lines) == [f"case.toml:16: fidelity.other.without.0: {said}"]
 
 
 def test_keys_that_do_not_go_together_after_the_change() -> None:
@@ -144,4 +144,4 @@ def test_keys_that_do_not_go_together_after_the_change() -> None:
 
 def test_a_fault_of_the_case_itself_is_told_once() -> None:
     found = faults(SDOF.replace("0.9", "1.9") + '[fidelity.other]\nset = { "stop.gap" = 1e-3 }')
-    assert found == ["case.toml:5: stop.restitution: 1.9 is outside [0, 1]"]
+    assert found == ["case.toml:6: stop.restitution: 1.9 is outside [0, 1]"]

@@ -77,7 +77,7 @@ tolerance = "50 %"
     file.write_text(RIG.read_text(encoding="utf-8").split("[reference")[0] + expected, encoding="utf-8")
     result = CliRunner().invoke(app, ["check", str(file), *settings])
     assert result.stdout.splitlines()[0] == "Held: R₁ = 0.72 of mode 1."
-    alone = file.read_text(encoding="utf-8").replace('against = "beam"\n', "").replace('"-10 %"', "0.394e-3")
+    alone = file.read_text(encoding="utf-8").replace('against = "beam"\n', "").replace('"-10 %"', '"0.394 mm"')
     file.write_text(alone, encoding="utf-8")
     result = CliRunner().invoke(app, ["check", str(file), *settings])
     assert result.exit_code == 0, result.output

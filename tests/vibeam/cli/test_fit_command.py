@@ -36,7 +36,7 @@ measured = true
 references = ["sheet"]
 
 [fit.keys]
-"drive.gain" = [3e-4, 9e-4]
+"drive.gain" = ["3e-4 1/V", "9e-4 1/V"]
 "stop.restitution" = [0.5, 0.9]
 """
 
@@ -110,7 +110,7 @@ def test_a_bad_table_tells_all_faults_with_line_key_and_cure(rig: Path) -> None:
     text = rig.read_text(encoding="utf-8")
     changes = {
         'references = ["sheet"]': 'references = ["shet"]',
-        '"drive.gain" = [3e-4, 9e-4]': '"drive.gian" = [3e-4, 9e-4]',
+        '"drive.gain" = ["3e-4 1/V", "9e-4 1/V"]': '"drive.gian" = ["3e-4 1/V", "9e-4 1/V"]',
         '"stop.restitution" = [0.5, 0.9]': '"stop.restitution" = [0.5, 1.9]\n"beam.elements" = [2, 5]',
     }
     for old, new in changes.items():
@@ -134,7 +134,7 @@ def test_a_file_that_cannot_be_written_is_refused_before_anything_is_computed(ri
     for words, said in (
         (("--write", tmp_path / "other" / "fitted.toml"), "--write names a file beside the case"),
         (("--write", rig.parent / "fitted.txt"), "which ends in .toml"),
-        (("--write", rig.parent / "fitted.toml", "--set", "drive.gain=5e-4"), "is written without --set"),
+        (("--write", rig.parent / "fitted.toml", "--set", "drive.gain=5e-4 1/V"), "is written without --set"),
     ):
         done = fit(rig, *words, code=2)
         assert said in done.output

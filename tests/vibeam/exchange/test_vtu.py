@@ -21,7 +21,8 @@ from vibeam.studies.modes import mode_table, write_shapes
 
 LENGTH, WIDE, THICK, YOUNG, DENSITY, ZETA = 0.3, 0.02, 0.002, 70e9, 2700.0, 0.05
 
-CANTILEVER = """[beam]
+CANTILEVER = """units = "SI"
+[beam]
 length = 0.3
 width = 0.02
 thickness = 0.002

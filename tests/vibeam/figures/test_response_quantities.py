@@ -15,11 +15,11 @@ from vibeam.studies.regression import expectations
 from vibeam.system.impact_system import ImpactSystem
 
 CASES = Path(__file__).parents[3] / "cases"
-SHORT = {"sweep.frequency": [15.0], "sweep.direction": "up", "sweep.settle": 20, "sweep.hold": 4}
+SHORT = {"sweep.frequency": ["15 Hz"], "sweep.direction": "up", "sweep.settle": 20, "sweep.hold": 4}
 
 
 def test_of_one_degree_of_freedom_it_is_the_reach() -> None:
-    grid = {"sweep.frequency": [2 / (2 * np.pi)], "sweep.direction": "up"}
+    grid = {"sweep.frequency": ["2 rad/s"], "sweep.direction": "up"}
     case = vibeam.load(CASES / "sdof_nominal.toml", set=grid)
     response = vibeam.run(case, show=False)["sdof"].up
     assert response is not None

@@ -22,7 +22,8 @@ from vibeam.figures.moving import pictures
 from vibeam.figures.sheet import Sheet
 from vibeam.report.figures import _composed, write_shown
 
-CASE = """[beam]
+CASE = """units = "SI"
+[beam]
 length = 0.3
 width = 0.02
 thickness = 0.002

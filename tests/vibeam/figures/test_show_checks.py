@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from figures import SDOF, beam, forced, free
+from stand_in import SI
 
 import vibeam
 from vibeam.case.faults import CaseError
@@ -59,7 +60,7 @@ EXPECT = '[expect.it]\nfidelity = "sdof"\nvalue = {value}\ntolerance = "0.1 %"\n
 )  # fmt: skip
 def test_faults(lines: str, fault: str) -> None:
     with pytest.raises(CaseError) as caught:
-        parse(SDOF + lines + "\n")
+        parse(SDOF + lines + "\n", set=SI)
     assert [str(each).split(": ", 1)[1] for each in caught.value.faults] == [fault]
 
 

@@ -10,6 +10,7 @@ import pytest
 from figures import beam
 from observed import NEUTRAL
 from scipy.integrate import solve_ivp
+from stand_in import SI
 
 import vibeam
 from vibeam.case.faults import CaseError
@@ -130,7 +131,7 @@ def test_it_is_drawn_with_the_distance_of_its_peak_from_the_settled_one(tmp_path
 
 def test_within_an_accuracy_a_chirp_is_drawn_alone_and_curves_of_a_sweep_say_why_not():
     keys: dict[str, Any] = {"sweep.frequency": [15.0, 15.3, 15.6], "sweep.settle": 100, "accuracy": "5 %"}
-    case = vibeam.load(NEUTRAL, set=keys | {
+    case = vibeam.load(NEUTRAL, set=SI | keys | {
         "show.it.kind": "chirp", "show.it.rate": "0.5 Hz/s", "show.it.fidelities": ["sdof"],
         "show.curve.kind": "curve", "show.curve.quantity": "reach", "show.map.kind": "period_map",
     })  # fmt: skip

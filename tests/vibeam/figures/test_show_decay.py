@@ -17,7 +17,8 @@ from vibeam.figures.sheet import Sheet
 from vibeam.report.figures import figure
 
 CASES = Path(__file__).parents[3] / "cases"
-CASE = """[sdof]
+CASE = """units = "SI"
+[sdof]
 natural_frequency = "8 Hz"
 damping_ratio = {zeta}
 [stop]
@@ -67,7 +68,7 @@ def test_the_highest_line_of_a_parabola_is_its_vertex() -> None:
 
 
 def test_a_beam_is_let_go_from_its_static_deflection() -> None:
-    case = vibeam.load(CASES / "experiment" / "fig30.toml", set={"sweep.frequency": [7.0], "sweep.settle": 1})
+    case = vibeam.load(CASES / "experiment" / "fig30.toml", set={"sweep.frequency": ["7 Hz"], "sweep.settle": 1})
     result = vibeam.run(case)
     beam = next(sheet for sheet in result.shown["decay"] if sheet.fidelity == "beam")
     assert beam["displacement"][0] == pytest.approx(2e-3, rel=1e-12)
@@ -81,7 +82,7 @@ def test_under_its_weight_a_beam_decays_about_its_place_at_rest() -> None:
     """A constant load moves the place at rest alone; transverse gravity sags the rig by millimetres."""
     found = []
     for own in ({}, {"gravity.direction": "transverse"}):
-        few = {"sweep.frequency": [7.0], "sweep.settle": 1}
+        few = {"sweep.frequency": ["7 Hz"], "sweep.settle": 1}
         result = vibeam.run(vibeam.load(CASES / "experiment" / "fig30.toml", set=few | own))
         found.append(next(sheet for sheet in result.shown["decay"] if sheet.fidelity == "beam"))
     assert np.allclose(found[1]["displacement"], found[0]["displacement"], atol=1e-11)

@@ -20,6 +20,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from stand_in import SI
 
 import vibeam
 from vibeam.maps import cluster as clusters
@@ -37,7 +38,7 @@ AXES = [
 
 def case(**more: Any) -> vibeam.Case:
     table = {"axes": AXES, "fidelities": ["sdof"], "direction": "both", "settle": 60, "hold": 8} | more
-    return vibeam.load(ROOT / "cases/dtu_neutral.toml", set={"map": {"m": table}})
+    return vibeam.load(ROOT / "cases/dtu_neutral.toml", set=SI | {"map": {"m": table}})
 
 
 def data(path: Path) -> dict[str, Any]:

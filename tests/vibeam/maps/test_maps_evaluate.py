@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from stand_in import SI
 
 import vibeam
 from vibeam.maps.block import Block, evaluate_block
@@ -19,7 +20,7 @@ SHORT: dict[str, Any] = {"settle": 40, "hold": 16}
 
 
 def rig(**changes: Any) -> vibeam.Case:
-    return vibeam.load(RIG, set={key.replace("__", "."): value for key, value in changes.items()})
+    return vibeam.load(RIG, set=SI | {key.replace("__", "."): value for key, value in changes.items()})
 
 
 def swept(case: vibeam.Case, fidelity: str, direction: str = "up") -> Any:
@@ -86,7 +87,7 @@ def test_keys_that_decide_different_things_go_together() -> None:
 
 
 def test_a_key_that_the_fidelity_sets_itself_is_changed_there() -> None:
-    case = vibeam.load(RIG, set={"fidelity.sdof.set": {"stop.gap": 2e-4}})
+    case = vibeam.load(RIG, set=SI | {"fidelity.sdof.set": {"stop.gap": 2e-4}})
     found = vibeam.evaluate(case, "sdof", {"stop.gap": [0.0], "sweep.frequency": FREQUENCIES}, lanes=False, **SHORT)
     np.testing.assert_array_equal(found["amplitude"][0], swept(rig(stop__gap=0.0), "sdof").amplitude)
 
@@ -197,7 +198,7 @@ def test_all_values_that_the_case_may_not_have_are_reported_at_once() -> None:
 @pytest.mark.parametrize("changes", [{"stop.wear": 1e-9}, {"fidelity.sdof.solver": "orbit"}])
 def test_what_a_grid_cannot_take_is_refused(changes: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match="a map cannot take"):
-        vibeam.evaluate(vibeam.load(RIG, set=changes), "sdof", {"sweep.frequency": [15.0]})
+        vibeam.evaluate(vibeam.load(RIG, set=SI | changes), "sdof", {"sweep.frequency": [15.0]})
 
 
 def test_an_unknown_fidelity_or_quantity_names_the_known_ones() -> None:

@@ -27,7 +27,7 @@ running.evaluate_here = stand_in
 axes = [{"key": "drive.voltage", "from": 0.1, "to": 0.7, "points": 2500},
         {"key": "sweep.frequency", "from": 14, "to": 17, "points": 4000}]
 table = {"axes": axes, "fidelities": ["sdof"], "direction": "up", "settle": 100, "hold": 20, "boundaries": False}
-case = vibeam.load(sys.argv[1], set={"map": {"m": table}, "reference": None})
+case = vibeam.load(sys.argv[1], set={"units": "SI", "map": {"m": table}, "reference": None})
 found = vibeam.run_map(case, "m", sys.argv[2])
 assert found.points == found.done == 10_000_000
 assert found["sdof"]["period"].shape == (1250, 2000)

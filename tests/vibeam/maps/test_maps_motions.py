@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from stand_in import SI
 
 import vibeam
 from vibeam.maps.closed_form import ClosedForm, closed_form_strobes
@@ -80,7 +81,7 @@ def test_motions_in_closed_form_are_those_that_are_flown() -> None:
     """Along the gap and the frequency; and where the flight leaves it for a doubled one, it is unstable."""
     text: dict[str, Any] = {"picture": "bifurcation", "fidelities": ["two_modes"], "settle": 600, "hold": 16}
     axis = {"key": "sweep.frequency", "from": 15.6, "to": 16.2, "points": 4}
-    case = vibeam.load("cases/dtu_loose.toml", set={"map": {"m": text | {"axes": [axis], "direction": "up"}}})
+    case = vibeam.load("cases/dtu_loose.toml", set=SI | {"map": {"m": text | {"axes": [axis], "direction": "up"}}})
     known, why = closed_form_strobes(case, case.maps["m"], "two_modes", points=5)
     assert why == ""
     single = [each for each in known if each.periods == 1]
@@ -98,7 +99,7 @@ def test_motions_in_closed_form_are_those_that_are_flown() -> None:
 
 
 def known_of(name: str, points: int, **more: Any) -> tuple[vibeam.Case, list[ClosedForm]]:
-    case = vibeam.load("cases/maps/doubling.toml", set={f"map.{name}.{key}": value for key, value in more.items()})
+    case = vibeam.load("cases/maps/doubling.toml", set=SI | {f"map.{name}.{key}": value for key, value in more.items()})
     found, why = closed_form_strobes(case, case.maps[name], "sdof", points=points)
     assert why == ""
     return case, found
@@ -155,7 +156,7 @@ def test_a_system_without_closed_form_says_so() -> None:
     axis = {"key": "sweep.frequency", "from": 15.6, "to": 16.2, "points": 4}
     case = vibeam.load(
         "cases/dtu_loose.toml",
-        set={"map": {"m": {"picture": "bifurcation", "axes": [axis]}}, "stop.second_gap": "1 mm"},
+        set=SI | {"map": {"m": {"picture": "bifurcation", "axes": [axis]}}, "stop.second_gap": "1 mm"},
     )
     assert closed_form_strobes(case, case.maps["m"], "sdof") == (
         [], "no motions in closed form for sdof: there are none with a second stop",
@@ -163,7 +164,7 @@ def test_a_system_without_closed_form_says_so() -> None:
 
 
 def test_the_exponent_of_a_motion_without_impacts_is_that_of_its_damping() -> None:
-    case = vibeam.load("cases/dtu_loose.toml", set={"stop.gap": 0.1})
+    case = vibeam.load("cases/dtu_loose.toml", set={"stop.gap": "100 mm"})
     found = vibeam.evaluate(
         case, "sdof", {"drive.voltage": [0.1, 0.2], "sweep.frequency": [14.0, 15.0]}, settle=1000, hold=20,
         quantities=("lyapunov", "state"),

@@ -9,6 +9,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from stand_in import SI
 
 import vibeam
 from vibeam.maps import run as running
@@ -38,11 +39,11 @@ PERIODS: dict[str, Any] = {
 
 
 def basins(**more: Any) -> vibeam.Case:
-    return vibeam.load("cases/maps/basins.toml", set={"map": {"m": BASINS | more}})
+    return vibeam.load("cases/maps/basins.toml", set=SI | {"map": {"m": BASINS | more}})
 
 
 def periods(**more: Any) -> vibeam.Case:
-    return vibeam.load("cases/dtu_loose.toml", set={"map": {"m": PERIODS | more}, "reference": None})
+    return vibeam.load("cases/dtu_loose.toml", set=SI | {"map": {"m": PERIODS | more}, "reference": None})
 
 
 def flown_by_hand(truth: np.ndarray[Any, Any], levels: int) -> np.ndarray[Any, Any]:

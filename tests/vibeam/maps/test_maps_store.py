@@ -10,6 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+from stand_in import SI
 
 import vibeam
 from vibeam.maps import run as running
@@ -30,7 +31,7 @@ AXES = [
 
 def case(**more: Any) -> vibeam.Case:
     table = {"axes": AXES, "fidelities": ["sdof"], "direction": "both", "settle": 30, "hold": 8, "strobes": 2} | more
-    return vibeam.load("cases/dtu_neutral.toml", set={"map": {"m": table}})
+    return vibeam.load("cases/dtu_neutral.toml", set=SI | {"map": {"m": table}})
 
 
 @pytest.fixture
@@ -223,7 +224,7 @@ def test_blocks_of_another_map_are_refused(tmp_path: Path, monkeypatch: pytest.M
 
 
 def test_what_does_not_change_the_numbers_does_not_change_the_key() -> None:
-    one, other = case(), vibeam.load("cases/dtu_neutral.toml", set={"map": {"m": {
+    one, other = case(), vibeam.load("cases/dtu_neutral.toml", set=SI | {"map": {"m": {
         "axes": AXES, "fidelities": ["sdof"], "direction": "both", "settle": 30, "hold": 8, "strobes": 2,
         "boundaries": False}}, "title": "another", "sweep.frequency.points": 5})  # fmt: skip
     keys = [key_of(each, grids_of(each, each.maps["m"])["sdof"]) for each in (one, other)]

@@ -11,7 +11,7 @@ import pytest
 import vibeam
 from vibeam.casefile.read import parse
 
-RIG = Path("cases/dtu_neutral.toml").read_text("utf-8").replace('"references/', '"cases/references/')
+RIG = 'units = "SI"\n' + Path("cases/dtu_neutral.toml").read_text("utf-8").replace('"references/', '"cases/references/')
 
 GOOD = """
 [map.plane]

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.collections import QuadMesh
+from stand_in import SI
 from typer.testing import CliRunner
 
 import vibeam
@@ -40,7 +41,7 @@ TABLES: dict[str, dict[str, Any]] = {
 
 def case(picture: str, **more: Any) -> vibeam.Case:
     table = {"picture": picture, "settle": 20, "hold": 16, "boundaries": False} | TABLES[picture] | more
-    return vibeam.load(RIG, set={"map": {"m": table}, "figure.format": ["svg"], "reference": None})
+    return vibeam.load(RIG, set=SI | {"map": {"m": table}, "figure.format": ["svg"], "reference": None})
 
 
 @pytest.mark.parametrize("picture", ["values", "bifurcation", "basins", "spectra"])
@@ -123,7 +124,7 @@ def test_boundaries_over_a_level_of_the_drive_are_roots_at_that_level(drive: dic
     for curve in folds:
         for at in (len(curve.across) // 3, 2 * len(curve.across) // 3):
             omega = 2 * np.pi * curve.across[at]
-            amplitude = vibeam.load(RIG, set={**drive, key: float(curve.upward[at])}).amplitude_of(
+            amplitude = vibeam.load(RIG, set=SI | {**drive, key: float(curve.upward[at])}).amplitude_of(
                 "two_modes", np.array([omega])
             )
             assert np.min(np.abs(roots(system, float(np.ravel(amplitude)[0]), omega, Kind.FOLD) - omega)) < 1e-6 * omega
@@ -138,7 +139,7 @@ def test_boundaries_over_the_gap_are_roots_at_that_gap(drive: dict[str, Any]) ->
     assert why == ""
     curve = next(each for each in found if each.kind is Kind.DOUBLING)
     at = len(curve.across) // 2
-    gap = vibeam.load(RIG, set={"stop.gap": float(curve.upward[at])}).system("sdof").gap
+    gap = vibeam.load(RIG, set=SI | {"stop.gap": float(curve.upward[at])}).system("sdof").gap
     omega = 2 * np.pi * curve.across[at]
     amplitude = float(np.ravel(rig.amplitude_of("sdof", np.array([omega])))[0])
     known = roots(replace(rig.system("sdof"), gap=gap), amplitude, omega, Kind.DOUBLING)

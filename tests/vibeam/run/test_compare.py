@@ -263,7 +263,13 @@ def test_every_reference_in_the_repository_can_be_read() -> None:
 def test_restitutions_of_the_contact_and_of_mode_1() -> None:
     """PHYSICS §3 for the rig; a platform that moves changes neither, and another law has no such number."""
     file = Path(__file__).parents[3] / "cases" / "dtu_neutral.toml"
-    platform = {"mass": 5, "frequency": 3.25, "damping_ratio": 0.05, "coupling": "two-way", "calibrated_at": 15.5}
+    platform = {
+        "mass": "5 kg",
+        "frequency": "3.25 Hz",
+        "damping_ratio": 0.05,
+        "coupling": "two-way",
+        "calibrated_at": "15.5 Hz",
+    }
     contact = {"stop.restitution_of": "contact"}
     for keys in ({}, {f"platform.{key}": value for key, value in platform.items()}):
         found = load(file, set=keys | contact)
@@ -274,5 +280,5 @@ def test_restitutions_of_the_contact_and_of_mode_1() -> None:
     assert restitutions(first.scene, first.fidelities["beam"]) == pytest.approx(
         (1.72 * 1.72 / 1.602474 - 1, 0.72), abs=2e-6
     )
-    yields = load(file, set=contact | {"stop.law": "linear", "stop.stiffness": 1e6})
+    yields = load(file, set=contact | {"stop.law": "linear", "stop.stiffness": "1e6 N/m"})
     assert np.isnan(restitutions(yields.scene, yields.fidelities["beam"])).all()

@@ -217,7 +217,7 @@ def test_an_orbit_that_repeats_sooner_in_the_full_model_is_another_motion() -> N
     assert np.isnan(there.amplitude[0])
 
 
-SHORT = {"sweep.frequency": [14.5, 15.0, 15.5], "sweep.settle": 150, "sweep.hold": 10, "beam.elements": 12}
+SHORT = {"sweep.frequency": ["14.5 Hz", "15 Hz", "15.5 Hz"], "sweep.settle": 150, "sweep.hold": 10, "beam.elements": 12}
 
 
 def test_a_run_has_the_estimates_and_its_file_keeps_them(tmp_path: Path) -> None:
@@ -304,7 +304,12 @@ def empty() -> FrequencyResponse:
 
 
 def test_a_curve_within_an_accuracy_has_an_estimate_point_by_point(tmp_path: Path) -> None:
-    points = {"sweep.frequency": np.linspace(14.5, 16, 25).tolist(), "sweep.settle": 150, "sweep.hold": 10}
+    points = {
+        "units": "SI",
+        "sweep.frequency": np.linspace(14.5, 16, 25).tolist(),
+        "sweep.settle": 150,
+        "sweep.hold": 10,
+    }
     case = vibeam.load(ROOT / "cases" / "dtu_neutral.toml", set=points | {"accuracy": "3 %", "beam.elements": 12})
     result = vibeam.run(case, tmp_path / "it.h5", show=False, compare=True)
     assert result.accuracy is not None

@@ -67,12 +67,13 @@ def test_it_runs() -> None:
     [
         ({"mass": None} | DRIVEN, "stop.position: missing (without [mass] the stop is nowhere): write position"),
         (
-            {"mass": None, "stop.position": 0.132},
+            {"mass": None, "stop.position": "132 mm"},
             "drive.gain: is of a beam with an attached mass: write amplitude",
         ),
         (BARE | {"beam.massless": True}, "beam.massless: nothing is left that has mass: add [mass]"),
         (
-            BARE | {"torsion.eccentricity": 0.001, "torsion.polar_inertia": 1e-5, "torsion.poissons_ratio": 0.3},
+            BARE
+            | {"torsion.eccentricity": "1 mm", "torsion.polar_inertia": "10 kg mm^2", "torsion.poissons_ratio": 0.3},
             "torsion: has the polar inertia of the attached mass: add [mass]",
         ),
     ],
@@ -157,7 +158,7 @@ def test_the_commands_say_it(tmp_path, monkeypatch) -> None:  # type: ignore[no-
     lines = [f"{key}={value if value is not None else ''}" for key, value in settings.items() if value is not None]
     text = TEXT.partition("[mass]")
     after = text[2][text[2].index("[stop]") :]
-    source = (text[0] + after).replace('voltage = "0.6 V"\n', "").replace("gain = 5.16e-4\n", "")
+    source = (text[0] + after).replace('voltage = "0.6 V"\n', "").replace('gain = "5.16e-4 1/V"\n', "")
     (tmp_path / "bare.toml").write_text(source, encoding="utf-8")
     words = [word for line in lines for word in ("--set", line)]
     for command in ("run", "derive", "modes"):
@@ -168,7 +169,7 @@ def test_the_commands_say_it(tmp_path, monkeypatch) -> None:  # type: ignore[no-
 
 
 def test_a_stop_that_yields_has_no_coefficient_in_the_table_of_modes() -> None:
-    yields = {"stop.law": "linear", "stop.stiffness": 1e6, "stop.restitution_of": "contact"}
+    yields = {"stop.law": "linear", "stop.stiffness": "1e6 N/m", "stop.restitution_of": "contact"}
     table = mode_table(bare(**yields).scene, 3)
     assert not any(isfinite(row.first_mode_restitution) or isfinite(row.contact_restitution) for row in table.rows)
     assert [column.header for column in modal(table).columns][-1] == "Σ share"

@@ -17,7 +17,7 @@ from vibeam.studies.fit.profile import LEVEL, misfit_at, profile
 
 CASES = Path(__file__).parents[3] / "cases"
 
-TWO = {"fit.keys": '{"drive.gain" = [3e-4, 9e-4], "stop.restitution" = [0.5, 0.9]}'}
+TWO = {"fit.keys": '{"drive.gain" = ["3e-4 1/V", "9e-4 1/V"], "stop.restitution" = [0.5, 0.9]}'}
 
 LASER = {"drive.gain": 5.16e-4, "stop.restitution": 0.70}  # make_laser.py
 
@@ -74,8 +74,8 @@ def test_a_peak_alone_fixes_the_ridge_and_no_point_on_it():
 
 def test_derivatives_of_the_residuals_are_those_of_the_model():
     """By every key, one of the structure among them, against differences of the whole model."""
-    keys = '{"drive.gain" = [3e-4, 9e-4], "stop.restitution" = [0.5, 0.9], '
-    keys += '"stop.gap" = ["-0.1 mm", "0.1 mm"], "mass.mass" = [0.18, 0.22]}'
+    keys = '{"drive.gain" = ["3e-4 1/V", "9e-4 1/V"], "stop.restitution" = [0.5, 0.9], '
+    keys += '"stop.gap" = ["-0.1 mm", "0.1 mm"], "mass.mass" = ["0.18 kg", "0.22 kg"]}'
     case = _neutral(**{"fit.keys": keys})
     frequency = np.linspace(14.5, 16.5, 9)
     problem = Problem.of(_with(case, frequency, np.full(9, 3e-4), uncertainty=3e-6))
@@ -161,7 +161,7 @@ def test_one_rig_at_three_gaps_is_fitted_jointly():
     gaps = {"closed": "-0.08 mm", "open": "0.08 mm"}
     changes = {f"fidelity.{name}.reduction": "static_mode" for name in gaps}
     changes |= {f"fidelity.{name}.set": f'{{ "stop.gap" = "{gap}" }}' for name, gap in gaps.items()}
-    keys = '{"drive.gain" = [3e-4, 9e-4], "stop.restitution" = [0.5, 0.9], "beam.thickness" = ["1.0 mm", "1.07 mm"]}'
+    keys = TWO["fit.keys"].replace("}", ', "beam.thickness" = ["1.0 mm", "1.07 mm"]}')
     case = _neutral(**changes | {"fit.keys": keys})
     ranges = {"sdof": (14.2, 17.0), "closed": (16.0, 17.4), "open": (13.9, 14.6)}
     given = replace(case, references={})
@@ -210,9 +210,9 @@ def test_faults_of_the_table_are_told_at_their_key(changes, message):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"stop.law": "linear", "stop.stiffness": 1e5, "stop.damping": 1.0, "stop.restitution": None,
-          "stop.restitution_of": None, "fit.keys": '{"drive.gain" = [3e-4, 9e-4]}'}, "contact law"),
-        ({"measurement.sampling": 5000, "measurement.noise": 1e-7, "measurement.seed": 1}, "noise"),
+        ({"stop.law": "linear", "stop.stiffness": "1e5 N/m", "stop.damping": "1 N s/m", "stop.restitution": None,
+          "stop.restitution_of": None, "fit.keys": '{"drive.gain" = ["3e-4 1/V", "9e-4 1/V"]}'}, "contact law"),
+        ({"measurement.sampling": "5 kHz", "measurement.noise": "0.1 µm", "measurement.seed": 1}, "noise"),
         ({"reference.laser.columns": '{ frequency = "Frequenz", amplitude = "Weg" }'}, "uncertainty"),
     ],
 )  # fmt: skip

@@ -137,7 +137,7 @@ def test_directions_that_are_open_are_put_in_words() -> None:
     assert any("E and ρ enter as ρ / E only" in each for each in spread.directions)
 
 
-BEAM = """
+BEAM = """units = "SI"
 [beam]
 length = "200 mm"
 width = "20 mm"

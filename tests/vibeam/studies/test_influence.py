@@ -49,6 +49,7 @@ PLATFORM = (
 )
 SHAKER = '[shaker]\nresistance = "4 ohm"\nforce_factor = "20 N/A"\n'
 QUICK: dict[str, Any] = {
+    "units": "SI",
     "beam.elements": 8,
     "sweep.frequency": {"from": "14 Hz", "to": "16.4 Hz", "points": 7},
     "sweep.direction": "up",
@@ -159,7 +160,7 @@ def test_a_massless_beam_has_the_modes_that_are_left() -> None:
 
 def test_what_cannot_be_taken_away_is_told_with_its_reason_and_needed() -> None:
     driven = 'voltage = "0.6 V"'
-    text = BEAM.replace(driven + "\ngain = 5.16e-4", driven) + FIDELITY + PLATFORM + SHAKER
+    text = BEAM.replace(driven + '\ngain = "5.16e-4 1/V"', driven) + FIDELITY + PLATFORM + SHAKER
     text = text.replace('calibrated_at = "15.5 Hz"\n', "")
     study = influence(parse(text, RIG, QUICK | {"influence.quantities": ["peak"]}))
     platform, shaker = (by_name(study)[name] for name in ("platform", "shaker"))

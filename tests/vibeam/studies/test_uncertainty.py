@@ -66,7 +66,7 @@ def said(text):
 def test_distributions_are_about_the_case_s_own_values():
     found = said(
         '"mass.mass" = "± 2 g"\n"beam.thickness" = "3 mm +/- 0.01 mm"\n"beam.damping_ratio" = "± 5 %"\n'
-        'stop.restitution = "0.6 … 0.8"\n"stop.gap" = "9 mm ... 11 mm"\n"drive.amplitude" = "± 1e-6"'
+        'stop.restitution = "0.6 … 0.8"\n"stop.gap" = "9 mm ... 11 mm"\n"drive.amplitude" = "± 1 µm"'
     )
     assert found == (
         Uncertain("mass.mass", "normal", 0.2, 0.002),

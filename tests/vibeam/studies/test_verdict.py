@@ -39,7 +39,7 @@ def found(case: vibeam.Case) -> vibeam.Verdict:
 
 def swept(case: vibeam.Case, name: str, gap: float) -> vibeam.Branches:
     """The sweep of ``vibeam run`` at one gap, by another way than the map's."""
-    own = vibeam.load(CASES / "dtu_neutral.toml", QUICK | {"stop.gap": gap})
+    own = vibeam.load(CASES / "dtu_neutral.toml", QUICK | {"stop.gap": f"{gap!r} m"})
     frequencies = np.linspace(own.sweep.frequency.min(), own.sweep.frequency.max(), 13)
     both = vibeam.sweep(
         own.system(name), omega=2 * np.pi * frequencies, amplitude=own.base_amplitude, direction="both", settle=120,

@@ -78,7 +78,7 @@ def subsets(case: Case) -> Subsets:
         "fidelity": {name: table.model_copy(update={"set": None, "without": None})},
         "sweep": own.sweep.model_copy(update=_reduced(case)),
     }
-    text = toml_text(content(own.model_copy(update=alone), "numbers"))
+    text = toml_text({"units": "SI"} | content(own.model_copy(update=alone), "numbers"))
     beside = {effect: companions(own, effect) for effect in effects}
     found = Subsets(text, case.path, name, effects, {}, beside, table.modes)
     return replace(found, own_modes=_own_modes(found))
