@@ -38,12 +38,6 @@ class Poles(NamedTuple):
         root = np.sqrt((sigma**2 - omega**2).astype(complex))
         return cls(-sigma + root, -sigma - root, zeta < 1, -omega / root, sigma / root)
 
-    def of_modes(self, which: NDArray[np.bool_]) -> Poles:
-        """Poles of some of the modes."""
-        return Poles(
-            self.first[which], self.second[which], self.under[which], self.by_omega[which], self.by_sigma[which]
-        )
-
 
 class Green(NamedTuple):
     """A derivative of g in time of some order, and its partial derivatives by ω and σ; each of one shape (…, n)."""
@@ -67,15 +61,6 @@ def green_at(poles: Poles, span: Array, after: Array, order: int = 0) -> Green:
         slope * (poles.by_sigma - 1) + other * (poles.by_sigma + 1) - value * 2 * poles.by_sigma
     ) / apart  # ds₁ = −1 + by_sigma, ds₂ = −1 − by_sigma
     return Green(value.real, by_omega.real, by_sigma.real)
-
-
-def green_value(poles: Poles, span: Array, after: Array, order: int = 0) -> Array:
-    """As ``green_at``, without the partials."""
-    first, _ = _part(poles.first, span, after, order)
-    if poles.under.all():
-        return np.asarray(first.imag / poles.first.imag)
-    second, _ = _part(poles.second, span, after, order)
-    return np.asarray(((first - second) / (poles.first - poles.second)).real)
 
 
 def _part(s: Complex, span: Array, after: Array, order: int) -> tuple[Complex, Complex]:

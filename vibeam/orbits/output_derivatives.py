@@ -30,18 +30,26 @@ class Value:
 
 
 def of_orbits(
-    data: ModalData, tangents: Tangents, omega: Array, periods: int, root: int, quantity: str, gain: Gain | None = None
-) -> Value:
-    """Quantity of one root, at drives ``omega`` (points,) rad/s; NaN where it has no motion at any drive."""
+    data: ModalData, tangents: Tangents, omega: Array, periods: int, root: int, quantity: str, gain: Gain | None = None,
+    samples: int = 0,
+) -> Value:  # fmt: skip
+    """Quantity of one root, at drives ``omega`` (points,) rad/s; NaN where it has no motion at any drive.
+
+    ``samples``: extremes are the largest and least of so many values a period (of an unfiltered output); 0: exact.
+    """
     found = struck(data, tangents, omega, np.full(len(omega), periods), root)
     if quantity == "impact_velocity":
         return Value(*_velocity(data, tangents, found), found.beyond, found.by_beyond)
     row, by_row = (data.contact, tangents.contact) if quantity == "reach" else (data.row, tangents.row)
     kind = SampledOutput if gain is None else FilteredOutput
     signal = kind(data, tangents, row, by_row, omega, periods, found, gain)
-    high, by_high = signal.extreme(1.0) if quantity in ("amplitude", "maximum") else (0.0, 0.0)
-    low, by_low = signal.extreme(-1.0) if quantity != "maximum" else (0.0, 0.0)
-    return Value(*_read(quantity, data, tangents, (high, by_high), (low, by_low)), found.beyond, found.by_beyond)
+    if samples and gain is None:
+        sampled, no = signal.samples(np.linspace(0.0, 1.0, samples * periods + 1)), np.zeros_like(found.by_impulse)
+        ends: tuple[Both, Both] = (sampled.max(axis=1), no), (sampled.min(axis=1), no)
+    else:
+        high = signal.extreme(1.0) if quantity in ("amplitude", "maximum") else (0.0, 0.0)
+        ends = high, signal.extreme(-1.0) if quantity != "maximum" else (0.0, 0.0)
+    return Value(*_read(quantity, data, tangents, *ends), found.beyond, found.by_beyond)
 
 
 def without_contact(

@@ -11,12 +11,13 @@ each times F(ν_k): the filter lets few of them pass. Extremes are searched from
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.orbits.green_derivatives import Poles, green_at, green_value
+from vibeam.orbits.green_derivatives import Poles, green_at
 from vibeam.orbits.orbit_derivatives import Struck, contracted, driven, offset_of
 from vibeam.orbits.tangents import ModalData, Tangents
 
@@ -32,7 +33,9 @@ SAMPLES = 192  # a drive period
 
 HARMONICS = 256  # a drive period, of a filtered displacement
 
-STEPS = 5  # of Newton's method at an extreme
+STEPS = 6  # of Newton's method at an extreme, at most
+
+CLOSE = 1e-9  # share of the span by which the last step moves it: the value is then known to its square
 
 RESOLVED = 0.5  # turn of a mode between two samples, rad, up to which they show its extremes
 
@@ -42,7 +45,11 @@ NEAR = 0.1  # share of the bound on fast modes by which a sample may be below th
 
 
 class SampledOutput:
-    """Displacement of a row over one span, from the Green's functions."""
+    """Displacement of a row over one span, from the Green's functions.
+
+    A mode's is Re Σ a e^{sτ}: one exponential of one that swings, two of one that does not (``rates`` s, (parts,), and
+    ``start`` a, the impulses in it, (points, parts)).
+    """
 
     def __init__(
         self, data: ModalData, tangents: Tangents, row: Array, by_row: Array, omega: Array, periods: int,
@@ -54,18 +61,24 @@ class SampledOutput:
         self.by_weight = by_row * data.contact + row * tangents.contact
         self.rest, self.by_rest = offset_of(data, tangents, row, by_row)
         self.driven = driven(data, tangents, row, by_row, omega)
-        self.sampled: tuple[Array, Array, Array] | None = None
+        over, share = ~self.poles.under, self.weight / (self.poles.first - self.poles.second)
+        self.rates = np.concatenate([self.poles.first, self.poles.second[over]])
+        parts = np.concatenate([np.where(over, 1, 2) * share, -share[over]])
+        self.start = found.impulse[:, None] * parts / -np.expm1(self.rates * self.span[:, None])
 
     def extreme(self, sign: float) -> tuple[Array, Array]:
         """Largest (sign 1) or smallest (−1) value (points,), and its derivatives (P, points)."""
         which, times, reach = self.candidates(sign)
         low, high = np.maximum(times - reach, 0.0), np.minimum(times + reach, self.span[which])
-        before, start = sign * self.at(which, times, 0), times
+        start, before = times, sign * self.at(which, times, 1)[0]
         for _ in range(STEPS):
-            slope, bend = sign * self.at(which, times, 1), sign * self.at(which, times, 2)
+            _, slope, bend = (sign * each for each in self.at(which, times, 3))
             move = np.where(bend < 0, -slope / np.where(bend < 0, bend, 1.0), np.sign(slope) * reach / 4)
-            times = np.clip(times + move, low, high)
-        after = sign * self.at(which, times, 0)
+            moved = np.clip(times + move, low, high)
+            times, far = moved, np.abs(moved - times)
+            if np.all(far <= CLOSE * self.span[which]):
+                break
+        after = sign * self.at(which, times, 1)[0]
         times, value = np.where(after >= before, times, start), np.maximum(after, before)
         order = np.lexsort((-value, which))
         best = order[np.searchsorted(which[order], np.arange(len(self.omega)))]
@@ -76,73 +89,59 @@ class SampledOutput:
 
         An interval of samples is sampled again where its slow modes with a bound on its fast ones reach the best value.
         """
-        count = SAMPLES * self.periods
-        shares = np.linspace(0.0, 1.0, count + 1)
-        step = self.span / count
-        if self.sampled is None:
-            values, fast = self.samples(shares), self.data.omega * step.max() > RESOLVED
-            self.sampled = values, values - self.pushed(shares, fast), self.ringing(shares, fast)
+        count, step = SAMPLES * self.periods, self.span / (SAMPLES * self.periods)
         values, slow, bound = self.sampled
         best, slow = np.nan_to_num(sign * values, nan=-np.inf).max(axis=1), sign * slow
         bend = np.abs(np.diff(slow, 2, axis=1)).max(axis=1, initial=0.0)[:, None]
         hopeful = np.maximum(slow[:, 1:], slow[:, :-1]) + bend / 4 + bound[:, :-1] >= best[:, None]
         which, interval = np.nonzero(hopeful | np.isnan(slow[:, 1:]) & (np.arange(count) == 0))
         parts = int(np.clip(np.ceil(self.data.omega.max() * step.max() / RESOLVED), 2, MOST_PARTS))
-        times = (interval[:, None] + np.linspace(0.0, 1.0, parts + 1)) * step[which, None]
-        again = sign * self.at(which, times, 0)
-        again = np.where(np.isnan(again), 0.0, again)
+        times = (interval[:, None] + np.arange(parts + 1) / parts) * step[which, None]
+        again = np.nan_to_num(sign * self.at(which, times, 1)[0])
         top = np.full(len(self.omega), -np.inf)
         np.maximum.at(top, which, again.max(axis=1))
-        near = np.where(
-            np.isfinite(top), top - NEAR * np.take_along_axis(bound, np.zeros((len(bound), 1), int), 1)[:, 0], 0
-        )
-        peak = again >= np.maximum(np.roll(again, 1, axis=1), np.roll(again, -1, axis=1))
-        peak[:, 0] = again[:, 0] >= again[:, 1]
-        peak[:, -1] = again[:, -1] >= again[:, -2]
+        near = np.where(np.isfinite(top), top - NEAR * bound[:, 0], 0)
+        ends = np.full((len(again), 1), -np.inf)
+        padded = np.concatenate([ends, again, ends], axis=1)
+        peak = again >= np.maximum(padded[:, :-2], padded[:, 2:])
         row, column = np.nonzero(peak & (again >= near[which, None]) | (again >= top[which, None]))
         return which[row], times[row, column], step[which[row]] / parts
 
+    @cached_property
+    def sampled(self) -> tuple[Array, Array, Array]:
+        """Displacement (points, samples), its part without the fast modes, and a bound on that of these."""
+        shares = np.linspace(0.0, 1.0, SAMPLES * self.periods + 1)
+        fast = np.abs(self.rates) * (self.span / SAMPLES / self.periods).max() > RESOLVED
+        slow = self.steady(shares) + self.summed(shares, self.rates[~fast], self.start[:, ~fast])
+        ringing = self.summed(shares, self.rates[fast].real, np.abs(self.start[:, fast]))
+        return slow + self.summed(shares, self.rates[fast], self.start[:, fast]), slow, ringing
+
     def samples(self, shares: Array) -> Array:
         """Displacement (points, samples) at even shares of the span."""
+        return self.steady(shares) + self.summed(shares, self.rates, self.start)
+
+    def steady(self, shares: Array) -> Array:
+        """Displacement by the drive alone and by static forces (points, samples)."""
         phase = self.found.phase[:, None] + self.omega[:, None] * self.span[:, None] * shares
-        drive = (self.driven.value[:, None] * np.exp(1j * phase)).imag
-        return np.asarray(self.rest + drive + self.pushed(shares, np.ones(len(self.weight), bool)))
+        return np.asarray(self.rest + (self.driven.value[:, None] * np.exp(1j * phase)).imag)
 
-    def pushed(self, shares: Array, modes: NDArray[np.bool_]) -> Array:
-        """Part of the impulses in some modes at even shares of the span (points, samples)."""
-        if not modes.any():
-            return np.zeros((len(self.omega), len(shares)))
-        poles = self.poles.of_modes(modes)
-        if not poles.under.all():
-            times = self.span[:, None, None] * shares[None, :, None]
-            pushed = green_value(poles, self.span[:, None, None], times) @ self.weight[modes]
-            return np.asarray(pushed * self.found.impulse[:, None])
-        s = poles.first
-        start = self.weight[modes] / s.imag / (1 - np.exp(s * self.span[:, None]))
-        turns = np.empty((len(shares), *start.shape), dtype=complex)
-        turns[0], turns[1:] = start, np.exp(s * (self.span / (len(shares) - 1))[:, None])
-        return np.asarray(np.cumprod(turns, axis=0).imag.sum(axis=2).T * self.found.impulse[:, None])
+    def summed(self, shares: Array, rates: Complex | Array, start: Complex | Array) -> Array:
+        """Re Σ a e^{sτ} (points, samples) at even shares of the span, by multiplication: an exponential a part."""
+        turns = np.empty((len(shares), *start.shape), dtype=start.dtype)
+        turns[0], turns[1:] = start, np.exp(rates * (self.span / (len(shares) - 1))[:, None])
+        return np.asarray(np.cumprod(turns, axis=0, out=turns).real.sum(axis=2).T)
 
-    def ringing(self, shares: Array, modes: NDArray[np.bool_]) -> Array:
-        """Bound (points, samples) on the part of the impulses in some modes."""
-        if not modes.any():
-            return np.zeros((len(self.omega), len(shares)))
-        s, other, span = self.poles.first[modes], self.poles.second[modes], self.span[:, None]
-        lasting = np.maximum(s.real, other.real)
-        size = np.abs(self.weight[modes]) * (
-            1 / np.abs(1 - np.exp(s * span)) + 1 / np.abs(1 - np.exp(other * span))
-        ) / np.abs(s - other)  # fmt: skip
-        faded = np.exp(lasting * span[..., None] * shares[None, :, None])
-        return np.asarray(np.einsum("jn,jkn->jk", size, faded) * np.abs(self.found.impulse)[:, None])
-
-    def at(self, which: Index, times: Array, order: int) -> Array:
-        """Displacement, velocity or acceleration (m, …) of the points ``which`` (m,) at times after the impact."""
+    def at(self, which: Index, times: Array, count: int) -> tuple[Array, ...]:
+        """Displacement, velocity, … (m, …), so many, of the points ``which`` (m,) at times after the impact."""
         wide = (slice(None), *(None,) * (times.ndim - 1))
         omega, phase = self.omega[which][wide], self.found.phase[which][wide]
-        turned = self.driven.value[which][wide] * np.exp(1j * (phase + omega * times))
-        drive = (turned * (1j * omega) ** order).imag + (self.rest if order == 0 else 0.0)
-        pushed = green_value(self.poles, self.span[which][wide][..., None], times[..., None], order) @ self.weight
-        return np.asarray(drive + self.found.impulse[which][wide] * pushed)
+        drive = self.driven.value[which][wide] * np.exp(1j * (phase + omega * times))
+        parts = self.start[which][wide] * np.exp(self.rates * times[..., None])
+        found = [self.rest + drive.imag + parts.real.sum(axis=-1)]
+        for _ in range(count - 1):
+            drive, parts = 1j * omega * drive, parts * self.rates
+            found.append(drive.imag + parts.real.sum(axis=-1))
+        return tuple(found)
 
     def by(self, times: Array) -> Array:
         """Derivatives (P, points) of the displacement at constant times after the impact, one a point."""
@@ -182,11 +181,15 @@ class FilteredOutput(SampledOutput):
         step = self.span / count
         return np.arange(len(self.nu)), np.argmax(values, axis=1) * step, step
 
-    def at(self, which: Index, times: Array, order: int) -> Array:
+    def at(self, which: Index, times: Array, count: int) -> tuple[Array, ...]:
         """As of ``SampledOutput``."""
         nu = self.nu[which]
-        turned = self.phasors[which] * np.exp(1j * nu * times[:, None]) * (1j * nu) ** order
-        return np.asarray(turned.real.sum(axis=1) + (self.level[which] if order == 0 else 0.0))
+        turned = self.phasors[which] * np.exp(1j * nu * times[:, None])
+        found = [self.level[which] + turned.real.sum(axis=1)]
+        for _ in range(count - 1):
+            turned = turned * 1j * nu
+            found.append(turned.real.sum(axis=1))
+        return tuple(found)
 
     def by(self, times: Array) -> Array:
         """As of ``SampledOutput``."""

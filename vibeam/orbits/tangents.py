@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,10 +42,21 @@ class ModalData:
         """Damping ratios (n,)."""
         return np.asarray(self.sigma / self.omega)
 
+    def driven(self, which: NDArray[np.int64]) -> ModalData:
+        """Same data with the drives at the indices ``which``."""
+        return replace(self, drive=self.drive[which])
+
     def packed(self) -> Array:
         """All in one row."""
         rows = (self.omega, self.sigma, self.contact, self.load, self.static, self.row)
         return np.concatenate([*rows, [self.gap, self.restitution], self.drive])
+
+    @classmethod
+    def unpacked(cls, row: Array, modes: int) -> ModalData:
+        """Modal data of so many modes from ``packed``."""
+        omega, sigma, contact, load, static, output = row[: 6 * modes].reshape(6, modes)
+        gap, restitution, *_ = row[6 * modes :].tolist()
+        return cls(omega, sigma, contact, load, static, output, gap, restitution, row[6 * modes + 2 :])
 
 
 @dataclass(frozen=True)
@@ -62,6 +73,10 @@ class Tangents:
     restitution: Array
     drive: Array
 
+    def driven(self, which: NDArray[np.int64]) -> Tangents:
+        """Same derivatives with the drives at the indices ``which``."""
+        return replace(self, drive=self.drive[:, which])
+
     @classmethod
     def unpacked(cls, rows: Array, modes: int) -> Tangents:
         """Derivatives (P, all) of ``ModalData.packed`` of so many modes."""
@@ -72,8 +87,6 @@ class Tangents:
 
 def aligned(data: ModalData, like: ModalData) -> ModalData:
     """Same data with the modes' signs, which are arbitrary, as in ``like``."""
-    from dataclasses import replace
-
     rows = ("contact", "load", "static", "row")
     total = np.zeros(len(data.omega))
     for name in rows:
