@@ -51,6 +51,23 @@ def shown_unit(unit: str, largest: float) -> tuple[str, float]:
     return prefixed(PREFIXED[unit], largest) if unit in PREFIXED else (unit, 1.0)
 
 
+OF_SI: Mapping[str, Steps] = {
+    "m": LENGTHS, "m/s": SPEEDS, "m/s^2": ACCELERATIONS, "rad": ANGLES, "Hz": FREQUENCIES,
+}  # fmt: skip
+
+
+def shown_in(unit: str, *values: float) -> tuple[str, float]:
+    """Unit and factor that suit the largest of values in an SI ``unit``; that unit itself where it takes no prefix."""
+    largest = max((abs(each) for each in values if math.isfinite(each)), default=0.0)
+    return prefixed(OF_SI[unit], largest) if unit in OF_SI and largest > 0 else (unit, 1.0)
+
+
+def with_unit(value: float, unit: str, digits: int = 4) -> str:
+    """A value of an SI unit, with the prefix that suits it."""
+    name, factor = shown_in(unit, value)
+    return f"{value * factor:.{digits}g} {name}".strip()
+
+
 def prefixed(steps: Steps, largest: float, usual: int = 1) -> tuple[str, float]:
     """Unit and factor that suit the ``largest`` SI value; those of step ``usual`` where it is 0 or unknown."""
     known = math.isfinite(largest) and largest > 0

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.casefile.case_model import narrowed
 from vibeam.maps.axes import Axis
 from vibeam.maps.points import GridPoints, grid_points
 from vibeam.maps.settings import setting_along
-from vibeam.maps.variation import narrowed, varied
+from vibeam.maps.variation import varied
 from vibeam.orbits.doubled_branches import doubled_branches
 from vibeam.orbits.orbit import Orbit, orbits
 from vibeam.orbits.orbit_curve import orbit_curve

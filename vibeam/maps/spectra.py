@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import FREQUENCY
+from vibeam.casefile.case_model import narrowed
 from vibeam.flight.trajectory import simulate
 from vibeam.maps.axes import Axis
 from vibeam.maps.points import GridPoints, grid_points
-from vibeam.maps.variation import narrowed
 from vibeam.observe.spectrum import spectrum_of
 from vibeam.system.ended import Ended
 from vibeam.system.state import State

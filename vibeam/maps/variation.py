@@ -6,9 +6,7 @@ import tomllib
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from vibeam.casefile.content import toml_text
 from vibeam.casefile.read import parse
-from vibeam.casefile.validation import SHARED, declaration, physics_keys
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -16,15 +14,6 @@ if TYPE_CHECKING:
 Settings = tuple[tuple[str, float], ...]
 
 KEPT = 512  # cases
-
-
-def narrowed(case: Case, fidelity: str) -> str:
-    """The case as TOML with one fidelity, and nothing that a grid does not read; KeyError for an unknown fidelity."""
-    case.scene_of(fidelity)
-    tables = tomllib.loads(case.text)
-    kept = {*physics_keys(declaration(tables)), *SHARED} - {"measurement"}
-    own = {key: each for key, each in tables.items() if key in kept}
-    return toml_text(own | {"fidelity": {fidelity: tables["fidelity"][fidelity]}})
 
 
 @lru_cache(maxsize=KEPT)

@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.figures.prefixes import shown_in, with_unit
 from vibeam.report.output import write_csv
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
+from vibeam.studies.fit.judgement import Judgement
 from vibeam.studies.fit.study import FitRow, FitStudy, FittedPoint
+from vibeam.studies.identification.modes import unit_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,41 +22,53 @@ if TYPE_CHECKING:
 
 CURVE = 121  # frequencies of a fitted branch
 
-DRAWS = 40  # parameter sets of the band
-
 PANEL_MOST = 4  # references with a panel
 
 
 def fit_tables(study: FitStudy) -> list[ReportTable]:
     """Estimated keys with their intervals; what to measure next, where it was asked for."""
-    found = [_estimates(study.rows)]
+    found = [_estimates(study.rows, study.judgement)]
     if study.next:
         found.append(_next(study))
     return found
 
 
-def _estimates(rows: Sequence[FitRow]) -> ReportTable:
-    table = blank("Estimated keys, SI", "key", "value|", "95 % from|", "to|", "unit", "the case's own|")
+def _estimates(rows: Sequence[FitRow], judgement: Judgement) -> ReportTable:
+    table = blank("Estimated keys", "key", "value|", "95 % from|", "to|", "unit", "the case's own|")
     for row in rows:
-        value = f"{row.value:.5g}" if row.determined else "not determined"
+        unit, factor = shown_in(row.unit, row.value, row.low, row.high, row.start)
+        value = f"{row.value * factor:.5g}" if row.determined else "not determined"
         low, high = (
-            f"{end:.5g}{' (bound)' if is_open else ''}"
+            "withheld" if judgement.withheld else f"{end * factor:.5g}{' (bound)' if is_open else ''}"
             for end, is_open in ((row.low, row.low_open), (row.high, row.high_open))
         )
-        table.add_row(row.key, value, low, high, row.unit, f"{row.start:.5g}")
-    table.caption = "intervals by profile likelihood; (bound): a bound in [fit] ends it, not the data"
+        table.add_row(row.key, value, low, high, unit, f"{row.start * factor:.5g}")
+    table.caption = _caption(judgement)
     return table
+
+
+def _caption(judgement: Judgement) -> str:
+    if judgement.withheld:
+        return "no intervals: the model does not describe the points"
+    told = "intervals by profile likelihood; (bound): a bound in [fit] ends it, not the data"
+    if judgement.scale > 1:
+        told += f"\nscaled by {judgement.scale:.3g}, as if all uncertainties were larger: the model misses the points"
+    return told
 
 
 def _next(study: FitStudy) -> ReportTable:
     settings = list(study.next[0].settings)
     table = blank("What to measure next", "frequency|", *(f"{each}|" for each in settings), "motion", "value|")
     table.add("key", "interval now|", "then|")
+    unit = next(row.unit for row in study.rows if row.key == study.next[0].key)
+    quantity = study.case.references[study.points[0].reference].quantity
+    plain = study.case.scene.given_mode is not None
     for each in study.next:
-        values = (f"{each.settings[name]:.4g}" for name in settings)
-        interval = (f"± {half:.3g}" for half in (each.before, each.after))
-        table.add_row(f"{each.frequency:.5g} Hz", *values, each.motion, f"{each.value:.4g}", each.key, *interval)
-    table.caption = "linearised, SI; the best point of each setting"
+        values = (with_unit(each.settings[name], unit_of(name)) for name in settings)
+        interval = (f"± {with_unit(half, unit, 3)}" for half in (each.before, each.after))
+        value = with_unit(each.value, "" if plain else "m/s" if quantity == "impact_velocity" else "m")
+        table.add_row(f"{each.frequency:.5g} Hz", *values, each.motion, value, each.key, *interval)
+    table.caption = "linearised; the best point of each setting"
     return table
 
 
@@ -62,6 +77,7 @@ def as_data(study: FitStudy) -> dict[str, Any]:
     return {
         "rows": study.rows,
         "misfit": study.misfit,
+        "judgement": study.judgement,
         "covariance": study.covariance,
         "points": study.points,
         "contour": {
@@ -148,16 +164,18 @@ def _scale(study: FitStudy, name: str) -> tuple[float, str]:
 
 def _response(study: FitStudy, name: str, axes: Axes) -> dict[str, Any]:
     from vibeam.figures.style import COLOURS
+    from vibeam.studies.fit.curves import branch
 
     points = [each for each in study.points if each.reference == name]
     factor, label = _scale(study, name)
     frequency = np.array([each.frequency for each in points])
     grid = np.linspace(frequency.min(), frequency.max(), CURVE)
     handles: dict[str, Any] = {}
-    for number, motion in enumerate(dict.fromkeys(each.motion for each in points)):
+    for number, motion in enumerate(dict.fromkeys(each.motion for each in points if not each.left_out)):
         own = [each.frequency for each in points if each.motion == motion]
         part = grid[(grid >= min(own)) & (grid <= max(own))]
-        best, low, high = _band(study, name, motion, part)
+        best, error = branch(study.problem, study.minimum, name, motion, part)
+        low, high = best - 1.96 * error, best + 1.96 * error
         colour = COLOURS[number]
         handles["95 % band"] = axes.fill_between(
             part, factor * low, factor * high, color=colour, alpha=0.3, linewidth=0, zorder=1
@@ -167,27 +185,18 @@ def _response(study: FitStudy, name: str, axes: Axes) -> dict[str, Any]:
         frequency, [factor * each.measured for each in points], [2 * factor * each.uncertainty for each in points],
         fmt="o", color="black", markersize=2.6, elinewidth=0.6, zorder=3,
     )  # fmt: skip
-    lost = [each for each in points if not each.actual]
-    if lost:
-        (handles["nearest motion is none of the model"],) = axes.plot(
+    for label, lost in (
+        ("nearest motion is none of the model", [each for each in points if not each.actual and not each.left_out]),
+        ("left out", [each for each in points if each.left_out]),
+    ):
+        if not lost:
+            continue
+        (handles[label],) = axes.plot(
             [each.frequency for each in lost], [factor * each.measured for each in lost], "o", markersize=6,
-            markerfacecolor="none", markeredgecolor="#D55E00", linestyle="none",
+            markerfacecolor="none", markeredgecolor="#D55E00" if label != "left out" else "0.5", linestyle="none",
         )  # fmt: skip
     axes.set_ylabel(label)
     return handles
-
-
-def _band(study: FitStudy, name: str, motion: str, frequency: Any) -> tuple[Any, Any, Any]:
-    """Fitted branch and its pointwise 95 % band: over draws of the linearised estimate, kept within the bounds."""
-    from vibeam.studies.fit.curves import branch
-
-    problem, x = study.problem, study.minimum.x
-    best = branch(problem, x, name, motion, frequency)
-    spread = study.covariance / np.outer(problem.width, problem.width)
-    draws = np.random.default_rng(0).multivariate_normal(x, spread, DRAWS)
-    curves = [branch(problem, each, name, motion, frequency) for each in np.clip(draws, 0.0, 1.0)]
-    deviation = np.sqrt(np.nanmean((np.array(curves) - best) ** 2, axis=0))
-    return best, best - 1.96 * deviation, best + 1.96 * deviation
 
 
 def _residuals(points: Sequence[FittedPoint], axes: Axes) -> None:
@@ -202,16 +211,20 @@ def _contour(study: FitStudy, axes: Axes) -> dict[str, Any]:
     assert study.pair is not None
     k, j = study.pair
     one, other = study.rows[k], study.rows[j]
+    across, upward = (shown_in(each.unit, *part) for each, part in zip((one, other), study.contour.T, strict=True))
+    scale = np.array([across[1], upward[1]])
     handles: dict[str, Any] = {}
-    (handles["95 % contour of the pair"],) = axes.plot(*study.contour.T, color="#AA4499", linewidth=1.1)
+    (handles["95 % contour of the pair"],) = axes.plot(*(study.contour * scale).T, color="#AA4499", linewidth=1.1)
     path = study.profiles[k].path
     values = study.problem.low + path[path[:, -1] < 6.0, :-1] * study.problem.width
     (handles["ridge: the other keys at their best"],) = axes.plot(
-        values[:, k], values[:, j], color="#D55E00", linewidth=1.0, linestyle="--"
+        values[:, k] * scale[0], values[:, j] * scale[1], color="#D55E00", linewidth=1.0, linestyle="--"
     )
-    (handles["least misfit"],) = axes.plot(study.best[k], study.best[j], "+", color="black", markersize=7)
-    (handles["the case's own"],) = axes.plot(one.start, other.start, "x", color="0.45", markersize=5)
-    axes.set_xlabel(one.key + (f" in {one.unit}" if one.unit else ""))
-    axes.set_ylabel(other.key + (f" in {other.unit}" if other.unit else ""))
+    (handles["least misfit"],) = axes.plot(*(study.best[[k, j]] * scale), "+", color="black", markersize=7)
+    (handles["the case's own"],) = axes.plot(
+        one.start * scale[0], other.start * scale[1], "x", color="0.45", markersize=5
+    )
+    axes.set_xlabel(one.key + (f" in {across[0]}" if across[0] else ""))
+    axes.set_ylabel(other.key + (f" in {upward[0]}" if upward[0] else ""))
     axes.set_title("least determined pair")
     return handles

@@ -73,7 +73,7 @@ def test_values_intervals_and_files(rig: Path) -> None:
     """Printed table, CSV and figure; the case with the estimates in it, which loads and is otherwise the old one."""
     written = rig.parent / "fitted.toml"
     said = fit(rig, "--out", rig.parent / "found.csv", "--write", written, "--next").stdout
-    assert "Estimated keys, SI" in said
+    assert "Estimated keys\n" in said
     assert "8 points: 8 with harder impact." in said
     assert "\nNext: " in said
     assert "What to measure next" in said

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS
+from vibeam.casefile.case_model import narrowed
 from vibeam.maps.boundaries import boundaries_over
-from vibeam.maps.variation import Settings, narrowed, varied
+from vibeam.maps.variation import Settings, varied
 from vibeam.orbits.bifurcation_functions import Kind
 
 if TYPE_CHECKING:

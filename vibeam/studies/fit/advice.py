@@ -15,13 +15,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.figures.prefixes import with_unit
 from vibeam.studies.fit.estimate import Minimum
+from vibeam.studies.fit.explanation import actual
 from vibeam.studies.fit.forward import Forward
-from vibeam.studies.fit.motions import actual
 from vibeam.studies.fit.points import Points
-from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
-from vibeam.studies.fit.profile import LEVEL, covariance
-from vibeam.studies.uncertainty.samples import put
+from vibeam.studies.fit.problem import MOTIONS, ROUGH, Problem, value_of
+from vibeam.studies.fit.profile import LEVEL
+from vibeam.studies.identification.modes import unit_of
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -35,6 +36,8 @@ FACTORS = (0.5, 1.0, 2.0)  # of the drive
 MOST = 25  # frequencies
 
 BEST = 5  # candidates told
+
+NEAR = 0.01  # half-width of the box of the modal data, share of the bounds
 
 
 @dataclass(frozen=True)
@@ -56,7 +59,7 @@ class NextPoint:
 
 def next_points(case: Case, problem: Problem, minimum: Minimum) -> tuple[NextPoint, ...]:
     """Best candidates for the key with the widest interval, one a setting, the best first."""
-    spread = covariance(minimum)
+    spread = minimum.covariance
     target = int(np.argmax(np.diag(spread)))
     group = problem.groups[0]
     grid = case.sweep.frequency
@@ -73,7 +76,7 @@ def next_points(case: Case, problem: Problem, minimum: Minimum) -> tuple[NextPoi
 
 def _variants(problem: Problem, minimum: Minimum, group: Points) -> Iterator[tuple[dict[str, float], Forward]]:
     forward, values = problem.forward[group.fidelity], problem.values(minimum.x)
-    drive = forward.tables.drive
+    drive = forward.model.tables.drive
     names = [name for name in LEVELS if isinstance(getattr(drive, name, None), float)]
     largest = float(np.max(np.abs(problem.measured))) if group.quantity != "impact_velocity" else 0.0
     shift = float(f"{largest / 4:.1g}") if largest > 0 else 0.0
@@ -92,8 +95,7 @@ def _current(forward: Forward, values: Array, key: str) -> float:
     for k, each in enumerate(forward.keys):
         if each.key == key and forward.changed[k]:
             return float(values[k])
-    table, name = key.split(".")
-    return float(getattr(getattr(forward.tables, table), name))
+    return forward.model.value(key)
 
 
 def _moved(forward: Forward, key: str, value: float, values: Array) -> Forward:
@@ -103,7 +105,7 @@ def _moved(forward: Forward, key: str, value: float, values: Array) -> Forward:
             offsets = list(forward.offsets)
             offsets[k] += value - float(values[k])
             return replace(forward, offsets=tuple(offsets))
-    return replace(forward, tables=put(forward.tables, key.split("."), value))
+    return replace(forward, model=forward.model.at({key: value}))
 
 
 def _candidates(
@@ -111,20 +113,21 @@ def _candidates(
     known: tuple[Array, int],
 ) -> Iterator[NextPoint]:  # fmt: skip
     (group, frequency), (settings, forward), (spread, target) = where, variant, known
-    nothing = np.ones_like(frequency)
-    asked = replace(group, frequency=frequency, value=nothing, uncertainty=nothing, periods=1)
+    asked = replace(group.at(frequency), periods=1)
     own = replace(problem, groups=(asked,), forward={group.fidelity: forward})
+    middle = np.clip(minimum.x, NEAR, 1 - NEAR)
     try:
+        own = own.within(middle - NEAR, middle + NEAR, ROUGH)
         _, beyond = own.motions(minimum.x)
         allowed = actual(own, minimum.x, beyond)
-        data, tangents = forward.with_tangents(own.values(minimum.x), asked.omega)
+        data, tangents = own.surfaces[group.fidelity].with_tangents(minimum.x)
     except ValueError:
         return
     relative = float(np.median(problem.uncertainty / np.abs(problem.measured)))
     for motion in range(3):
         found = value_of(asked, data, tangents, motion)
         for j in np.flatnonzero(allowed[motion] & np.isfinite(found.value) & (np.abs(found.value) > 0)).tolist():
-            slope = found.by[:, j] * problem.width
+            slope = found.by[:, j]
             after = _after(spread, slope, relative * abs(found.value[j]))[target]
             half = np.sqrt(LEVEL * np.array([spread[target, target], after])) * problem.width[target]
             yield NextPoint(
@@ -144,8 +147,8 @@ def in_words(best: Sequence[NextPoint], unit: str) -> str:
     if not best:
         return "Next: the fitted model has no motion at the sweep's frequencies."
     first = best[0]
-    settings = ", ".join(f"{key} = {value:.4g}" for key, value in first.settings.items())
+    settings = ", ".join(f"{key} = {with_unit(value, unit_of(key))}" for key, value in first.settings.items())
     return (
         f"Next: {first.frequency:.5g} Hz at {settings} ({first.motion}): the interval of {first.key} would go from "
-        f"± {first.before:.3g} to ± {first.after:.3g}{f' {unit}' if unit else ''}."
+        f"± {with_unit(first.before, unit, 3)} to ± {with_unit(first.after, unit, 3)}."
     )

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from vibeam.studies.fit.estimate import Minimum, minimise
 from vibeam.studies.fit.problem import Problem
-from vibeam.studies.fit.profile import covariance
+from vibeam.studies.fit.profile import ENOUGH
 
 Array = NDArray[np.float64]
 
@@ -23,14 +23,16 @@ NEAR = 0.05
 def contour_of(problem: Problem, minimum: Minimum, pair: tuple[int, int]) -> Array:
     """Closed contour (rays + 1, 2) in SI, cut off at the bounds; rays are even in the linearised ellipse."""
     at = list(pair)
-    shape = np.linalg.cholesky(covariance(minimum)[np.ix_(at, at)])
+    shape = np.linalg.cholesky(minimum.covariance[np.ix_(at, at)])
     angles = np.linspace(0.0, 2 * np.pi, RAYS, endpoint=False)
-    found = [_radius(problem, minimum, at, shape @ [np.cos(each), np.sin(each)]) for each in angles]
+    spread = minimum.covariance
+    along = spread[:, at] @ np.linalg.inv(spread[np.ix_(at, at)])  # the other keys' best, linearised
+    found = [_radius(problem, minimum, at, shape @ [np.cos(each), np.sin(each)], along) for each in angles]
     shares = np.array([*found, found[0]])
     return np.asarray(problem.low[at] + shares * problem.width[at])
 
 
-def _radius(problem: Problem, minimum: Minimum, at: list[int], ray: Array) -> Array:
+def _radius(problem: Problem, minimum: Minimum, at: list[int], ray: Array, along: Array) -> Array:
     """Shares of the pair where a ray from the minimum crosses the contour, or leaves the bounds."""
     middle, target = minimum.x[at], float(np.sqrt(LEVEL))
     with np.errstate(divide="ignore"):
@@ -40,7 +42,8 @@ def _radius(problem: Problem, minimum: Minimum, at: list[int], ray: Array) -> Ar
     for _ in range(TRIES):
         pair = np.clip(middle + radius * ray, 0.0, 1.0)
         fixed = dict(zip(at, pair.tolist(), strict=True))
-        _, misfit = minimise(problem, minimum.x, minimum.chosen, fixed)
+        start = np.clip(minimum.x + along @ (pair - middle), 0.0, 1.0)
+        _, misfit = minimise(problem, start, minimum.chosen, fixed, tolerance=ENOUGH)
         height = float(np.sqrt(max(misfit - minimum.misfit, 0.0)))
         if abs(height - target) < NEAR * target or (height < target and radius == most):
             break

@@ -2,25 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.orbits.tangents import Tangents
-from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
+from vibeam.studies.fit.estimate import Minimum
+from vibeam.studies.fit.problem import MOTIONS, ROUGH, Problem, value_of
+from vibeam.studies.fit.surface import surface_of
 
 Array = NDArray[np.float64]
 
+NEAR = 0.01  # half-width of the box of the modal data, share of the bounds
 
-def branch(problem: Problem, x: Array, reference: str, motion: str, frequency: Array) -> Array:
-    """Quantity of a reference (points,) on one motion at ``frequency`` (points,) Hz; NaN where there is none."""
-    group = next(each for each in problem.groups if each.reference == reference)
-    asked = replace(group, frequency=frequency, value=np.ones_like(frequency), uncertainty=np.ones_like(frequency))
-    try:
-        data = problem.forward[group.fidelity].data(problem.values(x), asked.omega)
-    except ValueError:  # values that make no system
-        return np.full(len(frequency), np.nan)
-    none = Tangents.unpacked(np.zeros((0, len(data.packed()))), len(data.omega))
-    found = value_of(asked, data, none, MOTIONS.index(motion))
-    return np.where(found.beyond == 0, found.value, np.nan)
+
+def branch(problem: Problem, minimum: Minimum, reference: str, motion: str, frequency: Array) -> tuple[Array, Array]:
+    """Quantity of a reference (points,) on one motion at ``frequency`` (points,) Hz, and its standard error.
+
+    The latter is linearised. NaN where there is no such motion.
+    """
+    group = next(each for each in problem.groups if each.reference == reference).at(frequency)
+    forward, half = problem.forward[group.fidelity], np.full(len(minimum.x), NEAR)
+    middle = np.clip(minimum.x, half, 1 - half)
+    surface = surface_of(forward, group.omega, middle - half, middle + half, ROUGH)
+    found = value_of(group, *surface.with_tangents(minimum.x), MOTIONS.index(motion))
+    error = np.sqrt(np.einsum("kp,kl,lp->p", found.by, minimum.covariance, found.by))
+    return np.where(found.beyond == 0, found.value, np.nan), error

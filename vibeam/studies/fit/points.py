@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,6 +48,16 @@ class Points:
 
     def __len__(self) -> int:
         return len(self.frequency)
+
+    def some(self, which: NDArray[np.int64]) -> Points:
+        """Points at the indices ``which``."""
+        return replace(
+            self, frequency=self.frequency[which], value=self.value[which], uncertainty=self.uncertainty[which]
+        )
+
+    def at(self, frequency: Array) -> Points:
+        """Points of the same kind at ``frequency`` (points,) Hz, with nothing measured."""
+        return replace(self, frequency=frequency, value=np.ones_like(frequency), uncertainty=np.ones_like(frequency))
 
 
 def points_of(case: Case) -> tuple[list[Points], list[str]]:

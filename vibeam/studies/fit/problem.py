@@ -1,15 +1,16 @@
-"""Weighted residuals of measured points on the branches that they lie on, and their exact Jacobian.
+"""Weighted residuals of measured points on the motions that they lie on, and their exact Jacobian.
 
 A point is compared with one motion of its frequency: one of the two roots of the closed-form orbit, or the motion
-without contact. While the parameters move the choice is held, so that the cost has no jump; between two minimisations
-each point takes the nearest motion that is one (clear of the stop in between, and stable unless it was controlled).
-Beyond a fold, or where the motion without contact would strike, there is no such motion: then that of the least drive
-that has one is taken, and a second residual tells how much that drive is off, in the point's relative uncertainty.
+without contact. While the keys move the choice is held, so that the misfit has no jump; between two minimisations it is
+made anew (``explanation``). Beyond a fold, or where the motion without contact would strike, there is no such motion:
+then that of the least drive that has one is taken, and a second residual tells how much that drive is off, in the
+point's relative uncertainty. A point that is ``LEFT`` out has no residual.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +20,7 @@ from vibeam.orbits.output_derivatives import Value, of_orbits, without_contact
 from vibeam.orbits.tangents import ModalData, Tangents
 from vibeam.studies.fit.forward import Forward
 from vibeam.studies.fit.points import Points, points_of
+from vibeam.studies.fit.surface import ModalSurface, surface_of
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -28,9 +30,11 @@ Array = NDArray[np.float64]
 
 Index = NDArray[np.int64]
 
-MOTIONS = ("harder impact", "softer impact", "no contact")
+Models = Callable[[str], tuple[ModalData, Tangents]]  # of a fidelity, at all of its points
 
-NO_CONTACT = 2
+MOTIONS = ("harder impact", "softer impact", "no contact", "left out")
+
+NO_CONTACT, LEFT = 2, 3
 
 HARD = 3.0  # weight of a drive that is off by the relative uncertainty of a point
 
@@ -38,14 +42,20 @@ HEAVIEST = 1e4
 
 IMPOSSIBLE = 1e9  # residual of values that make no system
 
+ROUGH = 1e-5  # tolerance of the modal data over all bounds, where starts are looked for
+
 
 @dataclass(frozen=True)
 class Problem:
-    """Points in groups, forward models by fidelity, estimated keys; parameters are shares x (P,) of their bounds."""
+    """Points in groups, forward models by fidelity, estimated keys; parameters are shares x (P,) of their bounds.
+
+    ``surfaces``: modal data of each fidelity at all of its points, over the bounds or a box in them.
+    """
 
     keys: tuple[FitKey, ...]
     groups: tuple[Points, ...]
     forward: dict[str, Forward]
+    surfaces: dict[str, ModalSurface]
     notes: tuple[str, ...] = ()
 
     @classmethod
@@ -62,7 +72,19 @@ class Problem:
             raise ValueError(
                 f"fit.keys: {unused[0]} is set by every fidelity that is fitted: leave it out of their set"
             )
-        return cls(case.fit.keys, tuple(groups), forward, tuple(notes))
+        made = cls(case.fit.keys, tuple(groups), forward, {}, tuple(notes))
+        return made.within(np.zeros(len(made.keys)), np.ones(len(made.keys)), ROUGH)
+
+    def within(self, low: Array, high: Array, tolerance: float) -> Problem:
+        """The same problem with surfaces over a box of shares."""
+        found = {
+            name: surface_of(each, self.omega_of(name), low, high, tolerance) for name, each in self.forward.items()
+        }
+        return replace(self, surfaces=found)
+
+    def omega_of(self, name: str) -> Array:
+        """Drive frequencies of all points of a fidelity, rad/s."""
+        return np.concatenate([each.omega for each in self.groups if each.fidelity == name])
 
     @property
     def low(self) -> Array:
@@ -104,95 +126,86 @@ class Problem:
         return np.concatenate([each.uncertainty for each in self.groups])
 
     @property
+    def unstable(self) -> NDArray[np.bool_]:
+        """Points (points,) that may lie on unstable motions."""
+        return np.concatenate([np.full(len(each), each.unstable) for each in self.groups])
+
+    @property
     def hardness(self) -> Array:
         """Weights (points,) of ln(B*/B)."""
         return np.minimum(HARD * np.abs(self.measured) / self.uncertainty, HEAVIEST)
 
-    def motions(self, x: Array) -> tuple[Array, Array]:
-        """Values and ln(B*/B) of all motions at every point, (3, points) each."""
-        found = [self._of_group(each, *self.still(each, x)) for each in self.groups]
-        return tuple(np.concatenate([each[part] for each in found], axis=1) for part in (0, 1))  # type: ignore[return-value]
+    def parts(self) -> list[tuple[Points, Index, Index]]:
+        """Each group, where its points are among all, and where among those of its fidelity."""
+        found, first, of_fidelity = [], 0, dict.fromkeys(self.forward, 0)
+        for each in self.groups:
+            at, own = np.arange(len(each)), of_fidelity[each.fidelity]
+            found.append((each, first + at, own + at))
+            first, of_fidelity[each.fidelity] = first + len(each), own + len(each)
+        return found
 
-    def still(self, group: Points, x: Array) -> tuple[ModalData, Tangents]:
-        """Modal data of a group, without derivatives."""
-        data = self.forward[group.fidelity].data(self.values(x), group.omega)
-        return data, Tangents.unpacked(np.zeros((0, len(data.packed()))), len(data.omega))
+    def motions(self, x: Array, samples: int = 0) -> tuple[Array, Array]:
+        """Values and ln(B*/B) of all motions at every point, (3, points) each; ``samples``: see ``of_orbits``.
 
-    def _of_group(self, group: Points, data: ModalData, tangents: Tangents) -> tuple[Array, Array]:
-        found = [value_of(group, data, tangents, motion) for motion in range(3)]
-        return np.stack([each.value for each in found]), np.stack([each.beyond for each in found])
+        ValueError where the keys make no system.
+        """
+        values, beyond = np.empty((3, self.count)), np.empty((3, self.count))
+        data = {name: each.at(x) for name, each in self.surfaces.items()}
+        for group, at, own in self.parts():
+            drives, still = data[group.fidelity].driven(own), self.surfaces[group.fidelity].still(len(own))
+            for motion in range(3):
+                found = value_of(group, drives, still, motion, samples)
+                values[motion, at], beyond[motion, at] = found.value, found.beyond
+        return values, beyond
 
-    def residuals(self, x: Array, chosen: Index) -> tuple[Array, Array]:
+    def residuals(self, x: Array, chosen: Index, models: Models | None = None) -> tuple[Array, Array]:
         """Residuals (2 points,) and Jacobian (2 points, P) by the shares, with each point's motion held.
 
         Values that make no system (a restitution of mode 1 that no contact gives) are worse than any that do.
+        ``models``: in place of the surfaces.
         """
         try:
-            values, jacobian = self.predicted(x, chosen)
+            values, by = self.predicted(x, chosen, models)
         except ValueError:
             return np.full(2 * self.count, IMPOSSIBLE), np.zeros((2 * self.count, len(x)))
-        off = (values[0] - self.measured) / self.uncertainty
-        rows = jacobian * self.width[:, None, None]
-        return (
-            np.concatenate([off, values[1] * self.hardness]),
-            np.concatenate([rows[:, 0] / self.uncertainty, rows[:, 1] * self.hardness], axis=1).T,
-        )
+        scale, hardness = np.where(chosen == LEFT, 0.0, 1 / self.uncertainty), self.hardness
+        off = np.where(chosen == LEFT, 0.0, values[0] - self.measured) * scale
+        by = np.concatenate([by[:, 0] * scale, by[:, 1] * hardness], axis=1)
+        return np.concatenate([off, values[1] * hardness]), by.T
 
-    def predicted(self, x: Array, chosen: Index) -> tuple[Array, Array]:
-        """Values and ln(B*/B) (2, points) of the chosen motions, with derivatives (P, 2, points) by the keys."""
+    def predicted(self, x: Array, chosen: Index, models: Models | None = None) -> tuple[Array, Array]:
+        """Values and ln(B*/B) (2, points) of the chosen motions, with derivatives (P, 2, points) by the shares.
+
+        Where there is none at any drive the value is 0 and the drive off by a factor e. NaN of a point left out.
+        """
         values, by = np.zeros((2, self.count)), np.zeros((len(self.keys), 2, self.count))
-        models, first = self._models(x), 0
-        for group in self.groups:
-            data, tangents = models[group.reference, group.periods]
-            own = chosen[first : first + len(group)]
-            for motion in np.unique(own).tolist():
-                at = np.flatnonzero(own == motion)
-                found = value_of(_some(group, at), _drives(data, at), _tangent_drives(tangents, at), motion)
-                _put_in(values, by, first + at, found)
-            first += len(group)
+        values[0, chosen == LEFT] = np.nan
+        known = models or (lambda name: self.surfaces[name].with_tangents(x))
+        made = {name: known(name) for name in self.forward}
+        for group, at, own in self.parts():
+            for motion in np.unique(chosen[at]).tolist():
+                if motion == LEFT:
+                    continue
+                some = np.flatnonzero(chosen[at] == motion)
+                data, tangents = made[group.fidelity]
+                own_data, own_tangents = data.driven(own[some]), tangents.driven(own[some])
+                found = value_of(group.some(some), own_data, own_tangents, motion)
+                none = ~np.isfinite(found.value + found.beyond)
+                values[:, at[some]] = np.where(none, [[0.0], [1.0]], [found.value, found.beyond])
+                by[:, 0, at[some]] = np.where(none, 0.0, found.by)
+                by[:, 1, at[some]] = np.where(none, 0.0, found.by_beyond)
         return values, by
 
-    def _models(self, x: Array) -> dict[tuple[str, int], tuple[ModalData, Tangents]]:
-        """Modal data and tangents for every group, one structure a fidelity."""
-        found = {}
-        for name, forward in self.forward.items():
-            groups = [each for each in self.groups if each.fidelity == name]
-            data, tangents = forward.with_tangents(self.values(x), np.concatenate([each.omega for each in groups]))
-            first = 0
-            for each in groups:
-                at = np.arange(first, first + len(each))
-                found[each.reference, each.periods] = _drives(data, at), _tangent_drives(tangents, at)
-                first += len(each)
-        return found
+    def exact(self, x: Array) -> Models:
+        """Modal data by the models themselves, with the surfaces' derivatives."""
+        values = self.values(x)
+        return lambda name: (
+            self.forward[name].data(values, self.omega_of(name)), self.surfaces[name].with_tangents(x)[1]
+        )  # fmt: skip
 
 
-def value_of(group: Points, data: ModalData, tangents: Tangents, motion: int) -> Value:
+def value_of(group: Points, data: ModalData, tangents: Tangents, motion: int, samples: int = 0) -> Value:
     """Quantity of one motion at the points of a group."""
     if motion == NO_CONTACT:
         return without_contact(data, tangents, group.omega, group.quantity, group.gain)
-    return of_orbits(data, tangents, group.omega, group.periods, motion, group.quantity, group.gain)
-
-
-def _put_in(values: Array, by: Array, at: Index, found: Value) -> None:
-    """Enter a motion's values; one that exists at no drive is 0 and a drive off by a factor e."""
-    none = ~np.isfinite(found.value + found.beyond)
-    values[0, at], values[1, at] = np.where(none, 0.0, found.value), np.where(none, 1.0, found.beyond)
-    by[:, 0, at], by[:, 1, at] = np.where(none, 0.0, found.by), np.where(none, 0.0, found.by_beyond)
-
-
-def _some(group: Points, at: Index) -> Points:
-    from dataclasses import replace
-
-    return replace(group, **{name: getattr(group, name)[at] for name in ("frequency", "value", "uncertainty")})
-
-
-def _drives(data: ModalData, at: Index) -> ModalData:
-    from dataclasses import replace
-
-    return replace(data, drive=data.drive[at])
-
-
-def _tangent_drives(tangents: Tangents, at: Index) -> Tangents:
-    from dataclasses import replace
-
-    return replace(tangents, drive=tangents.drive[:, at])
+    return of_orbits(data, tangents, group.omega, group.periods, motion, group.quantity, group.gain, samples)

@@ -26,6 +26,12 @@ NEAR = 0.01  # of the root's height, where the crossing is found
 
 BOUND = 1e-3  # share of the bounds within which a key is at one
 
+STRETCH = 3.0  # of the distance from the minimum, in one step outward
+
+NEARLY = 0.05  # share of the bounds within which a bound is tried itself
+
+ENOUGH = 1e-4  # relative tolerance of a misfit whose rise is looked at
+
 BETTER = 1e-3  # decrease of the misfit that is another minimum
 
 
@@ -48,34 +54,30 @@ class Profile:
         return self.high - self.low
 
 
-def covariance(minimum: Minimum) -> Array:
-    """Linearised covariance (P, P) of the shares, with the bounds as a weak prior: a uniform distribution."""
-    curvature = minimum.jacobian.T @ minimum.jacobian
-    return np.asarray(np.linalg.inv(curvature + 12 * np.eye(len(curvature))))
-
-
-def profile(problem: Problem, minimum: Minimum, k: int) -> Profile:
-    """Profile of key ``k``."""
+def profile(problem: Problem, minimum: Minimum, k: int, scale: float = 1.0) -> Profile:
+    """Profile of key ``k``; ``scale``: factor on all uncertainties."""
     rows = [np.append(minimum.x, 0.0)]
     ends, opened = [], []
     for side in (-1.0, 1.0):
-        end, is_open = _end(problem, minimum, k, side, rows)
+        end, is_open = _end(problem, minimum, k, side, rows, scale)
         ends.append(end)
         opened.append(is_open)
     path = np.array(sorted(rows, key=lambda row: float(row[k])))
     return Profile(ends[0], ends[1], (opened[0], opened[1]), path)
 
 
-def _end(problem: Problem, minimum: Minimum, k: int, side: float, rows: list[Array]) -> tuple[float, bool]:
+def _end(
+    problem: Problem, minimum: Minimum, k: int, side: float, rows: list[Array], scale: float
+) -> tuple[float, bool]:
     """End of the interval on one side, and whether it is the bound."""
-    spread, target = covariance(minimum), float(np.sqrt(LEVEL))
+    spread, target = minimum.covariance, scale * float(np.sqrt(LEVEL))
     along = spread[:, k] / spread[k, k]
     bound, inside, outside = (1.0 if side > 0 else 0.0), (float(minimum.x[k]), 0.0, minimum.x), None
     at = inside[0] + side * target * float(np.sqrt(spread[k, k]))
     for _ in range(TRIES):
         at = min(max(at, 0.0), 1.0)
         start = np.clip(inside[2] + along * (at - inside[0]), 0.0, 1.0)
-        x, misfit = minimise(problem, start, minimum.chosen, {k: at})
+        x, misfit = minimise(problem, start, minimum.chosen, {k: at}, tolerance=ENOUGH)
         height = float(np.sqrt(max(misfit - minimum.misfit, 0.0)))
         if height <= 4 * target:
             rows.append(np.append(x, misfit - minimum.misfit))
@@ -87,7 +89,7 @@ def _end(problem: Problem, minimum: Minimum, k: int, side: float, rows: list[Arr
             inside = (at, height, x)
         else:
             outside = (at, height)
-        at = _next(inside, outside, bound, target)
+        at = _next(inside, outside, bound, target, float(minimum.x[k]))
     return at, _at_bounds(inside[2], k)
 
 
@@ -97,12 +99,16 @@ def _at_bounds(x: Array, k: int) -> bool:
 
 
 def _next(
-    inside: tuple[float, float, Array], outside: tuple[float, float] | None, bound: float, target: float
+    inside: tuple[float, float, Array], outside: tuple[float, float] | None, bound: float, target: float, origin: float
 ) -> float:
-    """Next value: by the secant between inside and outside, or further out."""
+    """Next value: by the secant between inside and outside, or from the minimum on and a little beyond, to the bound.
+
+    A bound that is nearly reached is tried itself.
+    """
     if outside is None:
-        further = inside[0] + (bound - inside[0]) * (0.5 if inside[1] < 0.5 * target else 0.15)
-        return bound if abs(bound - further) < 0.02 else further
+        stretch = min(1.1 * target / max(inside[1], 1e-3 * target), STRETCH)
+        further = origin + stretch * (inside[0] - origin)
+        return bound if (further - bound) * (bound - origin) > 0 or abs(further - bound) < NEARLY else further
     if outside[1] > 1e3 * target:
         return (inside[0] + outside[0]) / 2
     share = (target - inside[1]) / (outside[1] - inside[1])
@@ -111,6 +117,6 @@ def _next(
 
 def misfit_at(problem: Problem, minimum: Minimum, k: int, share: float) -> float:
     """Rise of the least misfit where key ``k`` is held at a share of its bounds."""
-    spread = covariance(minimum)
+    spread = minimum.covariance
     start = np.clip(minimum.x + spread[:, k] / spread[k, k] * (share - minimum.x[k]), 0.0, 1.0)
     return minimise(problem, start, minimum.chosen, {k: share})[1] - minimum.misfit

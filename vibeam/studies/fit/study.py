@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,10 +13,12 @@ from numpy.typing import NDArray
 
 from vibeam.studies.fit.advice import NextPoint, next_points
 from vibeam.studies.fit.advice import in_words as advice_in_words
+from vibeam.studies.fit.alternatives import alternatives, unit_factor
 from vibeam.studies.fit.contour import contour_of
-from vibeam.studies.fit.estimate import Minimum, estimate, settled
+from vibeam.studies.fit.estimate import Minimum, Scan, estimate, met, refined
+from vibeam.studies.fit.judgement import WIDEST, Judgement, patterns, without_outliers
 from vibeam.studies.fit.problem import MOTIONS, Problem
-from vibeam.studies.fit.profile import BETTER, LEVEL, Profile, covariance, profile
+from vibeam.studies.fit.profile import LEVEL, Profile, profile
 from vibeam.studies.fit.words import on_directions, on_misfit, on_ridges, ridges
 
 if TYPE_CHECKING:
@@ -28,7 +32,7 @@ class FitRow:
     """Estimated key in SI: ``value``, 95 % interval, linearised ``standard_error``; ``start``: the case's own.
 
     ``low_open``, ``high_open``: a bound of [fit], the key's or another's, ends the interval; where both are, the data
-    do not determine the key and ``value`` is NaN.
+    do not determine the key and ``value`` is NaN. An interval that is withheld is NaN (``FitStudy.judgement``).
     """
 
     key: str
@@ -49,7 +53,11 @@ class FitRow:
 
 @dataclass(frozen=True)
 class FittedPoint:
-    """Measured point, its fitted value and residual in standard uncertainties, and the motion that it lies on."""
+    """Measured point, its fitted value and residual in standard uncertainties, and the motion that it lies on.
+
+    ``left_out``: why it is, empty of one that is not; its fitted value is then that of the model's own motion there, or
+    NaN (the motion does not repeat, or the point contradicts all others).
+    """
 
     reference: str
     fidelity: str
@@ -60,14 +68,15 @@ class FittedPoint:
     residual: float
     motion: str
     actual: bool
+    left_out: str = ""
 
 
 @dataclass(frozen=True)
 class FitStudy:
-    """Fit of a case: rows, points, sentences; ``contour`` (m, 2) of the pair ``pair`` of least known keys, SI.
+    """Fit of a case: rows, points, sentences; ``pair`` of the least known keys.
 
     ``covariance`` (P, P): linearised, SI. ``best`` (P,): the minimum itself, whether determined or not. ``next``: what
-    to measure next, where it was asked for.
+    to measure next, where it was asked for. ``judgement``: whether the model describes the points.
     """
 
     case: Case
@@ -78,11 +87,16 @@ class FitStudy:
     best: Array
     covariance: Array
     pair: tuple[int, int] | None
-    contour: Array
-    next: tuple[NextPoint, ...] = ()
+    next: tuple[NextPoint, ...]
+    judgement: Judgement
     problem: Problem = field(repr=False, kw_only=True)
     minimum: Minimum = field(repr=False, kw_only=True)
     profiles: tuple[Profile, ...] = field(repr=False, kw_only=True)
+
+    @cached_property
+    def contour(self) -> Array:
+        """Contour (m, 2) of the pair, SI; empty without one."""
+        return contour_of(self.problem, self.minimum, self.pair) if self.pair else np.empty((0, 2))
 
 
 def fit(case: Case, tell: Callable[[str], None] | None = None, *, next_point: bool = False) -> FitStudy:
@@ -91,41 +105,44 @@ def fit(case: Case, tell: Callable[[str], None] | None = None, *, next_point: bo
     ``tell``: called with what is being done. ``next_point``: also find what to measure next.
     """
     tell = tell or (lambda _: None)
-    problem = Problem.of(case)
-    tell(f"Least squares: {problem.count} points, {len(problem.keys)} keys")
-    minimum, profiles = _minimum_and_profiles(problem, tell)
-    pair = _pair(problem, minimum)
+    whole = Problem.of(case)
+    tell(f"Least squares: {whole.count} points, {len(whole.keys)} keys")
+    problem, minimum, judgement = _judged(case, whole, tell)
+    tell("Intervals by profile likelihood")
+    profiles = [profile(problem, minimum, k, judgement.scale) for k in range(len(problem.keys))]
     advised = next_points(case, problem, minimum) if next_point else ()
-    rows = tuple(_rows(problem, minimum, profiles))
-    sentences = [*problem.notes, *on_misfit(problem, minimum), *on_directions(problem, minimum)]
-    sentences += on_ridges(problem, minimum, profiles)
+    rows = tuple(_rows(problem, minimum, profiles, judgement))
+    sentences = [*on_misfit(problem, minimum, judgement), *problem.notes]
+    if judgement.described or judgement.scale > 1:
+        sentences += [*on_directions(problem, minimum), *on_ridges(problem, minimum, profiles)]
     if next_point:
         unit = next((row.unit for row in rows if advised and row.key == advised[0].key), "")
         sentences.append(advice_in_words(advised, unit))
     return FitStudy(
-        case, rows, tuple(_points(problem, minimum)), tuple(sentences), minimum.misfit, problem.values(minimum.x),
-        covariance(minimum) * np.outer(problem.width, problem.width), pair,
-        contour_of(problem, minimum, pair) if pair else np.empty((0, 2)), advised,
+        case, rows, tuple(_points(problem, minimum, judgement)), tuple(sentences), minimum.misfit,
+        problem.values(minimum.x), minimum.covariance * np.outer(problem.width, problem.width),
+        _pair(problem, minimum), advised, judgement,
         problem=problem, minimum=minimum, profiles=tuple(profiles),
     )  # fmt: skip
 
 
-def _minimum_and_profiles(problem: Problem, tell: Callable[[str], None]) -> tuple[Minimum, list[Profile]]:
-    """Minimum and profiles; anew, once, from a better minimum that a profile finds."""
-    minimum = estimate(problem)
-    profiles: list[Profile] = []
-    for attempt in range(2):
-        tell("Intervals by profile likelihood")
-        profiles = [profile(problem, minimum, k) for k in range(len(problem.keys))]
-        rows = np.concatenate([each.path for each in profiles])
-        lowest = rows[int(np.argmin(rows[:, -1]))]
-        if attempt or lowest[-1] > -BETTER:
-            break
-        better = settled(problem, lowest[:-1])
-        if better.misfit >= minimum.misfit:
-            break
-        minimum = better
-    return minimum, profiles
+def _judged(case: Case, whole: Problem, tell: Callable[[str], None]) -> tuple[Problem, Minimum, Judgement]:
+    """Minimum without outliers, and what is said of it; other models are tried where none describes the points."""
+    scan = Scan.of(whole)
+    problem, minimum = estimate(whole, scan)
+    if met(minimum.misfit, minimum.freedom):
+        return problem, minimum, Judgement(True, patterns(problem, minimum))
+    tell("The model does not describe the points: looking for one that does")
+    found, factor = patterns(problem, minimum), unit_factor(whole, scan)
+    others = () if factor != 1 else alternatives(case, whole, minimum)
+    if factor == 1 and not any(each.met for each in others):
+        without, outliers = without_outliers(whole, minimum)
+        if outliers:
+            problem, minimum = refined(whole, without, tuple(each.index for each in outliers))
+            return problem, minimum, Judgement(True, patterns(problem, minimum), outliers)
+    scale = sqrt(minimum.misfit / minimum.freedom)
+    told = scale > WIDEST or factor != 1 or any(each.met for each in others) or any(each.significant for each in found)
+    return problem, minimum, Judgement(False, found, (), factor, others, 1.0 if told else scale)
 
 
 def _pair(problem: Problem, minimum: Minimum) -> tuple[int, int] | None:
@@ -135,29 +152,36 @@ def _pair(problem: Problem, minimum: Minimum) -> tuple[int, int] | None:
     found = ridges(problem, minimum)
     if found:
         return found[0]
-    first, second = np.argsort(-np.diag(covariance(minimum)))[:2].tolist()
+    first, second = np.argsort(-np.diag(minimum.covariance))[:2].tolist()
     return first, second
 
 
-def _rows(problem: Problem, minimum: Minimum, profiles: list[Profile]) -> Iterator[FitRow]:
+def _rows(problem: Problem, minimum: Minimum, profiles: list[Profile], judgement: Judgement) -> Iterator[FitRow]:
     from vibeam.studies.identification.modes import unit_of
 
-    values, errors = problem.values(minimum.x), np.sqrt(np.diag(covariance(minimum))) * problem.width
+    values, errors = problem.values(minimum.x), np.sqrt(np.diag(minimum.covariance)) * problem.width
     for k, (each, found) in enumerate(zip(problem.keys, profiles, strict=True)):
         ends = [each.low + share * (each.high - each.low) for share in (found.low, found.high)]
+        low, high = (float("nan"), float("nan")) if judgement.withheld else ends
         value = float("nan") if all(found.open) else float(values[k])
-        yield FitRow(each.key, value, ends[0], ends[1], unit_of(each.key), float(errors[k]), each.start, *found.open)
+        error = float("nan") if judgement.withheld else judgement.scale * float(errors[k])
+        yield FitRow(each.key, value, low, high, unit_of(each.key), error, each.start, *found.open)
 
 
-def _points(problem: Problem, minimum: Minimum) -> Iterator[FittedPoint]:
+def _points(problem: Problem, minimum: Minimum, judgement: Judgement) -> Iterator[FittedPoint]:
     fitted, _ = problem.predicted(minimum.x, minimum.chosen)
     names = [(each.reference, each.fidelity) for each in problem.groups for _ in range(len(each))]
+    dropped = {each.index: each for each in judgement.outliers}
     for j, (reference, fidelity) in enumerate(names):
         measured, uncertainty = float(problem.measured[j]), float(problem.uncertainty[j])
-        value = float(fitted[0, j])
+        value, why = float(fitted[0, j]), ""
+        if j in minimum.others:
+            value, why = minimum.others[j].value, minimum.others[j].called
+        elif j in dropped:
+            why = "contradicts the other points"
         yield FittedPoint(
             reference, fidelity, float(problem.frequency[j]), measured, uncertainty, value,
-            (value - measured) / uncertainty, MOTIONS[int(minimum.chosen[j])], bool(minimum.actual[j]),
+            (value - measured) / uncertainty, MOTIONS[int(minimum.chosen[j])], bool(minimum.actual[j]), why,
         )  # fmt: skip
 
 

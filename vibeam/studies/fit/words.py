@@ -9,24 +9,29 @@ the ridge itself, the path of the profile: a product of powers of two keys, or f
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import log, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.figures.prefixes import with_unit
 from vibeam.observe.apparent_restitution import first_mode_restitution
-from vibeam.studies.fit.estimate import Minimum
+from vibeam.studies.fit.estimate import Minimum, probability
+from vibeam.studies.fit.judgement import Judgement, Pattern, doubled
 from vibeam.studies.fit.problem import MOTIONS, Problem
 from vibeam.studies.fit.profile import LEVEL, Profile
+from vibeam.studies.identification.modes import unit_of
 
 if TYPE_CHECKING:
     from vibeam.studies.fit.forward import Forward
 
 Array = NDArray[np.float64]
 
-UNLIKELY = 1e-3  # probability of a misfit from which on the model is said to miss
+SMALL = 1e-3  # probability below which it is told as such; of less misfit than the uncertainty allows for
+
+SHOWN = 6  # frequencies named
 
 OPEN = 0.5  # half-width of a direction, share of the bounds, from which on it is not determined
 
@@ -39,29 +44,129 @@ SLOW = 0.12  # the same of the slow flow's quotient, which averaging makes out t
 DRIVES = ("drive.gain", "drive.voltage", "drive.amplitude")
 
 
-def on_misfit(problem: Problem, minimum: Minimum) -> Iterator[str]:
-    """What the misfit says, and points on no actual motion."""
-    from scipy.stats import chi2
-
-    free = problem.count - len(problem.keys)
+def on_misfit(problem: Problem, minimum: Minimum, judgement: Judgement) -> Iterator[str]:
+    """Whether the model describes the points, and what is known of it where it does not; points on no motion."""
+    free = minimum.freedom
+    if free > 0:
+        yield _verdict(problem, minimum, judgement)
+    yield from _on_outliers(problem, judgement)
+    if not judgement.described:
+        yield from _on_cause(problem, judgement)
+        yield _on_intervals(judgement)
+    if not any(each.met for each in judgement.others):
+        yield from _on_patterns(judgement)
     if free < 0:
-        yield f"{_points(problem.count)} cannot fix {len(problem.keys)} keys."
-    elif free > 0:
-        share = float(chi2.sf(minimum.misfit, free))
-        told = f"Misfit: χ² = {minimum.misfit:.4g} for {free} degrees of freedom"
-        if share < UNLIKELY:
-            told += ": the model misses the points by more than their uncertainty, and the intervals do not hold"
-        elif share > 1 - UNLIKELY:
-            told += ": less than the uncertainty allows for, which may be too large"
-        yield f"{told}."
-    counts = [f"{n} with {MOTIONS[k]}" for k, n in enumerate(np.bincount(minimum.chosen, minlength=3)) if n]
+        yield f"{_points(free + len(problem.keys))} cannot fix {len(problem.keys)} keys."
+    counts = [f"{n} with {MOTIONS[k]}" for k, n in enumerate(np.bincount(minimum.chosen, minlength=3)[:3]) if n]
+    counts += [f"{n} left out" for n in [int(np.sum(~minimum.used))] if n]
     yield f"{_points(problem.count)}: {', '.join(counts)}."
-    lost = int(np.sum(~minimum.actual))
-    if lost:
-        where = ", ".join(f"{f:.5g} Hz" for f in problem.frequency[~minimum.actual][:6])
-        why = "it passes through the stop, is not stable, or exists at larger drives only"
-        told = "a motion with several impacts until it repeats is not among those that a fit knows"
-        yield f"At {lost} of them the nearest motion is none that the model has ({why}; {told}): {where}."
+    yield from _on_others(problem, minimum)
+    lost = minimum.used & ~minimum.actual
+    if lost.any():
+        told = "the nearest motion is none that the model has at these keys (it exists at larger drives only, passes "
+        yield f"At {_where(problem, lost)} {told}through the stop, or is not stable)."
+
+
+def _verdict(problem: Problem, minimum: Minimum, judgement: Judgement) -> str:
+    free, share = minimum.freedom, probability(minimum.misfit, minimum.freedom)
+    told = f"χ² = {minimum.misfit:.4g} for {free} degrees of freedom, p {_probability(share)}"
+    if not judgement.described:
+        return f"This model does not describe these points: {told}."
+    if share > 1 - SMALL:
+        told += ": less than the uncertainty allows for, which may be too large"
+    return f"Misfit: {told}."
+
+
+def _probability(share: float) -> str:
+    return "below 0.1 %" if share < SMALL else "above 99 %" if share > 0.99 else f"= {100 * share:.2g} %"
+
+
+def _on_outliers(problem: Problem, judgement: Judgement) -> Iterator[str]:
+    """Points that contradict all others."""
+    for each in judgement.outliers:
+        side = "below" if each.residual > 0 else "above"
+        yield (
+            f"The point at {problem.frequency[each.index]:.5g} Hz contradicts all others and is left out: it is "
+            f"{abs(each.residual):.3g} standard uncertainties {side} what they say "
+            f"(p {_probability(each.probability)} among {problem.count})."
+        )
+
+
+def _on_cause(problem: Problem, judgement: Judgement) -> Iterator[str]:
+    """What may be wrong: a unit, the convention of the gap or of R, the number of modes."""
+    if judgement.unit != 1.0:
+        size = f"{max(judgement.unit, 1 / judgement.unit):.0f}"
+        names = ", ".join(dict.fromkeys(each.reference for each in problem.groups))
+        how = f"{size} times too {'small' if judgement.unit > 1 else 'large'}"
+        told = f"multiplied by {judgement.unit:g} the model comes near to them"
+        yield f"The values of {names} look {how}: {told}. Look at their unit."
+    better = [each for each in judgement.others if each.met]
+    if better:
+        told = " or ".join(f"{each.called} (χ² = {each.misfit:.4g} for {each.freedom})" for each in better)
+        yield f"It would describe them with {told}."
+    elif judgement.others:
+        yield f"Nor does it with {', nor with '.join(each.called for each in judgement.others)}."
+
+
+def _on_intervals(judgement: Judgement) -> str:
+    if judgement.withheld:
+        return "Intervals are withheld: the values are those of the least misfit, and may be off by any amount."
+    return (
+        f"Intervals are scaled by {judgement.scale:.3g} = √(χ²/degrees of freedom): they hold if all uncertainties are "
+        "larger by so much, and the model is right."
+    )
+
+
+def _on_patterns(judgement: Judgement) -> Iterator[str]:
+    """What the residuals follow."""
+    found = [each for each in judgement.patterns if each.significant]
+    if not found:
+        return
+    first, *rest = found
+    told = f"The residuals have a pattern (F test, p {_probability(first.probability)}): {IN_WORDS[first.name](first)}"
+    if rest:
+        told += f"; not told apart from it: {', '.join(SHORT[each.name] for each in rest)}"
+    yield f"{told}."
+
+
+IN_WORDS: dict[str, Callable[[Pattern], str]] = {
+    "factor": lambda each: f"all values as if times {1 + each.size:.4g}, a calibration",
+    "frequency": lambda each: (
+        f"over the frequency, {100 * doubled(each) / 10:+.3g} % for each 7 % of it (a tenth of an octave)"
+    ),
+    "amplitude": lambda each: f"over the value, {100 * doubled(each):+.3g} % for each doubling of it",
+    "velocity": lambda each: (
+        f"over the impact velocity v, as if R changed by {doubled(each):+.3g} ± {1.96 * log(2) * each.error:.2g} "
+        "for each doubling of it: a law R(v)"
+    ),
+    "shift": lambda each: f"as if all frequencies were off by {100 * each.size:+.3g} %, those measured or the model's",
+}
+
+SHORT = {
+    "factor": "a factor on all values", "frequency": "a trend over the frequency",
+    "amplitude": "a trend over the value", "velocity": "R over the impact velocity", "shift": "a shift in frequency",
+}  # fmt: skip
+
+
+def _on_others(problem: Problem, minimum: Minimum) -> Iterator[str]:
+    """Points outside the family, by what the model does there."""
+    kinds: dict[str, list[int]] = {}
+    for j, other in minimum.others.items():
+        kinds.setdefault(other.called, []).append(j)
+    for called, points in kinds.items():
+        which = np.isin(np.arange(problem.count), points)
+        off = np.sqrt([minimum.others[j].cost for j in points if np.isfinite(minimum.others[j].value)])
+        told = f"At {_where(problem, which)} the motion {called}, which a fit does not know"
+        if len(off):
+            far = f"{off.max():.2g} standard uncertainties off" + (" at most" if len(off) > 1 else "")
+            told += f"; flown at these keys it is {far}"
+        yield f"{told}: left out."
+
+
+def _where(problem: Problem, which: NDArray[np.bool_]) -> str:
+    found = [f"{each:.5g}" for each in problem.frequency[which]]
+    more = f" … ({len(found)} points)" if len(found) > SHOWN else ""
+    return f"{', '.join(found[:SHOWN])}{more} Hz"
 
 
 def _points(count: int) -> str:
@@ -91,9 +196,8 @@ def on_ridges(problem: Problem, minimum: Minimum, profiles: Sequence[Profile]) -
             continue
         values = problem.low + path[:, :-1] * problem.width
         one, other = problem.keys[k].key, problem.keys[j].key
-        head = (
-            f"{one} and {other} make up for each other, from ({_pair(values[0], k, j)}) to ({_pair(values[-1], k, j)})"
-        )
+        ends = [_pair(problem, values[at], k, j) for at in (0, -1)]
+        head = f"{one} and {other} make up for each other, from ({ends[0]}) to ({ends[1]})"
         kept = _constant(problem, values, k, j)
         alone = f"{one} alone is free between {_end(problem, profiles[k], k)}"
         alone += f", {other} between {_end(problem, profiles[j], j)}"
@@ -102,9 +206,7 @@ def on_ridges(problem: Problem, minimum: Minimum, profiles: Sequence[Profile]) -
 
 def ridges(problem: Problem, minimum: Minimum) -> list[tuple[int, int]]:
     """Pairs of keys on a ridge, the least known first; of each key the partner with the strongest correlation."""
-    from vibeam.studies.fit.profile import covariance
-
-    spread = covariance(minimum)
+    spread = minimum.covariance
     size = np.sqrt(np.diag(spread))
     correlation = np.abs(spread / size / size[:, None]) - np.eye(len(size))
     found: list[tuple[int, int]] = []
@@ -118,12 +220,15 @@ def ridges(problem: Problem, minimum: Minimum) -> list[tuple[int, int]]:
 def _end(problem: Problem, found: Profile, k: int) -> str:
     key = problem.keys[k]
     ends = [key.low + share * (key.high - key.low) for share in (found.low, found.high)]
-    told = [f"{end:.4g}" + (" (its bound)" if is_open else "") for end, is_open in zip(ends, found.open, strict=True)]
+    told = [
+        with_unit(end, unit_of(key.key)) + (" (its bound)" if is_open else "")
+        for end, is_open in zip(ends, found.open, strict=True)
+    ]
     return " and ".join(told)
 
 
-def _pair(values: Array, k: int, j: int) -> str:
-    return f"{values[k]:.4g}, {values[j]:.4g}"
+def _pair(problem: Problem, values: Array, k: int, j: int) -> str:
+    return ", ".join(with_unit(float(values[each]), unit_of(problem.keys[each].key)) for each in (k, j))
 
 
 def _constant(problem: Problem, values: Array, k: int, j: int) -> str:

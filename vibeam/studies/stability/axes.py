@@ -77,7 +77,8 @@ class Driving:
     @classmethod
     def of(cls, case: Case, fidelity: str) -> Driving:
         """Drive of one fidelity of a case."""
-        from vibeam.maps.variation import narrowed, varied
+        from vibeam.casefile.case_model import narrowed
+        from vibeam.maps.variation import varied
 
         scene: Any = case.scene_of(fidelity)
         base = scene.base

@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.fidelity import system
+from vibeam.casefile.case_model import CaseModel
 from vibeam.orbits.modal_sums import fault
 from vibeam.orbits.orbit_derivatives import struck
 from vibeam.orbits.output_derivatives import without_contact
 from vibeam.orbits.output_signals import SampledOutput
 from vibeam.orbits.tangents import ModalData, Tangents
-from vibeam.studies.uncertainty.samples import Declared, Responses
+from vibeam.studies.uncertainty.samples import Responses
 from vibeam_models.base_motion import drive_amplitude
 
 if TYPE_CHECKING:
@@ -42,24 +43,24 @@ class ClosedForm:
 
     def __call__(self, fidelity: str, inputs: Array) -> Responses:
         """Responses to inputs (m, d); NaN where a system has no closed form."""
-        declared = Declared.of(self.case, fidelity, self.keys)
+        model = CaseModel.of(self.case, fidelity)
         omega = np.sort(2 * np.pi * self.case.sweep.frequency)[:: self.every]
         amplitude, seconds = np.full((len(inputs), len(omega)), np.nan), np.zeros(len(inputs))
         for number, values in enumerate(inputs):
             begin = thread_time()
-            scene = declared.scene(values)
-            data = self._data(scene, fidelity, omega)
+            data = self._data(model.at(dict(zip(self.keys, values, strict=True))), omega)
             if data is not None:
                 amplitude[number] = largest(data, omega)
             seconds[number] = thread_time() - begin
         return Responses.of_amplitude(fidelity, inputs, omega / (2 * np.pi), amplitude, seconds)
 
-    def _data(self, scene: object, fidelity: str, omega: Array) -> ModalData | None:
+    def _data(self, model: CaseModel, omega: Array) -> ModalData | None:
         """Modal data of a sample's system; None where it has no closed form."""
-        made = system(scene, self.case.fidelities[fidelity])  # type: ignore[arg-type]
+        scene = model.scene()
+        made = system(scene, model.fidelity)
         if fault(made) or (made.omega == 0).any() or (np.abs(made.zeta - 1) < NEARLY).any():
             return None
-        drive = np.broadcast_to(np.asarray(drive_amplitude(scene, omega), dtype=float), omega.shape)  # type: ignore[arg-type]
+        drive = np.broadcast_to(np.asarray(drive_amplitude(scene, omega), dtype=float), omega.shape)
         return ModalData.of(made, self.case.sweep.output, drive)
 
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from time import thread_time
 from typing import TYPE_CHECKING, Any
 
@@ -12,10 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.fidelity import gap_drift, gap_wear, system
-from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.read import validate
-from vibeam.casefile.toml import key_parts
-from vibeam.maps.variation import narrowed, varied
+from vibeam.casefile.case_model import CaseModel, narrowed
+from vibeam.maps.variation import varied
 from vibeam.run.heartbeat import heartbeat
 from vibeam.run.parallel import run_parallel
 from vibeam.run.sweep import sweep
@@ -101,40 +98,41 @@ class Sampler:
 
     def nominal(self, fidelity: str) -> Responses:
         """Response at the case's own values."""
-        return self._gathered(fidelity, Declared.of(self.case, fidelity, ()), np.empty((1, 0)))
+        return self._gathered(fidelity, (), np.empty((1, 0)))
 
     def __call__(self, fidelity: str, inputs: Array, tell: Callable[[str], None] | None = None) -> Responses:
         """Responses to inputs (m, d), several at once; CaseError for a value that the case may not have.
 
         ``tell``: hears every few seconds how many are there.
         """
-        declared = Declared.of(self.case, fidelity, self.keys)
         for extreme in (inputs.min(axis=0), inputs.max(axis=0)):
             settings = tuple(zip(self.keys, map(float, extreme), strict=True))
             varied(narrowed(self.case, fidelity), str(self.case.path), fidelity, settings)
-        return self._gathered(fidelity, declared, inputs, tell)
+        return self._gathered(fidelity, self.keys, inputs, tell)
 
     def _gathered(
-        self, fidelity: str, declared: Declared, inputs: Array, tell: Callable[[str], None] | None = None
+        self, fidelity: str, keys: Sequence[str], inputs: Array, tell: Callable[[str], None] | None = None
     ) -> Responses:
+        model = CaseModel.of(self.case, fidelity)
         rows: list[tuple[Array, Array]] = [(np.empty(0), np.empty(0))] * len(inputs)
 
         def one(index: int, stop: Event) -> None:
-            rows[index] = self._row(fidelity, declared, inputs[index])
+            rows[index] = self._row(model.at(dict(zip(keys, inputs[index], strict=True))))
 
         with heartbeat(tell, lambda: f"{fidelity}: {sum(len(each) > 0 for each, _ in rows)} of {len(rows)} sweeps"):
             run_parallel(one, list(range(len(inputs))))
         amplitudes, numbers = (np.stack(each) for each in zip(*rows, strict=True))
         return Responses(fidelity, inputs, amplitudes, *numbers.T)
 
-    def _row(self, fidelity: str, declared: Declared, values: Array) -> tuple[Array, Array]:
+    def _row(self, model: CaseModel) -> tuple[Array, Array]:
         begin = thread_time()
-        response = self._swept(declared.scene(values), fidelity)
+        response = self._swept(model)
         numbers = (*_peak(response), _jump(response), *_changes(response), thread_time() - begin)
         return np.where(complete(response), response.amplitude, np.nan), np.array(numbers)
 
-    def _swept(self, scene: Any, name: str) -> FrequencyResponse:
-        fidelity, plan, coarse = self.case.fidelities[name], self.case.sweep, self.coarse
+    def _swept(self, model: CaseModel) -> FrequencyResponse:
+        fidelity, plan, coarse = model.fidelity, self.case.sweep, self.coarse
+        scene = model.scene()
         omega = np.sort(2 * np.pi * plan.frequency)[:: coarse.every if coarse else 1]
         found: Any = sweep(
             system(scene, fidelity),
@@ -151,42 +149,6 @@ class Sampler:
             harmonics=scene.harmonics,
         )
         return found  # type: ignore[no-any-return]
-
-
-@dataclass(frozen=True)
-class Declared:
-    """Tables of one fidelity's case, and the paths of the keys that change: a scene without reading a case anew."""
-
-    tables: Any
-    paths: tuple[tuple[str, ...], ...]
-    folder: Path
-
-    @classmethod
-    def of(cls, case: Case, fidelity: str, keys: Sequence[str]) -> Declared:
-        """Tables of a fidelity, and the paths of ``keys``."""
-        own, changed = validate(narrowed(case, fidelity), case.path, {})
-        paths = tuple(tuple(key_parts(key)) for key in keys)
-        return cls(changed.get(fidelity, own), paths, case.path.parent)
-
-    def scene(self, values: Array) -> Any:
-        """Scene at values of the keys."""
-        tables = self.tables
-        for path, value in zip(self.paths[: len(values)], values, strict=True):
-            tables = put(tables, path, float(value))
-        return KINDS[tables.kind].scene_of(tables, self.folder)
-
-
-def put(place: Any, path: Sequence[str], value: float) -> Any:
-    """A copy of tables with one value changed; a list of one number stays one."""
-    if not path:
-        return (value,) if isinstance(place, tuple) else value
-    first, *rest = path
-    if isinstance(place, Mapping):
-        return {**place, first: put(place[first], rest, value)}
-    if isinstance(place, list | tuple):
-        made = [put(each, rest, value) if number == int(first) else each for number, each in enumerate(place)]
-        return type(place)(made)
-    return place.model_copy(update={first: put(getattr(place, first), rest, value)})
 
 
 def _peak(response: FrequencyResponse) -> tuple[float, float]:

@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import GAP, LEVELS
+from vibeam.casefile.case_model import narrowed
 from vibeam.maps.boundaries import boundaries_over
 from vibeam.maps.points import GridPoints
-from vibeam.maps.variation import narrowed, varied
+from vibeam.maps.variation import varied
 from vibeam.orbits.bifurcation_functions import Kind
 from vibeam.orbits.boundaries import boundaries
 from vibeam.studies.stability.rows import NAMES
