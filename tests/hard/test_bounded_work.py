@@ -105,7 +105,7 @@ def test_a_start_that_is_nothing_against_the_drive_costs_no_more_than_none() -> 
     assert tiny.segments.size < 1e-14  # flown once, with the start's digits
 
 
-@pytest.mark.parametrize("resting", [True, False])
+@pytest.mark.parametrize("resting", [pytest.param(True, marks=pytest.mark.slow), False])
 def test_a_load_set_on_at_rest_is_flown_to_the_end(resting: bool) -> None:
     """From nothing all static displacements are far, and carrying stiff modes there would take 10⁷ panels."""
     static = np.where(np.arange(12) % 3 == 0, 9.81, np.where(np.arange(12) % 3 == 1, -4.0, 0.0))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ LINES = {
 OFF = [0.0, 1e-12, -1e-12, 1e-9, -1e-9, 1e-6, -1e-6]
 
 
+@cache
 def found(name: str) -> list[vibeam.Boundary]:
     system, given = LINES[name]
     return [each for each in vibeam.boundaries(system, points=121, **given) if each.clear]
@@ -70,7 +72,7 @@ def test_flights_on_the_brink_follow_the_orbit(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", LINES)
-@pytest.mark.parametrize("off", [0.0, 1e-9, -1e-9, 1e-3, -1e-3])
+@pytest.mark.parametrize("off", [0.0, 1e-9, -1e-3])
 def test_motions_on_the_brink_are_the_exact_ones(name: str, off: float) -> None:
     """From a hundredth beside the boundary's motion, against arbitrary precision, twelve impacts on."""
     for each in found(name)[:3]:

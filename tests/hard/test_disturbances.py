@@ -6,6 +6,7 @@ import os
 import resource
 import signal
 import time
+from functools import partial
 from pathlib import Path
 
 import commands
@@ -40,10 +41,10 @@ def one_case(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_mutants_are_cases_or_case_errors() -> None:
-    verdicts = [mutants.judge(SEED, number, nothing) for number in range(60)]
+    verdicts = [mutants.judge(SEED, number, nothing) for number in range(40)]
     assert [each.findings for each in verdicts if each.findings] == []
-    assert sum("CaseError" in each.counts for each in verdicts) > 30
-    assert sum("Case" in each.counts for each in verdicts) > 5
+    assert sum("CaseError" in each.counts for each in verdicts) > 20
+    assert sum("Case" in each.counts for each in verdicts) > 3
 
 
 def test_mutants_are_known_by_seed_and_number() -> None:
@@ -60,9 +61,8 @@ def test_a_message_without_a_place_or_with_what_steers_a_terminal_is_a_fault() -
     assert mutants.fault_of_message(CaseError([Fault("a.toml", 2, "a", "wrong")]), b"one\ntwo") == ""
 
 
-@pytest.mark.parametrize("number", range(2))
-def test_mutants_that_load_run(number: int) -> None:
-    assert mutant_runs.judge(SEED, number, nothing).findings == []
+def test_a_mutant_that_loads_runs() -> None:
+    assert mutant_runs.judge(SEED, 1, nothing).findings == []
 
 
 def _spin() -> None:
@@ -91,9 +91,10 @@ def test_a_command_that_ends_well_has_no_fault(tmp_path: Path) -> None:
     assert (ended.code, ended.out, ended.fault(Limits())) == (0, "x\n", "")
 
 
-@pytest.mark.parametrize("module", [kills, races])
-def test_a_run_that_is_disturbed_ends_as_if_it_were_not(module: object) -> None:
-    verdict = module.judge(SEED, 0, nothing)  # type: ignore[attr-defined]
+@pytest.mark.parametrize(("module", "number"), [(kills, 4), (races, 0)], ids=["kills", "races"])
+def test_a_run_that_is_disturbed_ends_as_if_it_were_not(module: object, number: int) -> None:
+    """Killed once; ``torture.py kills`` kills up to three times."""
+    verdict = module.judge(SEED, number, nothing)  # type: ignore[attr-defined]
     assert verdict.findings == []
     assert verdict.counts
 
@@ -128,6 +129,6 @@ def test_a_kill_comes_when_it_should(tmp_path: Path) -> None:
     assert time.monotonic() - begun > 0.1
 
 
-@pytest.mark.parametrize("where", ["warnings are errors", "odd folders"])
-def test_other_environments_change_nothing(where: str) -> None:
-    assert environment.fault_in(where, "curves") == ""
+def test_odd_folders_where_warnings_are_errors_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(environment, "vibeam", partial(vibeam, interpreter=("-W", "error")))
+    assert environment.fault_in("odd folders", "curves") == ""

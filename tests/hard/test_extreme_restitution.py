@@ -11,7 +11,7 @@ import vibeam
 MILLION = 1_000_000
 
 
-@pytest.mark.parametrize("gap", [0.3, 0.0, -0.3])
+@pytest.mark.parametrize("gap", [0.3, -0.3])
 def test_a_million_impacts_keep_time_and_speed(gap: float) -> None:
     """ẍ + x = 0 from −1 at rest: t_k = (2k + 1)θ with θ = arccos(−gap), speed sin θ, for ever."""
     path = vibeam.simulate(one(1.0, gap=gap), NONE, 1e8, state(-1.0, 0.0), max_impacts=MILLION)

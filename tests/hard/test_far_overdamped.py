@@ -98,7 +98,9 @@ def test_thrown_at_the_stop_and_crept_back(ratio: float) -> None:
     follow(path, start, 2, 1e-12)
 
 
-@pytest.mark.parametrize("ratio", RATIOS)
+@pytest.mark.parametrize(
+    "ratio", [ratio if ratio in (1.0, 1e4, 1e9) else pytest.param(ratio, marks=pytest.mark.slow) for ratio in RATIOS]
+)
 @pytest.mark.parametrize("others", [1, 3])
 def test_a_mode_that_swings_beside_others_that_creep(ratio: float, others: int) -> None:
     system = vibeam.ImpactSystem.from_modes(
@@ -112,7 +114,7 @@ def test_a_mode_that_swings_beside_others_that_creep(ratio: float, others: int) 
     assert path.ended is vibeam.Ended.COMPLETE
     assert len(path.impact_times) > 10
     assert path.stats["evaluations"] <= PANELS * (len(path.impact_times) + periods)
-    follow(path, start, 6, 1e-10)
+    follow(path, start, 4, 1e-10)
 
 
 @pytest.mark.parametrize("ratio", [1.0, 1e2, 1e4, 1e6, 1e8, 1e9])

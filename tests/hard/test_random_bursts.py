@@ -25,7 +25,7 @@ def judge(first: int, count: int, impacts: int, seconds: float) -> Tally:
 
 
 def test_none_missed_none_invented_none_late() -> None:
-    total = judge(0, FEW, 12, 1.0)
+    total = judge(0, FEW, 12, 0.2)
     assert total.impacts > 4 * FEW
     assert total.worst_relative < 1e-11
 

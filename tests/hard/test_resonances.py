@@ -38,6 +38,8 @@ def test_two_modes_at_one_resonance() -> None:
     judged(both, vibeam.Drive(2.0, 0.02), state([-0.2, 0.1, 0.0], np.zeros(3)), 12)
 
 
-@pytest.mark.parametrize(("ratio", "amplitude"), [(1e-6, 1e10), (1e-3, 2e5), (3e2, 1e-3), (1e3, 1e-4)])
+@pytest.mark.parametrize(
+    ("ratio", "amplitude"), [(1e-6, 1e10), (1e-3, 2e5), (3e2, 1e-3), pytest.param(1e3, 1e-4, marks=pytest.mark.slow)]
+)
 def test_drives_far_below_and_far_above(ratio: float, amplitude: float) -> None:
     judged(system(-0.05, 0.9), vibeam.Drive(ratio, amplitude), state([-0.6, 0.1, 0.0], [0.0, 0.3, 0.0]), 8, least=4)

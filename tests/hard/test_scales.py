@@ -93,7 +93,7 @@ def test_a_drive_of_1e12() -> None:
     judged(PRESSED, vibeam.Drive(1.9, 1e12), START, 20)
 
 
-@pytest.mark.parametrize("modes", [2, 9])
+@pytest.mark.parametrize("modes", [2, pytest.param(9, marks=pytest.mark.slow)])
 def test_frequencies_over_eight_decades(modes: int) -> None:
     """Fast modes at any place of the row; the truth follows the fastest for as long as it can."""
     omega = np.geomspace(1e-4, 1e4, modes)

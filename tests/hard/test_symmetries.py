@@ -15,7 +15,7 @@ from sensitivity import Blur, Knot, blur, drift
 import vibeam
 from vibeam.flight.trajectory import Trajectory
 
-SEED, NUMBERS = 11, range(40)
+SEED, NUMBERS = 11, range(24)
 SAFE = 256.0  # last digits in every state
 FAINT = 0.02
 
@@ -72,8 +72,8 @@ Made = list[tuple[Case, Trajectory]]
 
 def test_the_comparison_looks_at_something(cases: Made) -> None:
     counts = [len(firm(*each)[0]) for each in cases]
-    assert sum(counts) > 500
-    assert sum(count >= 5 for count in counts) > 20
+    assert sum(counts) > 300
+    assert sum(count >= 5 for count in counts) > 12
 
 
 def test_the_comparison_sees_a_billionth_of_the_restitution(cases: Made) -> None:
@@ -85,7 +85,7 @@ def test_the_comparison_sees_a_billionth_of_the_restitution(cases: Made) -> None
                 assert_the_same(case, path, other.impact_times, other.impact_velocities)
             except AssertionError:
                 seen += 1
-    assert seen > 5
+    assert seen > 3
 
 
 @pytest.mark.parametrize("periods", [1, 1000])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 from math import cos, exp, pi, sin, sqrt
 from pathlib import Path
 
@@ -24,8 +25,16 @@ NOMINAL = ImpactSystem.from_modes([1.0], 0.015, 1.0, 1.0, restitution=0.9)
 THREE = ImpactSystem.from_modes(
     [1.0, 5.3, 13.0], 0.02, [1.0, 1.5 / 5.3, -1.1 / 13], [1.0, 1 / 5.3, 1 / 13], gap=0.5, restitution=0.7
 )
-ONE_MODE = orbit_map(NOMINAL, np.linspace(1.5, 3.0, 76), B, 1, np.linspace(-1.3e-3, 1.31e-3, 54))
-THREE_MODES = orbit_map(THREE, np.linspace(0.8, 1.8, 51), 0.2, 1, np.linspace(-0.3, 0.9, 41))
+AMPLITUDES = {"one": B, "three": 0.2}
+SYSTEMS = {"one": NOMINAL, "three": THREE}
+
+
+@cache
+def mapped(name: str) -> OrbitMap:
+    """The map of the system with one mode or three."""
+    if name == "one":
+        return orbit_map(NOMINAL, np.linspace(1.5, 3.0, 76), B, 1, np.linspace(-1.3e-3, 1.31e-3, 54))
+    return orbit_map(THREE, np.linspace(0.8, 1.8, 51), 0.2, 1, np.linspace(-0.3, 0.9, 41))
 
 
 def curves(found: OrbitMap, kind: Kind, least: int = 1) -> list[BoundaryCurve]:
@@ -39,7 +48,7 @@ def harmonic(omega: float) -> float:
 
 
 def test_grazing_is_where_the_free_motion_reaches_the_stop() -> None:
-    for curve in curves(ONE_MODE, Kind.GRAZING, 100):
+    for curve in curves(mapped("one"), Kind.GRAZING, 100):
         for omega, gap, clear in zip(curve.omega, curve.gap, curve.clear, strict=True):
             assert abs(gap) == pytest.approx(harmonic(omega), rel=1e-12)
             assert clear == (gap > 0)
@@ -48,7 +57,7 @@ def test_grazing_is_where_the_free_motion_reaches_the_stop() -> None:
 def test_folds_in_closed_form() -> None:
     """Δ² κ² = |H|² (Ω²G₀² + κ²) turned round: |Δ| = |H| √(1 + (Ω G₀/κ)²)."""
     beta, r, own = 0.015, 0.9, sqrt(1 - 0.015**2)
-    for curve in curves(ONE_MODE, Kind.FOLD, 30):
+    for curve in curves(mapped("one"), Kind.FOLD, 30):
         for omega, gap in zip(curve.omega, curve.gap, strict=True):
             span = 2 * pi / omega
             e, c, s = exp(-beta * span), cos(own * span), sin(own * span) / own
@@ -60,7 +69,7 @@ def test_folds_in_closed_form() -> None:
 def test_period_doubling_in_closed_form() -> None:
     """1 + tr J + det J = 0 with trace and determinant in closed form."""
     beta, r, own, seen = 0.015, 0.9, sqrt(1 - 0.015**2), 0
-    for curve in curves(ONE_MODE, Kind.DOUBLING, 20):
+    for curve in curves(mapped("one"), Kind.DOUBLING, 20):
         for omega, gap, velocity in zip(curve.omega, curve.gap, curve.velocity, strict=True):
             span = 2 * pi / omega
             harder = orbits(replace(NOMINAL, gap=float(gap)), Drive(float(omega), B))[0]
@@ -73,16 +82,17 @@ def test_period_doubling_in_closed_form() -> None:
 
 
 def test_neimark_sacker_has_a_pair_on_the_circle() -> None:
-    for curve in curves(THREE_MODES, Kind.NEIMARK_SACKER, 10):
+    for curve in curves(mapped("three"), Kind.NEIMARK_SACKER, 10):
         for omega, gap in zip(curve.omega, curve.gap, strict=True):
             orbit = orbits(replace(THREE, gap=float(gap)), Drive(float(omega), 0.2))[curve.branch]
             paired = orbit.multipliers[np.abs(orbit.multipliers.imag) > 1e-3]
             assert np.abs(np.abs(paired) - 1).min() < 1e-10
 
 
-@pytest.mark.parametrize(("found", "system", "amplitude"), [(ONE_MODE, NOMINAL, B), (THREE_MODES, THREE, 0.2)])
-def test_a_curve_runs_where_a_boundary_is_followed(found: OrbitMap, system: ImpactSystem, amplitude: float) -> None:
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_a_curve_runs_where_a_boundary_is_followed(name: str) -> None:
     """On the grid's own rows ``boundaries`` finds the same frequencies, and ``follow`` goes from row to row."""
+    found, system, amplitude = mapped(name), SYSTEMS[name], AMPLITUDES[name]
     row = len(found.values) // 2 + 5
     here, above = (float(found.values[row + k]) for k in (0, 1))
     ends = (float(found.omega[0]), float(found.omega[-1]))
@@ -103,8 +113,9 @@ def _matters(multipliers: np.ndarray) -> bool:
     return not np.any((np.abs(multipliers.imag) < 1e-9) & (multipliers.real > 1 + 1e-9))
 
 
-@pytest.mark.parametrize("found", [ONE_MODE, THREE_MODES])
-def test_neighbours_on_a_curve_lie_in_one_cell(found: OrbitMap) -> None:
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_neighbours_on_a_curve_lie_in_one_cell(name: str) -> None:
+    found = mapped(name)
     wide, high = np.diff(found.omega).max(), np.diff(found.values).max()
     for curve in found.curves:
         assert np.all(np.abs(np.diff(curve.omega)) <= wide * (1 + 1e-9))
@@ -112,8 +123,9 @@ def test_neighbours_on_a_curve_lie_in_one_cell(found: OrbitMap) -> None:
     assert max(len(curve) for curve in found.curves) > 20
 
 
-@pytest.mark.parametrize(("found", "system", "amplitude"), [(ONE_MODE, NOMINAL, B), (THREE_MODES, THREE, 0.2)])
-def test_shades_are_what_single_orbits_say(found: OrbitMap, system: ImpactSystem, amplitude: float) -> None:
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_shades_are_what_single_orbits_say(name: str) -> None:
+    found, system, amplitude = mapped(name), SYSTEMS[name], AMPLITUDES[name]
     rng, kinds = np.random.default_rng(3), set()
     for _ in range(150):
         row, column = rng.integers(len(found.values)), rng.integers(len(found.omega))
@@ -131,7 +143,7 @@ def test_shades_are_what_single_orbits_say(found: OrbitMap, system: ImpactSystem
 
 def test_a_boundary_parts_stable_from_unstable_in_flight() -> None:
     """Across the doubling curve at a gap of its own the flight keeps period 1 on one side only."""
-    curve = max(curves(ONE_MODE, Kind.DOUBLING), key=len)
+    curve = max(curves(mapped("one"), Kind.DOUBLING), key=len)
     i = len(curve) // 2
     system = replace(NOMINAL, gap=float(curve.gap[i]))
     grid = curve.omega[i] * np.array([0.994, 1.006])
