@@ -116,7 +116,7 @@ def front() -> Row:
         held = f'stop.restitution_of="{choice}"'
         plain, fine = printed(held), printed(held, *more)
         rows = [*plain["fidelities"], fine["fidelities"][-1] | {"fidelity": "64 modes, 60 elements"}]
-        top = plain["fidelities"][-1]["peak_amplitude"]
+        top = plain["fidelities"][-1]["peak"]["amplitude"]
         found[choice] = {
             "limit": 1 / (1 + plain["comparisons"][0]["limit"]["held"]["peak"]) - 1,
             "rows": [
@@ -124,8 +124,8 @@ def front() -> Row:
                     "name": row["fidelity"],
                     "restitution": row["restitution"],
                     "first_mode": row["first_mode_restitution"],
-                    "peak": row["peak_amplitude"],
-                    "off": row["peak_amplitude"] / top - 1,
+                    "peak": row["peak"]["amplitude"],
+                    "off": row["peak"]["amplitude"] / top - 1,
                 }
                 for row in rows
             ],

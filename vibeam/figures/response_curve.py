@@ -129,8 +129,7 @@ class _Panel:
     @property
     def highest(self) -> float:
         """Largest amplitude in m, 0 without any."""
-        values = [response.amplitude[complete(response)] for _, response in self.result[self.name].items()]
-        return float(np.nanmax(np.concatenate([[0.0], *values])))
+        return max(0.0, self.result[self.name].peak.amplitude)  # NaN, without any, is not larger
 
     def fill(self, ghost: str | None, titled: bool) -> None:
         if titled:

@@ -36,7 +36,7 @@ def write_files(study: CostStudy, folder: Path, stem: str, case: Case) -> list[P
 
 
 def _lines(study: CostStudy) -> list[dict[str, Any]]:
-    """Rows of the CSV file, one a run; nested values get names with a dot, as ``total.amplitude_rms``."""
+    """Rows of the CSV file, one a run; nested values get names with a dot, as ``total.amplitude.rms``."""
     return [dict(_flat(plain(row))) for row in study.rows]
 
 
@@ -87,8 +87,9 @@ def _legend(study: CostStudy, chaos: bool) -> str:
 def _run(row: RunRow, again: bool, best: bool, chaos: bool) -> list[str | Text]:
     head: list[str | Text] = ["" if again else row.fidelity, "" if again else str(row.modes), row.label]
     total, own, work = row.total, row.numerical, row.work
-    cells = [f"{total.points}/{total.total}" if total.total else "–", share(total.amplitude_max)]
-    cells += map(share, (total.amplitude_rms, own.amplitude_max, own.path, own.impact_velocities))
+    off, alone = total.amplitude, abs(own.amplitude.worst)
+    cells = [f"{off.points}/{off.total}" if off.total else "–", share(abs(off.worst))]
+    cells += map(share, (off.rms, alone, own.path, own.impact_velocities))
     statistics = f"{share(own.statistics)} ({share(own.scatter)})" if isfinite(own.statistics) else "–"
     cells += [statistics] * chaos
     cells += [f"{work.cpu_min:.3g} s", *map(_micro, (work.per_period, work.per_impact))] if work else ["–"] * 3
@@ -124,8 +125,8 @@ def _range(study: CostStudy, split: Split) -> str:
 
 def _solvers(study: CostStudy, split: Split) -> list[tuple[float, str]]:
     """Largest numerical error of every run on a fidelity, the smallest first."""
-    rows = [row for row in study.rows if row.fidelity == split.fidelity and isfinite(row.numerical.amplitude_max)]
-    return sorted((row.numerical.amplitude_max, row.label) for row in rows)
+    found = [(abs(row.numerical.amplitude.worst), row.label) for row in study.rows if row.fidelity == split.fidelity]
+    return sorted(each for each in found if isfinite(each[0]))
 
 
 def sentences(study: CostStudy) -> Iterator[str]:

@@ -32,6 +32,8 @@ WIDEST = 160
 
 FEW_IMPACTS = 100  # so few tell nothing of what an impact costs
 
+MARK = "*"  # of a peak at which the motion does not repeat
+
 ARROWS = {"up": " ↑", "down": " ↓"}  # way of the sweep
 
 
@@ -68,11 +70,12 @@ def responses(
         "R: restitution of the contact; R₁: what mode 1 sees of it; ↑ ↓: way of the sweep\n"
         "period 1: the contiguous range with impacts around the largest amplitude"
     )
+    table.caption += f"\n{MARK}: the motion at the peak does not repeat" * any(map(_irregular, summaries))
     if estimates and cells:
         table.add(f"{estimates.column}|")
         table.caption += f"\n{estimates.caption}"
     for row in summaries:
-        peak = (plain(units.lengths(row.peak_amplitude)), _peak_frequency(row, units))
+        peak = (plain(units.lengths(row.peak.amplitude)) + MARK * _irregular(row), _peak_frequency(row, units))
         coefficients = map(coefficient, (row.restitution, row.first_mode_restitution))
         ranges = (units.range(row.period_one.get(branch)) for branch in swept)
         table.add_row(
@@ -82,8 +85,12 @@ def responses(
 
 
 def _peak_frequency(row: Summary, units: Units) -> str:
-    arrow = ARROWS.get(row.peak_direction, "")
-    return plain(units.frequencies(row.peak_frequency)) + arrow
+    return plain(units.frequencies(row.peak.frequency)) + ARROWS.get(row.peak.direction, "")
+
+
+def _irregular(row: Summary) -> bool:
+    """Test whether there is a peak at which the motion does not repeat."""
+    return row.peak.point >= 0 and not row.peak.repeats
 
 
 def plain(quantity: str) -> str:
@@ -266,7 +273,7 @@ def coefficient(value: float) -> str:
 def _distance(row: Summary, finest: str) -> tuple[str, str]:
     if row.distance is None:
         return finest, ""
-    return percent(row.distance.worst), percent(row.distance.rms)
+    return percent(abs(row.distance.worst)), percent(row.distance.rms)
 
 
 def _failed(row: Summary) -> Text:

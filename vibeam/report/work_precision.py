@@ -96,7 +96,7 @@ def _panel(axes: Axes, study: CostStudy, colours: dict[str, Any], pick: Pick) ->
 
 def _scale(axes: Axes, study: CostStudy) -> None:
     """Scale both panels alike: from a decade below the least error to failures, the reference's bound in grey."""
-    errors = [row.total.amplitude_rms for row in study.rows] + [row.numerical.amplitude_rms for row in study.rows]
+    errors = [row.total.amplitude.rms for row in study.rows] + [row.numerical.amplitude.rms for row in study.rows]
     least = max(min([error for error in errors if error > 0], default=1e-3) / 10, FLOOR)
     if np.isfinite(study.bound.value) and study.bound.value > 0:
         axes.axvspan(least / 10, study.bound.value, color="0.94", linewidth=0, zorder=0)
@@ -121,7 +121,7 @@ def _ladders(study: CostStudy) -> dict[tuple[str, str, str], list[RunRow]]:
 
 def _point(row: RunRow, pick: Pick) -> tuple[float, float]:
     """Error and time; failures, and values beyond the axis, at its right-hand edge."""
-    error = pick(row).amplitude_rms
+    error = pick(row).amplitude.rms
     seconds = row.work.cpu_min if row.work else np.nan
     return (float(max(error, FLOOR)) if np.isfinite(error) and error < WIDEST else EDGE), max(seconds, 1e-9)
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibeam.run.result import finest_of
-from vibeam.system.response import Array, FrequencyResponse, complete, modes_of, period_one_range, periodic
+from vibeam.system.response import Difference, Peak, complete, modes_of
 
 if TYPE_CHECKING:
     from vibeam.run.result import Result
@@ -17,18 +17,10 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Distance:
-    """Relative difference in amplitude to the finest fidelity, over the ``points`` where both are periodic."""
-
-    worst: float
-    rms: float
-    points: int
-
-
-@dataclass(frozen=True)
 class Summary:
     """Summary of one fidelity: frequencies in Hz, amplitudes in the unit of the output, times in s.
 
+    ``peak``: the highest complete point of all directions, whether its motion repeats or not.
     ``period_one``: for each direction the lowest and highest frequency of the contiguous period-1 range with impacts
     around its largest amplitude, None where there is none. ``distance``: to the finest fidelity with the same values
     of its own (``set``), None for that itself. ``restitution``: of the contact, ``first_mode_restitution``: that of
@@ -37,11 +29,9 @@ class Summary:
 
     fidelity: str
     modes: int
-    peak_amplitude: float
-    peak_frequency: float
-    peak_direction: str
+    peak: Peak
     period_one: Mapping[str, tuple[float, float] | None]
-    distance: Distance | None
+    distance: Difference | None
     cpu_seconds: float
     cost_ratio: float
     impacts: int
@@ -67,16 +57,13 @@ def compare(result: Result) -> list[Summary]:
 def _summary(result: Result, name: str, finest: Branches | None, cheapest: float) -> Summary:
     branches = result[name]
     contact, first = result.restitutions(name)
-    amplitude, frequency, direction = _peak(branches)
     cpu = _total(branches, "cpu_seconds")
     return Summary(
         fidelity=name,
         modes=modes_of(branches),
-        peak_amplitude=amplitude,
-        peak_frequency=frequency,
-        peak_direction=direction,
-        period_one={direction: period_one_range(response) for direction, response in branches.items()},
-        distance=None if finest is None else distance(branches, finest),
+        peak=branches.peak,
+        period_one={direction: response.period_one for direction, response in branches.items()},
+        distance=None if finest is None else branches.off(finest),
         cpu_seconds=cpu,
         cost_ratio=cpu / cheapest if cheapest > 0 else float("nan"),
         impacts=int(_total(branches, "impacts")),
@@ -84,33 +71,6 @@ def _summary(result: Result, name: str, finest: Branches | None, cheapest: float
         restitution=contact,
         first_mode_restitution=first,
     )
-
-
-def distance(branches: Branches, finest: Branches) -> Distance:
-    """Distance of the amplitudes from the finest fidelity's, over all directions."""
-    ours = dict(branches.items())
-    parts = [_relative(ours[direction], response) for direction, response in finest.items() if direction in ours]
-    relative = np.concatenate([*parts, np.empty(0)])
-    if not len(relative):
-        return Distance(float("nan"), float("nan"), 0)
-    return Distance(float(np.abs(relative).max()), float(np.sqrt(np.mean(relative**2))), len(relative))
-
-
-def _relative(ours: FrequencyResponse, finest: FrequencyResponse) -> Array:
-    both = periodic(ours) & periodic(finest) & (finest.amplitude > 0)
-    return np.asarray(ours.amplitude[both] / finest.amplitude[both] - 1)
-
-
-def _peak(branches: Branches) -> tuple[float, float, str]:
-    """Largest amplitude of all branches, its frequency and direction."""
-    return max(_peaks(branches), default=(float("nan"), float("nan"), ""))
-
-
-def _peaks(branches: Branches) -> Iterator[tuple[float, float, str]]:
-    for direction, response in branches.items():
-        if complete(response).any():
-            top = int(np.argmax(np.where(complete(response), response.amplitude, -np.inf)))
-            yield float(response.amplitude[top]), float(response.frequency[top]), direction
 
 
 def _total(branches: Branches, name: str) -> float:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.system.difference import Difference as Difference
+from vibeam.system.difference import Peak as Peak
 from vibeam.system.ended import Ended as Ended
 from vibeam.system.quantities import VELOCITIES_KEPT as VELOCITIES_KEPT
 from vibeam_models.arguments import counted
@@ -65,6 +67,36 @@ class FrequencyResponse:
     def omega(self) -> Array:
         """Drive frequency in rad/s."""
         return 2 * np.pi * self.frequency
+
+    @property
+    def peak(self) -> Peak:
+        """Highest complete point, whether its motion repeats or not: see ``Peak``."""
+        done = complete(self) & np.isfinite(self.amplitude)
+        if not done.any():
+            return Peak()
+        top = int(np.argmax(np.where(done, self.amplitude, -np.inf)))
+        return Peak(float(self.amplitude[top]), float(self.frequency[top]), "", top, bool(periodic(self)[top]))
+
+    @property
+    def period_one(self) -> tuple[float, float] | None:
+        """Ends (Hz) of the contiguous period-1 range with impacts around its largest amplitude; None without one."""
+        found = self.period_one_points
+        return None if found is None else (float(min(self.frequency[[*found]])), float(max(self.frequency[[*found]])))
+
+    @property
+    def period_one_points(self) -> tuple[int, int] | None:
+        """First and last point of the range ``period_one``."""
+        inside = complete(self) & (self.period == 1) & (self.impacts_per_period > 0)
+        if not inside.any():
+            return None
+        top = int(np.argmax(np.where(inside, self.amplitude, -np.inf)))
+        outside = np.flatnonzero(~inside)
+        last = int(min(outside[outside > top], default=len(self))) - 1
+        return int(max(outside[outside < top], default=-1)) + 1, last
+
+    def off(self, other: FrequencyResponse) -> Difference:
+        """Difference in amplitude from ``other``, at the same frequencies: see ``Branches.off``."""
+        return Branches(self).off(Branches(other))
 
     def __len__(self) -> int:
         return len(self.frequency)
@@ -148,6 +180,26 @@ class Branches:
 
         return plot(self, *paths, quantity=quantity)
 
+    @property
+    def peak(self) -> Peak:
+        """Highest complete point of all branches, whether its motion repeats or not: see ``Peak``."""
+        each = (replace(response.peak, direction=direction) for direction, response in self.items())
+        known = [peak for peak in each if peak.point >= 0]
+        return max(known, key=lambda peak: (peak.amplitude, peak.frequency, peak.direction), default=Peak())
+
+    def off(self, other: Branches) -> Difference:
+        """Difference in amplitude from ``other`` over the branches that both have, at the same frequencies.
+
+        Compared are the points where both motions are periodic and the other moves; the peaks wherever this one has
+        a complete point at the other's.
+        """
+        ours, top = dict(self.items()), other.peak
+        pairs = [(ours[direction], response) for direction, response in other.items() if direction in ours]
+        relative = [_relative(*pair) for pair in pairs]
+        known = top.amplitude > 0 and top.direction in ours and complete(ours[top.direction])[top.point]
+        peak = self.peak.amplitude / top.amplitude - 1 if known else float("nan")
+        return Difference.of(np.concatenate([np.empty(0), *relative]), sum(len(each) for _, each in pairs), peak)
+
     def items(self) -> Iterator[tuple[str, FrequencyResponse]]:
         """Direction and response of each branch present, up first."""
         both = (("up", self.up), ("down", self.down))
@@ -172,17 +224,9 @@ def periodic(response: FrequencyResponse) -> Flags:
     return np.asarray(complete(response) & (response.period != 0))
 
 
-def period_one_range(response: FrequencyResponse) -> tuple[float, float] | None:
-    """Ends (Hz) of the contiguous period-1 range with impacts around its largest amplitude; None without one."""
-    inside = complete(response) & (response.period == 1) & (response.impacts_per_period > 0)
-    if not inside.any():
-        return None
-    top = int(np.argmax(np.where(inside, response.amplitude, -np.inf)))
-    outside = np.flatnonzero(~inside)
-    first = int(max(outside[outside < top], default=-1)) + 1
-    last = int(min(outside[outside > top], default=len(response))) - 1
-    ends = response.frequency[[first, last]]
-    return float(ends.min()), float(ends.max())
+def _relative(ours: FrequencyResponse, other: FrequencyResponse) -> Array:
+    both = periodic(ours) & periodic(other) & (other.amplitude > 0)
+    return np.asarray(ours.amplitude[both] / other.amplitude[both] - 1)
 
 
 def join(parts: list[FrequencyResponse]) -> FrequencyResponse:

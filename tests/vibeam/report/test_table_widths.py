@@ -13,18 +13,18 @@ from vibeam.casefile.documentation import reference_table
 from vibeam.report import tables as table
 from vibeam.report.table_widths import ReportTable, fitted
 from vibeam.run.result import Result
-from vibeam.run.summary import Distance, Summary, compare
+from vibeam.run.summary import Summary, compare
 from vibeam.studies.derive import DerivedParameter
 from vibeam.studies.regression.references import CheckRow
-from vibeam.system.response import Branches
+from vibeam.system.response import Branches, Difference, Peak
 
 
 def summary(name: str, modes: int) -> Summary:
     """The widest numbers that the main table of the neutral rig has."""
     ends = (14.125, 16.675)
     return Summary(
-        name, modes, 0.3866e-3, 15.525, "down", {"up": ends, "down": ends}, Distance(0.315, 0.2121, 60),
-        0.01234, 123.4, 123456, 12, 0.7212, -0.6041,
+        name, modes, Peak(0.3866e-3, 15.525, "down", 1, True), {"up": ends, "down": ends},
+        Difference(-0.1, 0.2121, 0.315, 60, 61), 0.01234, 123.4, 123456, 12, 0.7212, -0.6041,
     )  # fmt: skip
 
 

@@ -17,9 +17,9 @@ from vibeam.case.plans import Reference
 from vibeam.case.reference_curves import read_reference, reference_points
 from vibeam.casefile.read import load, parse
 from vibeam.run.result import Result
-from vibeam.run.summary import compare, distance
+from vibeam.run.summary import compare
 from vibeam.studies.regression.references import CheckRow, check
-from vibeam.system.response import Branches, Ended, period_one_range
+from vibeam.system.response import Branches, Ended
 
 GRID = np.linspace(14.0, 17.0, 7)
 HUMP = np.array([1.0, 2.0, 4.0, 8.0, 4.0, 2.0, 1.0])
@@ -35,8 +35,8 @@ def test_summary_of_each_fidelity() -> None:
         curve(GRID, 2 * HUMP, modes=8, cpu_seconds=4e-3), curve(GRID[::-1], HUMP, modes=8, cpu_seconds=4e-3)
     )
     first, second = compare(result(coarse=coarse, fine=fine))
-    assert (first.fidelity, first.modes, first.peak_amplitude, first.peak_frequency) == ("coarse", 1, 9.0, 15.5)
-    assert (first.peak_direction, second.peak_direction) == ("down", "up")
+    assert (first.fidelity, first.modes, first.peak.amplitude, first.peak.frequency) == ("coarse", 1, 9.0, 15.5)
+    assert (first.peak.direction, second.peak.direction) == ("down", "up")
     assert (first.cost_ratio, second.cost_ratio) == (1.0, 4.0)
     assert (first.impacts, second.failed) == (1400, 0)
     assert first.nanoseconds_per_impact == pytest.approx(1e4)
@@ -53,9 +53,21 @@ def test_distance_is_over_points_where_both_are_periodic() -> None:
     ended = np.array([0, 0, 1, 0, 0, 0, 0])
     ours = Branches(curve(GRID, np.where(period == 0, 99.0, HUMP), period, ended=ended))
     other = Branches(curve(GRID, HUMP, np.array([1, 1, 1, 0, 1, 1, 1])))
-    measured = distance(ours, other)
-    assert (measured.points, measured.worst) == (4, 0.0)
-    assert distance(Branches(up=ours.up), Branches(down=other.up)).points == 0
+    measured = ours.off(other)
+    assert (measured.points, measured.total, measured.worst) == (4, 7, 0.0)
+    assert measured.peak == 99 / 8 - 1  # the motions at the peaks need not repeat
+    assert Branches(up=ours.up).off(Branches(down=other.up)).points == 0
+
+
+def test_the_peak_is_the_highest_complete_point_whether_it_repeats_or_not() -> None:
+    wild = curve(GRID, HUMP, np.array([1, 1, 1, 0, 1, 1, 1]))
+    failed = replace(wild, ended=np.array([0, 0, 0, 1, 0, 0, 0]))
+    assert (wild.peak.amplitude, wild.peak.frequency, wild.peak.point, wild.peak.repeats) == (8.0, 15.5, 3, False)
+    assert (failed.peak.amplitude, failed.peak.point, failed.peak.repeats) == (4.0, 2, True)
+    both = Branches(failed, wild)
+    assert (both.peak.amplitude, both.peak.direction) == (8.0, "down")
+    assert np.isnan(failed.off(wild).peak)  # the other's peak is at a point that this one has not
+    assert wild.off(failed).peak == 1.0
 
 
 @pytest.mark.parametrize(
@@ -70,9 +82,9 @@ def test_distance_is_over_points_where_both_are_periodic() -> None:
 )
 def test_period_one_range_is_the_contiguous_one_around_its_largest_amplitude(period: Any, expected: Any) -> None:
     response = curve(GRID, HUMP, np.array(period))
-    assert period_one_range(response) == expected
+    assert response.period_one == expected
     reversed_ = curve(GRID[::-1], HUMP[::-1], np.array(period)[::-1])
-    assert period_one_range(reversed_) == expected
+    assert reversed_.period_one == expected
 
 
 def test_a_failed_point_ends_the_range_and_is_counted() -> None:
@@ -85,7 +97,7 @@ def test_a_failed_point_ends_the_range_and_is_counted() -> None:
 def test_a_fidelity_that_failed_everywhere_has_no_numbers_and_no_error() -> None:
     nothing = Branches(curve(GRID, np.nan, 0, ended=1, impacts=0, cpu_seconds=np.nan))
     row = compare(result(only=nothing, other=Branches(curve(GRID, HUMP))))[0]
-    assert np.isnan([row.peak_amplitude, row.peak_frequency, row.nanoseconds_per_impact]).all()
+    assert np.isnan([row.peak.amplitude, row.peak.frequency, row.nanoseconds_per_impact]).all()
     assert (row.period_one, row.failed) == ({"up": None}, 7)
 
 

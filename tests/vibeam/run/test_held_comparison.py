@@ -89,7 +89,7 @@ def test_mobility_of_all_modes_is_that_of_the_rigid_zone() -> None:
 def test_other_choice_is_what_a_run_of_it_gives(choice: str) -> None:
     found, other = compared({"stop.restitution_of": choice}), next(each for each in CHOICES if each != choice)
     rows = compare(run(load(RIG, set=SHORT | {"stop.restitution_of": other}), show=False))
-    peaks = {row.fidelity: row.peak_amplitude for row in rows}
+    peaks = {row.fidelity: row.peak.amplitude for row in rows}
     for row in found.rows:
         assert row.other.peak == pytest.approx(peaks[row.fidelity] / peaks["beam"] - 1, abs=1e-4)
     assert found.turning == ("sdof", "two_modes")  # 32 % and 28 % too high against 10 % and 1.5 % too low
@@ -104,7 +104,7 @@ def test_a_verdict_that_stays_is_not_said_to_turn() -> None:
     found = run(cases["contact"], show=False, compare=True).comparisons[0]
     peaks = {}
     for choice, case in cases.items():
-        peaks[choice] = {row.fidelity: row.peak_amplitude for row in compare(run(case, show=False))}
+        peaks[choice] = {row.fidelity: row.peak.amplitude for row in compare(run(case, show=False))}
     for row in found.rows:
         signs = {bool(peaks[choice][row.fidelity] > peaks[choice]["beam"]) for choice in CHOICES}
         assert row.turns == (len(signs) > 1)

@@ -10,11 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stand_in import curve
 
-from vibeam.studies.cost.errors import Errors, errors, peak, sample_distance
+from vibeam.studies.cost.errors import Errors, errors, sample_distance
 from vibeam.studies.cost.measure import AperiodicSample, Measured, Plan
 from vibeam.studies.cost.trajectories import ComparedPath, distance, hausdorff, matched
 from vibeam.studies.cost.work import front
 from vibeam.system.impact_system import Drive
+from vibeam.system.response import Difference
 
 GRID = np.array([1.0, 2.0, 3.0, 4.0, 5.0])
 AMPLITUDE = np.array([1.0, 2.0, 4.0, 2.0, 1.0])
@@ -28,23 +29,23 @@ def found(amplitude: object, period: object = 1, **more: object) -> Measured:
 
 def test_a_run_beside_itself_is_without_error() -> None:
     same = errors(found(AMPLITUDE), found(AMPLITUDE), PLAN)
-    assert (same.amplitude_max, same.amplitude_rms, same.velocity, same.energy, same.peak_height) == (0, 0, 0, 0, 0)
-    assert (same.points, same.total, same.kind, same.period_one_end) == (5, 5, 0, 0)
+    assert same.amplitude == Difference(0.0, 0.0, 0.0, 5, 5)
+    assert (same.velocity, same.energy, same.kind, same.period_one_end) == (0, 0, 0, 0)
 
 
 def test_known_distances_of_curves() -> None:
     off = errors(found(AMPLITUDE * [1.0, 1.03, 1.0, 0.96, 1.0]), found(AMPLITUDE), PLAN)
-    assert off.amplitude_max == pytest.approx(0.04)
-    assert off.amplitude_rms == pytest.approx(np.sqrt((0.03**2 + 0.04**2) / 5))
-    assert off.amplitude_mean == pytest.approx(-0.01 / 5)
+    assert off.amplitude.worst == pytest.approx(-0.04)
+    assert off.amplitude.rms == pytest.approx(np.sqrt((0.03**2 + 0.04**2) / 5))
+    assert off.amplitude.peak == 0
     assert off.velocity == pytest.approx(0.04)
     assert off.energy == pytest.approx(1 - 0.96**2)
 
 
 def test_only_points_where_both_repeat_are_compared() -> None:
     off = errors(found(AMPLITUDE * [9, 1, 1, 1, 1.5], [0, 1, 1, 1, 1]), found(AMPLITUDE, [1, 1, 1, 1, 0]), PLAN)
-    assert (off.points, off.kind, off.amplitude_max) == (3, 2, 0)
-    assert np.isnan(errors(found(AMPLITUDE, 0), found(AMPLITUDE, 0), PLAN).amplitude_max)
+    assert (off.amplitude.points, off.kind, off.amplitude.worst) == (3, 2, 0)
+    assert np.isnan(errors(found(AMPLITUDE, 0), found(AMPLITUDE, 0), PLAN).amplitude.worst)
 
 
 def test_the_end_of_period_one_and_a_missing_point() -> None:
@@ -52,21 +53,8 @@ def test_the_end_of_period_one_and_a_missing_point() -> None:
     assert errors(short, truth, PLAN).period_one_end == -1.0
     ended = np.array([0, 0, 5, 0, 0])
     gap = errors(found(AMPLITUDE * [1, 1, np.nan, 1, 1], ended=ended), truth, PLAN)
-    assert np.isnan(gap.peak_height)
-    assert gap.points == 3
-
-
-@given(st.floats(1.6, 4.4), st.floats(0.1, 10), st.floats(-0.9, -0.01))
-def test_the_peak_of_a_parabola_is_found_off_the_grid(at: float, height: float, bend: float) -> None:
-    amplitude = height + 20 + bend * (GRID - at) ** 2
-    f, a = peak(curve(GRID, amplitude))
-    assert f == pytest.approx(at, rel=1e-6)
-    assert a == pytest.approx(height + 20, rel=1e-9)
-
-
-def test_a_peak_at_the_end_stays_there() -> None:
-    assert peak(curve(GRID, GRID)) == (5.0, 5.0)
-    assert all(np.isnan(peak(curve(GRID, GRID, 0))))
+    assert np.isnan(gap.amplitude.peak)
+    assert gap.amplitude.points == 3
 
 
 def test_clouds_are_compared_by_statistics_and_not_point_by_point() -> None:
@@ -80,7 +68,7 @@ def test_clouds_are_compared_by_statistics_and_not_point_by_point() -> None:
     off = errors(*runs, PLAN)
     assert off.statistics == pytest.approx(0.4)
     assert off.scatter > 0.4  # this truth drifts: its halves have nothing in common
-    assert off.amplitude_max == 0
+    assert off.amplitude.worst == 0
 
 
 def test_matched_impacts() -> None:
@@ -160,4 +148,4 @@ def test_the_front_is_what_nothing_beats(points: list[tuple[float, float]]) -> N
 
 
 def test_errors_of_nothing_are_no_numbers() -> None:
-    assert np.isnan(Errors().amplitude_max)
+    assert np.isnan(Errors().amplitude.worst)

@@ -23,7 +23,7 @@ from vibeam.run.sweep import sweep
 from vibeam.solvers import SOLVERS, solver
 from vibeam.studies.cost import measure as measured_module
 from vibeam.studies.cost import study as study_module
-from vibeam.studies.cost.error_split import part, shares, split
+from vibeam.studies.cost.error_split import Share, part, shares, split
 from vibeam.studies.cost.measure import measure
 from vibeam.studies.cost.planning import Planning
 from vibeam.studies.cost.reference import bound
@@ -116,9 +116,16 @@ def test_a_study_of_one_degree_of_freedom(whole: CostStudy) -> None:
     assert whole.bound.points == 3
     assert whole.bound.value < 1e-8
     assert whole.bound.impacts < 1e-8
-    assert rows["moreau 100 steps"].total.amplitude_max > 10 * rows["moreau 3000 steps"].total.amplitude_max
-    assert rows["mapping"].total.amplitude_max < 1e-8
-    assert 0.001 < rows["averaging log"].total.amplitude_max < rows["averaging paper"].total.amplitude_max < 0.1
+    assert abs(rows["moreau 100 steps"].total.amplitude.worst) > 10 * abs(
+        rows["moreau 3000 steps"].total.amplitude.worst
+    )
+    assert abs(rows["mapping"].total.amplitude.worst) < 1e-8
+    assert (
+        0.001
+        < abs(rows["averaging log"].total.amplitude.worst)
+        < abs(rows["averaging paper"].total.amplitude.worst)
+        < 0.1
+    )
     assert rows["flight"].numerical.path == 0
     assert rows["zhuravlev DOP853 rtol 1e-10"].numerical.impact_times < 1e-8
     assert rows["zhuravlev DOP853 rtol 1e-10"].work.evaluations > rows["flight"].work.impacts > 100
@@ -178,7 +185,7 @@ def test_a_run_that_fails_is_no_number_with_its_reason(monkeypatch: pytest.Monke
     case = parse(TINY, set={"cost.solvers": ["flight", "mapping"], "cost.settle": 150})
     study = cost(case)
     failed = next(row for row in study.rows if row.solver == "mapping")
-    assert np.isnan(failed.total.amplitude_max)
+    assert np.isnan(failed.total.amplitude.worst)
     assert failed.why.startswith("3 of 3 points: a number overflowed")
     assert [study.rows[i].solver for i in study.front] == ["flight"]
     axes = work_precision(study, case).axes[0]
@@ -220,7 +227,7 @@ def test_the_parts_add_up_exactly(beam: CostStudy) -> None:
     for row in beam.rows:
         *pieces, whole = row.parts
         assert sum(part.mean for part in pieces) == pytest.approx(whole.mean, rel=1e-12, abs=1e-15)
-        assert whole.mean == pytest.approx(row.total.amplitude_mean, rel=1e-9, abs=1e-14)
+        assert whole.rms == pytest.approx(row.total.amplitude.rms, rel=1e-9, abs=1e-14)
     sdof = next(each for each in beam.splits if each.fidelity == "sdof")
     names = {part.name: part for part in sdof.parts}
     assert sdof.restitution == pytest.approx(0.72)
@@ -238,30 +245,31 @@ def test_the_contact_laws_part_is_that_of_the_same_restitution_seen(beam: CostSt
         sweep(each, omega=2 * np.pi * np.array([15, 15.5]), amplitude=case.base_amplitude, settle=200, output="sensor")
         for each in (systems["sdof"], other, systems["beam"])
     ]
-    steps, _, top = shares(amplitudes)  # type: ignore[arg-type]
+    *steps, _ = shares(amplitudes)  # type: ignore[arg-type]
     told = {part.name: part for each in beam.splits if each.fidelity == "sdof" for part in each.parts}
-    for name, step in zip(("contact law", "reduction"), steps, strict=False):
-        part = told[name]
+    for name, link in zip(("contact law", "reduction"), steps, strict=False):
+        part, step = told[name], link.values
         assert part.mean == pytest.approx(np.mean(step), rel=1e-6)
         assert part.rms == pytest.approx(np.sqrt(np.mean(step**2)), rel=1e-6)
         assert (part.lowest, part.highest) == pytest.approx((min(step), max(step)), rel=1e-6)
-        assert part.peak == pytest.approx(step[top], rel=1e-6)
+        assert part.peak == pytest.approx(link.at_peak, rel=1e-6)
 
 
 def test_a_chain_telescopes_over_the_points_that_all_have() -> None:
     chain = [curve([1, 2, 3], a, p) for a, p in (([3, 9, 2], [1, 1, 0]), ([4, 8, 2], 1), ([2, 4, 1], 1))]
-    steps, whole, top = shares(chain)
-    assert [list(step) for step in steps] == [[-0.5, 0.25], [1.0, 1.0]]
-    assert list(whole) == [0.5, 1.25]
-    assert top == 1  # of the two points left the second is the last one's peak
+    found = shares(chain)
+    assert [list(each.values) for each in found] == [[-0.5, 0.25], [1.0, 1.0], [0.5, 1.25]]
+    assert [each.at_peak for each in found] == [0.25, 1.0, 1.25]  # the last one's peak is the second point
+    loose = [chain[0], chain[1], replace(chain[2], period=np.array([1, 0, 1]))]
+    assert np.isnan([each.at_peak for each in shares(loose)]).all()  # there it does not repeat: no error of a link
 
 
 def test_a_part_has_its_extremes_and_its_value_at_the_peak_with_their_signs() -> None:
-    found = part("reduction", np.array([-0.3, 0.1, 0.2]), 1)
+    found = part("reduction", Share(np.array([-0.3, 0.1, 0.2]), 0.1))
     assert (found.lowest, found.highest, found.worst, found.peak) == (-0.3, 0.2, 0.3, 0.1)
     assert found.mean == pytest.approx(0.0, abs=1e-15)
     assert found.rms == pytest.approx(np.sqrt(0.14 / 3))
-    assert np.isnan(part("reduction", np.array([]), -1).peak)
+    assert np.isnan(part("reduction", Share(np.array([]), np.nan)).peak)
 
 
 def test_where_no_contact_gives_that_restitution_the_part_is_left_out_with_its_reason() -> None:
@@ -299,8 +307,8 @@ def test_a_file_is_the_truth_where_the_case_says_so(tmp_path: Path) -> None:
     study = cost(parse(TINY + table, tmp_path / "a.toml", set=options))
     assert study.truth == "reference own"
     assert len(study.frequency) == 3
-    assert study.rows[0].total.amplitude_max == pytest.approx(1 - 1 / 1.05, rel=1e-6)
-    assert study.rows[0].numerical.amplitude_max < 1e-8
+    assert abs(study.rows[0].total.amplitude.worst) == pytest.approx(1 - 1 / 1.05, rel=1e-6)
+    assert abs(study.rows[0].numerical.amplitude.worst) < 1e-8
     assert study.splits[0].parts[-1].mean == pytest.approx(1 / 1.05 - 1, rel=1e-6)
     assert sum(part.mean for part in study.splits[0].parts) == pytest.approx(study.splits[0].total.mean, rel=1e-12)
     assert parts(study).row_count == 2  # in all, and the finest fidelity itself

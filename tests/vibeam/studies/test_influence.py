@@ -26,7 +26,7 @@ from vibeam.casefile.tables.table import key, table
 from vibeam.cli.main import app
 from vibeam.report.influence import bars, left_alone, lines, sentences, taken_away, verdict
 from vibeam.report.tables import print_table
-from vibeam.studies.influence.curve import Curve, Step, ends, peak, swept
+from vibeam.studies.influence.curve import Curve, Step, ends, refined_peak, swept
 from vibeam.studies.influence.effects import effects_of, is_effect
 from vibeam.studies.influence.quantities import Quantity, Value, change, quantities
 from vibeam.studies.influence.search import smallest
@@ -205,7 +205,7 @@ def drawn(law: Any, ways: tuple[str, ...] = ("up", "down")) -> Drawn:
 
 def test_a_smooth_peak_is_found_between_the_points() -> None:
     law = lambda f: point(f, amplitude=1e-3 / (1 + ((f - 15.3137) / 0.4) ** 2))  # noqa: E731
-    found = peak(drawn(law))
+    found = refined_peak(drawn(law))
     assert found.frequency.number == pytest.approx(15.3137, abs=1e-5)
     assert found.amplitude.number == pytest.approx(1e-3, rel=1e-7)
     assert not found.frequency.why
@@ -213,17 +213,20 @@ def test_a_smooth_peak_is_found_between_the_points() -> None:
 
 def test_a_peak_at_a_jump_is_the_last_point_before_it() -> None:
     law = lambda f: point(f, amplitude=1e-4 * f if f < 15.62 else 1e-5)  # noqa: E731
-    found = peak(drawn(law))
+    found = refined_peak(drawn(law))
     assert 15.62 - 0.25 / 16 <= found.frequency.number < 15.62
     assert found.amplitude.number == pytest.approx(1e-4 * found.frequency.number)
 
 
-def test_motions_that_do_not_repeat_or_broke_down_are_no_peak() -> None:
-    wild = lambda f: point(f, amplitude=1.0, period=0)  # noqa: E731
-    assert isnan(peak(drawn(wild)).amplitude.number)
-    assert peak(drawn(wild)).amplitude.why == "no motion that repeats"
+def test_a_peak_that_does_not_repeat_is_the_sweep_s_own_and_failed_points_are_none() -> None:
+    wild = lambda f: point(f, amplitude=f, period=0)  # noqa: E731
+    own = refined_peak(drawn(wild)).amplitude
+    assert (own.number, own.why) == (17.0, "the motion at the peak does not repeat")
+    broken = lambda f: point(f, amplitude=np.nan, ended=1)  # noqa: E731
+    assert isnan(refined_peak(drawn(broken)).amplitude.number)
+    assert refined_peak(drawn(broken)).amplitude.why == "no complete point"
     assert ends(drawn(wild))[0].why == "no motion of period 1 with impacts"
-    rising = peak(drawn(lambda f: point(f, amplitude=f)))
+    rising = refined_peak(drawn(lambda f: point(f, amplitude=f)))
     assert rising.frequency.number == 17.0
     assert "may lie beyond" in rising.frequency.why
 
@@ -244,7 +247,7 @@ def test_peak_ringing_and_apparent_restitution_against_other_ways_to_them() -> N
     case = case_of()
     system = case.system("beam")
     curve = swept(case, "beam", system)
-    top = peak(curve)
+    top = refined_peak(curve)
     near = top.frequency.number + np.linspace(-0.02, 0.02, 21)
     omega = 2 * np.pi * near
     exact = vibeam.sweep(system, omega=omega, amplitude=case.base_amplitude, solver="orbit", output="sensor")

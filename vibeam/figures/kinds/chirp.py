@@ -164,11 +164,11 @@ def _beside(result: Comparison, plan: ShowPlan, sheet: Sheet, direction: str, un
     if not _has_settled(result, plan, sheet.fidelity):
         return ""
     settled = dict(result[sheet.fidelity].items()).get(direction)
-    if settled is None or not np.isfinite(settled.amplitude).any():
+    top = None if settled is None else settled.peak
+    if top is None or top.point < 0:
         return ""
-    top = int(np.nanargmax(settled.amplitude))
-    higher = float(sheet["swept_peak"][0] / settled.amplitude[top] - 1) if settled.amplitude[top] else 0.0
-    further = float(sheet["swept_peak_frequency"][0] - settled.frequency[top]) * units.frequency_factor
+    higher = float(sheet["swept_peak"][0] / top.amplitude - 1) if top.amplitude else 0.0
+    further = float(sheet["swept_peak_frequency"][0] - top.frequency) * units.frequency_factor
     shift = f"{further:+.2g} {units.frequency}".replace("-", "−").rstrip()
     return f": peak {'+' if higher >= 0 else '−'}{percent(abs(higher))}, {shift}"
 

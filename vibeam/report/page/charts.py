@@ -92,15 +92,8 @@ def motion_frequencies(result: Result) -> np.ndarray[Any, np.dtype[np.float64]]:
     room = int(np.clip(MOTIONS_BYTES // (MOTION_BYTES * max(branches, 1)), FEWEST, MOST))
     grid = np.unique(np.concatenate([each.frequency for several in result.values() for _, each in several.items()]))
     chosen = grid[np.unique(np.linspace(0, len(grid) - 1, room).astype(int))]
-    return np.unique(np.append(chosen, list(_peaks(result))))
-
-
-def _peaks(result: Result) -> Iterator[float]:
-    for branches in result.values():
-        for _, response in branches.items():
-            if complete(response).any():
-                yield float(response.frequency[np.nanargmax(np.where(complete(response), response.amplitude, np.nan))])
-            break
+    peaks = [each.peak.frequency for several in result.values() for _, each in several.items()]
+    return np.unique(np.append(chosen, [peak for peak in peaks if np.isfinite(peak)]))
 
 
 def _fidelities(result: Result) -> list[dict[str, Any]]:
@@ -177,7 +170,7 @@ def _references(result: Result) -> Iterator[dict[str, Any]]:
 
 
 def _cost(row: Summary) -> dict[str, Any]:
-    off = np.nan if row.distance is None else row.distance.worst
+    off = np.nan if row.distance is None else abs(row.distance.worst)
     finest = row.distance is None
     return {"fidelity": row.fidelity, "seconds": row.cpu_seconds, "off": rounded([off])[0], "finest": finest}
 

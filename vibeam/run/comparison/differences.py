@@ -5,22 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from vibeam.case.held import Held
-
-NAN = float("nan")
-
-
-@dataclass(frozen=True)
-class Difference:
-    """Relative difference in amplitude: of the ``peak``'s height, and over ``points`` of ``total`` frequencies.
-
-    NaN where unknown; ``peak`` and ``worst`` are signed.
-    """
-
-    peak: float = NAN
-    rms: float = NAN
-    worst: float = NAN
-    points: int = 0
-    total: int = 0
+from vibeam.system.difference import NAN, Difference
 
 
 @dataclass(frozen=True)

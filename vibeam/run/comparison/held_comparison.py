@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from math import isfinite
 
@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from vibeam.case.held import held_of, other_choice, with_other_choice
 from vibeam.run.comparison.closed_curve import ClosedCurve, closed_curve
-from vibeam.run.comparison.differences import NAN, BothChoices, Difference, HeldComparison, OwnLimit
+from vibeam.run.comparison.differences import BothChoices, HeldComparison, OwnLimit
 from vibeam.run.comparison.limit import Limit, limit
+from vibeam.system.difference import NAN, Difference
 from vibeam.system.impact_system import ImpactSystem
-from vibeam.system.response import FrequencyResponse, complete, periodic
+from vibeam.system.response import Branches, periodic
 from vibeam_models.any_scene import AnyScene, RigScene
 
 Array = NDArray[np.float64]
@@ -31,7 +32,7 @@ SMALL = 0.1  # largest share of a difference that the finest's distance from its
 class ComparedModel:
     """Model of a comparison: its ``system`` and ``scene`` over ``omega`` (points,) rad/s, under ``base`` (points,) m.
 
-    ``responses``: those of its run, by which its motions are told apart; none where it was not run. ``why``: a reason
+    ``run``: its branches, by which its motions are told apart; None where it was not run. ``why``: a reason
     that excludes closed forms beside those of the system.
     """
 
@@ -41,7 +42,7 @@ class ComparedModel:
     omega: Array
     base: Array
     output: str
-    responses: Sequence[FrequencyResponse] = ()
+    run: Branches | None = None
     why: str = ""
 
 
@@ -130,10 +131,10 @@ def _limit_curve(finest: ComparedModel, own: Limit, scene: RigScene, choice: str
 
 def _kinds(model: ComparedModel, closed: ClosedCurve) -> NDArray[np.bool_]:
     """Mask (points, kinds) of the closed-form motions that a run has; all of them where there was no run."""
-    if not model.responses:
+    if model.run is None:
         return np.isfinite(closed.amplitude)
     seen = np.zeros(closed.amplitude.shape, dtype=bool)
-    for response in model.responses:
+    for _, response in model.run.items():
         run = np.where(periodic(response), response.amplitude, np.nan)[np.argsort(response.frequency)]
         seen |= np.abs(closed.amplitude / run[closed.which, None] - 1) < SAME
     return seen
@@ -145,11 +146,7 @@ def _difference(one: Closed, other: Closed, kinds: NDArray[np.bool_] | None = No
         return Difference()
     counted = np.isfinite(one.amplitude) if kinds is None else kinds
     values = (one.amplitude / other.amplitude - 1)[counted & np.isfinite(other.amplitude)]
-    peak, total = one.peak / other.peak - 1, int(np.count_nonzero(counted))
-    if not len(values):
-        return Difference(peak, total=total)
-    worst = float(values[np.argmax(np.abs(values))])
-    return Difference(peak, float(np.sqrt(np.mean(values**2))), worst, len(values), total)
+    return Difference.of(values, int(np.count_nonzero(counted)), one.peak / other.peak - 1)
 
 
 def _row(
@@ -157,8 +154,8 @@ def _row(
 ) -> BothChoices:
     here, there = _both(model)
     held = _difference(here, top[0], None if isinstance(here, str) else _kinds(model, here))
-    if model.responses and finest.responses:
-        held = replace(held, peak=run_peak(model.responses) / run_peak(finest.responses) - 1)
+    if model.run and finest.run:
+        held = replace(held, peak=model.run.off(finest.run).peak)
     why = next((each for each in (*top, here, there) if isinstance(each, str)), "")
     why = why or _peak_fault(finest, top[0]) or _peak_fault(model, here)
     other = _difference(there, top[1])
@@ -188,15 +185,8 @@ def _sign(difference: float, margin: float) -> int:
     return 1 if difference > 0 else -1
 
 
-def run_peak(responses: Iterable[FrequencyResponse]) -> float:
-    """Largest amplitude of complete points, NaN without any."""
-    tops = [np.max(each.amplitude[complete(each)], initial=-np.inf) for each in responses]
-    highest = max(tops, default=-np.inf)
-    return float(highest) if isfinite(highest) else NAN
-
-
 def _peak_fault(model: ComparedModel, closed: Closed) -> str:
     """Reason why the peak of a model's run is not that of its closed forms; empty where it is."""
-    if isinstance(closed, str) or not model.responses or abs(closed.peak / run_peak(model.responses) - 1) < SAME:
+    if isinstance(closed, str) or not model.run or abs(closed.peak / model.run.peak.amplitude - 1) < SAME:
         return ""
     return f"the peak of {model.name} is not that of an exact motion with one impact a drive period"

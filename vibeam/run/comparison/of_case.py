@@ -36,10 +36,9 @@ def comparisons(
 def compared_model(
     case: Case, name: str, system: ImpactSystem, branches: Branches | None = None, like: str | None = None
 ) -> ComparedModel:
-    """Model of one fidelity over the case's sweep, with the responses of its run; ``like``: whose scene it has."""
+    """Model of one fidelity over the case's sweep, with the branches of its run; ``like``: whose scene it has."""
     omega, scene = 2 * np.pi * np.sort(case.sweep.frequency), case.scene_of(like or name)
     base = np.broadcast_to(np.asarray(case.amplitude_of(like or name, omega), dtype=float), omega.shape)
     moves = gap_wear(scene) is not None or gap_drift(scene, omega) is not None
-    responses = () if branches is None else tuple(response for _, response in branches.items())
     why = SEVERAL if scene.harmonics else MOVING if moves else ""
-    return ComparedModel(name, scene, system, omega, base, case.sweep.output, responses, why)
+    return ComparedModel(name, scene, system, omega, base, case.sweep.output, branches, why)

@@ -12,9 +12,10 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from vibeam.case.held import Held
-from vibeam.run.comparison.differences import BothChoices, Difference, HeldComparison, OwnLimit
+from vibeam.run.comparison.differences import BothChoices, HeldComparison, OwnLimit
 from vibeam.run.store.checksum import sign, verify
 from vibeam.run.store.layout import fixed
+from vibeam.system.difference import Difference
 
 if TYPE_CHECKING:
     import h5py

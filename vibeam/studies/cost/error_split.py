@@ -30,9 +30,9 @@ LINKS = ("contact law", "reduction", "effects left out", "finest fidelity itself
 class Part:
     """Contribution of one link to the amplitude's error, over the finest's amplitude.
 
-    Signed are ``mean``, ``lowest``, ``highest`` and ``peak``, the value at the finest's largest amplitude; means and
-    values at the peak add up. ``worst``: the largest, without its sign. ``note``: reason for missing numbers (NaN); the
-    next link then holds both contributions.
+    Signed are ``mean``, ``lowest``, ``highest`` and ``peak``, the value at the finest's peak, NaN where not all of the
+    chain repeats there; means and values at the peak add up. ``worst``: the largest, without its sign. ``note``: reason
+    for missing numbers (NaN); the next link then holds both contributions.
     """
 
     name: str
@@ -61,25 +61,32 @@ class Split:
     cpu: float
 
 
-def shares(chain: Sequence[FrequencyResponse]) -> tuple[list[Array], Array, int]:
-    """Relative differences in amplitude over each link and over the chain, (points,), where all are periodic.
+@dataclass(frozen=True)
+class Share:
+    """Relative difference in amplitude over a link, (points,), and ``at_peak`` of the last curve (NaN: not there)."""
 
-    And which of these points has the last one's largest amplitude (−1 without any).
-    """
-    last = chain[-1].amplitude
-    where = np.logical_and.reduce([periodic(each) for each in chain]) & (last > 0)
-    steps = [each.amplitude[where] / last[where] for each in chain]
-    top = int(np.argmax(last[where])) if where.any() else -1
-    return [one - other for one, other in pairwise(steps)], steps[0] - steps[-1], top
+    values: Array
+    at_peak: float
 
 
-def part(name: str, values: Array, top: int) -> Part:
-    """Part from the values of one link, ``top`` the index of the peak's."""
+def shares(chain: Sequence[FrequencyResponse]) -> list[Share]:
+    """Shares of each link and, last, of the chain, over the points where all are periodic."""
+    last = chain[-1]
+    where = np.logical_and.reduce([periodic(each) for each in chain]) & (last.amplitude > 0)
+    top = last.peak.point if last.peak.point >= 0 and where[last.peak.point] else None
+    steps = [np.divide(each.amplitude, last.amplitude, out=np.full(len(last), np.nan), where=where) for each in chain]
+    pairs = [*pairwise(steps), (steps[0], steps[-1])]
+    return [Share((one - other)[where], np.nan if top is None else float((one - other)[top])) for one, other in pairs]
+
+
+def part(name: str, found: Share) -> Part:
+    """Part from the share of one link."""
+    values = found.values
     if not len(values):
         return Part(name, note="no point where all of the chain repeats")
     low, high = float(np.min(values)), float(np.max(values))
     mean, rms = float(np.mean(values)), float(np.sqrt(np.mean(values**2)))
-    return Part(name, mean, rms, max(abs(low), abs(high)), lowest=low, highest=high, peak=float(values[top]))
+    return Part(name, mean, rms, max(abs(low), abs(high)), lowest=low, highest=high, peak=found.at_peak)
 
 
 Build = Callable[[Model, Model], ImpactSystem]
@@ -109,13 +116,13 @@ def split(
         chain.append(exact)
         notes[0] = str(refusal)
     chain += [_reduced_alike(model, finest, top, build, fly), top, *([] if file is None else [file])]
-    steps, whole, top_point = shares(chain)
+    *steps, whole = shares(chain)
     parts = [
-        Part(name, note=note) if note else part(name, values, top_point)
-        for name, values, note in zip(LINKS, steps, notes, strict=False)
+        Part(name, note=note) if note else part(name, each)
+        for name, each, note in zip(LINKS, steps, notes, strict=False)
     ]
-    r1, total = first_mode_restitution_of(model.system), part("total", whole, top_point)
-    return Split(model.name, model.system.size, r1, total, tuple(parts), len(whole), cpu)
+    r1, total = first_mode_restitution_of(model.system), part("total", whole)
+    return Split(model.name, model.system.size, r1, total, tuple(parts), len(whole.values), cpu)
 
 
 def _reduced_alike(model: Model, finest: Model, top: FrequencyResponse, build: Build, fly: Fly) -> FrequencyResponse:

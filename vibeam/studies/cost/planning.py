@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.run.models import Model
-from vibeam.studies.cost.errors import peak
 from vibeam.studies.cost.measure import Plan, measure
 from vibeam.studies.cost.reference import FLIGHT, curve
 from vibeam.system.impact_system import Drive
@@ -47,7 +46,7 @@ class Planning:
     def plan(self) -> Plan:
         """Common plan of all runs: the path is driven at the reference's peak and starts one swing from the stop."""
         response = measure(self._finest.system, FLIGHT, self.first).response
-        size, top = float(np.nanmedian(response.reach)), peak(response)[0]
+        size, top = float(np.nanmedian(response.reach)), response.peak.frequency
         drive = self._drive(2 * np.pi * top) if np.isfinite(top) else self.first.drive
         size = size if size > 0 else 1.0
         return replace(self.first, cloud=CLOUD, window=WINDOW, size=size, drive=drive)

@@ -74,7 +74,8 @@ def bound(
     by_orbit, refusal = _closed_form(system, exact, plan)
     by_steps, failure = _integrated(system, plan, clock, budget)
     return Bound(
-        by_orbit.amplitude_max, by_orbit.velocity, by_orbit.points, by_orbit.total, by_steps.path,
+        abs(by_orbit.amplitude.worst), by_orbit.velocity, by_orbit.amplitude.points, by_orbit.amplitude.total,
+        by_steps.path,
         by_steps.impact_velocities, "; ".join(filter(None, [refusal, failure])),
     )  # fmt: skip
 

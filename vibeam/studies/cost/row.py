@@ -65,10 +65,9 @@ def compared(model: Model, setting: Setting, plan: Plan, found: Measured, work: 
     if found.failure:
         return _row(model, setting, Errors(), Errors(), (), work, motions, found.failure)
     total, numerical = (errors(found, truth, plan) for truth in (references.reference, references.own))
-    why = "" if total.points or np.isfinite(total.statistics) else _nothing(found)
+    why = "" if total.amplitude.points or np.isfinite(total.statistics) else _nothing(found)
     chain = (found, references.short, references.own, references.reference)
-    steps, whole, top = shares([each.response for each in chain])
-    parts = tuple(part(name, values, top) for name, values in zip(PARTS, [*steps, whole], strict=True))
+    parts = tuple(part(name, each) for name, each in zip(PARTS, shares([c.response for c in chain]), strict=True))
     return _row(model, setting, total, numerical, parts, work, motions, why)
 
 

@@ -74,7 +74,7 @@ class CostStudy:
     def front(self) -> list[int]:
         """Pareto front: rows not beaten in both error and time, among those with a motion at every frequency."""
         whole = len(self.frequency)
-        errors = [row.total.amplitude_rms if row.found == whole else np.nan for row in self.rows]
+        errors = [row.total.amplitude.rms if row.found == whole else np.nan for row in self.rows]
         seconds = [row.work.cpu_min if row.work else np.nan for row in self.rows]
         return front(list(zip(errors, seconds, strict=True)))
 

@@ -13,7 +13,7 @@ from vibeam.case.fidelity import gap_drift
 from vibeam.run.sweep import march
 from vibeam.studies.influence.quantities import NAN, Value
 from vibeam.system.impact_system import ImpactSystem
-from vibeam.system.response import FrequencyResponse, complete, periodic
+from vibeam.system.response import Branches, FrequencyResponse, join, periodic
 from vibeam.system.state import State
 
 Array = NDArray[np.float64]
@@ -39,14 +39,13 @@ class Step:
 
     @property
     def amplitude(self) -> float:
-        """Amplitude, m; −∞ for an aperiodic or failed point, which is never a peak."""
+        """Amplitude, m; −∞ for an aperiodic or failed point, between which nothing is refined."""
         return float(self.response.amplitude[0]) if periodic(self.response)[0] else -np.inf
 
     @property
     def is_period_one(self) -> bool:
         """True for a motion of period 1 with impacts."""
-        one = self.response
-        return bool(complete(one)[0] and one.period[0] == 1 and one.impacts_per_period[0] > 0)
+        return self.response.period_one is not None
 
 
 @dataclass(frozen=True)
@@ -57,6 +56,12 @@ class Curve:
     fidelity: str
     system: ImpactSystem
     branches: dict[str, list[Step]]
+
+    @property
+    def swept(self) -> Branches:
+        """Responses of the points as swept."""
+        ways = {way: join([step.response for step in steps]) for way, steps in self.branches.items()}
+        return Branches(ways.get("up"), ways.get("down"))
 
     @property
     def cpu(self) -> float:
@@ -89,28 +94,30 @@ def swept(case: Case, fidelity: str, system: ImpactSystem) -> Curve:
 
 
 @dataclass(frozen=True)
-class Peak:
-    """Largest amplitude of all periodic motions, its frequency, and a point near it to start from."""
+class RefinedPeak:
+    """Peak of a sweep, refined between its points; a point near it to start from."""
 
     amplitude: Value
     frequency: Value
     near: Step | None
 
 
-def peak(curve: Curve) -> Peak:
-    """Peak, by successive refinement between its neighbours and a parabola through the last three."""
-    tops = [
-        (steps[i].amplitude, direction, i) for direction, steps in curve.branches.items() for i in range(len(steps))
-    ]
-    height, direction, index = max(tops, key=lambda top: top[0])
-    if height == -np.inf:
-        none = Value(NAN, "no motion that repeats")
-        return Peak(none, none, None)
-    steps = curve.branches[direction]
-    if not 0 < index < len(steps) - 1:
-        return Peak(Value(height, EDGE), Value(steps[index].frequency, EDGE), steps[index])
-    top = _top(curve, _narrowed(curve, steps[index - 1 : index + 2]))
-    return Peak(Value(top.amplitude), Value(top.frequency), top)
+def refined_peak(curve: Curve) -> RefinedPeak:
+    """Peak of the sweep (``Branches.peak``), refined where its motion repeats and the sweep goes on beyond it.
+
+    By successive refinement between its neighbours and a parabola through the last three; else it is the sweep's own.
+    """
+    top = curve.swept.peak
+    if top.point < 0:
+        none = Value(NAN, "no complete point")
+        return RefinedPeak(none, none, None)
+    steps = curve.branches[top.direction]
+    edge = not 0 < top.point < len(steps) - 1
+    if edge or not top.repeats:
+        why = EDGE if top.repeats else "the motion at the peak does not repeat"
+        return RefinedPeak(Value(top.amplitude, why), Value(top.frequency, why), steps[top.point])
+    found = _top(curve, _narrowed(curve, steps[top.point - 1 : top.point + 2]))
+    return RefinedPeak(Value(found.amplitude), Value(found.frequency), found)
 
 
 def _narrowed(curve: Curve, three: list[Step]) -> list[Step]:
@@ -150,15 +157,10 @@ def ends(curve: Curve) -> tuple[Value, Value]:
 
 
 def _end(curve: Curve, steps: list[Step], pick: Callable[..., Step]) -> Value:
-    inside = [i for i, step in enumerate(steps) if step.is_period_one]
-    if not inside:
+    found = join([step.response for step in steps]).period_one_points
+    if found is None:
         return Value(NAN, "no motion of period 1 with impacts")
-    top = max(inside, key=lambda i: steps[i].amplitude)
-    first, last = top, top
-    while first - 1 in inside:
-        first -= 1
-    while last + 1 in inside:
-        last += 1
+    first, last = found
     outer = pick((steps[first], steps[last]), key=lambda step: step.frequency)
     at_last = outer is steps[last]
     beyond = last + 1 if at_last else first - 1

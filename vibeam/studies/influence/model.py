@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from vibeam.case.case import Case
-from vibeam.studies.influence.curve import Curve, Peak, ends, nearest, peak, swept
+from vibeam.studies.influence.curve import Curve, RefinedPeak, ends, nearest, refined_peak, swept
 from vibeam.studies.influence.quantities import NAN, Value
 from vibeam.studies.influence.settled_motion import observed_ringing
 from vibeam.studies.influence.subsets import Subsets
@@ -56,7 +56,7 @@ def model(subsets: Subsets, kept: Collection[str], wanted: Collection[str], freq
 
 
 def _values(curve: Curve, wanted: Collection[str], frequency: float | None) -> dict[str, Value]:
-    top = peak(curve)
+    top = refined_peak(curve)
     values = {"peak": top.amplitude, "peak_frequency": top.frequency}
     if {"period_one_from", "period_one_to"} & set(wanted):
         values |= dict(zip(("period_one_from", "period_one_to"), ends(curve), strict=True))
@@ -65,7 +65,7 @@ def _values(curve: Curve, wanted: Collection[str], frequency: float | None) -> d
     return {name: values[name] for name in wanted}
 
 
-def _in_motion(curve: Curve, top: Peak, frequency: float | None) -> dict[str, Value]:
+def _in_motion(curve: Curve, top: RefinedPeak, frequency: float | None) -> dict[str, Value]:
     if frequency is not None:
         return observed_ringing(curve, frequency, nearest(curve, frequency))
     if top.near is None:

@@ -41,7 +41,9 @@ def _check(expected: Expectation, result: Result, partial: bool) -> CheckRow:
         frequency=NAN if expected.frequency is None else expected.frequency,
         tolerance=expected.tolerance,
         passed=within and not faults,
-        notes=tuple(dict.fromkeys([*faults, *_reported(expected, present)])),
+        notes=tuple(
+            dict.fromkeys([*faults, *filter(None, (each.note for each in found)), *_reported(expected, present)])
+        ),
         kind="reference" if expected.source else "regression value",
     )
 

@@ -79,5 +79,5 @@ def _row(measured: Measured, result: Result, direction: str) -> MeasuredRow:
         within=abs(difference) <= (measured.scatter or 0.0) * (1 + SAME) if known else None,
         chose=measured.chose,
         source=measured.source,
-        notes=(found.fault,) if found.fault else (),
+        notes=tuple(filter(None, (found.fault, found.note))),
     )

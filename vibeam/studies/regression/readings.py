@@ -13,7 +13,7 @@ from vibeam.case.plans import Reading
 from vibeam.case.reference_curves import SAME_FREQUENCY
 from vibeam.figures import FIGURES, LIMITS
 from vibeam.figures.response_quantities import values_of
-from vibeam.system.response import Ended, FrequencyResponse, period_one_range, periodic
+from vibeam.system.response import Ended, FrequencyResponse
 
 if TYPE_CHECKING:
     from vibeam.run.result import Result
@@ -23,10 +23,11 @@ NAN = float("nan")
 
 @dataclass(frozen=True)
 class Found:
-    """Number read on one branch, NaN with the reason ``fault``."""
+    """Number read on one branch, NaN with the reason ``fault``; ``note``: what is to be known of it."""
 
     number: float
     fault: str = ""
+    note: str = ""
     absent: bool = False  #: the frequency is not in the grid
 
 
@@ -44,8 +45,8 @@ def read(reading: Reading, result: Result, direction: str) -> Found:
         return ours
     other = _number(reading, result, reading.against, direction)
     if other.fault:
-        return Found(NAN, f"{reading.against} {other.fault}", other.absent)
-    return Found(ours.number / other.number - 1 if other.number else NAN)
+        return Found(NAN, f"{reading.against} {other.fault}", absent=other.absent)
+    return Found(ours.number / other.number - 1 if other.number else NAN, note=ours.note or other.note)
 
 
 def _number(reading: Reading, result: Result, name: str, direction: str) -> Found:
@@ -56,7 +57,9 @@ def _number(reading: Reading, result: Result, name: str, direction: str) -> Foun
     response = dict(result[name].items())[direction]
     if reading.frequency is None:
         number = EXTENTS[reading.quantity](response)
-        return Found(number, "" if isfinite(number) else f"{direction}: there is none")
+        irregular = reading.quantity in OF_PEAK and isfinite(number) and not response.peak.repeats
+        note = f"{direction}: the motion at the peak does not repeat" * irregular
+        return Found(number, "" if isfinite(number) else f"{direction}: there is none", note)
     present = np.flatnonzero(np.isclose(response.frequency, reading.frequency, rtol=SAME_FREQUENCY, atol=0))
     if not len(present):
         return Found(NAN, f"{reading.frequency:g} Hz is not in the sweep's grid", absent=True)
@@ -89,29 +92,16 @@ def _read_off(reading: Reading, show: str, result: Result, name: str) -> Found:
     return Found(float(np.mean(present))) if len(present) else Found(NAN, "there is none")
 
 
-def _top(response: FrequencyResponse) -> int | None:
-    present = periodic(response)
-    return int(np.argmax(np.where(present, response.amplitude, -np.inf))) if present.any() else None
-
-
-def _peak(response: FrequencyResponse) -> float:
-    top = _top(response)
-    return NAN if top is None else float(response.amplitude[top])
-
-
-def _peak_frequency(response: FrequencyResponse) -> float:
-    top = _top(response)
-    return NAN if top is None else float(response.frequency[top])
-
-
 def _range(response: FrequencyResponse, end: int) -> float:
-    found = period_one_range(response)
+    found = response.period_one
     return NAN if found is None else found[end]
 
 
+OF_PEAK = ("peak", "peak_frequency")
+
 EXTENTS: dict[str, Callable[[FrequencyResponse], float]] = {
-    "peak": _peak,
-    "peak_frequency": _peak_frequency,
+    "peak": lambda response: response.peak.amplitude,
+    "peak_frequency": lambda response: response.peak.frequency,
     "period_one_from": lambda response: _range(response, 0),
     "period_one_to": lambda response: _range(response, 1),
 }

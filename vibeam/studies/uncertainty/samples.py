@@ -16,7 +16,7 @@ from vibeam.maps.variation import varied
 from vibeam.run.heartbeat import heartbeat
 from vibeam.run.parallel import run_parallel
 from vibeam.run.sweep import sweep
-from vibeam.system.response import FrequencyResponse, complete, period_one_range
+from vibeam.system.response import FrequencyResponse, complete
 from vibeam_models.base_motion import drive_amplitude
 
 if TYPE_CHECKING:
@@ -127,7 +127,8 @@ class Sampler:
     def _row(self, model: CaseModel) -> tuple[Array, Array]:
         begin = thread_time()
         response = self._swept(model)
-        numbers = (*_peak(response), _jump(response), *_changes(response), thread_time() - begin)
+        top, changes = response.peak, _changes(response)
+        numbers = (top.amplitude, top.frequency, _jump(response), *changes, thread_time() - begin)
         return np.where(complete(response), response.amplitude, np.nan), np.array(numbers)
 
     def _swept(self, model: CaseModel) -> FrequencyResponse:
@@ -151,16 +152,8 @@ class Sampler:
         return found  # type: ignore[no-any-return]
 
 
-def _peak(response: FrequencyResponse) -> tuple[float, float]:
-    done = complete(response)
-    if not done.any():
-        return float("nan"), float("nan")
-    top = int(np.argmax(np.where(done, response.amplitude, -np.inf)))
-    return float(response.amplitude[top]), float(response.frequency[top])
-
-
 def _jump(response: FrequencyResponse) -> float:
-    found = period_one_range(response)
+    found = response.period_one
     if found is None:
         return float("nan")
     return found[1] if response.frequency[-1] >= response.frequency[0] else found[0]
