@@ -68,8 +68,17 @@ def system(scene: AnyScene, fidelity: Fidelity) -> ImpactSystem:
     rig: Any = scene
     if scene.given_mode is not None:
         return _direct(rig, *scene.given_mode)
-    built = _of_structure(rig, fidelity)
-    return _with_derivatives(built, rig) if any(each.kind.rate for each in scene.outputs) else built
+    parameters = parameters_of(rig, fidelity)
+    return system_of(rig, *reduced_structure(rig, fidelity.reduction, fidelity.modes, parameters))
+
+
+def system_of(scene: RigScene, small: Structure, static: float) -> ImpactSystem:
+    """Impact system of ``scene`` with ``small``, what its structure was reduced to; errors as in ``system``.
+
+    ``static``: the deflection of the structure's static mode at the contact, 1 at the sensor.
+    """
+    built = _at_its_stop(scene, small, static)
+    return _with_derivatives(built, scene) if any(each.kind.rate for each in scene.outputs) else built
 
 
 def _with_derivatives(built: ImpactSystem, scene: RigScene) -> ImpactSystem:
@@ -120,8 +129,7 @@ def _direct(scene: SdofScene, omega: float, zeta: float) -> ImpactSystem:
     )
 
 
-def _of_structure(scene: RigScene, fidelity: Fidelity) -> ImpactSystem:
-    small, static = reduced_structure(scene, fidelity.reduction, fidelity.modes, parameters_of(scene, fidelity))
+def _at_its_stop(scene: RigScene, small: Structure, static: float) -> ImpactSystem:
     factor, second = 1.0 if scene.stop.gap_at == "contact" else static, scene.stop.second_gap
     if isnan(factor):
         raise ValueError(

@@ -47,10 +47,11 @@ def _kept(
 def _made(
     structure: Structure, declared: ReductionDeclaration, modes: int | None, parameters: Parameters
 ) -> tuple[Structure, float]:
-    return declared.make(structure, modes, **dict(parameters)).structure, _at_contact(structure)
+    return declared.make(structure, modes, **dict(parameters)).structure, static_at_contact(structure)
 
 
-def _at_contact(structure: Structure) -> float:
+def static_at_contact(structure: Structure) -> float:
+    """Deflection of the static mode at the contact, 1 at the sensor; NaN of a free body, which has none."""
     from vibeam_reductions.static_mode import static_shape
 
     try:
