@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from math import ceil, floor, isfinite, log10
+from collections.abc import Callable, Iterable, Sequence
+from math import ceil, floor, isfinite, log10, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
 from vibeam.figures.units import percent, units_of
-from vibeam.report.output import write_csv
+from vibeam.report.output import plain, write_rows
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, coefficient
 from vibeam.studies.reduce.losses import Losses
-from vibeam.studies.reduce.study import Recommendation, ReductionStudy
+from vibeam.studies.reduce.study import ReductionStudy
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,6 +29,7 @@ DECIDED = {
 }
 
 PANELS = {
+    "response": "amplitude over the sweep",
     "loss": "largest loss",
     "impact": "impact at the contact",
     "contact": "drive → contact",
@@ -45,26 +46,36 @@ ROUND_OFF = 1e-9  # below which a loss is not drawn: static stiffness is known t
 
 
 def reduction_tables(study: ReductionStudy) -> list[ReportTable]:
-    """Losses by basis and n, and the recommended n with all that it loses."""
-    return [_overview(study), _recommended(study)]
+    """Errors of the response and losses by basis and n, and the recommended n with all that it loses."""
+    known = any(row.response.known for row in study.rows)
+    off = _by_number(study, "Largest error of the amplitude with n coordinates", _off, "modes")
+    off.caption = f"bold: from the recommended n on, within {percent(study.within)}; >: flown up to there; –: not known"
+    losses = _by_number(study, "Largest loss with n coordinates", _loss, "by_losses")
+    losses.caption = f"bold: from the n on from which it stays within {percent(study.within)}; –: no such reduction"
+    return [*([off] if known else []), losses, _recommended(study)]
 
 
-def _overview(study: ReductionStudy) -> ReportTable:
+def _by_number(study: ReductionStudy, title: str, cell: Callable[[Losses], str], least: str) -> ReportTable:
+    """Cells of all bases over n, bold from the ``least`` n of a recommendation on."""
     counts = sorted({row.modes for row in study.rows})
-    table = blank("Largest loss with n coordinates", "basis", *(f"{n}|" for n in counts))
+    table = blank(title, "basis", *(f"{n}|" for n in counts))
     for each in study.recommended:
         if each.why:
             continue
-        losses = {row.modes: row for row in study.of(each.basis)}
-        table.add_row(each.basis, *(_loss(losses[n], each) for n in counts))
-    table.caption = f"bold: from the recommended n on, within {percent(study.within)}; –: no such reduction"
+        rows, first = {row.modes: row for row in study.of(each.basis)}, getattr(each, least)
+        cells = [(cell(rows[n]), first is not None and n >= first) for n in counts]
+        table.add_row(each.basis, *(Text(text, "bold" if bold and text != "–" else "") for text, bold in cells))
     return table
 
 
-def _loss(row: Losses, each: Recommendation) -> Text:
-    if not isfinite(row.loss):
-        return Text("–", style="dim")
-    return Text(short(row.loss), style="bold" if each.modes is not None and row.modes >= each.modes else "")
+def _loss(row: Losses) -> str:
+    return short(row.loss) if isfinite(row.loss) else "–"
+
+
+def _off(row: Losses) -> str:
+    if row.response.given_up:
+        return f"> {short(min(row.response.worst, LARGEST))}" if isfinite(row.response.worst) else "other"
+    return short(row.response.worst) if isfinite(row.response.worst) else "–"
 
 
 def short(share: float) -> str:
@@ -73,30 +84,28 @@ def short(share: float) -> str:
 
 
 def _recommended(study: ReductionStudy) -> ReportTable:
-    names = (
-        "basis",
-        "n|",
-        "loss|",
-        "decided by",
-        "frequency|",
-        "MAC|",
-        "stiffness|",
-        "mobility|",
-        "1 − R₁|",
-    )
+    names = ("basis", "n|", "off|", "at|", "rms|", "same motion|", "by losses|", "loss|", "decided by")
     table = blank(f"Recommended for {percent(study.within)}", *names)
-    table.add("R₁|", "R|", "contact|", "sensor|", "impact|")
+    table.add("frequency|", "MAC|", "stiffness|", "mobility|", "1 − R₁|", "R₁|", "R|", "contact|", "sensor|", "impact|")
+    frequencies = units_of(study.case).frequencies
     for each in study.recommended:
         if each.why:
             continue
-        if each.losses is None:
-            table.add_row(each.basis, f"> {max(row.modes for row in study.of(each.basis) if isfinite(row.loss))}")
-            continue
-        table.add_row(each.basis, str(each.modes), *_cells(each.losses))
+        rows = [row for row in study.of(each.basis) if isfinite(row.loss)]
+        above = f"> {rows[-1].modes}"
+        number = "–" if study.claim.refused else above if each.modes is None else str(each.modes)
+        response = (each.losses or rows[-1]).response
+        off = (percent(response.worst), frequencies(response.mu), percent(response.rms)) if response.known else ()
+        table.add_row(
+            each.basis, number, *(off or ("", "", "")), f"{response.alike} of {response.known}" if off else "",
+            above if each.by_losses is None else str(each.by_losses), *(_cells(each.losses) if each.losses else ()),
+        )  # fmt: skip
     table.caption = (
-        "frequency: worst in the band; stiffness: static, at the contact; mobility: share lost; 1 − R₁: change of\n"
-        "what mode 1 loses at an impact; R₁, R: restitution of mode 1 and of the contact; contact, sensor: transfer\n"
-        "functions from the drive; impact: displacement in contact"
+        "off, rms: of the amplitude, worst and over all; same motion: of those known of all modes, how many it makes;\n"
+        "by losses: the n from which on all losses are within, which claims nothing of the response; frequency: worst\n"
+        "in the band; stiffness: static, at the contact; mobility: share lost; 1 − R₁: change of what mode 1 loses at\n"
+        "an impact; R₁, R: restitution of mode 1 and of the contact; contact, sensor: transfer functions from the\n"
+        "drive; impact: displacement in contact"
     )
     return table
 
@@ -118,19 +127,37 @@ def _cells(row: Losses) -> list[str]:
     ]
 
 
+def claim(study: ReductionStudy) -> str:
+    """What the recommendation claims, over which points, or why there is none."""
+    said, whole = study.claim, f"all {study.claim.modes} modes"
+    if said.refused:
+        return f"No number of coordinates is recommended for {whole}: {said.refused}."
+    parts = []
+    if said.closed:
+        parts.append(f"{said.closed} of {said.frequencies} frequencies in closed form, {said.struck} with impacts")
+    if said.flown:
+        why = f": {said.why_flown}" if said.why_flown else ""
+        why = ", for models whose damping couples their modes" if said.closed == said.frequencies else why
+        parts.append(f"{said.repeating} of {said.flown} points of the sweep, flown{why}")
+    limit = f"within {percent(study.within)} of that of {whole} at each point where both make the same motion"
+    return f"n is recommended by the amplitude, {limit}; known at {'; and at '.join(parts)}."
+
+
 def sentences(study: ReductionStudy) -> list[str]:
-    """What was asked, and the limits of the answers."""
+    """What was asked of the losses, and the limits of the answers."""
     units = units_of(study.case)
     low, high = (units.frequencies(end) for end in study.band)
     time = "not known: an impulse stands for it" if not isfinite(study.contact_time) else f"{study.contact_time:.4g} s"
     head = f"{study.size} coordinates; band {low} … {high}, with {study.in_band} of its modes; contact time {time}"
-    return [head, *study.notes]
+    about = {each.basis: each.frequency for each in study.recommended if each.frequency is not None and not each.why}
+    return [head, *(f'{name}: about frequency = "{hertz:.6g} Hz"' for name, hertz in about.items()), *study.notes]
 
 
 def as_data(study: ReductionStudy) -> dict[str, Any]:
     """Content for JSON: rows, recommendations, and for each basis the analysis in the names of pyMOR."""
     bases = dict.fromkeys(basis for basis, _, _ in study.curves)
     return {
+        "claim": study.claim,
         "within": study.within,
         "band": study.band,
         "contact_time": study.contact_time,
@@ -153,9 +180,10 @@ def _analysis(study: ReductionStudy, basis: str, place: str) -> dict[str, Any]:
     return {"basis_sizes": [*found], "mus": next(iter(found.values())).mus, **columns, **arrays}
 
 
-def write_rows(study: ReductionStudy, path: Path) -> None:
-    """Write the losses as CSV."""
-    write_csv(study.rows, path)
+def write_losses(study: ReductionStudy, path: Path) -> None:
+    """Write the losses as CSV, the response's error in columns of its own."""
+    rows = [plain(row) for row in study.rows]
+    write_rows([row | {f"response_{name}": each for name, each in row.pop("response").items()} for row in rows], path)
 
 
 def write_reduction(study: ReductionStudy, paths: Iterable[Path]) -> None:
@@ -190,10 +218,19 @@ def reduction_figure(study: ReductionStudy) -> Figure:
 
 
 def _panels(study: ReductionStudy) -> dict[str, str]:
-    """Kinds of loss that are drawn; where R is held at the contact, what mode 1 sees of it in place of statics."""
-    if not any(row.restitution > ROUND_OFF for row in study.rows):
-        return PANELS
-    return {part: name for part, name in PANELS.items() if part != "static_stiffness"} | {"restitution": "1 − R₁"}
+    """What is drawn: the response where known; where R is held at the contact, what mode 1 sees in place of statics."""
+    panels = dict(PANELS)
+    panels.pop("loss" if any(row.response.known for row in study.rows) else "response")
+    if any(row.restitution > ROUND_OFF for row in study.rows):
+        panels.pop("static_stiffness")
+        panels["restitution"] = "1 − R₁"
+    return panels
+
+
+def _value(row: Losses, part: str) -> float:
+    if part == "response":
+        return nan if row.response.given_up else row.response.worst
+    return abs(float(getattr(row, part)))
 
 
 def _looks(bases: Sequence[str]) -> dict[str, dict[str, Any]]:
@@ -215,11 +252,10 @@ def _panel(axes: Any, study: ReductionStudy, part: str, looks: dict[str, dict[st
 
     drawn: list[float] = []
     for basis, look in looks.items():
-        values = [(row.modes, abs(getattr(row, part))) for row in study.of(basis)]
-        shown = [(n, value) for n, value in values if isfinite(value) and value > ROUND_OFF]
-        drawn += [value for _, value in shown]
-        across, upward = [n for n, _ in shown], [value for _, value in shown]
-        axes.plot(across, upward, markersize=3.2, linewidth=1.0, gid=f"{part}-{basis}", **look)
+        values = [(row.modes, _value(row, part)) for row in study.of(basis)]
+        shown = [value if isfinite(value) and value > ROUND_OFF else nan for _, value in values]
+        drawn += [value for value in shown if isfinite(value)]
+        axes.plot([n for n, _ in values], shown, markersize=3.2, linewidth=1.0, gid=f"{part}-{basis}", **look)
     if drawn:
         axes.set_yscale("log")
         axes.set_ylim(10 ** floor(log10(min(drawn))) / ROOM, ROOM * min(10 ** ceil(log10(max(drawn))), LARGEST))

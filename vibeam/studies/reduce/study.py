@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from math import isfinite, nan
+from dataclasses import dataclass, field, replace
+from functools import partial
+from math import inf, isfinite, nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy as np
 from vibeam.studies.reduce.bases import Basis, bases_of
 from vibeam.studies.reduce.contact_time import contact_time as time_in_contact
 from vibeam.studies.reduce.losses import ContactPulse, Losses, Question
+from vibeam.studies.reduce.response import Claim, FullResponse
 from vibeam.studies.reduce.transfer import ModalForm, TransferErrors, TransferStudy
 from vibeam_models.arguments import whole
 from vibeam_models.laws.compliant import LinearStop
@@ -22,9 +24,10 @@ if TYPE_CHECKING:
 
 MOST = 12
 
-YIELDS = (
-    "the stop yields: the losses are of one impact, and no error of a response is estimated for such a stop; where few "
-    "motions repeat, what is recommended may be off by more: fly it beside more coordinates"
+HELD = (
+    "R is held at the contact: what mode 1 keeps of its speed falls with every mode that is added, to R₁ = {0:.4g} "
+    "with all, and what is left goes like 1/n; with that held in its place (stop.restitution = {0:.4g}, "
+    'stop.restitution_of = "first mode") enough are {1}; or let the stop yield'
 )
 
 FREQUENCIES = 400  # of the band
@@ -36,20 +39,24 @@ REFERENCE = 60  # coordinates that stand for a structure whose modes are not all
 
 @dataclass(frozen=True)
 class Recommendation:
-    """Least number of coordinates ``modes`` from which on all losses are within the accuracy; None: above the last.
+    """Least number of coordinates ``modes`` from which on the response is within the accuracy; None: there is none.
 
-    ``losses``: what is lost with it. ``why``: why the case cannot have the basis at all.
+    ``losses``: all that is lost with it; ``by_losses``: the number from which on these are within the accuracy, which
+    claims nothing of the response. ``frequency`` in Hz, of a basis about one, which a fidelity must name too. ``why``:
+    why the case cannot have the basis at all.
     """
 
     basis: str
     modes: int | None
     losses: Losses | None
+    by_losses: int | None = None
+    frequency: float | None = None
     why: str = ""
 
 
 @dataclass(frozen=True, eq=False)
 class ReductionStudy:
-    """Losses of every basis at n = 1, 2 …, and the n that is enough ``within`` an accuracy.
+    """Losses of every basis at n = 1, 2 …, and the n that is enough ``within`` an accuracy, as the ``claim`` says.
 
     ``band`` Hz, and how many natural modes are ``in_band``; ``contact_time`` s, NaN where none is known. ``curves``:
     errors of the transfer functions over the band, by basis, n and place. ``notes``: limits of the numbers.
@@ -58,6 +65,7 @@ class ReductionStudy:
     case: Case
     rows: tuple[Losses, ...]
     recommended: tuple[Recommendation, ...]
+    claim: Claim
     within: float
     band: tuple[float, float]
     in_band: int
@@ -83,8 +91,9 @@ def reduce(
     bases: Sequence[str] | None = None,
     most: int = MOST,
 ) -> ReductionStudy:
-    """What each reduction of a case's structure loses with n = 1 … ``most`` coordinates, without flying it.
+    """What each reduction of a case's structure loses with n = 1 … ``most`` coordinates, and the n that is enough.
 
+    Nothing is flown where all modes' motions are known in closed form at every frequency (``FullResponse``).
     ``within``: accuracy by which a number is recommended; ``band`` in Hz: of transfer functions and frequencies, from 0
     to ten times the highest drive frequency where None; ``contact_time`` in s: of the stop, that of a linear one where
     None. ``bases``: names of these alone. ValueError for a case without a structure to reduce, an unknown basis, or
@@ -102,14 +111,17 @@ def reduce(
     of_first = held.stop.restitution_of == "first mode"
     question = Question(TransferStudy(form, mus), in_band, pulse, given, of_first, within)
     chosen = bases_of(case, None if bases is None else tuple(bases))
-    rows, curves = _answered(question, structure, chosen, min(most, structure.size))
-    recommended = tuple(
-        _recommended(basis, [row for row in rows if row.basis == basis.name], within) for basis in chosen
-    )
+    answers = _answered(question, structure, chosen, min(most, structure.size))
+    full, claim = _all_modes(case, structure)
+    found = [_with_responses(answer, full, within) for answer in answers]
+    claim = claim if full is None else full.claim
+    recommended = tuple(map(partial(_recommended, claim=claim, within=within), chosen, found))
     time = nan if pulse is None else pulse.duration
-    said = (*notes, *_notes(case, pulse), *_absent(chosen, rows))
+    rows = tuple(row for part in found for row in part)
+    said = (*notes, *_notes(case, pulse), *_cure(full, claim, recommended, answers, within), *_absent(chosen, rows))
+    curves = {key: curve for answer in answers for key, curve in answer.curves.items()}
     return ReductionStudy(
-        case, tuple(rows), recommended, within, (low, high), in_band, time, structure.size, said, curves
+        case, rows, recommended, claim, within, (low, high), in_band, time, structure.size, said, curves
     )
 
 
@@ -153,39 +165,88 @@ def _pulse(case: Case, form: ModalForm, asked: float | None) -> ContactPulse | N
 
 
 def _notes(case: Case, pulse: ContactPulse | None) -> list[str]:
-    law = None if case.scene.stop is None else case.scene.stop.law
-    if law is None or not law.compliant:
+    law = case.scene.stop.law if case.scene.stop is not None else None
+    if law is None or not law.compliant or pulse is not None:
         return []
-    timed = [f'the contact time of law "{law.name}" depends on the velocity: an impulse stands for it']
-    return [*(timed if pulse is None else []), YIELDS]
+    return [f'the contact time of law "{law.name}" depends on the velocity: an impulse stands for it']
 
 
-def _answered(
-    question: Question, structure: Structure, bases: Sequence[Basis], most: int
-) -> tuple[list[Losses], dict[tuple[str, int, str], TransferErrors]]:
-    rows: list[Losses] = []
-    curves: dict[tuple[str, int, str], TransferErrors] = {}
-    for basis in bases:
+@dataclass(frozen=True, eq=False)
+class _Answer:
+    """Losses of one basis with 1, 2 … coordinates, the reduced structures, None where there is none, and the curves."""
+
+    rows: list[Losses] = field(default_factory=list)
+    structures: list[Structure | None] = field(default_factory=list)
+    curves: dict[tuple[str, int, str], TransferErrors] = field(default_factory=dict)
+
+
+def _answered(question: Question, structure: Structure, bases: Sequence[Basis], most: int) -> list[_Answer]:
+    answers = [_Answer() for _ in bases]
+    for basis, answer in zip(bases, answers, strict=True):
         for n in range(1, most + 1):
             try:
-                row, found = question.losses(basis.name, n, basis.of(structure, n))
+                made = basis.of(structure, n)
+                row, found = question.losses(basis.name, n, made)
+                answer.structures.append(made.structure)
             except ValueError as refusal:
                 row, found = Losses(basis.name, n, why=str(refusal)), {}
-            rows.append(row)
-            curves |= {(basis.name, n, place): each for place, each in found.items()}
-    return rows, curves
+                answer.structures.append(None)
+            answer.rows.append(row)
+            answer.curves.update({(basis.name, n, place): each for place, each in found.items()})
+    return answers
 
 
-def _recommended(basis: Basis, rows: Sequence[Losses], within: float) -> Recommendation:
-    """The least n such that it and all larger ones that there are are within the accuracy."""
+def _all_modes(case: Case, structure: Structure) -> tuple[FullResponse | None, Claim]:
+    full = FullResponse(case, structure)
+    try:
+        return full, full.claim
+    except ValueError as refusal:
+        return None, Claim(structure.size, refused=str(refusal))
+
+
+def _with_responses(answer: _Answer, full: FullResponse | None, within: float) -> list[Losses]:
+    if full is None:
+        return answer.rows
+    found = full.errors(answer.structures, within)
+    return [replace(row, response=response) for row, response in zip(answer.rows, found, strict=True)]
+
+
+def _recommended(basis: Basis, rows: Sequence[Losses], claim: Claim, within: float) -> Recommendation:
+    """The least n such that it and all larger ones that are known are within the accuracy."""
     if not any(isfinite(row.loss) for row in rows):
-        return Recommendation(basis.name, None, None, rows[-1].why)
+        return Recommendation(basis.name, None, None, why=rows[-1].why)
+    known = [row for row in rows if row.response.complete and not claim.refused]
+    enough = _least([(row, row.response.within(within)) for row in known])
+    by_losses = _least([(row, row.loss <= within) for row in rows if isfinite(row.loss)])
+    modes, least = (None if row is None else row.modes for row in (enough, by_losses))
+    return Recommendation(basis.name, modes, enough, least, basis.parameters.get("frequency"))
+
+
+def _cure(
+    full: FullResponse | None, claim: Claim, recommended: Sequence[Recommendation], answers: Sequence[_Answer],
+    within: float,
+) -> list[str]:  # fmt: skip
+    """What holding R₁ of all modes would save where R held at the contact asks for many coordinates, or too many."""
+    if full is None or claim.refused or not claim.closed or full.case.scene.held[0] != "contact":
+        return []
+    fewer = []
+    for each, answer in zip(recommended, answers, strict=True):
+        errors = full.with_first_mode_held(answer.structures)
+        known = [(row, error.within(within)) for row, error in zip(answer.rows, errors, strict=True) if error.known]
+        enough = _least(known)
+        if enough is not None and enough.modes < (each.modes or inf):
+            fewer.append(f"{each.basis} {enough.modes}")
+    return [HELD.format(full.first_mode, ", ".join(fewer))] if fewer else []
+
+
+def _least(rows: Sequence[tuple[Losses, bool]]) -> Losses | None:
+    """The first row from which on all are sufficient."""
     enough = None
-    for row in reversed([row for row in rows if isfinite(row.loss)]):
-        if row.loss > within:
+    for row, sufficient in reversed(rows):
+        if not sufficient:
             break
         enough = row
-    return Recommendation(basis.name, None if enough is None else enough.modes, enough)
+    return enough
 
 
 def _absent(bases: Sequence[Basis], rows: Sequence[Losses]) -> list[str]:

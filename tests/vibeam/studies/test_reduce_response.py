@@ -1,0 +1,142 @@
+"""What ``vibeam reduce`` recommends: by the response over the sweep, held against flights of random beams."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from observed import NEUTRAL
+
+import vibeam
+from tests.benchmarks.recommended_beams import drawn, misses
+from vibeam.case.case import Case
+from vibeam.casefile.read import parse
+from vibeam.report.reduce import claim, reduction_tables
+from vibeam.studies.reduce.response import Amplitudes, ResponseError, response_error
+from vibeam_models.laws.restitution import first_mode_restitution
+
+RIG = NEUTRAL.read_text(encoding="utf-8").partition("[reference")[0]
+GRID = {"sweep.frequency": ["14.5 Hz", "15.3 Hz", "16 Hz"]}
+
+
+def parsed(own: dict[str, Any]) -> Case:
+    """The neutral rig of few elements, R held at the contact, swept up, with all modes as a fidelity."""
+    plain = {"beam.elements": 8, "sweep.direction": "up", "fidelity.all": {"reduction": "full"}}
+    return parse(RIG, set=plain | ({} if "stop" in own else {"stop.restitution_of": "contact"}) | own)
+
+
+@pytest.mark.parametrize(("kind", "seed"), [("contact", 2), ("contact", 4), ("first mode", 3), ("linear", 6)])
+def test_no_recommendation_is_off_by_more_where_it_repeats_as_all_modes_do(kind: str, seed: int) -> None:
+    """Few of the 200 beams of each stop that ``tests/benchmarks/recommended_beams.py`` flies."""
+    rows = misses(vibeam.reduce(drawn(kind, seed)))
+    assert rows
+    for row in rows:
+        assert row["struck"] > row["points"] / 2, row
+        assert row["worst"] <= 0.05, row
+
+
+PINNED = """
+[beam]
+length = "346.17 mm"
+width = "16.291 mm"
+thickness = "2.7315 mm"
+youngs_modulus = "210 GPa"
+density = "7850 kg/m^3"
+damping_ratio = 0.01747
+elements = 6
+ends = "clamped-pinned"
+[mass]
+mass = "137.8 g"
+position = "292.28 mm"
+[stop]
+gap = "0 mm"
+restitution = 0.85538
+[sensor]
+position = "292.28 mm"
+[drive]
+acceleration = "1 m/s^2"
+[sweep]
+frequency = { from = "111.536 Hz", to = "135.652 Hz", points = 7 }
+direction = "up"
+settle = 150
+hold = 24
+[fidelity.five]
+reduction = "modal"
+modes = 5
+[fidelity.all]
+reduction = "full"
+"""
+
+
+def test_a_recommendation_in_closed_form_is_the_error_of_a_run_and_the_losses_stay_beside_it() -> None:
+    """R held at the contact: by the losses five modes would do, which are 20.5 % off (a run's own comparison)."""
+    case = parse(PINNED)
+    study = vibeam.reduce(case, bases=["modal"])
+    assert (study.claim.closed, study.claim.struck, study.claim.flown, study.claim.refused) == (7, 7, 0, "")
+    flown = vibeam.run(case)
+    ours, whole = flown["five"].up, flown["all"].up
+    assert ours is not None
+    assert whole is not None
+    off = np.abs(ours.amplitude / whole.amplitude - 1)
+    told = study.of("modal")[4].response
+    assert told.worst == pytest.approx(off.max(), rel=1e-4) == pytest.approx(0.205, abs=5e-4)
+    assert told.rms == pytest.approx(np.sqrt(np.mean(off**2)), rel=1e-4)
+    (found,) = study.recommended
+    assert (found.modes, found.by_losses) == (9, 5)
+    assert found.losses is not None
+    assert found.losses.response.worst <= 0.05 < study.of("modal")[7].response.worst
+    said = claim(study)
+    assert said.startswith("n is recommended by the amplitude, within 5 % of that of all 11 modes at each point")
+    assert said.endswith("known at 7 of 7 frequencies in closed form, 7 with impacts.")
+    assert reduction_tables(study)[0].title == "Largest error of the amplitude with n coordinates"
+
+
+def test_where_r_is_held_at_the_contact_a_note_says_what_r1_held_would_save() -> None:
+    case = parsed(GRID)
+    whole = case.system("all")
+    seen = first_mode_restitution(0.72, float(whole.contact[0]), float(whole.contact @ whole.contact))
+    (note,) = vibeam.reduce(case, bases=["modal"], most=4).notes
+    assert note.startswith("R is held at the contact")
+    assert f'(stop.restitution = {seen:.4g}, stop.restitution_of = "first mode") enough are modal 2;' in note
+    held = {"stop.restitution": seen, "stop.restitution_of": "first mode"}
+    (found,) = vibeam.reduce(parsed(GRID | held), bases=["modal"], most=4).recommended
+    assert found.modes == 2
+
+
+def test_nothing_is_recommended_where_the_motions_do_not_repeat() -> None:
+    """The tight gap below its range of period 1: chaos."""
+    grid = ["14 Hz", "14.2 Hz", "14.4 Hz", "14.6 Hz"]
+    tight = {"stop.gap": "-0.1 mm", "stop.gap_at": "sensor", "sweep.frequency": grid}
+    study = vibeam.reduce(parsed(tight), bases=["modal"])
+    assert "do not repeat" in study.claim.refused
+    (found,) = study.recommended
+    assert found.modes is None
+    assert found.by_losses is not None
+    assert claim(study).startswith("No number of coordinates is recommended for all 16 modes: more than half")
+
+
+def test_a_flight_is_given_up_where_a_model_is_off() -> None:
+    stop = {"gap": "0 mm", "law": "linear", "stiffness": "1000 N/mm", "restitution": 0.7}
+    case = parsed({"stop": stop, "sweep.frequency": ["14.5 Hz", "15.3 Hz"]})
+    study = vibeam.reduce(case, bases=["residual_flexibility"], most=4)
+    assert study.claim.why_flown == 'no closed-form motions with the contact law "linear"'
+    assert (study.claim.flown, study.claim.repeating) == (2, 2)
+    first, *_, last = (row.response for row in study.of("residual_flexibility"))
+    assert first.given_up
+    assert first.worst > 0.05
+    assert not last.given_up
+    assert (last.alike, last.known) == (2, 2)
+
+
+def test_a_model_that_makes_other_motions_is_not_within() -> None:
+    grid = np.arange(20)
+    full, ours = np.full((20, 3), np.nan), np.full((20, 3), np.nan)
+    full[:, 0], ours[2:, 0], ours[:2, 1] = 1.0, 1.01, 1.0
+    ours[7, 0] = 1.04
+    found = response_error([tuple(Amplitudes(grid, 10.0 + grid, each, 20) for each in (ours, full))])
+    assert (found.worst, found.mu, found.alike, found.known) == (pytest.approx(0.04), 17.0, 18, 20)
+    assert found.rms == pytest.approx(np.sqrt((17 * 0.01**2 + 0.04**2) / 18))
+    assert found.within(0.05)
+    assert not found.within(0.03)
+    assert not ResponseError(0.01, 1.0, 0.01, 17, 20).within(0.05)

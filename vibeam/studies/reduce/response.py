@@ -1,0 +1,319 @@
+"""Error of a reduced model's response over a case's sweep, against all modes: in closed form, else flown.
+
+Motions with one impact a drive period, and those without any, are known in closed form at every frequency. Where all
+modes have none of these at some frequency, or the stop has no closed forms, the sweep itself is flown: all modes once,
+of reduced models as many as it takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from math import nan
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.fidelity import gap_drift, gap_wear, system_of
+from vibeam.case.reduced_structure import static_at_contact
+from vibeam.flight.solver import FlightSolver
+from vibeam.run.accuracy.closed_forms import FREE, KINDS
+from vibeam.run.comparison.closed_curve import amplitudes
+from vibeam.run.comparison.of_case import MOVING, SEVERAL
+from vibeam.run.estimate.error import unsuited
+from vibeam.run.estimate.full_model import LARGEST
+from vibeam.run.sweep import march
+from vibeam.system.response import periodic
+from vibeam_models.laws.restitution import contact_restitution, first_mode_restitution
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.system.impact_system import ImpactSystem
+    from vibeam_models.structure import Structure
+
+Array = NDArray[np.float64]
+
+Flags = NDArray[np.bool_]
+
+Index = NDArray[np.int64]
+
+COUNTS = (31, 7)  # frequencies of a sweep that is flown in place of a longer one; fewer where those cost too much
+
+BUDGET = 6e7  # evaluations of the contact × modes that all modes' sweep may cost: about ten seconds
+
+ALIKE = 0.9  # share of the full model's motions that a model within the accuracy must make too
+
+ENOUGH = 0.5  # share of the frequencies at which the full model's motion must be known for a recommendation
+
+COLUMNS = 18  # of amplitudes by period: 0, which stays empty, 1 … 16, and −1, no contact, as the last
+
+CHAOS = (
+    "more than half of their motions do not repeat, and of such amplitudes nothing can be claimed; sweep where they "
+    "repeat, or compare means over the plane by vibeam verdict"
+)
+
+COSTLY = (
+    "their flight over a few frequencies takes more than ten seconds; write fewer periods (sweep.settle, sweep.hold) "
+    "or fewer elements"
+)
+
+
+@dataclass(frozen=True)
+class ResponseError:
+    """Error in amplitude over a sweep, as a share of that of all modes, where both make the same motion.
+
+    ``worst``, at ``mu`` Hz, and ``rms``, NaN where not known; of ``known`` motions of all modes, ``alike`` are made.
+    ``complete``: these are all that are looked at, and not only those known in closed form; ``given_up``: the flight
+    ended where the model was seen to be off by more than the accuracy.
+    """
+
+    worst: float = nan
+    mu: float = nan
+    rms: float = nan
+    alike: int = 0
+    known: int = 0
+    complete: bool = False
+    given_up: bool = False
+
+    def within(self, accuracy: float) -> bool:
+        """Whether no motion is off by more, and next to none is another one."""
+        return self.worst <= accuracy and self.alike >= ALIKE * self.known
+
+
+UNKNOWN = ResponseError()
+
+
+@dataclass(frozen=True)
+class Claim:
+    """What a recommendation is of: the amplitude at the ``frequencies`` of a sweep, against all ``modes``.
+
+    Motions of all modes are known in ``closed`` form at so many of them, with impacts at ``struck``; at ``flown``
+    points the sweep was flown, and ``repeating`` of its motions repeat. ``why_flown``: there are no closed forms.
+    ``refused``: why nothing can be recommended by them.
+    """
+
+    modes: int = 0
+    frequencies: int = 0
+    closed: int = 0
+    struck: int = 0
+    flown: int = 0
+    repeating: int = 0
+    why_flown: str = ""
+    refused: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Amplitudes:
+    """Amplitudes in m of a model's motions at points of a sweep, by kind: (points, kinds), NaN where there is none.
+
+    ``which``: the points' places in the sweep's frequencies, ``mu`` these in Hz; the first ``done`` of them were looked
+    at, by so many evaluations × modes, the ``cost``.
+    """
+
+    which: Index
+    mu: Array
+    values: Array
+    done: int
+    cost: float = 0.0
+
+    @property
+    def points(self) -> Flags:
+        """Mask of the points with a motion that is known."""
+        return np.asarray(np.isfinite(self.values).any(axis=1))
+
+
+def response_error(pairs: Sequence[tuple[Amplitudes, Amplitudes]]) -> ResponseError:
+    """Error of a model's amplitudes, each beside those of all modes at the same points, kind by kind."""
+    if not pairs:
+        return UNKNOWN
+    mu = np.concatenate([np.repeat(full.mu[: len(full.values)], full.values.shape[1]) for _, full in pairs])
+    ours = np.concatenate([found.values.ravel() for found, _ in pairs])
+    whole = np.concatenate([full.values.ravel() for _, full in pairs])
+    known = np.isfinite(whole) & (whole != 0)
+    alike = np.flatnonzero(known & np.isfinite(ours))
+    counted = ResponseError(alike=len(alike), known=int(known.sum()))
+    if not len(alike):
+        return counted
+    off = np.abs(ours[alike] / whole[alike] - 1)
+    top = int(np.argmax(off))
+    rms = float(np.sqrt(np.mean(off**2)))
+    return replace(counted, worst=float(off[top]), mu=float(mu[alike[top]]), rms=rms)
+
+
+@dataclass(frozen=True, eq=False)
+class FullResponse:
+    """Response of all modes of a case's ``structure`` over its sweep, with which reduced models are compared."""
+
+    case: Case
+    structure: Structure
+
+    def system(self, small: Structure) -> ImpactSystem:
+        """Impact system of the case with a structure in place of its own; ValueError for an impossible one."""
+        scene: Any = self.case.scene
+        return system_of(scene, small, self._static)
+
+    def errors(self, structures: Sequence[Structure | None], accuracy: float) -> list[ResponseError]:
+        """Error with each of the ``structures`` of a basis, the smaller first; flown until two in turn are within."""
+        models = [self._tried(small) for small in structures]
+        found = [UNKNOWN if model is None else self._error(model) for model in models]
+        off = [i for i, each in enumerate(found) if each.known and not each.within(accuracy)]
+        before = False
+        for i in range(max(off, default=-1) + 1, len(models)):
+            model = models[i]
+            if model is None or found[i].complete:
+                continue
+            found[i] = self._error(model, accuracy)
+            if before and found[i].within(accuracy):
+                break
+            before = found[i].within(accuracy)
+        return found
+
+    def with_first_mode_held(self, structures: Sequence[Structure | None]) -> list[ResponseError]:
+        """Errors in closed form with R₁ of all modes held, in place of R at the contact of a rigid stop."""
+        made = [self._tried(small) for small in structures]
+        models = [None if model is None or unsuited(model) else _seeing(model, self.first_mode) for model in made]
+        return [UNKNOWN if model is None else self._error(model) for model in models]
+
+    @property
+    def first_mode(self) -> float:
+        """R₁, what mode 1 sees of a rigid stop in the model of all modes."""
+        c = self.full.contact
+        return first_mode_restitution(self.full.restitution, float(c[0]), float(c @ c))
+
+    def _tried(self, small: Structure | None) -> ImpactSystem | None:
+        try:
+            return None if small is None else self.system(small)
+        except ValueError:  # a restitution of mode 1 that no contact gives, a contact without mass
+            return None
+
+    def _error(self, model: ImpactSystem, accuracy: float | None = None) -> ResponseError:
+        """Error of a model in closed form; with an ``accuracy`` of its sweep too, up to where it is off by more."""
+        suited, whole = not unsuited(model), None if accuracy is None else self.swept
+        try:
+            pairs = [(self._in_closed_form(model), self.closed)] if self.share and suited else []
+            if whole is not None and accuracy is not None:
+                flight = self._flown(model, whole.which, partial(_near, whole, accuracy))
+                pairs.append((flight, whole))
+        except ValueError:  # a model that no flight can be made of
+            return UNKNOWN
+        given_up = any(found.done < len(found.values) for found, _ in pairs)
+        complete = whole is not None or (self.share == 1 and suited)
+        return replace(response_error(pairs), complete=complete, given_up=given_up)
+
+    @property
+    def claim(self) -> Claim:
+        """What is known of all modes."""
+        known, struck = self.closed.points, np.isfinite(self.closed.values[:, :FREE]).any(axis=1)
+        found = Claim(self.full.size, len(known), int(known.sum()), int(struck.sum()), why_flown=self.no_closed_forms)
+        if "_sweep" not in self.__dict__ and self.share == 1:
+            return found
+        sweep, refused = self._sweep
+        return replace(found, flown=len(sweep.which), repeating=int(sweep.points.sum()), refused=refused)
+
+    @cached_property
+    def full(self) -> ImpactSystem:
+        """System of all modes; ValueError where the case has none."""
+        return self.system(self.structure)
+
+    @cached_property
+    def no_closed_forms(self) -> str:
+        """Why there are no closed forms; empty where there are."""
+        scene: Any = self.case.scene
+        if scene.harmonics:
+            return SEVERAL
+        if gap_wear(scene) is not None or gap_drift(scene, self._omega) is not None:
+            return MOVING
+        if scene.platform is not None and scene.platform.coupling == "two-way":
+            return "no closed-form motions on a platform that is pushed back"
+        return f"{self.full.size} modes are too many" if self.full.size > LARGEST else unsuited(self.full)
+
+    @cached_property
+    def closed(self) -> Amplitudes:
+        """Closed-form motions of all modes at all frequencies."""
+        if not self.no_closed_forms:
+            return self._in_closed_form(self.full)
+        every = np.arange(len(self._omega))
+        return Amplitudes(every, self.case.sweep.frequency, np.full((len(every), len(KINDS)), np.nan), len(every))
+
+    @cached_property
+    def share(self) -> float:
+        """Share of the frequencies with a closed-form motion of all modes."""
+        return float(self.closed.points.mean())
+
+    @property
+    def swept(self) -> Amplitudes | None:
+        """Sweep of all modes; None where too little of it repeats, or it costs too much."""
+        sweep, refused = self._sweep
+        return None if refused else sweep
+
+    @cached_property
+    def _sweep(self) -> tuple[Amplitudes, str]:
+        """Sweep of all modes, and why it is of no use; empty where it is."""
+        least = 0.0 if self.share >= ENOUGH else ENOUGH
+        for most in COUNTS:
+            which = self._thinned(most)
+            found = self._flown(self.full, which, partial(_repeats, least * len(which)))
+            if found.cost <= BUDGET:
+                break
+        too_few = np.count_nonzero(found.points) < least * len(which)
+        return found, COSTLY if found.cost > BUDGET else CHAOS if too_few else ""
+
+    def _thinned(self, most: int) -> Index:
+        """Points of the sweep in the order flown, ``most`` frequencies evenly spread."""
+        plan, last = self.case.sweep, len(self._omega) - 1
+        up = np.unique(np.linspace(0, last, min(most, last + 1)).round().astype(int))
+        return np.concatenate({"up": (up,), "down": (up[::-1],), "both": (up, up[::-1])}[plan.direction])
+
+    @cached_property
+    def _static(self) -> float:
+        return static_at_contact(self.structure)
+
+    @cached_property
+    def _omega(self) -> Array:
+        return 2 * np.pi * self.case.sweep.frequency
+
+    def _in_closed_form(self, system: ImpactSystem) -> Amplitudes:
+        base = np.broadcast_to(np.asarray(self.case.amplitude(self._omega), dtype=float), self._omega.shape)
+        flight = FlightSolver(system, float(self._omega.min()))
+        values = amplitudes(flight, self._omega, base, self.case.sweep.output, KINDS)
+        return Amplitudes(np.arange(len(values)), self.case.sweep.frequency, values, len(values))
+
+    def _flown(self, system: ImpactSystem, which: Index, goes_on: Callable[[Amplitudes], bool]) -> Amplitudes:
+        """Amplitudes by period of the case's sweep at the points ``which``, as long as it ``goes_on``."""
+        plan, scene, omega = self.case.sweep, self.case.scene, self._omega[which]
+        values, first, cost = np.full((len(omega), COLUMNS), np.nan), 0, 0.0
+        for response, _ in march(
+            system, omega, self.case.amplitude(omega), settle=plan.settle, hold=plan.hold, output=plan.output,
+            drift=gap_drift(scene, omega), wear=gap_wear(scene), harmonics=scene.harmonics,
+        ):  # fmt: skip
+            rows = np.flatnonzero(periodic(response))
+            values[first + rows, response.period[rows]] = response.amplitude[rows]
+            first, cost = first + len(response), cost + float(response.evaluations.sum()) * system.size
+            found = Amplitudes(which, plan.frequency[which], values, first, cost)
+            if not goes_on(found):
+                break
+        return found
+
+
+def _seeing(model: ImpactSystem, first_mode: float) -> ImpactSystem | None:
+    """Model with the contact's restitution of which its mode 1 sees so much; None where no contact gives that."""
+    c = model.contact
+    try:
+        return replace(model, restitution=contact_restitution(first_mode, float(c[0]), float(c @ c)))
+    except ValueError:
+        return None
+
+
+def _repeats(least: float, found: Amplitudes) -> bool:
+    """Whether at least so many of the points can still repeat, within the budget."""
+    still = len(found.values) - found.done + int(found.points.sum())
+    return found.cost <= BUDGET and still >= least
+
+
+def _near(whole: Amplitudes, accuracy: float, found: Amplitudes) -> bool:
+    """Whether a model can still be within the accuracy of the sweep of all modes."""
+    ours, theirs = (replace(part, values=part.values[: found.done]) for part in (found, whole))
+    error, missable = response_error([(ours, theirs)]), (1 - ALIKE) * int(whole.points.sum())
+    return not error.worst > accuracy and error.known - error.alike <= missable
