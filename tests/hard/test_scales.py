@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from motions import COMPLETE, EPSILON, NONE, assert_lawful, judged, one, state
 
 import vibeam
+from vibeam_models.laws.compliant import LinearStop
 
 SYSTEM = vibeam.ImpactSystem.from_modes(
     [1.0, 3.3, 7.1], [0.05, 0.03, 0.04], [1.0, -0.6, 0.3], [1.0, 0.4, -0.2], gap=0.02, restitution=0.7,
@@ -55,6 +57,16 @@ def test_times_that_no_bound_can_hold_are_refused(time: int) -> None:
     """Bounds take eighth powers of the rates: beyond 1e±36 1/s the solver says so, and does not hang."""
     with pytest.raises(ValueError, match="take another unit of time"):
         scaled(SYSTEM, 1.0, 2.0**time)
+
+
+@pytest.mark.parametrize("law", [None, LinearStop(1e4, 1.0)])
+@pytest.mark.parametrize("omega", [1e-310, 1e-300, 1e300])
+def test_a_frequency_that_no_square_holds_is_flown_or_refused(omega: float, law: LinearStop | None) -> None:
+    """No number is made of infinity, and nothing warns of it."""
+    system = vibeam.ImpactSystem.from_modes([omega], 0.02, [1.0], [1.0], gap=0.1, law=law)
+    for drive in (vibeam.Drive(1.0, 1.0), vibeam.Drive(omega, 1.0)):
+        with contextlib.suppress(ValueError):
+            vibeam.simulate(system, drive, 60.0)
 
 
 @pytest.mark.parametrize(("length", "time"), [(1e-9, 1.0), (1e3, 1.0), (1e-9, 1e-6), (1e3, 3600.0), (1e-250, 1e5)])

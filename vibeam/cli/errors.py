@@ -37,7 +37,8 @@ def mistakes() -> Iterator[None]:
     except BrokenPipeError:
         reader_gone()
     except OSError as error:
-        _stop(f"{error.filename or 'file'}: {(error.strerror or str(error)).lower()}", WRONG)
+        where = f"{error.filename}: " if error.filename else ""
+        _stop(f"{where}{(error.strerror or str(error)).lower()}", WRONG)
     except MemoryError:
         _stop("there is not enough memory: take fewer points, periods, modes or elements", WRONG)
     except ImportError as error:

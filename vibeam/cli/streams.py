@@ -13,6 +13,7 @@ from typing import NoReturn
 from unicodedata import normalize
 
 from vibeam.case.faults import printable
+from vibeam.exchange.stdout import naming_stdout
 
 WRONG, STOPPED = 2, 130
 
@@ -95,11 +96,13 @@ def say(text: str) -> None:
 
 def put(text: str) -> None:
     """Print lines on stdout, control characters as escapes."""
-    print("\n".join(map(printable, text.split("\n"))))
+    with naming_stdout():
+        print("\n".join(map(printable, text.split("\n"))))
 
 
 def put_json(text: str) -> None:
     """Print JSON on stdout; what the stream cannot take, and control characters, as JSON's own escapes."""
     unicode = (sys.stdout.encoding or "utf-8").lower().startswith("utf")
     plain = (each == "\n" or (each.isprintable() and (unicode or each.isascii())) for each in text)
-    print("".join(each if kept else json.dumps(each)[1:-1] for each, kept in zip(text, plain, strict=True)))
+    with naming_stdout():
+        print("".join(each if kept else json.dumps(each)[1:-1] for each, kept in zip(text, plain, strict=True)))

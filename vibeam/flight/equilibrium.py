@@ -51,7 +51,7 @@ def equilibrium(system: ImpactSystem) -> State:
 def without_stop(system: ImpactSystem) -> Array:
     """The displacements (n,) under the static forces alone; 0 of modes without stiffness."""
     moving = system.omega > 0
-    with np.errstate(divide="ignore", over="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         free = np.where(moving & (system.static != 0), system.static / np.where(moving, system.omega, 1.0) ** 2, 0.0)
     if not np.isfinite(free).all():
         raise ValueError("static: no float holds the equilibrium, static over omega²: take other units")

@@ -98,7 +98,7 @@ def lyapunov(
     state that is on the motion meant: of a periodic one its exponents are those of that motion, stable or not.
     ``periods``: drive periods of the mean where the motion does not repeat. For any damping, one stop or two, R or R(v)
     or a linear stop. ValueError for Hertz' and Hunt–Crossley's law and several contacts, whose tangent maps are not
-    known, and for arguments that make no sense; ArithmeticError where the motion ends on the way (too many impacts).
+    known, for arguments that make no sense, and where the motion ends on the way (too many impacts).
     """
     require("system", system, ImpactSystem)
     require("drive", drive, Drive)

@@ -59,6 +59,10 @@ class Cycle:
     flown: Flown
 
 
+class MotionEnded(ValueError, ArithmeticError):
+    """Motion that ends on the way; the message says why."""
+
+
 class StroboscopicMap:
     """Stroboscopic map of one system and drive; ValueError where its tangent maps are not known, or without a period.
 
@@ -79,13 +83,13 @@ class StroboscopicMap:
         self.units = np.concatenate([np.where(system.omega > 0, system.omega, drive.omega), np.ones(system.size)])
 
     def flown(self, state: State | None, periods: float, begin: float | None = None) -> Flown:
-        """Motion over ``periods`` from ``state`` at ``begin`` (None: ``time``); ArithmeticError where it fails."""
+        """Motion over ``periods`` from ``state`` at ``begin`` (None: ``time``); MotionEnded where it fails."""
         start = (self.time if begin is None else begin) % self.period
         ended, _, last, segments, _ = self.runner.simulate(
             self.drive, state, start, start + periods * self.period, IMPACTS
         )
         if ended is not Ended.COMPLETE:
-            raise ArithmeticError(f"the motion ended: {ended.value}")
+            raise MotionEnded(f"the motion ended: {ended.value}")
         return Flown(self.system, self.drive, segments, last)
 
     def in_flight(self, state: State | None) -> tuple[StroboscopicMap, State]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 from rich.console import Console
 from rich.text import Text
 
+from vibeam.exchange.stdout import naming_stdout
 from vibeam.figures.prefixes import FREQUENCIES, prefixed
 from vibeam.figures.units import METRIC, Units, percent, signed, without_round_off
 from vibeam.report.measured import measurements
@@ -42,6 +43,11 @@ def print_table(table: ReportTable) -> None:
     console = Console(file=sys.stdout, highlight=False, markup=False)
     if not console.is_terminal:
         console.width = max(80, min(WIDEST, needed(table)))
+    with naming_stdout():
+        _print(console, table)
+
+
+def _print(console: Console, table: ReportTable) -> None:
     width = console.width
     for piece in fitted(table, width):
         title, piece.title = str(piece.title), None

@@ -255,6 +255,12 @@ def test_what_is_not_known_is_refused(system: vibeam.ImpactSystem, words: str) -
         vibeam.lyapunov(system, WILD)
 
 
+def test_a_motion_that_ends_on_the_way_is_refused_like_all_else() -> None:
+    loose = vibeam.ImpactSystem.from_modes([1e-300], 0.02, [1.0], [1.0], gap=0.1)
+    with pytest.raises(ValueError, match="the motion ended"):
+        vibeam.lyapunov(loose, vibeam.Drive(1.0, 1.0), settle=2, periods=20)
+
+
 def test_faults_in_arguments_are_all_named() -> None:
     with pytest.raises(ValueError, match=r"(?s)settle.*periods.*count"):
         vibeam.lyapunov(ONE, WILD, settle=-1, periods=3, count=9)

@@ -121,19 +121,21 @@ def yields(omega: Array, contact: Array) -> Array:
 def pack(system: ImpactSystem, omega: float, span: float = 0.0) -> PackedSystem:
     """The system packed for drives of ``omega`` rad/s and more; without, for the slowest mode or a time of ``span``.
 
-    Systems that were packed lately are not packed again. ValueError for rates that no double can hold.
+    Systems that were packed lately are not packed again. ValueError as ``top_level``.
     """
-    slowest, key = slowest_rate(system, omega, span), _Same(system)
-    fastest = _fastest_rate(key)
-    if not (fastest < FASTEST and slowest > 1 / FASTEST):
-        raise ValueError(f"rates from {slowest:g} to {fastest:g} rad/s: take another unit of time")
-    return _packed(key, top_level(slowest, fastest))
+    key = _Same(system)
+    return _packed(key, top_level(slowest_rate(system, omega, span), _fastest_rate(key)))
 
 
 def top_level(slowest: float, fastest: float) -> int:
-    """Level of the longest panels, 2**level s: for the slowest rate, but so that the shortest resolve the fastest."""
+    """Level of the longest panels, 2**level s: for the slowest rate, but so that the shortest resolve the fastest.
+
+    ValueError for rates that no double can hold.
+    """
+    if not (fastest < FASTEST and slowest > 1 / FASTEST):
+        raise ValueError(f"rates from {slowest:g} to {fastest:g} rad/s: take another unit of time")
     longest = floor(log2(PANEL / slowest))
-    return min(longest, floor(log2(RESOLVED / fastest)) + LEVELS - SPARE) if fastest > 0 else longest
+    return min(longest, floor(log2(RESOLVED / fastest)) + LEVELS - SPARE) if fastest > 1 / FASTEST else longest
 
 
 @dataclass(frozen=True, eq=False)

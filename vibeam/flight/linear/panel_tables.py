@@ -60,10 +60,12 @@ def _inverse(omega: Array, over: Array, disc: Array) -> Array:
     holds for derivatives as the energy's does. Far beyond critical damping it is smaller by 2ζ.
     """
     energy = np.where(omega > SMALLEST, 1.0 / np.where(omega > SMALLEST, omega, 1.0), 0.0)
-    decay = np.where(disc > 0, (1 + np.sqrt(2)) / np.where(over > 0, over, 1.0), np.inf)
+    with np.errstate(over="ignore"):  # hardly any decay bounds nothing
+        decay = np.where(disc > 0, (1 + np.sqrt(2)) / np.where(over > 0, over, 1.0), np.inf)
     return np.asarray(np.minimum(energy, decay))
 
 
 def rates(omega: Array, sigma: Array) -> Array:
     """κ = σ + √(σ² + ω²): every time derivative grows at most by it, in the energy norm (ωx, x')."""
-    return np.asarray(sigma + np.sqrt(sigma**2 + omega**2))
+    with np.errstate(over="ignore"):  # an infinite rate is refused
+        return np.asarray(sigma + np.sqrt(sigma**2 + omega**2))

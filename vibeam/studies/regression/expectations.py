@@ -56,6 +56,8 @@ def _deviation(expected: Expectation, number: float) -> float:
 
 def _reported(expected: Expectation, found: list[Found]) -> Iterator[str]:
     for each in found:
+        if each.fault:
+            continue  # its reason is among the notes
         if expected.against is not None:
             yield f"{100 * each.number:+.2f} % against {expected.against}, expected {100 * expected.value:+.4g} %"
         else:

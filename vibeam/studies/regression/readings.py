@@ -46,7 +46,9 @@ def read(reading: Reading, result: Result, direction: str) -> Found:
     other = _number(reading, result, reading.against, direction)
     if other.fault:
         return Found(NAN, f"{reading.against} {other.fault}", absent=other.absent)
-    return Found(ours.number / other.number - 1 if other.number else NAN, note=ours.note or other.note)
+    if not other.number:
+        return Found(NAN, f"{direction}: {reading.against} is 0 there: nothing to compare with")
+    return Found(ours.number / other.number - 1, note=ours.note or other.note)
 
 
 def _number(reading: Reading, result: Result, name: str, direction: str) -> Found:
