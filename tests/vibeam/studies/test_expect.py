@@ -83,6 +83,16 @@ def test_a_failed_point_is_missed_with_its_reason() -> None:
     found = row('quantity = "amplitude"\nfrequency = 15.0\nvalue = 3.0\ntolerance = "1 %"', ours=failed)
     assert not found.passed
     assert "no stable motion" in found.notes[0]
+    assert found.notes[1:] == ("3, expected 3",)  # of the other branch alone
+
+
+def test_a_share_of_nothing_is_missed_with_its_reason() -> None:
+    text = 'quantity = "amplitude"\nfrequency = 15.0\nagainst = "theirs"\nvalue = 0\ntolerance = "1 %"'
+    case = parse(CASE + text + "\n")
+    still = Branches(curve(GRID, 0.0), curve(GRID[::-1], 0.0))
+    (found,) = check(case, Result(case, {"ours": OURS, "theirs": still}))
+    assert not found.passed
+    assert found.notes == tuple(f"{way}: theirs is 0 there: nothing to compare with" for way in ("up", "down"))
 
 
 def test_a_frequency_beside_the_grid_is_missed_unless_the_grid_was_overridden() -> None:
