@@ -13,6 +13,8 @@ from vibeam.exchange.text import numbered
 
 LONGEST = 100_000  # characters of a line
 
+LINES = 2_100_000  # one for each direction of the longest sweep, and comments
+
 
 def file_fault(path: Path) -> str | None:
     """Reason why a path cannot be read as a reference file, or None; it is not opened."""
@@ -29,7 +31,7 @@ def cells_of(path: Path) -> Iterator[tuple[int, list[str]]]:
     try:
         state_of(path, LARGEST_TEXT)
         with path.open(encoding="utf-8-sig") as file:
-            for number, line in numbered(file, LONGEST):
+            for number, line in numbered(file, LONGEST, LINES):
                 if line.strip() and not line.startswith("#"):
                     yield number, [cell.strip() for cell in next(csv.reader([line]))]
     except FormatError as fault:
