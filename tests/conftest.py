@@ -1,9 +1,12 @@
-"""The same examples in every run: a failure here is a failure everywhere; one thread of linear algebra a process."""
+"""The same examples in every run: a failure here is a failure everywhere; what tests need not pay for again."""
 
 from __future__ import annotations
 
 import os
+from functools import cache
 
+import pytest
+import typer.testing
 from hypothesis import settings
 
 # before numpy is imported: OpenBLAS's further threads wait by spinning, most of the CPU time of small matrices
@@ -11,3 +14,15 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 settings.register_profile("fixed", derandomize=True, deadline=None)
 settings.load_profile("fixed")
+
+typer.testing._get_command = cache(typer.testing._get_command)  # the command of an app never changes: 30 ms each time
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files of figures without a picture, which takes 0.3 s: ``tests/vibeam/figures`` draws."""
+    from undrawn import Undrawn
+
+    from vibeam.figures import page
+
+    monkeypatch.setattr(page, "composed", Undrawn)

@@ -20,6 +20,8 @@ from vibeam_models.beam import assemble_with_space
 from vibeam_models.effects import EFFECTS, Effect
 from vibeam_models.keys import quantity
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 @dataclass(frozen=True)
 class Spring(Effect):

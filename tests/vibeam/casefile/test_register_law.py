@@ -23,6 +23,8 @@ from vibeam_models.laws.compliant import LinearStop
 from vibeam_models.laws.keys import RESTITUTION
 from vibeam_models.laws.restitution import TableRestitution
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 @dataclass(frozen=True)
 class Exponential(ContactLaw):

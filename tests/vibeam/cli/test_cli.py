@@ -33,8 +33,8 @@ Command = Callable[..., Any]
 
 
 @pytest.fixture
-def command(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Command:
-    """``vibeam …`` in an empty folder, with a solver that takes no time."""
+def command(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, undrawn: None) -> Command:
+    """``vibeam …`` in an empty folder, with a solver and figures that take no time."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(fidelity_sweep, "march_blocks", Solver())
 

@@ -14,6 +14,8 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam.cli.main import app
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 CASES = Path(__file__).parents[3] / "cases"
 
 EXACT = CASES / "references" / "dtu_neutral_sdof.csv"  # by Taylor series, 30 digits; made with the values below

@@ -21,12 +21,14 @@ def drawn(text: str, out: Path) -> dict[str, int]:
     return {file.name: file.stat().st_mtime_ns for file in write_figures(result, out)}
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_complete_figures_stay(tmp_path: Path) -> None:
     first = drawn(CASE, tmp_path / "a.h5")
     assert sorted(first) == sorted(f"a{part}.{end}" for part in ("", "_period") for end in ("png", "svg", "pdf"))
     assert drawn(CASE, tmp_path / "a.h5") == first
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize("change", ["title", "a file is gone", "another picture", "results"])
 def test_figures_follow_what_they_show(change: str, tmp_path: Path) -> None:
     out, text = tmp_path / "a.h5", CASE

@@ -111,6 +111,7 @@ def impulse_train(omega: float, beta: float) -> tuple[float, float]:
     return float(np.sum(fade * sine)), float(np.sum(fade * (cosine - beta * sine)))
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_everything_is_kept_and_not_made_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     out = tmp_path / "r.h5"
     case = case_of(*EVERY, solvers=("flight", "averaging"))

@@ -32,6 +32,8 @@ from vibeam.studies.cost.settings import Setting, series_of
 from vibeam.studies.cost.study import CostStudy, cost
 from vibeam.studies.cost.work import timed
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 TINY = SDOF + '\n[cost]\nsettle = 5\nhold = 2\nfrequency = ["1.9 rad/s", "2 rad/s", "2.1 rad/s"]\nrepeats = 2\n'
 BEAM = {
     "cost.settle": 40,

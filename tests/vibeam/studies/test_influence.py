@@ -37,6 +37,8 @@ from vibeam.system.impact_system import Drive
 from vibeam.system.state import State
 from vibeam_models.beam import assemble
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 BEAM = HELD_AT_CONTACT.split("[fidelity.sdof]")[0]
 FIDELITY = '[fidelity.beam]\nreduction = "modal"\nmodes = 4\n'
 ADDED = '[[added_mass]]\nmass = "2.4 g"\nposition = "90 mm"\n'

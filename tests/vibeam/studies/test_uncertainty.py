@@ -25,6 +25,8 @@ from vibeam.studies.uncertainty.sensitivity import indices, saltelli
 from vibeam.studies.uncertainty.study import uncertainty
 from vibeam.studies.uncertainty.surface import Surface, runs
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 CASES = Path(__file__).parents[3] / "cases"
 
 CASE = """

@@ -22,6 +22,8 @@ from vibeam.studies.verdict.motions import CHAOTIC, IRREGULAR, NO_CONTACT, Motio
 from vibeam.studies.verdict.rows import control_variate_gain, correlation
 from vibeam.studies.verdict.verification import verified
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 CASES = Path(__file__).parents[3] / "cases"
 QUICK = {"sweep.settle": 120, "sweep.hold": 40, "beam.elements": 8, "fidelity.beam.modes": 3}
 GAPS = {"low": "-0.02 mm", "high": "0.1 mm"}
