@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.kernels.layout import CHATTER, DURATION, END, IMPACT, RESTING, STUCK, WHAT
+from vibeam.flight.pause import pause
 from vibeam.flight.tangent import TangentMaps
 from vibeam.orbits.cycle_multipliers import DECAY
 from vibeam.orbits.stroboscopic import Cycle, Flown, StroboscopicMap
@@ -186,6 +187,7 @@ class _Walk:
         maps = TangentMaps(flown)
         rate = maps.fastest if self.frame.shape[1] > 1 else 0.0
         for i in range(len(maps)):
+            pause()
             steps = maps.steps(i, rate, DECAY)
             for k, matrix in enumerate(steps, 1):
                 self._step(matrix, maps.lost(i) if k == len(steps) else 0)

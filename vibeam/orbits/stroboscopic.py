@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from vibeam.flight.event_driven import EventDrivenSolver, Segments
 from vibeam.flight.exact import exact_solver
 from vibeam.flight.kernels.layout import DURATION, RESTING, START, WHAT
+from vibeam.flight.pause import pause
 from vibeam.flight.tangent import TangentMaps, tangent_fault
 from vibeam.orbits.cycle_multipliers import cycle_multipliers
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -84,6 +85,7 @@ class StroboscopicMap:
 
     def flown(self, state: State | None, periods: float, begin: float | None = None) -> Flown:
         """Motion over ``periods`` from ``state`` at ``begin`` (None: ``time``); MotionEnded where it fails."""
+        pause()
         start = (self.time if begin is None else begin) % self.period
         ended, _, last, segments, _ = self.runner.simulate(
             self.drive, state, start, start + periods * self.period, IMPACTS
@@ -160,5 +162,6 @@ def jacobian(maps: TangentMaps) -> Array:
     """Product (2n, 2n) of the tangent maps along a whole motion."""
     matrix = np.eye(2 * maps.system.size)
     for i in range(len(maps)):
+        pause()
         matrix = maps.over(i) @ matrix
     return matrix

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib import import_module
+from threading import Event
 from typing import Any
 
 import numpy as np
@@ -95,3 +96,20 @@ def test_solvers_that_step_hear_it_too(monkeypatch: pytest.MonkeyPatch, solver: 
     system = vibeam.ImpactSystem.from_modes([1.0], 0.1, 1.0, 1.0, restitution=0.7)
     with pytest.raises(pause.Stopped):
         vibeam.sweep(system, omega=[2.0], amplitude=1.0, settle=10**6, hold=1, solver=solver)
+
+
+class _Late(Event):
+    """Set after so many looks at it."""
+
+    left = 100
+
+    def is_set(self) -> bool:
+        self.left -= 1
+        return self.left < 0
+
+
+def test_exponents_are_left_between_two_segments_of_a_motion() -> None:
+    """A motion with chatter has hundreds of segments in a few periods, each with a matrix exponential."""
+    system = vibeam.ImpactSystem.from_modes([47.7, 190.8], 0.01, [2.0, 1.0], [0.5, 0.2], restitution=0.3, gap=-1e-5)
+    with pause.stopping_at(_Late()), pytest.raises(pause.Stopped):
+        vibeam.lyapunov(system, vibeam.Drive(95.0, 2e-4), settle=0, periods=20)
