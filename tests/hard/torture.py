@@ -55,6 +55,7 @@ PARTS = {
     "lacks": Part("scarce", 600.0),
     "damage": Part("damage", 600.0),
     "files": Part("hostile_files", 60.0),
+    "map_damage": Part("map_damage", 60.0),
     "environment": Part("environment", 6000.0),
 }
 
