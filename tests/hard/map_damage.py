@@ -23,7 +23,7 @@ from vibeam.maps import run as running
 from vibeam.maps.block import Block
 
 SHORT = {
-    "points = 100": "points = 6", "points = 65": "points = 9", "points = 40": "points = 4",
+    "points = 100": "points = 6", "points = 65": "points = 9", "points = 40": "points = 8",
     "settle = 2000": "settle = 60", "settle = 400": "settle = 60", "settle = 200": "settle = 60",
 }  # fmt: skip
 
