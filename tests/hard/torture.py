@@ -12,6 +12,7 @@ mended where they find nothing now. ``--only N``: one number, its findings print
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator
@@ -22,6 +23,7 @@ from pathlib import Path
 
 PLACES = [Path(__file__).parent, *(Path(__file__).parents[1] / name for name in ("support", "independent"))]
 sys.path[:0] = [str(place) for place in PLACES]
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # as in the commands: the last digits of estimates hang on it
 
 import report  # noqa: E402
 from report import Span, added, worst_of  # noqa: E402
