@@ -20,7 +20,7 @@ from typing import Any
 
 FILE = Path(__file__).with_name("report.json")
 PARTS = (
-    "rigs", "impacts", "mutants", "runs", "kills", "map_kills", "races", "lacks", "damage", "map_damage", "files",
+    "rigs", "impacts", "mutants", "runs", "kills", "map_kills", "races", "lacks", "damage", "files", "map_damage",
     "environment",
 )  # fmt: skip
 
