@@ -3,22 +3,25 @@
 1. The bounds are scanned in closed form at quasi-random keys; the best of these, and the case's own, are minimised from
    by Gauss–Newton steps in a trust region (scipy's ``least_squares``), each point on its nearest motion, with Cauchy's
    loss, which no single foreign point turns (Huber, Robust Statistics, 1981, §7.8).
-2. From the best of these the fit is settled: explain the points, minimise, and again, until the explanation stays.
-   Where explanations come back in a cycle, what one of them leaves out stays out.
-3. The best is the one of the least loss over all points, those outside the family by the model's flown motion. One
+2. From the best of these the fit is settled: explain the points, minimise, and again, as long as the loss over all
+   points falls, by steps cut to that end; so no explanation comes back.
+3. Where that is not likely the model is flown at all keys of the scan, and settled from those nearest to the points.
+4. The best is the one of the least loss over all points, those outside the family by the model's flown motion. One
    without any contact is taken only where it meets the points, or no other touches the stop.
-4. Least squares proper follow; then surfaces over a smaller box, until the model itself confirms the residuals.
+5. Least squares proper follow; then surfaces over a smaller box, until the model itself confirms the residuals.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.studies.fit.explanation import SCALE, Explanation, costs, explained, nearest, robust
-from vibeam.studies.fit.other_motions import OtherMotion
+from vibeam.studies.fit.flown import Rows, flown_losses, flown_rows
+from vibeam.studies.fit.other_motions import UNTOLD, OtherMotion
 from vibeam.studies.fit.problem import IMPOSSIBLE, LEFT, NO_CONTACT, Index, Problem
 from vibeam.studies.fit.surface import quasi_random
 
@@ -36,7 +39,15 @@ ROUNDS = 8  # of explaining and minimising
 
 NEAREST = 4  # of these with every point on its nearest motion, to begin with
 
-NEAR = 4.0  # residual up to which a point that is left out may belong to the family
+GAIN = 0.05  # decrease of the loss by which a round is worth while
+
+SHARES = (1.0, 0.5, 0.2)  # of the way to a minimum that are tried
+
+DOUBTFUL = 0.2  # probability of a misfit below which starts are looked for by flights
+
+WORSE = 1.5  # loss a point above which they are too; 0.8 is expected of normal residuals
+
+FLOWN = 5  # of these starts
 
 APART = 0.02  # distance of two minima, share of the bounds
 
@@ -130,9 +141,12 @@ class Scan:
 
 def minimise(
     problem: Problem, x: Array, chosen: Index, fixed: dict[int, float] | None = None, *, loss: str = "linear",
-    most: int = MANY, tolerance: float = 1e-7,
+    most: int = MANY, tolerance: float = 1e-7, rows: Rows | None = None,
 ) -> tuple[Array, float]:  # fmt: skip
-    """Minimise over the shares that are not ``fixed``, motions held: the minimum's shares and Σ r²."""
+    """Minimise over the shares that are not ``fixed``, motions held: the minimum's shares and Σ r².
+
+    ``rows``: further, linear residuals.
+    """
     from scipy.optimize import least_squares
 
     fixed = fixed or {}
@@ -151,7 +165,8 @@ def minimise(
             seen.clear()
             full = whole.copy()
             full[free] = part
-            seen[mark] = problem.residuals(full, chosen)
+            own = problem.residuals(full, chosen)
+            seen[mark] = own if rows is None else rows.after(own, full)
         return seen[mark]
 
     found = least_squares(
@@ -170,11 +185,36 @@ def estimate(problem: Problem, scan: Scan) -> tuple[Problem, Minimum]:
         found, _ = minimise(problem, x, nearest(problem, x)[0], loss="cauchy", most=FEW)
         tried.append((nearest(problem, found)[1], found))
     tried.sort(key=lambda each: each[0])
-    starts: list[Array] = []
-    for _, x in tried:
-        if all(np.abs(x - other).max() > APART for other in starts):
-            starts.append(x)
-    return refined(problem, returned(problem, best([settled(problem, x) for x in starts[:SETTLED]])))
+    minima = list(_until_likely(problem, _apart([x for _, x in tried])[:SETTLED]))
+    if _doubtful(minima[-1]):
+        flown = scan.x[np.argsort(flown_losses(problem, scan.x), kind="stable")]
+        minima += _until_likely(problem, flown[:FLOWN], nearby=True)
+    return refined(problem, best(minima))
+
+
+def _until_likely(problem: Problem, starts: Iterable[Array], *, nearby: bool = False) -> Iterator[Minimum]:
+    """Minima from some starts, up to the first one that needs no other."""
+    for x in starts:
+        found = settled(problem, x, nearby=nearby)
+        yield found
+        if not _doubtful(found):
+            break
+
+
+def _apart(every: list[Array]) -> list[Array]:
+    """Those of several shares that are not near to one before."""
+    found: list[Array] = []
+    for x in every:
+        if all(np.abs(x - other).max() > APART for other in found):
+            found.append(x)
+    return found
+
+
+def _doubtful(found: Minimum) -> bool:
+    """Whether a minimum is unlikely enough for others to be looked for by flights."""
+    unlikely = found.freedom < 1 or probability(found.misfit, found.freedom) < DOUBTFUL
+    far = any(each.cost > UNTOLD for each in found.others.values())
+    return unlikely or far or found.loss > WORSE * len(found.chosen)
 
 
 def best(found: list[Minimum]) -> Minimum:
@@ -202,26 +242,32 @@ def probability(misfit: float, freedom: int) -> float:
 
 
 def settled(problem: Problem, x: Array, dropped: tuple[int, ...] = (), *, nearby: bool = False) -> Minimum:
-    """Minimum from one start: points explained and keys minimised in turn until the explanation stays.
+    """Minimum from one start: points explained and keys minimised in turn, as long as the loss over all points falls.
 
+    The flown points outside the family steer the keys, linearised; least squares over the family alone follow.
     ``dropped``: points that are left out whatever explains them; ``nearby``: the start is near to the minimum.
     """
-    seen: list[bytes] = []
     x = x if nearby else on_nearest(problem, x, dropped)
-    chosen, found = np.zeros(problem.count, dtype=np.int64), explained(problem, x, dropped)
+    found = explained(problem, x, dropped)
     for _ in range(ROUNDS):
-        left = found.chosen == LEFT
-        if seen and np.array_equal(found.chosen, chosen):
+        further, following = _descended(problem, x, found, dropped)
+        if following.loss > found.loss - GAIN:
             break
-        cycle = found.chosen.tobytes() in seen
-        chosen = np.where(left | ((chosen == LEFT) if cycle else False), LEFT, found.chosen)
-        seen.append(found.chosen.tobytes())
-        x, _ = minimise(problem, x, chosen, loss="cauchy", tolerance=ROUGHLY)
-        x, _ = minimise(problem, x, chosen, tolerance=ROUGHLY)
-        found = explained(problem, x, dropped)
-        if cycle:
+        x, found = further, following
+    final, _ = minimise(problem, x, found.chosen, tolerance=ROUGHLY)
+    return Minimum.at(problem, final, found.chosen, found)
+
+
+def _descended(problem: Problem, x: Array, found: Explanation, dropped: tuple[int, ...]) -> tuple[Array, Explanation]:
+    """Keys that minimise with that explanation, and theirs; nearer ones where that has not lowered the loss."""
+    rows = flown_rows(problem, x, found.others)
+    goal, _ = minimise(problem, x, found.chosen, loss="cauchy", tolerance=ROUGHLY, rows=rows)
+    for share in SHARES:
+        further = x + share * (goal - x)
+        following = explained(problem, further, dropped)
+        if following.loss < found.loss - GAIN:
             break
-    return Minimum.at(problem, x, chosen, found)
+    return further, following
 
 
 def on_nearest(problem: Problem, x: Array, dropped: tuple[int, ...]) -> Array:
@@ -237,25 +283,6 @@ def on_nearest(problem: Problem, x: Array, dropped: tuple[int, ...]) -> Array:
     return x
 
 
-def returned(problem: Problem, found: Minimum, dropped: tuple[int, ...] = ()) -> Minimum:
-    """The same minimum, or that from keys for which points near to the family are in it, where the loss is less.
-
-    Next to the end of a branch a point may be left out at one set of keys, and in the family at the next.
-    """
-    if not found.others:
-        return found
-    chosen = found.chosen.copy()
-    value, beyond = problem.motions(found.x)
-    cost = np.where(beyond == 0, costs(problem, value, beyond), np.inf)
-    near = [j for j in found.others if cost[:, j].min() < NEAR**2]
-    if not near:
-        return found
-    chosen[near] = np.argmin(cost[:, near], axis=0)
-    x, _ = minimise(problem, found.x, chosen, loss="cauchy", tolerance=ROUGHLY)
-    other = settled(problem, x, dropped, nearby=True)
-    return other if other.loss < found.loss else found
-
-
 def refined(problem: Problem, minimum: Minimum, dropped: tuple[int, ...] = ()) -> tuple[Problem, Minimum]:
     """The problem with surfaces about a minimum that the model itself confirms, and the minimum by these."""
     half = np.clip(NEARBY * np.sqrt(np.diag(minimum.covariance)), 1e-4, 0.5)
@@ -268,7 +295,11 @@ def refined(problem: Problem, minimum: Minimum, dropped: tuple[int, ...] = ()) -
             break
         half = half / 3
     found = explained(own, x, dropped)
-    return own, Minimum.at(own, x, minimum.chosen, found)
+    chosen = minimum.chosen
+    real = np.where(found.chosen == chosen, found.actual, minimum.actual)
+    return own, replace(
+        Minimum.at(own, x, chosen, found), actual=real & (chosen != LEFT), others=minimum.others, loss=minimum.loss
+    )
 
 
 __all__ = ["IMPOSSIBLE", "Minimum", "Scan", "best", "estimate", "met", "minimise", "refined", "settled"]

@@ -160,7 +160,7 @@ def without_outliers(problem: Problem, minimum: Minimum) -> tuple[Minimum, tuple
         x, _ = minimise(problem, now.x, now.chosen, loss="cauchy")
         off = problem.residuals(x, now.chosen)[0][: problem.count]
         dropped.append(int(np.argmax(np.abs(off))))
-        now = settled(problem, x, tuple(dropped))
+        now = settled(problem, x, tuple(dropped), nearby=True)
         if met(now.misfit, now.freedom):
             break
     for j in dropped:

@@ -159,7 +159,7 @@ def _on_others(problem: Problem, minimum: Minimum) -> Iterator[str]:
         told = f"At {_where(problem, which)} the motion {called}, which a fit does not know"
         if len(off):
             far = f"{off.max():.2g} standard uncertainties off" + (" at most" if len(off) > 1 else "")
-            told += f"; flown at these keys it is {far}"
+            told += f"; flown it is {far}"
         yield f"{told}: left out."
 
 
