@@ -183,6 +183,11 @@ _HOMES = {
     "ReductionDeclaration": "vibeam_reductions.declaration",
     "register_reduction": "vibeam_reductions.declaration",
 }
+_OF_A_CASE = (
+    *("run", "modes", "cost", "fit", "limit", "stability", "uncertainty", "influence", "verdict", "reduce", "derive"),
+    *("check", "compare_measured", "identify_keys", "evaluate", "run_map"),
+)  # which take the case's file, or its tables, as well
+
 _MODULES = ("observe",)  # handed on whole
 
 __all__ = sorted((*_HOMES, *_MODULES, "__version__"))
@@ -201,6 +206,8 @@ class _House(ModuleType):
         if name not in _HOMES:
             raise AttributeError(f"module 'vibeam' has no attribute {name!r}")
         value = getattr(import_module(_HOMES[name]), name)
+        if name in _OF_A_CASE:
+            value = import_module("vibeam.casefile.by_file").loading(value, __name__)
         setattr(self, name, value)
         return value
 

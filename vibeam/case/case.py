@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """Scene, fidelities, sweep, references and measured numbers of a case.
+    """Scene, fidelities, sweep, references and measured numbers of a case; equal where all that they say is.
 
     ``text`` is the case as TOML, SI units and overrides included: it loads as the same case. ``numbers`` is the part of
     it that decides what the sweeps compute (no title, source, checks, figures), ``key`` its SHA-256: two cases compute
@@ -59,6 +59,19 @@ class Case:
     uncertain: tuple[Uncertain, ...] = ()
     fit: FitPlan | None = None
     locate: Callable[[Complaint], Fault] | None = None
+
+    def __eq__(self, other: object) -> bool:
+        return self._said == other._said if isinstance(other, Case) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash((self.text, self.key))
+
+    @property
+    def _said(self) -> list[object]:
+        """All but the file and where its keys stand, which has no part in equality."""
+        swept = [value.tobytes() if isinstance(value, np.ndarray) else value for value in vars(self.sweep).values()]
+        apart = ("path", "locate", "sweep")
+        return [swept, *(value for name, value in vars(self).items() if name not in apart)]
 
     def fault(self, *path: str | int, message: str) -> Fault:
         """Fault of a key, at its line of the file or in the override that set it where that is known."""

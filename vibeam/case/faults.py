@@ -32,15 +32,23 @@ class Fault:
         return self.file == OVERRIDE, self.line or 0, self.key
 
 
+SHOWN = 50  # faults in the text of an error
+
+
 class CaseError(ValueError):
-    """Invalid case. ``faults`` holds every fault in line order; the text has one a line."""
+    """Invalid case. ``faults`` holds every fault in line order; the text has one a line, of many the first."""
 
     def __init__(self, faults: Iterable[Fault]) -> None:
         self.faults = tuple(sorted(dict.fromkeys(faults), key=lambda fault: fault.order))
-        super().__init__("\n".join(map(str, self.faults)))
+        more = len(self.faults) - SHOWN
+        rest = [f"… and {more} more"] if more > 0 else []
+        super().__init__("\n".join([*map(str, self.faults[:SHOWN]), *rest]))
 
     def __reduce__(self) -> tuple[type[CaseError], tuple[tuple[Fault, ...]]]:
         return type(self), (self.faults,)
+
+
+KNOWN = "known here: "
 
 
 def suggestion(wrong: str, known: Iterable[str]) -> str | None:
@@ -54,7 +62,7 @@ def suggest(wrong: str, known: Iterable[str]) -> str:
     """``did you mean 'density'?``, or the list of known names where none is near."""
     names = list(known)
     near = suggestion(wrong, names)
-    return f"did you mean '{near}'?" if near else f"known here: {', '.join(names)}"
+    return f"did you mean '{near}'?" if near else f"{KNOWN}{', '.join(names)}"
 
 
 def printable(text: str) -> str:

@@ -129,12 +129,14 @@ def _items(entry: Entry, values: list[Any], called: str, units: UnitSystem | Non
 
 @dataclass(frozen=True)
 class Names(Entry):
-    """A list of names, each once."""
+    """A list of names, each once; also one ``alone``."""
 
     what: str
+    alone: bool = False
 
     def parse(self, value: Any) -> tuple[str, ...]:
         """As ``Entry.parse``."""
+        value = [value] if self.alone and isinstance(value, str) else value
         if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
             raise ValueError(f"must be a {self.describe()}, not {as_shown_in_message(value)}")
         if len(set(value)) < len(value):
@@ -147,4 +149,5 @@ class Names(Entry):
 
     def schema(self) -> dict[str, Any]:
         """As ``Entry.schema``."""
-        return {"type": "array", "items": {"type": "string"}, "minItems": 1, "uniqueItems": True}
+        several = {"type": "array", "items": {"type": "string"}, "minItems": 1, "uniqueItems": True}
+        return {"anyOf": [{"type": "string"}, several]} if self.alone else several

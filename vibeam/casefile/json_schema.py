@@ -23,6 +23,8 @@ def case_schema() -> dict[str, Any]:
     tables = _plain(declared["$defs"])
     for model in models:
         _allow_unnamed(tables[model.__name__]["properties"])
+    for keys in (table.get("properties", {}) for table in tables.values()):
+        keys |= {"fidelity": keys["fidelities"]} if "fidelities" in keys else {}
     return {"$schema": DIALECT, "title": TITLE, "anyOf": kinds, "$defs": tables}
 
 

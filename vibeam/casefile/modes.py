@@ -134,7 +134,7 @@ class _Reading:
             self._complain("moving_mass", f"{carried:g} kg is less than the modes move by themselves, {least:.4g} kg")
 
 
-EXAMPLES = {"frequency": '"7.6 Hz", "98.8 Hz"', "damping_ratio": "0.017, 0.02", "modal_mass": '"1 kg"'}
+EXAMPLES = {"frequency": '"… Hz", "… Hz"', "damping_ratio": "…, …", "modal_mass": '"… kg"'}
 
 
 def _at(file: FileModes | None, term: Mapping[str, Any]) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -98,15 +98,26 @@ def _shallow(value: Any) -> Any:
     return found
 
 
-def _toml_value(value: Any) -> Any:
+def tables_of(content: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of a case given as Python's own; OverrideError for what no case can hold."""
+    try:
+        found: dict[str, Any] = _toml_value(content, read=str)
+    except RecursionError:
+        raise OverrideError(TOO_DEEP) from None
+    if too_deep(found):
+        raise OverrideError(TOO_DEEP)
+    return found
+
+
+def _toml_value(value: Any, read: Callable[[str], Any] | None = None) -> Any:
     """The value as the parser would give it: numpy's numbers plain, text read as TOML where it is a TOML value."""
     value = value.tolist() if isinstance(value, np.ndarray | np.generic) else value
     if isinstance(value, str):
-        return _from_text(value)
+        return (read or _from_text)(value)
     if isinstance(value, tuple | list):
-        return [_toml_value(inner) for inner in value]
+        return [_toml_value(inner, read) for inner in value]
     if isinstance(value, Mapping):
-        return {str(name): _toml_value(inner) for name, inner in value.items()}
+        return {str(name): _toml_value(inner, read) for name, inner in value.items()}
     if not isinstance(value, bool | int | float):
         raise OverrideError(f"a {type(value).__name__} is no value of a case")
     return value

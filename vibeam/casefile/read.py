@@ -35,7 +35,7 @@ from vibeam.casefile.fidelity_changes import FidelityCase, variants
 from vibeam.casefile.fit_keys import fit_checks, fit_in_si
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.maps import map_complaints, map_plans, maps_in_si, value_complaints
-from vibeam.casefile.overrides import OverrideError, override
+from vibeam.casefile.overrides import OverrideError, override, tables_of
 from vibeam.casefile.places import Places
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.readings import amounts_in_si
@@ -47,21 +47,33 @@ from vibeam.casefile.unnamed_map import name_map
 from vibeam.casefile.validation import complaints, declaration, read, readable_case
 
 
-def load(path: str | PathLike[str], set: Mapping[str, Any] | None = None) -> Case:
-    """The case in a file, with the keys in ``set`` put in the place of the file's.
+def load(path: str | PathLike[str] | Mapping[str, Any], set: Mapping[str, Any] | None = None) -> Case:
+    """The case in a file, or of tables as Python's own, with the keys in ``set`` put in the place of the file's.
 
-    ``set`` maps dotted keys to values as in a case file (``{"sweep.frequency.points": 31, "stop.gap": "0.1 mm"}``);
-    None takes a key away. CaseError has every fault of file and overrides.
+    ``set`` maps dotted keys to values as in a case file (``{"sweep.frequency.points": 31, "stop.gap": "0.1 mm"}``): a
+    plain number of a key with a dimension has none here either, unless the case, or ``{"units": "SI"}``, says so; None
+    takes a key away. Files that tables name lie in the working directory. CaseError has every fault of file and
+    overrides.
     """
     from vibeam.casefile.toml import read_text
 
-    return parse(read_text(Path(path)), path, set)
+    if not isinstance(path, Mapping):
+        return parse(read_text(Path(path)), path, set)
+    file = Path("case.toml")
+    try:
+        return _case(tables_of(path), {}, file, set or {})
+    except OverrideError as error:
+        raise CaseError([Fault(str(file), None, "", str(error))]) from None
 
 
 def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, Any] | None = None) -> Case:
     """The case that ``text`` says, as ``load``; ``path`` is what faults call it, references lie in its folder."""
     file = Path(path)
-    declared, changed, place = _validated_at(text, file, set or {})
+    return _case(*parsed(text, file), file, set or {})
+
+
+def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: File, overrides: Mapping[str, Any]) -> Case:
+    declared, changed, place = _validated_at(tables, lines, file, overrides)
     sweep, numbers = _sweep(declared.sweep), numbers_of(declared, changed, file.parent)
     return Case(
         path=file,
@@ -102,15 +114,17 @@ def without_accuracy(case: Case) -> Case:
 
 def validate(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[AnyCase, dict[str, AnyCase]]:
     """The declared case in SI units, and that of each fidelity that changes it; CaseError with all faults."""
-    return _validated_at(text, file, overrides)[:2]
+    return _validated_at(*parsed(text, file), file, overrides)[:2]
 
 
-def _validated_at(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[AnyCase, dict[str, AnyCase], Places]:
+def _validated_at(
+    tables: dict[str, Any], lines: dict[KeyPath, int], file: File, overrides: Mapping[str, Any]
+) -> tuple[AnyCase, dict[str, AnyCase], Places]:
     """The same, and where its keys come from."""
-    tables, lines = parsed(text, file)
     faults, paths = _override(tables, overrides)
     place = Places(str(file), lines, paths, name_map(tables))
     _share_units(tables)
+    _name_fidelities(tables, lines)
     case, wrong = _validated(tables, file.parent)
     changed, more = variants(tables, declaration(tables), wrong, lambda own: _validated(own, file.parent))
     if case is not None and not wrong + more:
@@ -127,6 +141,17 @@ def _share_units(tables: dict[str, Any]) -> None:
     matrices, units = tables.get("matrices"), str(tables.get("units"))
     if isinstance(matrices, dict) and "units" in tables:
         matrices.setdefault("units", units if units in UNIT_SYSTEMS else "SI")
+
+
+def _name_fidelities(tables: dict[str, Any], lines: dict[KeyPath, int]) -> None:
+    """Call ``fidelities``, in place, what [map] and [show] call ``fidelity`` as other tables do."""
+    for kind in ("map", "show"):
+        named = tables.get(kind)
+        for name, table in named.items() if isinstance(named, dict) else ():
+            if isinstance(table, dict) and "fidelity" in table and "fidelities" not in table:
+                table["fidelities"] = table.pop("fidelity")
+                line = lines.get((kind, name, "fidelity"), lines.get((kind, "fidelity"), lines.get((kind,))))
+                lines |= {} if line is None else {(kind, name, "fidelities"): line, (kind, "fidelities"): line}
 
 
 def _settled(case: AnyCase, changed: Mapping[str, FidelityCase]) -> AnyCase:

@@ -163,6 +163,8 @@ _PART = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')"""
 
 LONG_KEY = re.compile(rf"(?<![A-Za-z0-9_-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{DEEPEST},}}+")
 
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 
 
@@ -222,9 +224,16 @@ def _content(file: File) -> bytes:
         raise _refusal(file, "no such file")
     if not file.is_file():
         raise _refusal(file, "is not a file")
+    if _begins_as_hdf5(file):
+        raise _refusal(file, f"is a results file (HDF5), not a case: vibeam report {file.name} reads it")
     if file.stat().st_size > LARGEST:
         raise _too_large(file, file.stat().st_size)
     return file.read_bytes()
+
+
+def _begins_as_hdf5(file: File) -> bool:
+    with file.open("rb") as opened:
+        return opened.read(len(_HDF5)) == _HDF5
 
 
 def _too_large(file: File, size: int) -> CaseError:

@@ -9,13 +9,14 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest, suggestion
+from vibeam.case.faults import KNOWN, Complaint, KeyPath, as_shown_in_message, suggest, suggestion
 from vibeam.casefile.field_tables import TableOr
 from vibeam.casefile.fields import Entry
-from vibeam.casefile.inline import name_of, to_toml
+from vibeam.casefile.inline import name_of, to_fill_in, to_toml
 from vibeam.casefile.kinds import KINDS, kind_of
 from vibeam.casefile.tables.cases import AnyCase
 from vibeam.casefile.tables.effects import EffectTable
+from vibeam.casefile.tables.names import CALLED
 from vibeam.casefile.tables.table import note
 from vibeam.casefile.unit_systems import SI, UNIT_SYSTEMS, UnitSystem
 from vibeam_models.effects import tables as effect_tables
@@ -43,11 +44,25 @@ def complaints(error: ValidationError, model: type[BaseModel]) -> tuple[list[Com
     unknown = [fault["loc"] for fault in faults if fault["type"] == "extra_forbidden"]
     meant = {(*loc[:-1], near) for loc in unknown if (near := _near(model, loc))}
     wrong = [fault for fault in faults if fault["type"] != "missing" or fault["loc"] not in meant]
-    return [(fault["loc"], _message(fault, model)) for fault in wrong], meant
+    listed: dict[str, KeyPath] = {}
+    return [(fault["loc"], _once(_message(fault, model), fault["loc"], listed)) for fault in wrong], meant
+
+
+def _once(message: str, loc: KeyPath, listed: dict[str, KeyPath]) -> str:
+    """The message without its list of known keys where one before it has that; ``listed``: who has which."""
+    said, known, names = message.partition(KNOWN)
+    first = listed.setdefault(names, loc) if known else loc
+    return message if first == loc else f"{said}known here: see {first[-1]}"
 
 
 def _near(model: type[BaseModel], loc: KeyPath) -> str | None:
-    return suggestion(str(loc[-1]), keys_of(model_at(model, loc[:-1])))
+    return suggestion(str(loc[-1]), keys_of(model_at(model, loc[:-1]))) if not _called(model, loc) else None
+
+
+def _called(model: type[BaseModel], loc: KeyPath) -> list[str]:
+    """The keys of a table that others call what is at ``loc``."""
+    known = keys_of(model_at(model, loc[:-1]))
+    return [key for key in CALLED.get(str(loc[-1]).lower(), ()) if key in known]
 
 
 def _message(fault: Any, model: type[BaseModel]) -> str:
@@ -69,6 +84,8 @@ def _unknown(loc: KeyPath, model: type[BaseModel]) -> str:
         return f"[{name}] and [{own}] do not go together: keep [{own}], or the beam's tables"
     if len(loc) == 1 and own and name in KINDS:
         return f"[{name}] and [{own}] do not go together: keep one of the two"
+    if meant := _called(model, loc):
+        return f"unknown key; did you mean {' and '.join(map(repr, meant))}?"
     return f"unknown key; {suggest(name, keys_of(model_at(model, loc[:-1])))}"
 
 
@@ -76,7 +93,7 @@ def _missing(loc: KeyPath, model: type[BaseModel]) -> str:
     field = fields_of(model_at(model, loc[:-1]))[str(loc[-1])]
     if table_of(field) and not field.examples:
         return f"the table is missing: add {_header(loc, model)}"
-    return f"missing ({field.description}): write {loc[-1]} = {example_of(field)}"
+    return f"missing ({field.description}): write {loc[-1]} = {to_fill_in((field.examples or [None])[0])}"
 
 
 def _header(loc: KeyPath, model: type[BaseModel]) -> str:

@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam_models.keys import quantity
+from vibeam_models.keys import keys_of, quantity
 
 Value = Any  # a number, or an array of one at each place
 
@@ -252,6 +252,12 @@ class General(Shape):
 SHAPES: dict[str, type[Shape]] = {
     each.name: each for each in (Rectangle, Round, Tube, HollowRectangle, ISection, General)
 }
+
+
+def unsuited(key: str, shape: str) -> str:
+    """Message on a dimension that a shape does not have: which shapes have it."""
+    others = " or ".join(f'shape = "{name}"' for name, each in SHAPES.items() if key in keys_of(each))
+    return f'does not go with shape = "{shape}": write {others}, or take it out'
 
 
 def _thin_walled(poissons_ratio: float, m: Value, wide: Value) -> Value:

@@ -10,7 +10,7 @@ import numpy as np
 
 from vibeam_models.beams.dimensions import dimension, shape_of
 from vibeam_models.beams.rules import rigid_body_faults
-from vibeam_models.beams.shapes import SHAPES
+from vibeam_models.beams.shapes import SHAPES, unsuited
 from vibeam_models.beams.support import CANTILEVER, PAIRS
 from vibeam_models.effects import Effect
 from vibeam_models.keys import keys_of, quantity, word
@@ -59,7 +59,7 @@ class Opposite(Effect):
         kind = SHAPES[table.shape or case.beam.shape or "rectangle"]
         for name in sorted({each for shape in SHAPES.values() for each in keys_of(shape)} - keys_of(kind).keys()):
             if getattr(table, name, None) is not None:
-                yield name, f'does not go with shape = "{kind.name}": take it out'
+                yield name, unsuited(name, kind.name)
         if case.beam.massless or case.torsion is not None or (case.gravity and case.gravity.direction != "transverse"):
             yield "", "does not go with a massless beam, torsion, or weight along the beam: take one of them out"
 

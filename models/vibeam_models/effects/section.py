@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from vibeam_models.beams.dimensions import dimension, shape_of
 from vibeam_models.beams.rules import NO_OPPOSITE, beam_of, stretch_faults
-from vibeam_models.beams.shapes import SHAPES
+from vibeam_models.beams.shapes import SHAPES, unsuited
 from vibeam_models.beams.stretch import Material, Stretch
 from vibeam_models.effects import OnEitherBeam
 from vibeam_models.keys import keys_of, quantity, word
@@ -89,7 +89,7 @@ def _dimensions(table: Any, beam: Any, name: str) -> Iterator[tuple[str, str]]:
     for each in sorted(named):
         for key in (each, f"end_{each}"):
             if each not in own and getattr(table, key, None) is not None:
-                yield key, f'does not go with shape = "{name}": take it out'
+                yield key, unsuited(each, name)
     for each, declaration in own.items():
         if getattr(table, each) is None and not inherits and each != "shear_area":
             yield each, f'missing ({declaration.meaning}): write {each} = "{declaration.example}"'

@@ -63,7 +63,7 @@ WRONG = [
     ('acceleration = "1 mm/s"\n', "", "19: drive.acceleration: '1 mm/s' is a speed, not an acceleration"),
     ('moment = "1 N"\nat = 0.1\n', "", "19: drive.moment: '1 N' is a force, not a moment"),
     ('amplitude = "0.1 g"\n', "", "19: drive.amplitude: '0.1 g' is a mass, not a length"),
-    ("velocity = [0.1, 0.2]\n", "", '19: drive.velocity: a list needs its frequencies: write frequency = ["14 Hz", …], one for each velocity'),
+    ("velocity = [0.1, 0.2]\n", "", '19: drive.velocity: a list needs its frequencies: write frequency = ["… Hz", …], one for each velocity'),
     ("velocity = 0.1\nfrequency = [1, 2]\n", "", "20: drive.frequency: is of a list of as many amplitudes, and there is none: take it away"),
     ("velocity = [0.1, 0.2, 0.3]\nfrequency = [14, 17]\n", "", "19: drive.velocity: 3 numbers for 2 frequencies"),
     ("velocity = [0.1, 0.2]\nfrequency = [14.5, 17]\n", "", "20: drive.frequency: the table is of 14.5 … 17 Hz, and the sweep has 14 Hz: lengthen the table"),

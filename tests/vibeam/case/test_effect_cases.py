@@ -131,7 +131,7 @@ WRONG = [
     (TEXT.replace("[stop]", "rigid_half_width = 1e-5\n[stop]"), "13: mass.rigid_half_width: 1e-05 m is below a thousandth of beam.length and changes nothing: leave it out"),
     (TEXT + PLATFORM.replace('frequency = "3.25 Hz"\n', ""), "27: platform.frequency: missing (or stiffness): write frequency = \"3.25 Hz\""),
     (TEXT + PLATFORM + "stiffness = 2000\n", "29: platform.frequency: platform.stiffness says it already: keep one of the two"),
-    (TEXT + PLATFORM.replace('calibrated_at = "15.5 Hz"\n', ""), "27: platform.calibrated_at: missing (where the drive's motion holds): write calibrated_at = \"15.5 Hz\""),
+    (TEXT + PLATFORM.replace('calibrated_at = "15.5 Hz"\n', ""), "27: platform.calibrated_at: missing (where the drive's motion holds): write calibrated_at = \"… Hz\""),
     (TEXT + SHAKER, "27: shaker: drives a platform: add [platform], or take [shaker] away"),
     (TEXT + 'coupling = "one-way"\n', "27: fidelity.sdof.coupling: unknown key; known here: "),
     (TEXT.replace("settle", 'output = "platform"\nsettle') + PLATFORM, "23: sweep.output: the platform has no motion of its own: add [platform] with coupling = \"two-way\""),
@@ -161,7 +161,7 @@ def test_a_shaker_needs_its_voltage_and_nothing_else():
     both = SHAKEN.replace('voltage = "0.6 V"', 'voltage = "0.6 V"\ngain = 5e-4')
     assert "drive.gain: the shaker's voltage says the drive already" in faults_of(both)[0]
     none = SHAKEN.replace('voltage = "0.6 V"\n', "")
-    assert 'drive: the shaker needs its voltage: write voltage = "0.6 V"' in faults_of(none)[0]
+    assert 'drive: the shaker needs its voltage: write voltage = "… V"' in faults_of(none)[0]
 
 
 def test_a_buckled_column_is_a_fault_of_the_case_and_no_traceback():

@@ -129,11 +129,12 @@ NAMES = " | ".join(f'"{name}"' for name in SHAPES)
 LAW_NAMES = " | ".join(f'"{name}"' for name in LAWS)
 
 FAULTS = [
-    (PLAIN.replace('width = "20 mm"\n', ""), 'beam.width: missing (width of the section): write width = "20 mm"'),
+    (PLAIN.replace('width = "20 mm"\n', ""), 'beam.width: missing (width of the section): write width = "… mm"'),
     (TUBE.replace('wall = "1 mm"', 'wall = "9 mm"'),
      'beam.wall: 0.009 m leaves no hollow: outer_diameter is 0.016 m; write shape = "round"'),
     (TUBE.replace("wall =", 'thickness = "2 mm"\nwall ='),
-     'beam.thickness: does not go with shape = "tube": take it out'),
+     'beam.thickness: does not go with shape = "tube": write shape = "rectangle" or shape = "hollow rectangle" or '
+     'shape = "I", or take it out'),
     (PLAIN.replace("width =", 'shape = "tub"\nwidth ='),
      f"beam.shape: 'tub' is not one of {NAMES}; did you mean 'tube'?"),
     (TUBE.replace('"tube"', '"tub"') + FIRST + 'outer_diameter = "20 mm"\n',
@@ -148,7 +149,8 @@ FAULTS = [
     (PLAIN + FIRST + FIRST, "section.1.start: the stretch overlaps that from 0 m to 0.4 m: let them meet"),
     (PLAIN + FIRST + 'shape = "tube"\nwall = "1 mm"\n',
      'section.0.outer_diameter: missing (of a tube): write outer_diameter = "15.875 mm"'),
-    (PLAIN + FIRST + 'diameter = "1 mm"\n', 'section.0.diameter: does not go with shape = "rectangle": take it out'),
+    (PLAIN + FIRST + 'diameter = "1 mm"\n',
+     'section.0.diameter: does not go with shape = "rectangle": write shape = "round", or take it out'),
     (PLAIN + '[[plate]]\nstart = "0 m"\nend = "0.1 m"\nwidth = "20 mm"\nthickness = "1 mm"\n',
      'plate.0.mass: missing (or density): write mass = "40 g"'),
     (PLAIN + '[[support]]\nposition = "2 m"\n', "support.0.position: 2 m is beyond the tip: beam.length is 1 m"),
@@ -164,7 +166,7 @@ FAULTS = [
      'plate.0.on: there is no opposite beam: add [opposite], or write on = "beam"'),
     (PLAIN + '[opposite]\nposition = "1.2 m"\n', "opposite.position: 1.2 m is beyond its tip: it is 1 m long"),
     (PLAIN + '[opposite]\nposition = 1\ndiameter = 0.01\n',
-     'opposite.diameter: does not go with shape = "rectangle": take it out'),
+     'opposite.diameter: does not go with shape = "rectangle": write shape = "round", or take it out'),
     (PLAIN + '[opposite]\nposition = 1\n[gravity]\ndirection = "hanging"\n',
      "opposite: does not go with a massless beam, torsion, or weight along the beam: take one of them out"),
     (PLAIN + '[opposite]\nposition = 1\nlength = 2\n[[support]]\non = "opposite"\nposition = 3\n',

@@ -4,6 +4,7 @@ import math
 import pickle
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -229,3 +230,43 @@ def test_loading_a_case_loads_no_solver():
     )
     command = [sys.executable, "-c", code, str(CASES / "dtu_neutral.toml")]
     subprocess.run(command, check=True, env={"PYTHONPATH": ":".join(sys.path)})
+
+
+def test_cases_are_equal_by_what_they_say(tmp_path):
+    text = (CASES / "dtu_loose.toml").read_text("utf-8").split("[reference")[0]
+    (tmp_path / "other.toml").write_text(f"# the same\n{text.replace('0.1 mm', '100 µm')}", "utf-8")
+    one, same = parse(text), vibeam.load(tmp_path / "other.toml")
+    assert one == same
+    assert hash(one) == hash(same)
+    assert one != parse(text, set={"stop.gap": "0.11 mm"})
+    assert one != parse(text, set={"title": "another"})
+    assert one != text
+    for file in (
+        CASES / "matrices" / "frame.toml",
+        CASES / "maps" / "basins.toml",
+        CASES / "experiment" / "fig27.toml",
+    ):
+        assert vibeam.load(file) == vibeam.load(file)
+
+
+def test_a_case_is_tables_of_python_too():
+    file = CASES / "dtu_loose.toml"
+    tables = tomllib.loads(file.read_text("utf-8").split("[reference")[0])
+    tables["sweep"]["frequency"] = tuple(f"{each} Hz" for each in np.linspace(14, 17, 3))
+    tables["beam"]["elements"] = np.int64(12)
+    case = vibeam.load(tables, set={"stop.gap": "0.2 mm"})
+    assert case == vibeam.load(file, set={"sweep.frequency": ["14 Hz", "15.5 Hz", "17 Hz"], "beam.elements": 12,
+                                          "stop.gap": "0.2 mm", "reference": None})  # fmt: skip
+    with pytest.raises(vibeam.CaseError, match=r"case\.toml: beam\.length: 0\.18 has no unit"):
+        vibeam.load(tables | {"beam": tables["beam"] | {"length": 0.18}})
+    with pytest.raises(vibeam.CaseError, match="a object is no value of a case"):
+        vibeam.load(tables | {"beam": object()})
+
+
+def test_functions_of_a_case_take_its_file():
+    file = CASES / "dtu_loose.toml"
+    assert vibeam.modes(str(file), 1).rows == vibeam.modes(vibeam.load(file), count=1).rows
+    assert vibeam.modes(tomllib.loads(file.read_text("utf-8").split("[reference")[0]), 1).rows[0].number == 1
+    assert pickle.loads(pickle.dumps(vibeam.run)) is vibeam.run
+    with pytest.raises(vibeam.CaseError, match="no such file"):
+        vibeam.run("nowhere.toml")

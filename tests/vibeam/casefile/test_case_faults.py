@@ -76,7 +76,7 @@ WRONG = [
     (
         'width = "20 mm"\n',
         "",
-        "2: beam.width: missing (width of the section): write width = \"20 mm\"",
+        "2: beam.width: missing (width of the section): write width = \"… mm\"",
     ),
     ('[sensor]\nposition = "100 mm"\n', "", " sensor: the table is missing: add [sensor]"),
     ('[fidelity.sdof]\nreduction = "static_mode"\n', "", " fidelity: the table is missing: add [fidelity.NAME]"),
@@ -119,10 +119,10 @@ WRONG = [
     ("[stop]", "[[added_mass]]\nmass = 1\nposition = 1\n[stop]", "15: added_mass.0.position: 1 m is beyond the tip: beam.length is 0.18 m"),
     ("[stop]", "rigid_half_width = 0.132\n[stop]", "13: mass.rigid_half_width: 0.132 m reaches the clamp: mass.position is 0.132 m"),
     ("[stop]", "rigid_half_width = 0.05\n[stop]", "13: mass.rigid_half_width: 0.05 m reaches the tip, 0.048 m beyond mass.position"),
-    ("elements = 36", 'damping = "rayleigh"', "8: beam.damping_ratio: damping = \"rayleigh\" needs the ratios of modes 1 and 2: write damping_ratio = [0.017, 0.02]"),
+    ("elements = 36", 'damping = "rayleigh"', "8: beam.damping_ratio: damping = \"rayleigh\" needs the ratios of modes 1 and 2: write damping_ratio = […, …]"),
     ("elements = 36", "damping = [0.1, 0.2]", "8: beam.damping_ratio: beam.damping lists the ratios already: keep one of the two"),
     ("0.017", "[0.017, 0.02]", "8: beam.damping_ratio: damping = \"constant\" needs one number; a list of ratios goes into damping"),
-    ("damping_ratio = 0.017\n", "", "2: beam.damping_ratio: missing (damping ratio of the first mode): write damping_ratio = 0.017"),
+    ("damping_ratio = 0.017\n", "", "2: beam.damping_ratio: missing (damping ratio of the first mode): write damping_ratio = …"),
     ("damping_ratio", "damping_ratoi", "8: beam.damping_ratoi: unknown key; did you mean 'damping_ratio'?"),
     ("gain = 5e-4\n", "", "18: drive.gain: missing: voltage needs it beside it"),
     ('voltage = "0.6 V"\n', "", "18: drive.voltage: missing: gain needs it beside it"),
@@ -442,3 +442,41 @@ def test_faults_on_one_key_keep_the_order_in_which_they_were_found() -> None:
     """Whatever the seed of the hashes: eight of them would stay in order by chance once in forty thousand."""
     found = [Fault("case.toml", 3, "stop.gap", f"message {i}") for i in range(8)]
     assert CaseError([*found, *found]).faults == tuple(found)
+
+
+def test_a_key_by_the_name_that_others_give_it():
+    said = faults_of(RIG.replace("elements = 36", "section = 1\nmaterial = 2\nboundary = 3\nqqq = 4\nppp = 5"))
+    assert [line.split(": ", 2)[2] for line in said.splitlines()[:3]] == [
+        "unknown key; did you mean 'shape'?",
+        "unknown key; did you mean 'youngs_modulus' and 'density'?",
+        "unknown key; did you mean 'ends'?",
+    ]
+    assert said.count("known here: length, shape") == 1
+    assert said.splitlines()[4].endswith("beam.ppp: unknown key; known here: see qqq")
+
+
+def test_of_very_many_faults_the_first_are_told_and_the_rest_counted():
+    with pytest.raises(CaseError) as caught:
+        parse(RIG.replace("elements = 36", "\n".join(f"k{number} = 1" for number in range(2000))))
+    lines = str(caught.value).splitlines()
+    assert (len(caught.value.faults), len(lines), lines[-1]) == (2000, 51, "… and 1950 more")
+    assert len(str(caught.value)) < 5000
+
+
+def test_a_results_file_is_no_case_and_says_what_reads_it(tmp_path):
+    (tmp_path / "big.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(2_000_000))
+    with pytest.raises(CaseError, match=r"is a results file \(HDF5\), not a case: vibeam report big\.h5 reads it"):
+        vibeam.load(tmp_path / "big.h5")
+
+
+@pytest.mark.parametrize("table", ["map.it", "map", "show.it"])
+def test_fidelities_are_named_as_in_other_tables_too(table):
+    axes = 'axes = [{ key = "stop.gap", values = ["0 mm"] }]\npicture = "values"\n'
+    keys = 'kind = "portrait"\n' if table == "show.it" else axes
+    text = f'{RIG}[{table}]\n{keys}frequency = "15 Hz"\nfidelity = "sdof"\n'
+    case = parse(text)
+    assert [plan.fidelities for plan in (*case.maps.values(), *case.shows.values())] == [("sdof",)]
+    (said,) = faults_of(text.replace('"sdof"\n', '"sdfo"\n')).splitlines()
+    line = text.splitlines().index('fidelity = "sdof"') + 1
+    assert said.startswith(f"mine.toml:{line}: ")
+    assert said.endswith("no fidelity 'sdfo'; did you mean 'sdof'?")

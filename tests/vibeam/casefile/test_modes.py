@@ -139,7 +139,7 @@ OF_KEYS = [
         "4: modes.contact: a node and its direction are of a file",
     ),
     ("[0.01, 0.02, 0.03]", "[0.01, 0.02]", "3: modes.damping_ratio: 2 numbers for 3 modes"),
-    ("damping_ratio = [0.01, 0.02, 0.03]\n", "", "1: modes.damping_ratio: missing: write damping_ratio = [0.017"),
+    ("damping_ratio = [0.01, 0.02, 0.03]\n", "", "1: modes.damping_ratio: missing: write damping_ratio = […"),
     ('frequency = ["5 Hz", "12 Hz", "40 Hz"]\n', "", "1: modes.frequency: missing: write frequency"),
     ('["5 Hz", "12 Hz", "40 Hz"]', '["12 Hz", "5 Hz", "40 Hz"]', "2: modes.frequency: the list must ascend"),
     ("base = [1.8, -0.5, 0.3]\n", "", "1: modes.base: missing"),

@@ -66,7 +66,7 @@ def test_parameters_decide_the_key_and_the_basis() -> None:
     [
         ({"reduction": "modal", "modes": 2, "frequency": "3 Hz"}, 'frequency: goes with reduction = "krylov" or "pod" alone, not "modal"'),
         ({"reduction": "krylov", "modes": 2, "boundary": ["contact"]}, 'boundary: goes with reduction = "craig_bampton" alone'),
-        ({"reduction": "pod", "modes": 2}, 'frequency: missing: reduction = "pod" needs it; write frequency = "15 Hz"'),
+        ({"reduction": "pod", "modes": 2}, 'frequency: missing: reduction = "pod" needs it; write frequency = "… Hz"'),
         ({"reduction": "pod", "modes": 2, "frequency": "15 Hz", "inner_product": "enrgy"}, "did you mean 'energy'?"),
         ({"reduction": "pod", "modes": 2, "frequency": 0}, "frequency: must be > 0"),
         ({"reduction": "krylov"}, 'modes: missing: reduction = "krylov" needs how many; write modes = 8'),

@@ -93,7 +93,7 @@ def test_wrong_keys_of_an_effect_of_ones_own_are_told_at_their_line() -> None:
         parse(wrong, "own.toml")
     line = wrong.splitlines().index("[spring]") + 1
     assert str(caught.value).splitlines() == [
-        f'own.toml:{line}: spring.position: missing (distance from the clamp): write position = "60 mm"',
+        f'own.toml:{line}: spring.position: missing (distance from the clamp): write position = "… mm"',
         f"own.toml:{line + 1}: spring.stiffness: '80 N' is a force, not a stiffness",
         f"own.toml:{line + 2}: spring.place: unknown key; known here: stiffness, position",
     ]

@@ -16,7 +16,9 @@ import vibeam
 from vibeam.cli.main import app
 from vibeam.maps.points import GridPoints
 from vibeam.orbits.largest_exponents import LargestExponents, largest_exponents
+from vibeam.studies.stability.axes import second_name
 from vibeam.studies.verdict import irregular, judgement
+from vibeam.studies.verdict.axes import keys_of
 from vibeam.studies.verdict.boundaries import joined
 from vibeam.studies.verdict.motions import CHAOTIC, IRREGULAR, NO_CONTACT, Motions
 from vibeam.studies.verdict.rows import control_variate_gain, correlation
@@ -241,7 +243,7 @@ def test_many_exponents_at_once_are_those_of_each(system: vibeam.ImpactSystem) -
 @pytest.mark.parametrize(
     ("given", "words"),
     [
-        ({"over": "gap"}, "--over: write frequency and one more key"),
+        ({"over": "frequency"}, "--over: write one key beside the frequency"),
         ({"over": "frequency,colour"}, "no key of the case"),
         ({"over": "frequency,mass.mass"}, "--from: missing"),
         ({"low": "1 kg"}, "--from: '1 kg' is a mass"),
@@ -291,8 +293,14 @@ def test_the_command_prints_a_verdict_and_writes_its_files(tmp_path: Path, as_js
 
 
 def test_a_mistake_leaves_no_file(tmp_path: Path) -> None:
-    asked = ["verdict", str(CASES / "dtu_neutral.toml"), "--over", "gap", "--out", f"{tmp_path}/"]
+    asked = ["verdict", str(CASES / "dtu_neutral.toml"), "--over", "gap,drive", "--out", f"{tmp_path}/"]
     printed = CliRunner().invoke(app, asked)
     assert printed.exit_code == 2
     assert "--over" in printed.stderr
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("over", ["gap", "frequency,gap", "gap, sweep.frequency"])
+def test_both_maps_are_asked_for_in_either_way(case: vibeam.Case, over: str) -> None:
+    assert keys_of(case, over) == "stop.gap"
+    assert second_name(over) == "gap"

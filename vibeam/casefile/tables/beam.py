@@ -11,13 +11,13 @@ from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import POSITIVE, Count, Quantity, Range, Word
-from vibeam.casefile.inline import to_toml
+from vibeam.casefile.inline import to_fill_in
 from vibeam.casefile.tables.drive import drive_checks
 from vibeam.casefile.tables.effects import effect_checks, effects_in
 from vibeam.casefile.tables.held_places import held_checks
 from vibeam.casefile.tables.outputs import output_checks
 from vibeam.casefile.tables.table import MOST_ELEMENTS, Length, Place, Ratio, Table, declared_key, key, table
-from vibeam_models.beams.shapes import SHAPES
+from vibeam_models.beams.shapes import SHAPES, unsuited
 from vibeam_models.keys import defaults_of, keys_of
 
 
@@ -45,10 +45,10 @@ def _shape(beam: SimpleNamespace) -> Iterator[Complaint]:
     own = keys_of(kind)
     for name in own.keys() - defaults_of(kind).keys():
         if getattr(beam, name) is None:
-            yield ("beam", name), f"missing ({own[name].meaning}): write {name} = {to_toml(own[name].example)}"
+            yield ("beam", name), f"missing ({own[name].meaning}): write {name} = {to_fill_in(own[name].example)}"
     for name in sorted({each for shape in SHAPES.values() for each in keys_of(shape)} - own.keys()):
         if getattr(beam, name) is not None:
-            yield ("beam", name), f'does not go with shape = "{kind.name}": take it out'
+            yield ("beam", name), unsuited(name, kind.name)
     yield from ((("beam", name), message) for name, message in kind.faults(beam))
 
 
@@ -66,12 +66,12 @@ def _bare(case: SimpleNamespace) -> Iterator[Complaint]:
     if case.stop.position is None:
         yield (
             ("stop", "position"),
-            'missing (without [mass] the stop is nowhere): write position = "132 mm", or add [mass]',
+            'missing (without [mass] the stop is nowhere): write position = "… mm", or add [mass]',
         )
     if case.beam.massless and not any(effect.inertias for _, effect, _ in effects_in(case)):
         yield ("beam", "massless"), "nothing is left that has mass: add [mass], or take massless out"
     if case.drive.gain is not None:
-        yield ("drive", "gain"), 'is of a beam with an attached mass: write amplitude = "0.05 mm", or add [mass]'
+        yield ("drive", "gain"), 'is of a beam with an attached mass: write amplitude = "… mm", or add [mass]'
 
 
 def damping_checks(beam: SimpleNamespace, name: str) -> Iterator[Complaint]:
@@ -81,9 +81,9 @@ def damping_checks(beam: SimpleNamespace, name: str) -> Iterator[Complaint]:
         if ratios is not None:
             yield path, f"{name}.damping lists the ratios already: keep one of the two"
     elif beam.damping is not None and ratios is None:
-        yield path, "missing (damping ratio of the first mode): write damping_ratio = 0.017"
+        yield path, "missing (damping ratio of the first mode): write damping_ratio = …"
     elif beam.damping == "rayleigh" and len(ratios) != 2:
-        yield path, 'damping = "rayleigh" needs the ratios of modes 1 and 2: write damping_ratio = [0.017, 0.02]'
+        yield path, 'damping = "rayleigh" needs the ratios of modes 1 and 2: write damping_ratio = […, …]'
     elif beam.damping is not None and beam.damping != "rayleigh" and len(ratios) != 1:
         yield path, f'damping = "{beam.damping}" needs one number; a list of ratios goes into damping'
 

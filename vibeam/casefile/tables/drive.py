@@ -109,7 +109,7 @@ def _driven_platform(case: SimpleNamespace) -> Iterator[Complaint]:
                     "the shaker's voltage says the drive already: keep voltage, or take [shaker] away",
                 )
         if "voltage" not in said:
-            yield ("drive",), 'the shaker needs its voltage: write voltage = "0.6 V"'
+            yield ("drive",), 'the shaker needs its voltage: write voltage = "… V"'
     elif "force" in said:
         for name in said:
             if name != "force":
@@ -122,7 +122,7 @@ def _driven_platform(case: SimpleNamespace) -> Iterator[Complaint]:
     if calibrated is None and not by_itself:
         yield (
             ("platform", "calibrated_at"),
-            'missing (where the drive\'s motion holds): write calibrated_at = "15.5 Hz"',
+            'missing (where the drive\'s motion holds): write calibrated_at = "… Hz"',
         )
     elif calibrated is not None and by_itself:
         yield ("platform", "calibrated_at"), "goes with a base motion alone: a force or a shaker says the drive already"
@@ -140,7 +140,7 @@ def list_checks(drive: SimpleNamespace, grid: Any) -> Iterator[Complaint]:
     lists = {name: getattr(drive, name) for name in SIZES if isinstance(getattr(drive, name, None), tuple)}
     if drive.frequency is None:
         for name in lists:
-            yield ("drive", name), f'a list needs its frequencies: write frequency = ["14 Hz", …], one for each {name}'
+            yield ("drive", name), f'a list needs its frequencies: write frequency = ["… Hz", …], one for each {name}'
         return
     if not lists:
         if any(getattr(drive, name, None) is not None for name in SIZES):

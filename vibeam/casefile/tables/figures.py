@@ -130,7 +130,9 @@ class ShowTable(Table):
     kind: Annotated[str, Word(FIGURES)] = key(
         "; ".join(f"{name}: {kind.meaning}" for name, kind in FIGURES.items()), "portrait"
     )
-    fidelities: Annotated[tuple[str, ...] | None, Names("fidelities")] = key("whose; absent = all", ["sdof"], None)
+    fidelities: Annotated[tuple[str, ...] | None, Names("fidelities", alone=True)] = key(
+        "whose; absent = all", ["sdof"], None
+    )
     frequency: Annotated[tuple[float, ...] | None, Several(Frequency, alone=True, limit=12)] = key(
         "drive frequency, or several, a panel each", "15.3 Hz", None
     )

@@ -99,7 +99,7 @@ class MapTable(Table):
     picture: Annotated[str, Word(PICTURES)] = key(
         "; ".join(f"{name}: {meaning}" for name, meaning in PICTURES.items()), "period", "period"
     )
-    fidelities: Annotated[tuple[str, ...] | None, Names("fidelities")] = key(
+    fidelities: Annotated[tuple[str, ...] | None, Names("fidelities", alone=True)] = key(
         "whose; absent = all", ["sdof"], None, written=False
     )
     direction: Annotated[str | None, Word(RUNS)] = key(

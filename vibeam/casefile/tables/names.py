@@ -10,6 +10,18 @@ from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest
 
 NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
+#: keys by what others call them, in small letters; of a table the keys that it has
+CALLED = {
+    "section": ("shape",), "profile": ("shape",), "cross_section": ("shape",),
+    "material": ("youngs_modulus", "density"), "e": ("youngs_modulus", "restitution"), "modulus": ("youngs_modulus",),
+    "rho": ("density",), "nu": ("poissons_ratio",), "zeta": ("damping_ratio",), "l": ("length",), "span": ("length",),
+    "b": ("width",), "breadth": ("width",), "h": ("thickness",), "t": ("thickness",), "height": ("thickness",),
+    "depth": ("thickness",), "boundary": ("ends",), "boundary_conditions": ("ends",), "supports": ("ends",),
+    "mesh": ("elements",), "clearance": ("gap",), "cor": ("restitution",), "k": ("stiffness",), "c": ("damping",),
+    "x": ("position",), "location": ("position",), "m": ("mass",), "transient": ("settle",), "periods": ("hold",),
+    "method": ("reduction", "solver"), "model": ("reduction",), "n": ("modes",),
+}  # fmt: skip
+
 
 def name_checks(case: SimpleNamespace) -> Iterator[Complaint]:
     """Complaints about the names that a case gives."""

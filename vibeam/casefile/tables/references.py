@@ -80,7 +80,7 @@ def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]
         if reference.tolerance is None and not reference.measured:
             yield (*path, "tolerance"), 'missing: write tolerance = "1 %", or measured = true for no verdict'
         if reference.window is not None and len(reference.window) != 2:
-            yield (*path, "window"), 'must be two frequencies: write window = ["14 Hz", "17 Hz"]'
+            yield (*path, "window"), 'must be two frequencies: write window = ["… Hz", "… Hz"]'
         if reference.quantity is not None:
             yield from _column_checks(path, reference)
 

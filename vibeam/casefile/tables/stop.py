@@ -12,7 +12,7 @@ import numpy as np
 from vibeam.case.faults import Complaint, as_shown_in_message
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Quantity, Word
-from vibeam.casefile.inline import to_toml
+from vibeam.casefile.inline import to_fill_in
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.tables.table import (
     Place,
@@ -71,8 +71,7 @@ def _law(stop: SimpleNamespace, with_units: bool) -> Iterator[Complaint]:
 def _missing(name: str, declared: Key, with_units: bool) -> str:
     own = (declared.meaning, declared.example, declared.missing)
     meaning, example, missing = own if with_units else plainly(declared)
-    short = f"{example:g}".replace("e+0", "e") if isinstance(example, float) else to_toml(example)
-    return f"missing ({missing or meaning}): write {name} = {short}"
+    return f"missing ({missing or meaning}): write {name} = {to_fill_in(example)}"
 
 
 def _second(case: SimpleNamespace, metres: str) -> Iterator[Complaint]:

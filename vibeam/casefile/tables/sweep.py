@@ -28,7 +28,7 @@ from vibeam.casefile.tables.table import (
 from vibeam.solvers import SOLVERS
 from vibeam_reductions.declaration import PARAMETERS, REDUCTIONS, ReductionDeclaration
 
-EXAMPLES = {"boundary": '["contact"]', "frequency": '"15 Hz"', "periods": "50", "inner_product": '"mass"'}
+EXAMPLES = {"boundary": '["contact"]', "frequency": '"… Hz"', "periods": "50", "inner_product": '"mass"'}
 
 
 def plan_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:

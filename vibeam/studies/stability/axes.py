@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.grid_keys import FREQUENCY
 from vibeam.casefile.quantities import (
     ACCELERATION,
     FORCE,
@@ -102,12 +103,19 @@ def frequencies(case: Case, count: int) -> Array:
     return np.asarray(2 * np.pi * np.linspace(grid.min(), grid.max(), count))
 
 
+def second_name(over: str) -> str:
+    """What is named beside the frequency: ``"gap"`` of ``"frequency,gap"``, and of ``"gap"`` alone."""
+    names = [part.strip() for part in over.split(",")]
+    others = [name for name in names if name not in ("frequency", FREQUENCY)]
+    return others[0] if len(others) == 1 and len(names) <= 2 else over
+
+
 def second_axis(
     case: Case, over: str, low: str | float | None, high: str | float | None, system: ImpactSystem, drive: Driving
 ) -> Axis:
     """Axis of gap or drive, as in ``stability``; ``system``, ``drive``: of the model that the default range is of."""
     if over not in ("gap", "drive"):
-        raise ValueError(f"--over: {over!r} is none of gap, drive")
+        raise ValueError(f"--over: {over!r} is none of gap, drive; the frequency is the first axis")
     name, kind = _gap_unit(case) if over == "gap" else _drive_unit(case, drive)
     usual = _usual_gaps(case, system, drive) if over == "gap" else (drive.own / 20, 2 * drive.own)
     first, last = (

@@ -92,9 +92,10 @@ def stability(
 ) -> Stability:
     """Compute maps over the case's frequencies and its gap (at the contact) or drive, from ``low`` to ``high``.
 
-    ``over``: "gap" or "drive", which is the level that the case says its drive by; ``low``, ``high``: as a case has
-    them, with unit, None: chosen from the case. Fidelities that make the same model share a map. ValueError for invalid
-    arguments, an unknown fidelity included; CaseError, at its line, for a drive or models without closed forms.
+    ``over``: "gap" or "drive" ("frequency,gap" says the same), which is the level that the case says its drive by;
+    ``low``, ``high``: as a case has them, with unit, None: chosen from the case. Fidelities that make the same model
+    share a map. ValueError for invalid arguments, an unknown fidelity included; CaseError, at its line, for a drive or
+    models without closed forms.
     """
     if fidelity is not None and fidelity not in case.fidelities:
         raise ValueError(f"no fidelity {fidelity!r}: there are {', '.join(case.fidelities)}")
@@ -102,6 +103,7 @@ def stability(
     grid = axes.frequencies(case, frequencies)
     models, refused = _models(case, fidelity, grid)
     first = models[0]
+    over = axes.second_name(over)
     axis = axes.second_axis(case, over, low, high, first.system, first.drive)
     refused += tuple(_otherwise(each, first, axis) for each in models if over == "drive" and not each.like(first))
     models = [each for each in models if over == "gap" or each.like(first)]

@@ -15,7 +15,7 @@ from vibeam.casefile.field_lists import OneOrSeveral
 from vibeam.casefile.fields import Entry, Quantity
 from vibeam.casefile.quantities import to_si
 from vibeam.casefile.validation import declaration, entry_of, fields_of, table_of
-from vibeam.studies.stability.axes import NAMES, WIDE, frequencies, swing
+from vibeam.studies.stability.axes import NAMES, WIDE, frequencies, second_name, swing
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -40,13 +40,12 @@ class VerdictAxis:
 
 
 def keys_of(case: Case, over: str) -> str:
-    """The second key of ``over``, which names the frequency and one more; ValueError for anything else."""
-    names = [part.strip() for part in over.split(",")]
-    keys = [_drive_key(case) if name == "drive" else SHORT.get(name, name) for name in names]
-    others = [key for key in keys if key != FREQUENCY]
-    if len(keys) != 2 or len(others) != 1:
-        raise ValueError(f"--over: write frequency and one more key, as in frequency,gap, not {over!r}")
-    return others[0]
+    """The second key of ``over``, which names one beside the frequency; ValueError for anything else."""
+    name = second_name(over)
+    key = _drive_key(case) if name == "drive" else SHORT.get(name, name)
+    if "," in key or key == FREQUENCY:
+        raise ValueError(f"--over: write one key beside the frequency, gap or frequency,gap, not {over!r}")
+    return key
 
 
 def second_axis(
