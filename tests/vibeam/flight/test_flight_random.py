@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import pytest
 from exact_motion import impacts_and_bar
 from hypothesis import HealthCheck, assume, event, given, reject, settings
 from hypothesis import strategies as st
@@ -13,8 +14,9 @@ from hypothesis import strategies as st
 import vibeam
 
 EPSILON = np.finfo(float).eps
-FEW = settings(max_examples=60, deadline=None, derandomize=True, database=None, suppress_health_check=list(HealthCheck))
-MANY = settings(FEW, max_examples=250)
+FEW = settings(max_examples=40, deadline=None, derandomize=True, database=None, suppress_health_check=list(HealthCheck))
+MANY = settings(FEW, max_examples=80)
+ALL = settings(FEW, max_examples=1000)
 
 
 class Case(NamedTuple):
@@ -194,6 +196,21 @@ def test_sweeps_of_any_system_say_how_they_ended(case: Case) -> None:
             assert found.maximum[i] <= case.system.gap + 1e-9 * parts
             assert 0 <= found.rest[i] <= 1 + 1e-12
             assert np.all(found.mode_energy[i] >= 0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "test",
+    [
+        test_the_first_impacts_are_those_of_the_exact_motion,
+        test_what_every_motion_keeps,
+        test_energy_never_grows_without_a_drive,
+        test_motions_before_the_first_impact_do_not_know_of_the_stop,
+        test_sweeps_of_any_system_say_how_they_ended,
+    ],
+)
+def test_of_many_systems(test: Any) -> None:
+    ALL(given(cases())(test.hypothesis.inner_test))()
 
 
 def test_the_limit_holds_while_a_point_is_read_off() -> None:

@@ -209,7 +209,7 @@ def test_everything_works_without_numba(tmp_path: Path) -> None:
 
 
 @needs_library
-@pytest.mark.parametrize("command", ["run", "stability"])
+@pytest.mark.parametrize("command", ["run", pytest.param("stability", marks=pytest.mark.slow)])
 def test_commands_work_without_numba(command: str, tmp_path: Path) -> None:
     few = (
         "sweep.frequency.points=2",

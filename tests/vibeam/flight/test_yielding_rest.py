@@ -25,25 +25,25 @@ def rig(damping=104.26741952508146, zeta=0.017, gap=0.0):
         [0.462867542714578, 0.09066548216204676], gap=gap, law=LinearStop(1e6, damping),
     )
 
-for omega in 2 * np.pi * np.array([14.0, 15.5]):
-    for amplitude in (8.660311939459456e-05, 0.0):
-        for end in (1e-6, 0.01):
-            print(vibeam.simulate(rig({given}), vibeam.Drive(omega, amplitude), end).ended.name)
-        found = vibeam.sweep(rig({given}), omega=[omega], amplitude=amplitude, settle=3, hold=2)
-        print(vibeam.Ended.of_code(found.ended[0]).name)
+def ends(given):
+    for omega in 2 * np.pi * np.array([14.0, 15.5]):
+        for amplitude in (8.660311939459456e-05, 0.0):
+            for end in (1e-6, 0.01):
+                yield vibeam.simulate(rig(**given), vibeam.Drive(omega, amplitude), end).ended.name
+            found = vibeam.sweep(rig(**given), omega=[omega], amplitude=amplitude, settle=3, hold=2)
+            yield vibeam.Ended.of_code(found.ended[0]).name
+
+for given in (
+    {}, {"zeta": [0.017000000000000043, 0.016999999999999436]}, {"damping": 104.0}, {"damping": 1.0},
+    {"damping": 0.0}, {"gap": 1e-5}, {"gap": -1e-5},
+):
+    print(*ends(given), given if set(ends(given)) != {"COMPLETE"} else "")
 """
 
 
-@pytest.mark.parametrize(
-    "given",
-    [
-        "", "zeta=[0.017000000000000043, 0.016999999999999436]", "damping=104.0", "damping=1.0", "damping=0.0",
-        "gap=1e-5", "gap=-1e-5",
-    ],
-)  # fmt: skip
-def test_a_drive_sets_in_at_equilibrium_on_a_linear_stop(given: str) -> None:
+def test_a_drive_sets_in_at_equilibrium_on_a_linear_stop() -> None:
     """The acceleration away from the stop is zero at the start; what round-off makes of it is no flight."""
-    assert set(run_apart(RIG.format(given=given)).split()) == {"COMPLETE"}
+    assert set(run_apart(RIG).split()) == {"COMPLETE"}
 
 
 def touching(law: object, static: float, gap: float) -> vibeam.ImpactSystem:

@@ -25,9 +25,9 @@ from vibeam.solvers import register_solver
 from vibeam.solvers.declaration import SolverDeclaration
 
 SHORT: dict[str, Any] = {
-    "sweep.frequency": {"from": "14.9 Hz", "to": "15.7 Hz", "points": 9},
+    "sweep.frequency": {"from": "14.9 Hz", "to": "15.7 Hz", "points": 5},
     "sweep.direction": "up",
-    "sweep.settle": 60,
+    "sweep.settle": 30,
     "sweep.hold": 10,
 }
 
@@ -101,7 +101,7 @@ def test_a_run_that_was_not_compared_gets_its_comparison(short: Case, tmp_path: 
         {"fidelity.beam.set": {"stop.restitution": 0.71}},
         {"sweep.hold": 11},
         {"sweep.frequency.to": "15.8 Hz"},
-        {"sweep.frequency.points": 17},
+        {"sweep.frequency.points": 9},
         {"sweep.output": "contact"},
     ],
     ids=lambda change: next(iter(change)),
