@@ -13,7 +13,9 @@ from typing import Any
 
 import pytest
 from rich.console import Console
+from typer.testing import CliRunner
 
+from vibeam.cli.main import app
 from vibeam.cli.progress import Bar
 from vibeam.cli.streams import legible
 
@@ -32,7 +34,7 @@ def vibeam(*words: str, **options: Any) -> subprocess.CompletedProcess[bytes]:
 C_LOCALE = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
 
 
-@pytest.mark.parametrize("environment", [{"PYTHONIOENCODING": "ascii"}, C_LOCALE, {"PYTHONIOENCODING": "ascii:strict"}])
+@pytest.mark.parametrize("environment", [C_LOCALE, {"PYTHONIOENCODING": "ascii:strict"}])
 def test_tables_are_legible_where_the_encoding_lacks_their_characters(environment: dict[str, str]) -> None:
     done = vibeam(*MODES, environment=environment)
     assert (done.returncode, done.stderr) == (0, b"")
@@ -43,15 +45,13 @@ def test_tables_are_legible_where_the_encoding_lacks_their_characters(environmen
 
 
 def test_json_is_the_same_in_every_encoding() -> None:
-    rows = [
-        json.loads(vibeam("derive", str(RIG), "--json", environment={"PYTHONIOENCODING": encoding}).stdout)
-        for encoding in ("ascii", "utf-8")
-    ]
-    assert rows[0] == rows[1]
-    assert rows[0][0]["symbol"] == "φ(L_m)"
+    words = ("derive", str(RIG), "--json")
+    rows = json.loads(vibeam(*words, environment={"PYTHONIOENCODING": "ascii"}).stdout)
+    assert rows == json.loads(CliRunner().invoke(app, words).stdout)  # in UTF-8
+    assert rows[0]["symbol"] == "φ(L_m)"
 
 
-@pytest.mark.parametrize("words", [MODES, (*MODES, "--json"), ("--help",), ("--version",), ("keys", "--json")])
+@pytest.mark.parametrize("words", [MODES, ("--help",), ("--version",), ("keys", "--json")])
 def test_a_reader_that_has_gone_ends_the_command_in_silence(words: tuple[str, ...]) -> None:
     there, here = os.pipe()
     os.close(there)
@@ -63,7 +63,7 @@ def test_a_reader_that_has_gone_ends_the_command_in_silence(words: tuple[str, ..
     assert done.returncode in (1, 141)
 
 
-@pytest.mark.parametrize("words", [MODES, (*MODES, "--json"), ("--help",), ("--version",)])
+@pytest.mark.parametrize("words", [("keys",), ("keys", "--json"), ("--help",), ("--version",)])
 def test_a_full_device_is_one_message(words: tuple[str, ...]) -> None:
     with open("/dev/full", "wb") as full:
         done = vibeam(*words, stdout=full)
