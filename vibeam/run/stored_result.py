@@ -21,6 +21,7 @@ from vibeam.run.store.figures import read_sheets
 from vibeam.run.store.file import opened_to_read
 from vibeam.run.store.layout import read_curves
 from vibeam.run.store.models import read_models
+from vibeam.run.store.provenance import read_provenance
 from vibeam.run.store.reuse import branch_names
 from vibeam.run.store.store import CURVES
 from vibeam.system.quantities import LAYOUT
@@ -60,6 +61,8 @@ def read_result(path: str | Path, parse: Callable[[str], Case]) -> StoredResult:
     with opened_to_read(file) as stored:
         if format_of(stored) != FORMAT:
             raise StoreError(f"{file}: is of an older format: vibeam run brings it to the present one")
+        with reading(file, "/case"):
+            verify(stored["case"])
         case = parse(whole_case(stored, file))
         with reading(file, "its groups"):
             return _read(stored, file, case)
@@ -81,7 +84,7 @@ def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
         {name: properties for name, (_, properties) in read_models(stored).items()},
     )
     result.estimates = read_estimates(stored) if ESTIMATES in stored else {}
-    provenance = {name: str(value) for name, value in stored["provenance"].attrs.items()}
+    provenance = read_provenance(stored["provenance"])
     states = {at: _states(values) for at, values in rows.items()}
     numbers = stored["case/text"][()].decode()
     return StoredResult(result, states, provenance, result.total - result.found, numbers)

@@ -26,6 +26,7 @@ from vibeam.run.store.disk import NO_LINKS, Disk
 from vibeam.run.store.errors import StoreError
 from vibeam.run.store.file import read
 from vibeam.run.store.layout import STATES
+from vibeam.run.store.provenance import read_provenance
 from vibeam.run.store.reuse import Wanted
 from vibeam.run.store.store import Store
 from vibeam.system.motion_curves import MotionCurves
@@ -598,3 +599,15 @@ def test_a_kill_while_groups_are_added_leaves_the_file_as_it_was(tmp_path: Path,
     with opened(path, CASE) as store:
         store.write_curves("beam", "k", MotionCurves.empty(GRID, 1))
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_damaged_provenance_is_said_and_loses_no_point(tmp_path: Path) -> None:
+    path = written(tmp_path / "a.h5", points=2)
+    with h5py.File(path, "r+") as file:
+        assert read_provenance(file["provenance"])["vibeam"]
+        file["provenance"].attrs["numpy"] = "0.1"
+    written(path, points=3)
+    with h5py.File(path) as file:
+        assert list(read_provenance(file["provenance"])) == ["damaged"]
+    with opened(path, CASE) as store:
+        assert store.restore(UP).done == 3

@@ -38,13 +38,19 @@ def of_group(group: h5py.Group) -> int:
 
 
 def sign(group: h5py.Group) -> None:
-    """Store the checksum of a completed group."""
-    group.attrs[CHECKSUM] = np.uint32(of_group(group))
+    """Store the checksum of a completed group; one that is there is overwritten in place."""
+    put = group.attrs.modify if CHECKSUM in group.attrs else group.attrs.create
+    put(CHECKSUM, np.uint32(of_group(group)))
+
+
+def is_sound(group: h5py.Group) -> bool:
+    """Whether a group has a checksum and matches it."""
+    return CHECKSUM in group.attrs and int(group.attrs[CHECKSUM]) == of_group(group)
 
 
 def verify(group: h5py.Group) -> None:
     """Raise ValueError where the group does not match its checksum."""
-    if int(group.attrs[CHECKSUM]) != of_group(group):
+    if not is_sound(group):
         raise ValueError("its checksum does not fit")
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vibeam.run.store.branch import Branch, lay_out, read_rows
+from vibeam.run.store.checksum import sign
 from vibeam.run.store.comparison import COMPARISON
 from vibeam.run.store.errors import StoreError, reading
 from vibeam.run.store.image import Image
@@ -146,6 +147,7 @@ def _write_case(file: h5py.File, wanted: Wanted) -> None:
     group["text"], group["shared"] = fixed(wanted.text), fixed(wanted.shared)
     if wanted.whole:
         group["whole"] = fixed(wanted.whole)
+    sign(group)
 
 
 def _text(file: h5py.File, path: Path, name: str) -> str:

@@ -107,7 +107,7 @@ class Store:
     def _note(self) -> None:
         """Note once what continues the file."""
         if not self._noted:
-            note_continued(self._file["provenance/continued"])
+            note_continued(self._file["provenance"])
             self._noted = True
 
     def curves(self, fidelity: str, key: str) -> MotionCurves | None:
