@@ -38,13 +38,19 @@ def write_whole(path: Path, content: bytes) -> None:
 def fill_whole(path: Path, fill: Fill) -> None:
     """Replace the file at ``path`` by what ``fill`` writes; otherwise as ``write_whole``. Other errors pass through."""
     target = regular(path)
-    part = target.with_name(f".{target.name}.{os.getpid()}.part")
+    part = part_beside(target, f".{os.getpid()}")
     try:
         os.close(new_part(part, target, fill))
         take_place(part, target)
     except OSError as fault:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
         raise OSError(fault.errno, fault.strerror, str(path)) from None
+
+
+def part_beside(target: Path, mark: str = "") -> Path:
+    """The name of a hidden file beside ``target``; a long name is shortened, so that there is room for the ending."""
+    return target.with_name(f".{target.name.encode()[:200].decode(errors='ignore')}{mark}.part")
 
 
 def new_part(part: Path, target: Path, fill: Fill) -> int:

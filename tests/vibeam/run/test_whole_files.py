@@ -69,3 +69,13 @@ def test_a_link_stays_and_permissions_too(tmp_path: Path) -> None:
     assert (link.is_symlink(), there.read_bytes(), there.stat().st_mode & 0o777) == (True, b"after", 0o640)
     assert regular(tmp_path / "new.csv") == (tmp_path / "new.csv").resolve()
     assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_a_name_of_any_allowed_length_is_written_and_a_longer_one_is_told_by_itself(tmp_path: Path) -> None:
+    longest = tmp_path / ("ä" * 125 + ".csv")
+    write_whole(longest, b"1")
+    assert longest.read_bytes() == b"1"
+    with pytest.raises(OSError, match="too long") as told:
+        write_whole(tmp_path / ("a" * 300), b"1")
+    assert told.value.filename == str(tmp_path / ("a" * 300))
+    assert list(tmp_path.iterdir()) == [longest]

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
-from vibeam.exchange.whole_files import new_part, take_place, write_at
+from vibeam.exchange.whole_files import new_part, part_beside, take_place, write_at
 from vibeam.run.store.errors import StoreError, reason, unwritable
 from vibeam.run.store.lock import lock
 
@@ -28,7 +28,7 @@ class Disk:
 
     def __init__(self, path: Path, target: Path) -> None:
         self.path = path
-        self._target, self._part = target, target.with_name(f".{target.name}.part")
+        self._target, self._part = target, part_beside(target)
         self._handle: int | None = None
         self._staged = False
 
