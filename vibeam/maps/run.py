@@ -18,7 +18,7 @@ from vibeam.maps.grids import grids_of, key_of, lines_of_block, plan_of
 from vibeam.maps.job import Job, name_of, points_of
 from vibeam.maps.result import MapResult
 from vibeam.maps.store.blocks import write_block
-from vibeam.maps.store.gathered import finished, gather, read_map
+from vibeam.maps.store.gathered import finished, gather, is_ours, read_map
 from vibeam.maps.store.manifest import discard, opened
 from vibeam.run.parallel import run_parallel
 from vibeam.run.store.errors import StoreError, unwritable
@@ -89,6 +89,8 @@ def _tidy(target: Path) -> None:
 
 def _remove(path: Path, target: Path, folder: Path) -> None:
     try:
+        if target.exists() and not is_ours(target):
+            raise StoreError(f"{path}: is no file of a map: choose another --out, or delete it")
         discard(folder)
         target.unlink(missing_ok=True)
     except OSError as fault:

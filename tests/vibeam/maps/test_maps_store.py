@@ -194,6 +194,14 @@ def gathered_in_a_fork(path: Path, size: int) -> tuple[int, str]:
     return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), told
 
 
+def test_fresh_deletes_no_file_of_another_kind(tmp_path: Path) -> None:
+    other = tmp_path / "m.h5"
+    other.write_text("a year's notes", encoding="utf-8")
+    with pytest.raises(vibeam.StoreError, match="is no file of a map"):
+        vibeam.run_map(case(), "m", other, fresh=True)
+    assert other.read_text(encoding="utf-8") == "a year's notes"
+
+
 def test_another_map_is_refused_and_fresh_starts_over(tmp_path: Path) -> None:
     vibeam.run_map(case(), "m", tmp_path / "m.h5")
     with pytest.raises(vibeam.StoreError, match="--fresh"):

@@ -137,6 +137,12 @@ def _label(data: h5py.Dataset, scales: Sequence[h5py.Dataset], described: Quanti
         data.attrs["long_name"] = described.long_name
 
 
+def is_ours(path: Path) -> bool:
+    """Test whether a file is that of a map, even a damaged one."""
+    content = path.read_bytes()
+    return content.startswith(SIGNATURE) and FORMAT.encode() in content
+
+
 def finished(path: Path, keys: Mapping[str, str]) -> bool:
     """Test whether the file of a map is there with all its points; StoreError for a damaged or another one."""
     import h5py
