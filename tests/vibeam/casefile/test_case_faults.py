@@ -362,7 +362,7 @@ PIECES = ["[", "]", "=", '"', "{", "\n", "nan", "1e999", "[]", "{}", "[[", "true
 PIECES += ["a." * 500 + "a", "[" * 30 + "]" * 30, "{a=" * 30 + "1" + "}" * 30, '"\\u202e"', '"/dev/zero"', "\ufeff"]
 
 
-@settings(deadline=None)
+@settings(deadline=None, max_examples=40)  # ``tests/hard/torture.py mutants`` replaces more, by name
 @given(st.data())
 def test_a_case_with_a_piece_replaced_is_a_case_or_a_case_error(data):
     text = data.draw(st.sampled_from([RIG + REFERENCE, SDOF, *map(template, RIGS)]))

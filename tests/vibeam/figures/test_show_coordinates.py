@@ -22,7 +22,7 @@ restitution = 0.8
 amplitude = 0.5e-3
 [sweep]
 frequency = ["1.9 rad/s"]
-settle = 150
+settle = 60
 hold = 4
 [fidelity.it]
 {own}
