@@ -28,9 +28,14 @@ def imported(path: Path) -> set[str]:
             found |= {alias.name.split(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             found.add("." * node.level + (node.module or "").split(".")[0])
-        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module") and node.args:
+        elif isinstance(node, ast.Call) and called(node) == "import_module" and node.args:
             found.add(ast.unparse(node.args[0]).strip("'\"").split(".")[0])
     return found
+
+
+def called(node: ast.Call) -> str:
+    """Last name of what is called."""
+    return str(getattr(node.func, "attr", getattr(node.func, "id", "")))
 
 
 @pytest.mark.parametrize("package", PACKAGES)

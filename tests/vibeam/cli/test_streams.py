@@ -73,7 +73,7 @@ def test_a_full_device_is_one_message(words: tuple[str, ...]) -> None:
 def test_control_characters_of_a_file_name_are_escapes(tmp_path: Path) -> None:
     name = "a\x1b[2J\u202e.toml"
     (tmp_path / name).write_text("", encoding="utf-8")
-    done = vibeam("run", name, cwd=tmp_path)
+    done = vibeam("check", name, cwd=tmp_path)
     assert done.stderr.decode().startswith(r"a\x1b[2J\u202e.toml: is empty")
     made = vibeam("new", "--out", "b\x1b.toml", cwd=tmp_path)
     assert made.stdout.decode().startswith(r"wrote b\x1b.toml: ")
