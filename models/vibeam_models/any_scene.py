@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import replace
+from math import nan
 from typing import TYPE_CHECKING, Any
 
 from vibeam_models.base import Base
@@ -52,6 +53,11 @@ class AnyScene(ABC):
     def no_beam(self) -> str:
         """Why there is no beam to speak of, as the end of a sentence; empty where there is one."""
         return ""
+
+    @property
+    def bulk(self) -> tuple[tuple[float, ...], float, float]:
+        """Lengths of the beam in m, its length first; its mass and the moving mass in kg. Empty, NaN: not known."""
+        return (), nan, nan
 
     def named(self, name: str) -> tuple[Any, ...]:
         """The effects of a name, in their order; empty where there is none."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from math import nan
 
 from vibeam_models.any_scene import RigScene
 from vibeam_models.base import Base
@@ -55,6 +56,11 @@ class GivenScene(RigScene):
     def structural(self) -> GivenScene:
         """As ``RigScene.structural``: the given structure alone."""
         return replace(self, stop=Stop(0.0, 0.0), base=Base(), effects=())
+
+    @property
+    def bulk(self) -> tuple[tuple[float, ...], float, float]:
+        """As ``AnyScene.bulk``."""
+        return (), nan, nan if self.given.carried is None else self.given.carried
 
     @property
     def moving_mass(self) -> float:

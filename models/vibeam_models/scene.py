@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from vibeam_models.any_scene import AnyScene, RigScene
 from vibeam_models.base import Base
 from vibeam_models.beams.beam import Beam
+from vibeam_models.keys import keys_of
 from vibeam_models.stop import Stop
 
 if TYPE_CHECKING:
@@ -60,6 +61,13 @@ class Scene(RigScene):
         """Mass carried by the base in kg: the beam with all that is on it."""
         own = self.carrier.mass + sum(mass for mass, _ in self.weights)
         return own + sum((float(each.moving_mass(self)) for each in self.named("opposite")), 0.0)
+
+    @property
+    def bulk(self) -> tuple[tuple[float, ...], float, float]:
+        """As ``AnyScene.bulk``."""
+        shape = self.beam.shape
+        across = (getattr(shape, name) for name, key in keys_of(type(shape)).items() if key.unit == "m")
+        return (self.beam.length, *(float(each) for each in across)), self.carrier.mass, self.moving_mass
 
     def of(self, beam: str) -> tuple[Effect, ...]:
         """The effects of one beam: ``"beam"``, or the ``"opposite"`` one."""

@@ -104,11 +104,14 @@ def folder(path: Path) -> Path:
 
 def run_case(case: Case, path: Path | None, show: bool = True, fresh: bool = False, compare: bool = False) -> Result:
     """Run the case, stored in ``path``, with a progress bar."""
-    from vibeam.cli.progress import Bar, stderr
+    from vibeam.cli.progress import Bar, stderr, tell_overview
     from vibeam.run.run import run
 
     with Bar() as bar:
-        return run(case, out=path, progress=bar, show=show, fresh=fresh, tell=stderr().print, compare=compare)
+        return run(
+            case, out=path, progress=bar, show=show, fresh=fresh, tell=stderr().print, before=tell_overview,
+            compare=compare,
+        )  # fmt: skip
 
 
 def run_study(path: Path, case: Case, study: Callable[[Case, Callable[[str], None]], Made]) -> Made:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from textwrap import wrap
 from types import TracebackType
 from typing import TYPE_CHECKING
 
@@ -10,12 +11,22 @@ from rich.console import Console
 if TYPE_CHECKING:
     from rich.progress import Progress
 
+    from vibeam.run.overview import Overview
+
 WIDE, NARROW = 120, 60  # columns of a terminal from which on there are words and speed, and a bar
 
 
 def stderr() -> Console:
     """Console on stderr that leaves long lines to the terminal."""
     return Console(stderr=True, soft_wrap=True, highlight=False, markup=False)
+
+
+def tell_overview(overview: Overview) -> None:
+    """Print rig and sweep on stderr, and what is implausible of them, broken between words."""
+    console = stderr()
+    for said in (str(overview), *(f"warning: {each}" for each in overview.warnings())):
+        for line in wrap(said, console.width):
+            console.print(line)
 
 
 class Bar:

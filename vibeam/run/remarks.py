@@ -12,6 +12,7 @@ from vibeam.run.summary import compare
 from vibeam.system.response import complete
 
 if TYPE_CHECKING:
+    from vibeam.run.overview import Overview
     from vibeam.run.result import Result
     from vibeam.system.response import Branches
 
@@ -32,8 +33,15 @@ NEGATIVE = (
 def remarks(result: Result) -> list[str]:
     """Remarks on fidelities that never touch the stop, and on those whose mode 1 sees R₁ < 0."""
     clear = [name for name, branches in result.items() if _stays_clear(branches)]
-    notes = [f"{listed(clear)}: no impact at any frequency: narrow the gap, or drive harder"] if clear else []
+    notes = [f"{listed(clear)}: no impact at any frequency: {_cure(result.overview)}"] if clear else []
     return [*notes, *ill_posed({row.fidelity: row.first_mode_restitution for row in compare(result)})]
+
+
+def _cure(overview: Overview | None) -> str:
+    """What brings a rig to its stop: where the sweep leaves mode 1 out, to sweep over it."""
+    if overview is None or not overview.beside:
+        return "narrow the gap, or drive harder"
+    return f"sweep over mode 1, at {overview.first}, narrow the gap, or drive harder"
 
 
 def ill_posed(first_mode: Mapping[str, float]) -> list[str]:

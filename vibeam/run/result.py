@@ -10,6 +10,7 @@ from vibeam.case.faults import suggest
 from vibeam.case.held import held_of
 from vibeam.case.outputs import units_of_output
 from vibeam.run.comparison.wording import both_peaks
+from vibeam.run.overview import Overview, overview_of
 from vibeam.system.response import Branches, modes_of
 
 if TYPE_CHECKING:
@@ -74,6 +75,11 @@ class Result(Mapping[str, Branches]):
         self.estimates: dict[str, FidelityEstimate] = {}
         self._branches = dict(branches)
         self._models = dict(models or {})
+
+    @property
+    def overview(self) -> Overview | None:
+        """Sizes, masses, modes and gap of the rig beside the sweep; None where its models are not known."""
+        return overview_of(self.case, self._models) if self._models else None
 
     @property
     def total(self) -> int:

@@ -14,6 +14,7 @@ import numpy as np
 from vibeam.case.outputs import units_of_output
 from vibeam.run.fidelity_sweep import Job, job_of, known_curves, sweep_branches
 from vibeam.run.keys import branch_key, comparison_key, model_key
+from vibeam.run.overview import Overview, overview_of
 from vibeam.run.parallel import run_parallel
 from vibeam.run.recorder import Count, Progress
 from vibeam.run.result import Result, output_units
@@ -48,12 +49,14 @@ def run(
     *,
     fresh: bool = False,
     tell: Tell | None = None,
+    before: Callable[[Overview], None] | None = None,
     compare: bool = False,
 ) -> Result:
     """Sweep every fidelity of ``case``; points already in the results file ``out`` are not computed again.
 
     Branches whose numbers the case does not change are kept, the others are swept anew, unless that would leave fewer
     points: ``tell`` gets one line that names them, a warning does without it. ``fresh``: keep nothing of the file.
+    ``before`` gets the overview of rig and sweep where there is something to sweep.
 
     Where the case asks for an accuracy it is one curve, ``result["accuracy"]``, in place of one for each fidelity.
     ``out=None`` keeps nothing on disk. ``progress(done, total)`` is called with the points that are there at the start
@@ -65,9 +68,12 @@ def run(
     """
     systems, storage = Systems(case), _Storage(None if out is None else Path(out), fresh, tell)
     if case.accuracy is not None:
-        return _accurate(case, case.accuracy, systems, storage, progress or _no_progress, show, compare)
+        return _accurate(case, case.accuracy, systems, storage, progress or _no_progress, show, compare, before)
     with storage.opened(case, systems, _all_branches) as (store, plan):
         jobs = [job_of(case, name, systems, branches, store) for name, branches in plan.branches.items()]
+        models = plan.models or _properties(case, systems)
+        if before and any(job.missing for job in jobs):
+            before(overview_of(case, models))
         count = Count((kept for job in jobs for _, kept in job.branches), progress or _no_progress)
         found = count.done
         try:
@@ -75,7 +81,7 @@ def run(
             curves = {job.name: known_curves(case, job, store) for job in jobs if SOLVERS[job.fidelity.solver].curves}
             shown = _shown(case, store) if show else {}
             branches = {job.name: job.gathered(curves.get(job.name)) for job in jobs}
-            models = _models(case, systems, plan, store)
+            _keep_models(case, models, store)
             result = Result(case, branches, storage.path, found, shown, models=models)
             if not compare:
                 return result
@@ -94,15 +100,16 @@ def _sweep(case: Case, jobs: Sequence[Job], store: Store | None, count: Count) -
         run_parallel(lambda job, stop: sweep_branches(case, job, store, count, stop), costly_first)
 
 
-def _models(
-    case: Case, systems: Mapping[str, ImpactSystem], plan: _Plan, store: Store | None
-) -> Mapping[str, ModelProperties]:
-    """Properties of all models, which the file keeps."""
-    models = plan.models or {name: properties_of(case, name, system.size) for name, system in systems.items()}
+def _properties(case: Case, systems: Mapping[str, ImpactSystem]) -> Mapping[str, ModelProperties]:
+    """Properties of all models."""
+    return {name: properties_of(case, name, system) for name, system in systems.items()}
+
+
+def _keep_models(case: Case, models: Mapping[str, ModelProperties], store: Store | None) -> None:
+    """Keep the properties of all models in the file."""
     keys = {name: model_key(case, name) for name in models}
     if store and all(keys.values()):
         store.write_models({name: (keys[name], properties) for name, properties in models.items()})
-    return models
 
 
 def _compared(
@@ -160,7 +167,7 @@ def _no_progress(done: int, total: int) -> None:
 
 def _accurate(
     case: Case, wanted: AccuracyPlan, systems: Mapping[str, ImpactSystem], storage: _Storage, progress: Progress,
-    show: bool, compare: bool,
+    show: bool, compare: bool, before: Callable[[Overview], None] | None,
 ) -> Result:  # fmt: skip
     """One curve within an accuracy instead of one for each fidelity."""
     from vibeam.run import within_accuracy as accuracy
@@ -171,12 +178,15 @@ def _accurate(
         total = sum(len(branch.frequency) for branch in branches)
         try:
             kept = [store.restore(branch).done for branch in branches] if store else [0]
+            models = plan.models or _properties(case, systems)
+            if before and sum(kept) < total:
+                before(overview_of(case, models))
             progress(total if sum(kept) == total else 0, total)
             study, found = accuracy.found_or_made(case, wanted, systems, branches, store)
             progress(total, total)
             shown = _shown(case, store) if show else {}
             up, down = (study.curves[way].response if way in study.curves else None for way in ("up", "down"))
-            models = _models(case, systems, plan, store)
+            _keep_models(case, models, store)
             result = Result(case, {HOME: Branches(up, down)}, storage.path, found, shown, study, models=models)
             if not compare:
                 return result

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.faults import CaseError, Fault
+from vibeam.run.first_modes import closed_frequency, gap_at_rest, open_frequencies
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -18,11 +19,20 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ModelProperties:
-    """Number of modes of a fidelity, restitution R of its contact and R₁ of its mode 1 (NaN: the law has no one)."""
+    """Number of modes of a fidelity, restitution R of its contact and R₁ of its mode 1 (NaN: the law has no one).
+
+    ``first``, ``second``: frequencies of its first modes in Hz, ``closed``: of mode 1 with the contact held at rest
+    (NaN: there is none); ``damping_ratio`` of mode 1; ``gap`` at rest in m, or in the unit of the motion.
+    """
 
     modes: int
     restitution: float
     first_mode_restitution: float
+    first: float
+    second: float
+    closed: float
+    damping_ratio: float
+    gap: float
 
 
 class Systems(Mapping[str, "ImpactSystem"]):
@@ -53,11 +63,13 @@ def require_runnable(case: Case) -> None:
     _systems(case)
 
 
-def properties_of(case: Case, name: str, modes: int) -> ModelProperties:
-    """Properties of one fidelity's model, which has so many ``modes``."""
+def properties_of(case: Case, name: str, system: ImpactSystem) -> ModelProperties:
+    """Properties of one fidelity's model, which is ``system``."""
     from vibeam.case.fidelity import restitutions
 
-    return ModelProperties(modes, *restitutions(case.scene_of(name), case.fidelities[name]))
+    first, second, damping_ratio = open_frequencies(system)
+    own = first, second, closed_frequency(system), damping_ratio, gap_at_rest(system)
+    return ModelProperties(system.size, *restitutions(case.scene_of(name), case.fidelities[name]), *own)
 
 
 def _systems(case: Case) -> dict[str, ImpactSystem]:

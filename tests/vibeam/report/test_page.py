@@ -134,6 +134,12 @@ def test_the_page_says_all_that_the_terminal_says(results, text, monkeypatch):
     assert missing == []
 
 
+def test_the_page_has_the_rig_and_its_sweep_in_a_sentence(results, text):
+    overview = str(stored(results).result.overview)
+    assert "mode 1 at" in overview
+    assert f"<p>{overview}.</p>" in text
+
+
 def test_hostile_texts_are_shown_as_texts(text):
     parsed = elements(text)
     assert not [1 for tag, attributes in parsed.found if any(key.startswith("on") for key in attributes)]

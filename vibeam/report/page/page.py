@@ -56,6 +56,7 @@ def page(stored: StoredResult) -> str:
         headlines=said.headlines,
         sentences=said.sentences,
         scene=drawing(result.case.scene),
+        overview=result.overview,
         scene_keys=scene_table(result.case.text),
         no_beam=result.case.scene.no_beam,
         tables=list(map(of_report, said.tables)),

@@ -21,13 +21,17 @@ Keyed = Mapping[str, tuple[str, ModelProperties]]  # by fidelity: the key of all
 
 def read_models(file: h5py.File) -> Keyed:
     """Read the properties of every model; empty without any, ValueError if damaged."""
-    return {name: _read(group) for name, group in file[MODELS].items()} if MODELS in file else {}
+    found = {name: _read(group) for name, group in file[MODELS].items()} if MODELS in file else {}
+    return {name: each for name, each in found.items() if each is not None}
 
 
-def _read(group: h5py.Group) -> tuple[str, ModelProperties]:
+def _read(group: h5py.Group) -> tuple[str, ModelProperties] | None:
+    """Key and properties of one model; None where an earlier version wrote fewer."""
     verify(group)
-    values = {field.name: group.attrs[field.name].item() for field in fields(ModelProperties)}
-    return group.attrs["key"].decode(), ModelProperties(**values)
+    names = [field.name for field in fields(ModelProperties)]
+    if any(name not in group.attrs for name in names):
+        return None
+    return group.attrs["key"].decode(), ModelProperties(**{name: group.attrs[name].item() for name in names})
 
 
 def write_models(file: h5py.File, models: Keyed) -> None:
