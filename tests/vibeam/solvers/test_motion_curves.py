@@ -29,8 +29,6 @@ from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.motion_curves import MotionCurves
 from vibeam.system.state import State
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 GRID = '{ from = "1.6 rad/s", to = "2.8 rad/s", points = 13 }'
 LOOSE = one_mode(GRID, 300, 8, "[fidelity.flown]", gap=0.8e-3, direction="up")
 METHODS = '[fidelity.orbit]\nsolver = "orbit"\n[fidelity.averaged]\nsolver = "averaging"\n'
