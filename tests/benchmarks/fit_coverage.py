@@ -20,7 +20,7 @@ import numpy as np
 
 import vibeam
 from vibeam.case.reference_record import ReferenceCurve
-from vibeam.studies.fit.estimate import settled
+from vibeam.studies.fit.estimate import Scan, estimate
 from vibeam.studies.fit.problem import Problem
 from vibeam.studies.fit.profile import LEVEL, misfit_at
 
@@ -69,7 +69,7 @@ def covered(name: str, sets: int) -> dict[str, Any]:
     case = vibeam.load(CASES / f"{file}.toml", set={"fit.keys": "{" + ", ".join(keys) + "}"})
     cases = {"first": case}
     if second:
-        table = "{ " + ", ".join(f'"{key}" = {value}' for key, value in second.items()) + " }"
+        table = "{ " + ", ".join(f'"{key}" = "{value}"' for key, value in second.items()) + " }"
         own = {"fidelity.second.reduction": "static_mode", "fidelity.second.set": table}
         case = vibeam.load(CASES / f"{file}.toml", set={"fit.keys": "{" + ", ".join(keys) + "}"} | own)
         cases = {"first": case, "second": case}
@@ -87,7 +87,10 @@ def covered(name: str, sets: int) -> dict[str, Any]:
             own = own.with_reference(each, ReferenceCurve.of(frequency, noisy, uncertainty=0.01 * value), names[each])
         problem = Problem.of(own)
         start = problem.start
-        found = settled(problem, np.clip(start + 0.05 * rng.standard_normal(len(start)), 0.02, 0.98))
+        off = problem.values(np.clip(start + 0.05 * rng.standard_normal(len(start)), 0.02, 0.98))
+        keys_off = tuple(replace(each, start=float(value)) for each, value in zip(problem.keys, off, strict=True))
+        started = replace(problem, keys=keys_off)
+        problem, found = estimate(started, Scan.of(started))
         lost += int(not found.actual.all())
         hits += [misfit_at(problem, found, k, float(start[k])) < LEVEL for k in range(len(start))]
     points = sum(len(frequency) for frequency, _ in truth.values())
