@@ -108,7 +108,7 @@ def test_no_motion_says_why(keys, message):
         ({"own": 'solver = "orbit"'}, 'kind = "chirp" flies a transient, "orbit" of it knows settled motions alone'),
         ({"more": ""}, 'show.it.rate: missing: kind = "chirp" needs it'),
         ({"more": 'rate = "1 Hz"'}, "show.it.rate: '1 Hz' is a frequency, not a sweep rate"),
-        ({"more": 'rate = "1 Hz/s"\nfrequency = 8'}, 'show.it.frequency: kind = "chirp" has no use for it'),
+        ({"more": 'rate = "1 Hz/s"\nfrequency = "8 Hz"'}, 'show.it.frequency: kind = "chirp" has no use for it'),
     ],
 )  # fmt: skip
 def test_what_a_case_is_told(keys, message):
