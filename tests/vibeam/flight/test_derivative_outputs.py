@@ -107,7 +107,7 @@ def test_extremes_are_those_of_the_motion(rig, output):
     found = swept(system, output)
     drive, period = vibeam.Drive(OMEGA, AMPLITUDE), 2 * np.pi / OMEGA
     path = vibeam.simulate(system, drive, 408 * period)
-    times = np.linspace(400 * period, 408 * period, 40_001)[1:-1]
+    times = np.linspace(400 * period, 408 * period, 8_001)[1:-1]
     step = 1e-7
     rates = (path.at(times + step, "s") - path.at(times - step, "s")) / (2 * step)
     if OUTPUTS[output].order == 2:

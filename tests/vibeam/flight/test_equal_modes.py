@@ -106,7 +106,10 @@ NEAR = [0.0, *(2.0**-k for k in (52, 51, 49, 46, 40, 33, 26, 20))]
 
 @pytest.mark.parametrize("coupled", [0.0, 0.3], ids=["", "coupled"])
 @pytest.mark.parametrize("zeta", [0.0, 0.02, 3.0])
-@pytest.mark.parametrize("apart", NEAR)
+@pytest.mark.parametrize(
+    "apart",
+    [each if each in (0.0, 2.0**-52, 2.0**-33) else pytest.param(each, marks=pytest.mark.slow) for each in NEAR],
+)
 def test_a_push_among_nearly_equal_modes(apart: float, zeta: float, coupled: float) -> None:
     """Equal, one last digit apart, up to 1e-6: the same digits."""
     whole = rig(1.0, zeta, {"law": LinearStop(40.0, 0.5)}, coupled)

@@ -118,7 +118,7 @@ def test_the_doubling_is_subcritical(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", RIGS)
-@pytest.mark.parametrize(("steps", "wide"), [(5, 0.2), (50, 0.2), (50, 0.01)])
+@pytest.mark.parametrize(("steps", "wide"), [(5, 0.2), pytest.param(50, 0.2, marks=pytest.mark.slow), (50, 0.01)])
 def test_both_folds_are_found_from_the_stable_side(name: str, steps: int, wide: float) -> None:
     """However long a step is beside the way from fold to birth; each once, though the branch goes on as its mirror."""
     at, start = doubling(name).omega, orbit_of(name, curve(name)[-1])
@@ -129,7 +129,7 @@ def test_both_folds_are_found_from_the_stable_side(name: str, steps: int, wide: 
 
 
 @pytest.mark.parametrize("name", RIGS)
-@pytest.mark.parametrize("steps", [5, 50])
+@pytest.mark.parametrize("steps", [5, pytest.param(50, marks=pytest.mark.slow)])
 def test_a_start_between_birth_and_fold_finds_either(name: str, steps: int) -> None:
     at, start = doubling(name).omega, orbit_of(name, curve(name)[2])
     side = np.sign(start.drive.omega - at)
