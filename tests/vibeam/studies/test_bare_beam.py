@@ -148,7 +148,7 @@ def test_a_map_leaves_out_models_whose_law_it_cannot_take() -> None:
     found = stability(parse(TEXT, set=own), points=3, frequencies=3)
     assert [one.name for one in found.maps] == ["sdof", "beam"]
     assert found.notes[0] == 'two_modes: no map, for no closed form knows the contact law "linear"'
-    with pytest.raises(ValueError, match='two_modes: no map, for no closed form knows the contact law "linear"'):
+    with pytest.raises(ValueError, match=r'fidelity\.two_modes: no closed form knows the contact law "linear"'):
         stability(parse(TEXT, set=own), points=3, frequencies=3, fidelity="two_modes")
 
 
