@@ -69,17 +69,17 @@ def true_motion(case: Case, t_start: float, digits: int = 30, tiny: float = 1e-1
 
 def burst(case: Case, t_start: float, count: int) -> tuple[Tally, vibeam.State, float]:
     """At most ``count`` impacts of both motions compared; the solver's state and time where the burst ends."""
-    tally = Tally()
+    readout = Tally()
     path, cut = _cut(case, t_start, count)
     part = vibeam.simulate(*case[:2], cut, case.start, t_start=t_start, max_impacts=100_000)
     if part.ended is not vibeam.Ended.COMPLETE or not _is_begin(part.impact_times, path.impact_times, cut):
-        tally.faults.append(f"cut at {cut!r}: {part.ended}, impacts {len(part.impact_times)}")
+        readout.faults.append(f"cut at {cut!r}: {part.ended}, impacts {len(part.impact_times)}")
     motion = _true_burst(case, t_start, cut, part)
     if float(motion.time) < cut:
-        tally.too_long += 1
+        readout.too_long += 1
     else:
-        _compare(case, t_start, part, motion, tally)
-    return tally, part.state, cut
+        _compare(case, t_start, part, motion, readout)
+    return readout, part.state, cut
 
 
 def _accumulates(path: vibeam.Trajectory, first: int, weak: float) -> bool:
@@ -135,36 +135,36 @@ def _speed(case: Case) -> float:
     return float(np.abs(system.contact) @ parts)
 
 
-def _compare(case: Case, t_start: float, path: vibeam.Trajectory, motion: events.Motion, tally: Tally) -> None:
+def _compare(case: Case, t_start: float, path: vibeam.Trajectory, motion: events.Motion, readout: Tally) -> None:
     begun, x, v = t_start, np.array(case.start.displacement), np.array(case.start.velocity)
     found = [event for event in motion.events if event.kind != "rest"]
     if case.start.resting and found and found[0].kind == "release":
         release = found.pop(0)
         begun, x, v = float(release.time), *(_doubles(row) for row in (release.displacement, release.velocity))
-        _compare_release(path, begun, tally)
+        _compare_release(path, begun, readout)
     rest = next((event for event in motion.events if event.kind == "rest" and float(event.time) > t_start), None)
     hits = [event for event in found if event.kind == "impact"]
     listed = hits[: len(path.impact_times)] if rest is not None else hits
     knots = [Knot(float(e.time), float(e.speed), _doubles(e.displacement), _doubles(e.velocity)) for e in listed]
-    slack = _compare_impacts(case, path, begun, x, v, knots, tally)
+    slack = _compare_impacts(case, path, begun, x, v, knots, readout)
     if rest is not None and np.isfinite(slack) and len(path.chatters):
-        tally.chatters += 1
+        readout.chatters += 1
         over, bound = path.chatters[0]
         if abs(over - float(rest.time)) > bound + slack + BAR * float(rest.time):
-            tally.over_bound += 1
-            tally.faults.append(f"chatter over at {over!r} ± {bound:.2g}, truly at {float(rest.time)!r}")
+            readout.over_bound += 1
+            readout.faults.append(f"chatter over at {over!r} ± {bound:.2g}, truly at {float(rest.time)!r}")
 
 
-def _compare_release(path: vibeam.Trajectory, when: float, tally: Tally) -> None:
-    tally.releases += 1
+def _compare_release(path: vibeam.Trajectory, when: float, readout: Tally) -> None:
+    readout.releases += 1
     ended = path.rests[0, 1] if len(path.rests) else path.t_start
     if abs(ended - when) > 1e-7 * (path.t_end - path.t_start) + 1e-11 * when:
-        tally.late += 1
-        tally.faults.append(f"released at {ended!r}, truly at {when!r}")
+        readout.late += 1
+        readout.faults.append(f"released at {ended!r}, truly at {when!r}")
 
 
 def _compare_impacts(
-    case: Case, path: vibeam.Trajectory, begun: float, x: np.ndarray, v: np.ndarray, knots: list[Knot], tally: Tally
+    case: Case, path: vibeam.Trajectory, begun: float, x: np.ndarray, v: np.ndarray, knots: list[Knot], readout: Tally
 ) -> float:
     """Error that the time of the last firm impact may have; infinite after a fault. The rest goes into the tally."""
     slack = 0.0
@@ -177,24 +177,24 @@ def _compare_impacts(
     for k, knot in enumerate(knots):
         pull = abs(system.contact @ drift(system, drive, knot.time, knot.displacement, knot.velocity))
         if SAFE * spread.time[k] * pull > FAINT * knot.speed:
-            tally.faint += 1
+            readout.faint += 1
             return BAR * knot.time + SAFE * spread.time[k]
-        tally.impacts += 1
+        readout.impacts += 1
         if k >= len(times):
-            tally.missed += 1
-            tally.faults.append(f"missed {knot.time!r} at {knot.speed:.3g}")
+            readout.missed += 1
+            readout.faults.append(f"missed {knot.time!r} at {knot.speed:.3g}")
             return np.inf
         off = abs(times[k] - knot.time)
         slack = allowed = BAR * knot.time + SAFE * spread.time[k]
         if SAFE * spread.time[k] <= BAR * knot.time:
-            tally.worst_relative = max(tally.worst_relative, off / knot.time)
-        tally.worst_blur = max(tally.worst_blur, off / spread.time[k])
+            readout.worst_relative = max(readout.worst_relative, off / knot.time)
+        readout.worst_blur = max(readout.worst_blur, off / spread.time[k])
         if off > allowed or abs(speeds[k] - knot.speed) > BAR * speeds.max() + SAFE * spread.speed[k]:
             late = times[k] > knot.time
             kind = "missed" if late and abs(times[k] - knot.time) > 1e3 * allowed else "wrong"
             kind = "invented" if not late and abs(times[k] - knot.time) > 1e3 * allowed else kind
-            setattr(tally, kind, getattr(tally, kind) + 1)
-            tally.faults.append(
+            setattr(readout, kind, getattr(readout, kind) + 1)
+            readout.faults.append(
                 f"{kind}: {times[k]!r} at {speeds[k]:.6g}, truly {knot.time!r} at {knot.speed:.6g}, "
                 f"blur {spread.time[k]:.2g} s, {spread.speed[k]:.2g}"
             )
@@ -203,10 +203,10 @@ def _compare_impacts(
     if len(extra) and not len(path.chatters) and not plastic:
         weak = speeds[len(knots)] < 1e-6 * speeds.max()
         if weak:
-            tally.faint += 1
+            readout.faint += 1
         else:
-            tally.invented += 1
-            tally.faults.append(f"invented {extra[0]!r} at {speeds[len(knots)]:.3g}")
+            readout.invented += 1
+            readout.faults.append(f"invented {extra[0]!r} at {speeds[len(knots)]:.3g}")
     return slack
 
 
@@ -236,10 +236,10 @@ def follow(case: Case, impacts: int, each: int = 10, seconds: float = np.inf) ->
             total.undecided += 1
             break
         try:
-            tally, start, t = burst(now, t, each)
+            readout, start, t = burst(now, t, each)
         except (ArithmeticError, ValueError):  # nearer to the stop than doubles can tell: the truth cannot start
             total.undecided += 1
             break
-        quiet = 0 if tally.impacts + tally.releases else quiet + 1
-        total.add(tally)
+        quiet = 0 if readout.impacts + readout.releases else quiet + 1
+        total.add(readout)
     return total

@@ -17,8 +17,8 @@ from numpy.random import Generator
 
 import vibeam
 from vibeam.flight.event_driven import Segments
-from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, DURATION, END, IMPACT, START, STUCK, WHAT
-from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
 Array = np.ndarray
@@ -50,7 +50,7 @@ class Balance:
 def balance(path: vibeam.Trajectory, rng: Generator, work: float) -> Balance:
     """Of segments in random order, as many as ``work`` (modes times nodes) allows."""
     trace, size = path.segments.trace, path.system.size
-    order = rng.permutation(np.flatnonzero(trace[:, DURATION] > 0))
+    order = rng.permutation(np.flatnonzero(trace[:, layout.DURATION] > 0))
     scale, done, found = _scale(path), 0.0, {"flow": 0.0, "contact": 0.0, "impact": 0.0, "gained": 0.0}
     for index in order:
         if done >= work:
@@ -63,8 +63,8 @@ def balance(path: vibeam.Trajectory, rng: Generator, work: float) -> Balance:
 def _segment(path: vibeam.Trajectory, i: int, scale: float, found: dict[str, float]) -> int:
     """Worst figures so far, with those of segment ``i``; panels that it cost."""
     row = path.segments.trace[i]
-    span = float(row[DURATION])
-    curved = row[WHAT] == CONTACT and isinstance(path.system.law, HuntCrossley)
+    span = float(row[layout.DURATION])
+    curved = row[layout.WHAT] == regime_layout.CONTACT and isinstance(path.system.law, HuntCrossley)
     panels = max(1, int(np.ceil(span * (rate_in(path, i) / CURVED if curved else _rate(path) / TURN))))
     looked = min(panels, MOST // 8 if curved else MOST)
     length = span * looked / panels
@@ -77,7 +77,7 @@ def _segment(path: vibeam.Trajectory, i: int, scale: float, found: dict[str, flo
     energies = energy(path.system, pose[[0, -1]])
     kind = "contact" if curved else "flow"
     found[kind] = max(found[kind], abs(energies[1] - energies[0] - work) / scale)
-    if row[END] in (IMPACT, STUCK) and looked == panels and _hard(path.system):
+    if row[layout.END] in (layout.IMPACT, layout.STUCK) and looked == panels and _hard(path.system):
         _impact(path, i, pose[-1], scale, found)
     return looked * (STEPS if curved else 1)
 
@@ -86,9 +86,9 @@ def _impact(path: vibeam.Trajectory, i: int, before: Array, scale: float, found:
     system, row = path.system, path.segments.trace[i]
     after = path.segments.poses[i + 1] if i + 1 < len(path.segments.poses) else _last(path)
     change = float(np.diff(energy(system, np.stack([before, after])))[0])
-    speed, mobility = float(row[BEFORE]), float(system.contact @ system.contact)
+    speed, mobility = float(row[layout.BEFORE]), float(system.contact @ system.contact)
     back = system.restitution if system.law is None else system.law.at(speed)
-    back = 0.0 if row[END] == STUCK else back
+    back = 0.0 if row[layout.END] == layout.STUCK else back
     found["impact"] = max(found["impact"], abs(change + (1 - back**2) * speed**2 / (2 * mobility)) / scale)
     found["gained"] = max(found["gained"], change / scale)
 
@@ -97,7 +97,7 @@ def poses(path: vibeam.Trajectory, i: int, times: Array) -> Array:
     """Poses (m, 2, n) at times since the start of segment ``i``, its end before an impact."""
     whole = path.segments
     alone = Segments(whole.trace[i : i + 1].copy(), whole.poses[i : i + 1], whole.size)
-    alone.trace[0, START] = 0.0
+    alone.trace[0, layout.START] = 0.0
     return path._solver.poses_at(path.drive, alone, np.ascontiguousarray(times))
 
 
@@ -110,10 +110,10 @@ def energy(system: vibeam.ImpactSystem, pose: Array) -> Array:
 def _power(path: vibeam.Trajectory, row: Array, times: Array, pose: Array) -> Array:
     """dE/dt (m,) by the equations of motion."""
     system, drive, v = path.system, path.drive, pose[:, 1]
-    push = drive.omega**2 * drive.amplitude * np.sin(drive.omega * (row[AT_CLOCK] + times))
+    push = drive.omega**2 * drive.amplitude * np.sin(drive.omega * (row[layout.AT_CLOCK] + times))
     damper = np.diag(2 * system.zeta * system.omega) if system.coupling is None else system.coupling
     power = push * (v @ system.load) - np.einsum("ij,jk,ik->i", v, damper, v)
-    if row[WHAT] != CONTACT:
+    if row[layout.WHAT] != regime_layout.CONTACT:
         return power
     depth, rate = _into(path, row, pose)
     return power - force(system.law, depth, rate) * rate
@@ -121,7 +121,7 @@ def _power(path: vibeam.Trajectory, row: Array, times: Array, pose: Array) -> Ar
 
 def _into(path: vibeam.Trajectory, row: Array, pose: Array) -> tuple[Array, Array]:
     """Penetration and its rate of poses (m, 2, n) at the stop of a segment."""
-    system, second = path.system, len(row) > AT_SIDE and row[AT_SIDE] == 1
+    system, second = path.system, len(row) > regime_layout.AT_SIDE and row[regime_layout.AT_SIDE] == 1
     side, gap = (-1.0, system.second_gap or 0.0) if second else (1.0, system.gap)
     return side * (pose[:, 0] @ system.contact) - gap, side * (pose[:, 1] @ system.contact)
 
@@ -155,7 +155,7 @@ def rate_in(path: vibeam.Trajectory, i: int) -> float:
     """The same in segment ``i``, a contact by Hunt–Crossley's law: by the largest slopes of its force."""
     law, mobility = path.system.law, float(path.system.contact @ path.system.contact)
     row = path.segments.trace[i]
-    depth, rate = _into(path, row, poses(path, i, np.linspace(0.0, row[DURATION], LOOKS)))
+    depth, rate = _into(path, row, poses(path, i, np.linspace(0.0, row[layout.DURATION], LOOKS)))
     depth = np.maximum(depth, 0.0)
     stiff = law.stiffness * law.exponent * depth ** (law.exponent - 1) * np.maximum(1 + law.damping * rate, 0.0)
     damped = law.stiffness * law.damping * depth**law.exponent

@@ -25,9 +25,9 @@ def judge(seed: int, number: int, stage: Stage) -> Verdict:
     """The impacts of one system, burst by burst."""
     stage("bursts")
     size = None if number % LARGE == 0 else 1 + number % 3
-    tally = vars(follow(random_case(seed, number, size), IMPACTS, EACH, PATIENCE))
+    readout = vars(follow(random_case(seed, number, size), IMPACTS, EACH, PATIENCE))
     return Verdict(
-        counts={"systems": 1} | {name: value for name, value in tally.items() if isinstance(value, int)},
-        worst={name: value for name, value in tally.items() if isinstance(value, float)},
-        findings=tally["faults"],
+        counts={"systems": 1} | {name: value for name, value in readout.items() if isinstance(value, int)},
+        worst={name: value for name, value in readout.items() if isinstance(value, float)},
+        findings=readout["faults"],
     )

@@ -28,10 +28,10 @@ def judged(
     system: vibeam.ImpactSystem, drive: vibeam.Drive, start: vibeam.State, impacts: int, least: int | None = None
 ) -> Tally:
     """The motion agrees with the arbitrary-precision one, impact by impact, over at least ``least`` (all) impacts."""
-    tally = follow(Case(system, drive, start), impacts)
-    assert not tally.faults, tally.faults
-    assert tally.impacts >= (impacts if least is None else least), tally
-    return tally
+    readout = follow(Case(system, drive, start), impacts)
+    assert not readout.faults, readout.faults
+    assert readout.impacts >= (impacts if least is None else least), readout
+    return readout
 
 
 def assert_lawful(path: vibeam.Trajectory, samples: int = 2001) -> None:

@@ -28,8 +28,8 @@ from vibeam.casefile.read import parse
 from vibeam.flight.certificate import certificate_of
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.flight.exact import exact_solver
-from vibeam.flight.kernels.layout import WHAT
-from vibeam.flight.kernels.regimes.layout import CONTACT
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.trajectory import Outcome
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
@@ -176,7 +176,7 @@ def _ended(path: vibeam.Trajectory, verdict: Verdict) -> None:
 def _fastest(path: vibeam.Trajectory) -> float:
     """The fastest decay or turn of a mode, or of contact that is integrated where the motion ended, 1/s."""
     system = path.system
-    if isinstance(system.law, HuntCrossley) and path.segments.trace[-1, WHAT] == CONTACT:
+    if isinstance(system.law, HuntCrossley) and path.segments.trace[-1, layout.WHAT] == regime_layout.CONTACT:
         return rate_in(path, len(path.segments.trace) - 1)
     if system.coupling is not None:
         return float(np.linalg.norm(system.coupling, 2) + system.omega.max())

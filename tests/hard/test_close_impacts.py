@@ -30,8 +30,8 @@ def test_modes_thrown_at_a_hard_pressed_stop(press: float) -> None:
     system = vibeam.ImpactSystem.from_modes(
         [1.0, 3.3, 7.9], 0.02, [1.0, -0.5, 0.3], [1.0, 0.2, 0.1], gap=0.0, restitution=0.9, static=[press, 0.0, 0.0]
     )
-    tally = judged(system, vibeam.Drive(1.3, 0.1), state([-1e-3, 0.0, 0.0], [0.5, 0.1, 0.0]), 30)
-    assert tally.impacts >= 30
+    readout = judged(system, vibeam.Drive(1.3, 0.1), state([-1e-3, 0.0, 0.0], [0.5, 0.1, 0.0]), 30)
+    assert readout.impacts >= 30
 
 
 @pytest.mark.parametrize("fast", [1e2, 1e3])

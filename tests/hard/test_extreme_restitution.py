@@ -46,8 +46,8 @@ def test_plastic_impacts_of_many_modes(modes: int) -> None:
         path = vibeam.simulate(system, vibeam.Drive(1.3, 0.5), 60.0, start)
         assert len(path.impact_times) > 5
         assert_lawful(path)
-        tally = judged(system, vibeam.Drive(1.3, 0.5), start, 10, least=0)
-        assert tally.releases + tally.impacts > 3
+        readout = judged(system, vibeam.Drive(1.3, 0.5), start, 10, least=0)
+        assert readout.releases + readout.impacts > 3
 
 
 @pytest.mark.parametrize("restitution", [1 - 1e-16, 1 - 1e-12, 1 - 1e-6, 1e-16, 1e-300, 5e-324])

@@ -35,10 +35,10 @@ def test_two_rests_that_begin_a_little_apart(omega: list[float]) -> None:
 
 def test_a_long_rest_among_fast_and_overdamped_modes_is_within_the_estimate() -> None:
     """Without the rest's share the first impact after it was 51 times as late as one last digit explains."""
-    tally = follow(random_case(7, 79, size=8), 100, 8)
-    assert tally.releases >= 3
-    assert not tally.faults
-    assert tally.worst_blur < 32
+    readout = follow(random_case(7, 79, size=8), 100, 8)
+    assert readout.releases >= 3
+    assert not readout.faults
+    assert readout.worst_blur < 32
 
 
 HELD = {

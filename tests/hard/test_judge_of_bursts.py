@@ -48,10 +48,10 @@ def misreported(
 
 def test_every_impact_of_a_long_accumulation_is_judged() -> None:
     """Bursts that end within it: the truth goes to its limit beyond the burst's end, but passes over no impact."""
-    tally = follow(ball(1.0), 400)
-    assert not tally.faults
-    assert tally.impacts > 200  # 0.9²⁰⁰ = 7e-10: flights of 4e-11 s
-    assert tally.worst_blur < 1
+    readout = follow(ball(1.0), 400)
+    assert not readout.faults
+    assert readout.impacts > 200  # 0.9²⁰⁰ = 7e-10: flights of 4e-11 s
+    assert readout.worst_blur < 1
 
 
 both_sizes = pytest.mark.parametrize("speed", [1.0, 1e-12], ids=["flights of 60 ms", "flights of 6e-14 s"])
@@ -79,14 +79,14 @@ def test_an_impact_invented_after_the_last_true_one_is_found(monkeypatch: pytest
         k = int(np.searchsorted(times, when))
         return np.insert(times, k, when), np.insert(speeds, k, 0.5 * speed)
 
-    tally = misreported(monkeypatch, ball(speed), add)
-    assert (tally.impacts, tally.invented) == (5, 1)
+    readout = misreported(monkeypatch, ball(speed), add)
+    assert (readout.impacts, readout.invented) == (5, 1)
 
 
 @both_sizes
 def test_a_lost_impact_is_found(monkeypatch: pytest.MonkeyPatch, speed: float) -> None:
-    tally = misreported(monkeypatch, ball(speed), lambda times, speeds: (np.delete(times, 2), np.delete(speeds, 2)))
-    assert tally.missed == 1
+    readout = misreported(monkeypatch, ball(speed), lambda times, speeds: (np.delete(times, 2), np.delete(speeds, 2)))
+    assert readout.missed == 1
 
 
 @both_sizes
@@ -99,8 +99,8 @@ def test_an_impact_moved_beyond_its_bound_is_found(
     def move(times: np.ndarray, speeds: np.ndarray) -> Impacts:
         return times + moved * (np.arange(len(times)) == 1), speeds
 
-    tally = misreported(monkeypatch, ball(speed), move)
-    assert tally.wrong == len(tally.faults) == (abs(bounds) > 1)
+    readout = misreported(monkeypatch, ball(speed), move)
+    assert readout.wrong == len(readout.faults) == (abs(bounds) > 1)
 
 
 def bound_of_the_second(case: Case) -> float:

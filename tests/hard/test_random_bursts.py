@@ -18,9 +18,9 @@ FEW, MANY = 12, 1000
 def judge(first: int, count: int, impacts: int, seconds: float) -> Tally:
     total = Tally()
     for number in range(first, first + count):
-        tally = follow(random_case(7, number, size=(1, 2, 3, 5)[number % 4]), impacts, seconds=seconds)
-        assert not tally.faults, (number, tally.faults)
-        total.add(tally)
+        readout = follow(random_case(7, number, size=(1, 2, 3, 5)[number % 4]), impacts, seconds=seconds)
+        assert not readout.faults, (number, readout.faults)
+        total.add(readout)
     return total
 
 
@@ -33,9 +33,9 @@ def test_none_missed_none_invented_none_late() -> None:
 @pytest.mark.parametrize("number", [1083, 1119])
 def test_starts_among_the_last_digits_of_an_accumulation(number: int) -> None:
     """Several impacts at one double, and a start that may lie on either side of the stop: neither is a finding."""
-    tally = follow(random_case(1, number, 1 + number % 3), 300, 8, 10.0)
-    assert not tally.faults
-    assert tally.impacts > 30
+    readout = follow(random_case(1, number, 1 + number % 3), 300, 8, 10.0)
+    assert not readout.faults
+    assert readout.impacts > 30
 
 
 def test_a_gap_that_is_a_small_difference_of_static_offsets() -> None:
@@ -45,10 +45,10 @@ def test_a_gap_that_is_a_small_difference_of_static_offsets() -> None:
         np.array([-3.91030262673338e-05, -9.437687087326912e-06]),
         np.array([-0.022143684621753493, -0.005344474879804234]),
     )
-    tally, _, _ = burst(Case(case.system, case.drive, late), 0.1275902892260291, 8)
-    assert not tally.faults
-    assert tally.impacts > 1
-    assert tally.worst_blur < 1
+    readout, _, _ = burst(Case(case.system, case.drive, late), 0.1275902892260291, 8)
+    assert not readout.faults
+    assert readout.impacts > 1
+    assert readout.worst_blur < 1
 
 
 @pytest.mark.parametrize("seed", [3, 8, 17])

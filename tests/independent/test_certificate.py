@@ -16,8 +16,8 @@ from random_rigs import KINDS, rig
 import vibeam
 from vibeam.flight.certificate import CLOSES, OPEN, _without_slivers, certificate_of
 from vibeam.flight.event_driven import Segments
-from vibeam.flight.kernels.layout import AT_CLOCK, DURATION, END, RELEASE, START, WHAT
-from vibeam.flight.kernels.regimes.layout import CONTACT, PASS
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam_models.laws.compliant import LinearStop
 
 ONE = vibeam.ImpactSystem.from_modes(1.0, 0.015, 1.0, 1.0, gap=0.0, restitution=0.9)
@@ -228,13 +228,13 @@ def test_a_tampered_motion_is_found(kind: str, how: str) -> None:
     system, drive, end = rig(kind, 0, 5)
     path = vibeam.simulate(system, drive, end)
     trace, poses = path.segments.trace.copy(), path.segments.poses
-    which = int(np.flatnonzero(trace[:-1, DURATION] > 1e-3 * end)[1])
+    which = int(np.flatnonzero(trace[:-1, layout.DURATION] > 1e-3 * end)[1])
     if how == "a root moved":
-        moved = 1e-6 * trace[which, DURATION]
-        trace[which, DURATION] += moved
-        trace[which + 1 :, START] += moved
+        moved = 1e-6 * trace[which, layout.DURATION]
+        trace[which, layout.DURATION] += moved
+        trace[which + 1 :, layout.START] += moved
     elif how == "two flights made one":
-        trace[which, DURATION] += trace[which + 1, DURATION]
+        trace[which, layout.DURATION] += trace[which + 1, layout.DURATION]
     if how != "a root moved":
         trace, poses = np.delete(trace, which + 1, axis=0), np.delete(poses, which + 1, axis=0)
     made = certificate_of(path._solver, drive, Segments(trace, poses, path.segments.size))
@@ -263,13 +263,16 @@ def test_a_retreat_within_round_off_of_the_stop_is_named() -> None:
     system = vibeam.ImpactSystem.from_modes(2.82703262, 0.073824, 0.85037794, 1.0, gap=0.0, law=stop)
     drive, retreat = vibeam.Drive(40.003445984762756, 2e-5), 5.43763436e-18
     path = vibeam.simulate(system, drive, 0.3)
-    first = int(np.argmax(path.segments.trace[:, DURATION] > 0))
+    first = int(np.argmax(path.segments.trace[:, layout.DURATION] > 0))
     trace, poses = path.segments.trace[first:], path.segments.poses[first:]
-    assert trace[0, WHAT] == CONTACT
+    assert trace[0, layout.WHAT] == regime_layout.CONTACT
     added = np.zeros((2, trace.shape[1]))
-    added[0, [WHAT, END]], added[1, [DURATION, END]] = (CONTACT, RELEASE), (retreat, PASS)
+    added[0, [layout.WHAT, layout.END]], added[1, [layout.DURATION, layout.END]] = (
+        (regime_layout.CONTACT, layout.RELEASE),
+        (retreat, regime_layout.PASS),
+    )
     later = trace.copy()
-    later[:, [START, AT_CLOCK]] += retreat
+    later[:, [layout.START, layout.AT_CLOCK]] += retreat
     rows, starts = np.concatenate([added, later]), np.concatenate([np.zeros_like(poses[[0, 0]]), poses])
     made = certificate_of(path._solver, drive, Segments(rows, starts, path.segments.size))
     assert not [text for text in check(made)[0] if "not proved" in text]

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.derivatives import FREE, HELD, PUSHED, Derivatives, stop_of
-from vibeam.flight.kernels.layout import AT_CLOCK, RESTING, START, TRACE_COLUMNS, WHAT
-from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.time_derivative import TimeDerivative
 from vibeam_models.laws.compliant import HuntCrossley
@@ -25,8 +25,8 @@ def derivative_along(
     order = wanted.order + more
     if order == 1:
         return np.asarray(poses[:, 1] @ wanted.row)
-    which = np.maximum(np.searchsorted(trace[:, START], times, side="right") - 1, 0)
-    clocks = trace[which, AT_CLOCK] + times - trace[which, START]
+    which = np.maximum(np.searchsorted(trace[:, layout.START], times, side="right") - 1, 0)
+    clocks = trace[which, layout.AT_CLOCK] + times - trace[which, layout.START]
     found = _modal(system, drive, trace[which], clocks, poses, order) @ wanted.row
     return np.asarray(found + _of_base(drive, clocks, order, wanted.base))
 
@@ -39,10 +39,14 @@ def _of_base(drive: Drive, clocks: Array, order: int, share: float) -> Array:
 
 def _modal(system: ImpactSystem, drive: Drive, rows: Array, clocks: Array, poses: Array, order: int) -> Array:
     """η'' or η''' (m, n) at states in the segments ``rows`` (m, columns) of a trace."""
-    sides = rows[:, AT_SIDE].astype(np.int64) if rows.shape[1] > TRACE_COLUMNS else np.zeros(len(rows), dtype=np.int64)
+    sides = (
+        rows[:, regime_layout.AT_SIDE].astype(np.int64)
+        if rows.shape[1] > layout.TRACE_COLUMNS
+        else np.zeros(len(rows), dtype=np.int64)
+    )
     found = np.empty((len(rows), system.size))
-    for kind, side in {(float(kind), int(side)) for kind, side in zip(rows[:, WHAT], sides, strict=True)}:
-        here = (rows[:, WHAT] == kind) & (sides == side)
+    for kind, side in {(float(kind), int(side)) for kind, side in zip(rows[:, layout.WHAT], sides, strict=True)}:
+        here = (rows[:, layout.WHAT] == kind) & (sides == side)
         found[here] = _in_regime(system, drive, kind, side, poses[here], clocks[here], order)
     return found
 
@@ -50,7 +54,7 @@ def _modal(system: ImpactSystem, drive: Drive, rows: Array, clocks: Array, poses
 def _in_regime(
     system: ImpactSystem, drive: Drive, kind: float, side: int, poses: Array, clocks: Array, order: int
 ) -> Array:
-    if kind == CONTACT and isinstance(system.law, HuntCrossley):
+    if kind == regime_layout.CONTACT and isinstance(system.law, HuntCrossley):
         if order > 2:
             raise ValueError(f"the jerk in a contact that is integrated, {system.law.name!r}, is not read")
         row, gap = stop_of(system, side)
@@ -58,5 +62,5 @@ def _in_regime(
         force = system.law.stiffness * deep**system.law.exponent * (1 + system.law.damping * rate)
         free = Derivatives(system, drive, FREE, side, poses, clocks).known[order].value
         return np.asarray(free - np.maximum(force, 0.0)[:, None] * row)
-    regime = HELD if kind == RESTING else PUSHED if kind == CONTACT else FREE
+    regime = HELD if kind == layout.RESTING else PUSHED if kind == regime_layout.CONTACT else FREE
     return Derivatives(system, drive, regime, side, poses, clocks).known[order].value

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.chatter_tail import tails_of
-from vibeam.flight.kernels.layout import AT_CLOCK, DURATION, END, RESTING, START
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.pieces import (
     CLAIM,
     CLOSES,
@@ -38,7 +38,7 @@ from vibeam.flight.kernels.pieces import (
     UNPROVED,
     WATCHED,
 )
-from vibeam.flight.kernels.regimes.layout import CONTACT
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.watched import Motion, motion_of, watch_list
 from vibeam_models.laws.compliant import HuntCrossley
 
@@ -92,7 +92,7 @@ class Certificate:
     @property
     def resting(self) -> NDArray[np.bool_]:
         """(segments,) whether it is a rest on a hard stop."""
-        return np.asarray(self.kinds == RESTING)
+        return np.asarray(self.kinds == layout.RESTING)
 
     @property
     def uncovered(self) -> NDArray[np.int64]:
@@ -107,7 +107,7 @@ class Certificate:
 
     def _integrated(self) -> list[Stretch]:
         law = self.system.law
-        which = np.flatnonzero((self.kinds == CONTACT) & (self.durations > 0))
+        which = np.flatnonzero((self.kinds == regime_layout.CONTACT) & (self.durations > 0))
         if not isinstance(law, HuntCrossley) or not len(which):
             return []
         first = which[np.diff(which, prepend=-2) > 1]
@@ -153,9 +153,9 @@ def certificate_of(solver: EventDrivenSolver, drive: Drive, segments: Segments) 
     which = tasks[starting, SEGMENT].astype(np.int64)
     orders[which], roots[which] = tasks[starting, ORDER], tasks[starting, WATCHED]
     return Certificate(
-        solver.system, drive, trace[:, START], motion.kinds, motion.sides, trace[:, END], segments.poses,
-        trace[:, AT_CLOCK], trace[:, DURATION], orders, roots, _pieces(solver, motion, tasks, segments.size),
-        tails_of(motion),
+        solver.system, drive, trace[:, layout.START], motion.kinds, motion.sides, trace[:, layout.END], segments.poses,
+        trace[:, layout.AT_CLOCK], trace[:, layout.DURATION], orders, roots,
+        _pieces(solver, motion, tasks, segments.size), tails_of(motion),
     )  # fmt: skip
 
 
@@ -163,12 +163,12 @@ def _pieces(solver: EventDrivenSolver, motion: Motion, tasks: Array, size: float
     """The pieces (m, COLUMNS) that cover all tasks."""
     found, first, a_task = list[Array](), 0, PIECES_A_TASK
     while first < len(tasks):
-        room = np.empty((a_task * max(len(tasks) - first, 8), COLUMNS))  # kept: what is not written costs nothing
-        count, reached = solver.cover(motion.drive, motion.trace, motion.poses, size, tasks, first, room)
-        found.append(room[:count])
+        watch = np.empty((a_task * max(len(tasks) - first, 8), COLUMNS))  # kept: what is not written costs nothing
+        count, reached = solver.cover(motion.drive, motion.trace, motion.poses, size, tasks, first, watch)
+        found.append(watch[:count])
         first, a_task = reached, 2 * a_task
     pieces = found[0] if len(found) == 1 else np.concatenate([np.empty((0, COLUMNS)), *found])
-    return _without_slivers(pieces, motion.trace[:, DURATION])
+    return _without_slivers(pieces, motion.trace[:, layout.DURATION])
 
 
 def _without_slivers(pieces: Array, durations: Array) -> Array:

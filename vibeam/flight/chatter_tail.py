@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from vibeam.flight.derivatives import FREE, Derivatives, stop_of
 from vibeam.flight.endless import endless
-from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, CHATTER, END
+from vibeam.flight.kernels import layout
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.flight.rebound import rebound
 from vibeam.flight.round_off import responses
@@ -67,7 +67,7 @@ def tails_of(motion: Motion) -> Array:
 
     Most inf: no bound; both inf: none, as R → 1 it has no end.
     """
-    which = np.flatnonzero(motion.trace[:-1, END] == CHATTER)
+    which = np.flatnonzero(motion.trace[:-1, layout.END] == layout.CHATTER)
     found = np.zeros((len(which), 3))
     found[:, 0] = which
     unending = endless(motion.trace)[which]
@@ -104,10 +104,10 @@ def _bounds(motion: Motion, side: int, which: NDArray[np.int64]) -> tuple[Array,
 def _after_impact(motion: Motion, side: int, which: NDArray[np.int64]) -> _Start:
     """Taken back from the rest that follows, whose contact velocity was taken out by the least impulse."""
     system, drive, row = motion.system, motion.drive, stop_of(motion.system, side).row
-    speed = rebound(system, motion.trace[which, BEFORE])
+    speed = rebound(system, motion.trace[which, layout.BEFORE])
     poses = motion.poses[which + 1].copy()
     poses[:, 1] -= speed[:, None] * (row / float(row @ row))
-    found = Derivatives(system, drive, FREE, side, poses, motion.trace[which + 1, AT_CLOCK])
+    found = Derivatives(system, drive, FREE, side, poses, motion.trace[which + 1, layout.AT_CLOCK])
     _, _, second, third = (each.value for each in found.gap(side))
     norm = np.sqrt(np.sum((system.omega * found.known[3].value) ** 2 + found.known[4].value ** 2, axis=1))
     driven, static = responses(system, drive)

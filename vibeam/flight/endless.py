@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.layout import BEFORE, CHATTER, DURATION, END, REMAINDER, RESTING, START, WHAT
+from vibeam.flight.kernels import layout
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.flight.rebound import rebound
 from vibeam.observe.motion import Path
@@ -45,24 +45,28 @@ class ExactMotion(Path, Protocol):
 
 def endless(trace: Array) -> NDArray[np.bool_]:
     """Which segments (m,) end with an endless accumulation that was taken as rest."""
-    return np.asarray((trace[:, END] == CHATTER) & np.isinf(trace[:, REMAINDER]))
+    return np.asarray((trace[:, layout.END] == layout.CHATTER) & np.isinf(trace[:, layout.REMAINDER]))
 
 
 def left_out_of(path: ExactMotion) -> Array:
     """(m, 3): when each endless accumulation was taken as rest, s; W₀; most that W is until that rest's end, J."""
     trace = path.segments.trace
     which = np.flatnonzero(endless(trace))
-    energy = rebound(path.system, trace[which, BEFORE]) ** 2 / (2 * float(path.system.contact @ path.system.contact))
+    energy = rebound(path.system, trace[which, layout.BEFORE]) ** 2 / (
+        2 * float(path.system.contact @ path.system.contact)
+    )
     rises = np.array([_rise(path, int(i) + 1) for i in which])
-    return np.stack([trace[which, START] + trace[which, DURATION], energy, energy * rises], axis=1).reshape(-1, 3)
+    return np.stack(
+        [trace[which, layout.START] + trace[which, layout.DURATION], energy, energy * rises], axis=1
+    ).reshape(-1, 3)
 
 
 def _rise(path: ExactMotion, rest: int) -> float:
     """exp ∫ (d ln f)⁺ over a rest, by the force at ``PLACES``."""
     trace = path.segments.trace
-    if rest >= len(trace) or trace[rest, WHAT] != RESTING:
+    if rest >= len(trace) or trace[rest, layout.WHAT] != layout.RESTING:
         return 1.0
-    times = np.linspace(trace[rest, START], trace[rest, START] + trace[rest, DURATION], PLACES)
+    times = np.linspace(trace[rest, layout.START], trace[rest, layout.START] + trace[rest, layout.DURATION], PLACES)
     force = np.maximum(_force(path, np.clip(times, path.t_start, path.t_end)), 0.0)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         growth = np.where(force[1:] > force[:-1], force[1:] / force[:-1], 1.0)

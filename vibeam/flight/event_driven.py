@@ -12,31 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import equilibrium, size_of_motion
-from vibeam.flight.kernels.layout import (
-    AT_CLOCK,
-    CARRIED,
-    CLOCK,
-    COMPLETE,
-    COUNT_ROWS,
-    DURATION,
-    EVERYTHING,
-    FREE,
-    FULL,
-    IMPACTS,
-    KIND,
-    PANELS,
-    REACH_TOO,
-    RESTING,
-    RESULT_ROWS,
-    SEGMENTS,
-    START,
-    STATUS_ROWS,
-    TRACE_COLUMNS,
-    UNRESOLVED,
-    WHAT,
-    Regime,
-    Watch,
-)
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.layout import Regime, Watch
 from vibeam.flight.linear.block_regime import set_output
 from vibeam.flight.pause import unpaused
 from vibeam.flight.readout import OUTCOMES, PointReadout
@@ -80,8 +57,8 @@ class EventDrivenSolver(ABC):
     _move: ClassVar[Callable[..., tuple[int, float]]]
     _poses_at: ClassVar[Callable[..., None]]
     _cover: ClassVar[Callable[..., tuple[int, int]]]
-    _status_rows: ClassVar[int] = STATUS_ROWS
-    _trace_columns: ClassVar[int] = TRACE_COLUMNS
+    _status_rows: ClassVar[int] = layout.STATUS_ROWS
+    _trace_columns: ClassVar[int] = layout.TRACE_COLUMNS
 
     def __init__(self, system: ImpactSystem, limit: int) -> None:
         """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
@@ -110,7 +87,7 @@ class EventDrivenSolver(ABC):
     def _restart(self, pose: Array, status: Array, kind: float) -> None:
         """Set ``status`` as at the start from a state, ``kind`` RESTING or FREE."""
         status.fill(0.0)
-        status[KIND] = kind
+        status[layout.KIND] = kind
 
     def pose(self, state: State | None) -> tuple[Array, Array]:
         """The kernels' pose and status of a state; None: equilibrium. ValueError where its shape is wrong."""
@@ -123,13 +100,13 @@ class EventDrivenSolver(ABC):
         if both.shape != (2, self.system.size) or not np.isfinite(both).all():
             raise ValueError(f"state: displacement and velocity must be {self.system.size} finite numbers each")
         pose, status = self._inward(both), np.empty(self._status_rows)
-        self._restart(pose, status, RESTING if start.resting else FREE)
+        self._restart(pose, status, layout.RESTING if start.resting else layout.FREE)
         return pose, status
 
     def state(self, pose: Array, status: Array) -> State:
         """The public state of a pose."""
         values = self._outward(pose)
-        return State.reached(values[0], values[1], float(status[KIND]) == RESTING)
+        return State.reached(values[0], values[1], float(status[layout.KIND]) == layout.RESTING)
 
     def simulate(
         self, drive: Drive, state: State | None, start: float, end: float, limit: int
@@ -141,24 +118,28 @@ class EventDrivenSolver(ABC):
         """
         begun = time.thread_time()
         pose, status = self.pose(state)
-        status[CLOCK] = start
+        status[layout.CLOCK] = start
         size = size_of_motion(self.system, drive, self._outward(pose))
         first = pose.copy(), status.copy()
         outcome, segments, counts = self._flown(drive, pose, status, start, end, limit, size)
-        if outcome == UNRESOLVED and size < np.inf and self._carries():
+        if outcome == layout.UNRESOLVED and size < np.inf and self._carries():
             pose, status = first
             outcome, segments, counts = self._flown(drive, pose, status, start, end, limit, np.inf)
         stats = {
-            "impacts": int(counts[IMPACTS]),
-            "evaluations": int(counts[PANELS]),
+            "impacts": int(counts[layout.IMPACTS]),
+            "evaluations": int(counts[layout.PANELS]),
             "cpu_seconds": time.thread_time() - begun,
         }
-        last = end if outcome == COMPLETE else float(segments.trace[-1, START] + segments.trace[-1, DURATION])
+        last = (
+            end
+            if outcome == layout.COMPLETE
+            else float(segments.trace[-1, layout.START] + segments.trace[-1, layout.DURATION])
+        )
         return OUTCOMES[outcome], last, self.state(pose, status), segments, stats
 
     def _carries(self) -> bool:
         """Whether the last motion carried modes along without their steady response."""
-        return any(bool(regime.blocks[CARRIED].any()) for regime in self._regimes())
+        return any(bool(regime.blocks[layout.CARRIED].any()) for regime in self._regimes())
 
     def _flown(
         self, drive: Drive, pose: Array, status: Array, start: float, end: float, limit: int, size: float
@@ -166,17 +147,17 @@ class EventDrivenSolver(ABC):
         """Carry ``pose`` and ``status`` on to time ``end``: outcome, segments, counts."""
         engine = self._engine_for(size)
         rows, done, kept = ROWS, 0.0, []
-        counts = np.zeros(COUNT_ROWS, dtype=np.int64)
-        outcome, span = FULL, end - start
-        while outcome == FULL:
+        counts = np.zeros(layout.COUNT_ROWS, dtype=np.int64)
+        outcome, span = layout.FULL, end - start
+        while outcome == layout.FULL:
             trace, poses = np.zeros((rows, self._trace_columns)), np.zeros((rows, 2, self.system.size))
-            counts[SEGMENTS] = 0
+            counts[layout.SEGMENTS] = 0
             outcome, step = unpaused(
                 self._move, engine, drive.omega, drive.amplitude, pose, status, float(span - done), 0, 0, limit,
                 self._room(None, 0, trace, poses), counts, 0,
             )  # fmt: skip
-            count = int(counts[SEGMENTS])
-            trace[:count, START] += start + done
+            count = int(counts[layout.SEGMENTS])
+            trace[:count, layout.START] += start + done
             kept.append(Segments(trace[:count], self._outward(poses[:count]), size))
             done += step
             rows = min(2 * rows, 65536)
@@ -188,12 +169,16 @@ class EventDrivenSolver(ABC):
     def _instant(self, time: float, pose: Array, status: Array, size: float) -> Segments:
         """A segment without duration."""
         trace = np.zeros((1, self._trace_columns))
-        trace[0, START], trace[0, AT_CLOCK], trace[0, WHAT] = time, status[CLOCK], status[KIND]
+        trace[0, layout.START], trace[0, layout.AT_CLOCK], trace[0, layout.WHAT] = (
+            time,
+            status[layout.CLOCK],
+            status[layout.KIND],
+        )
         return Segments(trace, self._outward(pose[None]), size)
 
     def poses_at(self, drive: Drive, segments: Segments, times: Array) -> Array:
         """Modal displacements and velocities (m, 2, n) at times (m,) within the segments."""
-        starts = segments.trace[:, START]
+        starts = segments.trace[:, layout.START]
         which = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
         out = np.empty((len(times), 2, self.system.size))
         self._poses_at(
@@ -222,7 +207,7 @@ class EventDrivenSolver(ABC):
         settle: int,
         hold: int,
         output: str,
-        reading: int = EVERYTHING,
+        reading: int = layout.EVERYTHING,
         states: list[State] | None = None,
         strobes: list[Array] | None = None,
     ) -> tuple[FrequencyResponse, State]:
@@ -234,64 +219,66 @@ class EventDrivenSolver(ABC):
         """
         pose, status = self.pose(state)
         trace, poses = np.zeros((ROWS, self._trace_columns)), np.zeros((ROWS, 2, self.system.size))
-        room, counts = self._room(output, hold, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
-        tally = PointReadout(len(omegas), self.system.size)
+        watch, counts = self._room(output, hold, trace, poses, reading), np.zeros(layout.COUNT_ROWS, dtype=np.int64)
+        readout = PointReadout(len(omegas), self.system.size)
         engine, begun = self._engine_for(np.inf), time.thread_time()
         drives = [amplitude] * len(omegas) if isinstance(amplitude, float) else np.broadcast_to(amplitude, len(omegas))
         for index, (omega, drive) in enumerate(zip(omegas, drives, strict=True)):
             counts[:] = 0  # a point knows no more of the last than a State says
-            self._restart(pose, status, RESTING if status[KIND] == RESTING else FREE)
+            self._restart(pose, status, layout.RESTING if status[layout.KIND] == layout.RESTING else layout.FREE)
             outcome, period = unpaused(
-                self._move, engine, float(omega), float(drive), pose, status, 0.0, settle, hold, self.limit, room,
+                self._move, engine, float(omega), float(drive), pose, status, 0.0, settle, hold, self.limit, watch,
                 counts, LONGEST_PERIOD,
             )  # fmt: skip
-            tally.note(index, outcome, int(period), room.result, room.energy, counts)
-            if outcome != COMPLETE:
+            readout.note(index, outcome, int(period), watch.result, watch.energy, counts)
+            if outcome != layout.COMPLETE:
                 pose, status = self.pose(None)
             if states is not None:
                 states.append(self.state(pose, status))
             if strobes is not None:
-                strobes.append(self._outward(room.strobes))
-            begun = tally.time(index, begun)
+                strobes.append(self._outward(watch.strobes))
+            begun = readout.time(index, begun)
         last = states[-1] if states else self.state(pose, status)
-        return self._response(np.asarray(omegas, dtype=float), tally, hold, reading), last
+        return self._response(np.asarray(omegas, dtype=float), readout, hold, reading), last
 
     def rounds(
-        self, omegas: Array, amplitudes: Array, states: Array, output: str, reading: int = EVERYTHING
+        self, omegas: Array, amplitudes: Array, states: Array, output: str, reading: int = layout.EVERYTHING
     ) -> tuple[FrequencyResponse, Array]:
         """One drive period at each of ``omegas`` (points,) from a state (points, 2, n) of its own, all off the stop.
 
         And the states after it, (points, 2, n): where they are those before, the motion has the drive's period.
         """
         n = self.system.size
-        after, tally = self._inward(states), PointReadout(len(omegas), n)
+        after, readout = self._inward(states), PointReadout(len(omegas), n)
         trace, poses = np.zeros((ROWS, self._trace_columns)), np.zeros((ROWS, 2, n))
-        room, counts = self._room(output, 1, trace, poses, reading), np.zeros(COUNT_ROWS, dtype=np.int64)
+        watch, counts = self._room(output, 1, trace, poses, reading), np.zeros(layout.COUNT_ROWS, dtype=np.int64)
         engine, status, begun = self._engine_for(np.inf), np.empty(self._status_rows), time.thread_time()
         for index, (omega, amplitude) in enumerate(zip(omegas.tolist(), amplitudes.tolist(), strict=True)):
             counts[:] = 0
-            self._restart(after[index], status, FREE)
+            self._restart(after[index], status, layout.FREE)
             outcome, period = unpaused(
-                self._move, engine, omega, amplitude, after[index], status, 0.0, 0, 1, self.limit, room, counts, 0,
+                self._move, engine, omega, amplitude, after[index], status, 0.0, 0, 1, self.limit, watch, counts, 0,
             )  # fmt: skip
-            tally.note(index, outcome, int(period), room.result, room.energy, counts)
-            begun = tally.time(index, begun)
-        return self._response(omegas, tally, 1, reading), self._outward(after)
+            readout.note(index, outcome, int(period), watch.result, watch.energy, counts)
+            begun = readout.time(index, begun)
+        return self._response(omegas, readout, 1, reading), self._outward(after)
 
-    def _response(self, omegas: Array, tally: PointReadout, hold: int, reading: int) -> FrequencyResponse:
+    def _response(self, omegas: Array, readout: PointReadout, hold: int, reading: int) -> FrequencyResponse:
         """What was noted, in the user's order of modes; what was not read off is NaN."""
-        response = tally.response(omegas, hold, self.system.gap)
-        if reading < REACH_TOO:
+        response = readout.response(omegas, hold, self.system.gap)
+        if reading < layout.REACH_TOO:
             response.reach[:] = np.nan
-        response.mode_energy[:] = self._outward(response.mode_energy) if reading >= EVERYTHING else np.nan
+        response.mode_energy[:] = self._outward(response.mode_energy) if reading >= layout.EVERYTHING else np.nan
         return response
 
-    def _room(self, output: str | None, hold: int, trace: Array, poses: Array, reading: int = EVERYTHING) -> Watch:
+    def _room(
+        self, output: str | None, hold: int, trace: Array, poses: Array, reading: int = layout.EVERYTHING
+    ) -> Watch:
         n = self.system.size
         row = self._watch(output)
         nothing, strobes = np.zeros((0, self._trace_columns)), np.zeros((hold + 1, 2, n))
         scratch, frame = np.zeros((2, n)), np.zeros((2, n))
-        result, energy, share = np.zeros(RESULT_ROWS), np.zeros(n), np.zeros(n + 1)
+        result, energy, share = np.zeros(layout.RESULT_ROWS), np.zeros(n), np.zeros(n + 1)
         return Watch(row, nothing, trace, poses, strobes, scratch, frame, result, energy, share, reading)
 
     def _watch(self, output: str | None) -> Array:

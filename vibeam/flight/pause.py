@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from threading import Event
 
-from vibeam.flight.kernels.layout import PAUSED
+from vibeam.flight.kernels import layout
 
 
 class Stopped(Exception):
@@ -57,7 +57,7 @@ def pause() -> None:
 def unpaused(move: Callable[..., tuple[int, float]], *given: object) -> tuple[int, float]:
     """What ``move`` comes to in the end: it is called with the same arguments until it no longer pauses."""
     outcome, value = move(*given)
-    while outcome == PAUSED:
+    while outcome == layout.PAUSED:
         pause()
         outcome, value = move(*given)
     return outcome, value

@@ -9,44 +9,36 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.layout import (
-    COMPLETE,
-    COUNT_ROWS,
-    EVENT_LIMIT,
-    IMPACTS,
-    KEPT,
-    NOT_FINITE,
-    PANELS,
-    PENETRATED,
-    RESULT_ROWS,
-    UNRESOLVED,
-    VELOCITY,
-)
+from vibeam.flight.kernels import layout
 from vibeam.system.response import Ended, FrequencyResponse
 
 Array = NDArray[np.float64]
 
 OUTCOMES = {
-    COMPLETE: Ended.COMPLETE,
-    EVENT_LIMIT: Ended.EVENT_LIMIT,
-    PENETRATED: Ended.PENETRATED,
-    NOT_FINITE: Ended.NOT_FINITE,
-    UNRESOLVED: Ended.UNRESOLVED,
+    layout.COMPLETE: Ended.COMPLETE,
+    layout.EVENT_LIMIT: Ended.EVENT_LIMIT,
+    layout.PENETRATED: Ended.PENETRATED,
+    layout.NOT_FINITE: Ended.NOT_FINITE,
+    layout.UNRESOLVED: Ended.UNRESOLVED,
 }
 
 CODES = np.array([OUTCOMES.get(outcome, Ended.NOT_RUN).code for outcome in range(max(OUTCOMES) + 1)])
 
-AGES = (np.arange(KEPT) + np.arange(KEPT)[:, None]) % KEPT  # places in a ring from the oldest on, by what it counted
+AGES = (
+    np.arange(layout.KEPT) + np.arange(layout.KEPT)[:, None]
+) % layout.KEPT  # places in a ring from the oldest on, by what it counted
 
-FIRST = KEPT - np.arange(KEPT)  # how many velocities there must have been for the first of them to stand there
+FIRST = layout.KEPT - np.arange(
+    layout.KEPT
+)  # how many velocities there must have been for the first of them to stand there
 
 
 class PointReadout:
     """Filled point by point as the sweep goes, read as a whole: a point costs microseconds, and so may its notes."""
 
     def __init__(self, points: int, modes: int) -> None:
-        self.result, self.energy = np.zeros((points, RESULT_ROWS)), np.zeros((points, modes))
-        self.counts = np.zeros((points, COUNT_ROWS), dtype=np.int64)
+        self.result, self.energy = np.zeros((points, layout.RESULT_ROWS)), np.zeros((points, modes))
+        self.counts = np.zeros((points, layout.COUNT_ROWS), dtype=np.int64)
         self.ended, self.period = np.zeros(points, dtype=np.int64), np.zeros(points, dtype=np.int64)
         self.seconds = np.zeros(points)
 
@@ -68,13 +60,13 @@ class PointReadout:
         known = {
             "frequency": omegas / (2 * np.pi),
             "ended": CODES[self.ended],
-            "impacts": self.counts[:, IMPACTS],
-            "evaluations": self.counts[:, PANELS],
+            "impacts": self.counts[:, layout.IMPACTS],
+            "evaluations": self.counts[:, layout.PANELS],
             "cpu_seconds": self.seconds,
         }
         if not self.ended.any():  # COMPLETE is 0
             return FrequencyResponse(**known, **self._readings(slice(None), omegas, hold, gap))
-        done = self.ended == COMPLETE
+        done = self.ended == layout.COMPLETE
         response = FrequencyResponse.empty(known["frequency"], self.energy.shape[1])
         for name, values in self._readings(done, omegas[done], hold, gap).items():
             getattr(response, name)[done] = values
@@ -85,7 +77,7 @@ class PointReadout:
     ) -> dict[str, NDArray[Any]]:
         """What is read off the complete points ``which`` at ``omegas`` (m,) rad/s."""
         result, span = np.ascontiguousarray(self.result[which].T), hold * 2 * np.pi / omegas
-        high, least, lowest, struck, speeds, rest = result[:VELOCITY]
+        high, least, lowest, struck, speeds, rest = result[: layout.VELOCITY]
         return {
             "amplitude": (high - least) / 2,
             "reach": gap - lowest,
@@ -93,7 +85,7 @@ class PointReadout:
             "minimum": least,
             "impacts_per_period": struck / hold,
             "impact_velocity": speeds / np.where(struck > 0, struck, np.nan),
-            "impact_velocities": _velocities(result[VELOCITY:].T, struck.astype(int)),
+            "impact_velocities": _velocities(result[layout.VELOCITY :].T, struck.astype(int)),
             "period": np.where(struck + rest > 0, self.period[which], -1),
             "rest": rest / span,
             "mode_energy": self.energy[which] / span[:, None],
@@ -102,6 +94,6 @@ class PointReadout:
 
 def _velocities(rings: Array, counts: NDArray[np.int64]) -> Array:
     """The last velocities (points, KEPT) of rings (points, KEPT), oldest first, NaN in front where there are fewer."""
-    found: Array = rings[np.arange(len(counts))[:, None], AGES[counts % KEPT]]
+    found: Array = rings[np.arange(len(counts))[:, None], AGES[counts % layout.KEPT]]
     found[counts[:, None] < FIRST] = np.nan
     return found

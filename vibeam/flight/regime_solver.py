@@ -7,8 +7,10 @@ from numpy.typing import NDArray
 
 from vibeam.flight.entries import regimes_cover, regimes_move, regimes_poses_at
 from vibeam.flight.event_driven import EventDrivenSolver
-from vibeam.flight.kernels.layout import MOTION, ORDER, Regime
-from vibeam.flight.kernels.regimes.layout import SIDE, STATUS_ROWS, TRACE_COLUMNS, UNKNOWN, RegimeEngine
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.layout import Regime
+from vibeam.flight.kernels.regimes import layout as regime_layout
+from vibeam.flight.kernels.regimes.layout import RegimeEngine
 from vibeam.flight.linear.block_regime import set_derivative
 from vibeam.flight.linear.packing import slowest_rate
 from vibeam.flight.linear.regimes import plan
@@ -27,7 +29,7 @@ class RegimeSolver(EventDrivenSolver):
     """
 
     _move, _poses_at, _cover = staticmethod(regimes_move), staticmethod(regimes_poses_at), staticmethod(regimes_cover)
-    _status_rows, _trace_columns = STATUS_ROWS, TRACE_COLUMNS
+    _status_rows, _trace_columns = regime_layout.STATUS_ROWS, regime_layout.TRACE_COLUMNS
 
     def __init__(self, system: ImpactSystem, slowest: float, span: float = 0.0, limit: int = 100_000) -> None:
         """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
@@ -41,7 +43,7 @@ class RegimeSolver(EventDrivenSolver):
 
     def _engine_for(self, size: float) -> RegimeEngine:
         own = self.plan
-        own.drive[MOTION] = size
+        own.drive[layout.MOTION] = size
         return own
 
     def _regimes(self) -> tuple[Regime, ...]:
@@ -50,7 +52,7 @@ class RegimeSolver(EventDrivenSolver):
 
     def _restart(self, pose: Array, status: Array, kind: float) -> None:
         super()._restart(pose, status, kind)
-        status[ORDER], status[SIDE] = UNKNOWN, self._nearer(pose[0])
+        status[layout.ORDER], status[regime_layout.SIDE] = regime_layout.UNKNOWN, self._nearer(pose[0])
 
     def _nearer(self, displacement: Array) -> int:
         """The stop that is nearer."""

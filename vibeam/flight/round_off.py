@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from vibeam.flight import tangent
 from vibeam.flight.endless import endless
 from vibeam.flight.equilibrium import size_of_motion
-from vibeam.flight.kernels.layout import BEFORE, CHATTER, DURATION, END, IMPACT, STUCK
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.thresholds import BRISK, FAR, FAR_DRIVEN
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ EPSILON = float(np.finfo(float).eps)
 
 LOST = 0.1  # error of an impact's velocity, as a share of what is usual, from which on it says nothing
 
-STRUCK = (IMPACT, CHATTER, STUCK)
+STRUCK = (layout.IMPACT, layout.CHATTER, layout.STUCK)
 
 
 class ExactMotion(tangent.ExactMotion, Protocol):
@@ -90,14 +90,14 @@ class _Walk:
 
     def _segment(self, i: int) -> tuple[float, float] | None:
         self._carry(self.maps.flow(i))
-        self._add(self._round_off(self.maps.ends[i], self.trace[i, DURATION]))
-        if int(self.trace[i, END]) not in STRUCK:
+        self._add(self._round_off(self.maps.ends[i], self.trace[i, layout.DURATION]))
+        if int(self.trace[i, layout.END]) not in STRUCK:
             return None
-        error, jump = self._impact_error(i, self.trace[i, BEFORE]), self.maps.jump(i)
+        error, jump = self._impact_error(i, self.trace[i, layout.BEFORE]), self.maps.jump(i)
         if jump is not None:
             self._carry(jump)
         if self.unending[i]:
-            self._add(self._left_out(self.trace[i, BEFORE]))
+            self._add(self._left_out(self.trace[i, layout.BEFORE]))
         return error
 
     def _carry(self, matrix: Array) -> None:

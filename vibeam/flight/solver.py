@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from vibeam.flight.entries import cover, move, poses_at
 from vibeam.flight.event_driven import EventDrivenSolver
-from vibeam.flight.kernels.layout import ATTACHED, EVERYTHING, STATUS_ROWS, Engine, Regime
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.layout import Engine, Regime
 from vibeam.flight.linear.packing import PackedSystem, pack
 from vibeam.system.impact_system import ImpactSystem
 
@@ -36,7 +37,7 @@ class FlightSolver(EventDrivenSolver):
         super().__init__(system, limit)
 
     def _engine_for(self, size: float) -> Engine:
-        return self.packed.desk_for(size)
+        return self.packed.engine_for(size)
 
     def _still_pose(self) -> tuple[Array, Array]:
         if self.packed.still is None:
@@ -45,13 +46,13 @@ class FlightSolver(EventDrivenSolver):
         return pose.copy(), status.copy()
 
     def _regimes(self) -> tuple[Regime, ...]:
-        return (self.packed.desk.rest,)
+        return (self.packed.engine.rest,)
 
     def _carries(self) -> bool:
-        return super()._carries() or bool(self.packed.desk.signal[ATTACHED] > 0.0)
+        return super()._carries() or bool(self.packed.engine.signal[layout.ATTACHED] > 0.0)
 
     def _scratch(self) -> tuple[Array, ...]:
-        return *super()._scratch(), np.zeros(STATUS_ROWS)
+        return *super()._scratch(), np.zeros(layout.STATUS_ROWS)
 
     def _inward(self, values: Array) -> Array:
         return self.packed.inward(values)
@@ -67,7 +68,7 @@ class FlightSolver(EventDrivenSolver):
         settle: int,
         hold: int,
         output: str,
-        reading: int = EVERYTHING,
+        reading: int = layout.EVERYTHING,
         states: list[State] | None = None,
         strobes: list[Array] | None = None,
     ) -> tuple[FrequencyResponse, State]:
@@ -77,7 +78,7 @@ class FlightSolver(EventDrivenSolver):
         return super().steady(omegas, amplitude, state, settle, hold, output, reading, states, strobes)
 
     def rounds(
-        self, omegas: Array, amplitudes: Array, states: Array, output: str, reading: int = EVERYTHING
+        self, omegas: Array, amplitudes: Array, states: Array, output: str, reading: int = layout.EVERYTHING
     ) -> tuple[FrequencyResponse, Array]:
         """As ``EventDrivenSolver.rounds``; of a velocity or acceleration as ``steady``."""
         if self.system.derivative(output) is not None:

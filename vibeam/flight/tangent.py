@@ -27,8 +27,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.derivatives import stop_of
-from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, CHATTER, DURATION, END, IMPACT, RESTING, STUCK, WHAT
-from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.linear.propagator import Pair, propagators
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.flight.rebound import rebound, rebound_slope
@@ -94,10 +94,10 @@ class TangentMaps:
 
     def flow(self, i: int, parts: int = 1) -> Array:
         """Map over segment i, its end left out; or over each of so many equal ``parts`` of it."""
-        what, duration = self.trace[i, WHAT], float(self.trace[i, DURATION]) / parts
-        if what == RESTING:
+        what, duration = self.trace[i, layout.WHAT], float(self.trace[i, layout.DURATION]) / parts
+        if what == layout.RESTING:
             return np.asarray(_exponential(self._held * duration)) @ self.projection()
-        if what == CONTACT:
+        if what == regime_layout.CONTACT:
             return _exponential(self._pushed(self.side(i)) * duration)
         return self._free(i, duration, parts)
 
@@ -108,7 +108,7 @@ class TangentMaps:
 
     def steps(self, i: int, rate: float, decay: float) -> list[Array]:
         """The same in factors, over none of which anything that decays at ``rate`` 1/s loses more than ``decay``."""
-        parts = max(1, int(np.ceil(rate * float(self.trace[i, DURATION]) / decay)))
+        parts = max(1, int(np.ceil(rate * float(self.trace[i, layout.DURATION]) / decay)))
         flow, jump = self.flow(i, parts), self.jump(i)
         return [flow] * (parts - 1) + [flow if jump is None else np.asarray(jump @ flow)]
 
@@ -119,20 +119,25 @@ class TangentMaps:
 
     def jump(self, i: int) -> Array | None:
         """Map over the event that ends segment i; None where that is the identity."""
-        end = int(self.trace[i, END])
-        if end in (CHATTER, STUCK):
+        end = int(self.trace[i, layout.END])
+        if end in (layout.CHATTER, layout.STUCK):
             return self.projection()
-        if end != IMPACT or not self.trace[i, BEFORE] > 0:
+        if end != layout.IMPACT or not self.trace[i, layout.BEFORE] > 0:
             return None
         return self._entry(i) if isinstance(self.system.law, LinearStop) else self._saltation(i)
 
     def lost(self, i: int) -> int:
         """How many directions are lost, at least, in segment i and at its end."""
-        if self.trace[i, WHAT] == RESTING or self.trace[i, END] in (CHATTER, STUCK):
+        if self.trace[i, layout.WHAT] == layout.RESTING or self.trace[i, layout.END] in (layout.CHATTER, layout.STUCK):
             return LOST_AT_REST
         hard = not isinstance(self.system.law, LinearStop)
-        speed = self.trace[i, BEFORE]
-        return int(hard and self.trace[i, END] == IMPACT and speed > 0 and rebound(self.system, speed[None])[0] == 0)
+        speed = self.trace[i, layout.BEFORE]
+        return int(
+            hard
+            and self.trace[i, layout.END] == layout.IMPACT
+            and speed > 0
+            and rebound(self.system, speed[None])[0] == 0
+        )
 
     def kept(self, i: int) -> Array:
         """Basis (2n, 2n − lost) of the disturbances that are left after segment i and its end."""
@@ -146,18 +151,18 @@ class TangentMaps:
 
     def side(self, i: int) -> int:
         """The stop struck or touched: 0 the first, 1 the second."""
-        return int(self.trace[i, AT_SIDE]) if self.trace.shape[1] > AT_SIDE else 0
+        return int(self.trace[i, regime_layout.AT_SIDE]) if self.trace.shape[1] > regime_layout.AT_SIDE else 0
 
     def before(self, i: int) -> Array:
         """The pose (2, n) just before the event that ends segment i."""
         pose, row = self.ends[i].copy(), stop_of(self.system, self.side(i)).row
-        pose[1] += row * ((self.trace[i, BEFORE] - row @ pose[1]) / (row @ row))
+        pose[1] += row * ((self.trace[i, layout.BEFORE] - row @ pose[1]) / (row @ row))
         return np.asarray(pose)
 
     def acceleration(self, i: int) -> float:
         """The contact's acceleration towards the stop just before the event that ends segment i."""
         system, pose = self.system, self.before(i)
-        phase = self.drive.omega * (self.trace[i, AT_CLOCK] + self.trace[i, DURATION])
+        phase = self.drive.omega * (self.trace[i, layout.AT_CLOCK] + self.trace[i, layout.DURATION])
         push = system.load * (self.drive.omega**2 * self.drive.amplitude * np.sin(phase)) + system.static
         free = push - self._damped(pose[1]) - system.omega**2 * pose[0]
         return float(stop_of(system, self.side(i)).row @ free)
@@ -181,7 +186,7 @@ class TangentMaps:
 
     @cached_property
     def _flights(self) -> Pair:
-        return propagators(self.system, np.ascontiguousarray(self.trace[:, DURATION]))
+        return propagators(self.system, np.ascontiguousarray(self.trace[:, layout.DURATION]))
 
     @cached_property
     def _held(self) -> Array:
@@ -204,7 +209,7 @@ class TangentMaps:
         return matrix
 
     def _saltation(self, i: int) -> Array:
-        n, row, speed = self.system.size, stop_of(self.system, self.side(i)).row, self.trace[i, BEFORE]
+        n, row, speed = self.system.size, stop_of(self.system, self.side(i)).row, self.trace[i, layout.BEFORE]
         mobility = float(row @ row)
         turned = (1 + float(rebound(self.system, speed[None])[0]) / speed) / mobility
         struck = (1 + float(rebound_slope(self.system, speed[None])[0])) / mobility

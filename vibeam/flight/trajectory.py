@@ -13,20 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.flight.exact import exact_solver
-from vibeam.flight.kernels.layout import (
-    BEFORE,
-    CHATTER,
-    DURATION,
-    END,
-    IMPACT,
-    LEFT,
-    REMAINDER,
-    RESTING,
-    START,
-    STUCK,
-    WHAT,
-)
-from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT, PEAK
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.warm_up import warm_up_motion
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
@@ -158,14 +146,14 @@ class Trajectory:
     def impact_times(self) -> Array:
         """Times (m,) of the impacts computed one by one, s: at one of them ``velocity_at`` is the one after it."""
         trace = self._segments.trace
-        ends = trace[:, START] + trace[:, DURATION]
-        ends[:-1] = trace[1:, START]  # where the next segment begins, to the bit
+        ends = trace[:, layout.START] + trace[:, layout.DURATION]
+        ends[:-1] = trace[1:, layout.START]  # where the next segment begins, to the bit
         return np.asarray(ends[self._struck()])
 
     @property
     def impact_velocities(self) -> Array:
         """Contact velocities (m,) just before the impacts, positive toward the stop, m/s."""
-        return np.asarray(self._segments.trace[self._struck(), BEFORE])
+        return np.asarray(self._segments.trace[self._struck(), layout.BEFORE])
 
     @property
     def chatters(self) -> Array:
@@ -174,8 +162,11 @@ class Trajectory:
         ∞ where R → 1 and it has no end: from then on the contact is held, see ``left_out``.
         """
         trace = self._segments.trace
-        trace = trace[trace[:, END] == CHATTER]
-        return np.stack([trace[:, START] + trace[:, DURATION] + trace[:, LEFT], trace[:, REMAINDER]], axis=1)
+        trace = trace[trace[:, layout.END] == layout.CHATTER]
+        return np.stack(
+            [trace[:, layout.START] + trace[:, layout.DURATION] + trace[:, layout.LEFT], trace[:, layout.REMAINDER]],
+            axis=1,
+        )
 
     @property
     def left_out(self) -> Array:
@@ -195,17 +186,21 @@ class Trajectory:
         if self.system.further is not None:
             return self.holds()
         trace = self._segments.trace
-        resting = np.flatnonzero(trace[:, WHAT] == RESTING)
+        resting = np.flatnonzero(trace[:, layout.WHAT] == layout.RESTING)
         before = trace[np.maximum(resting - 1, 0)]
-        waited = np.where((resting > 0) & (before[:, END] == CHATTER), before[:, LEFT], 0.0)
-        begin, end = trace[resting, START], np.append(trace[1:, START], self.t_end)[resting]
+        waited = np.where((resting > 0) & (before[:, layout.END] == layout.CHATTER), before[:, layout.LEFT], 0.0)
+        begin, end = trace[resting, layout.START], np.append(trace[1:, layout.START], self.t_end)[resting]
         return np.stack([np.minimum(begin + waited, end), end], axis=1)
 
     @property
     def impact_contacts(self) -> NDArray[np.int64]:
         """Which contact (m,) is struck by each of the impacts: 0 the first stop, then as in ``gaps``."""
         trace = self._segments.trace[self._struck()]
-        return trace[:, AT_SIDE].astype(np.int64) if trace.shape[1] > AT_SIDE else np.zeros(len(trace), dtype=np.int64)
+        return (
+            trace[:, regime_layout.AT_SIDE].astype(np.int64)
+            if trace.shape[1] > regime_layout.AT_SIDE
+            else np.zeros(len(trace), dtype=np.int64)
+        )
 
     def holds(self, contact: int | None = None) -> Array:
         """(m, 2): begin and end of each hold of a contact, None: of any, s; with several contacts alone.
@@ -222,14 +217,14 @@ class Trajectory:
     def contacts(self) -> Array:
         """(m, 3): begin, s, duration, s, and largest force, N, of each contact with a stop that yields."""
         trace = self._segments.trace
-        pushed = np.flatnonzero(trace[:, WHAT] == CONTACT)
+        pushed = np.flatnonzero(trace[:, layout.WHAT] == regime_layout.CONTACT)
         if not len(pushed):
             return np.empty((0, 3))
-        begin, end = trace[pushed, START], trace[pushed, START] + trace[pushed, DURATION]
+        begin, end = trace[pushed, layout.START], trace[pushed, layout.START] + trace[pushed, layout.DURATION]
         fresh = np.diff(pushed, prepend=-2) > 1  # what follows at once goes on with the same contact
         first = np.flatnonzero(fresh)
         last = np.append(first[1:], len(pushed)) - 1
-        peaks = np.maximum.reduceat(trace[pushed, PEAK], first)
+        peaks = np.maximum.reduceat(trace[pushed, regime_layout.PEAK], first)
         return np.stack([begin[first], end[last] - begin[first], peaks], axis=1)
 
     def at(self, t: ArrayLike, output: str = "contact") -> Array:
@@ -278,7 +273,7 @@ class Trajectory:
 
     def _struck(self) -> NDArray[np.bool_]:
         """Which segments (m,) end with an impact."""
-        return np.isin(self._segments.trace[:, END], (IMPACT, CHATTER, STUCK))
+        return np.isin(self._segments.trace[:, layout.END], (layout.IMPACT, layout.CHATTER, layout.STUCK))
 
 
 def simulate(

@@ -15,24 +15,9 @@ from numpy.typing import NDArray
 
 from vibeam.flight.derivatives import FREE as FLYING
 from vibeam.flight.derivatives import HELD, PUSHED, Derivatives, Stop, Sum, stop_of
-from vibeam.flight.kernels.layout import (
-    AT_CLOCK,
-    BEFORE,
-    CHATTER,
-    DURATION,
-    END,
-    FORCE_SIGNAL,
-    FREE,
-    GAP_SIGNAL,
-    IMPACT,
-    RELEASE,
-    RESTING,
-    STUCK,
-    TRACE_COLUMNS,
-    WHAT,
-)
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.pieces import NEGATIVE, TASK_COLUMNS
-from vibeam.flight.kernels.regimes.layout import AT_SIDE, CONTACT, INSIDE, PASS
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.rebound import rebound
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
@@ -62,16 +47,16 @@ class Motion(NamedTuple):
     @property
     def lasting(self) -> Flags:
         """Which segments take time."""
-        return np.asarray(self.trace[:, DURATION] > 0)
+        return np.asarray(self.trace[:, layout.DURATION] > 0)
 
 
 def motion_of(system: ImpactSystem, drive: Drive, trace: Array, poses: Array) -> Motion:
     """The segments of a trace with what each is in."""
-    kinds, law = trace[:, WHAT].copy(), system.law
+    kinds, law = trace[:, layout.WHAT].copy(), system.law
     if isinstance(law, LinearStop) and law.damping > 0:
-        let_go = (trace[:-1, WHAT] == CONTACT) & (trace[:-1, END] == RELEASE)
-        kinds[1:][let_go & (trace[1:, WHAT] == FREE)] = INSIDE
-    sides = trace[:, AT_SIDE] if trace.shape[1] > TRACE_COLUMNS else np.zeros(len(trace))
+        let_go = (trace[:-1, layout.WHAT] == regime_layout.CONTACT) & (trace[:-1, layout.END] == layout.RELEASE)
+        kinds[1:][let_go & (trace[1:, layout.WHAT] == layout.FREE)] = regime_layout.INSIDE
+    sides = trace[:, regime_layout.AT_SIDE] if trace.shape[1] > layout.TRACE_COLUMNS else np.zeros(len(trace))
     return Motion(system, drive, trace, poses, kinds, sides.astype(np.int64))
 
 
@@ -79,9 +64,9 @@ def watch_list(motion: Motion) -> Array:
     """Tasks (k, 5) for ``kernels.cover``, in the order of the segments."""
     every = [np.zeros((0, TASK_COLUMNS))]
     for side in range(1 if motion.system.second_gap is None else 2):
-        every += [_gaps(motion, side), _forces(motion, side, RESTING)]
+        every += [_gaps(motion, side), _forces(motion, side, layout.RESTING)]
         if isinstance(motion.system.law, LinearStop):
-            every += [_forces(motion, side, CONTACT), *_retreats(motion, side)]
+            every += [_forces(motion, side, regime_layout.CONTACT), *_retreats(motion, side)]
     found = [rows for rows in every if len(rows)]
     if len(found) < 2:
         return found[0] if found else every[0]
@@ -97,9 +82,11 @@ def _rows(which: NDArray[np.int64], signal: int, starts: tuple[Array, Array], cl
 
 def _gaps(motion: Motion, side: int) -> Array:
     """The gap to one stop over every flight."""
-    which = np.flatnonzero(motion.lasting & (motion.kinds == FREE))
-    struck = np.isin(motion.trace[which, END], (IMPACT, CHATTER, STUCK)) & (motion.sides[which] == side)
-    return _rows(which, GAP_SIGNAL + side, _openings(motion, side, which), struck)
+    which = np.flatnonzero(motion.lasting & (motion.kinds == layout.FREE))
+    struck = np.isin(motion.trace[which, layout.END], (layout.IMPACT, layout.CHATTER, layout.STUCK)) & (
+        motion.sides[which] == side
+    )
+    return _rows(which, layout.GAP_SIGNAL + side, _openings(motion, side, which), struck)
 
 
 def _forces(motion: Motion, side: int, kind: float) -> Array:
@@ -108,35 +95,37 @@ def _forces(motion: Motion, side: int, kind: float) -> Array:
     if not len(which):
         return np.zeros((0, TASK_COLUMNS))
     law, ended = motion.system.law, _ended_before(motion)[which]
-    vanished = (ended == PASS) | ((ended == IMPACT) & isinstance(law, LinearStop) & (getattr(law, "damping", 0) == 0))
-    found = _derivatives(motion, HELD if kind == RESTING else PUSHED, side, which).force(side)
-    starts = _leading(found, 1.0, vanished & (kind == CONTACT))
-    return _rows(which, FORCE_SIGNAL + side, starts, motion.trace[which, END] == RELEASE)
+    vanished = (ended == regime_layout.PASS) | (
+        (ended == layout.IMPACT) & isinstance(law, LinearStop) & (getattr(law, "damping", 0) == 0)
+    )
+    found = _derivatives(motion, HELD if kind == layout.RESTING else PUSHED, side, which).force(side)
+    starts = _leading(found, 1.0, vanished & (kind == regime_layout.CONTACT))
+    return _rows(which, layout.FORCE_SIGNAL + side, starts, motion.trace[which, layout.END] == layout.RELEASE)
 
 
 def _retreats(motion: Motion, side: int) -> list[Array]:
     """Penetration, and what the force would pull, while a stop with damping is penetrated and does not push."""
-    which = np.flatnonzero(motion.lasting & (motion.kinds == INSIDE) & (motion.sides == side))
+    which = np.flatnonzero(motion.lasting & (motion.kinds == regime_layout.INSIDE) & (motion.sides == side))
     if not len(which):
         return []
-    passed = motion.trace[which, END] == PASS
-    pushed = passed & (np.append(motion.kinds, FREE)[which + 1] == CONTACT)
+    passed = motion.trace[which, layout.END] == regime_layout.PASS
+    pushed = passed & (np.append(motion.kinds, layout.FREE)[which + 1] == regime_layout.CONTACT)
     found = _derivatives(motion, FLYING, side, which)
     let_go = motion.lasting[which - 1]  # else it never pushed: a start in its range, already on the way out
     deep, pull = _leading(found.gap(side), -1.0), _leading(found.force(side), -1.0, let_go)
     return [
-        _rows(which, NEGATIVE + GAP_SIGNAL + side, deep, passed & ~pushed),
-        _rows(which, NEGATIVE + FORCE_SIGNAL + side, pull, pushed),
+        _rows(which, NEGATIVE + layout.GAP_SIGNAL + side, deep, passed & ~pushed),
+        _rows(which, NEGATIVE + layout.FORCE_SIGNAL + side, pull, pushed),
     ]
 
 
 def _ended_before(motion: Motion) -> Array:
     """What ended the segment before each; of the first, none did: as after a release without force."""
-    return np.concatenate([[float(RELEASE)], motion.trace[:-1, END]])
+    return np.concatenate([[float(layout.RELEASE)], motion.trace[:-1, layout.END]])
 
 
 def _derivatives(motion: Motion, regime: int, side: int, which: NDArray[np.int64]) -> Derivatives:
-    poses, clocks = motion.poses[which], motion.trace[which, AT_CLOCK]
+    poses, clocks = motion.poses[which], motion.trace[which, layout.AT_CLOCK]
     return Derivatives(motion.system, motion.drive, regime, side, poses, clocks)
 
 
@@ -161,18 +150,20 @@ def _openings(motion: Motion, side: int, which: NDArray[np.int64]) -> tuple[Arra
     """Order of the root with which the gap of a flight starts, and the derivative of that order; 0: it starts open."""
     trace, system, stop = motion.trace, motion.system, stop_of(motion.system, side)
     ended, before = _ended_before(motion)[which], np.maximum(which - 1, 0)
-    left = (which > 0) & (motion.sides[before] == side) & (motion.kinds[before] != FREE)
-    struck = ~np.bool_(motion.yields) & (ended == IMPACT) & (motion.sides[before] == side)
+    left = (which > 0) & (motion.sides[before] == side) & (motion.kinds[before] != layout.FREE)
+    struck = ~np.bool_(motion.yields) & (ended == layout.IMPACT) & (motion.sides[before] == side)
     after = -motion.poses[which, 1] @ stop.row
     thrown = after > (ROUND_OFF * (np.abs(motion.poses[which, 1]) @ np.abs(stop.row)) if motion.yields else 0)
-    after[struck] = rebound(system, trace[before[struck], BEFORE])
+    after[struck] = rebound(system, trace[before[struck], layout.BEFORE])
     thrown[struck] = after[struck] > 0
     known = left | _on_stop(stop, motion.poses[which])
-    thrown &= known & (motion.yields | (ended != RELEASE) | (which == 0))
+    thrown &= known & (motion.yields | (ended != layout.RELEASE) | (which == 0))
     order, rise = np.where(thrown, 1.0, 0.0), np.where(thrown, after, 0.0)
     drawn = np.flatnonzero(known & ~thrown)
     if len(drawn):
-        at_root = (which[drawn] > 0) & (ended[drawn] == RELEASE) & (motion.kinds[before[drawn]] == RESTING)
+        at_root = (
+            (which[drawn] > 0) & (ended[drawn] == layout.RELEASE) & (motion.kinds[before[drawn]] == layout.RESTING)
+        )
         order[drawn], rise[drawn] = _lift(_derivatives(motion, FLYING, side, which[drawn]).gap(side), at_root)
     return order, rise
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.layout import BEFORE, CHATTER, DURATION, END, IMPACT, RESTING, START, STUCK, WHAT
+from vibeam.flight.kernels import layout
 from vibeam.flight.solver import FlightSolver
 from vibeam.orbits.states import carried, phasors
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -35,11 +35,14 @@ class AdmissibilityCheck:
     ) -> tuple[Array, Array]:
         """Times (m,), s, and velocities of the impacts harder than ``least``; empty where the motion comes to rest."""
         trace = self.flight.simulate(drive, start, begin, end, limit)[3].trace
-        if ((trace[:, WHAT] == RESTING) & (trace[:, DURATION] > 0)).any():
+        if ((trace[:, layout.WHAT] == layout.RESTING) & (trace[:, layout.DURATION] > 0)).any():
             return np.zeros(0), np.zeros(0)
-        last = trace[:, END]
-        hit = trace[((last == IMPACT) | (last == CHATTER) | (last == STUCK)) & (trace[:, BEFORE] > least)]
-        return hit[:, START] + hit[:, DURATION], hit[:, BEFORE]
+        last = trace[:, layout.END]
+        hit = trace[
+            ((last == layout.IMPACT) | (last == layout.CHATTER) | (last == layout.STUCK))
+            & (trace[:, layout.BEFORE] > least)
+        ]
+        return hit[:, layout.START] + hit[:, layout.DURATION], hit[:, layout.BEFORE]
 
     def slack(self, drive: Drive, velocity: float, span: float) -> float:
         """Bound on the shift of an impact at ``velocity`` by round-off, s, with a wide margin."""

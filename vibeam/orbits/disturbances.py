@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.layout import AT_CLOCK, BEFORE, CHATTER, DURATION, END, IMPACT, RESTING, STUCK, WHAT
+from vibeam.flight.kernels import layout
 from vibeam.flight.linear.propagator import propagators
 from vibeam.flight.tangent import held_matrix
 from vibeam.orbits.stroboscopic import Flown
@@ -38,22 +38,22 @@ class Piece(NamedTuple):
 def linearised(flown: Flown) -> Piece:
     """A motion's tangent maps, event by event."""
     system, drive, trace = flown.system, flown.drive, flown.segments.trace
-    durations, speed, c = np.ascontiguousarray(trace[:, DURATION]), trace[:, BEFORE], system.contact
+    durations, speed, c = np.ascontiguousarray(trace[:, layout.DURATION]), trace[:, layout.BEFORE], system.contact
     mobility, damping = float(c @ c), 2 * system.zeta * system.omega
     last = np.stack([flown.state.displacement, flown.state.velocity])
     ends = np.concatenate([flown.segments.poses[1:], last[None]])
-    hit = (trace[:, END] == IMPACT) & (speed > 0)
+    hit = (trace[:, layout.END] == layout.IMPACT) & (speed > 0)
     before = ends[:, 1] + np.outer((speed - ends[:, 1] @ c) / mobility, c)
-    phase = drive.omega * (trace[:, AT_CLOCK] + durations)
+    phase = drive.omega * (trace[:, layout.AT_CLOCK] + durations)
     push = np.outer(drive.omega**2 * drive.amplitude * np.sin(phase), system.load) + system.static
     toward = (push - damping * before - system.omega**2 * ends[:, 0]) @ c
-    held = trace[:, WHAT] == RESTING
+    held = trace[:, layout.WHAT] == layout.RESTING
     return Piece(
         np.stack(propagators(system, np.where(held, 0.0, durations))[:4]),
         np.where(hit, (1 + system.restitution) / mobility, 0.0),
         np.where(hit, toward / np.where(hit, speed, 1.0), 0.0),
         held,
-        np.isin(trace[:, END], (CHATTER, STUCK)),
+        np.isin(trace[:, layout.END], (layout.CHATTER, layout.STUCK)),
         durations,
         np.cumsum(durations) * drive.omega / (2 * np.pi),
     )

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.layout import CHATTER, DURATION, END, IMPACT, RESTING, STUCK, WHAT
+from vibeam.flight.kernels import layout
 from vibeam.flight.pause import pause
 from vibeam.flight.tangent import TangentMaps
 from vibeam.orbits.cycle_multipliers import DECAY
@@ -204,5 +204,5 @@ class _Walk:
 def _events(flown: Flown) -> tuple[int, int]:
     """Numbers of impacts and of rests."""
     trace = flown.segments.trace
-    rests = (trace[:, WHAT] == RESTING) & (trace[:, DURATION] > 0)
-    return int(np.isin(trace[:, END], (IMPACT, CHATTER, STUCK)).sum()), int(rests.sum())
+    rests = (trace[:, layout.WHAT] == layout.RESTING) & (trace[:, layout.DURATION] > 0)
+    return int(np.isin(trace[:, layout.END], (layout.IMPACT, layout.CHATTER, layout.STUCK)).sum()), int(rests.sum())

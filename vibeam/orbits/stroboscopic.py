@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from vibeam.flight.event_driven import EventDrivenSolver, Segments
 from vibeam.flight.exact import exact_solver
-from vibeam.flight.kernels.layout import DURATION, RESTING, START, WHAT
+from vibeam.flight.kernels import layout
 from vibeam.flight.pause import pause
 from vibeam.flight.tangent import TangentMaps, tangent_fault
 from vibeam.orbits.cycle_multipliers import cycle_multipliers
@@ -97,10 +97,10 @@ class StroboscopicMap:
     def in_flight(self, state: State | None) -> tuple[StroboscopicMap, State]:
         """The map at the middle of the longest flight of the next period, and the state there."""
         trace = self.flown(state, 1.0).segments.trace
-        lengths = np.where(trace[:, WHAT] == RESTING, 0.0, trace[:, DURATION])
+        lengths = np.where(trace[:, layout.WHAT] == layout.RESTING, 0.0, trace[:, layout.DURATION])
         longest = int(np.argmax(lengths))
         begin = self.time % self.period
-        after = float(trace[longest, START] + lengths[longest] / 2 - begin) / self.period
+        after = float(trace[longest, layout.START] + lengths[longest] / 2 - begin) / self.period
         moved = object.__new__(StroboscopicMap)
         moved.__dict__.update(self.__dict__)
         moved.time = (begin + after * self.period) % self.period

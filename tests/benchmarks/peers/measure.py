@@ -9,7 +9,7 @@ import numpy as np
 
 from peers.cases import exact_velocities, system, true_impacts
 from peers.job import Array, Entry, Impacts, Job
-from vibeam.flight.kernels.layout import EVERYTHING, OUTPUT_ALONE
+from vibeam.flight.kernels import layout
 from vibeam.flight.solver import FlightSolver
 from vibeam.system.state import State
 
@@ -41,7 +41,7 @@ class Flight:
         """CPU seconds, impacts, last impact velocity of each point."""
         start = State(self.job.starts[0, 0], self.job.starts[0, 1])
         begun = time.process_time()
-        reading = OUTPUT_ALONE if hold == 1 else EVERYTHING
+        reading = layout.OUTPUT_ALONE if hold == 1 else layout.EVERYTHING
         response, _ = self.solver.steady(
             self.job.grid, self.job.amplitude, start, self.job.periods - hold, hold, "contact", reading
         )

@@ -17,8 +17,8 @@ import pytest
 import vibeam
 from vibeam.case.fidelity import Fidelity, reduced
 from vibeam.case.fidelity import system as system_of
-from vibeam.flight.kernels.layout import DURATION, START, WHAT
-from vibeam.flight.kernels.regimes.layout import CONTACT
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.trajectory import Trajectory
 from vibeam.observe.quadrature import integral
 from vibeam_models.base import Base
@@ -191,19 +191,19 @@ def test_a_stop_that_yields(restitution: float, second: float | None) -> None:
 def panels(made: Rig, path: Trajectory, law: LinearStop) -> np.ndarray:
     """Put in, dissipated in the structure, and in the stop, J: Gauss–Legendre, twenty nodes to four radians."""
     trace, contact = path.segments.trace, made.system.contact
-    pushing = trace[:, WHAT] == CONTACT
+    pushing = trace[:, layout.WHAT] == regime_layout.CONTACT
     fastest = np.sqrt(made.system.omega.max() ** 2 + pushing * law.stiffness * (contact @ contact))
-    counts = np.maximum(1, np.ceil(fastest * trace[:, DURATION] / 4)).astype(int)
+    counts = np.maximum(1, np.ceil(fastest * trace[:, layout.DURATION] / 4)).astype(int)
     which = np.repeat(np.arange(len(trace)), counts)
-    step = trace[which, DURATION] / counts[which]
-    begin = trace[which, START] + step * (np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts))
+    step = trace[which, layout.DURATION] / counts[which]
+    begin = trace[which, layout.START] + step * (np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts))
     nodes, weights = np.polynomial.legendre.leggauss(20)
     times = np.clip((begin[:, None] + step[:, None] * (nodes + 1) / 2).ravel(), path.t_start, path.t_end)
     share = (step[:, None] * weights / 2).ravel()
     speed = path.velocity_at(times)
     dashpot = float(share @ (np.repeat(pushing[which], len(nodes)) * law.damping * speed**2))
     ends = np.flatnonzero(pushing & ~np.append(pushing[1:], True))
-    held = path.at(trace[ends, START] + trace[ends, DURATION])
+    held = path.at(trace[ends, layout.START] + trace[ends, layout.DURATION])
     depth = np.where(held > 0, held - made.system.gap, -held - (made.system.second_gap or np.inf))
     left = float(np.sum(np.where(law.damping > 0, law.stiffness * np.maximum(depth, 0.0) ** 2 / 2, 0.0)))
     return np.array([*(share @ flows(made, path)(times)), dashpot + left])

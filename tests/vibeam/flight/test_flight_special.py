@@ -247,7 +247,7 @@ def test_whole_numbers_are_numbers(numbers: tuple[float, float], monkeypatch: py
     """A drive given in whole numbers must not have the kernels compiled for them."""
     seen = []
 
-    def spy(desk: object, omega: object, amplitude: object, *rest: object) -> None:
+    def spy(engine: object, omega: object, amplitude: object, *rest: object) -> None:
         seen.extend([type(omega), type(amplitude)])
         raise InterruptedError
 

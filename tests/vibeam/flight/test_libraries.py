@@ -24,7 +24,7 @@ import pytest
 import vibeam
 from vibeam.flight.ahead_of_time.__main__ import build
 from vibeam.flight.entries import ENTRIES, Entry, march, move, poses_at, tabulate
-from vibeam.flight.kernels.layout import LEVEL_ROWS, LEVELS, PAIR_ROWS, TABLE_ROWS
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.sources import digest
 from vibeam.flight.libraries import choice, load, processor
 from vibeam.flight.libraries.errors import KernelsUnavailable, LibraryUnavailable
@@ -380,9 +380,13 @@ def test_libraries_load_from_a_folder_where_memory_has_no_files(monkeypatch: pyt
 
 def tables(rate: float) -> tuple[Any, Any, Any]:
     """What ``tabulate`` works on, for one mode of that damping."""
-    pairs, levels, table = np.zeros((PAIR_ROWS, 1)), np.zeros((LEVEL_ROWS, LEVELS)), np.zeros((TABLE_ROWS, LEVELS, 1))
+    pairs, levels, table = (
+        np.zeros((layout.PAIR_ROWS, 1)),
+        np.zeros((layout.LEVEL_ROWS, layout.LEVELS)),
+        np.zeros((layout.TABLE_ROWS, layout.LEVELS, 1)),
+    )
     pairs[:3, 0] = 1.0, rate, rate * rate - 1.0
-    levels[0] = np.ldexp(1.0, -np.arange(LEVELS))
+    levels[0] = np.ldexp(1.0, -np.arange(layout.LEVELS))
     return pairs, levels, table
 
 
@@ -412,7 +416,7 @@ def test_every_call_works_on_the_arrays_that_it_is_given() -> None:
     assert len({float(each[0, 0, 0]) for each in expected}) == 3
     pairs, levels, _ = tables(0.1)
     for rate, truth in zip((0.1, 0.2, 0.3), expected, strict=True):
-        pairs[:3, 0], out = (1.0, rate, rate * rate - 1.0), np.zeros((TABLE_ROWS, LEVELS, 1))
+        pairs[:3, 0], out = (1.0, rate, rate * rate - 1.0), np.zeros((layout.TABLE_ROWS, layout.LEVELS, 1))
         for _ in range(2):
             out[:] = 0.0
             function(pairs, levels, out)

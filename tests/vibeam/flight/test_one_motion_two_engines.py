@@ -7,7 +7,7 @@ import pytest
 
 import vibeam
 from vibeam.flight.event_driven import EventDrivenSolver
-from vibeam.flight.kernels.layout import BEFORE, CHATTER, DURATION, END, IMPACT, OUTPUT_ALONE, REACH_TOO, START, STUCK
+from vibeam.flight.kernels import layout
 from vibeam.flight.regime_solver import RegimeSolver
 from vibeam.flight.solver import FlightSolver
 
@@ -30,8 +30,8 @@ def impacts(solver: EventDrivenSolver, drive: vibeam.Drive, turns: int) -> tuple
     """Times, in drive periods, and velocities of the impacts from equilibrium."""
     period = 2 * np.pi / drive.omega
     trace = solver.simulate(drive, None, 0.0, turns * period, 10**5)[3].trace
-    struck = trace[np.isin(trace[:, END], (IMPACT, CHATTER, STUCK))]
-    return (struck[:, START] + struck[:, DURATION]) / period, struck[:, BEFORE]
+    struck = trace[np.isin(trace[:, layout.END], (layout.IMPACT, layout.CHATTER, layout.STUCK))]
+    return (struck[:, layout.START] + struck[:, layout.DURATION]) / period, struck[:, layout.BEFORE]
 
 
 @pytest.mark.parametrize("seed", range(24))
@@ -53,7 +53,7 @@ def beam() -> vibeam.ImpactSystem:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("reading", [OUTPUT_ALONE, REACH_TOO, None])
+@pytest.mark.parametrize("reading", [layout.OUTPUT_ALONE, layout.REACH_TOO, None])
 def test_the_steady_points_are_the_same(reading: int | None) -> None:
     """From equilibrium on the stop; hundreds of periods settled, copies of a period that repeats not read again."""
     grid, more = 2 * np.pi * np.linspace(14, 17, 5), {} if reading is None else {"reading": reading}

@@ -114,7 +114,7 @@ def test_every_thread_has_working_arrays_of_its_own(made: Callable[..., Any]) ->
     shared = made(system(), 80.0)
 
     def arrays() -> tuple[int, list[int]]:
-        work = shared.packed.desk.rest if made is FlightSolver else shared.plan.free
+        work = shared.packed.engine.rest if made is FlightSolver else shared.plan.free
         return get_ident(), [array.ctypes.data for array in work]
 
     seen = dict(at_once(*[arrays] * THREADS))

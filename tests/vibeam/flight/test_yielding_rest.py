@@ -8,8 +8,8 @@ from apart import run_apart
 
 import vibeam
 from vibeam.flight.equilibrium import equilibrium
-from vibeam.flight.kernels.layout import DURATION, END, FREE, START, WHAT
-from vibeam.flight.kernels.regimes.layout import CONTACT, PASS
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam_models.laws.compliant import Hertz, HuntCrossley, LinearStop
 
 STILL = vibeam.Drive(2.27, 0.0)
@@ -92,9 +92,11 @@ def test_a_stop_with_much_damping_pushes_again_while_it_is_still_penetrated() ->
     system = vibeam.ImpactSystem.from_modes([1.0, 9.0], 0.01, [1.0, 0.9], [1.0, 0.3], gap=0.0, law=law)
     path = vibeam.simulate(system, vibeam.Drive(1.9, 1.0), 60.0)
     trace = path.segments.trace
-    for start, duration in trace[(trace[:, WHAT] == FREE) & (trace[:, DURATION] > 0)][:, [START, DURATION]]:
+    for start, duration in trace[(trace[:, layout.WHAT] == layout.FREE) & (trace[:, layout.DURATION] > 0)][
+        :, [layout.START, layout.DURATION]
+    ]:
         modes = path.modes_at(start + duration * np.linspace(0.01, 0.99, 99))
         deep, rate = modes[:, 0] @ system.contact - system.gap, modes[:, 1] @ system.contact
         assert not np.any((deep > 1e-9) & (law.stiffness * deep + law.damping * rate > 1e-9))
-    again = (trace[1:, WHAT] == CONTACT) & (trace[:-1, END] == PASS)
-    assert np.sum(again & (trace[1:, DURATION] > 0)) > 0
+    again = (trace[1:, layout.WHAT] == regime_layout.CONTACT) & (trace[:-1, layout.END] == regime_layout.PASS)
+    assert np.sum(again & (trace[1:, layout.DURATION] > 0)) > 0

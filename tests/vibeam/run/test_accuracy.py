@@ -11,7 +11,7 @@ import pytest
 import vibeam
 from vibeam.case.faults import CaseError
 from vibeam.casefile.read import without_accuracy
-from vibeam.flight.kernels.layout import EVERYTHING, OUTPUT_ALONE, REACH_TOO
+from vibeam.flight.kernels import layout
 from vibeam.flight.solver import FlightSolver
 from vibeam.orbits.states import carried
 from vibeam.run.accuracy.candidates import EXACT, candidates_of, rows
@@ -105,7 +105,7 @@ def test_what_is_read_lightly_is_read_well_and_the_rest_not_at_all():
     case = case_of("dtu_tight", points=3)
     flight, omega, base = FlightSolver(case.system("beam"), 80.0), 2 * np.pi * case.sweep.frequency, case.base_amplitude
     full, end = flight.steady(omega, base, None, 20, 10, "sensor")
-    for reading in (OUTPUT_ALONE, REACH_TOO):
+    for reading in (layout.OUTPUT_ALONE, layout.REACH_TOO):
         states = []
         light, after = flight.steady(omega, base, None, 20, 10, "sensor", reading, states)
         assert np.array_equal(after.velocity, end.velocity)
@@ -113,7 +113,7 @@ def test_what_is_read_lightly_is_read_well_and_the_rest_not_at_all():
         assert light.amplitude == pytest.approx(full.amplitude, rel=EXACT / 3)
         assert np.isnan(light.mode_energy).all()
         assert np.array_equal(light.impact_velocity, full.impact_velocity)
-        assert np.isnan(light.reach).all() == (reading == OUTPUT_ALONE)
+        assert np.isnan(light.reach).all() == (reading == layout.OUTPUT_ALONE)
     assert light.reach == pytest.approx(full.reach, rel=EXACT / 3)
 
 
@@ -122,7 +122,7 @@ def test_rounds_are_flights_of_one_period():
     known, flight = known_of(case), FlightSolver(case.system("beam"), 80.0)
     states = np.random.default_rng(4).normal(0, 1e-5, (7, 2, 8))
     states[:, 0] -= 1e-4 * np.sign(known.system.contact)  # off the stop
-    for reading in (OUTPUT_ALONE, EVERYTHING):
+    for reading in (layout.OUTPUT_ALONE, layout.EVERYTHING):
         found, after = flight.rounds(known.omega, known.amplitude, states, "sensor", reading)
         for i, (omega, both) in enumerate(zip(known.omega, states, strict=True)):
             one, end = flight.steady([omega], known.amplitude[i], State(*both), 0, 1, "sensor", reading)

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from vibeam.flight.entries import march
-from vibeam.flight.kernels.moreau_layout import ROWS
+from vibeam.flight.kernels import moreau_layout
 from vibeam.flight.points.disturbances import carry
 from vibeam.flight.points.points import PlainPoints, Settings, compute
 from vibeam.flight.trajectory import simulate
@@ -48,7 +48,7 @@ def disturb() -> None:
 def step() -> None:
     """No step of Moreau–Jean time stepping."""
     march(
-        np.ones((ROWS, 1)), np.ones(4), np.zeros(1), np.zeros((2, 1)), np.zeros((0, 2, 1)), np.zeros(0),
+        np.ones((moreau_layout.ROWS, 1)), np.ones(4), np.zeros(1), np.zeros((2, 1)), np.zeros((0, 2, 1)), np.zeros(0),
         np.zeros((0, 2)), np.zeros(2, dtype=np.int64),
     )  # fmt: skip
 

@@ -14,6 +14,7 @@ from math import ceil, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.block_flow import advance_blocks, block_after
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import phase, wrap
@@ -30,30 +31,7 @@ from vibeam.flight.kernels.energy import (
     growth,
     integral,
 )
-from vibeam.flight.kernels.layout import (
-    A11,
-    A12,
-    A21,
-    A22,
-    CARRIED,
-    DECAY,
-    DISC,
-    IM1,
-    IM2,
-    KAPPA,
-    MODE,
-    OFFSET1,
-    OFFSET2,
-    OMEGA,
-    RE1,
-    RE2,
-    SIGMA,
-    Z1,
-    Z2,
-    Regime,
-    W,
-    Watch,
-)
+from vibeam.flight.kernels.layout import Regime, Watch
 
 Array = NDArray[np.float64]
 
@@ -65,32 +43,32 @@ RATE, GROWN, AMPLITUDE = range(3)  # columns of regime.terms: λ, e^{λt} − 1,
 
 
 @kernel
-def energy_in_blocks(regime: Regime, drive: Array, own: Array, clock: float, duration: float, room: Watch) -> None:
+def energy_in_blocks(regime: Regime, drive: Array, own: Array, clock: float, duration: float, watch: Watch) -> None:
     """Add ∫ E_k dt over ``duration`` of a regime entered at ``clock`` to room.energy (n,); ``own``: the modes' ω."""
-    m, rate = regime.blocks.shape[1], drive[W]
+    m, rate = regime.blocks.shape[1], drive[layout.W]
     for k in range(m):
-        rate = max(rate, regime.pairs[KAPPA, k])
+        rate = max(rate, regime.pairs[layout.KAPPA, k])
     panels = int(min(MOST + 1, max(1, ceil(rate * duration / PANEL))))
     if panels > 1 and 8 * panels > m and is_sum_of_exponentials(regime):
-        total, parts = room.scratch[0], room.scratch[1]
+        total, parts = watch.scratch[0], watch.scratch[1]
         set_terms(regime, drive, clock, duration)
         sum_products(regime.terms, own, duration, total, parts)
         if not is_cancelled(total, parts, LOST if panels > MOST else CANCELLED):
             for k in range(own.shape[0]):
-                room.energy[k] += total[k]
+                watch.energy[k] += total[k]
             return
     if panels > MOST:
-        energy_by_steps(regime, drive, own, clock, duration, room)
+        energy_by_steps(regime, drive, own, clock, duration, watch)
     else:
-        energy_by_panels(regime, drive, own, clock, duration / panels, panels, room)
+        energy_by_panels(regime, drive, own, clock, duration / panels, panels, watch)
 
 
 @kernel
 def is_sum_of_exponentials(regime: Regime) -> bool:
     """Whether every block has a steady response and is not near critical damping."""
     for k in range(regime.blocks.shape[1]):
-        own = regime.pairs[OMEGA, k]
-        if regime.blocks[CARRIED, k] > 0.0 or abs(regime.pairs[DISC, k]) < SPLIT * SPLIT * own * own:
+        own = regime.pairs[layout.OMEGA, k]
+        if regime.blocks[layout.CARRIED, k] > 0.0 or abs(regime.pairs[layout.DISC, k]) < SPLIT * SPLIT * own * own:
             return False
     return True
 
@@ -105,14 +83,14 @@ def set_terms(regime: Regime, drive: Array, clock: float, duration: float) -> No
     blocks, terms, n, m = regime.blocks, regime.terms, regime.held.shape[0], regime.blocks.shape[1]
     cosine, sine = phase(drive, clock)
     terms[:, :, :] = 0.0
-    put(terms, 2 * m, RATE, 1j * drive[W])
+    put(terms, 2 * m, RATE, 1j * drive[layout.W])
     for i in range(n):
         terms[0, 2 * m + 1, AMPLITUDE + i] = regime.held[i]
     for k in range(m):
-        sigma, disc, own = regime.pairs[SIGMA, k], regime.pairs[DISC, k], regime.pairs[OMEGA, k]
-        z1, z2 = blocks[Z1, k], blocks[Z2, k]
-        q1 = (blocks[A11, k] + sigma) * z1 + blocks[A12, k] * z2
-        q2 = blocks[A21, k] * z1 + (blocks[A22, k] + sigma) * z2
+        sigma, disc, own = regime.pairs[layout.SIGMA, k], regime.pairs[layout.DISC, k], regime.pairs[layout.OMEGA, k]
+        z1, z2 = blocks[layout.Z1, k], blocks[layout.Z2, k]
+        q1 = (blocks[layout.A11, k] + sigma) * z1 + blocks[layout.A12, k] * z2
+        q2 = blocks[layout.A21, k] * z1 + (blocks[layout.A22, k] + sigma) * z2
         root = sqrt(abs(disc))
         if disc < 0.0:
             put(terms, 2 * k, RATE, -sigma + 1j * root)
@@ -122,10 +100,16 @@ def set_terms(regime: Regime, drive: Array, clock: float, duration: float) -> No
             put(terms, 2 * k + 1, RATE, complex(-sigma - root, 0.0))
             add_block(regime, k, 2 * k, 0.5 * (z1 + q1 / root) + 0j, 0.5 * (z2 + q2 / root) + 0j)
             add_block(regime, k, 2 * k + 1, 0.5 * (z1 - q1 / root) + 0j, 0.5 * (z2 - q2 / root) + 0j)
-        s1, c1 = blocks[RE1, k] * sine + blocks[IM1, k] * cosine, blocks[RE1, k] * cosine - blocks[IM1, k] * sine
-        s2, c2 = blocks[RE2, k] * sine + blocks[IM2, k] * cosine, blocks[RE2, k] * cosine - blocks[IM2, k] * sine
+        s1, c1 = (
+            blocks[layout.RE1, k] * sine + blocks[layout.IM1, k] * cosine,
+            blocks[layout.RE1, k] * cosine - blocks[layout.IM1, k] * sine,
+        )
+        s2, c2 = (
+            blocks[layout.RE2, k] * sine + blocks[layout.IM2, k] * cosine,
+            blocks[layout.RE2, k] * cosine - blocks[layout.IM2, k] * sine,
+        )
         add_block(regime, k, 2 * m, s1 - 1j * c1, s2 - 1j * c2)
-        add_block(regime, k, 2 * m + 1, blocks[OFFSET1, k] + 0j, blocks[OFFSET2, k] + 0j)
+        add_block(regime, k, 2 * m + 1, blocks[layout.OFFSET1, k] + 0j, blocks[layout.OFFSET2, k] + 0j)
     for i in range(2 * m + 2):
         put(terms, i, GROWN, growth(at(terms, i, RATE), duration))
 
@@ -190,10 +174,10 @@ def is_cancelled(total: Array, parts: Array, share: float) -> bool:
 
 @kernel
 def energy_by_panels(
-    regime: Regime, drive: Array, own: Array, clock: float, h: float, panels: int, room: Watch
+    regime: Regime, drive: Array, own: Array, clock: float, h: float, panels: int, watch: Watch
 ) -> None:
     """The same as ``energy_in_blocks``, by Gauss's quadrature with eight nodes on each of ``panels`` of length h."""
-    pose, energy = room.scratch, room.energy
+    pose, energy = watch.scratch, watch.energy
     for panel in range(panels):
         for node in range(8):
             advance_blocks(regime, drive, pose, clock, (panel + NODES[node]) * h)
@@ -202,12 +186,12 @@ def energy_by_panels(
 
 
 @kernel
-def energy_by_steps(regime: Regime, drive: Array, own: Array, clock: float, duration: float, room: Watch) -> None:
+def energy_by_steps(regime: Regime, drive: Array, own: Array, clock: float, duration: float, watch: Watch) -> None:
     """The same panel by panel, the regime entered anew at each: as many as are resolved, up to ``STEPS``.
 
     The blocks' coordinates are those of the end then.
     """
-    pose, energy, done = room.scratch, room.energy, 0.0
+    pose, energy, done = watch.scratch, watch.energy, 0.0
     while done < duration:
         rate, h = rate_left(regime, drive, done), duration - done
         if rate * h > PANEL:
@@ -218,7 +202,7 @@ def energy_by_steps(regime: Regime, drive: Array, own: Array, clock: float, dura
                 energy[k] += 0.5 * h * WEIGHTS[node] * (pose[1, k] ** 2 + (own[k] * pose[0, k]) ** 2)
         for k in range(regime.blocks.shape[1]):
             z1, z2 = block_after(regime, drive, k, clock, h)
-            regime.blocks[Z1, k], regime.blocks[Z2, k] = z1, z2
+            regime.blocks[layout.Z1, k], regime.blocks[layout.Z2, k] = z1, z2
         clock = wrap(drive, clock + h)
         done += h
 
@@ -226,13 +210,13 @@ def energy_by_steps(regime: Regime, drive: Array, own: Array, clock: float, dura
 @kernel
 def rate_left(regime: Regime, drive: Array, time: float) -> float:
     """The fastest rate of the drive and of what has not decayed a time after a regime was entered."""
-    pairs, rate = regime.pairs, drive[W]
+    pairs, rate = regime.pairs, drive[layout.W]
     for k in range(regime.blocks.shape[1]):
-        if regime.blocks[CARRIED, k] > 0.0:
-            rate = max(rate, pairs[KAPPA, k])
-        elif pairs[DECAY, k] * time <= FADED:
-            fast = pairs[SIGMA, k] + sqrt(max(pairs[DISC, k], 0.0))
-            rate = max(rate, pairs[KAPPA, k] if fast * time <= FADED else pairs[DECAY, k])
+        if regime.blocks[layout.CARRIED, k] > 0.0:
+            rate = max(rate, pairs[layout.KAPPA, k])
+        elif pairs[layout.DECAY, k] * time <= FADED:
+            fast = pairs[layout.SIGMA, k] + sqrt(max(pairs[layout.DISC, k], 0.0))
+            rate = max(rate, pairs[layout.KAPPA, k] if fast * time <= FADED else pairs[layout.DECAY, k])
     return float(rate)
 
 
@@ -240,7 +224,7 @@ def rate_left(regime: Regime, drive: Array, time: float) -> float:
 def is_modal(regime: Regime) -> bool:
     """Whether every block of a regime is one mode by itself, with a steady response."""
     for k in range(regime.blocks.shape[1]):
-        if regime.blocks[MODE, k] < 0.0 or regime.blocks[CARRIED, k] > 0.0:
+        if regime.blocks[layout.MODE, k] < 0.0 or regime.blocks[layout.CARRIED, k] > 0.0:
             return False
     return True
 
@@ -248,13 +232,17 @@ def is_modal(regime: Regime) -> bool:
 @kernel
 def energy_by_mode(regime: Regime, drive: Array, clock: float, duration: float, energy: Array) -> None:
     """The same where every block is one mode by itself, in closed form."""
-    blocks, w, n = regime.blocks, drive[W], energy.shape[0]
+    blocks, w, n = regime.blocks, drive[layout.W], energy.shape[0]
     cosine, sine = phase(drive, clock)
     turned = growth(1j * w, duration)
     for k in range(blocks.shape[1]):
-        mode = int(blocks[MODE, k])
+        mode = int(blocks[layout.MODE, k])
         at, rate = regime.outof[mode, 2 * k], regime.outof[n + mode, 2 * k + 1]
-        re, im, offset = at * blocks[RE1, k], at * blocks[IM1, k], at * blocks[OFFSET1, k] + regime.held[mode]
+        re, im, offset = (
+            at * blocks[layout.RE1, k],
+            at * blocks[layout.IM1, k],
+            at * blocks[layout.OFFSET1, k] + regime.held[mode],
+        )
         steady = (re * sine + im * cosine) - 1j * (re * cosine - im * sine)  # Re(steady e^{iΩt})
-        x, y = at * blocks[Z1, k], rate * blocks[Z2, k]
+        x, y = at * blocks[layout.Z1, k], rate * blocks[layout.Z2, k]
         energy[mode] += flight_energy(regime.pairs, k, x, y, SteadyResponse(steady, w, offset), duration, turned)

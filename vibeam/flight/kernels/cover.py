@@ -9,27 +9,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.block_flow import set_signal, to_block_coordinates
 from vibeam.flight.kernels.compiler import entry, joined, kernel
 from vibeam.flight.kernels.drive import phase, set_drive
-from vibeam.flight.kernels.layout import (
-    AT_CLOCK,
-    ATTACHED,
-    COARSEST,
-    COARSEST_AT_REST,
-    CONST,
-    DURATION,
-    HARMONIC,
-    LEVELS,
-    RESTING,
-    STEP,
-    WHAT,
-    WHOLE,
-    ZI,
-    ZR,
-    Engine,
-    Regime,
-)
+from vibeam.flight.kernels.layout import Engine, Regime
 from vibeam.flight.kernels.modal_flow import begin_flight
 from vibeam.flight.kernels.pieces import (
     CLAIM,
@@ -64,25 +48,25 @@ CLOSE = 1e-10  # share of the segment's length within which the signal must vani
 
 @entry
 def cover(
-    desk: Engine, omega: float, amplitude: float, trace: Array, poses: Array, tasks: Array, first: int, pieces: Array
+    engine: Engine, omega: float, amplitude: float, trace: Array, poses: Array, tasks: Array, first: int, pieces: Array
 ) -> tuple[int, int]:
     """Fill ``pieces`` from task ``first`` on: pieces written, the first task that found no room.
 
     ``trace`` (m, TRACE_COLUMNS), ``poses`` (m, 2, n); ``tasks`` (k, 5) in the order of the segments.
     """
-    set_drive(desk, omega, amplitude)
-    count, coarsest, at_rest = 0, int(desk.drive[COARSEST]), int(desk.drive[COARSEST_AT_REST])
+    set_drive(engine, omega, amplitude)
+    count, coarsest, at_rest = 0, int(engine.drive[layout.COARSEST]), int(engine.drive[layout.COARSEST_AT_REST])
     for i in range(first, tasks.shape[0]):
         segment = int(tasks[i, SEGMENT])
-        clock, pose = trace[segment, AT_CLOCK], poses[segment]
-        if trace[segment, WHAT] == RESTING:
-            to_block_coordinates(desk.rest, desk.drive, pose, clock)
-            show(desk.rest, desk.drive, clock, tasks[i])
-            written = walk(signal_of(desk.rest), at_rest, trace[segment, DURATION], tasks[i], pieces, count)
+        clock, pose = trace[segment, layout.AT_CLOCK], poses[segment]
+        if trace[segment, layout.WHAT] == layout.RESTING:
+            to_block_coordinates(engine.rest, engine.drive, pose, clock)
+            show(engine.rest, engine.drive, clock, tasks[i])
+            written = walk(signal_of(engine.rest), at_rest, trace[segment, layout.DURATION], tasks[i], pieces, count)
         else:
-            cosine, sine = phase(desk.drive, clock)
-            begin_flight(desk, pose, cosine, sine)
-            written = walk(signal_of(desk), coarsest, trace[segment, DURATION], tasks[i], pieces, count)
+            cosine, sine = phase(engine.drive, clock)
+            begin_flight(engine, pose, cosine, sine)
+            written = walk(signal_of(engine), coarsest, trace[segment, layout.DURATION], tasks[i], pieces, count)
         if written < 0:
             return count, i
         count += written
@@ -111,25 +95,25 @@ def walk(g: Signal, coarsest: int, duration: float, task: Array, pieces: Array, 
     pairs, table, levels, signal, attached = g
     start = Start(int(task[ORDER]), task[RISE])
     total = to_node(pairs)
-    if signal[ATTACHED] > 0.0:
+    if signal[layout.ATTACHED] > 0.0:
         att.restart(attached, signal)
-    re, im = signal[ZR], signal[ZI]
-    signal[HARMONIC] = norm(re, im)
-    size = abs(signal[CONST]) + signal[HARMONIC] + total
+    re, im = signal[layout.ZR], signal[layout.ZI]
+    signal[layout.HARMONIC] = norm(re, im)
+    size = abs(signal[layout.CONST]) + signal[layout.HARMONIC] + total
     tolerance = 8.0 * EPSILON * (size + att.swing(attached, signal, duration))
-    never = signal[CONST] - signal[HARMONIC] - total > tolerance and signal[ATTACHED] == 0.0
+    never = signal[layout.CONST] - signal[layout.HARMONIC] - total > tolerance and signal[layout.ATTACHED] == 0.0
     if never and start.order == 0 and task[CLOSING] == 0.0:
         return note(pieces, row, task, 0.0, duration, OPEN)
     node, level, since, count, doubts = Node(0.0, re, im), coarsest, 0, 0, 0
     begun = start.order > 0 or task[CLOSING] == 0.0 or value_at(g, 0.0, 0.0)[0] > tolerance
     if start.order > 0:
-        derivatives(g, pairs.shape[1], WHOLE, start.order + 1)
+        derivatives(g, pairs.shape[1], layout.WHOLE, start.order + 1)
         level = first_level(g, start, coarsest, size)
     while node.time < duration:
-        h, time = levels[STEP, level], node.time
+        h, time = levels[layout.STEP, level], node.time
         here = Start(start.order if time == 0.0 else 0, start.rise)
         found = launching(g, start, level) if here.order > 0 else ordinary(g, node, level, tolerance)
-        if found == SPLIT and level < LEVELS - 1:
+        if found == SPLIT and level < layout.LEVELS - 1:
             level += 1
             since = 0
             continue
@@ -141,7 +125,7 @@ def walk(g: Signal, coarsest: int, duration: float, task: Array, pieces: Array, 
         if last and task[CLOSING] > 0.0:
             closed = found == ROOT or vanishes(g, time, duration, tolerance)
             claim = CLOSES if closed and (begun or time > 0.0) else UNPROVED
-        elif last and found != CLEAR and level < LEVELS - 1:
+        elif last and found != CLEAR and level < layout.LEVELS - 1:
             level += 1
             since = 0
             continue
@@ -154,7 +138,7 @@ def walk(g: Signal, coarsest: int, duration: float, task: Array, pieces: Array, 
             break
         if here.order > 0:
             step_pairs(pairs, table, level)
-        if signal[ATTACHED] > 0.0:
+        if signal[layout.ATTACHED] > 0.0:
             att.carry(attached, signal, time, h)
         accept(g)
         node = next_node(levels, level, node)

@@ -7,52 +7,9 @@ from math import cos, hypot, sin
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.layout import (
-    A11,
-    A12,
-    A21,
-    A22,
-    AMODE,
-    AMPLITUDE,
-    ATTACHED,
-    CARRIED,
-    CLEARANCE,
-    COARSEST,
-    COARSEST_AT_REST,
-    CONSTANT1,
-    CONSTANT2,
-    CONTACT,
-    CONTACT_IM,
-    CONTACT_RE,
-    GAP,
-    IM,
-    IM1,
-    IM2,
-    KAPPA,
-    LEVELS,
-    LOAD,
-    LOAD1,
-    LOAD2,
-    MOTION,
-    OFFSET,
-    OFFSET1,
-    OFFSET2,
-    OMEGA,
-    PERIOD,
-    PERIOD_REST,
-    RE,
-    RE1,
-    RE2,
-    SIGMA,
-    SLOW,
-    STATIC,
-    STEP,
-    STRENGTH,
-    Engine,
-    Regime,
-    W,
-)
+from vibeam.flight.kernels.layout import Engine, Regime
 from vibeam.flight.kernels.roots.levels import same_drive, tabulate_drive
 from vibeam.flight.kernels.thresholds import BRISK, FAR, FAR_DRIVEN, PANEL
 
@@ -66,39 +23,39 @@ LOOSE = 1e-7  # share of the stiffest rate below which a held block counts as wi
 
 
 @kernel
-def set_drive(desk: Engine, omega: float, amplitude: float) -> None:
-    """Put the desk under b = amplitude · sin(omega t)."""
-    drive, modes = desk.drive, desk.modes
+def set_drive(engine: Engine, omega: float, amplitude: float) -> None:
+    """Put the engine under b = amplitude · sin(omega t)."""
+    drive, modes = engine.drive, engine.modes
     strength = omega * omega * amplitude
-    drive[W], drive[STRENGTH], drive[AMPLITUDE] = omega, strength, amplitude
-    drive[PERIOD], drive[PERIOD_REST] = exact_period(omega)
-    desk.signal[ATTACHED], rate = 0.0, omega
-    drive[CONTACT_RE], drive[CONTACT_IM], drive[CLEARANCE] = 0.0, 0.0, drive[GAP]
+    drive[layout.W], drive[layout.STRENGTH], drive[layout.AMPLITUDE] = omega, strength, amplitude
+    drive[layout.PERIOD], drive[layout.PERIOD_REST] = exact_period(omega)
+    engine.signal[layout.ATTACHED], rate = 0.0, omega
+    drive[layout.CONTACT_RE], drive[layout.CONTACT_IM], drive[layout.CLEARANCE] = 0.0, 0.0, drive[layout.GAP]
     for k in range(modes.shape[1]):
-        modes[RE, k], modes[IM, k], modes[OFFSET, k] = 0.0, 0.0, 0.0
-        own, sigma = desk.pairs[OMEGA, k], desk.pairs[SIGMA, k]
+        modes[layout.RE, k], modes[layout.IM, k], modes[layout.OFFSET, k] = 0.0, 0.0, 0.0
+        own, sigma = engine.pairs[layout.OMEGA, k], engine.pairs[layout.SIGMA, k]
         real, imaginary = (own - omega) * (own + omega), 2.0 * sigma * omega
         offset, driven = bounds_of_motion(own, sigma, omega)
-        far = abs(modes[STATIC, k]) > offset * own * own * drive[MOTION]
-        far = far or abs(modes[LOAD, k] * strength) > driven * hypot(real, imaginary) * drive[MOTION]
-        if far or is_attached(own, sigma, modes[LOAD, k] * strength, modes[STATIC, k], omega):
-            desk.attached[AMODE, int(desk.signal[ATTACHED])] = k
-            desk.signal[ATTACHED] += 1.0
+        far = abs(modes[layout.STATIC, k]) > offset * own * own * drive[layout.MOTION]
+        far = far or abs(modes[layout.LOAD, k] * strength) > driven * hypot(real, imaginary) * drive[layout.MOTION]
+        if far or is_attached(own, sigma, modes[layout.LOAD, k] * strength, modes[layout.STATIC, k], omega):
+            engine.attached[layout.AMODE, int(engine.signal[layout.ATTACHED])] = k
+            engine.signal[layout.ATTACHED] += 1.0
             rate = max(rate, max(own, 2.0 * sigma))
             continue
-        if strength != 0.0 and modes[LOAD, k] != 0.0:
-            response = modes[LOAD, k] * strength / (real + 1j * imaginary)
-            modes[RE, k], modes[IM, k] = response.real, response.imag
-        modes[OFFSET, k] = modes[STATIC, k] / (own * own)
-        drive[CONTACT_RE] += modes[CONTACT, k] * modes[RE, k]
-        drive[CONTACT_IM] += modes[CONTACT, k] * modes[IM, k]
-        drive[CLEARANCE] -= modes[CONTACT, k] * modes[OFFSET, k]
-    tabulate_drive(omega, desk.levels)
-    same_drive(desk.levels, desk.rest.levels)
-    steady_response(desk.rest, drive)
-    drive[COARSEST] = coarsest_level(desk.pairs, desk.levels, rate)
-    rate = max(rate, carried_rate(desk.rest.pairs, desk.rest.blocks))
-    drive[COARSEST_AT_REST] = coarsest_level(desk.pairs, desk.levels, rate)
+        if strength != 0.0 and modes[layout.LOAD, k] != 0.0:
+            response = modes[layout.LOAD, k] * strength / (real + 1j * imaginary)
+            modes[layout.RE, k], modes[layout.IM, k] = response.real, response.imag
+        modes[layout.OFFSET, k] = modes[layout.STATIC, k] / (own * own)
+        drive[layout.CONTACT_RE] += modes[layout.CONTACT, k] * modes[layout.RE, k]
+        drive[layout.CONTACT_IM] += modes[layout.CONTACT, k] * modes[layout.IM, k]
+        drive[layout.CLEARANCE] -= modes[layout.CONTACT, k] * modes[layout.OFFSET, k]
+    tabulate_drive(omega, engine.levels)
+    same_drive(engine.levels, engine.rest.levels)
+    steady_response(engine.rest, drive)
+    drive[layout.COARSEST] = coarsest_level(engine.pairs, engine.levels, rate)
+    rate = max(rate, carried_rate(engine.rest.pairs, engine.rest.blocks))
+    drive[layout.COARSEST_AT_REST] = coarsest_level(engine.pairs, engine.levels, rate)
 
 
 @joined
@@ -145,11 +102,11 @@ def coarsest_level(pairs: Array, levels: Array, rate: float) -> int:
     """
     if rate == 0.0:
         for k in range(pairs.shape[1] - 1, -1, -1):
-            if pairs[OMEGA, k] > 0.0:
-                own = pairs[SLOW, k] if pairs[SLOW, k] > 0.0 else pairs[KAPPA, k]
+            if pairs[layout.OMEGA, k] > 0.0:
+                own = pairs[layout.SLOW, k] if pairs[layout.SLOW, k] > 0.0 else pairs[layout.KAPPA, k]
                 rate = own if rate == 0.0 else min(rate, own)
     level = 0
-    while level < LEVELS - 1 and levels[STEP, level] * rate > PANEL:
+    while level < layout.LEVELS - 1 and levels[layout.STEP, level] * rate > PANEL:
         level += 1
     return level
 
@@ -161,25 +118,25 @@ def steady_response(regime: Regime, drive: Array) -> None:
     Held at a stop the motion is at least as large as what the stop holds.
     """
     pairs, blocks, out = regime.pairs, regime.blocks, regime.outof
-    omega, strength, motion = drive[W], drive[STRENGTH], drive[MOTION]
+    omega, strength, motion = drive[layout.W], drive[layout.STRENGTH], drive[layout.MOTION]
     m, stiffest = blocks.shape[1], omega
     for i in range(regime.held.shape[0]):
         motion = max(motion, abs(regime.held[i]))
     for k in range(m):
-        stiffest = max(stiffest, pairs[OMEGA, k])
+        stiffest = max(stiffest, pairs[layout.OMEGA, k])
     for k in range(m):
-        blocks[RE1 : OFFSET2 + 1, k] = 0.0
-        own, sigma = pairs[OMEGA, k], pairs[SIGMA, k]
-        force = strength * (abs(blocks[LOAD1, k]) + abs(blocks[LOAD2, k]))
-        static = abs(blocks[CONSTANT1, k]) + abs(blocks[CONSTANT2, k])
+        blocks[layout.RE1 : layout.OFFSET2 + 1, k] = 0.0
+        own, sigma = pairs[layout.OMEGA, k], pairs[layout.SIGMA, k]
+        force = strength * (abs(blocks[layout.LOAD1, k]) + abs(blocks[layout.LOAD2, k]))
+        static = abs(blocks[layout.CONSTANT1, k]) + abs(blocks[layout.CONSTANT2, k])
         loose = own <= LOOSE * stiffest
-        blocks[CARRIED, k] = 1.0 if loose or is_attached(own, sigma, force, static, omega) else 0.0
-        if blocks[CARRIED, k] == 0.0:
+        blocks[layout.CARRIED, k] = 1.0 if loose or is_attached(own, sigma, force, static, omega) else 0.0
+        if blocks[layout.CARRIED, k] == 0.0:
             block_response(blocks, k, omega, strength)
             offset, driven = bounds_of_motion(own, sigma, omega)
             if block_is_far(blocks, out, k, offset * motion, driven * motion):
-                blocks[RE1 : OFFSET2 + 1, k] = 0.0
-                blocks[CARRIED, k] = 1.0
+                blocks[layout.RE1 : layout.OFFSET2 + 1, k] = 0.0
+                blocks[layout.CARRIED, k] = 1.0
 
 
 @kernel
@@ -187,8 +144,8 @@ def carried_rate(pairs: Array, blocks: Array) -> float:
     """The fastest rate of the blocks that carry their force along."""
     rate = 0.0
     for k in range(blocks.shape[1]):
-        if blocks[CARRIED, k] > 0.0:
-            rate = max(rate, max(pairs[OMEGA, k], 2.0 * pairs[SIGMA, k]))
+        if blocks[layout.CARRIED, k] > 0.0:
+            rate = max(rate, max(pairs[layout.OMEGA, k], 2.0 * pairs[layout.SIGMA, k]))
     return rate
 
 
@@ -198,37 +155,50 @@ def block_is_far(blocks: Array, out: Array, k: int, farthest: float, strongest: 
     offset, driven = 0.0, 0.0
     for i in range(out.shape[0] // 2):
         a, b = out[i, 2 * k], out[i, 2 * k + 1]
-        offset = max(offset, abs(a * blocks[OFFSET1, k] + b * blocks[OFFSET2, k]))
-        driven = max(driven, hypot(a * blocks[RE1, k] + b * blocks[RE2, k], a * blocks[IM1, k] + b * blocks[IM2, k]))
+        offset = max(offset, abs(a * blocks[layout.OFFSET1, k] + b * blocks[layout.OFFSET2, k]))
+        driven = max(
+            driven,
+            hypot(
+                a * blocks[layout.RE1, k] + b * blocks[layout.RE2, k],
+                a * blocks[layout.IM1, k] + b * blocks[layout.IM2, k],
+            ),
+        )
     return offset > farthest or driven > strongest
 
 
 @kernel
 def block_response(blocks: Array, k: int, omega: float, strength: float) -> None:
     """Steady response of one block."""
-    a, b, c, d = blocks[A11, k], blocks[A12, k], blocks[A21, k], blocks[A22, k]
-    f0, f1 = blocks[LOAD1, k] * strength, blocks[LOAD2, k] * strength
+    a, b, c, d = blocks[layout.A11, k], blocks[layout.A12, k], blocks[layout.A21, k], blocks[layout.A22, k]
+    f0, f1 = blocks[layout.LOAD1, k] * strength, blocks[layout.LOAD2, k] * strength
     if f0 != 0.0 or f1 != 0.0:
         determinant = (1j * omega - a) * (1j * omega - d) - b * c
         y0 = ((1j * omega - d) * f0 + b * f1) / determinant
         y1 = (c * f0 + (1j * omega - a) * f1) / determinant
-        blocks[RE1, k], blocks[IM1, k], blocks[RE2, k], blocks[IM2, k] = y0.real, y0.imag, y1.real, y1.imag
+        blocks[layout.RE1, k], blocks[layout.IM1, k], blocks[layout.RE2, k], blocks[layout.IM2, k] = (
+            y0.real,
+            y0.imag,
+            y1.real,
+            y1.imag,
+        )
     det = a * d - b * c
-    blocks[OFFSET1, k] = -(d * blocks[CONSTANT1, k] - b * blocks[CONSTANT2, k]) / det
-    blocks[OFFSET2, k] = -(a * blocks[CONSTANT2, k] - c * blocks[CONSTANT1, k]) / det
+    blocks[layout.OFFSET1, k] = -(d * blocks[layout.CONSTANT1, k] - b * blocks[layout.CONSTANT2, k]) / det
+    blocks[layout.OFFSET2, k] = -(a * blocks[layout.CONSTANT2, k] - c * blocks[layout.CONSTANT1, k]) / det
 
 
 @joined
 def wrap(drive: Array, time: float) -> float:
     """A time within the drive's period: whole periods taken off exactly."""
-    if drive[W] == 0.0 or time < drive[PERIOD]:
+    if drive[layout.W] == 0.0 or time < drive[layout.PERIOD]:
         return time
-    if time < 2.0 * drive[PERIOD]:
-        return float((time - drive[PERIOD]) - drive[PERIOD_REST])
-    return float(np.fmod(time, drive[PERIOD]) - np.floor(time / drive[PERIOD]) * drive[PERIOD_REST])
+    if time < 2.0 * drive[layout.PERIOD]:
+        return float((time - drive[layout.PERIOD]) - drive[layout.PERIOD_REST])
+    return float(
+        np.fmod(time, drive[layout.PERIOD]) - np.floor(time / drive[layout.PERIOD]) * drive[layout.PERIOD_REST]
+    )
 
 
 @joined
 def phase(drive: Array, time: float) -> tuple[float, float]:
     """cos and sin of the drive's phase at a time within its period."""
-    return cos(drive[W] * time), sin(drive[W] * time)
+    return cos(drive[layout.W] * time), sin(drive[layout.W] * time)

@@ -15,27 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import phase
-from vibeam.flight.kernels.layout import (
-    AMODE,
-    AOMEGA,
-    ATTACHED,
-    DISC,
-    DRIVE,
-    IM,
-    KAPPA,
-    NODE_X,
-    NODE_Y,
-    OFFSET,
-    OMEGA,
-    RE,
-    SERIES,
-    SIGMA,
-    TERM,
-    Engine,
-    W,
-)
+from vibeam.flight.kernels.layout import Engine
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.pair import propagator
 
@@ -81,21 +64,21 @@ class Term(NamedTuple):
 
 
 @kernel
-def energy_in_flight(desk: Engine, pose: Array, clock: float, duration: float, energy: Array) -> None:
-    """Add ∫ E_k dt over a flight from ``pose`` to ``energy`` (n,). The desk's signal must be that of this flight."""
-    pairs, modes, w = desk.pairs, desk.modes, desk.drive[W]
-    cosine, sine = phase(desk.drive, clock)
+def energy_in_flight(engine: Engine, pose: Array, clock: float, duration: float, energy: Array) -> None:
+    """Add ∫ E_k dt over a flight from ``pose`` to ``energy`` (n,). The engine's signal must be that of this flight."""
+    pairs, modes, w = engine.pairs, engine.modes, engine.drive[layout.W]
+    cosine, sine = phase(engine.drive, clock)
     turned = growth(1j * w, duration)
     for k in range(pairs.shape[1]):
-        if carried(desk.attached, desk.signal, k):
+        if carried(engine.attached, engine.signal, k):
             continue
-        re, im, offset = modes[RE, k], modes[IM, k], modes[OFFSET, k]
+        re, im, offset = modes[layout.RE, k], modes[layout.IM, k], modes[layout.OFFSET, k]
         x = pose[0, k] - offset - re * sine - im * cosine
         y = pose[1, k] - w * (re * cosine - im * sine)
         steady = (re * sine + im * cosine) - 1j * (re * cosine - im * sine)  # Re(steady e^{iΩt})
         energy[k] += flight_energy(pairs, k, x, y, SteadyResponse(steady, w, offset), duration, turned)
-    if desk.signal[ATTACHED] > 0.0:
-        energy_attached(desk.attached, desk.signal, duration, energy)
+    if engine.signal[layout.ATTACHED] > 0.0:
+        energy_attached(engine.attached, engine.signal, duration, energy)
 
 
 @kernel
@@ -116,9 +99,9 @@ def term(amplitude: complex, rate: complex, t: float) -> Term:
 def flight_energy(pairs: Array, k: int, x: float, y: float, driven: SteadyResponse, t: float, turned: complex) -> float:
     """∫ ½(η'² + ω²η²) over t of mode k: free motion from x, x' and the steady response; turned = e^{iΩt} − 1."""
     steady, w, offset = driven
-    own, sigma, disc = pairs[OMEGA, k], pairs[SIGMA, k], pairs[DISC, k]
+    own, sigma, disc = pairs[layout.OMEGA, k], pairs[layout.SIGMA, k], pairs[layout.DISC, k]
     none = Term(0j, 0j, 0j)
-    rate = max(pairs[KAPPA, k], w if steady != 0.0 else 0.0)
+    rate = max(pairs[layout.KAPPA, k], w if steady != 0.0 else 0.0)
     if rate * t <= PANEL:
         return energy_by_quadrature(pairs, k, x, y, driven, t, 1, rate * t <= SHORT)
     if abs(disc) < SPLIT * SPLIT * own * own:
@@ -212,11 +195,11 @@ def energy_by_quadrature(
 ) -> float:
     """The same as ``flight_energy``, by Gauss's quadrature with eight nodes a panel, or ``few``: four."""
     steady, w, offset = driven
-    h, own, total = t / panels, pairs[OMEGA, k] * pairs[OMEGA, k], 0.0
+    h, own, total = t / panels, pairs[layout.OMEGA, k] * pairs[layout.OMEGA, k], 0.0
     for panel in range(panels):
         for i in range(4 if few else 8):
             time = (panel + (FEW_NODES[i] if few else NODES[i])) * h
-            p00, p01, p10, p11 = propagator(pairs[SIGMA, k], pairs[OMEGA, k], pairs[DISC, k], time)
+            p00, p01, p10, p11 = propagator(pairs[layout.SIGMA, k], pairs[layout.OMEGA, k], pairs[layout.DISC, k], time)
             value, slope = offset + p00 * x + p01 * y, p10 * x + p11 * y
             if steady != 0.0:
                 c, s = cos(w * time), sin(w * time)
@@ -230,8 +213,8 @@ def energy_by_quadrature(
 def carried(attached: Array, signal: Array, k: int) -> bool:
     """Whether mode k is attached."""
     found = False
-    for j in range(int(signal[ATTACHED])):
-        found = found or int(attached[AMODE, j]) == k
+    for j in range(int(signal[layout.ATTACHED])):
+        found = found or int(attached[layout.AMODE, j]) == k
     return found
 
 
@@ -243,15 +226,15 @@ def energy_attached(attached: Array, signal: Array, duration: float, energy: Arr
     att.restart(attached, signal)
     for panel in range(panels):
         cosine, sine = att.phase_after(signal, panel * h)
-        for j in range(int(signal[ATTACHED])):
-            x, y, own = attached[NODE_X, j], attached[NODE_Y, j], attached[AOMEGA, j]
-            att.series(attached, j, x, y, cosine, sine, signal[DRIVE], h)
+        for j in range(int(signal[layout.ATTACHED])):
+            x, y, own = attached[layout.NODE_X, j], attached[layout.NODE_Y, j], attached[layout.AOMEGA, j]
+            att.series(attached, j, x, y, cosine, sine, signal[layout.DRIVE], h)
             for node in range(8):
-                value, slope = attached[TERM + SERIES - 1, j], 0.0
-                for i in range(SERIES - 2, -1, -1):
+                value, slope = attached[layout.TERM + layout.SERIES - 1, j], 0.0
+                for i in range(layout.SERIES - 2, -1, -1):
                     slope = slope * NODES[node] + value
-                    value = value * NODES[node] + attached[TERM + i, j]
+                    value = value * NODES[node] + attached[layout.TERM + i, j]
                 density = (slope / h) ** 2 + (own * value) ** 2
-                energy[int(attached[AMODE, j])] += 0.5 * h * WEIGHTS[node] * density
+                energy[int(attached[layout.AMODE, j])] += 0.5 * h * WEIGHTS[node] * density
         att.carry(attached, signal, panel * h, h)
         att.accept(attached, signal)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.block_flow import advance_blocks, to_block_coordinates
 from vibeam.flight.kernels.compiler import entry
 from vibeam.flight.kernels.drive import phase, set_drive
 from vibeam.flight.kernels.events import advance, piece_of
-from vibeam.flight.kernels.layout import AT_CLOCK, CLOCK, OMEGA, RESTING, WHAT, Engine, Schedule, Watch
+from vibeam.flight.kernels.layout import Engine, Schedule, Watch
 from vibeam.flight.kernels.modal_flow import begin_flight, end_flight
 from vibeam.flight.kernels.readout import read_segment
 from vibeam.flight.kernels.segments import copy_pose
@@ -24,41 +25,41 @@ WATCHING = 64  # panels that reading a segment off is as much work as, about
 
 @entry
 def move(
-    desk: Engine, omega: float, amplitude: float, pose: Array, status: Array, span: float, settle: int, hold: int,
-    limit: int, room: Watch, counts: NDArray[np.int64], longest: int,
+    engine: Engine, omega: float, amplitude: float, pose: Array, status: Array, span: float, settle: int, hold: int,
+    limit: int, watch: Watch, counts: NDArray[np.int64], longest: int,
 ) -> tuple[int, float]:  # fmt: skip
     """Carry ``pose`` on under one drive; one function for both uses, so that the engine is compiled once.
 
-    span > 0: every segment of that time goes to ``room.trace``: outcome, time done; at most ``limit`` impacts in
+    span > 0: every segment of that time goes to ``watch.trace``: outcome, time done; at most ``limit`` impacts in
     counts[IMPACTS]. Otherwise a point of a sweep, ``settle`` and ``hold`` periods watched: outcome, period (0 where the
     motion does not repeat). PAUSED: called again with the same arguments it goes on as if it had not been.
     """
-    set_drive(desk, omega, amplitude)
+    set_drive(engine, omega, amplitude)
     if span > 0.0:
-        return advance(desk, pose, status, span, limit, room.trace, room.poses, counts)
+        return advance(engine, pose, status, span, limit, watch.trace, watch.poses, counts)
     schedule = Schedule(settle, hold, limit, longest, piece_of(pose), WATCHING)
-    return steady_point(desk, desk.pairs[OMEGA], pose, status, schedule, room, counts)
+    return steady_point(engine, engine.pairs[layout.OMEGA], pose, status, schedule, watch, counts)
 
 
 @entry
 def poses_at(
-    desk: Engine, omega: float, amplitude: float, trace: Array, poses: Array, which: NDArray[np.int64], after: Array,
+    engine: Engine, omega: float, amplitude: float, trace: Array, poses: Array, which: NDArray[np.int64], after: Array,
     pose: Array, status: Array, out: Array,
 ) -> None:  # fmt: skip
     """Set out[i] (2, n) to the pose a time after[i] into segment which[i]."""
-    set_drive(desk, omega, amplitude)
+    set_drive(engine, omega, amplitude)
     for i in range(len(which)):
         segment = which[i]
         copy_pose(poses[segment], pose)
-        clock = trace[segment, AT_CLOCK]
+        clock = trace[segment, layout.AT_CLOCK]
         if after[i] == 0.0:
             pass
-        elif trace[segment, WHAT] == RESTING:
-            to_block_coordinates(desk.rest, desk.drive, pose, clock)
-            advance_blocks(desk.rest, desk.drive, pose, clock, after[i])
+        elif trace[segment, layout.WHAT] == layout.RESTING:
+            to_block_coordinates(engine.rest, engine.drive, pose, clock)
+            advance_blocks(engine.rest, engine.drive, pose, clock, after[i])
         else:
-            status[CLOCK] = clock
-            cosine, sine = phase(desk.drive, clock)
-            begin_flight(desk, pose, cosine, sine)
-            end_flight(desk, pose, status, after[i], False)
+            status[layout.CLOCK] = clock
+            cosine, sine = phase(engine.drive, clock)
+            begin_flight(engine, pose, cosine, sine)
+            end_flight(engine, pose, status, after[i], False)
         copy_pose(pose, out[i])

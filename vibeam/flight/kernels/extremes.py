@@ -7,8 +7,8 @@ from math import hypot, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.layout import ATTACHED, CONST, CREEP, HARMONIC, LEVELS, STEP, ZI, ZR, E
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.bounds import Ends
 from vibeam.flight.kernels.roots.pair import norm
@@ -49,13 +49,13 @@ def extremes_to(g: Signal, span: float, coarsest: int, least: float, most: float
     pairs, _, levels, signal, attached = g
     total = to_node(pairs)
     att.restart(attached, signal)
-    re, im = signal[ZR], signal[ZI]
-    signal[HARMONIC] = norm(re, im)
-    accuracy = share * (abs(signal[CONST]) + signal[HARMONIC] + total + att.swing(attached, signal, span))
+    re, im = signal[layout.ZR], signal[layout.ZI]
+    signal[layout.HARMONIC] = norm(re, im)
+    accuracy = share * (abs(signal[layout.CONST]) + signal[layout.HARMONIC] + total + att.swing(attached, signal, span))
     node, level, panels = Node(0.0, re, im), coarsest, 0
     while panels < MOST_WORK // (pairs.shape[1] + 8):
         panels += 1
-        h, time = levels[STEP, level], node.time
+        h, time = levels[layout.STEP, level], node.time
         part, bounds, rest = measure(g, node, level)
         if time == 0.0:
             least, most = min(least, part.p0 + rest.p0), max(most, part.p0 + rest.p0)
@@ -65,7 +65,7 @@ def extremes_to(g: Signal, span: float, coarsest: int, least: float, most: float
         low, high = hull(part, h)
         if low - error < least or high + error > most:
             last = min(span - time, h)
-            if error > accuracy and level < LEVELS - 1:
+            if error > accuracy and level < layout.LEVELS - 1:
                 bend = bent(part, h, bounds.fourth * h * h / 12.0 + bounds.curvature)
                 if bend == 0.0:
                     level += 1
@@ -74,7 +74,7 @@ def extremes_to(g: Signal, span: float, coarsest: int, least: float, most: float
             else:
                 low, high = cubic_range(together(part, rest), h, last)
             least, most = min(least, low), max(most, high)
-        if signal[ATTACHED] > 0.0:
+        if signal[layout.ATTACHED] > 0.0:
             att.carry(attached, signal, time, h)
         accept(g)
         node = next_node(levels, level, node)
@@ -87,11 +87,11 @@ def extremes_to(g: Signal, span: float, coarsest: int, least: float, most: float
 @kernel
 def contained(pairs: Array, signal: Array, least: float, most: float) -> bool:
     """Whether const ± (|z| + Σ e_k + |s_k|), and with it the signal from the node on, stays within [least, most]."""
-    reach = hypot(signal[ZR], signal[ZI])
+    reach = hypot(signal[layout.ZR], signal[layout.ZI])
     for k in range(pairs.shape[1]):
-        reach += pairs[E, k] + pairs[CREEP, k]
-    low, high = signal[CONST] - reach, signal[CONST] + reach
-    return bool(signal[ATTACHED] == 0.0 and low >= least and high <= most)
+        reach += pairs[layout.E, k] + pairs[layout.CREEP, k]
+    low, high = signal[layout.CONST] - reach, signal[layout.CONST] + reach
+    return bool(signal[layout.ATTACHED] == 0.0 and low >= least and high <= most)
 
 
 @joined

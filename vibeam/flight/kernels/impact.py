@@ -7,29 +7,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.layout import (
-    ATTACHED,
-    AWEIGHT,
-    AX,
-    CONST,
-    CONTACT,
-    DISC,
-    GAP,
-    HARMONIC,
-    KAPPA,
-    MOBILITY,
-    PHASE_COS,
-    PHASE_SIN,
-    RESTITUTION,
-    SPEED,
-    X0,
-    YIELD,
-    ZI,
-    ZR,
-    Engine,
-    W,
-)
+from vibeam.flight.kernels.layout import Engine
 from vibeam.flight.kernels.modal_flow import ROUND_OFF as CANCELLED
 from vibeam.flight.kernels.modal_flow import begin_flight, contact_derivatives
 from vibeam.flight.kernels.roots import taylor_pairs as att
@@ -86,14 +66,14 @@ def contact_velocity(contact: Array, pose: Array) -> float:
 @joined
 def put_on_stop(modes: Array, drive: Array, pose: Array) -> None:
     """Move the contact exactly onto the stop, from where it is to round-off, with the least energy."""
-    put_contact_at(modes[CONTACT], modes[YIELD], drive[GAP], pose)
+    put_contact_at(modes[layout.CONTACT], modes[layout.YIELD], drive[layout.GAP], pose)
 
 
 @joined
 def settle_on_stop(modes: Array, drive: Array, pose: Array) -> None:
     """Take contact velocity out by the least impulse, and penetration by round-off with the least energy."""
     put_on_stop(modes, drive, pose)
-    stop_contact(modes[CONTACT], drive[MOBILITY], pose)
+    stop_contact(modes[layout.CONTACT], drive[layout.MOBILITY], pose)
 
 
 NEAR = 1e-11  # share of the length scale that what is left of a chatter may span before its completion is considered
@@ -117,10 +97,10 @@ def strike(modes: Array, drive: Array, pose: Array) -> float:
     """
     before = 0.0
     for k in range(modes.shape[1]):
-        before += modes[CONTACT, k] * pose[1, k]
-    impulse = -(1.0 + drive[RESTITUTION]) * max(before, 0.0) / drive[MOBILITY]
+        before += modes[layout.CONTACT, k] * pose[1, k]
+    impulse = -(1.0 + drive[layout.RESTITUTION]) * max(before, 0.0) / drive[layout.MOBILITY]
     for k in range(modes.shape[1]):
-        pose[1, k] += modes[CONTACT, k] * impulse
+        pose[1, k] += modes[layout.CONTACT, k] * impulse
     put_on_stop(modes, drive, pose)
     return max(before, 0.0)
 
@@ -151,21 +131,21 @@ class Accumulation(NamedTuple):
 
 
 @joined
-def chatter_left(desk: Engine, pose: Array, status: Array, after: float) -> tuple[float, float]:
+def chatter_left(engine: Engine, pose: Array, status: Array, after: float) -> tuple[float, float]:
     """``time_left`` after an impact of a plain system, (−1, 0) where it is too early to complete a chatter.
 
     (0, ∞) where R is next to 1, the accumulation endless and what is left of it faint: see the page.
     """
-    drive = desk.drive
-    toward, _ = contact_derivatives(desk.pairs, desk.modes, drive, pose, status)
-    rest = Accumulation(after, status[SPEED], toward, drive[RESTITUTION], 1.0 - drive[RESTITUTION])
-    if not is_faint(after, rest.top, toward, narrowing(rest.loss), abs(drive[GAP])):
+    drive = engine.drive
+    toward, _ = contact_derivatives(engine.pairs, engine.modes, drive, pose, status)
+    rest = Accumulation(after, status[layout.SPEED], toward, drive[layout.RESTITUTION], 1.0 - drive[layout.RESTITUTION])
+    if not is_faint(after, rest.top, toward, narrowing(rest.loss), abs(drive[layout.GAP])):
         return -1.0, 0.0
     if rest.loss < ELASTIC:
         return 0.0, ENDLESS
-    begin_flight(desk, pose, status[PHASE_COS], status[PHASE_SIN])
-    slowest = max(drive[W], desk.pairs[KAPPA, 0])
-    return time_left(signal_of(desk), desk.modes[CONTACT], drive[GAP], pose, rest, slowest, 0.0)
+    begin_flight(engine, pose, status[layout.PHASE_COS], status[layout.PHASE_SIN])
+    slowest = max(drive[layout.W], engine.pairs[layout.KAPPA, 0])
+    return time_left(signal_of(engine), engine.modes[layout.CONTACT], drive[layout.GAP], pose, rest, slowest, 0.0)
 
 
 @kernel
@@ -197,14 +177,14 @@ def all_turn(pairs: Array) -> bool:
     """Whether no pair creeps."""
     turn = True
     for k in range(pairs.shape[1]):
-        turn = turn and pairs[DISC, k] < 0.0
+        turn = turn and pairs[layout.DISC, k] < 0.0
     return turn
 
 
 @kernel
 def jerk_bound(g: Signal) -> float:
     """Bound of the third derivative of a gap just begun, for all later times."""
-    g.terms[HARMONIC] = norm(g.terms[ZR], g.terms[ZI])
+    g.terms[layout.HARMONIC] = norm(g.terms[layout.ZR], g.terms[layout.ZI])
     to_node(g.pairs)
     return float(magnitude(g.pairs, g.terms, 3) + att.jerk_bound(g.attached, g.terms))
 
@@ -213,13 +193,13 @@ def jerk_bound(g: Signal) -> float:
 def size_of_gap(g: Signal, contact: Array, gap: float, pose: Array) -> float:
     """Sum of the sizes of the parts of a gap just begun."""
     pairs, _, _, signal, attached = g
-    size = abs(gap) + abs(signal[CONST]) + norm(signal[ZR], signal[ZI])
+    size = abs(gap) + abs(signal[layout.CONST]) + norm(signal[layout.ZR], signal[layout.ZI])
     for k in range(contact.shape[0]):
         size += abs(contact[k] * pose[0, k])
     for k in range(pairs.shape[1]):
-        size += abs(pairs[X0, k])
-    for j in range(int(signal[ATTACHED])):
-        size += abs(attached[AWEIGHT, j] * attached[AX, j])
+        size += abs(pairs[layout.X0, k])
+    for j in range(int(signal[layout.ATTACHED])):
+        size += abs(attached[layout.AWEIGHT, j] * attached[layout.AX, j])
     return float(size)
 
 

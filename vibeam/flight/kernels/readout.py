@@ -5,47 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.block_energy import energy_in_blocks
 from vibeam.flight.kernels.block_flow import set_signal, to_block_coordinates
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.drive import phase
 from vibeam.flight.kernels.energy import energy_in_flight
 from vibeam.flight.kernels.extremes import ACCURACY, LIGHTLY, extremes_to
-from vibeam.flight.kernels.layout import (
-    AMODE,
-    AT_CLOCK,
-    ATTACHED,
-    AWEIGHT,
-    AX,
-    AY,
-    COARSEST,
-    COARSEST_AT_REST,
-    CONST,
-    CONTACT_LEAST,
-    COSINE,
-    DRIVE,
-    DURATION,
-    EVERYTHING,
-    GAP,
-    HIGH,
-    IM,
-    LEAST,
-    OFFSET,
-    OMEGA,
-    OUTPUT_SIGNAL,
-    RE,
-    REACH_TOO,
-    RESTING,
-    SINE,
-    WHAT,
-    X0,
-    Y0,
-    ZI,
-    ZR,
-    Engine,
-    W,
-    Watch,
-)
+from vibeam.flight.kernels.layout import Engine, Watch
 from vibeam.flight.kernels.modal_flow import begin_flight
 from vibeam.flight.kernels.roots.signal import signal_of
 
@@ -53,66 +20,70 @@ Array = NDArray[np.float64]
 
 
 @kernel
-def begin_output(desk: Engine, row: Array, pose: Array, clock: float) -> None:
+def begin_output(engine: Engine, row: Array, pose: Array, clock: float) -> None:
     """row·η in flight as the free signal; the attached pairs must be those of this flight (``begin_flight``)."""
-    pairs, modes, signal, attached = desk.pairs, desk.modes, desk.signal, desk.attached
-    cosine, sine = phase(desk.drive, clock)
-    w = desk.drive[W]
+    pairs, modes, signal, attached = engine.pairs, engine.modes, engine.signal, engine.attached
+    cosine, sine = phase(engine.drive, clock)
+    w = engine.drive[layout.W]
     const, re, im = 0.0, 0.0, 0.0
     for k in range(pairs.shape[1]):
-        const += row[k] * modes[OFFSET, k]
-        re += row[k] * modes[RE, k]
-        im += row[k] * modes[IM, k]
-        own = modes[OFFSET, k] + modes[RE, k] * sine + modes[IM, k] * cosine
-        pairs[X0, k] = row[k] * (pose[0, k] - own)
-        pairs[Y0, k] = row[k] * (pose[1, k] - w * (modes[RE, k] * cosine - modes[IM, k] * sine))
-    for j in range(int(signal[ATTACHED])):
-        k = int(attached[AMODE, j])
-        attached[AX, j], attached[AY, j], attached[AWEIGHT, j] = pose[0, k], pose[1, k], row[k]
-        pairs[X0, k], pairs[Y0, k] = 0.0, 0.0
-    signal[CONST], signal[DRIVE], signal[COSINE], signal[SINE] = const, w, cosine, sine
-    signal[ZR], signal[ZI] = re * cosine - im * sine, re * sine + im * cosine
+        const += row[k] * modes[layout.OFFSET, k]
+        re += row[k] * modes[layout.RE, k]
+        im += row[k] * modes[layout.IM, k]
+        own = modes[layout.OFFSET, k] + modes[layout.RE, k] * sine + modes[layout.IM, k] * cosine
+        pairs[layout.X0, k] = row[k] * (pose[0, k] - own)
+        pairs[layout.Y0, k] = row[k] * (pose[1, k] - w * (modes[layout.RE, k] * cosine - modes[layout.IM, k] * sine))
+    for j in range(int(signal[layout.ATTACHED])):
+        k = int(attached[layout.AMODE, j])
+        attached[layout.AX, j], attached[layout.AY, j], attached[layout.AWEIGHT, j] = pose[0, k], pose[1, k], row[k]
+        pairs[layout.X0, k], pairs[layout.Y0, k] = 0.0, 0.0
+    signal[layout.CONST], signal[layout.DRIVE], signal[layout.COSINE], signal[layout.SINE] = const, w, cosine, sine
+    signal[layout.ZR], signal[layout.ZI] = re * cosine - im * sine, re * sine + im * cosine
 
 
 @kernel
-def read_segment(desk: Engine, room: Watch, i: int) -> None:
-    """Read off the i-th segment just traced, from its first pose in ``room.frame``."""
-    clock, duration = room.trace[i, AT_CLOCK], room.trace[i, DURATION]
-    share = ACCURACY if room.reading >= EVERYTHING else LIGHTLY
-    if room.trace[i, WHAT] == RESTING:
-        room.result[CONTACT_LEAST] = min(room.result[CONTACT_LEAST], desk.drive[GAP])
-        read_rest(desk, room, room.frame, clock, duration, int(desk.drive[COARSEST_AT_REST]), share)
+def read_segment(engine: Engine, watch: Watch, i: int) -> None:
+    """Read off the i-th segment just traced, from its first pose in ``watch.frame``."""
+    clock, duration = watch.trace[i, layout.AT_CLOCK], watch.trace[i, layout.DURATION]
+    share = ACCURACY if watch.reading >= layout.EVERYTHING else LIGHTLY
+    if watch.trace[i, layout.WHAT] == layout.RESTING:
+        watch.result[layout.CONTACT_LEAST] = min(watch.result[layout.CONTACT_LEAST], engine.drive[layout.GAP])
+        read_rest(engine, watch, watch.frame, clock, duration, int(engine.drive[layout.COARSEST_AT_REST]), share)
     else:
-        read_flight(desk, room, room.frame, clock, duration, int(desk.drive[COARSEST]), share)
+        read_flight(engine, watch, watch.frame, clock, duration, int(engine.drive[layout.COARSEST]), share)
 
 
 @kernel
 def read_rest(
-    desk: Engine, room: Watch, pose: Array, clock: float, duration: float, coarsest: int, share: float
+    engine: Engine, watch: Watch, pose: Array, clock: float, duration: float, coarsest: int, share: float
 ) -> None:
     """Extremes of the output and, as far as is asked, the modes' energies, over one rest."""
-    rest, result = desk.rest, room.result
-    to_block_coordinates(rest, desk.drive, pose, clock)
-    set_signal(rest, desk.drive, OUTPUT_SIGNAL, 1.0, clock)
-    result[LEAST], result[HIGH] = extremes_to(signal_of(rest), duration, coarsest, result[LEAST], result[HIGH], share)
-    if room.reading >= EVERYTHING:
-        energy_in_blocks(rest, desk.drive, desk.pairs[OMEGA], clock, duration, room)
+    rest, result = engine.rest, watch.result
+    to_block_coordinates(rest, engine.drive, pose, clock)
+    set_signal(rest, engine.drive, layout.OUTPUT_SIGNAL, 1.0, clock)
+    result[layout.LEAST], result[layout.HIGH] = extremes_to(
+        signal_of(rest), duration, coarsest, result[layout.LEAST], result[layout.HIGH], share
+    )
+    if watch.reading >= layout.EVERYTHING:
+        energy_in_blocks(rest, engine.drive, engine.pairs[layout.OMEGA], clock, duration, watch)
 
 
 @kernel
 def read_flight(
-    desk: Engine, room: Watch, pose: Array, clock: float, duration: float, coarsest: int, share: float
+    engine: Engine, watch: Watch, pose: Array, clock: float, duration: float, coarsest: int, share: float
 ) -> None:
     """Extremes of the output and, as far as is asked, of the gap, and the modes' energies, over one flight."""
-    result = room.result
-    cosine, sine = phase(desk.drive, clock)
-    begin_flight(desk, pose, cosine, sine)
-    if room.reading >= EVERYTHING:
-        energy_in_flight(desk, pose, clock, duration, room.energy)
-    if room.reading >= REACH_TOO:
+    result = watch.result
+    cosine, sine = phase(engine.drive, clock)
+    begin_flight(engine, pose, cosine, sine)
+    if watch.reading >= layout.EVERYTHING:
+        energy_in_flight(engine, pose, clock, duration, watch.energy)
+    if watch.reading >= layout.REACH_TOO:
         _, widest = extremes_to(
-            signal_of(desk), duration, coarsest, 0.0, desk.drive[GAP] - result[CONTACT_LEAST], share
+            signal_of(engine), duration, coarsest, 0.0, engine.drive[layout.GAP] - result[layout.CONTACT_LEAST], share
         )
-        result[CONTACT_LEAST] = desk.drive[GAP] - widest
-    begin_output(desk, room.row, pose, clock)
-    result[LEAST], result[HIGH] = extremes_to(signal_of(desk), duration, coarsest, result[LEAST], result[HIGH], share)
+        result[layout.CONTACT_LEAST] = engine.drive[layout.GAP] - widest
+    begin_output(engine, watch.row, pose, clock)
+    result[layout.LEAST], result[layout.HIGH] = extremes_to(
+        signal_of(engine), duration, coarsest, result[layout.LEAST], result[layout.HIGH], share
+    )

@@ -7,22 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined
-from vibeam.flight.kernels.layout import (
-    AT_CLOCK,
-    BEFORE,
-    CLOCK,
-    DURATION,
-    END,
-    IMPACTS,
-    KIND,
-    LEFT,
-    PANELS,
-    REMAINDER,
-    SEGMENTS,
-    START,
-    WHAT,
-)
 
 Array = NDArray[np.float64]
 
@@ -46,8 +32,12 @@ class Progress(NamedTuple):
 @joined
 def open_segment(trace: Array, poses: Array, pose: Array, status: Array, time: float, row: int) -> None:
     """Note where a segment starts."""
-    trace[row, START], trace[row, AT_CLOCK], trace[row, WHAT] = time, status[CLOCK], status[KIND]
-    trace[row, LEFT], trace[row, REMAINDER] = 0.0, 0.0
+    trace[row, layout.START], trace[row, layout.AT_CLOCK], trace[row, layout.WHAT] = (
+        time,
+        status[layout.CLOCK],
+        status[layout.KIND],
+    )
+    trace[row, layout.LEFT], trace[row, layout.REMAINDER] = 0.0, 0.0
     copy_pose(pose, poses[row])
 
 
@@ -55,17 +45,17 @@ def open_segment(trace: Array, poses: Array, pose: Array, status: Array, time: f
 def close_segment(trace: Array, duration: float, end: int, before: float, counts: NDArray[np.int64]) -> None:
     """Note how long it was and what ended it."""
     if trace.shape[0] > 0:
-        row = counts[SEGMENTS]
-        trace[row, DURATION], trace[row, END], trace[row, BEFORE] = duration, end, before
-        counts[SEGMENTS] = row + 1
+        row = counts[layout.SEGMENTS]
+        trace[row, layout.DURATION], trace[row, layout.END], trace[row, layout.BEFORE] = duration, end, before
+        counts[layout.SEGMENTS] = row + 1
 
 
 @joined
 def note_chatter(record: Record, left: float, remainder: float) -> None:
     """Note what a chatter still takes after the impact that ends this segment, and the bound of its error."""
     if record.trace.shape[0] > 0:
-        row = record.counts[SEGMENTS]
-        record.trace[row, LEFT], record.trace[row, REMAINDER] = left, remainder
+        row = record.counts[layout.SEGMENTS]
+        record.trace[row, layout.LEFT], record.trace[row, layout.REMAINDER] = left, remainder
 
 
 @joined
@@ -86,4 +76,4 @@ def add(done: float, lost: float, step: float) -> tuple[float, float]:
 @joined
 def work_of(counts: NDArray[np.int64]) -> int:
     """What has been done so far, in panels."""
-    return int(counts[IMPACTS] + counts[PANELS])
+    return int(counts[layout.IMPACTS] + counts[layout.PANELS])

@@ -11,42 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
-from vibeam.flight.kernels.layout import (
-    BEFORE,
-    CHATTER,
-    CLOCK,
-    COMPLETE,
-    CONTACT_LEAST,
-    DONE,
-    DURATION,
-    END,
-    FREE,
-    FULL,
-    HIGH,
-    IMPACT,
-    IMPACTS,
-    KEPT,
-    KNOWN,
-    LEAST,
-    MOST,
-    PAUSED,
-    PERIOD,
-    REST_TIME,
-    SEGMENTS,
-    SETTLED,
-    SPEED_SUM,
-    STRUCK,
-    STUCK,
-    UNRESOLVED,
-    UNSEEN,
-    VELOCITY,
-    WATCHED,
-    WHAT,
-    Schedule,
-    W,
-    Watch,
-)
+from vibeam.flight.kernels.layout import Schedule, Watch
 from vibeam.flight.kernels.segments import copy_pose, work_of
 
 Array = NDArray[np.float64]
@@ -64,29 +31,33 @@ REPEATS = 1e-5  # share of the motion's size by which states one period apart ma
 
 def steady_kernel(advance: Kernel, read: Kernel) -> Callable[..., tuple[int, float]]:
     """The kernel of steady points for an engine with these two."""
-    settle, watch = settling_kernel(advance), watching_kernel(advance, read)
+    settle, watching = settling_kernel(advance), watching_kernel(advance, read)
 
     @kernel
     def steady_point(
-        engine: Any, own: Array, pose: Array, status: Array, schedule: Schedule, room: Watch, counts: Counts
+        engine: Any, own: Array, pose: Array, status: Array, schedule: Schedule, watch: Watch, counts: Counts
     ) -> tuple[int, float]:
         """Settle and watch as scheduled: outcome, period (0 where the motion does not repeat); ``own``: the modes' ω.
 
         PAUSED: called again with the same arguments it goes on as if it had not been.
         """
         begun, hold = work_of(counts), schedule.hold
-        outcome = settle(engine, pose, status, schedule, room, counts)
-        while outcome == COMPLETE and counts[WATCHED] <= hold:
-            outcome = watch(engine, own, pose, status, schedule.limit, room, counts)
-            begun -= schedule.watching * counts[SEGMENTS]
-            if outcome == COMPLETE and counts[WATCHED] <= hold and work_of(counts) - begun >= schedule.piece:
-                outcome = PAUSED
-        if outcome == PAUSED:
-            return PAUSED, 0.0
-        status[CLOCK] = 0.0
-        if outcome != COMPLETE:
+        outcome = settle(engine, pose, status, schedule, watch, counts)
+        while outcome == layout.COMPLETE and counts[layout.WATCHED] <= hold:
+            outcome = watching(engine, own, pose, status, schedule.limit, watch, counts)
+            begun -= schedule.watching * counts[layout.SEGMENTS]
+            if (
+                outcome == layout.COMPLETE
+                and counts[layout.WATCHED] <= hold
+                and work_of(counts) - begun >= schedule.piece
+            ):
+                outcome = layout.PAUSED
+        if outcome == layout.PAUSED:
+            return layout.PAUSED, 0.0
+        status[layout.CLOCK] = 0.0
+        if outcome != layout.COMPLETE:
             return outcome, 0.0
-        return outcome, float(repetition(own, engine.drive[W], room.strobes, hold, schedule.longest))
+        return outcome, float(repetition(own, engine.drive[layout.W], watch.strobes, hold, schedule.longest))
 
     return steady_point
 
@@ -95,26 +66,32 @@ def settling_kernel(advance: Kernel) -> Kernel:
     """The kernel that settles."""
 
     @kernel
-    def settle(engine: Any, pose: Array, status: Array, schedule: Schedule, room: Watch, counts: Counts) -> int:
+    def settle(engine: Any, pose: Array, status: Array, schedule: Schedule, watch: Watch, counts: Counts) -> int:
         """Carry ``pose`` on to the end of the settling, where it is not there yet, and begin to watch."""
-        begun, period = work_of(counts), engine.drive[PERIOD]
-        while counts[SETTLED] < schedule.settle:
-            turns = min(SETTLED_AT_ONCE, schedule.settle - counts[SETTLED])
-            if counts[MOST] == 0:
-                counts[MOST] = counts[IMPACTS] + schedule.limit * turns
-            outcome, _ = advance(engine, pose, status, turns * period, counts[MOST], room.nothing, room.poses, counts)
-            if outcome != COMPLETE:
+        begun, period = work_of(counts), engine.drive[layout.PERIOD]
+        while counts[layout.SETTLED] < schedule.settle:
+            turns = min(SETTLED_AT_ONCE, schedule.settle - counts[layout.SETTLED])
+            if counts[layout.MOST] == 0:
+                counts[layout.MOST] = counts[layout.IMPACTS] + schedule.limit * turns
+            outcome, _ = advance(
+                engine, pose, status, turns * period, counts[layout.MOST], watch.nothing, watch.poses, counts
+            )
+            if outcome != layout.COMPLETE:
                 return int(outcome)
-            status[CLOCK], counts[MOST] = 0.0, 0
-            counts[SETTLED] += turns
+            status[layout.CLOCK], counts[layout.MOST] = 0.0, 0
+            counts[layout.SETTLED] += turns
             begun -= 1
             if work_of(counts) - begun >= schedule.piece:
-                return PAUSED
-        if counts[WATCHED] == 0:
-            start_watching(room, pose)
-            begin_period(room)
-            counts[WATCHED], counts[MOST], status[UNSEEN] = 1, counts[IMPACTS] + schedule.limit, period
-        return COMPLETE
+                return layout.PAUSED
+        if counts[layout.WATCHED] == 0:
+            start_watching(watch, pose)
+            begin_period(watch)
+            counts[layout.WATCHED], counts[layout.MOST], status[layout.UNSEEN] = (
+                1,
+                counts[layout.IMPACTS] + schedule.limit,
+                period,
+            )
+        return layout.COMPLETE
 
     return settle
 
@@ -123,15 +100,15 @@ def reading_kernel(read: Kernel) -> Kernel:
     """The kernel that reads off the segments of a trace, each by ``read``."""
 
     @kernel
-    def read_off(engine: Any, room: Watch, count: int) -> None:
+    def read_off(engine: Any, watch: Watch, count: int) -> None:
         """Read off the segments just traced."""
-        trace, result = room.trace, room.result
+        trace, result = watch.trace, watch.result
         for i in range(count):
-            if trace[i, WHAT] != FREE:
-                result[REST_TIME] += trace[i, DURATION]
-            if trace[i, DURATION] > 0.0:
-                copy_pose(room.poses[i], room.frame)
-                read(engine, room, i)
+            if trace[i, layout.WHAT] != layout.FREE:
+                result[layout.REST_TIME] += trace[i, layout.DURATION]
+            if trace[i, layout.DURATION] > 0.0:
+                copy_pose(watch.poses[i], watch.frame)
+                read(engine, watch, i)
             note_impact(trace, i, result)
             if is_unread(result):
                 return
@@ -144,45 +121,51 @@ def watching_kernel(advance: Kernel, read: Kernel) -> Kernel:
     read_off = reading_kernel(read)
 
     @kernel
-    def watch(engine: Any, own: Array, pose: Array, status: Array, limit: int, room: Watch, counts: Counts) -> int:
+    def watching(engine: Any, own: Array, pose: Array, status: Array, limit: int, watch: Watch, counts: Counts) -> int:
         """Carry ``pose`` on to the end of the period, or of the trace, and read off what is traced."""
-        period = engine.drive[PERIOD]
-        if status[DONE] == 0.0:
-            counts[SEGMENTS] = 0
-            status[CLOCK] = period - status[UNSEEN]
-        outcome, done = advance(engine, pose, status, status[UNSEEN], counts[MOST], room.trace, room.poses, counts)
-        if outcome == PAUSED:
-            return PAUSED
-        if counts[KNOWN] > 0:
-            note_impacts(room, counts[SEGMENTS])
+        period = engine.drive[layout.PERIOD]
+        if status[layout.DONE] == 0.0:
+            counts[layout.SEGMENTS] = 0
+            status[layout.CLOCK] = period - status[layout.UNSEEN]
+        outcome, done = advance(
+            engine, pose, status, status[layout.UNSEEN], counts[layout.MOST], watch.trace, watch.poses, counts
+        )
+        if outcome == layout.PAUSED:
+            return layout.PAUSED
+        if counts[layout.KNOWN] > 0:
+            note_impacts(watch, counts[layout.SEGMENTS])
         else:
-            read_off(engine, room, counts[SEGMENTS])
-            if is_unread(room.result):
-                return UNRESOLVED
-        status[UNSEEN] -= done
-        if outcome == FULL:
-            return COMPLETE
-        turn = counts[WATCHED]
-        status[UNSEEN], counts[MOST], counts[WATCHED] = period, counts[IMPACTS] + limit, turn + 1
-        note_strobe(room.strobes, turn, pose)
-        if counts[KNOWN] > 0:
-            repeat_period(room)
-        elif is_same(own, engine.drive[W], room.strobes, turn):
-            note_period(room)
-            counts[KNOWN] = 1
+            read_off(engine, watch, counts[layout.SEGMENTS])
+            if is_unread(watch.result):
+                return layout.UNRESOLVED
+        status[layout.UNSEEN] -= done
+        if outcome == layout.FULL:
+            return layout.COMPLETE
+        turn = counts[layout.WATCHED]
+        status[layout.UNSEEN], counts[layout.MOST], counts[layout.WATCHED] = (
+            period,
+            counts[layout.IMPACTS] + limit,
+            turn + 1,
+        )
+        note_strobe(watch.strobes, turn, pose)
+        if counts[layout.KNOWN] > 0:
+            repeat_period(watch)
+        elif is_same(own, engine.drive[layout.W], watch.strobes, turn):
+            note_period(watch)
+            counts[layout.KNOWN] = 1
         else:
-            begin_period(room)
+            begin_period(watch)
         return int(outcome)
 
-    return watch
+    return watching
 
 
 @kernel
-def start_watching(room: Watch, pose: Array) -> None:
+def start_watching(watch: Watch, pose: Array) -> None:
     """Nothing is seen yet."""
-    room.result[:], room.energy[:] = 0.0, 0.0
-    room.result[HIGH], room.result[LEAST], room.result[CONTACT_LEAST] = -np.inf, np.inf, np.inf
-    note_strobe(room.strobes, 0, pose)
+    watch.result[:], watch.energy[:] = 0.0, 0.0
+    watch.result[layout.HIGH], watch.result[layout.LEAST], watch.result[layout.CONTACT_LEAST] = -np.inf, np.inf, np.inf
+    note_strobe(watch.strobes, 0, pose)
 
 
 @kernel
@@ -192,30 +175,30 @@ def note_strobe(strobes: Array, turn: int, pose: Array) -> None:
 
 
 @kernel
-def begin_period(room: Watch) -> None:
+def begin_period(watch: Watch) -> None:
     """Note energies and time at rest before a period, taken off."""
-    n = room.energy.shape[0]
+    n = watch.energy.shape[0]
     for k in range(n):
-        room.share[k] = -room.energy[k]
-    room.share[n] = -room.result[REST_TIME]
+        watch.share[k] = -watch.energy[k]
+    watch.share[n] = -watch.result[layout.REST_TIME]
 
 
 @kernel
-def note_period(room: Watch) -> None:
+def note_period(watch: Watch) -> None:
     """What the period watched since ``begin_period`` has added."""
-    n = room.energy.shape[0]
+    n = watch.energy.shape[0]
     for k in range(n):
-        room.share[k] += room.energy[k]
-    room.share[n] += room.result[REST_TIME]
+        watch.share[k] += watch.energy[k]
+    watch.share[n] += watch.result[layout.REST_TIME]
 
 
 @kernel
-def repeat_period(room: Watch) -> None:
+def repeat_period(watch: Watch) -> None:
     """A period like the one watched last: the same energies and time at rest, no new extremes."""
-    n = room.energy.shape[0]
+    n = watch.energy.shape[0]
     for k in range(n):
-        room.energy[k] += room.share[k]
-    room.result[REST_TIME] += room.share[n]
+        watch.energy[k] += watch.share[k]
+    watch.result[layout.REST_TIME] += watch.share[n]
 
 
 @kernel
@@ -230,23 +213,27 @@ def is_same(own: Array, w: float, strobes: Array, turn: int) -> bool:
 @kernel
 def is_unread(result: Array) -> bool:
     """Whether the extremes of what was traced were not found in bounded work."""
-    return bool(result[HIGH] == np.inf or result[CONTACT_LEAST] == -np.inf)
+    return bool(result[layout.HIGH] == np.inf or result[layout.CONTACT_LEAST] == -np.inf)
 
 
 @kernel
-def note_impacts(room: Watch, count: int) -> None:
+def note_impacts(watch: Watch, count: int) -> None:
     """Count the impacts of the segments just traced, and nothing else."""
     for i in range(count):
-        note_impact(room.trace, i, room.result)
+        note_impact(watch.trace, i, watch.result)
 
 
 @kernel
 def note_impact(trace: Array, i: int, result: Array) -> None:
     """Count the impact that ends a segment and keep its velocity in a ring."""
-    if trace[i, END] == IMPACT or trace[i, END] == CHATTER or trace[i, END] == STUCK:
-        result[VELOCITY + int(result[STRUCK]) % KEPT] = trace[i, BEFORE]
-        result[STRUCK] += 1.0
-        result[SPEED_SUM] += trace[i, BEFORE]
+    if (
+        trace[i, layout.END] == layout.IMPACT
+        or trace[i, layout.END] == layout.CHATTER
+        or trace[i, layout.END] == layout.STUCK
+    ):
+        result[layout.VELOCITY + int(result[layout.STRUCK]) % layout.KEPT] = trace[i, layout.BEFORE]
+        result[layout.STRUCK] += 1.0
+        result[layout.SPEED_SUM] += trace[i, layout.BEFORE]
 
 
 @kernel

@@ -8,23 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.layout import (
-    A11,
-    A12,
-    A21,
-    A22,
-    ATTACHED_ROWS,
-    BLOCK_ROWS,
-    CONSTANT1,
-    CONSTANT2,
-    LOAD1,
-    LOAD2,
-    MODE,
-    OUTPUT_SIGNAL,
-    SIGNAL_ROWS,
-    SIGNALS,
-    Regime,
-)
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.linear.blocks import pair_constants, planes
 from vibeam.flight.linear.eigenpairs import Linear
 from vibeam.flight.linear.panel_tables import rates, regime
@@ -69,7 +54,7 @@ def held_regime(linear: Linear, static: Array, load: Array, gap: float, top: int
 
 def with_signals(found: Regime, rows: Sequence[SignalRow]) -> Regime:
     """The regime with these signals, in the order of ``layout``."""
-    filled, columns = np.zeros((SIGNALS, found.outof.shape[1] + 2)), np.asfortranarray(found.outof)
+    filled, columns = np.zeros((layout.SIGNALS, found.outof.shape[1] + 2)), np.asfortranarray(found.outof)
     for place, row in enumerate(rows):
         filled[place, :-2] = np.concatenate([row.at, row.rate]) @ columns / row.over
         filled[place, -2:] = row.constant, row.load
@@ -81,8 +66,8 @@ def set_output(found: Regime, row: Array) -> None:
     constant = 0.0
     for weight, place in zip(row.tolist(), found.held.tolist(), strict=True):
         constant += weight * place
-    found.signals[OUTPUT_SIGNAL, :-2] = row @ found.outof[: len(row)]
-    found.signals[OUTPUT_SIGNAL, -2:] = constant, 0.0
+    found.signals[layout.OUTPUT_SIGNAL, :-2] = row @ found.outof[: len(row)]
+    found.signals[layout.OUTPUT_SIGNAL, -2:] = constant, 0.0
 
 
 def set_derivative(found: Regime, wanted: TimeDerivative) -> None:
@@ -94,18 +79,18 @@ def set_derivative(found: Regime, wanted: TimeDerivative) -> None:
     weights, constant, load = wanted.row @ found.outof[len(wanted.row) :], 0.0, 0.0
     if wanted.order == 2:
         weights, constant, load = _rate(found.blocks, weights)
-    found.signals[OUTPUT_SIGNAL, :-2] = weights
-    found.signals[OUTPUT_SIGNAL, -2:] = constant, load - wanted.base
+    found.signals[layout.OUTPUT_SIGNAL, :-2] = weights
+    found.signals[layout.OUTPUT_SIGNAL, -2:] = constant, load - wanted.base
 
 
 def _rate(blocks: Array, weights: Array) -> tuple[Array, float, float]:
     """Weights on y, constant and share of Ω²B sin φ of the rate of weights·y, ``weights`` (2m,)."""
     first, second = weights[0::2], weights[1::2]
     rate = np.empty(len(weights))
-    rate[0::2] = first * blocks[A11] + second * blocks[A21]
-    rate[1::2] = first * blocks[A12] + second * blocks[A22]
-    constant = first @ blocks[CONSTANT1] + second @ blocks[CONSTANT2]
-    return rate, float(constant), float(first @ blocks[LOAD1] + second @ blocks[LOAD2])
+    rate[0::2] = first * blocks[layout.A11] + second * blocks[layout.A21]
+    rate[1::2] = first * blocks[layout.A12] + second * blocks[layout.A22]
+    constant = first @ blocks[layout.CONSTANT1] + second @ blocks[layout.CONSTANT2]
+    return rate, float(constant), float(first @ blocks[layout.LOAD1] + second @ blocks[layout.LOAD2])
 
 
 def _in_blocks(linear: Linear, held: Array, constant: Array, load: Array, top: int) -> Regime:
@@ -123,15 +108,15 @@ def _in_blocks(linear: Linear, held: Array, constant: Array, load: Array, top: i
     order, m = np.argsort(rates(omega, sigma), kind="stable"), len(omega)
     pick = np.stack([2 * order, 2 * order + 1], axis=1).ravel()
     into, outof = found.inverse[pick] * sizes, found.columns[:, pick] / sizes[:, None]
-    blocks = np.zeros((BLOCK_ROWS, m))
-    blocks[A11 : A11 + 4] = found.blocks[order].reshape(m, 4).T * unit
-    blocks[[CONSTANT1, CONSTANT2]] = (into[:, n:] @ constant).reshape(m, 2).T
-    blocks[[LOAD1, LOAD2]] = (into[:, n:] @ load).reshape(m, 2).T
-    blocks[MODE] = _lone_modes(outof)
+    blocks = np.zeros((layout.BLOCK_ROWS, m))
+    blocks[layout.A11 : layout.A11 + 4] = found.blocks[order].reshape(m, 4).T * unit
+    blocks[[layout.CONSTANT1, layout.CONSTANT2]] = (into[:, n:] @ constant).reshape(m, 2).T
+    blocks[[layout.LOAD1, layout.LOAD2]] = (into[:, n:] @ load).reshape(m, 2).T
+    blocks[layout.MODE] = _lone_modes(outof)
     pairs, table, levels = regime(omega[order] * unit, sigma[order] * unit, disc[order] * unit**2, top)
     return Regime(
-        pairs, table, levels, np.zeros(SIGNAL_ROWS), np.zeros((ATTACHED_ROWS, m)), blocks,
-        np.ascontiguousarray(into), np.ascontiguousarray(outof), held, np.zeros((SIGNALS, 2 * m + 2)),
+        pairs, table, levels, np.zeros(layout.SIGNAL_ROWS), np.zeros((layout.ATTACHED_ROWS, m)), blocks,
+        np.ascontiguousarray(into), np.ascontiguousarray(outof), held, np.zeros((layout.SIGNALS, 2 * m + 2)),
         np.zeros((2, 2 * m + 2, 2 + n)),
     )  # fmt: skip
 

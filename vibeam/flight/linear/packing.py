@@ -9,25 +9,8 @@ from math import floor, inf, log2
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.layout import (
-    ATTACHED_ROWS,
-    CONTACT,
-    DRIVE_ROWS,
-    GAP,
-    LEVELS,
-    LOAD,
-    LONGEST,
-    MOBILITY,
-    MODE_ROWS,
-    MOTION,
-    RESTITUTION,
-    SIGNAL_ROWS,
-    STATIC,
-    YIELD,
-    ZETA,
-    Engine,
-    Regime,
-)
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.layout import Engine, Regime
 from vibeam.flight.kernels.thresholds import PANEL, RESOLVED
 from vibeam.flight.linear.block_regime import SignalRow, held_regime, with_signals
 from vibeam.flight.linear.eigenpairs import Linear
@@ -55,34 +38,43 @@ class PackedSystem:
         self.system = system
         self.order = np.argsort(rates(system.omega, system.zeta * system.omega), kind="stable")
         self._in_order = bool(np.array_equal(self.order, np.arange(system.size)))
-        self._desks = PerThread(self._desk(top))
+        self._engines = PerThread(self._engine(top))
         self.still: tuple[Array, Array] | None = None  # pose and status of the equilibrium, once they were asked for
 
     @property
-    def desk(self) -> Engine:
+    def engine(self) -> Engine:
         """The calling thread's arrays."""
-        return self._desks.own()
+        return self._engines.own()
 
-    def desk_for(self, size: float) -> Engine:
+    def engine_for(self, size: float) -> Engine:
         """The same, for a motion with modal displacements of about ``size``; inf where that is not known."""
-        desk = self.desk
-        desk.drive[MOTION] = size
-        return desk
+        engine = self.engine
+        engine.drive[layout.MOTION] = size
+        return engine
 
-    def _desk(self, top: int) -> Engine:
+    def _engine(self, top: int) -> Engine:
         own, order = self.system, self.order
         omega, zeta = own.omega[order], own.zeta[order]
         sigma, contact, load, static = zeta * omega, own.contact[order], own.load[order], own.static[order]
-        modes, drive = np.zeros((MODE_ROWS, own.size)), np.zeros(DRIVE_ROWS)
-        modes[CONTACT], modes[LOAD], modes[STATIC], modes[ZETA] = contact, load, static, zeta
-        modes[YIELD] = yields(omega, contact)
-        drive[GAP], drive[RESTITUTION], drive[MOBILITY] = own.gap, own.restitution, contact @ contact
+        modes, drive = np.zeros((layout.MODE_ROWS, own.size)), np.zeros(layout.DRIVE_ROWS)
+        modes[layout.CONTACT], modes[layout.LOAD], modes[layout.STATIC], modes[layout.ZETA] = (
+            contact,
+            load,
+            static,
+            zeta,
+        )
+        modes[layout.YIELD] = yields(omega, contact)
+        drive[layout.GAP], drive[layout.RESTITUTION], drive[layout.MOBILITY] = (
+            own.gap,
+            own.restitution,
+            contact @ contact,
+        )
         pairs, table, levels = regime(omega, sigma, omega**2 * (zeta - 1.0) * (zeta + 1.0), top)
         cells, rungs = lay_out(pairs, table, levels, modes, drive, 1 if own.size == 1 else 8)
-        drive[LONGEST] = longest_flight(pairs)
+        drive[layout.LONGEST] = longest_flight(pairs)
         return Engine(
-            pairs, table, levels, np.zeros(SIGNAL_ROWS), np.zeros((ATTACHED_ROWS, own.size)), modes, drive,
-            _rest(omega, sigma, contact, load, static, own.gap, top), cells, rungs,
+            pairs, table, levels, np.zeros(layout.SIGNAL_ROWS), np.zeros((layout.ATTACHED_ROWS, own.size)), modes,
+            drive, _rest(omega, sigma, contact, load, static, own.gap, top), cells, rungs,
         )  # fmt: skip
 
     def inward(self, values: Array) -> Array:
@@ -135,7 +127,7 @@ def top_level(slowest: float, fastest: float) -> int:
     if not (fastest < FASTEST and slowest > 1 / FASTEST):
         raise ValueError(f"rates from {slowest:g} to {fastest:g} rad/s: take another unit of time")
     longest = floor(log2(PANEL / slowest))
-    return min(longest, floor(log2(RESOLVED / fastest)) + LEVELS - SPARE) if fastest > 1 / FASTEST else longest
+    return min(longest, floor(log2(RESOLVED / fastest)) + layout.LEVELS - SPARE) if fastest > 1 / FASTEST else longest
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,23 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.entries import tabulate
-from vibeam.flight.kernels.layout import (
-    COUNT,
-    DECAY,
-    DISC,
-    INVERSE,
-    JOIN,
-    KAPPA,
-    LEVEL_ROWS,
-    LEVELS,
-    OMEGA,
-    PAIR_ROWS,
-    SIGMA,
-    SLOW,
-    STEP,
-    TABLE_ROWS,
-    TILT,
-)
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.thresholds import APART, RESOLVED
 
 Array = NDArray[np.float64]
@@ -36,18 +20,27 @@ SMALLEST = 1e-300  # rad/s: slower is as good as free
 
 def regime(omega: Array, sigma: Array, disc: Array, top: int) -> tuple[Array, Array, Array]:
     """``pairs``, ``table`` (TABLE_ROWS, levels, n) and ``levels`` of pairs sorted by ``rates``; panels of 2^top s."""
-    pairs = np.zeros((PAIR_ROWS, len(omega)))
+    pairs = np.zeros((layout.PAIR_ROWS, len(omega)))
     over = sigma + np.sqrt(np.maximum(disc, 0.0))
-    pairs[OMEGA], pairs[SIGMA], pairs[DISC], pairs[KAPPA] = omega, sigma, disc, rates(omega, sigma)
-    pairs[INVERSE] = _inverse(omega, over, disc)
-    pairs[DECAY] = np.where(disc < 0, sigma, omega**2 / np.where(over > 0, over, 1.0))
+    pairs[layout.OMEGA], pairs[layout.SIGMA], pairs[layout.DISC], pairs[layout.KAPPA] = (
+        omega,
+        sigma,
+        disc,
+        rates(omega, sigma),
+    )
+    pairs[layout.INVERSE] = _inverse(omega, over, disc)
+    pairs[layout.DECAY] = np.where(disc < 0, sigma, omega**2 / np.where(over > 0, over, 1.0))
     slow = omega * (omega / np.where(over > 0, over, 1.0))
     apart = (disc > APART * sigma**2) & (slow > 0)
-    pairs[SLOW], pairs[JOIN], pairs[TILT] = np.where(apart, slow, 0.0), apart, np.where(apart, -over, 1.0)
-    levels = np.zeros((LEVEL_ROWS, LEVELS))
-    levels[STEP] = np.ldexp(1.0, top - np.arange(LEVELS))
-    levels[COUNT] = np.sum(pairs[KAPPA][None, :] * levels[STEP][:, None] <= RESOLVED, axis=1)
-    table = np.zeros((TABLE_ROWS, LEVELS, len(omega)))
+    pairs[layout.SLOW], pairs[layout.JOIN], pairs[layout.TILT] = (
+        np.where(apart, slow, 0.0),
+        apart,
+        np.where(apart, -over, 1.0),
+    )
+    levels = np.zeros((layout.LEVEL_ROWS, layout.LEVELS))
+    levels[layout.STEP] = np.ldexp(1.0, top - np.arange(layout.LEVELS))
+    levels[layout.COUNT] = np.sum(pairs[layout.KAPPA][None, :] * levels[layout.STEP][:, None] <= RESOLVED, axis=1)
+    table = np.zeros((layout.TABLE_ROWS, layout.LEVELS, len(omega)))
     tabulate(pairs, levels, table)
     return pairs, table, levels
 

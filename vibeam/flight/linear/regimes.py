@@ -8,26 +8,10 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.layout import DRIVE_ROWS, MOTION, Regime
-from vibeam.flight.kernels.regimes.layout import (
-    COEFFICIENT,
-    COUPLED,
-    CURVE,
-    CURVED,
-    DAMPING,
-    EXPONENT,
-    FAMILY,
-    LAW_ROWS,
-    LINEAR,
-    MOBILITY,
-    PLASTIC,
-    SIDES,
-    STIFFNESS,
-    TABLE,
-    VELOCITY,
-    VISCOUS,
-    RegimeEngine,
-)
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.layout import Regime
+from vibeam.flight.kernels.regimes import layout as regime_layout
+from vibeam.flight.kernels.regimes.layout import RegimeEngine
 from vibeam.flight.linear.block_regime import SignalRow, free_regime, held_regime, with_signals
 from vibeam.flight.linear.eigenpairs import Linear
 from vibeam.flight.linear.packing import top_level, yields
@@ -51,11 +35,11 @@ def plan(system: ImpactSystem, slowest: float) -> RegimeEngine:
     contact = np.stack([system.contact, -system.contact])
     gaps = np.array([system.gap, inf if system.second_gap is None else system.second_gap])
     law, curve = law_of(system)
-    law[SIDES], law[COUPLED] = sides, float(system.coupling is not None)
+    law[regime_layout.SIDES], law[regime_layout.COUPLED] = sides, float(system.coupling is not None)
     at_stop = [_at_stop(system, side, contact, gaps, top) for side in range(sides)]
     nodes, weights = _runge_kutta()
-    drive = np.zeros(DRIVE_ROWS)
-    drive[MOTION] = inf
+    drive = np.zeros(layout.DRIVE_ROWS)
+    drive[layout.MOTION] = inf
     return RegimeEngine(
         _free(system, Linear(system.omega**2, damper_of(system), system.contact), contact, gaps, top),
         at_stop[0], at_stop[-1], drive, law, curve, contact,
@@ -67,21 +51,39 @@ def plan(system: ImpactSystem, slowest: float) -> RegimeEngine:
 
 def law_of(system: ImpactSystem) -> tuple[Array, Array]:
     """The law's numbers, and the table R(v) where it is one."""
-    numbers, law = np.zeros(LAW_ROWS), system.law
-    numbers[COEFFICIENT], numbers[MOBILITY] = system.restitution, float(system.contact @ system.contact)
+    numbers, law = np.zeros(regime_layout.LAW_ROWS), system.law
+    numbers[regime_layout.COEFFICIENT], numbers[regime_layout.MOBILITY] = (
+        system.restitution,
+        float(system.contact @ system.contact),
+    )
     curve = np.zeros((3, 0))
     if isinstance(law, TableRestitution):
-        numbers[CURVE], curve = TABLE, np.array([law.speeds, law.coefficients, law.slopes()])
+        numbers[regime_layout.CURVE], curve = (
+            regime_layout.TABLE,
+            np.array([law.speeds, law.coefficients, law.slopes()]),
+        )
     elif isinstance(law, PlasticRestitution):
-        numbers[CURVE] = PLASTIC
-        numbers[COEFFICIENT], numbers[VELOCITY], numbers[EXPONENT] = law.coefficient, law.velocity, law.exponent
+        numbers[regime_layout.CURVE] = regime_layout.PLASTIC
+        numbers[regime_layout.COEFFICIENT], numbers[regime_layout.VELOCITY], numbers[regime_layout.EXPONENT] = (
+            law.coefficient,
+            law.velocity,
+            law.exponent,
+        )
     elif isinstance(law, ViscousRestitution):
-        numbers[CURVE], numbers[COEFFICIENT], numbers[EXPONENT] = VISCOUS, law.factor, law.exponent
+        numbers[regime_layout.CURVE], numbers[regime_layout.COEFFICIENT], numbers[regime_layout.EXPONENT] = (
+            regime_layout.VISCOUS,
+            law.factor,
+            law.exponent,
+        )
     elif isinstance(law, LinearStop):
-        numbers[FAMILY], numbers[STIFFNESS], numbers[DAMPING] = LINEAR, law.stiffness, law.damping
+        numbers[regime_layout.FAMILY], numbers[regime_layout.STIFFNESS], numbers[regime_layout.DAMPING] = (
+            regime_layout.LINEAR,
+            law.stiffness,
+            law.damping,
+        )
     elif isinstance(law, HuntCrossley):
-        numbers[FAMILY], numbers[EXPONENT] = CURVED, law.exponent
-        numbers[STIFFNESS], numbers[DAMPING] = law.stiffness, law.damping
+        numbers[regime_layout.FAMILY], numbers[regime_layout.EXPONENT] = regime_layout.CURVED, law.exponent
+        numbers[regime_layout.STIFFNESS], numbers[regime_layout.DAMPING] = law.stiffness, law.damping
     return numbers, curve
 
 

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.entries import carry_disturbances
-from vibeam.flight.kernels.layout import COMPLETE, COUNT_ROWS, PAUSED, RESTING, STATUS_ROWS
+from vibeam.flight.kernels import layout
 from vibeam.flight.pause import pause
 from vibeam.flight.points.packing import blank
 from vibeam.flight.points.points import LIMIT, Packed, PlainPoints, Settings, packed_alike, room_of, task_of
-from vibeam.flight.points.tangents.layout import LOST, Disturbances
+from vibeam.flight.points.tangents import layout as tangent_layout
+from vibeam.flight.points.tangents.layout import Disturbances
 
 Array = NDArray[np.float64]
 
@@ -57,19 +58,23 @@ def _run(
     columns: Array,
     growth: Array,
 ) -> Carried:  # fmt: skip
-    task, room = task_of(points, made, settings), room_of(made[0][0], settings)
+    task, watch = task_of(points, made, settings), room_of(made[0][0], settings)
     of_system = [np.flatnonzero(points.system == i) for i in range(len(made))]
     inward = np.empty(columns.shape)
     for (packing, _), which in zip(made, of_system, strict=True):
         inward[which] = packing.inward(columns[which])
     given = Disturbances(periods, inward, np.ascontiguousarray(growth), np.zeros((len(periods), 2), dtype=np.int64))
-    desks, status, counts = blank(task.packs, 1), np.zeros(STATUS_ROWS), np.zeros(COUNT_ROWS, dtype=np.int64)
-    outcome, first = PAUSED, 0
-    while outcome == PAUSED:
+    engines, status, counts = (
+        blank(task.packs, 1),
+        np.zeros(layout.STATUS_ROWS),
+        np.zeros(layout.COUNT_ROWS, dtype=np.int64),
+    )
+    outcome, first = layout.PAUSED, 0
+    while outcome == layout.PAUSED:
         pause()
-        outcome, first = carry_disturbances(task, desks, room, given, status, counts, first, LIMIT)
+        outcome, first = carry_disturbances(task, engines, watch, given, status, counts, first, LIMIT)
     states, after = task.poses, given.columns
     for (packing, _), which in zip(made, of_system, strict=True):
         states[which], after[which] = packing.outward(states[which]), packing.outward(after[which])
-    complete, lost = given.ended[:, 0] == COMPLETE, given.ended[:, 1] == LOST
-    return Carried(after, given.growth, states, complete & ~lost & (task.kinds != RESTING), complete & lost)
+    complete, lost = given.ended[:, 0] == layout.COMPLETE, given.ended[:, 1] == tangent_layout.LOST
+    return Carried(after, given.growth, states, complete & ~lost & (task.kinds != layout.RESTING), complete & lost)

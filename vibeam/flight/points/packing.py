@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import LOST, without_stop
-from vibeam.flight.kernels.layout import CONTACT, FREE, MOBILITY, OMEGA, RESTING, STATIC, Engine
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.layout import Engine
 from vibeam.flight.kernels.thresholds import ELASTIC
 from vibeam.flight.linear.block_regime import set_output
 from vibeam.flight.linear.packing import PackedSystem, pack
@@ -27,7 +28,7 @@ def packed(system: ImpactSystem, omega: float, elastic: bool, output: str) -> tu
     if elastic != (1.0 - system.restitution < ELASTIC):
         system = replace(system, restitution=1.0 if elastic else 0.5)
     made = pack(system, omega)
-    engine = made.desk_for(np.inf)
+    engine = made.engine_for(np.inf)
     set_output(engine.rest, made.inward(system.output(output)))
     return made, engine
 
@@ -53,10 +54,10 @@ def held(engine: Engine, row: Array, gaps: Array) -> tuple[Array, Array, Array]:
     Displacements (m, n), constants (m, 2, blocks), constants (m, 2) of contact force and output: to the bit those of
     ``linear.block_regime``, whose products these are, one gap after the other.
     """
-    modes, contact, n = engine.modes, np.ascontiguousarray(engine.modes[CONTACT]), engine.modes.shape[1]
-    mobility = float(engine.drive[MOBILITY])
+    modes, contact, n = engine.modes, np.ascontiguousarray(engine.modes[layout.CONTACT]), engine.modes.shape[1]
+    mobility = float(engine.drive[layout.MOBILITY])
     at = contact * (gaps / mobility)[:, None]
-    constant = modes[STATIC] - engine.pairs[OMEGA] ** 2 * at
+    constant = modes[layout.STATIC] - engine.pairs[layout.OMEGA] ** 2 * at
     along = _dots(constant, contact) / mobility
     pushed = constant - contact * along[:, None]
     found = (engine.rest.into[:, n:] @ pushed[:, :, None])[:, :, 0]
@@ -83,7 +84,7 @@ def equilibria(system: ImpactSystem, gaps: Array) -> tuple[Array, Array]:
     off = np.abs(left) > LOST * np.abs(gaps)
     at[off] -= shape * (left[off] / over)[:, None]
     poses[on, 0] = at[on]
-    return poses, np.where(on, RESTING, FREE)
+    return poses, np.where(on, layout.RESTING, layout.FREE)
 
 
 def _dots(rows: Array, row: Array) -> Array:

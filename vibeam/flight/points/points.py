@@ -13,21 +13,8 @@ from numpy.typing import NDArray
 
 from vibeam.flight.entries import run_points
 from vibeam.flight.event_driven import LONGEST_PERIOD, ROWS
-from vibeam.flight.kernels.layout import (
-    COMPLETE,
-    COUNT_ROWS,
-    EVERYTHING,
-    FREE,
-    IMPACTS,
-    PANELS,
-    PAUSED,
-    RESTING,
-    RESULT_ROWS,
-    STATUS_ROWS,
-    TRACE_COLUMNS,
-    Engine,
-    Watch,
-)
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.layout import Engine, Watch
 from vibeam.flight.linear.packing import PackedSystem
 from vibeam.flight.pause import pause
 from vibeam.flight.points.kernels import layout as row
@@ -74,7 +61,7 @@ class PlainPoints:
         if self.starts is None:
             return self.rest(which)
         resting = np.zeros(len(which)) if self.resting is None else self.resting[which]
-        return self.starts[which], np.where(resting, RESTING, FREE)
+        return self.starts[which], np.where(resting, layout.RESTING, layout.FREE)
 
     def rest(self, which: NDArray[np.int64]) -> tuple[Array, Array]:
         """The same in static equilibrium."""
@@ -134,12 +121,12 @@ def _output(packing: PackedSystem, settings: Settings) -> Array:
 
 def _run(points: PlainPoints, made: list[Packed], settings: Settings) -> PlainResults:
     begun, task = time.thread_time(), task_of(points, made, settings)
-    lane, room = _lane(task), room_of(made[0][0], settings)
-    outcome, first = PAUSED, 0
-    while outcome == PAUSED:
+    lane, watch = _lane(task), room_of(made[0][0], settings)
+    outcome, first = layout.PAUSED, 0
+    while outcome == layout.PAUSED:
         pause()
         outcome, first = run_points(
-            task, lane, room, first, settings.settle, settings.hold, LIMIT, LONGEST_PERIOD, settings.most_modes
+            task, lane, watch, first, settings.settle, settings.hold, LIMIT, LONGEST_PERIOD, settings.most_modes
         )
     return _results(points, made, task, settings.hold, time.thread_time() - begun)
 
@@ -161,8 +148,8 @@ def task_of(points: PlainPoints, made: list[Packed], settings: Settings) -> row.
         stacked([engine for _, engine in made]), points.system.astype(np.int64),
         np.stack([points.omega, points.amplitude, points.gap, points.restitution], axis=1),
         at, constants, offsets, poses, kinds,
-        np.zeros((m, RESULT_ROWS)), np.zeros((m, n)), np.zeros((m, settings.strobes)),
-        np.zeros((m, COUNT_ROWS), dtype=np.int64), np.zeros((m, 2), dtype=np.int64),
+        np.zeros((m, layout.RESULT_ROWS)), np.zeros((m, n)), np.zeros((m, settings.strobes)),
+        np.zeros((m, layout.COUNT_ROWS), dtype=np.int64), np.zeros((m, 2), dtype=np.int64),
     )  # fmt: skip
 
 
@@ -173,7 +160,8 @@ def _lane(task: row.Task) -> row.Lane:
     if getattr(_OWN, "shapes", None) != shapes:
         _OWN.shapes, _OWN.lane = shapes, row.Lane(
             np.zeros(row.COMMON_ROWS * width), np.zeros(n * row.MODAL_ROWS * width), blank(task.packs, width),
-            np.zeros((width, 2, n)), np.zeros((width, STATUS_ROWS)), np.zeros((width, COUNT_ROWS), dtype=np.int64),
+            np.zeros((width, 2, n)), np.zeros((width, layout.STATUS_ROWS)),
+            np.zeros((width, layout.COUNT_ROWS), dtype=np.int64),
             np.zeros((width, row.LANE_ROWS), dtype=np.int64), np.zeros((width, row.ALONE_ROWS)),
             np.zeros(row.MARK + n), np.zeros((row.FLIGHT_COMMON + n * row.FLIGHT_ROWS) * width),
         )  # fmt: skip
@@ -196,27 +184,27 @@ def room_of(made: PackedSystem, settings: Settings) -> Watch:
     """What a point is watched with."""
     n, hold = made.system.size, settings.hold
     return Watch(
-        _output(made, settings), np.zeros((0, TRACE_COLUMNS)),
-        np.zeros((ROWS, TRACE_COLUMNS)), np.zeros((ROWS, 2, n)), np.zeros((hold + 1, 2, n)), np.zeros((2, n)),
-        np.zeros((2, n)), np.zeros(RESULT_ROWS), np.zeros(n), np.zeros(n + 1), EVERYTHING,
+        _output(made, settings), np.zeros((0, layout.TRACE_COLUMNS)),
+        np.zeros((ROWS, layout.TRACE_COLUMNS)), np.zeros((ROWS, 2, n)), np.zeros((hold + 1, 2, n)), np.zeros((2, n)),
+        np.zeros((2, n)), np.zeros(layout.RESULT_ROWS), np.zeros(n), np.zeros(n + 1), layout.EVERYTHING,
     )  # fmt: skip
 
 
 def _results(points: PlainPoints, made: list[Packed], task: row.Task, hold: int, seconds: float) -> PlainResults:
-    tally = PointReadout(0, 0)
-    tally.result, tally.energy, tally.counts = task.results, task.energy, task.counts
-    tally.ended, tally.period = np.ascontiguousarray(task.ended[:, 0]), np.ascontiguousarray(task.ended[:, 1])
-    work = task.counts[:, IMPACTS] + task.counts[:, PANELS] + 1.0
-    tally.seconds = seconds * work / work.sum()
-    response = tally.response(points.omega, hold, 0.0)
+    readout = PointReadout(0, 0)
+    readout.result, readout.energy, readout.counts = task.results, task.energy, task.counts
+    readout.ended, readout.period = np.ascontiguousarray(task.ended[:, 0]), np.ascontiguousarray(task.ended[:, 1])
+    work = task.counts[:, layout.IMPACTS] + task.counts[:, layout.PANELS] + 1.0
+    readout.seconds = seconds * work / work.sum()
+    response = readout.response(points.omega, hold, 0.0)
     np.add(response.reach, points.gap, out=response.reach)
     states, kinds = task.poses, task.kinds
     for i, (packing, _) in enumerate(made):
         which = np.flatnonzero(points.system == i)
         states[which] = packing.outward(states[which])
         response.mode_energy[which] = packing.outward(response.mode_energy[which])
-        failed = which[tally.ended[which] != COMPLETE]
+        failed = which[readout.ended[which] != layout.COMPLETE]
         if len(failed):
             states[failed], kinds[failed] = points.rest(failed)
             task.strobes[failed] = np.nan
-    return PlainResults(response, states, kinds == RESTING, task.strobes)
+    return PlainResults(response, states, kinds == layout.RESTING, task.strobes)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.contacts import Contacts
-from vibeam.flight.kernels.layout import AT_CLOCK, START
+from vibeam.flight.kernels import layout
 from vibeam.flight.several.holds import held_in
 from vibeam.flight.several.state import Pull
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -22,8 +22,8 @@ def derivative_along(
     order, contacts = wanted.order + more, Contacts.of(system)
     if order == 1:
         return np.asarray(poses[:, 1] @ wanted.row)
-    which = np.maximum(np.searchsorted(trace[:, START], times, side="right") - 1, 0)
-    clocks = trace[which, AT_CLOCK] + times - trace[which, START]
+    which = np.maximum(np.searchsorted(trace[:, layout.START], times, side="right") - 1, 0)
+    clocks = trace[which, layout.AT_CLOCK] + times - trace[which, layout.START]
     found = np.empty(len(times))
     for i, (segment, clock) in enumerate(zip(which, clocks.tolist(), strict=True)):
         rows = contacts.rows[list(held_in(trace[segment], len(contacts.gaps)))]

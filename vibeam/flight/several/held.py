@@ -10,39 +10,10 @@ from numpy.typing import NDArray
 
 from vibeam.flight.contacts import Contacts
 from vibeam.flight.entries import regimes_move, regimes_poses_at
-from vibeam.flight.kernels.layout import (
-    AT_CLOCK,
-    CLOCK,
-    COUNT_ROWS,
-    DRIVE_ROWS,
-    DURATION,
-    END,
-    EVERYTHING,
-    FULL,
-    GAP_SIGNAL,
-    KIND,
-    MOTION,
-    ORDER,
-    PANELS,
-    RESULT_ROWS,
-    RISE,
-    SPAN_END,
-    Regime,
-    Watch,
-)
-from vibeam.flight.kernels.regimes.layout import (
-    CONTACT,
-    FAMILY,
-    LAW_ROWS,
-    LINEAR,
-    MOBILITY,
-    PEAK,
-    SIDE,
-    SIDES,
-    STATUS_ROWS,
-    TRACE_COLUMNS,
-    RegimeEngine,
-)
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.layout import Regime, Watch
+from vibeam.flight.kernels.regimes import layout as regime_layout
+from vibeam.flight.kernels.regimes.layout import RegimeEngine
 from vibeam.flight.linear.block_regime import SignalRow, free_regime, with_signals
 from vibeam.flight.linear.eigenpairs import Linear
 from vibeam.flight.one_sided import multipliers
@@ -89,21 +60,21 @@ class HeldRegime:
 
     def _buffers(self) -> None:
         m = len(self.regime.held)
-        self.trace, poses = np.zeros((1, TRACE_COLUMNS)), np.zeros((1, 2, m))
-        nothing, strobes = np.zeros((0, TRACE_COLUMNS)), np.zeros((1, 2, m))
+        self.trace, poses = np.zeros((1, regime_layout.TRACE_COLUMNS)), np.zeros((1, 2, m))
+        nothing, strobes = np.zeros((0, regime_layout.TRACE_COLUMNS)), np.zeros((1, 2, m))
         scratch, frame = np.zeros((2, m)), np.zeros((2, m))
-        result, energy, share = np.zeros(RESULT_ROWS), np.zeros(m), np.zeros(m + 1)
+        result, energy, share = np.zeros(layout.RESULT_ROWS), np.zeros(m), np.zeros(m + 1)
         self.room = Watch(
-            np.zeros(m), nothing, self.trace, poses, strobes, scratch, frame, result, energy, share, EVERYTHING
+            np.zeros(m), nothing, self.trace, poses, strobes, scratch, frame, result, energy, share, layout.EVERYTHING
         )
-        self.status, self.counts = np.zeros(STATUS_ROWS), np.zeros(COUNT_ROWS, dtype=np.int64)
+        self.status, self.counts = np.zeros(regime_layout.STATUS_ROWS), np.zeros(layout.COUNT_ROWS, dtype=np.int64)
 
     def _filled(self, row: SignalRow) -> Array:
         return with_signals(self.regime, [row]).signals[:1]
 
     def set_motion(self, size: float) -> None:
         """About how large the modal displacements are; inf where that is not known."""
-        self.engine.drive[MOTION] = size
+        self.engine.drive[layout.MOTION] = size
 
     def inward(self, poses: Array) -> Array:
         """Poses (…, 2, n) in the coordinates left free (…, 2, m)."""
@@ -123,18 +94,20 @@ class HeldRegime:
     ) -> Found:  # fmt: skip
         """The first root within ``span`` of one or two signals; ``order`` and ``rise`` say how the first one starts."""
         for place, which in enumerate(signals):
-            self.regime.signals[GAP_SIGNAL + place] = self.signals[which]
-        self.engine.law[SIDES] = len(signals)
+            self.regime.signals[layout.GAP_SIGNAL + place] = self.signals[which]
+        self.engine.law[regime_layout.SIDES] = len(signals)
         moved, status = pose.copy(), self.status
         status.fill(0.0)
-        status[CLOCK], status[ORDER], status[RISE] = clock, order, rise
+        status[layout.CLOCK], status[layout.ORDER], status[layout.RISE] = clock, order, rise
         outcome = self._move(self.engine, omega, amplitude, moved, span)
-        met = self.trace[0, END] != SPAN_END
-        if outcome not in (0, FULL):
+        met = self.trace[0, layout.END] != layout.SPAN_END
+        if outcome not in (0, layout.FULL):
             raise Unfollowed(outcome)
-        time = float(self.trace[0, DURATION])
-        panels = int(self.counts[PANELS])
-        return Found(signals[int(status[SIDE])] if met else -1, time, moved, float(status[CLOCK]), panels)
+        time = float(self.trace[0, layout.DURATION])
+        panels = int(self.counts[layout.PANELS])
+        return Found(
+            signals[int(status[regime_layout.SIDE])] if met else -1, time, moved, float(status[layout.CLOCK]), panels
+        )
 
     def _move(self, engine: RegimeEngine, omega: float, amplitude: float, pose: Array, span: float) -> int:
         self.counts.fill(0)
@@ -146,8 +119,8 @@ class HeldRegime:
 
     def poses(self, omega: float, amplitude: float, pose: Array, clock: float, after: Array) -> Array:
         """Poses (k, 2, m) times ``after`` (k,) from one pose."""
-        trace, m = np.zeros((1, TRACE_COLUMNS)), len(self.regime.held)
-        trace[0, AT_CLOCK] = clock
+        trace, m = np.zeros((1, regime_layout.TRACE_COLUMNS)), len(self.regime.held)
+        trace[0, layout.AT_CLOCK] = clock
         out = np.empty((len(after), 2, m))
         regimes_poses_at(
             self.engine, omega, amplitude, trace, pose[None], np.zeros(len(after), dtype=np.int64),
@@ -167,11 +140,11 @@ class HeldRegime:
         signal = SignalRow(row @ self.basis, np.zeros(len(self.regime.held)), float(row @ self.place) + above)
         self.regime.signals[FORCE] = self._filled(signal)[0]
         self.status.fill(0.0)
-        self.status[CLOCK], self.status[KIND] = clock, CONTACT
+        self.status[layout.CLOCK], self.status[layout.KIND] = clock, regime_layout.CONTACT
         outcome = self._move(self._pushed, omega, amplitude, pose.copy(), span)
-        if outcome not in (0, FULL) or not self.trace[0, DURATION] >= span:
+        if outcome not in (0, layout.FULL) or not self.trace[0, layout.DURATION] >= span:
             raise Unfollowed(outcome)
-        return float(self.trace[0, PEAK]) - above
+        return float(self.trace[0, regime_layout.PEAK]) - above
 
 
 class Unfollowed(Exception):
@@ -230,10 +203,10 @@ def _engine(regime: Regime, omega: Array, damper: Array, static: Array, load: Ar
     """The kernels' arrays: signals are watched, and nothing follows at their roots."""
     m, one = len(omega), np.ones(1)
     aside = free_regime(Linear(one, np.zeros((1, 1)), one), np.zeros(1), np.zeros(1), top)
-    law = np.zeros(LAW_ROWS)
-    law[FAMILY], law[SIDES], law[MOBILITY] = LINEAR, 1.0, np.inf
-    nowhere, drive = np.zeros((2, m)), np.zeros(DRIVE_ROWS)
-    drive[MOTION] = np.inf
+    law = np.zeros(regime_layout.LAW_ROWS)
+    law[regime_layout.FAMILY], law[regime_layout.SIDES], law[regime_layout.MOBILITY] = regime_layout.LINEAR, 1.0, np.inf
+    nowhere, drive = np.zeros((2, m)), np.zeros(layout.DRIVE_ROWS)
+    drive[layout.MOTION] = np.inf
     return RegimeEngine(
         regime, aside, aside, drive, law, np.zeros((3, 0)), nowhere, nowhere.copy(), np.zeros(2), np.array(omega),
         omega**2, np.array(damper), np.array(np.diag(damper)), load, static, np.zeros((14, 12)), np.zeros((2, 13)),

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.layout import CHATTER, END, LEFT, START
-from vibeam.flight.kernels.regimes.layout import AT_SIDE
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.several.motion import HELD
 
 Array = NDArray[np.float64]
@@ -20,11 +20,11 @@ def holds_of(trace: Array, end: float, contact: int | None) -> Array:
     bits = trace[:, HELD].astype(np.int64)
     held = (bits if contact is None else bits >> contact & 1) > 0
     change = np.diff(np.concatenate([[False], held, [False]]).astype(int))
-    times, first = np.append(trace[:, START], end), np.flatnonzero(change == 1)
+    times, first = np.append(trace[:, layout.START], end), np.flatnonzero(change == 1)
     before = trace[np.maximum(first - 1, 0)]
-    accumulated = (first > 0) & (before[:, END] == CHATTER)
-    accumulated &= (contact is None) | (before[:, AT_SIDE] == contact)
-    return np.stack([times[first] + np.where(accumulated, before[:, LEFT], 0.0), times[change == -1]], axis=1)
+    accumulated = (first > 0) & (before[:, layout.END] == layout.CHATTER)
+    accumulated &= (contact is None) | (before[:, regime_layout.AT_SIDE] == contact)
+    return np.stack([times[first] + np.where(accumulated, before[:, layout.LEFT], 0.0), times[change == -1]], axis=1)
 
 
 def held_in(row: Array, count: int) -> tuple[int, ...]:

@@ -11,28 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.contacts import NOISE, Contacts
-from vibeam.flight.kernels.layout import (
-    AT_CLOCK,
-    BEFORE,
-    CHATTER,
-    COMPLETE,
-    DURATION,
-    END,
-    EVENT_LIMIT,
-    FREE,
-    IMPACT,
-    LEFT,
-    PENETRATED,
-    RELEASE,
-    REMAINDER,
-    RESTING,
-    SPAN_END,
-    START,
-    STUCK,
-    UNRESOLVED,
-    WHAT,
-)
-from vibeam.flight.kernels.regimes.layout import AT_SIDE, PASS, TOUCHING, TRACE_COLUMNS
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.kernels.thresholds import PANEL
 from vibeam.flight.several.chatter import time_left
 from vibeam.flight.several.held import Found, HeldRegime, Unfollowed
@@ -42,9 +22,9 @@ from vibeam.system.impact_system import Drive
 
 Array = NDArray[np.float64]
 
-HELD = TRACE_COLUMNS  # trace column: which contacts are held, a sum of 2^contact
+HELD = regime_layout.TRACE_COLUMNS  # trace column: which contacts are held, a sum of 2^contact
 
-COLUMNS = TRACE_COLUMNS + 1
+COLUMNS = regime_layout.TRACE_COLUMNS + 1
 
 DEEP = 1e4  # round-offs beyond a stop that no round-off explains
 
@@ -116,13 +96,13 @@ class Flights:
         pose, fastest = np.array(pose, dtype=float), np.zeros(len(self.contacts.gaps))
         gaps, parts = self.contacts.clearances(pose[0])
         if np.any(gaps < -DEEP * NOISE * parts):
-            return Motion(pose, clock, ContactState(), fastest), PENETRATED
+            return Motion(pose, clock, ContactState(), fastest), layout.PENETRATED
         motion = Motion(pose, clock, ContactState(), fastest)
         touched = np.flatnonzero(gaps <= AT_STOP * NOISE * parts).tolist()
         if touched:
             pose[0] = self.contacts.put(pose[0], touched)
-            self._follow(drive, motion, self._blank(motion, 0.0), touched, [], PASS)
-        return motion, COMPLETE
+            self._follow(drive, motion, self._blank(motion, 0.0), touched, [], regime_layout.PASS)
+        return motion, layout.COMPLETE
 
     def advance(self, drive: Drive, motion: Motion, span: float, limit: int) -> tuple[int, float]:
         """Carry ``motion`` on by ``span`` s: outcome, time done. Segments are traced from time 0 on."""
@@ -133,18 +113,18 @@ class Flights:
             try:
                 found = self._first(drive, motion, span - now)
             except Unfollowed as fault:
-                return int(fault.args[0]) or UNRESOLVED, now
+                return int(fault.args[0]) or layout.UNRESOLVED, now
             self._event(drive, motion, found, now)
             done = [now, found.time]
             soon = found.time * self.slowest < NOISE and motion.impacts == before
             idle, events = idle + 1 if soon else 0, events + 1
             if found.signal < 0:
-                return COMPLETE, span
+                return layout.COMPLETE, span
             if idle > IDLE:
-                return UNRESOLVED, now
+                return layout.UNRESOLVED, now
             if motion.impacts - begun >= limit or events > EVENTS_AN_IMPACT * (limit + 100):
-                return EVENT_LIMIT, now + found.time
-        return COMPLETE, span
+                return layout.EVENT_LIMIT, now + found.time
+        return layout.COMPLETE, span
 
     def _first(self, drive: Drive, motion: Motion, span: float) -> Found:
         """The first root of all signals, in the coordinates of the regime."""
@@ -163,20 +143,24 @@ class Flights:
 
     def _blank(self, motion: Motion, now: float) -> Segment:
         row = np.zeros(COLUMNS)
-        row[START], row[AT_CLOCK], row[WHAT] = now, motion.clock, RESTING if motion.state.held else FREE
+        row[layout.START], row[layout.AT_CLOCK], row[layout.WHAT] = (
+            now,
+            motion.clock,
+            layout.RESTING if motion.state.held else layout.FREE,
+        )
         row[HELD] = float(sum(1 << j for j in motion.state.held))
         return Segment(row, motion.pose.copy())
 
     def _event(self, drive: Drive, motion: Motion, found: Found, now: float) -> None:
         """Close the segment at a root, or at the span's end, and see what follows."""
         segment, held = self._blank(motion, now), motion.state.held
-        segment.row[DURATION] = found.time
+        segment.row[layout.DURATION] = found.time
         motion.pose, motion.clock = self.regime(held).outward(found.pose), found.clock
         if found.signal < 0:
-            segment.row[END] = SPAN_END
+            segment.row[layout.END] = layout.SPAN_END
             motion.segments.append(segment)
             if found.time > 0:
-                idle = {j: start for j, start in motion.state.starts.items() if start[0] == TOUCHING}
+                idle = {j: start for j, start in motion.state.starts.items() if start[0] == regime_layout.TOUCHING}
                 motion.state = replace(motion.state, starts=idle)
             return
         count = len(self.contacts.gaps)
@@ -184,8 +168,8 @@ class Flights:
         leaving = [] if met else [held[found.signal - count]]
         touched = self._touched(motion, met)
         motion.pose[0] = self.contacts.put(motion.pose[0], touched)
-        segment.row[AT_SIDE] = (met or leaving)[0]
-        self._follow(drive, motion, segment, touched, leaving, PASS if met else RELEASE)
+        segment.row[regime_layout.AT_SIDE] = (met or leaving)[0]
+        self._follow(drive, motion, segment, touched, leaving, regime_layout.PASS if met else layout.RELEASE)
 
     def _touched(self, motion: Motion, met: list[int]) -> list[int]:
         """Contacts at their stops: held, met, or as near as round-off can tell, on the way in or out."""
@@ -248,18 +232,32 @@ class Flights:
         last = len(struck) - 1
         for place, strike in enumerate(struck):
             row = segment.row
-            row[END], row[BEFORE], row[AT_SIDE] = IMPACT, strike.before, strike.contact
+            row[layout.END], row[layout.BEFORE], row[regime_layout.AT_SIDE] = (
+                layout.IMPACT,
+                strike.before,
+                strike.contact,
+            )
             if place == last:
-                row[LEFT], row[REMAINDER] = max(left, 0.0), remainder
-                row[END] = CHATTER if left >= 0 else STUCK if strike.contact in motion.state.held else IMPACT
+                row[layout.LEFT], row[layout.REMAINDER] = max(left, 0.0), remainder
+                row[layout.END] = (
+                    layout.CHATTER
+                    if left >= 0
+                    else layout.STUCK
+                    if strike.contact in motion.state.held
+                    else layout.IMPACT
+                )
             motion.segments.append(segment)
             if place < last:
                 segment = Segment(row.copy(), np.array([segment.pose[0], strike.velocity]))
-                segment.row[START] += row[DURATION]
-                segment.row[DURATION], segment.row[AT_CLOCK], segment.row[WHAT] = 0.0, motion.clock, FREE
+                segment.row[layout.START] += row[layout.DURATION]
+                segment.row[layout.DURATION], segment.row[layout.AT_CLOCK], segment.row[layout.WHAT] = (
+                    0.0,
+                    motion.clock,
+                    layout.FREE,
+                )
                 segment.pose = np.array([motion.pose[0], strike.velocity])
         if not struck:
-            segment.row[END] = end
+            segment.row[layout.END] = end
             motion.segments.append(segment)
 
 

@@ -5,30 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.layout import (
-    AT_CLOCK,
-    BEFORE,
-    CHATTER,
-    COMPLETE,
-    CONTACT_LEAST,
-    DURATION,
-    END,
-    EVERYTHING,
-    FREE,
-    HIGH,
-    IMPACT,
-    KEPT,
-    LEAST,
-    REACH_TOO,
-    REST_TIME,
-    RESULT_ROWS,
-    SPEED_SUM,
-    STRUCK,
-    STUCK,
-    UNRESOLVED,
-    VELOCITY,
-    WHAT,
-)
+from vibeam.flight.kernels import layout
 from vibeam.flight.several.held import HeldRegime, Unfollowed
 from vibeam.flight.several.holds import held_in
 from vibeam.flight.several.motion import Flights, Motion
@@ -50,55 +27,55 @@ class Reading:
 
     def __init__(self, flights: Flights, drive: Drive, row: Array, reading: int) -> None:
         self.flights, self.drive, self.row, self.reading = flights, drive, row, reading
-        self.result, self.energy = np.zeros(RESULT_ROWS), np.zeros(len(row))
-        self.result[[HIGH, LEAST, CONTACT_LEAST]] = -np.inf, np.inf, np.inf
+        self.result, self.energy = np.zeros(layout.RESULT_ROWS), np.zeros(len(row))
+        self.result[[layout.HIGH, layout.LEAST, layout.CONTACT_LEAST]] = -np.inf, np.inf, np.inf
         self._share: tuple[Array, float] | None = None  # of a period that the next ones repeat
 
     def note(self, motion: Motion, strobes: list[Array]) -> int:
         """Read off the segments of the period that ``motion`` ended, begun at the last strobe: the outcome."""
-        before, rested = self.energy.copy(), self.result[REST_TIME]
+        before, rested = self.energy.copy(), self.result[layout.REST_TIME]
         for segment in motion.segments:
             self._count(segment.row)
-            if self._share is None and segment.row[DURATION] > 0:
+            if self._share is None and segment.row[layout.DURATION] > 0:
                 try:
                     self._read(segment.row, segment.pose)
                 except Unfollowed:
-                    return UNRESOLVED
+                    return layout.UNRESOLVED
         if self._share is not None:
             self.energy += self._share[0]
-            self.result[REST_TIME] += self._share[1]
+            self.result[layout.REST_TIME] += self._share[1]
         elif _distance(self._rates, motion.pose - strobes[-1]) <= SAME * _distance(self._rates, motion.pose):
-            self._share = self.energy - before, self.result[REST_TIME] - rested
-        return COMPLETE
+            self._share = self.energy - before, self.result[layout.REST_TIME] - rested
+        return layout.COMPLETE
 
     @property
     def _rates(self) -> Array:
         return np.hypot(self.flights.contacts.system.omega, self.drive.omega)
 
     def _count(self, row: Array) -> None:
-        if row[END] not in (IMPACT, CHATTER, STUCK):
+        if row[layout.END] not in (layout.IMPACT, layout.CHATTER, layout.STUCK):
             return
-        self.result[VELOCITY + int(self.result[STRUCK]) % KEPT] = row[BEFORE]
-        self.result[STRUCK] += 1
-        self.result[SPEED_SUM] += row[BEFORE]
+        self.result[layout.VELOCITY + int(self.result[layout.STRUCK]) % layout.KEPT] = row[layout.BEFORE]
+        self.result[layout.STRUCK] += 1
+        self.result[layout.SPEED_SUM] += row[layout.BEFORE]
 
     def _read(self, row: Array, pose: Array) -> None:
-        duration, held = float(row[DURATION]), held_in(row, len(self.flights.contacts.gaps))
-        self.result[REST_TIME] += duration if row[WHAT] != FREE else 0.0
-        regime, clock = self.flights.regime(held), float(row[AT_CLOCK])
+        duration, held = float(row[layout.DURATION]), held_in(row, len(self.flights.contacts.gaps))
+        self.result[layout.REST_TIME] += duration if row[layout.WHAT] != layout.FREE else 0.0
+        regime, clock = self.flights.regime(held), float(row[layout.AT_CLOCK])
         inner = regime.inward(pose)
         after, weights = _nodes(regime, duration)
         poses = regime.outward(regime.poses(self.drive.omega, self.drive.amplitude, inner, clock, after))
         self._extremes(regime, inner, clock, duration, poses)
-        if self.reading >= EVERYTHING:
+        if self.reading >= layout.EVERYTHING:
             omega = self.flights.contacts.system.omega
             self.energy += weights @ (poses[:, 1] ** 2 + (omega * poses[:, 0]) ** 2) / 2
 
     def _extremes(self, regime: HeldRegime, inner: Array, clock: float, duration: float, poses: Array) -> None:
         """Widen the extremes of the output, and of the first contact where they are asked for."""
         contact, result = self.flights.contacts.system.contact, self.result
-        ask = [(self.row, HIGH, 1.0), (self.row, LEAST, -1.0)]
-        ask += [(contact, CONTACT_LEAST, -1.0)] if self.reading >= REACH_TOO else []
+        ask = [(self.row, layout.HIGH, 1.0), (self.row, layout.LEAST, -1.0)]
+        ask += [(contact, layout.CONTACT_LEAST, -1.0)] if self.reading >= layout.REACH_TOO else []
         for row, place, sign in ask:
             swing = float(np.max(np.abs(poses[:, 0]) @ np.abs(row)))
             above = 4.0 * swing + 1e-300

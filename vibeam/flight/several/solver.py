@@ -11,16 +11,7 @@ from numpy.typing import NDArray
 from vibeam.flight.contacts import Contacts
 from vibeam.flight.equilibrium import equilibrium, size_of_motion
 from vibeam.flight.event_driven import LONGEST_PERIOD, Segments, impact_limit
-from vibeam.flight.kernels.layout import (
-    AT_CLOCK,
-    COMPLETE,
-    COUNT_ROWS,
-    EVERYTHING,
-    IMPACTS,
-    PANELS,
-    REACH_TOO,
-    START,
-)
+from vibeam.flight.kernels import layout
 from vibeam.flight.linear.packing import slowest_rate
 from vibeam.flight.pause import pause
 from vibeam.flight.readout import OUTCOMES, PointReadout
@@ -56,7 +47,7 @@ class ContactsSolver:
         self.flights.for_size(size)
         motion, outcome = self.flights.begin(drive, pose, _clock(drive, start))
         done = 0.0
-        if outcome == COMPLETE:
+        if outcome == layout.COMPLETE:
             outcome, done = self.flights.advance(drive, motion, end - start, limit)
         segments = _packed(motion, start, size)
         stats = {
@@ -64,7 +55,7 @@ class ContactsSolver:
             "evaluations": motion.panels,
             "cpu_seconds": time.thread_time() - begun,
         }
-        last = end if outcome == COMPLETE else start + done
+        last = end if outcome == layout.COMPLETE else start + done
         return OUTCOMES[outcome], last, _state(motion), segments, stats
 
     def _pose(self, state: State | None) -> Array:
@@ -77,18 +68,18 @@ class ContactsSolver:
     def poses_at(self, drive: Drive, segments: Segments, times: Array) -> Array:
         """Modal displacements and velocities (m, 2, n) at times (m,) within the segments."""
         self.flights.for_size(segments.size)
-        starts = segments.trace[:, START]
+        starts = segments.trace[:, layout.START]
         which = np.maximum(np.searchsorted(starts, times, side="right") - 1, 0)
         out = np.empty((len(times), 2, self.system.size))
         for segment in np.unique(which):
             here, row = which == segment, segments.trace[segment]
-            out[here] = self._within(drive, row, segments.poses[segment], times[here] - row[START])
+            out[here] = self._within(drive, row, segments.poses[segment], times[here] - row[layout.START])
         return out
 
     def _within(self, drive: Drive, row: Array, pose: Array, after: Array) -> Array:
         """Poses times ``after`` into a segment."""
         regime = self.flights.regime(held_in(row, len(self.contacts.gaps)))
-        found = regime.poses(drive.omega, drive.amplitude, regime.inward(pose), float(row[AT_CLOCK]), after)
+        found = regime.poses(drive.omega, drive.amplitude, regime.inward(pose), float(row[layout.AT_CLOCK]), after)
         out = regime.outward(found)
         out[after <= 0] = pose
         return out
@@ -101,7 +92,7 @@ class ContactsSolver:
         settle: int,
         hold: int,
         output: str,
-        reading: int = EVERYTHING,
+        reading: int = layout.EVERYTHING,
         states: list[State] | None = None,
         strobes: list[Array] | None = None,
     ) -> tuple[FrequencyResponse, State]:
@@ -112,23 +103,23 @@ class ContactsSolver:
         if self.system.derivative(output) is not None:
             raise ValueError(f"output {output!r}: with several contacts a sweep reads displacements alone")
         pose, row = self._pose(state), self.system.output(output)
-        tally, after = PointReadout(len(omegas), self.system.size), list[State]()
+        readout, after = PointReadout(len(omegas), self.system.size), list[State]()
         self.flights.for_size(np.inf)
         begun = time.thread_time()
         for index, (omega, size) in enumerate(zip(omegas, np.broadcast_to(amplitude, len(omegas)), strict=True)):
             reader = Reading(self.flights, Drive(float(omega), float(size)), row, reading)
             motion, outcome, period, passed = self._point(reader, pose, settle, hold)
-            counts = np.zeros(COUNT_ROWS, dtype=np.int64)
-            counts[IMPACTS], counts[PANELS] = motion.impacts, motion.panels
-            tally.note(index, outcome, period, reader.result, reader.energy, counts)
-            after.append(_state(motion) if outcome == COMPLETE else equilibrium(self.system))
+            counts = np.zeros(layout.COUNT_ROWS, dtype=np.int64)
+            counts[layout.IMPACTS], counts[layout.PANELS] = motion.impacts, motion.panels
+            readout.note(index, outcome, period, reader.result, reader.energy, counts)
+            after.append(_state(motion) if outcome == layout.COMPLETE else equilibrium(self.system))
             pose = self._pose(after[-1])
             if strobes is not None:
                 strobes.append(passed)
-            begun = tally.time(index, begun)
+            begun = readout.time(index, begun)
         if states is not None:
             states.extend(after)
-        return self._response(np.asarray(omegas, dtype=float), tally, hold, reading), after[-1]
+        return self._response(np.asarray(omegas, dtype=float), readout, hold, reading), after[-1]
 
     def _point(self, reader: Reading, pose: Array, settle: int, hold: int) -> tuple[Motion, int, int, Array]:
         """Settle and watch: the motion at the end, the outcome, the period, the states at the ends of periods."""
@@ -138,11 +129,11 @@ class ContactsSolver:
         strobes = [motion.pose]
         for period in range(settle + hold):
             pause()
-            if outcome != COMPLETE:
+            if outcome != layout.COMPLETE:
                 return motion, outcome, 0, np.array(strobes)
             motion.segments, motion.clock = [], 0.0
             outcome, _ = self.flights.advance(drive, motion, turn, self.limit)
-            if period >= settle and outcome == COMPLETE:
+            if period >= settle and outcome == layout.COMPLETE:
                 outcome = reader.note(motion, strobes)
             if period + 1 == settle:
                 strobes = [motion.pose]
@@ -151,11 +142,11 @@ class ContactsSolver:
         passed = np.array(strobes)
         return motion, outcome, repetition(self.system.omega, drive.omega, passed, LONGEST_PERIOD), passed
 
-    def _response(self, omegas: Array, tally: PointReadout, hold: int, reading: int) -> FrequencyResponse:
-        response = tally.response(omegas, hold, self.system.gap)
-        if reading < REACH_TOO:
+    def _response(self, omegas: Array, readout: PointReadout, hold: int, reading: int) -> FrequencyResponse:
+        response = readout.response(omegas, hold, self.system.gap)
+        if reading < layout.REACH_TOO:
             response.reach[:] = np.nan
-        if reading < EVERYTHING:
+        if reading < layout.EVERYTHING:
             response.mode_energy[:] = np.nan
         return response
 
@@ -173,8 +164,8 @@ def _packed(motion: Motion, start: float, size: float) -> Segments:
     """The segments traced; a motion that ended where it began is one without duration."""
     if not motion.segments:
         row = np.zeros((1, COLUMNS))
-        row[0, START], row[0, AT_CLOCK] = start, motion.clock
+        row[0, layout.START], row[0, layout.AT_CLOCK] = start, motion.clock
         return Segments(row, motion.pose[None].copy(), size)
     trace = np.array([each.row for each in motion.segments])
-    trace[:, START] += start
+    trace[:, layout.START] += start
     return Segments(trace, np.array([each.pose for each in motion.segments]), size)

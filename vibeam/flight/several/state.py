@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.contacts import NOISE, Contacts
-from vibeam.flight.kernels.regimes.layout import TOUCHING
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.one_sided import multipliers, one_sided, within
 from vibeam.system.impact_system import Drive
 
@@ -140,7 +140,7 @@ def _pressing(rows: Array, place: int, pull: Pull, size: Array, jerk: Array) -> 
     growth = _seen(each @ rate, np.abs(each) @ size)
     if growth > 0:
         return 1.0, growth
-    return None if growth < 0 or force < 0 else (TOUCHING, 0.0)
+    return None if growth < 0 or force < 0 else (regime_layout.TOUCHING, 0.0)
 
 
 def _opening(second: float, third: float, at_root: bool) -> Start | None:
@@ -150,7 +150,7 @@ def _opening(second: float, third: float, at_root: bool) -> Start | None:
     if second < 0:
         return 2.0, -second
     if at_root and second == 0 and third == 0:
-        return TOUCHING, 0.0
+        return regime_layout.TOUCHING, 0.0
     return None
 
 

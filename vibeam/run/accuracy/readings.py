@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.layout import OUTPUT_ALONE, REACH_TOO
+from vibeam.flight.kernels import layout
 from vibeam.system.response import FrequencyResponse
 
 Array = NDArray[np.float64]
@@ -17,7 +17,7 @@ OVER_AMPLITUDE = ("maximum", "minimum")  # quantities that may be zero: their er
 
 def reading_of(quantities: Sequence[str]) -> int:
     """Level of detail that the flight solver must read off for the quantities."""
-    return REACH_TOO if "reach" in quantities else OUTPUT_ALONE
+    return layout.REACH_TOO if "reach" in quantities else layout.OUTPUT_ALONE
 
 
 def values(response: FrequencyResponse, quantities: Sequence[str]) -> Array:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.kernels.layout import OUTPUT_ALONE
+from vibeam.flight.kernels import layout
 from vibeam.flight.solver import FlightSolver
 from vibeam.run.estimate.basis import Basis
 from vibeam.run.estimate.records import QUANTITIES, ErrorEstimate
@@ -152,7 +152,9 @@ class FullSweep:
         self, omega: float, base: float, state: State | None, settle: int, hold: int
     ) -> tuple[Motion, State | None]:
         """Motion of so many periods, and the state after it; None where it was given up."""
-        response, after = self._flight.steady([omega], float(base), state, settle, hold, self._output, OUTPUT_ALONE)
+        response, after = self._flight.steady(
+            [omega], float(base), state, settle, hold, self._output, layout.OUTPUT_ALONE
+        )
         return Motion.of(response), after if complete(response)[0] else None
 
 

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.entries import march
-from vibeam.flight.kernels.moreau_layout import HELD, IMPACTS, ROWS
+from vibeam.flight.kernels import moreau_layout
 from vibeam.flight.pause import pause
 from vibeam.solvers.integration.samples import Outcome, Piece
 from vibeam.solvers.integration.stepper import NO_MARKS, Stepper, Watch, cycle, onto_stop, slack
@@ -102,20 +102,20 @@ class _March:
             self.rows, self.scheme, np.sin(self.drive.omega * times), self.pose, self.samples, self.pushed,
             self.strikes, self.totals,
         )  # fmt: skip
-        self.impacts += int(self.totals[IMPACTS])
+        self.impacts += int(self.totals[moreau_layout.IMPACTS])
         if self.watch is not None:
             self.watch(self._piece(times, count))
 
     def _piece(self, times: Array, count: int) -> Piece:
-        strikes = self.strikes[: self.totals[IMPACTS]]
+        strikes = self.strikes[: self.totals[moreau_layout.IMPACTS]]
         struck = times[strikes[:, 0].astype(int)] + self.h
-        rest, smooth = float(self.totals[HELD]) * self.h, self.pushed[:count] == 0.0
+        rest, smooth = float(self.totals[moreau_layout.HELD]) * self.h, self.pushed[:count] == 0.0
         return Piece(times, self.samples[: count + 1].copy(), struck, strikes[:, 1].copy(), rest, smooth)
 
 
 def moreau_rows(system: ImpactSystem, drive: Drive, h: float, theta: float) -> Array:
     """Rows (ROWS, n) of a system for the kernel, for steps of ``h`` s."""
-    rows = np.zeros((ROWS, system.size))
+    rows = np.zeros((moreau_layout.ROWS, system.size))
     stiffness, damping = system.omega**2, 2 * system.zeta * system.omega
     inverse = 1 / (1 + theta * h * damping + (theta * h) ** 2 * stiffness)
     load = system.load * (drive.omega**2 * drive.amplitude)

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from vibeam.flight.kernels.layout import BEFORE, CHATTER, DURATION, END, IMPACT, STUCK
+from vibeam.flight.kernels import layout
 from vibeam.flight.solver import FlightSolver
 from vibeam.solvers.one_mode.oscillator import Oscillator
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -64,11 +64,11 @@ class ImpactMap:
         place = State(np.array([model.gap]), np.array([-model.restitution * impact.velocity]))
         drive = Drive(self.omega, model.drive)
         trace = self.solver.simulate(drive, place, start, start + HORIZON * self.period, 0)[3].trace
-        struck = np.flatnonzero(np.isin(trace[:, END], (IMPACT, CHATTER, STUCK)))
+        struck = np.flatnonzero(np.isin(trace[:, layout.END], (layout.IMPACT, layout.CHATTER, layout.STUCK)))
         if not len(struck):
             return Impact(nan, nan)
-        flight = float(np.sum(trace[: struck[0] + 1, DURATION]))
-        return Impact(impact.time + flight, float(trace[struck[0], BEFORE]), flight)
+        flight = float(np.sum(trace[: struck[0] + 1, layout.DURATION]))
+        return Impact(impact.time + flight, float(trace[struck[0], layout.BEFORE]), flight)
 
     def iterate(self, impact: Impact, count: int) -> list[Impact]:
         """Next ``count`` impacts."""

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.drive import wrap
 from vibeam.flight.kernels.lanes import layout as row
@@ -14,7 +15,7 @@ from vibeam.flight.kernels.lanes.elementary import exponential, sine_cosine
 from vibeam.flight.kernels.lanes.layout import Panel
 from vibeam.flight.kernels.lanes.mode_blocks import cell
 from vibeam.flight.kernels.lanes.simd import Lanes, every, load, one, smaller, store, total, width
-from vibeam.flight.kernels.layout import CONTACT_IM, CONTACT_RE, DISC, OMEGA, SIGMA, Engine, Phase, W
+from vibeam.flight.kernels.layout import Engine, Phase
 from vibeam.flight.kernels.roots.newton import EPSILON
 from vibeam.flight.kernels.roots.pair import propagator
 from vibeam.flight.kernels.thresholds import FORGOTTEN, REDUCED
@@ -80,7 +81,7 @@ def no_landing(outcome: int, time: float) -> Landing:
 def phase_at(drive: Array, time: float) -> Phase:
     """cos Ωt and sin Ωt."""
     like = one()
-    sine, cosine = sine_cosine(every(drive[W] * wrap(drive, time), like))
+    sine, cosine = sine_cosine(every(drive[layout.W] * wrap(drive, time), like))
     return Phase(total(cosine), total(sine))
 
 
@@ -89,8 +90,8 @@ def drive_phasor(drive: Array, phase: Phase) -> tuple[float, float]:
     """Re z, Im z of the drive's part in the gap at that phase: z = −Σ w_k H_k e^{iφ}."""
     cosine, sine = phase
     return (
-        -(drive[CONTACT_RE] * cosine - drive[CONTACT_IM] * sine),
-        -(drive[CONTACT_RE] * sine + drive[CONTACT_IM] * cosine),
+        -(drive[layout.CONTACT_RE] * cosine - drive[layout.CONTACT_IM] * sine),
+        -(drive[layout.CONTACT_RE] * sine + drive[layout.CONTACT_IM] * cosine),
     )
 
 
@@ -101,7 +102,7 @@ def one_by_one(cells: Array, pairs: Array, b: int, t: float, like: Lanes) -> Non
     for j in range(min(lanes, pairs.shape[1] - b * lanes)):
         k = b * lanes + j
         x, y = cells[at + row.START_X * lanes + j], cells[at + row.START_Y * lanes + j]
-        p00, p01, p10, p11 = propagator(pairs[SIGMA, k], pairs[OMEGA, k], pairs[DISC, k], t)
+        p00, p01, p10, p11 = propagator(pairs[layout.SIGMA, k], pairs[layout.OMEGA, k], pairs[layout.DISC, k], t)
         cells[at + row.ROOT_X * lanes + j] = p00 * x + p01 * y
         cells[at + row.ROOT_Y * lanes + j] = p10 * x + p11 * y
 
@@ -223,14 +224,14 @@ def nearest(f: Derivatives, least: float) -> tuple[float, bool]:
 
 
 @joined
-def at_root(desk: Engine, panel: Panel, forced: Forced, clock: float, bracket: Bracket, like: Lanes) -> Landing:
+def at_root(engine: Engine, panel: Panel, forced: Forced, clock: float, bracket: Bracket, like: Lanes) -> Landing:
     """The one root in a bracket: STRUCK there; or UNUSUAL, where Newton's method does not settle on it.
 
     ROOT_X, ROOT_Y receive the pairs there. ``clock``: the drive's time at the flight's start. The rest of the quartic
     about the last iterate, M₅d⁴/24 in the slope, moves the velocity by less than half a last digit, or the closed form
     is taken once more.
     """
-    cells, pairs, drive, const, w = desk.cells, desk.pairs, desk.drive, forced.const, forced.omega
+    cells, pairs, drive, const, w = engine.cells, engine.pairs, engine.drive, forced.const, forced.omega
     low, t, high = bracket
     w2 = w * w
     for _ in range(ROUNDS):

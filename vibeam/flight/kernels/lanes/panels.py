@@ -9,13 +9,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined
 from vibeam.flight.kernels.lanes import layout as row
 from vibeam.flight.kernels.lanes.landing import Forced
 from vibeam.flight.kernels.lanes.layout import Panel
 from vibeam.flight.kernels.lanes.mode_blocks import cell, rung
 from vibeam.flight.kernels.lanes.simd import Lanes, every, larger, load, size, smaller, store, total, width
-from vibeam.flight.kernels.layout import FIRST_IM, FIRST_RE, SECOND_IM, SECOND_RE, STEP, Engine
+from vibeam.flight.kernels.layout import Engine
 from vibeam.flight.kernels.roots.bounds import CLEAR, SPLIT, THIRD, VALUE, Bounds, Ends, verdict
 
 Array = NDArray[np.float64]
@@ -57,15 +58,15 @@ def to_start(cells: Array, blocks: int, like: Lanes) -> tuple[float, float]:
 
 
 @joined
-def first_panel(desk: Engine, blocks: int, level: int, rise: float, forced: Forced, fifth: float, like: Lanes) -> int:
+def first_panel(engine: Engine, blocks: int, level: int, rise: float, forced: Forced, fifth: float, like: Lanes) -> int:
     """Verdict on the first panel after an impact, by the quotient p = g/t; the trial ends go to the other side.
 
     p(0) = ``rise``, p'(0) = ½g''(0), p(h) = rise + hγ, p'(h) = δ − γ (``signal.quotient``, m = 1), |p⁗| ≤ M₅/5, M₅ ≤
     ``fifth`` + Σ κ⁵e, ``fifth`` the bound Ω⁵|z| of the drive's part.
     """
-    cells, rungs, levels = desk.cells, desk.rungs, desk.levels
+    cells, rungs, levels = engine.cells, engine.rungs, engine.levels
     zr, zi, w = forced.re, forced.im, forced.omega
-    step, h = width(like), levels[STEP, level]
+    step, h = width(like), levels[layout.STEP, level]
     hidden, second, whole = every(0.0, like), every(0.0, like), every(0.0, like)
     gamma, delta, missed = every(0.0, like), every(0.0, like), every(0.0, like)
     for b in range(blocks):
@@ -85,11 +86,11 @@ def first_panel(desk: Engine, blocks: int, level: int, rise: float, forced: Forc
         gamma += low * g
         delta += low * d
         whole += g
-    drawn = zr * levels[SECOND_IM, level] + zi * levels[SECOND_RE, level]
+    drawn = zr * levels[layout.SECOND_IM, level] + zi * levels[layout.SECOND_RE, level]
     start, bend = rise - total(hidden), total(gamma) + drawn
     slope = 0.5 * (total(second) - w * w * zi)
     end = start + h * bend
-    end_slope = total(delta) + w * (zr * levels[FIRST_RE, level] - zi * levels[FIRST_IM, level]) - bend
+    end_slope = total(delta) + w * (zr * levels[layout.FIRST_RE, level] - zi * levels[layout.FIRST_IM, level]) - bend
     least = min(min(start, start + THIRD * h * slope), min(end - THIRD * h * end_slope, end))
     if least > total(missed) + 0.2 * VALUE * fifth * (h * h) * (h * h):
         return CLEAR
@@ -97,12 +98,12 @@ def first_panel(desk: Engine, blocks: int, level: int, rise: float, forced: Forc
 
 
 @joined
-def advance_panel(desk: Engine, panel: Panel, like: Lanes) -> tuple[float, float, float]:
+def advance_panel(engine: Engine, panel: Panel, like: Lanes) -> tuple[float, float, float]:
     """Trial ends from the node, on the other side: value and slope of what the panel resolves, what its hull misses.
 
     x ← P00 x + P01 x', x' ← P10 x + P11 x'; missed is Σ κ⁴e h⁴/384 of the pairs resolved and Σ e of the others.
     """
-    cells, rungs = desk.cells, desk.rungs
+    cells, rungs = engine.cells, engine.rungs
     blocks, whole, level, side = panel
     step, here, there = width(like), 3 * side * width(like), 3 * (1 - side) * width(like)
     value, slope, missed = every(0.0, like), every(0.0, like), every(0.0, like)
@@ -122,9 +123,9 @@ def advance_panel(desk: Engine, panel: Panel, like: Lanes) -> tuple[float, float
 
 
 @joined
-def resolved(desk: Engine, panel: Panel, like: Lanes) -> tuple[float, float]:
+def resolved(engine: Engine, panel: Panel, like: Lanes) -> tuple[float, float]:
     """Value Σ x and slope Σ x' at the node, over the pairs that a panel of that length resolves."""
-    cells, rungs = desk.cells, desk.rungs
+    cells, rungs = engine.cells, engine.rungs
     blocks, whole, level, side = panel
     step, here = width(like), 3 * side * width(like)
     value, slope = every(0.0, like), every(0.0, like)
@@ -137,14 +138,14 @@ def resolved(desk: Engine, panel: Panel, like: Lanes) -> tuple[float, float]:
 
 @joined
 def closer(
-    desk: Engine, panel: Panel, part: Ends, others: Bounds, tolerance: float, like: Lanes
+    engine: Engine, panel: Panel, part: Ends, others: Bounds, tolerance: float, like: Lanes
 ) -> tuple[int, Ends, float, float]:
     """``bounds.verdict`` on the panel just tried; the whole signal's value and slope at its ends, and at both the
     second derivative of the pairs that it resolves.
 
     ``part``: ends of what is resolved. ``others``: Ω⁴|z| of the drive; value, slope, curvature of the blocks left out.
     """
-    cells, rungs, h = desk.cells, desk.rungs, desk.levels[STEP, panel.level]
+    cells, rungs, h = engine.cells, engine.rungs, engine.levels[layout.STEP, panel.level]
     blocks, whole, level, side = panel
     step, here, there = width(like), 3 * side * width(like), 3 * (1 - side) * width(like)
     begin, begin_slope, end, end_slope = every(0.0, like), every(0.0, like), every(0.0, like), every(0.0, like)

@@ -12,19 +12,12 @@ from math import sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
 from vibeam.flight.kernels.extremes import hull
-from vibeam.flight.kernels.layout import STRENGTH, W
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.kernels.regimes.laws import force, force_rate
-from vibeam.flight.kernels.regimes.layout import (
-    COUPLED,
-    EXPONENT,
-    MOBILITY,
-    PEAKED,
-    STEPPED,
-    STIFFNESS,
-    RegimeEngine,
-)
+from vibeam.flight.kernels.regimes.layout import RegimeEngine
 from vibeam.flight.kernels.roots.bounds import Ends
 
 Array = NDArray[np.float64]
@@ -43,75 +36,75 @@ BEGIN, END, STAGE = range(3)  # rows of plan.state
 
 
 @kernel
-def depth(plan: RegimeEngine, y: Array, side: int) -> tuple[float, float]:
+def depth(engine: RegimeEngine, y: Array, side: int) -> tuple[float, float]:
     """d and d'."""
-    n = plan.contact.shape[1]
-    value, rate = -plan.gaps[side], 0.0
+    n = engine.contact.shape[1]
+    value, rate = -engine.gaps[side], 0.0
     for k in range(n):
-        value += plan.contact[side, k] * y[k]
-        rate += plan.contact[side, k] * y[n + k]
+        value += engine.contact[side, k] * y[k]
+        rate += engine.contact[side, k] * y[n + k]
     return value, rate
 
 
 @kernel
-def rate_of(plan: RegimeEngine, y: Array, side: int, time: float, out: Array) -> None:
+def rate_of(engine: RegimeEngine, y: Array, side: int, time: float, out: Array) -> None:
     """dy/dt of y = (η, η') into ``out``."""
-    n = plan.contact.shape[1]
-    value, rate = depth(plan, y, side)
-    pressed, base = force(plan.law, value, rate), plan.drive[STRENGTH] * sin(plan.drive[W] * time)
+    n = engine.contact.shape[1]
+    value, rate = depth(engine, y, side)
+    pressed, base = force(engine.law, value, rate), engine.drive[layout.STRENGTH] * sin(engine.drive[layout.W] * time)
     for k in range(n):
-        pull = plan.load[k] * base + plan.static[k] - plan.spring[k] * y[k] - plan.contact[side, k] * pressed
-        if plan.law[COUPLED] > 0.0:
+        pull = engine.load[k] * base + engine.static[k] - engine.spring[k] * y[k] - engine.contact[side, k] * pressed
+        if engine.law[regime_layout.COUPLED] > 0.0:
             for j in range(n):
-                pull -= plan.damper[k, j] * y[n + j]
+                pull -= engine.damper[k, j] * y[n + j]
         else:
-            pull -= plan.damping[k] * y[n + k]
+            pull -= engine.damping[k] * y[n + k]
         out[k], out[n + k] = y[n + k], pull
 
 
 @kernel
-def step(plan: RegimeEngine, side: int, time: float, h: float) -> float:
+def step(engine: RegimeEngine, side: int, time: float, h: float) -> float:
     """One step from state[BEGIN] to state[END]; its error over what is allowed."""
-    state, stages, nodes, width = plan.state, plan.stages, plan.nodes, plan.state.shape[1]
+    state, stages, nodes, width = engine.state, engine.stages, engine.nodes, engine.state.shape[1]
     for s in range(12):
         for i in range(width):
             total = 0.0
             for j in range(s):
                 total += nodes[s, j] * stages[j, i]
             state[STAGE, i] = state[BEGIN, i] + h * total
-        rate_of(plan, state[STAGE], side, time + nodes[13, s] * h, stages[s])
+        rate_of(engine, state[STAGE], side, time + nodes[13, s] * h, stages[s])
     for i in range(width):
         total = 0.0
         for j in range(12):
             total += nodes[12, j] * stages[j, i]
         state[END, i] = state[BEGIN, i] + h * total
-    rate_of(plan, state[END], side, time + h, stages[12])
-    return error(plan, side, h)
+    rate_of(engine, state[END], side, time + h, stages[12])
+    return error(engine, side, h)
 
 
 @kernel
-def error(plan: RegimeEngine, side: int, h: float) -> float:
+def error(engine: RegimeEngine, side: int, h: float) -> float:
     """|h| e₅² / √(e₅² + e₃²/100) in the norm of the energy, the stop's included, over the tolerance."""
-    n, state = plan.contact.shape[1], plan.state
+    n, state = engine.contact.shape[1], engine.state
     third, fifth = 0.0, 0.0
-    begin, _ = depth(plan, state[BEGIN], side)
-    end, _ = depth(plan, state[END], side)
-    power = plan.law[EXPONENT] + 1.0
-    size = 2.0 * plan.law[STIFFNESS] * max(begin, end, 0.0) ** power / power
+    begin, _ = depth(engine, state[BEGIN], side)
+    end, _ = depth(engine, state[END], side)
+    power = engine.law[regime_layout.EXPONENT] + 1.0
+    size = 2.0 * engine.law[regime_layout.STIFFNESS] * max(begin, end, 0.0) ** power / power
     for k in range(n):
         for half in range(2):
             i = half * n + k
-            weight = 1.0 if half == 1 else plan.spring[k] + 1.0 / (h * h)
+            weight = 1.0 if half == 1 else engine.spring[k] + 1.0 / (h * h)
             e3, e5 = 0.0, 0.0
             for s in range(13):
-                e3 += plan.weights[0, s] * plan.stages[s, i]
-                e5 += plan.weights[1, s] * plan.stages[s, i]
+                e3 += engine.weights[0, s] * engine.stages[s, i]
+                e5 += engine.weights[1, s] * engine.stages[s, i]
             third += weight * e3 * e3
             fifth += weight * e5 * e5
             if half == 1:
                 size += max(state[BEGIN, i] ** 2, state[END, i] ** 2)
             else:
-                size += plan.spring[k] * max(state[BEGIN, i] ** 2, state[END, i] ** 2)
+                size += engine.spring[k] * max(state[BEGIN, i] ** 2, state[END, i] ** 2)
     if not np.isfinite(fifth + third + size):
         return np.inf
     if fifth == 0.0 or size == 0.0:
@@ -120,33 +113,36 @@ def error(plan: RegimeEngine, side: int, h: float) -> float:
 
 
 @kernel
-def load(plan: RegimeEngine, pose: Array) -> None:
+def load(engine: RegimeEngine, pose: Array) -> None:
     """state[BEGIN] from ``pose``."""
     n = pose.shape[1]
     for k in range(n):
-        plan.state[BEGIN, k], plan.state[BEGIN, n + k] = pose[0, k], pose[1, k]
+        engine.state[BEGIN, k], engine.state[BEGIN, n + k] = pose[0, k], pose[1, k]
 
 
 @kernel
-def store(plan: RegimeEngine, pose: Array) -> None:
+def store(engine: RegimeEngine, pose: Array) -> None:
     """``pose`` from state[BEGIN]."""
     n = pose.shape[1]
     for k in range(n):
-        pose[0, k], pose[1, k] = plan.state[BEGIN, k], plan.state[BEGIN, n + k]
+        pose[0, k], pose[1, k] = engine.state[BEGIN, k], engine.state[BEGIN, n + k]
 
 
 @kernel
-def take(plan: RegimeEngine) -> None:
+def take(engine: RegimeEngine) -> None:
     """state[BEGIN] becomes state[END]."""
-    for i in range(plan.state.shape[1]):
-        plan.state[BEGIN, i] = plan.state[END, i]
+    for i in range(engine.state.shape[1]):
+        engine.state[BEGIN, i] = engine.state[END, i]
 
 
 @kernel
-def first_step(plan: RegimeEngine, side: int) -> float:
+def first_step(engine: RegimeEngine, side: int) -> float:
     """A hundredth of about how long the contact lasts: m d'' = −k d^p from d' = v, m = 1/S."""
-    value, rate = depth(plan, plan.state[BEGIN], side)
-    power, own = plan.law[EXPONENT] + 1.0, plan.law[STIFFNESS] * plan.law[MOBILITY]
+    value, rate = depth(engine, engine.state[BEGIN], side)
+    power, own = (
+        engine.law[regime_layout.EXPONENT] + 1.0,
+        engine.law[regime_layout.STIFFNESS] * engine.law[regime_layout.MOBILITY],
+    )
     energy = rate * rate / 2.0 + own * max(value, 0.0) ** power / power
     if energy == 0.0:
         return 1e-3 / sqrt(own)
@@ -155,65 +151,65 @@ def first_step(plan: RegimeEngine, side: int) -> float:
 
 @kernel
 def integrate_contact(
-    plan: RegimeEngine, pose: Array, status: Array, side: int, clock: float, span: float, traced: bool
+    engine: RegimeEngine, pose: Array, status: Array, side: int, clock: float, span: float, traced: bool
 ) -> tuple[bool, float, int]:
     """On from ``pose`` until d returns to 0, for ``span`` or for ``BATCH`` steps: (whether it did, time, steps).
 
     status[STEPPED] holds the step to try, 0 where there is none yet; infinite time where the step underflows. Where it
     is ``traced``, status[PEAKED] receives the largest force. A start at d = 0 without velocity is no end.
     """
-    load(plan, pose)
-    value, rate = depth(plan, plan.state[BEGIN], side)
+    load(engine, pose)
+    value, rate = depth(engine, engine.state[BEGIN], side)
     if value <= 0.0 and rate < 0.0:
-        status[PEAKED] = 0.0
+        status[regime_layout.PEAKED] = 0.0
         return True, 0.0, 0
-    h = status[STEPPED] if status[STEPPED] > 0.0 else first_step(plan, side)
-    done, steps, status[PEAKED] = 0.0, 0, 0.0
+    h = status[regime_layout.STEPPED] if status[regime_layout.STEPPED] > 0.0 else first_step(engine, side)
+    done, steps, status[regime_layout.PEAKED] = 0.0, 0, 0.0
     while steps < BATCH and done < span:
         h = min(h, span - done)
         if not h > 0.0 or (clock + done + h * 1e-3 == clock + done and h < 1e-300):
             return False, np.inf, steps
-        wrong = step(plan, side, clock + done, h)
+        wrong = step(engine, side, clock + done, h)
         steps += 1
         if wrong > 1.0:
             h *= max(0.2, 0.9 * wrong**-0.125) if np.isfinite(wrong) else 0.1
             continue
-        value, rate = depth(plan, plan.state[END], side)
+        value, rate = depth(engine, engine.state[END], side)
         if traced:
-            note_peak(plan, status, side, clock + done, h)
+            note_peak(engine, status, side, clock + done, h)
         if value <= 0.0 and rate < 0.0:
-            return True, done + last_step(plan, pose, side, clock + done, h), steps
-        if dips(plan, side, h):
+            return True, done + last_step(engine, pose, side, clock + done, h), steps
+        if dips(engine, side, h):
             h *= 0.5
             continue
         done += h
-        take(plan)
+        take(engine)
         grown = h * (min(5.0, 0.9 * wrong**-0.125) if wrong > 0.0 else 5.0)
         if done < span:
             h = grown
-    status[STEPPED] = h
-    store(plan, pose)
+    status[regime_layout.STEPPED] = h
+    store(engine, pose)
     return False, done, steps
 
 
 @kernel
-def growth(plan: RegimeEngine, row: int, stage: int, side: int) -> tuple[float, float]:
+def growth(engine: RegimeEngine, row: int, stage: int, side: int) -> tuple[float, float]:
     """F and dF/dt at state[row], whose rate is stages[stage]."""
-    value, rate = depth(plan, plan.state[row], side)
-    pressed, second, n = force(plan.law, value, rate), 0.0, plan.contact.shape[1]
+    value, rate = depth(engine, engine.state[row], side)
+    pressed, second, n = force(engine.law, value, rate), 0.0, engine.contact.shape[1]
     if pressed == 0.0:
         return 0.0, 0.0
     for k in range(n):
-        second += plan.contact[side, k] * plan.stages[stage, n + k]
-    return pressed, force_rate(plan.law, value, rate, second)
+        second += engine.contact[side, k] * engine.stages[stage, n + k]
+    return pressed, force_rate(engine.law, value, rate, second)
 
 
 @kernel
-def note_peak(plan: RegimeEngine, status: Array, side: int, time: float, h: float) -> None:
+def note_peak(engine: RegimeEngine, status: Array, side: int, time: float, h: float) -> None:
     """status[PEAKED] over the step just made; where the force turns inside, at its top."""
-    first, rising = growth(plan, BEGIN, 0, side)
-    last, falling = growth(plan, END, 12, side)
-    status[PEAKED] = max(status[PEAKED], max(first, last))
+    first, rising = growth(engine, BEGIN, 0, side)
+    last, falling = growth(engine, END, 12, side)
+    status[regime_layout.PEAKED] = max(status[regime_layout.PEAKED], max(first, last))
     if not (rising > 0.0 and (falling < 0.0 or last == 0.0)):
         return
     low, high = 0.0, h
@@ -221,23 +217,23 @@ def note_peak(plan: RegimeEngine, status: Array, side: int, time: float, h: floa
         t = 0.5 * (low + high)
         if i % 3 > 0 and last > 0.0:
             t = low + (high - low) * min(max(rising / (rising - falling), 0.01), 0.99)
-        step(plan, side, time, t)
-        value, slope = growth(plan, END, 12, side)
-        status[PEAKED] = max(status[PEAKED], value)
+        step(engine, side, time, t)
+        value, slope = growth(engine, END, 12, side)
+        status[regime_layout.PEAKED] = max(status[regime_layout.PEAKED], value)
         if abs(slope) * (high - low) <= EPSILON * value:
             break
         if slope > 0.0:
             low, rising = t, slope
         else:
             high, falling, last = t, slope, value
-    step(plan, side, time, h)
+    step(engine, side, time, h)
 
 
 @kernel
-def dips(plan: RegimeEngine, side: int, h: float) -> bool:
+def dips(engine: RegimeEngine, side: int, h: float) -> bool:
     """Whether the cubic through d and d' at the step's ends goes below 0 between them."""
-    p0, s0 = depth(plan, plan.state[BEGIN], side)
-    p1, s1 = depth(plan, plan.state[END], side)
+    p0, s0 = depth(engine, engine.state[BEGIN], side)
+    p1, s1 = depth(engine, engine.state[END], side)
     if not (s0 < 0.0 < s1):
         return False
     a, b = 2.0 * (p0 - p1) + h * (s0 + s1), 3.0 * (p1 - p0) - h * (2.0 * s0 + s1)
@@ -247,11 +243,11 @@ def dips(plan: RegimeEngine, side: int, h: float) -> bool:
 
 
 @kernel
-def last_step(plan: RegimeEngine, pose: Array, side: int, time: float, h: float) -> float:
+def last_step(engine: RegimeEngine, pose: Array, side: int, time: float, h: float) -> float:
     """The step at whose end d = 0, at most h; ``pose`` receives the state there."""
     low, high, t = 0.0, h, h
     for _ in range(60):
-        value, rate = depth(plan, plan.state[END], side)
+        value, rate = depth(engine, engine.state[END], side)
         if value > 0.0:
             low = t
         else:
@@ -261,32 +257,32 @@ def last_step(plan: RegimeEngine, pose: Array, side: int, time: float, h: float)
             nearer = 0.5 * (low + high)
         change = abs(nearer - t)
         t = nearer
-        step(plan, side, time, t)
+        step(engine, side, time, t)
         if change <= 4.0 * EPSILON * h or high - low <= 4.0 * EPSILON * h:
             break
-    take(plan)
-    store(plan, pose)
+    take(engine)
+    store(engine, pose)
     return t
 
 
 @kernel
 def watch_step(
-    plan: RegimeEngine, row: Array, side: int, time: float, h: float, least: float, most: float
+    engine: RegimeEngine, row: Array, side: int, time: float, h: float, least: float, most: float
 ) -> tuple[float, float]:
     """(least, most) widened to row·η over the step just made, which must be ``plain`` for that row.
 
     Where its rate changes sign the step is shortened by Newton's method until the rate vanishes at its end; then it is
     made anew as it was.
     """
-    begin, rate, _ = read(plan, row, BEGIN, 0)
-    end, last, _ = read(plan, row, END, 12)
+    begin, rate, _ = read(engine, row, BEGIN, 0)
+    end, last, _ = read(engine, row, END, 12)
     least, most = min(least, min(begin, end)), max(most, max(begin, end))
     if rate * last >= 0.0:
         return least, most
     low, high, t = 0.0, h, h * rate / (rate - last)
     for _ in range(ROUNDS):
-        step(plan, side, time, t)
-        value, slope, bend = read(plan, row, END, 12)
+        step(engine, side, time, t)
+        value, slope, bend = read(engine, row, END, 12)
         least, most = min(least, value), max(most, value)
         if slope * slope <= EPSILON * abs(bend * value) or high - low <= EPSILON * h:
             break
@@ -297,33 +293,33 @@ def watch_step(
         t = t - slope / bend if bend != 0.0 else 0.5 * (low + high)
         if not low < t < high:
             t = 0.5 * (low + high)
-    step(plan, side, time, h)
+    step(engine, side, time, h)
     return least, most
 
 
 @kernel
-def read(plan: RegimeEngine, row: Array, place: int, stage: int) -> tuple[float, float, float]:
+def read(engine: RegimeEngine, row: Array, place: int, stage: int) -> tuple[float, float, float]:
     """row·η, its rate and curvature at state[place], whose rate is stages[stage]."""
     n, value, rate, bend = row.shape[0], 0.0, 0.0, 0.0
     for k in range(n):
-        value += row[k] * plan.state[place, k]
-        rate += row[k] * plan.state[place, n + k]
-        bend += row[k] * plan.stages[stage, n + k]
+        value += row[k] * engine.state[place, k]
+        rate += row[k] * engine.state[place, n + k]
+        bend += row[k] * engine.stages[stage, n + k]
     return value, rate, bend
 
 
 @kernel
-def plain(plan: RegimeEngine, row: Array, h: float, least: float, most: float) -> bool:
+def plain(engine: RegimeEngine, row: Array, h: float, least: float, most: float) -> bool:
     """Whether the rate of row·η changes sign at most once over the step just made, or that matters nothing.
 
     By the signs of the Bernstein coefficients of its cubic Hermite interpolant (Descartes); it matters nothing where
     the hull of row·η itself lies well within (least, most).
     """
-    p0, s0, c0 = read(plan, row, BEGIN, 0)
-    p1, s1, c1 = read(plan, row, END, 12)
+    p0, s0, c0 = read(engine, row, BEGIN, 0)
+    p1, s1, c1 = read(engine, row, END, 12)
     low, high = hull(Ends(p0, s0, p1, s1), h)
-    room = 0.25 * (high - low)
-    if low - room >= least and high + room <= most:
+    watch = 0.25 * (high - low)
+    if low - watch >= least and high + watch <= most:
         return True
     b1, b2 = s0 + h * c0 / 3.0, s1 - h * c1 / 3.0
     changes = (1 if s0 * b1 < 0.0 else 0) + (1 if b1 * b2 < 0.0 else 0) + (1 if b2 * s1 < 0.0 else 0)
@@ -331,34 +327,34 @@ def plain(plan: RegimeEngine, row: Array, h: float, least: float, most: float) -
 
 
 @kernel
-def add_energy_of_step(plan: RegimeEngine, h: float, energy: Array) -> None:
+def add_energy_of_step(engine: RegimeEngine, h: float, energy: Array) -> None:
     """Add ∫ ½(η'² + ω²η²) dt of every mode over the step just made, by its own quadrature of order 8."""
     n = energy.shape[0]
     for k in range(n):
         total = 0.0
         for s in range(12):
-            x, y = plan.state[BEGIN, k], plan.stages[s, k]
+            x, y = engine.state[BEGIN, k], engine.stages[s, k]
             for j in range(s):
-                x += h * plan.nodes[s, j] * plan.stages[j, k]
-            total += plan.nodes[12, s] * (y * y + plan.spring[k] * x * x)
+                x += h * engine.nodes[s, j] * engine.stages[j, k]
+            total += engine.nodes[12, s] * (y * y + engine.spring[k] * x * x)
         energy[k] += 0.5 * h * total
 
 
 @kernel
-def integrated_at(plan: RegimeEngine, pose: Array, side: int, clock: float, duration: float) -> None:
+def integrated_at(engine: RegimeEngine, pose: Array, side: int, clock: float, duration: float) -> None:
     """Set ``pose`` to ``duration`` later in contact, wherever that ends."""
-    load(plan, pose)
-    h, done, steps = first_step(plan, side), 0.0, 0
+    load(engine, pose)
+    h, done, steps = first_step(engine, side), 0.0, 0
     while done < duration and steps < MOST_STEPS:
         h = min(h, duration - done)
         steps += 1
-        wrong = step(plan, side, clock + done, h)
+        wrong = step(engine, side, clock + done, h)
         if wrong > 1.0:
             h *= max(0.2, 0.9 * wrong**-0.125) if np.isfinite(wrong) else 0.1
             if h < 1e-300:
                 break
             continue
-        take(plan)
+        take(engine)
         done = done + h if h < duration - done else duration
         h *= min(5.0, 0.9 * wrong**-0.125) if wrong > 0.0 else 5.0
-    store(plan, pose)
+    store(engine, pose)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
-from vibeam.flight.kernels.layout import WHOLE, Regime
+from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.kernels.modal_flow import ROUND_OFF
 from vibeam.flight.kernels.roots.signal import derivatives, signal_of
 
@@ -25,9 +26,9 @@ def leading_order(regime: Regime, value: float, rate: float, size: float) -> tup
 @kernel
 def curve_of(regime: Regime) -> tuple[int, float]:
     """The same for a signal known to start at 0 without slope: by its second and third derivative."""
-    derivatives(signal_of(regime), regime.pairs.shape[1], WHOLE, 3)
-    if regime.signal[WHOLE + 2] > 0.0:
-        return 2, float(regime.signal[WHOLE + 2])
-    if regime.signal[WHOLE + 2] == 0.0 and regime.signal[WHOLE + 3] > 0.0:
-        return 3, float(regime.signal[WHOLE + 3])
+    derivatives(signal_of(regime), regime.pairs.shape[1], layout.WHOLE, 3)
+    if regime.signal[layout.WHOLE + 2] > 0.0:
+        return 2, float(regime.signal[layout.WHOLE + 2])
+    if regime.signal[layout.WHOLE + 2] == 0.0 and regime.signal[layout.WHOLE + 3] > 0.0:
+        return 3, float(regime.signal[layout.WHOLE + 3])
     return -1, 0.0

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import kernel
-from vibeam.flight.kernels.layout import AMPLITUDE, CONTACT, GAP, LOAD, OMEGA, STATIC, ZETA, W
 from vibeam.flight.kernels.roots.double_double import (
     Pair,
     add,
@@ -45,28 +45,28 @@ def sharp_gap(pairs: Array, initial: InitialState, t: float) -> float:
     η_k = Im(H_k e^{iφ}) + s_k/ω_k² + P00 x_k + P01 x_k', x_k what the initial state has beyond the steady response.
     """
     modes, drive, pose, clock = initial
-    start, w = two_product(drive[W], clock), drive[W]
+    start, w = two_product(drive[layout.W], clock), drive[layout.W]
     phase = add(start, two_product(w, t))
-    total: Pair = (drive[GAP], 0.0)
+    total: Pair = (drive[layout.GAP], 0.0)
     for k in range(pairs.shape[1]):
-        own, zeta = pairs[OMEGA, k], modes[ZETA, k]
-        re, im = steady(own, zeta, modes[LOAD, k], w, drive)
-        offset = divide((modes[STATIC, k], 0.0), two_product(own, own))
+        own, zeta = pairs[layout.OMEGA, k], modes[layout.ZETA, k]
+        re, im = steady(own, zeta, modes[layout.LOAD, k], w, drive)
+        offset = divide((modes[layout.STATIC, k], 0.0), two_product(own, own))
         x0, y0 = at_phase(re, im, start, w)
         x = subtract(subtract((pose[0, k], 0.0), offset), x0)
         y = subtract((pose[1, k], 0.0), y0)
         now, _ = at_phase(re, im, phase, w)
         now = add(add(now, offset), free(own, zeta, x, y, t))
-        total = subtract(total, multiply((modes[CONTACT, k], 0.0), now))
+        total = subtract(total, multiply((modes[layout.CONTACT, k], 0.0), now))
     return total[0]
 
 
 @kernel
 def steady(own: float, zeta: float, load: float, w: float, drive: Array) -> tuple[Pair, Pair]:
     """Real and imaginary part of load Ω²B / (ω² − Ω² + 2iζωΩ)."""
-    if drive[AMPLITUDE] == 0.0 or load == 0.0:
+    if drive[layout.AMPLITUDE] == 0.0 or load == 0.0:
         return (0.0, 0.0), (0.0, 0.0)
-    force = multiply(multiply(two_product(w, w), (drive[AMPLITUDE], 0.0)), (load, 0.0))
+    force = multiply(multiply(two_product(w, w), (drive[layout.AMPLITUDE], 0.0)), (load, 0.0))
     real = subtract(two_product(own, own), two_product(w, w))
     imaginary = multiply(multiply(two_product(zeta, own), (w, 0.0)), (2.0, 0.0))
     size = add(multiply(real, real), multiply(imaginary, imaginary))

@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.layout import ATTACHED, CONST, CREEP, HARMONIC, LEVELS, P1, S0, STEP, WHOLE, ZI, ZR, E
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.bounds import CLEAR, MINIMUM, ROOT, SPLIT
 from vibeam.flight.kernels.roots.double_gap import InitialState, sharp_gap
@@ -57,30 +57,32 @@ def first_root(g: Signal, start: Start, span: float, coarsest: int, initial: Ini
     pairs, table, levels, signal, attached = g
     order, rise = start
     total = to_node(pairs)
-    if signal[ATTACHED] > 0.0:
+    if signal[layout.ATTACHED] > 0.0:
         att.restart(attached, signal)
-    re, im = signal[ZR], signal[ZI]
+    re, im = signal[layout.ZR], signal[layout.ZI]
     harmonic = norm(re, im)
-    signal[HARMONIC] = harmonic
-    size = abs(signal[CONST]) + harmonic + total
+    signal[layout.HARMONIC] = harmonic
+    size = abs(signal[layout.CONST]) + harmonic + total
     tolerance = 8.0 * EPSILON * size
-    if order == 0 and signal[ATTACHED] == 0.0 and signal[CONST] - harmonic - total > tolerance:
+    if order == 0 and signal[layout.ATTACHED] == 0.0 and signal[layout.CONST] - harmonic - total > tolerance:
         return False, span, 0
     node, level, panels, since, patience, lengthened = Node(0.0, re, im), coarsest, 0, 0, 1, False
     if order > 0:
-        derivatives(g, pairs.shape[1], WHOLE, order + 1)
+        derivatives(g, pairs.shape[1], layout.WHOLE, order + 1)
         level = first_level(g, start, coarsest, size)
     while node.time < span:
         panels += 1
         if panels > MOST_PANELS:
             return False, -1.0, panels
-        h, time = levels[STEP, level], node.time
+        h, time = levels[layout.STEP, level], node.time
         here = Start(order if time == 0.0 else 0, rise)
-        if signal[ATTACHED] > 0.0:
-            tolerance = 8.0 * EPSILON * (size + att.swing(attached, signal, min(time + h, levels[STEP, coarsest])))
+        if signal[layout.ATTACHED] > 0.0:
+            tolerance = (
+                8.0 * EPSILON * (size + att.swing(attached, signal, min(time + h, levels[layout.STEP, coarsest])))
+            )
         found = launching(g, start, level) if here.order > 0 else ordinary(g, node, level, tolerance)
-        if found == SPLIT and level == LEVELS - 1:
-            found = ROOT if signal[P1] <= 0.0 else CLEAR
+        if found == SPLIT and level == layout.LEVELS - 1:
+            found = ROOT if signal[layout.P1] <= 0.0 else CLEAR
         if found == SPLIT:
             level += 1
             patience = min(2 * patience, 64) if lengthened else patience
@@ -91,19 +93,19 @@ def first_root(g: Signal, start: Start, span: float, coarsest: int, initial: Ini
             where, value = polish_minimum(g, here, time, h)
             found, bracket = (ROOT, where) if value <= 0.0 else (CLEAR, h)
             shallow = SHALLOW * tolerance if here.order == 0 else SHALLOW * tolerance / power(where, here.order)
-            if initial.clock >= 0.0 and value < shallow and signal[ATTACHED] == 0.0:
+            if initial.clock >= 0.0 and value < shallow and signal[layout.ATTACHED] == 0.0:
                 touch = graze(g, initial, time, time + where)
                 if 0.0 < touch <= span:
                     return True, touch, panels
                 found = CLEAR
         if found == ROOT:
             root = polish(g, here, time, time + guess(signal, h, bracket), bracket)
-            if here.order == 0 and size > CANCELLED * root * abs(signal[S0]):
+            if here.order == 0 and size > CANCELLED * root * abs(signal[layout.S0]):
                 root = sharpened(g, initial, Panel(time, h), root, size)
             return root <= span, min(root, span), panels
         if here.order > 0:
             step_pairs(pairs, table, level)
-        if signal[ATTACHED] > 0.0:
+        if signal[layout.ATTACHED] > 0.0:
             att.carry(attached, signal, time, h)
         accept(g)
         node = next_node(levels, level, node)
@@ -125,7 +127,7 @@ def sharpened(g: Signal, initial: InitialState, panel: Panel, root: float, size:
     Round-off ε ``size`` of the parts moves a root of slope g' by ε ``size``/|g'|, here by 64 last digits and more. A
     step as long as the panel that holds the root would be none of round-off.
     """
-    if initial.clock < 0.0 or g.terms[ATTACHED] > 0.0:
+    if initial.clock < 0.0 or g.terms[layout.ATTACHED] > 0.0:
         return root
     _, slope, _ = value_at(g, panel.begin, root)
     if size <= CANCELLED * root * abs(slope) or slope >= 0.0:
@@ -140,10 +142,10 @@ def sharpened(g: Signal, initial: InitialState, panel: Panel, root: float, size:
 @joined
 def is_out_of_reach(g: Signal, tolerance: float) -> bool:
     """Whether const − |z| − Σ (e_k + |s_k|), least that the signal can still be from the node on, is above zero."""
-    least = g.terms[CONST] - g.terms[HARMONIC]
+    least = g.terms[layout.CONST] - g.terms[layout.HARMONIC]
     for k in range(g.pairs.shape[1]):
-        least -= g.pairs[E, k] + g.pairs[CREEP, k]
-    return bool(g.terms[ATTACHED] == 0.0 and least > tolerance)
+        least -= g.pairs[layout.E, k] + g.pairs[layout.CREEP, k]
+    return bool(g.terms[layout.ATTACHED] == 0.0 and least > tolerance)
 
 
 @joined
@@ -154,14 +156,14 @@ def first_level(g: Signal, start: Start, coarsest: int, size: float) -> int:
     the panel: there g is known to round-off of its parts, ``size`` and the attached pairs' swing, not of the flight. A
     flight that rises to no more than 1e-9 of them takes a panel of at least 1¼ flights.
     """
-    ahead = g.terms[WHOLE + 2]
+    ahead = g.terms[layout.WHOLE + 2]
     if start.order > 1 or ahead >= 0.0:
         return coarsest
     flight = -2.0 * start.rise / ahead
     level = level_of(g.levels, 2.0 * flight)
-    if g.terms[ATTACHED] > 0.0:
-        size += att.swing(g.attached, g.terms, min(flight, g.levels[STEP, coarsest]))
-    if start.rise * flight < FAINT * size and g.levels[STEP, level] < AMPLE * flight:
+    if g.terms[layout.ATTACHED] > 0.0:
+        size += att.swing(g.attached, g.terms, min(flight, g.levels[layout.STEP, coarsest]))
+    if start.rise * flight < FAINT * size and g.levels[layout.STEP, level] < AMPLE * flight:
         level -= 1
     return max(coarsest, level)
 

@@ -7,28 +7,8 @@ from math import cos, sin
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.layout import (
-    ATTACHED,
-    CREEP,
-    DRIVE,
-    HARMONIC,
-    KAPPA,
-    OMEGA,
-    P0,
-    P1,
-    S0,
-    S1,
-    SIGMA,
-    SLOW,
-    TAYLOR,
-    TILT,
-    XT,
-    YT,
-    ZI,
-    ZR,
-    E,
-)
 from vibeam.flight.kernels.roots.pair import power
 from vibeam.flight.kernels.roots.signal import Signal, Start, decays_at, quotient_at, value_at
 
@@ -54,7 +34,7 @@ def evaluate(g: Signal, start: Start, node: float, t: float) -> tuple[float, flo
 @joined
 def guess(signal: Array, h: float, bracket: float) -> float:
     """About the root in (0, bracket) of H, the cubic Hermite interpolant of the last panel: two Newton steps."""
-    p0, s0, p1, s1 = signal[P0], h * signal[S0], signal[P1], h * signal[S1]
+    p0, s0, p1, s1 = signal[layout.P0], h * signal[layout.S0], signal[layout.P1], h * signal[layout.S1]
     a, b = 2.0 * (p0 - p1) + s0 + s1, 3.0 * (p1 - p0) - 2.0 * s0 - s1
     last = bracket / h
     u = min(p0 / (p0 - p1), last) if p1 < 0.0 < p0 else 0.5 * last
@@ -72,38 +52,41 @@ def expand(pairs: Array, signal: Array, t: float, value: float, slope: float, cu
 
     Of |g^{(d)}|; derivatives of a pair by x'' = −2σx' − ω²x.
     """
-    w = signal[DRIVE]
-    re = signal[ZR] * cos(w * t) - signal[ZI] * sin(w * t)
+    w = signal[layout.DRIVE]
+    re = signal[layout.ZR] * cos(w * t) - signal[layout.ZI] * sin(w * t)
     im = curvature
     for k in range(pairs.shape[1]):
-        if pairs[SLOW, k] > 0.0:
+        if pairs[layout.SLOW, k] > 0.0:
             s, f = decays_at(pairs, k, t)
-            im -= pairs[SLOW, k] * pairs[SLOW, k] * s + pairs[TILT, k] * pairs[TILT, k] * f
+            im -= pairs[layout.SLOW, k] * pairs[layout.SLOW, k] * s + pairs[layout.TILT, k] * pairs[layout.TILT, k] * f
             continue
-        im += 2.0 * pairs[SIGMA, k] * pairs[YT, k] + pairs[OMEGA, k] * pairs[OMEGA, k] * pairs[XT, k]
+        im += (
+            2.0 * pairs[layout.SIGMA, k] * pairs[layout.YT, k]
+            + pairs[layout.OMEGA, k] * pairs[layout.OMEGA, k] * pairs[layout.XT, k]
+        )
     im = -im  # w² times the harmonic's imaginary part
-    signal[TAYLOR], signal[TAYLOR + 1], signal[TAYLOR + 2] = value, slope, curvature
-    signal[TAYLOR + 3] = -w * w * w * re
-    signal[TAYLOR + 4] = w * w * im
+    signal[layout.TAYLOR], signal[layout.TAYLOR + 1], signal[layout.TAYLOR + 2] = value, slope, curvature
+    signal[layout.TAYLOR + 3] = -w * w * w * re
+    signal[layout.TAYLOR + 4] = w * w * im
     for j in range(5, DEGREE + 1):
-        signal[TAYLOR + j] = -w * w * signal[TAYLOR + j - 2]
-    rest, factor = signal[HARMONIC] * power(w, DEGREE + 1), 1.0
+        signal[layout.TAYLOR + j] = -w * w * signal[layout.TAYLOR + j - 2]
+    rest, factor = signal[layout.HARMONIC] * power(w, DEGREE + 1), 1.0
     for k in range(pairs.shape[1]):
-        rest += pairs[E, k] * power(pairs[KAPPA, k], DEGREE + 1)
-        if pairs[SLOW, k] > 0.0:
+        rest += pairs[layout.E, k] * power(pairs[layout.KAPPA, k], DEGREE + 1)
+        if pairs[layout.SLOW, k] > 0.0:
             s, f = decays_at(pairs, k, t)
-            rest += pairs[CREEP, k] * power(pairs[SLOW, k], DEGREE + 1)
+            rest += pairs[layout.CREEP, k] * power(pairs[layout.SLOW, k], DEGREE + 1)
             for j in range(3, DEGREE + 1):
-                signal[TAYLOR + j] += s * power(-pairs[SLOW, k], j) + f * power(pairs[TILT, k], j)
+                signal[layout.TAYLOR + j] += s * power(-pairs[layout.SLOW, k], j) + f * power(pairs[layout.TILT, k], j)
             continue
-        damp, spring = 2.0 * pairs[SIGMA, k], pairs[OMEGA, k] * pairs[OMEGA, k]
-        before, now = pairs[YT, k], -damp * pairs[YT, k] - spring * pairs[XT, k]
+        damp, spring = 2.0 * pairs[layout.SIGMA, k], pairs[layout.OMEGA, k] * pairs[layout.OMEGA, k]
+        before, now = pairs[layout.YT, k], -damp * pairs[layout.YT, k] - spring * pairs[layout.XT, k]
         for j in range(3, DEGREE + 1):
             before, now = now, -damp * now - spring * before
-            signal[TAYLOR + j] += now
+            signal[layout.TAYLOR + j] += now
     for j in range(2, DEGREE + 1):
         factor *= RECIPROCAL[j]
-        signal[TAYLOR + j] *= factor
+        signal[layout.TAYLOR + j] *= factor
     return float(rest)
 
 
@@ -111,10 +94,10 @@ def expand(pairs: Array, signal: Array, t: float, value: float, slope: float, cu
 def taylor_root(signal: Array, step: float) -> float:
     """The root near ``step`` of the polynomial Σ terms[TAYLOR + j] Δ^j; infinite where Newton does not settle."""
     for _ in range(3):
-        value, slope = signal[TAYLOR + DEGREE], 0.0
+        value, slope = signal[layout.TAYLOR + DEGREE], 0.0
         for j in range(DEGREE - 1, -1, -1):
             slope = value + slope * step
-            value = signal[TAYLOR + j] + value * step
+            value = signal[layout.TAYLOR + j] + value * step
         change = value / slope
         step -= change
         if abs(change) <= 1e-9 * abs(step):
@@ -126,18 +109,18 @@ def taylor_root(signal: Array, step: float) -> float:
 def shift(pairs: Array, t: float, step: float) -> None:
     """Carry XT, YT on from t by a short step Δ: x ← Σ x^{(j)} Δ^j/j!, j ≤ DEGREE, x'' = −2σx' − ω²x."""
     for k in range(pairs.shape[1]):
-        if pairs[SLOW, k] > 0.0:
+        if pairs[layout.SLOW, k] > 0.0:
             s, f = decays_at(pairs, k, t + step)
-            pairs[XT, k], pairs[YT, k] = s + f, pairs[TILT, k] * f - pairs[SLOW, k] * s
+            pairs[layout.XT, k], pairs[layout.YT, k] = s + f, pairs[layout.TILT, k] * f - pairs[layout.SLOW, k] * s
             continue
-        damp, spring = 2.0 * pairs[SIGMA, k], pairs[OMEGA, k] * pairs[OMEGA, k]
-        x, y = pairs[XT, k], pairs[YT, k]
+        damp, spring = 2.0 * pairs[layout.SIGMA, k], pairs[layout.OMEGA, k] * pairs[layout.OMEGA, k]
+        x, y = pairs[layout.XT, k], pairs[layout.YT, k]
         before, now = x, y
         for j in range(1, DEGREE + 1):
             before, now = now * step * RECIPROCAL[j], (-damp * now - spring * before) * step * RECIPROCAL[j]
             x += before
             y += now
-        pairs[XT, k], pairs[YT, k] = x, y
+        pairs[layout.XT, k], pairs[layout.YT, k] = x, y
 
 
 @joined
@@ -160,7 +143,7 @@ def polish(g: Signal, start: Start, node: float, near: float, bracket: float) ->
         step = -value / slope if slope < 0.0 else np.inf
         if not low < t + step < high:
             step = 0.5 * (low + high) - t
-        elif start.order == 0 and signal[ATTACHED] == 0.0:
+        elif start.order == 0 and signal[layout.ATTACHED] == 0.0:
             rest = expand(pairs, signal, t, value, slope, curvature)
             ahead = taylor_root(signal, step)
             if low < t + ahead < high:
@@ -180,7 +163,7 @@ def converged(signal: Array, rest: float, step: float, t: float) -> bool:
     term = rest * (1.0 / 40320.0)
     for _ in range(DEGREE + 1):
         term *= step
-    return term <= 0.5 * EPSILON * t * abs(signal[TAYLOR + 1]) or term == 0.0
+    return term <= 0.5 * EPSILON * t * abs(signal[layout.TAYLOR + 1]) or term == 0.0
 
 
 @kernel
@@ -190,7 +173,7 @@ def polish_minimum(g: Signal, start: Start, node: float, h: float) -> tuple[floa
     The root of the slope between s₀ < 0 and s₁ > 0, by regula falsi with every third step a bisection.
     """
     low, high = 0.0, h
-    down, up = g.terms[S0], g.terms[S1]
+    down, up = g.terms[layout.S0], g.terms[layout.S1]
     if down >= 0.0:
         return h, 1.0
     value, where = 1.0, h

@@ -11,49 +11,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel, summing
-from vibeam.flight.kernels.layout import (
-    ATTACHED,
-    AWEIGHT,
-    CONST,
-    COUNT,
-    CREEP,
-    DRIVE,
-    FIRST_IM,
-    FIRST_RE,
-    HARMONIC,
-    JOIN,
-    KAPPA,
-    LOW,
-    NODE_X,
-    NODE_Y,
-    OMEGA,
-    P0,
-    P1,
-    S0,
-    S1,
-    SECOND_IM,
-    SECOND_RE,
-    SIGMA,
-    SLOW,
-    STEP,
-    TILT,
-    TRIAL_X,
-    TRIAL_Y,
-    TURN_IM,
-    TURN_RE,
-    WALK,
-    WHOLE,
-    X0,
-    X2,
-    Y0,
-    Y2,
-    ZI,
-    ZR,
-    E,
-    X,
-    Y,
-)
 from vibeam.flight.kernels.roots import taylor_pairs as att
 from vibeam.flight.kernels.roots.bounds import CLEAR, Bounds, Ends, verdict
 from vibeam.flight.kernels.roots.pair import decay_growths, power
@@ -78,9 +37,9 @@ def next_node(levels: Array, level: int, node: Node) -> Node:
     """t + h and z e^{iΩ(t + h)}."""
     time, re, im = node
     return Node(
-        time + levels[STEP, level],
-        re * levels[TURN_RE, level] - im * levels[TURN_IM, level],
-        im * levels[TURN_RE, level] + re * levels[TURN_IM, level],
+        time + levels[layout.STEP, level],
+        re * levels[layout.TURN_RE, level] - im * levels[layout.TURN_IM, level],
+        im * levels[layout.TURN_RE, level] + re * levels[layout.TURN_IM, level],
     )
 
 
@@ -88,9 +47,9 @@ def next_node(levels: Array, level: int, node: Node) -> Node:
 def step_pairs(pairs: Array, table: Array, level: int) -> None:
     """Trial pairs one panel on from the node: x ← P00 x + P01 x', x' ← P10 x + P11 x'; or their two decays."""
     for k in range(pairs.shape[1]):
-        x, y = pairs[X, k], pairs[Y, k]
-        pairs[X2, k] = table[WALK, level, k] * x + table[WALK + 1, level, k] * y
-        pairs[Y2, k] = table[WALK + 2, level, k] * x + table[WALK + 3, level, k] * y
+        x, y = pairs[layout.X, k], pairs[layout.Y, k]
+        pairs[layout.X2, k] = table[layout.WALK, level, k] * x + table[layout.WALK + 1, level, k] * y
+        pairs[layout.Y2, k] = table[layout.WALK + 2, level, k] * x + table[layout.WALK + 3, level, k] * y
 
 
 @joined
@@ -98,8 +57,8 @@ def accept(g: Signal) -> None:
     """The trial end becomes the node; e_k = ‖(x, x'/ω)‖ there."""
     pairs, _, _, signal, attached = g
     for k in range(pairs.shape[1]):
-        set_node(pairs, k, pairs[X2, k], pairs[Y2, k])
-    if signal[ATTACHED] > 0.0:
+        set_node(pairs, k, pairs[layout.X2, k], pairs[layout.Y2, k])
+    if signal[layout.ATTACHED] > 0.0:
         att.accept(attached, signal)
 
 
@@ -113,55 +72,55 @@ def measure(g: Signal, node: Node, level: int) -> tuple[Ends, Bounds, Ends]:
     """
     pairs, table, levels, signal, attached = g
     time, re, im = node
-    w, count = signal[DRIVE], int(levels[COUNT, level])
-    re2 = re * levels[TURN_RE, level] - im * levels[TURN_IM, level]
-    im2 = im * levels[TURN_RE, level] + re * levels[TURN_IM, level]
-    p0, s0, p1, s1 = signal[CONST] + im, w * re, signal[CONST] + im2, w * re2
-    fourth = signal[HARMONIC] * (w * w) * (w * w)
+    w, count = signal[layout.DRIVE], int(levels[layout.COUNT, level])
+    re2 = re * levels[layout.TURN_RE, level] - im * levels[layout.TURN_IM, level]
+    im2 = im * levels[layout.TURN_RE, level] + re * levels[layout.TURN_IM, level]
+    p0, s0, p1, s1 = signal[layout.CONST] + im, w * re, signal[layout.CONST] + im2, w * re2
+    fourth = signal[layout.HARMONIC] * (w * w) * (w * w)
     slack0, slack1, slack2 = 0.0, 0.0, 0.0
     begin, begin_slope, end, end_slope = 0.0, 0.0, 0.0, 0.0
     for k in range(count):
-        x, y = pairs[X, k], pairs[Y, k]
-        x2 = table[WALK, level, k] * x + table[WALK + 1, level, k] * y
-        y2 = table[WALK + 2, level, k] * x + table[WALK + 3, level, k] * y
-        pairs[X2, k], pairs[Y2, k] = x2, y2
-        square, slow = pairs[KAPPA, k] * pairs[KAPPA, k], pairs[SLOW, k] * pairs[SLOW, k]
-        fourth += pairs[E, k] * square * square + pairs[CREEP, k] * slow * slow
-        p0 += x + pairs[JOIN, k] * y
-        s0 += pairs[TILT, k] * y - pairs[SLOW, k] * x
-        p1 += x2 + pairs[JOIN, k] * y2
-        s1 += pairs[TILT, k] * y2 - pairs[SLOW, k] * x2
+        x, y = pairs[layout.X, k], pairs[layout.Y, k]
+        x2 = table[layout.WALK, level, k] * x + table[layout.WALK + 1, level, k] * y
+        y2 = table[layout.WALK + 2, level, k] * x + table[layout.WALK + 3, level, k] * y
+        pairs[layout.X2, k], pairs[layout.Y2, k] = x2, y2
+        square, slow = pairs[layout.KAPPA, k] * pairs[layout.KAPPA, k], pairs[layout.SLOW, k] * pairs[layout.SLOW, k]
+        fourth += pairs[layout.E, k] * square * square + pairs[layout.CREEP, k] * slow * slow
+        p0 += x + pairs[layout.JOIN, k] * y
+        s0 += pairs[layout.TILT, k] * y - pairs[layout.SLOW, k] * x
+        p1 += x2 + pairs[layout.JOIN, k] * y2
+        s1 += pairs[layout.TILT, k] * y2 - pairs[layout.SLOW, k] * x2
     for k in range(count, pairs.shape[1]):
-        x, y, bound = pairs[X, k], pairs[Y, k], pairs[E, k]
-        x2 = table[WALK, level, k] * x + table[WALK + 1, level, k] * y
-        y2 = table[WALK + 2, level, k] * x + table[WALK + 3, level, k] * y
-        pairs[X2, k], pairs[Y2, k] = x2, y2
-        if pairs[SLOW, k] > 0.0:
-            slow = pairs[SLOW, k]
-            if slow * levels[STEP, level] <= RESOLVED:
+        x, y, bound = pairs[layout.X, k], pairs[layout.Y, k], pairs[layout.E, k]
+        x2 = table[layout.WALK, level, k] * x + table[layout.WALK + 1, level, k] * y
+        y2 = table[layout.WALK + 2, level, k] * x + table[layout.WALK + 3, level, k] * y
+        pairs[layout.X2, k], pairs[layout.Y2, k] = x2, y2
+        if pairs[layout.SLOW, k] > 0.0:
+            slow = pairs[layout.SLOW, k]
+            if slow * levels[layout.STEP, level] <= RESOLVED:
                 fourth += abs(x) * slow * slow * slow * slow
                 p0, s0, p1, s1 = p0 + x, s0 - slow * x, p1 + x2, s1 - slow * x2
                 x, x2 = 0.0, 0.0
             else:
                 slack0, slack1, slack2 = slack0 + abs(x), slack1 + slow * abs(x), slack2 + slow * slow * abs(x)
-            x, y = x + y, pairs[TILT, k] * y - slow * x
-            x2, y2 = x2 + y2, pairs[TILT, k] * y2 - slow * x2
+            x, y = x + y, pairs[layout.TILT, k] * y - slow * x
+            x2, y2 = x2 + y2, pairs[layout.TILT, k] * y2 - slow * x2
         slack0 += bound
-        slack1 += bound * pairs[KAPPA, k]
-        slack2 += bound * pairs[KAPPA, k] * pairs[KAPPA, k]
+        slack1 += bound * pairs[layout.KAPPA, k]
+        slack2 += bound * pairs[layout.KAPPA, k] * pairs[layout.KAPPA, k]
         begin += x
         begin_slope += y
         end += x2
         end_slope += y2
-    if signal[ATTACHED] > 0.0:
-        h = levels[STEP, level]
+    if signal[layout.ATTACHED] > 0.0:
+        h = levels[layout.STEP, level]
         fourth += att.bound(attached, signal, time, 4, h)
         att.carry(attached, signal, time, h)
-        for j in range(int(signal[ATTACHED])):
-            p0 += attached[AWEIGHT, j] * attached[NODE_X, j]
-            s0 += attached[AWEIGHT, j] * attached[NODE_Y, j]
-            p1 += attached[AWEIGHT, j] * attached[TRIAL_X, j]
-            s1 += attached[AWEIGHT, j] * attached[TRIAL_Y, j]
+        for j in range(int(signal[layout.ATTACHED])):
+            p0 += attached[layout.AWEIGHT, j] * attached[layout.NODE_X, j]
+            s0 += attached[layout.AWEIGHT, j] * attached[layout.NODE_Y, j]
+            p1 += attached[layout.AWEIGHT, j] * attached[layout.TRIAL_X, j]
+            s1 += attached[layout.AWEIGHT, j] * attached[layout.TRIAL_Y, j]
     return Ends(p0, s0, p1, s1), Bounds(fourth, slack0, slack1, slack2), Ends(begin, begin_slope, end, end_slope)
 
 
@@ -170,9 +129,14 @@ def ordinary(g: Signal, node: Node, level: int, tolerance: float) -> int:
     """Verdict on the panel that starts at the node; terms[P0 … S1] receive the whole signal at its ends."""
     part, bounds, rest = measure(g, node, level)
     signal, end, end_slope = g.terms, part.p1 + rest.p1, part.s1 + rest.s1
-    found = verdict(part, g.levels[STEP, level], bounds, end, end_slope, tolerance)
+    found = verdict(part, g.levels[layout.STEP, level], bounds, end, end_slope, tolerance)
     if found != CLEAR:
-        signal[P0], signal[S0], signal[P1], signal[S1] = part.p0 + rest.p0, part.s0 + rest.s0, end, end_slope
+        signal[layout.P0], signal[layout.S0], signal[layout.P1], signal[layout.S1] = (
+            part.p0 + rest.p0,
+            part.s0 + rest.s0,
+            end,
+            end_slope,
+        )
     return found
 
 
@@ -185,41 +149,46 @@ def launching(g: Signal, start: Start, level: int) -> int:
     """
     pairs, _, levels, signal, attached = g
     order, rise = start
-    h, count = levels[STEP, level], int(levels[COUNT, level])
-    derivatives(g, count, LOW, order + 1)
-    m4 = signal[HARMONIC] * power(signal[DRIVE], order + 4)
+    h, count = levels[layout.STEP, level], int(levels[layout.COUNT, level])
+    derivatives(g, count, layout.LOW, order + 1)
+    m4 = signal[layout.HARMONIC] * power(signal[layout.DRIVE], order + 4)
     for k in range(count):
-        m4 += pairs[E, k] * power(pairs[KAPPA, k], order + 4) + pairs[CREEP, k] * power(pairs[SLOW, k], order + 4)
+        m4 += pairs[layout.E, k] * power(pairs[layout.KAPPA, k], order + 4) + pairs[layout.CREEP, k] * power(
+            pairs[layout.SLOW, k], order + 4
+        )
     slack, hidden = 0.0, 0.0
     slack1, slack2 = 0.0, 0.0
     for k in range(count, pairs.shape[1]):
-        part = pairs[E, k] * power(pairs[KAPPA, k], order)
+        part = pairs[layout.E, k] * power(pairs[layout.KAPPA, k], order)
         slack += part
-        slack1 += part * pairs[KAPPA, k]
-        slack2 += part * pairs[KAPPA, k] * pairs[KAPPA, k]
-        if pairs[SLOW, k] == 0.0:
+        slack1 += part * pairs[layout.KAPPA, k]
+        slack2 += part * pairs[layout.KAPPA, k] * pairs[layout.KAPPA, k]
+        if pairs[layout.SLOW, k] == 0.0:
             hidden += initial_derivative(pairs, k, order)
             continue
-        hidden += pairs[Y, k] * power(pairs[TILT, k], order)
-        slow = pairs[CREEP, k] * power(pairs[SLOW, k], order)
-        if pairs[SLOW, k] * h <= RESOLVED:
-            m4 += slow * power(pairs[SLOW, k], 4)
+        hidden += pairs[layout.Y, k] * power(pairs[layout.TILT, k], order)
+        slow = pairs[layout.CREEP, k] * power(pairs[layout.SLOW, k], order)
+        if pairs[layout.SLOW, k] * h <= RESOLVED:
+            m4 += slow * power(pairs[layout.SLOW, k], 4)
             for j in range(order + 2):
-                signal[LOW + j] += pairs[X, k] * power(-pairs[SLOW, k], j)
+                signal[layout.LOW + j] += pairs[layout.X, k] * power(-pairs[layout.SLOW, k], j)
         else:
-            hidden += pairs[X, k] * power(-pairs[SLOW, k], order)
+            hidden += pairs[layout.X, k] * power(-pairs[layout.SLOW, k], order)
             slack += slow
-            slack1 += slow * pairs[SLOW, k]
-            slack2 += slow * pairs[SLOW, k] * pairs[SLOW, k]
-    if signal[ATTACHED] > 0.0:
+            slack1 += slow * pairs[layout.SLOW, k]
+            slack2 += slow * pairs[layout.SLOW, k] * pairs[layout.SLOW, k]
+    if signal[layout.ATTACHED] > 0.0:
         m4 += att.bound(attached, signal, 0.0, order + 4, h)
     gamma, delta, rest_gamma, rest_delta = growths(g, count, level)
     low = rise - hidden
-    p1, s1 = quotient(Start(order, low), signal[LOW + 2], gamma, delta, h)
-    end, end_slope = quotient(start, signal[WHOLE + 2], gamma + rest_gamma, delta + rest_delta, h)
-    signal[P0], signal[S0] = rise / FACTORIAL[order], signal[WHOLE + order + 1] / FACTORIAL[order + 1]
-    signal[P1], signal[S1] = end, end_slope
-    part = Ends(low / FACTORIAL[order], signal[LOW + order + 1] / FACTORIAL[order + 1], p1, s1)
+    p1, s1 = quotient(Start(order, low), signal[layout.LOW + 2], gamma, delta, h)
+    end, end_slope = quotient(start, signal[layout.WHOLE + 2], gamma + rest_gamma, delta + rest_delta, h)
+    signal[layout.P0], signal[layout.S0] = (
+        rise / FACTORIAL[order],
+        signal[layout.WHOLE + order + 1] / FACTORIAL[order + 1],
+    )
+    signal[layout.P1], signal[layout.S1] = end, end_slope
+    part = Ends(low / FACTORIAL[order], signal[layout.LOW + order + 1] / FACTORIAL[order + 1], p1, s1)
     bounds = Bounds(
         m4 * 24.0 / FACTORIAL[order + 4],
         slack / FACTORIAL[order],
@@ -236,22 +205,24 @@ def growths(g: Signal, count: int, level: int) -> tuple[float, float, float, flo
     γ = (g(h) − g(0) − hg'(0))/h², δ = (g'(h) − g'(0))/h; of a pair D0 x + D1 x' and V0 x + V1 x' (``pair.increments``).
     """
     pairs, table, levels, signal, attached = g
-    gamma = signal[ZR] * levels[SECOND_IM, level] + signal[ZI] * levels[SECOND_RE, level]
-    delta = signal[DRIVE] * (signal[ZR] * levels[FIRST_RE, level] - signal[ZI] * levels[FIRST_IM, level])
-    if signal[ATTACHED] > 0.0:
-        more = att.growth(attached, signal, levels[STEP, level])
+    gamma = signal[layout.ZR] * levels[layout.SECOND_IM, level] + signal[layout.ZI] * levels[layout.SECOND_RE, level]
+    delta = signal[layout.DRIVE] * (
+        signal[layout.ZR] * levels[layout.FIRST_RE, level] - signal[layout.ZI] * levels[layout.FIRST_IM, level]
+    )
+    if signal[layout.ATTACHED] > 0.0:
+        more = att.growth(attached, signal, levels[layout.STEP, level])
         gamma += more[0]
         delta += more[1]
     rest_gamma, rest_delta = 0.0, 0.0
     for k in range(pairs.shape[1]):
-        x, y = pairs[X0, k], pairs[Y0, k]
+        x, y = pairs[layout.X0, k], pairs[layout.Y0, k]
         if k < count:
             gamma += table[4, level, k] * x + table[5, level, k] * y
             delta += table[6, level, k] * x + table[7, level, k] * y
         else:
             rest_gamma += table[4, level, k] * x + table[5, level, k] * y
             rest_delta += table[6, level, k] * x + table[7, level, k] * y
-            h, slow = levels[STEP, level], pairs[SLOW, k]
+            h, slow = levels[layout.STEP, level], pairs[layout.SLOW, k]
             if slow > 0.0 and slow * h <= RESOLVED:
                 s, _ = decays(pairs, k, x, y)
                 one, two = decay_growths(slow, h)
@@ -263,7 +234,10 @@ def growths(g: Signal, count: int, level: int) -> tuple[float, float, float, flo
 @kernel
 def initial_derivative(pairs: Array, k: int, order: int) -> float:
     """x_k^{(j)}(0), j = ``order`` ≥ 1, by x'' = −2σx' − ω²x."""
-    before, now = pairs[X0, k], pairs[Y0, k]
+    before, now = pairs[layout.X0, k], pairs[layout.Y0, k]
     for _ in range(order - 1):
-        before, now = now, -2.0 * pairs[SIGMA, k] * now - pairs[OMEGA, k] * pairs[OMEGA, k] * before
+        before, now = (
+            now,
+            -2.0 * pairs[layout.SIGMA, k] * now - pairs[layout.OMEGA, k] * pairs[layout.OMEGA, k] * before,
+        )
     return float(now)

@@ -12,33 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.layout import (
-    ATTACHED,
-    CONST,
-    CREEP,
-    DECAY,
-    DISC,
-    DRIVE,
-    HARMONIC,
-    INVERSE,
-    JOIN,
-    KAPPA,
-    OMEGA,
-    SIGMA,
-    SLOW,
-    TILT,
-    WHOLE,
-    X0,
-    XT,
-    Y0,
-    YT,
-    ZI,
-    ZR,
-    E,
-    X,
-    Y,
-)
 from vibeam.flight.kernels.roots.pair import increments, norm, phasor_increments, power, propagator
 from vibeam.flight.kernels.roots.taylor_pairs import add_derivatives, carry, growth, trial_sum
 from vibeam.flight.kernels.thresholds import FORGOTTEN
@@ -72,15 +47,15 @@ def signal_of(system: Any) -> Signal:
 @joined
 def decays(pairs: Array, k: int, x: float, y: float) -> tuple[float, float]:
     """(s, f) of a pair with SLOW > 0: x = s + f, x' = −a s − b f."""
-    slow, fast = pairs[SLOW, k], -pairs[TILT, k]
+    slow, fast = pairs[layout.SLOW, k], -pairs[layout.TILT, k]
     return (fast * x + y) / (fast - slow), -(slow * x + y) / (fast - slow)
 
 
 @joined
 def decays_at(pairs: Array, k: int, t: float) -> tuple[float, float]:
     """The same at flight time t."""
-    s, f = decays(pairs, k, pairs[X0, k], pairs[Y0, k])
-    return s * exp(-pairs[SLOW, k] * t), f * exp(pairs[TILT, k] * t)
+    s, f = decays(pairs, k, pairs[layout.X0, k], pairs[layout.Y0, k])
+    return s * exp(-pairs[layout.SLOW, k] * t), f * exp(pairs[layout.TILT, k] * t)
 
 
 @joined
@@ -90,31 +65,33 @@ def value_at(g: Signal, node: float, t: float) -> tuple[float, float, float]:
     g = const + Im(z e^{iΩt}) + Σ x_k, x_k = P00 x_k(0) + P01 x_k'(0), x_k'' = −2σx_k' − ω²x_k.
     """
     pairs, _, _, signal, attached = g
-    w = signal[DRIVE]
+    w = signal[layout.DRIVE]
     c, s = cos(w * t), sin(w * t)
-    imaginary = signal[ZI] * c + signal[ZR] * s
-    value = signal[CONST] + imaginary
-    slope = w * (signal[ZR] * c - signal[ZI] * s)
+    imaginary = signal[layout.ZI] * c + signal[layout.ZR] * s
+    value = signal[layout.CONST] + imaginary
+    slope = w * (signal[layout.ZR] * c - signal[layout.ZI] * s)
     curvature = -w * w * imaginary
     for k in range(pairs.shape[1]):
         x, y = 0.0, 0.0
-        if pairs[SLOW, k] > 0.0:
+        if pairs[layout.SLOW, k] > 0.0:
             s, f = decays_at(pairs, k, t)
-            x, y = s + f, pairs[TILT, k] * f - pairs[SLOW, k] * s
-            pairs[XT, k], pairs[YT, k] = x, y
+            x, y = s + f, pairs[layout.TILT, k] * f - pairs[layout.SLOW, k] * s
+            pairs[layout.XT, k], pairs[layout.YT, k] = x, y
             value += x
             slope += y
-            curvature += pairs[SLOW, k] * pairs[SLOW, k] * s + pairs[TILT, k] * pairs[TILT, k] * f
+            curvature += (
+                pairs[layout.SLOW, k] * pairs[layout.SLOW, k] * s + pairs[layout.TILT, k] * pairs[layout.TILT, k] * f
+            )
             continue
-        if pairs[DECAY, k] * t < FORGOTTEN:
-            p00, p01, p10, p11 = propagator(pairs[SIGMA, k], pairs[OMEGA, k], pairs[DISC, k], t)
-            x = p00 * pairs[X0, k] + p01 * pairs[Y0, k]
-            y = p10 * pairs[X0, k] + p11 * pairs[Y0, k]
-        pairs[XT, k], pairs[YT, k] = x, y
+        if pairs[layout.DECAY, k] * t < FORGOTTEN:
+            p00, p01, p10, p11 = propagator(pairs[layout.SIGMA, k], pairs[layout.OMEGA, k], pairs[layout.DISC, k], t)
+            x = p00 * pairs[layout.X0, k] + p01 * pairs[layout.Y0, k]
+            y = p10 * pairs[layout.X0, k] + p11 * pairs[layout.Y0, k]
+        pairs[layout.XT, k], pairs[layout.YT, k] = x, y
         value += x
         slope += y
-        curvature -= 2.0 * pairs[SIGMA, k] * y + pairs[OMEGA, k] * pairs[OMEGA, k] * x
-    if signal[ATTACHED] > 0.0:
+        curvature -= 2.0 * pairs[layout.SIGMA, k] * y + pairs[layout.OMEGA, k] * pairs[layout.OMEGA, k] * x
+    if signal[layout.ATTACHED] > 0.0:
         carry(attached, signal, node, t - node)
         more = trial_sum(attached, signal, t)
         return value + more[0], slope + more[1], curvature + more[2]
@@ -128,23 +105,23 @@ def quotient_at(g: Signal, start: Start, t: float) -> tuple[float, float, float]
     From γ = (g − g(0) − tg'(0))/t² and δ = (g' − g'(0))/t, sums of the pairs' own: no digit cancels near t = 0.
     """
     pairs, _, _, signal, attached = g
-    e0, e1, r0, r1 = phasor_increments(signal[DRIVE], t)
-    gamma = signal[ZR] * e1 + signal[ZI] * e0
-    delta = signal[DRIVE] * (signal[ZR] * r0 - signal[ZI] * r1)
+    e0, e1, r0, r1 = phasor_increments(signal[layout.DRIVE], t)
+    gamma = signal[layout.ZR] * e1 + signal[layout.ZI] * e0
+    delta = signal[layout.DRIVE] * (signal[layout.ZR] * r0 - signal[layout.ZI] * r1)
     for k in range(pairs.shape[1]):
-        d0, d1, v0, v1 = increments(pairs[SIGMA, k], pairs[OMEGA, k], pairs[DISC, k], t)
-        x, y = pairs[X0, k], pairs[Y0, k]
+        d0, d1, v0, v1 = increments(pairs[layout.SIGMA, k], pairs[layout.OMEGA, k], pairs[layout.DISC, k], t)
+        x, y = pairs[layout.X0, k], pairs[layout.Y0, k]
         more_gamma, more_delta = d0 * x + d1 * y, v0 * x + v1 * y
-        pairs[XT, k] = x + t * y + t * t * more_gamma
-        pairs[YT, k] = y + t * more_delta
+        pairs[layout.XT, k] = x + t * y + t * t * more_gamma
+        pairs[layout.YT, k] = y + t * more_delta
         gamma += more_gamma
         delta += more_delta
-    if signal[ATTACHED] > 0.0:
+    if signal[layout.ATTACHED] > 0.0:
         carry(attached, signal, 0.0, t)
         more = growth(attached, signal, t)
         gamma += more[0]
         delta += more[1]
-    p, slope = quotient(start, signal[WHOLE + 2], gamma, delta, t)
+    p, slope = quotient(start, signal[layout.WHOLE + 2], gamma, delta, t)
     return p, slope, 0.0
 
 
@@ -166,21 +143,21 @@ def derivatives(g: Signal, count: int, start: int, depth: int) -> None:
     Im((iΩ)^j z), and x^{(j)} = −2σx^{(j−1)} − ω²x^{(j−2)} pair by pair.
     """
     pairs, _, _, signal, attached = g
-    w = signal[DRIVE]
-    signal[start] = signal[CONST] + signal[ZI]
-    signal[start + 1] = w * signal[ZR]
-    signal[start + 2] = -w * w * signal[ZI]
+    w = signal[layout.DRIVE]
+    signal[start] = signal[layout.CONST] + signal[layout.ZI]
+    signal[start + 1] = w * signal[layout.ZR]
+    signal[start + 2] = -w * w * signal[layout.ZI]
     for j in range(3, depth + 1):
         signal[start + j] = -w * w * signal[start + j - 2]
     for k in range(count):
-        damp, spring = 2.0 * pairs[SIGMA, k], pairs[OMEGA, k] * pairs[OMEGA, k]
-        before, now = pairs[X0, k], pairs[Y0, k]
+        damp, spring = 2.0 * pairs[layout.SIGMA, k], pairs[layout.OMEGA, k] * pairs[layout.OMEGA, k]
+        before, now = pairs[layout.X0, k], pairs[layout.Y0, k]
         signal[start] += before
         signal[start + 1] += now
         for j in range(2, depth + 1):
             before, now = now, -damp * now - spring * before
             signal[start + j] += now
-    if signal[ATTACHED] > 0.0:
+    if signal[layout.ATTACHED] > 0.0:
         add_derivatives(attached, signal, start)
 
 
@@ -189,21 +166,21 @@ def to_node(pairs: Array) -> float:
     """The node goes to the start; the sum of the e_k ≥ √(x² + (x'/ω)²), which bound |x_k| for all later times."""
     total = 0.0
     for k in range(pairs.shape[1]):
-        x, y = pairs[X0, k], pairs[Y0, k]
-        if pairs[SLOW, k] > 0.0:
+        x, y = pairs[layout.X0, k], pairs[layout.Y0, k]
+        if pairs[layout.SLOW, k] > 0.0:
             x, y = decays(pairs, k, x, y)
         set_node(pairs, k, x, y)
-        total += pairs[E, k] + pairs[CREEP, k]
+        total += pairs[layout.E, k] + pairs[layout.CREEP, k]
     return total
 
 
 @joined
 def set_node(pairs: Array, k: int, x: float, y: float) -> None:
     """Set X, Y and the bounds e and |s|; of two decays e is |f|."""
-    pairs[X, k], pairs[Y, k] = x, y
-    apart = pairs[JOIN, k] > 0.0
-    pairs[E, k] = abs(y) if apart else norm(x, y * pairs[INVERSE, k])
-    pairs[CREEP, k] = abs(x) if apart else 0.0
+    pairs[layout.X, k], pairs[layout.Y, k] = x, y
+    apart = pairs[layout.JOIN, k] > 0.0
+    pairs[layout.E, k] = abs(y) if apart else norm(x, y * pairs[layout.INVERSE, k])
+    pairs[layout.CREEP, k] = abs(x) if apart else 0.0
 
 
 @kernel
@@ -212,7 +189,9 @@ def magnitude(pairs: Array, signal: Array, order: int) -> float:
 
     Attached pairs apart.
     """
-    total = signal[HARMONIC] * power(signal[DRIVE], order)
+    total = signal[layout.HARMONIC] * power(signal[layout.DRIVE], order)
     for k in range(pairs.shape[1]):
-        total += pairs[E, k] * power(pairs[KAPPA, k], order) + pairs[CREEP, k] * power(pairs[SLOW, k], order)
+        total += pairs[layout.E, k] * power(pairs[layout.KAPPA, k], order) + pairs[layout.CREEP, k] * power(
+            pairs[layout.SLOW, k], order
+        )
     return float(total)

@@ -11,6 +11,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.energy import CANCELLED, NODES, PANEL, WEIGHTS, SteadyResponse, flight_energy, growth
 from vibeam.flight.kernels.energy import MOST as MOST_PANELS
@@ -34,9 +35,9 @@ from vibeam.flight.kernels.lanes.elementary import (
     sine_cosine,
 )
 from vibeam.flight.kernels.lanes.simd import Lanes, eight, every, larger, load, plain, scaled, size, store, whole
-from vibeam.flight.kernels.layout import DISC, IM, KAPPA, OFFSET, OMEGA, RE, SIGMA, Engine, W
+from vibeam.flight.kernels.layout import Engine
+from vibeam.flight.points.kernels import layout as row
 from vibeam.flight.points.kernels.flights import flight
-from vibeam.flight.points.kernels.layout import FLIGHT_ROOM, FLIGHT_SPAN, FLIGHT_SUM, FLIGHT_U, FLIGHT_V, WIDTH
 from vibeam.flight.points.kernels.masks import at_most, below, lowest, pick
 
 Array = NDArray[np.float64]
@@ -73,48 +74,48 @@ def over(gr: Lanes, gi: Lanes, zr: float, zi: float, t: Lanes) -> tuple[Lanes, L
 
 
 @kernel
-def add_energies(desk: Engine, rows: Array, cosine: Lanes, sine: Lanes, used: int, energy: Array) -> None:
+def add_energies(engine: Engine, rows: Array, cosine: Lanes, sine: Lanes, used: int, energy: Array) -> None:
     """Add ∫ E_k dt over the flights in ``rows`` to ``energy`` (n,): FLIGHT_U, FLIGHT_V are their free motions."""
-    modes, pairs, like = desk.modes, desk.pairs, eight()
-    w, t = desk.drive[W], load(rows, FLIGHT_SPAN * WIDTH, like)
+    modes, pairs, like = engine.modes, engine.pairs, eight()
+    w, t = engine.drive[layout.W], load(rows, row.FLIGHT_SPAN * row.WIDTH, like)
     s, c = sine_cosine((0.5 * w) * t)
     drive_sine, drive_lost = 2.0 * (s * c), 2.0 * (s * s)
     for k in range(pairs.shape[1]):
-        re, im = modes[RE, k], modes[IM, k]
-        x, y = load(rows, flight(k, FLIGHT_U), like), load(rows, flight(k, FLIGHT_V), like)
+        re, im = modes[layout.RE, k], modes[layout.IM, k]
+        x, y = load(rows, flight(k, row.FLIGHT_U), like), load(rows, flight(k, row.FLIGHT_V), like)
         steady_re, steady_im = re * sine + im * cosine, im * sine - re * cosine
-        rate = max(pairs[KAPPA, k], w)
+        rate = max(pairs[layout.KAPPA, k], w)
         short = at_most(rate * t, every(PANEL, like))
         total, parts = 0.0 * t, 0.0 * t
         if short != 255:
             total, parts = closed_form(
-                desk, k, x, y, steady_re, steady_im, t, drive_sine, drive_lost, s, c
+                engine, k, x, y, steady_re, steady_im, t, drive_sine, drive_lost, s, c
             )  # fmt: skip
         if short:
-            total = pick(short, by_nodes(desk, k, x, y, steady_re, steady_im, t), total)
-        store(rows, FLIGHT_SUM * WIDTH, total)
+            total = pick(short, by_nodes(engine, k, x, y, steady_re, steady_im, t), total)
+        store(rows, row.FLIGHT_SUM * row.WIDTH, total)
         lost = below(total, CANCELLED * parts) & at_most(rate * t, every(PANEL * MOST_PANELS, like)) & ~short & used
         while lost:
             slot = lowest(lost)
             lost &= lost - 1
-            rows[FLIGHT_SUM * WIDTH + slot] = alone(desk, rows, k, slot, steady_re, steady_im)
-        for slot in range(WIDTH):
+            rows[row.FLIGHT_SUM * row.WIDTH + slot] = alone(engine, rows, k, slot, steady_re, steady_im)
+        for slot in range(row.WIDTH):
             if (used >> slot) & 1:
-                energy[k] += rows[FLIGHT_SUM * WIDTH + slot]
+                energy[k] += rows[row.FLIGHT_SUM * row.WIDTH + slot]
 
 
 @joined
 def closed_form(
-    desk: Engine, k: int, x: Lanes, y: Lanes, cr: Lanes, ci: Lanes, t: Lanes, drive_sine: Lanes, drive_lost: Lanes,
+    engine: Engine, k: int, x: Lanes, y: Lanes, cr: Lanes, ci: Lanes, t: Lanes, drive_sine: Lanes, drive_lost: Lanes,
     s: Lanes, c: Lanes,
 ) -> tuple[Lanes, Lanes]:  # fmt: skip
     """∫ ½(η'² + ω²η²) of η = Re(a e^{λt} + c e^{iΩt}) + offset, and the sum of its parts' sizes.
 
     ``drive_sine``, ``drive_lost``: sin Ωt and 1 − cos Ωt; ``s``, ``c``: of half of it.
     """
-    pairs, w, offset = desk.pairs, desk.drive[W], desk.modes[OFFSET, k]
-    sigma, square = pairs[SIGMA, k], pairs[OMEGA, k] * pairs[OMEGA, k]
-    turn = sqrt(-pairs[DISC, k])
+    pairs, w, offset = engine.pairs, engine.drive[layout.W], engine.modes[layout.OFFSET, k]
+    sigma, square = pairs[layout.SIGMA, k], pairs[layout.OMEGA, k] * pairs[layout.OMEGA, k]
+    turn = sqrt(-pairs[layout.DISC, k])
     ar, ai = x, (y + sigma * x) * (-1.0 / turn)
     less, less2 = decrement((0.0 - sigma) * t), decrement((-2.0 * sigma) * t)
     left, left2 = 1.0 + less, 1.0 + less2
@@ -155,11 +156,11 @@ def closed_form(
 
 
 @joined
-def by_nodes(desk: Engine, k: int, x: Lanes, y: Lanes, cr: Lanes, ci: Lanes, t: Lanes) -> Lanes:
+def by_nodes(engine: Engine, k: int, x: Lanes, y: Lanes, cr: Lanes, ci: Lanes, t: Lanes) -> Lanes:
     """The same by Gauss's quadrature with eight nodes."""
-    pairs, w, offset = desk.pairs, desk.drive[W], desk.modes[OFFSET, k]
-    sigma, square = pairs[SIGMA, k], pairs[OMEGA, k] * pairs[OMEGA, k]
-    turn = sqrt(-pairs[DISC, k])
+    pairs, w, offset = engine.pairs, engine.drive[layout.W], engine.modes[layout.OFFSET, k]
+    sigma, square = pairs[layout.SIGMA, k], pairs[layout.OMEGA, k] * pairs[layout.OMEGA, k]
+    turn = sqrt(-pairs[layout.DISC, k])
     total = 0.0 * t
     for i in range(8):
         time = NODES[i] * t
@@ -176,13 +177,13 @@ def by_nodes(desk: Engine, k: int, x: Lanes, y: Lanes, cr: Lanes, ci: Lanes, t: 
 
 
 @kernel
-def alone(desk: Engine, rows: Array, k: int, slot: int, cr: Lanes, ci: Lanes) -> float:
+def alone(engine: Engine, rows: Array, k: int, slot: int, cr: Lanes, ci: Lanes) -> float:
     """The energy of mode k in one flight, by the one engine."""
-    at = FLIGHT_ROOM * WIDTH
+    at = row.FLIGHT_ROOM * row.WIDTH
     store(rows, at, cr)
-    store(rows, at + WIDTH, ci)
-    steady = complex(rows[at + slot], rows[at + WIDTH + slot])
-    t, w = rows[FLIGHT_SPAN * WIDTH + slot], desk.drive[W]
-    driven = SteadyResponse(steady, w, desk.modes[OFFSET, k])
-    x, y = rows[flight(k, FLIGHT_U) + slot], rows[flight(k, FLIGHT_V) + slot]
-    return float(flight_energy(desk.pairs, k, x, y, driven, t, growth(1j * w, t)))
+    store(rows, at + row.WIDTH, ci)
+    steady = complex(rows[at + slot], rows[at + row.WIDTH + slot])
+    t, w = rows[row.FLIGHT_SPAN * row.WIDTH + slot], engine.drive[layout.W]
+    driven = SteadyResponse(steady, w, engine.modes[layout.OFFSET, k])
+    x, y = rows[flight(k, row.FLIGHT_U) + slot], rows[flight(k, row.FLIGHT_V) + slot]
+    return float(flight_energy(engine.pairs, k, x, y, driven, t, growth(1j * w, t)))

@@ -11,27 +11,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.extremes import EPSILON, FINE, ROUNDS, cubic_range
 from vibeam.flight.kernels.lanes.elementary import exponential, sine_cosine
 from vibeam.flight.kernels.lanes.panels import bound
 from vibeam.flight.kernels.lanes.simd import Lanes, eight, every, larger, load, size, smaller, store
-from vibeam.flight.kernels.layout import (
-    COUNT,
-    DISC,
-    INVERSE,
-    KAPPA,
-    LEVELS,
-    OMEGA,
-    SIGMA,
-    STEP,
-    TURN_IM,
-    TURN_RE,
-    WALK,
-)
 from vibeam.flight.kernels.roots.bounds import Ends
+from vibeam.flight.points.kernels import layout as row
 from vibeam.flight.points.kernels.flights import flight
-from vibeam.flight.points.kernels.layout import FLIGHT_ROOM, FLIGHT_SPAN, FLIGHT_U, FLIGHT_V, FLIGHT_X, FLIGHT_Y, WIDTH
 from vibeam.flight.points.kernels.masks import at_most, below, lowest, pick, quotient
 
 Array = NDArray[np.float64]
@@ -63,13 +51,13 @@ def at(pairs: Array, rows: Array, weights: Array, wave: Wave, t: Lanes) -> tuple
     turned = im * c + re * s
     value, slope, curvature = const + turned, w * (re * c - im * s), (0.0 - w * w) * turned
     for k in range(pairs.shape[1]):
-        sigma, own = pairs[SIGMA, k], pairs[OMEGA, k]
-        turn = sqrt(-pairs[DISC, k])
+        sigma, own = pairs[layout.SIGMA, k], pairs[layout.OMEGA, k]
+        turn = sqrt(-pairs[layout.DISC, k])
         s, c = sine_cosine(turn * t)
         decay = exponential((0.0 - sigma) * t)
         c, s = decay * c, decay * s * (1.0 / turn)
         fall = sigma * s
-        x, y = load(rows, flight(k, FLIGHT_U), t), load(rows, flight(k, FLIGHT_V), t)
+        x, y = load(rows, flight(k, row.FLIGHT_U), t), load(rows, flight(k, row.FLIGHT_V), t)
         x, y = weights[k] * ((c + fall) * x + s * y), weights[k] * ((c - fall) * y - own * own * s * x)
         value += x
         slope += y
@@ -124,15 +112,15 @@ def extremes_of_flights(
     const, w, re, im = wave
     n, like = pairs.shape[1], eight()
     nought, found = every(0.0, like), known
-    span = load(rows, FLIGHT_SPAN * WIDTH, like)
+    span = load(rows, row.FLIGHT_SPAN * row.WIDTH, like)
     harmonic = bound(re, im)
     value, total = const + im, harmonic + abs(const)
     for k in range(n):
-        x, y = load(rows, flight(k, FLIGHT_U), like), load(rows, flight(k, FLIGHT_V), like)
-        store(rows, flight(k, FLIGHT_X), x)
-        store(rows, flight(k, FLIGHT_Y), y)
+        x, y = load(rows, flight(k, row.FLIGHT_U), like), load(rows, flight(k, row.FLIGHT_V), like)
+        store(rows, flight(k, row.FLIGHT_X), x)
+        store(rows, flight(k, row.FLIGHT_Y), y)
         value += weights[k] * x
-        total += abs(weights[k]) * bound(x, y * pairs[INVERSE, k])
+        total += abs(weights[k]) * bound(x, y * pairs[layout.INVERSE, k])
     accuracy = share * total
     active = below(nought, span)
     found = widen(found, active, value)
@@ -142,10 +130,10 @@ def extremes_of_flights(
         panels += 1
         here, there = 2 * side, 2 - 2 * side
         h, tr, ti, count = (
-            levels[STEP, level],
-            levels[TURN_RE, level],
-            levels[TURN_IM, level],
-            int(levels[COUNT, level]),
+            levels[layout.STEP, level],
+            levels[layout.TURN_RE, level],
+            levels[layout.TURN_IM, level],
+            int(levels[layout.COUNT, level]),
         )
         re2, im2 = re * tr - im * ti, im * tr + re * ti
         p0, s0, p1, s1 = const + im, w * re, const + im2, w * re2
@@ -153,13 +141,13 @@ def extremes_of_flights(
         slack0, slack1, slack2 = nought, nought, nought
         begin, begin_slope, end, end_slope = nought, nought, nought, nought
         for k in range(n):
-            weight, kappa = weights[k], pairs[KAPPA, k]
-            x, y = load(rows, flight(k, FLIGHT_X + here), like), load(rows, flight(k, FLIGHT_Y + here), like)
-            x2 = table[WALK, level, k] * x + table[WALK + 1, level, k] * y
-            y2 = table[WALK + 2, level, k] * x + table[WALK + 3, level, k] * y
-            store(rows, flight(k, FLIGHT_X + there), x2)
-            store(rows, flight(k, FLIGHT_Y + there), y2)
-            e = abs(weight) * bound(x, y * pairs[INVERSE, k])
+            weight, kappa = weights[k], pairs[layout.KAPPA, k]
+            x, y = load(rows, flight(k, row.FLIGHT_X + here), like), load(rows, flight(k, row.FLIGHT_Y + here), like)
+            x2 = table[layout.WALK, level, k] * x + table[layout.WALK + 1, level, k] * y
+            y2 = table[layout.WALK + 2, level, k] * x + table[layout.WALK + 3, level, k] * y
+            store(rows, flight(k, row.FLIGHT_X + there), x2)
+            store(rows, flight(k, row.FLIGHT_Y + there), y2)
+            e = abs(weight) * bound(x, y * pairs[layout.INVERSE, k])
             if k < count:
                 high += e * (kappa * kappa * kappa * kappa)
                 p0 += weight * x
@@ -181,7 +169,7 @@ def extremes_of_flights(
         if beyond:
             last = smaller(span - time, every(h, like))
             rough = beyond & below(accuracy, error)
-            if level == LEVELS - 1:
+            if level == layout.LEVELS - 1:
                 rough = 0
             if rough:
                 middle = (3.0 / h) * (p1 - p0) - s0 - s1
@@ -215,15 +203,15 @@ def extremes_of_flights(
 @joined
 def lane_of(rows: Array, slot: int, value: Lanes) -> float:
     """One lane's number."""
-    store(rows, FLIGHT_ROOM * WIDTH, value)
-    return float(rows[FLIGHT_ROOM * WIDTH + slot])
+    store(rows, row.FLIGHT_ROOM * row.WIDTH, value)
+    return float(rows[row.FLIGHT_ROOM * row.WIDTH + slot])
 
 
 @joined
 def least_of(rows: Array, value: Lanes) -> float:
     """The least of all lanes' numbers."""
-    store(rows, FLIGHT_ROOM * WIDTH, value)
-    found = rows[FLIGHT_ROOM * WIDTH]
-    for slot in range(1, WIDTH):
-        found = min(found, rows[FLIGHT_ROOM * WIDTH + slot])
+    store(rows, row.FLIGHT_ROOM * row.WIDTH, value)
+    found = rows[row.FLIGHT_ROOM * row.WIDTH]
+    for slot in range(1, row.WIDTH):
+        found = min(found, rows[row.FLIGHT_ROOM * row.WIDTH + slot])
     return float(found)

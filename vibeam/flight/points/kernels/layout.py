@@ -103,7 +103,7 @@ class Lane(NamedTuple):
 
     common: Array  # (COMMON_ROWS * WIDTH,)
     modal: Array  # (n * MODAL_ROWS * WIDTH,)
-    desks: Engine  # each array with one axis more in front, one entry a lane
+    engines: Engine  # each array with one axis more in front, one entry a lane
     poses: Array  # (WIDTH, 2, n)
     status: Array  # (WIDTH, STATUS_ROWS)
     counts: NDArray[np.int64]  # (WIDTH, COUNT_ROWS)

@@ -2,31 +2,23 @@
 
 from __future__ import annotations
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.lanes import layout as cells
-from vibeam.flight.kernels.layout import (
-    FIRST_IM,
-    FIRST_RE,
-    SECOND_IM,
-    SECOND_RE,
-    STEP,
-    TURN_IM,
-    TURN_RE,
-)
 from vibeam.flight.points.kernels import layout as row
-from vibeam.flight.points.kernels.layout import MODAL_ROWS, WIDTH, Lane, Rows
+from vibeam.flight.points.kernels.layout import Lane, Rows
 
 
 @joined
 def modes_of(rows: Rows) -> int:
     """Number of modes."""
-    return int(rows.modal.shape[0] // (MODAL_ROWS * WIDTH))
+    return int(rows.modal.shape[0] // (row.MODAL_ROWS * row.WIDTH))
 
 
 @joined
 def place(k: int, of: int, lane: int) -> int:
     """Where the row ``of`` has mode k's number of one lane."""
-    return (k * MODAL_ROWS + of) * WIDTH + lane
+    return (k * row.MODAL_ROWS + of) * row.WIDTH + lane
 
 
 @joined
@@ -42,10 +34,10 @@ def take_panel(rows: Rows, slot: int, level: int) -> None:
     n = modes_of(rows)
     side = block_width(n)
     blocks = (n + side - 1) // side
-    common[row.LEVEL * WIDTH + slot] = level
-    common[row.STEP * WIDTH + slot] = levels[slot, STEP, level]
-    common[row.TURN_RE * WIDTH + slot] = levels[slot, TURN_RE, level]
-    common[row.TURN_IM * WIDTH + slot] = levels[slot, TURN_IM, level]
+    common[row.LEVEL * row.WIDTH + slot] = level
+    common[row.STEP * row.WIDTH + slot] = levels[slot, layout.STEP, level]
+    common[row.TURN_RE * row.WIDTH + slot] = levels[slot, layout.TURN_RE, level]
+    common[row.TURN_IM * row.WIDTH + slot] = levels[slot, layout.TURN_IM, level]
     for k in range(n):
         at = (level * blocks + k // side) * cells.RUNG_ROWS * side + k % side
         for j in range(4):
@@ -61,14 +53,14 @@ def take_first_panel(rows: Rows, slot: int, level: int) -> None:
     n = modes_of(rows)
     side = block_width(n)
     blocks = (n + side - 1) // side
-    common[row.LEVEL_1 * WIDTH + slot] = level
-    common[row.STEP_1 * WIDTH + slot] = levels[slot, STEP, level]
-    common[row.TURN_RE_1 * WIDTH + slot] = levels[slot, TURN_RE, level]
-    common[row.TURN_IM_1 * WIDTH + slot] = levels[slot, TURN_IM, level]
-    common[row.SECOND_RE * WIDTH + slot] = levels[slot, SECOND_RE, level]
-    common[row.SECOND_IM * WIDTH + slot] = levels[slot, SECOND_IM, level]
-    common[row.FIRST_RE * WIDTH + slot] = levels[slot, FIRST_RE, level]
-    common[row.FIRST_IM * WIDTH + slot] = levels[slot, FIRST_IM, level]
+    common[row.LEVEL_1 * row.WIDTH + slot] = level
+    common[row.STEP_1 * row.WIDTH + slot] = levels[slot, layout.STEP, level]
+    common[row.TURN_RE_1 * row.WIDTH + slot] = levels[slot, layout.TURN_RE, level]
+    common[row.TURN_IM_1 * row.WIDTH + slot] = levels[slot, layout.TURN_IM, level]
+    common[row.SECOND_RE * row.WIDTH + slot] = levels[slot, layout.SECOND_RE, level]
+    common[row.SECOND_IM * row.WIDTH + slot] = levels[slot, layout.SECOND_IM, level]
+    common[row.FIRST_RE * row.WIDTH + slot] = levels[slot, layout.FIRST_RE, level]
+    common[row.FIRST_IM * row.WIDTH + slot] = levels[slot, layout.FIRST_IM, level]
     for k in range(n):
         at = (level * blocks + k // side) * cells.RUNG_ROWS * side + k % side
         for j in range(4):
@@ -80,7 +72,7 @@ def take_first_panel(rows: Rows, slot: int, level: int) -> None:
 @kernel
 def take_constants(lane: Lane, slot: int) -> None:
     """The lane's rows of its modes' constants, from its engine's ``cells``."""
-    n, modal, source = lane.poses.shape[2], lane.modal, lane.desks.cells
+    n, modal, source = lane.poses.shape[2], lane.modal, lane.engines.cells
     side = block_width(n)
     for k in range(n):
         at = (k // side) * cells.CELL_ROWS * side + k % side

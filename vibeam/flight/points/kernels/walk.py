@@ -9,14 +9,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.lanes.panels import bound
 from vibeam.flight.kernels.lanes.simd import Lanes, eight, every, larger, load, size, smaller, store
-from vibeam.flight.kernels.layout import LEVELS, STEP
 from vibeam.flight.kernels.roots.bounds import SLOPE, THIRD, VALUE
 from vibeam.flight.kernels.roots.newton import EPSILON
 from vibeam.flight.points.kernels import layout as row
-from vibeam.flight.points.kernels.layout import MODAL_ROWS, WIDTH, Rows
+from vibeam.flight.points.kernels.layout import Rows
 from vibeam.flight.points.kernels.masks import below, equal, lowest, pick, quotient
 from vibeam.flight.points.kernels.tables import modes_of, take_first_panel, take_panel
 
@@ -32,26 +32,26 @@ WIDE = 20.0  # how much more than its error a first panel's hull must be above 0
 @joined
 def get(rows: Array, which: int, like: Lanes) -> Lanes:
     """A row of ``common``."""
-    return load(rows, which * WIDTH, like)
+    return load(rows, which * row.WIDTH, like)
 
 
 @joined
 def put(rows: Array, which: int, value: Lanes) -> None:
     """Set a row of ``common``."""
-    store(rows, which * WIDTH, value)
+    store(rows, which * row.WIDTH, value)
 
 
 @joined
 def blend(rows: Array, which: int, bits: int, value: Lanes, like: Lanes) -> None:
     """Set a row of ``common`` in some lanes."""
-    at = which * WIDTH
+    at = which * row.WIDTH
     store(rows, at, pick(bits, value, load(rows, at, like)))
 
 
 @joined
 def mode(k: int, which: int) -> int:
     """Where a row of a mode begins."""
-    return (k * MODAL_ROWS + which) * WIDTH
+    return (k * row.MODAL_ROWS + which) * row.WIDTH
 
 
 @kernel
@@ -101,11 +101,11 @@ def first_level(rows: Rows, slot: int) -> int:
     """Level of the first panel to try: that of the flight before, or a shorter one for a shorter flight."""
     common, levels = rows.common, rows.levels
     level, pull, rise = (
-        int(common[row.FIRST * WIDTH + slot]),
-        common[row.C0 * WIDTH + slot],
-        common[row.RISE * WIDTH + slot],
+        int(common[row.FIRST * row.WIDTH + slot]),
+        common[row.C0 * row.WIDTH + slot],
+        common[row.RISE * row.WIDTH + slot],
     )
-    while level < LEVELS - 1 and levels[slot, STEP, level] * pull > 4.0 * rise:
+    while level < layout.LEVELS - 1 and levels[slot, layout.STEP, level] * pull > 4.0 * rise:
         level += 1
     return level
 
@@ -141,8 +141,8 @@ def launch(rows: Rows, flying: int) -> int:
         while rest:
             slot = lowest(rest)
             rest &= rest - 1
-            level = int(common[row.LEVEL_1 * WIDTH + slot]) + 1
-            if level >= LEVELS:
+            level = int(common[row.LEVEL_1 * row.WIDTH + slot]) + 1
+            if level >= layout.LEVELS:
                 lost |= 1 << slot
                 todo &= ~(1 << slot)
             else:
@@ -156,7 +156,7 @@ def launch(rows: Rows, flying: int) -> int:
     while rest:
         slot = lowest(rest)
         rest &= rest - 1
-        take_panel(rows, slot, int(common[(row.LEVEL_1 if (begun >> slot) & 1 else row.COARSEST) * WIDTH + slot]))
+        take_panel(rows, slot, int(common[(row.LEVEL_1 if (begun >> slot) & 1 else row.COARSEST) * row.WIDTH + slot]))
     tr, ti = get(common, row.TURN_RE_1, like), get(common, row.TURN_IM_1, like)
     put(common, row.P1, pick(begun, zr * tr - zi * ti, zr))
     put(common, row.S1, pick(begun, zi * tr + zr * ti, zi))
@@ -180,8 +180,10 @@ def halve(rows: Rows, split: int, bowl: int) -> int:
     while split:
         slot = lowest(split)
         split &= split - 1
-        level = int(rows.common[row.LEVEL * WIDTH + slot]) + 1
-        if level >= LEVELS or ((bowl >> slot) & 1 and level > int(rows.common[row.COARSEST * WIDTH + slot]) + DEEP):
+        level = int(rows.common[row.LEVEL * row.WIDTH + slot]) + 1
+        if level >= layout.LEVELS or (
+            (bowl >> slot) & 1 and level > int(rows.common[row.COARSEST * row.WIDTH + slot]) + DEEP
+        ):
             hopeless |= 1 << slot
         else:
             take_panel(rows, slot, level)
@@ -313,5 +315,5 @@ def walk(rows: Rows, flying: int) -> int:
             while longer:
                 slot = lowest(longer)
                 longer &= longer - 1
-                take_panel(rows, slot, int(common[row.LEVEL * WIDTH + slot]) - 1)
+                take_panel(rows, slot, int(common[row.LEVEL * row.WIDTH + slot]) - 1)
     return landed

@@ -5,33 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.events import advance
-from vibeam.flight.kernels.layout import (
-    CLOCK,
-    COMPLETE,
-    DONE,
-    FULL,
-    IMPACTS,
-    KIND,
-    KNOWN,
-    MOST,
-    OMEGA,
-    PAUSED,
-    PERIOD,
-    REST_TIME,
-    SEGMENTS,
-    SPEED,
-    SPEED_SUM,
-    STRUCK,
-    UNRESOLVED,
-    UNSEEN,
-    WATCHED,
-    Engine,
-    Schedule,
-    W,
-    Watch,
-)
+from vibeam.flight.kernels.layout import Engine, Schedule, Watch
 from vibeam.flight.kernels.segments import copy_pose, work_of
 from vibeam.flight.kernels.steady_point import (
     begin_period,
@@ -42,8 +19,8 @@ from vibeam.flight.kernels.steady_point import (
     repetition,
     settling_kernel,
 )
+from vibeam.flight.points.kernels import layout as row
 from vibeam.flight.points.kernels.flights import is_readable
-from vibeam.flight.points.kernels.layout import ALL, FROM, HITS, MARK, PLACE, RESTED, STATE, SUM, TOP
 from vibeam.flight.points.kernels.readout import read_rows
 
 Array = NDArray[np.float64]
@@ -59,7 +36,7 @@ NO_STATE = -1.0  # a largest velocity that no state has
 
 @kernel
 def watched_point(
-    desk: Engine, pose: Array, status: Array, schedule: Schedule, room: Watch, counts: Counts, mark: Array,
+    engine: Engine, pose: Array, status: Array, schedule: Schedule, watch: Watch, counts: Counts, mark: Array,
     flights: Array, recurs: bool,
 ) -> tuple[int, float]:  # fmt: skip
     """``steady_point`` of a point that has settled, by as few of its periods as tell all of them.
@@ -69,75 +46,85 @@ def watched_point(
     where it is that of the period before to round-off and the motion ``recurs``: has settled onto one that repeats bit
     by bit. Flights of several periods are read off together, a lane each.
     """
-    begun, hold, fresh = work_of(counts), schedule.hold, counts[WATCHED] == 0
-    outcome = settle(desk, pose, status, schedule, room, counts)
-    if outcome == COMPLETE and fresh:
-        mark[PLACE], mark[TOP], mark[FROM], counts[SEGMENTS] = 0.0, NO_STATE, 0.0, 0
-    readable = is_readable(desk)
-    period = desk.drive[PERIOD]
-    while outcome == COMPLETE and counts[WATCHED] <= hold:
-        turn, rows = counts[WATCHED], counts[SEGMENTS]
-        if status[DONE] == 0.0:
-            status[CLOCK] = period - status[UNSEEN]
-        outcome, done = advance(desk, pose, status, status[UNSEEN], counts[MOST], room.trace, room.poses, counts)
-        if outcome == PAUSED:
-            return PAUSED, 0.0
-        begun -= schedule.watching * (counts[SEGMENTS] - rows)
-        status[UNSEEN] -= done
-        if outcome == FULL:
-            outcome = COMPLETE
-            read_off(desk, room, counts, mark, flights, readable)
-            mark[FROM] = -1.0
-        elif outcome == COMPLETE:
-            status[UNSEEN], counts[MOST], counts[WATCHED] = period, counts[IMPACTS] + schedule.limit, turn + 1
-            copy_pose(pose, room.strobes[turn])
-            if counts[KNOWN] > 0:
-                count_impacts(room.trace, counts, room.result)
-                add_share(room.energy, room.result, room.share)
-            elif mark[FROM] >= 0.0 and is_same(desk.pairs[OMEGA], desk.drive[W], room.strobes, turn):
-                read_last_period(desk, room, counts, mark, flights, readable)
+    begun, hold, fresh = work_of(counts), schedule.hold, counts[layout.WATCHED] == 0
+    outcome = settle(engine, pose, status, schedule, watch, counts)
+    if outcome == layout.COMPLETE and fresh:
+        mark[row.PLACE], mark[row.TOP], mark[row.FROM], counts[layout.SEGMENTS] = 0.0, NO_STATE, 0.0, 0
+    readable = is_readable(engine)
+    period = engine.drive[layout.PERIOD]
+    while outcome == layout.COMPLETE and counts[layout.WATCHED] <= hold:
+        turn, rows = counts[layout.WATCHED], counts[layout.SEGMENTS]
+        if status[layout.DONE] == 0.0:
+            status[layout.CLOCK] = period - status[layout.UNSEEN]
+        outcome, done = advance(
+            engine, pose, status, status[layout.UNSEEN], counts[layout.MOST], watch.trace, watch.poses, counts
+        )
+        if outcome == layout.PAUSED:
+            return layout.PAUSED, 0.0
+        begun -= schedule.watching * (counts[layout.SEGMENTS] - rows)
+        status[layout.UNSEEN] -= done
+        if outcome == layout.FULL:
+            outcome = layout.COMPLETE
+            read_off(engine, watch, counts, mark, flights, readable)
+            mark[row.FROM] = -1.0
+        elif outcome == layout.COMPLETE:
+            status[layout.UNSEEN], counts[layout.MOST], counts[layout.WATCHED] = (
+                period,
+                counts[layout.IMPACTS] + schedule.limit,
+                turn + 1,
+            )
+            copy_pose(pose, watch.strobes[turn])
+            if counts[layout.KNOWN] > 0:
+                count_impacts(watch.trace, counts, watch.result)
+                add_share(watch.energy, watch.result, watch.share)
+            elif mark[row.FROM] >= 0.0 and is_same(
+                engine.pairs[layout.OMEGA], engine.drive[layout.W], watch.strobes, turn
+            ):
+                read_last_period(engine, watch, counts, mark, flights, readable)
                 if recurs:
-                    mark[PLACE] = turn - 1.0
-                    repeat(room, counts, mark, turn, hold)
-            elif mark[FROM] < 0.0 or counts[SEGMENTS] >= DUE or turn >= hold:
-                read_off(desk, room, counts, mark, flights, readable)
+                    mark[row.PLACE] = turn - 1.0
+                    repeat(watch, counts, mark, turn, hold)
+            elif mark[row.FROM] < 0.0 or counts[layout.SEGMENTS] >= DUE or turn >= hold:
+                read_off(engine, watch, counts, mark, flights, readable)
             else:
-                mark[FROM] = counts[SEGMENTS]
-            if counts[WATCHED] <= hold:
-                if is_marked(room.strobes, status, mark, turn):
-                    read_off(desk, room, counts, mark, flights, readable)
-                    repeat(room, counts, mark, turn, hold)
-                elif turn >= 2 * int(mark[PLACE]):
-                    read_off(desk, room, counts, mark, flights, readable)
-                    set_mark(room, status, counts, mark, turn)
-        if outcome == COMPLETE and is_unread(room.result):
-            outcome = UNRESOLVED
-        if outcome == COMPLETE and counts[WATCHED] <= hold and work_of(counts) - begun >= schedule.piece:
-            outcome = PAUSED
-    if outcome == PAUSED:
-        return PAUSED, 0.0
-    status[CLOCK] = 0.0
-    if outcome != COMPLETE:
+                mark[row.FROM] = counts[layout.SEGMENTS]
+            if counts[layout.WATCHED] <= hold:
+                if is_marked(watch.strobes, status, mark, turn):
+                    read_off(engine, watch, counts, mark, flights, readable)
+                    repeat(watch, counts, mark, turn, hold)
+                elif turn >= 2 * int(mark[row.PLACE]):
+                    read_off(engine, watch, counts, mark, flights, readable)
+                    set_mark(watch, status, counts, mark, turn)
+        if outcome == layout.COMPLETE and is_unread(watch.result):
+            outcome = layout.UNRESOLVED
+        if outcome == layout.COMPLETE and counts[layout.WATCHED] <= hold and work_of(counts) - begun >= schedule.piece:
+            outcome = layout.PAUSED
+    if outcome == layout.PAUSED:
+        return layout.PAUSED, 0.0
+    status[layout.CLOCK] = 0.0
+    if outcome != layout.COMPLETE:
         return int(outcome), 0.0
-    return COMPLETE, float(repetition(desk.pairs[OMEGA], desk.drive[W], room.strobes, hold, schedule.longest))
+    return layout.COMPLETE, float(
+        repetition(engine.pairs[layout.OMEGA], engine.drive[layout.W], watch.strobes, hold, schedule.longest)
+    )
 
 
 @kernel
-def read_off(desk: Engine, room: Watch, counts: Counts, mark: Array, flights: Array, readable: bool) -> None:
+def read_off(engine: Engine, watch: Watch, counts: Counts, mark: Array, flights: Array, readable: bool) -> None:
     """Read off what is traced; where the period repeats, count its impacts and nothing else."""
-    if counts[KNOWN] > 0:
-        count_impacts(room.trace, counts, room.result)
+    if counts[layout.KNOWN] > 0:
+        count_impacts(watch.trace, counts, watch.result)
     else:
-        read_rows(desk, room, 0, counts[SEGMENTS], flights, readable)
-    counts[SEGMENTS], mark[FROM] = 0, 0.0
+        read_rows(engine, watch, 0, counts[layout.SEGMENTS], flights, readable)
+    counts[layout.SEGMENTS], mark[row.FROM] = 0, 0.0
 
 
 @kernel
 def count_impacts(trace: Array, counts: Counts, result: Array) -> None:
     """Count the impacts traced, and nothing else."""
-    for i in range(counts[SEGMENTS]):
+    for i in range(counts[layout.SEGMENTS]):
         note_impact(trace, i, result)
-    counts[SEGMENTS] = 0
+    counts[layout.SEGMENTS] = 0
 
 
 @joined
@@ -146,43 +133,56 @@ def add_share(energy: Array, result: Array, share: Array) -> None:
     n = energy.shape[0]
     for k in range(n):
         energy[k] += share[k]
-    result[REST_TIME] += share[n]
+    result[layout.REST_TIME] += share[n]
 
 
 @kernel
-def read_last_period(desk: Engine, room: Watch, counts: Counts, mark: Array, flights: Array, readable: bool) -> None:
+def read_last_period(engine: Engine, watch: Watch, counts: Counts, mark: Array, flights: Array, readable: bool) -> None:
     """Read off what is traced, and note what the last period adds: those to come are copies of it.
 
     The mark holds what there was before it.
     """
-    first, result = int(mark[FROM]), room.result
-    read_rows(desk, room, 0, first, flights, readable)
-    begin_period(room)
-    mark[HITS], mark[SUM], mark[RESTED] = result[STRUCK], result[SPEED_SUM], result[REST_TIME]
-    for k in range(room.energy.shape[0]):
-        mark[MARK + k] = room.energy[k]
-    read_rows(desk, room, first, counts[SEGMENTS], flights, readable)
-    note_period(room)
-    mark[ALL], mark[TOP] = counts[IMPACTS] - (result[STRUCK] - mark[HITS]), NO_STATE
-    counts[SEGMENTS], mark[FROM], counts[KNOWN] = 0, 0.0, 1
+    first, result = int(mark[row.FROM]), watch.result
+    read_rows(engine, watch, 0, first, flights, readable)
+    begin_period(watch)
+    mark[row.HITS], mark[row.SUM], mark[row.RESTED] = (
+        result[layout.STRUCK],
+        result[layout.SPEED_SUM],
+        result[layout.REST_TIME],
+    )
+    for k in range(watch.energy.shape[0]):
+        mark[row.MARK + k] = watch.energy[k]
+    read_rows(engine, watch, first, counts[layout.SEGMENTS], flights, readable)
+    note_period(watch)
+    mark[row.ALL], mark[row.TOP] = counts[layout.IMPACTS] - (result[layout.STRUCK] - mark[row.HITS]), NO_STATE
+    counts[layout.SEGMENTS], mark[row.FROM], counts[layout.KNOWN] = 0, 0.0, 1
 
 
 @kernel
-def set_mark(room: Watch, status: Array, counts: Counts, mark: Array, turn: int) -> None:
+def set_mark(watch: Watch, status: Array, counts: Counts, mark: Array, turn: int) -> None:
     """Later ends of periods are compared to this one."""
-    result = room.result
-    mark[PLACE], mark[TOP], mark[STATE], mark[HITS] = turn, status[SPEED], status[KIND], result[STRUCK]
-    mark[SUM], mark[RESTED], mark[ALL] = result[SPEED_SUM], result[REST_TIME], counts[IMPACTS]
-    for k in range(room.energy.shape[0]):
-        mark[MARK + k] = room.energy[k]
+    result = watch.result
+    mark[row.PLACE], mark[row.TOP], mark[row.STATE], mark[row.HITS] = (
+        turn,
+        status[layout.SPEED],
+        status[layout.KIND],
+        result[layout.STRUCK],
+    )
+    mark[row.SUM], mark[row.RESTED], mark[row.ALL] = (
+        result[layout.SPEED_SUM],
+        result[layout.REST_TIME],
+        counts[layout.IMPACTS],
+    )
+    for k in range(watch.energy.shape[0]):
+        mark[row.MARK + k] = watch.energy[k]
 
 
 @joined
 def is_marked(strobes: Array, status: Array, mark: Array, turn: int) -> bool:
     """Whether the state at the end of a period is the marked one, bit by bit."""
-    if status[SPEED] != mark[TOP] or status[KIND] != mark[STATE]:
+    if status[layout.SPEED] != mark[row.TOP] or status[layout.KIND] != mark[row.STATE]:
         return False
-    now, then = strobes[turn], strobes[int(mark[PLACE])]
+    now, then = strobes[turn], strobes[int(mark[row.PLACE])]
     same = True
     for k in range(now.shape[1]):
         same = same and now[0, k] == then[0, k] and now[1, k] == then[1, k]
@@ -190,19 +190,19 @@ def is_marked(strobes: Array, status: Array, mark: Array, turn: int) -> bool:
 
 
 @kernel
-def repeat(room: Watch, counts: Counts, mark: Array, turn: int, hold: int) -> None:
+def repeat(watch: Watch, counts: Counts, mark: Array, turn: int, hold: int) -> None:
     """Add the periods since the mark as often as they fit into the hold."""
-    cycle = turn - int(mark[PLACE])
+    cycle = turn - int(mark[row.PLACE])
     times = (hold - turn) // cycle
-    result = room.result
-    result[STRUCK] += times * (result[STRUCK] - mark[HITS])
-    result[SPEED_SUM] += times * (result[SPEED_SUM] - mark[SUM])
-    result[REST_TIME] += times * (result[REST_TIME] - mark[RESTED])
-    counts[MOST] += times * (counts[IMPACTS] - int(mark[ALL]))
-    counts[IMPACTS] += times * (counts[IMPACTS] - int(mark[ALL]))
-    for k in range(room.energy.shape[0]):
-        room.energy[k] += times * (room.energy[k] - mark[MARK + k])
+    result = watch.result
+    result[layout.STRUCK] += times * (result[layout.STRUCK] - mark[row.HITS])
+    result[layout.SPEED_SUM] += times * (result[layout.SPEED_SUM] - mark[row.SUM])
+    result[layout.REST_TIME] += times * (result[layout.REST_TIME] - mark[row.RESTED])
+    counts[layout.MOST] += times * (counts[layout.IMPACTS] - int(mark[row.ALL]))
+    counts[layout.IMPACTS] += times * (counts[layout.IMPACTS] - int(mark[row.ALL]))
+    for k in range(watch.energy.shape[0]):
+        watch.energy[k] += times * (watch.energy[k] - mark[row.MARK + k])
     for j in range(times * cycle):
-        copy_pose(room.strobes[turn + 1 + j - cycle], room.strobes[turn + 1 + j])
-    counts[WATCHED] += times * cycle
-    mark[TOP] = NO_STATE  # what is left is watched as it is
+        copy_pose(watch.strobes[turn + 1 + j - cycle], watch.strobes[turn + 1 + j])
+    counts[layout.WATCHED] += times * cycle
+    mark[row.TOP] = NO_STATE  # what is left is watched as it is

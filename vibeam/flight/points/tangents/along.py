@@ -7,28 +7,8 @@ from math import sin, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
-from vibeam.flight.kernels.layout import (
-    AT_CLOCK,
-    BEFORE,
-    CHATTER,
-    CONTACT,
-    DISC,
-    DURATION,
-    END,
-    IMPACT,
-    LOAD,
-    MOBILITY,
-    OMEGA,
-    RESTING,
-    RESTITUTION,
-    SIGMA,
-    STATIC,
-    STRENGTH,
-    STUCK,
-    WHAT,
-    W,
-)
 from vibeam.flight.kernels.roots.pair import propagator
 
 Array = NDArray[np.float64]
@@ -37,16 +17,16 @@ Array = NDArray[np.float64]
 @joined
 def is_lost(trace: Array, i: int, restitution: float) -> bool:
     """Whether directions are lost in a segment or at its end: at rest, at the end of a chatter, by R = 0."""
-    end = trace[i, END]
-    stuck = end in (CHATTER, STUCK) or (end == IMPACT and restitution == 0.0)
-    return bool(trace[i, WHAT] == RESTING or stuck)
+    end = trace[i, layout.END]
+    stuck = end in (layout.CHATTER, layout.STUCK) or (end == layout.IMPACT and restitution == 0.0)
+    return bool(trace[i, layout.WHAT] == layout.RESTING or stuck)
 
 
 @kernel
 def carry_over_flight(pairs: Array, time: float, columns: Array) -> None:
     """Disturbances (c, 2, n) over free flight: each mode's propagator."""
     for k in range(pairs.shape[1]):
-        p00, p01, p10, p11 = propagator(pairs[SIGMA, k], pairs[OMEGA, k], pairs[DISC, k], time)
+        p00, p01, p10, p11 = propagator(pairs[layout.SIGMA, k], pairs[layout.OMEGA, k], pairs[layout.DISC, k], time)
         for j in range(columns.shape[0]):
             x, y = columns[j, 0, k], columns[j, 1, k]
             columns[j, 0, k], columns[j, 1, k] = p00 * x + p01 * y, p10 * x + p11 * y
@@ -62,29 +42,33 @@ def acceleration_before(
     """
     slope = 0.0
     for k in range(modes.shape[1]):
-        slope += modes[CONTACT, k] * after[1, k]
-    impulse, push, found = (before - slope) / drive[MOBILITY], drive[STRENGTH] * sin(drive[W] * clock), 0.0
+        slope += modes[layout.CONTACT, k] * after[1, k]
+    impulse, push, found = (
+        (before - slope) / drive[layout.MOBILITY],
+        drive[layout.STRENGTH] * sin(drive[layout.W] * clock),
+        0.0,
+    )
     for k in range(modes.shape[1]):
-        c, own = modes[CONTACT, k], pairs[OMEGA, k]
+        c, own = modes[layout.CONTACT, k], pairs[layout.OMEGA, k]
         velocity = after[1, k] + c * impulse
-        force = modes[LOAD, k] * push + modes[STATIC, k]
-        found += c * (force - 2.0 * pairs[SIGMA, k] * velocity - own * own * after[0, k])
+        force = modes[layout.LOAD, k] * push + modes[layout.STATIC, k]
+        found += c * (force - 2.0 * pairs[layout.SIGMA, k] * velocity - own * own * after[0, k])
     return found
 
 
 @kernel
 def carry_over_impact(pairs: Array, modes: Array, drive: Array, lean: float, columns: Array) -> None:
     """Disturbances (c, 2, n) over an impact; ``lean``: the contact's acceleration over its velocity before it."""
-    share = (1.0 + drive[RESTITUTION]) / drive[MOBILITY]
+    share = (1.0 + drive[layout.RESTITUTION]) / drive[layout.MOBILITY]
     for j in range(columns.shape[0]):
         moved, swung = 0.0, 0.0
         for k in range(modes.shape[1]):
-            moved += modes[CONTACT, k] * columns[j, 0, k]
-            swung += modes[CONTACT, k] * columns[j, 1, k]
+            moved += modes[layout.CONTACT, k] * columns[j, 0, k]
+            swung += modes[layout.CONTACT, k] * columns[j, 1, k]
         for k in range(modes.shape[1]):
-            c = share * modes[CONTACT, k]
+            c = share * modes[layout.CONTACT, k]
             columns[j, 0, k] -= c * moved
-            columns[j, 1, k] += c * ((2.0 * pairs[SIGMA, k] + lean) * moved - swung)
+            columns[j, 1, k] += c * ((2.0 * pairs[layout.SIGMA, k] + lean) * moved - swung)
 
 
 @kernel
@@ -93,13 +77,15 @@ def carry_along(
 ) -> bool:
     """Disturbances over the segments traced, ``last`` the pose after them; whether a direction is lost on the way."""
     for i in range(count):
-        if is_lost(trace, i, drive[RESTITUTION]):
+        if is_lost(trace, i, drive[layout.RESTITUTION]):
             return True
-        carry_over_flight(pairs, trace[i, DURATION], columns)
-        speed = trace[i, BEFORE]
-        if trace[i, END] == IMPACT and speed > 0.0:
+        carry_over_flight(pairs, trace[i, layout.DURATION], columns)
+        speed = trace[i, layout.BEFORE]
+        if trace[i, layout.END] == layout.IMPACT and speed > 0.0:
             after = last if i == count - 1 else poses[i + 1]
-            toward = acceleration_before(pairs, modes, drive, after, speed, trace[i, AT_CLOCK] + trace[i, DURATION])
+            toward = acceleration_before(
+                pairs, modes, drive, after, speed, trace[i, layout.AT_CLOCK] + trace[i, layout.DURATION]
+            )
             carry_over_impact(pairs, modes, drive, toward / speed, columns)
     return False
 
@@ -109,7 +95,7 @@ def normalized(pairs: Array, w: float, column: Array) -> float:
     """Make a disturbance (2, n) one of size 1 in units of velocity; what it was."""
     square = 0.0
     for k in range(pairs.shape[1]):
-        unit = pairs[OMEGA, k] if pairs[OMEGA, k] > 0.0 else w
+        unit = pairs[layout.OMEGA, k] if pairs[layout.OMEGA, k] > 0.0 else w
         square += (unit * column[0, k]) * (unit * column[0, k]) + column[1, k] * column[1, k]
     size = sqrt(square)
     if size == 0.0:
