@@ -138,7 +138,7 @@ def claim(study: ReductionStudy) -> str:
     if said.flown:
         why = f": {said.why_flown}" if said.why_flown else ""
         why = ", for models whose damping couples their modes" if said.closed == said.frequencies else why
-        parts.append(f"{said.repeating} of {said.flown} points of the sweep, flown{why}")
+        parts.append(f"{said.repeating} of the {said.flown} points of the sweep that were flown{why}")
     limit = f"within {percent(study.within)} of that of {whole} at each point where both make the same motion"
     return f"n is recommended by the amplitude, {limit}; known at {'; and at '.join(parts)}."
 

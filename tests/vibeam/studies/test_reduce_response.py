@@ -16,6 +16,7 @@ from vibeam.report.reduce import claim, reduction_tables
 from vibeam.studies.reduce.response import Amplitudes, ResponseError, response_error
 from vibeam_models.laws.restitution import first_mode_restitution
 
+CASES = NEUTRAL.parent
 RIG = NEUTRAL.read_text(encoding="utf-8").partition("[reference")[0]
 GRID = {"sweep.frequency": ["14.5 Hz", "15.3 Hz", "16 Hz"]}
 
@@ -114,6 +115,13 @@ def test_nothing_is_recommended_where_the_motions_do_not_repeat() -> None:
     assert found.modes is None
     assert found.by_losses is not None
     assert claim(study).startswith("No number of coordinates is recommended for all 16 modes: more than half")
+
+
+def test_nothing_is_flown_at_several_contacts() -> None:
+    """A frequency of all modes takes half a minute there."""
+    study = vibeam.reduce(vibeam.load(CASES / "rigs" / "two_stops.toml"), bases=["modal"], most=2)
+    assert claim(study).startswith("No number of coordinates is recommended for all 64 modes: with several contacts")
+    assert [each.modes for each in study.recommended] == [None]
 
 
 def test_a_flight_is_given_up_where_a_model_is_off() -> None:

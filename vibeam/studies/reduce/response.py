@@ -54,6 +54,10 @@ CHAOS = (
     "repeat, or compare means over the plane by vibeam verdict"
 )
 
+SEVERAL_CONTACTS = (
+    "with several contacts their flight takes too long; compare a few fidelities by vibeam run over a few frequencies"
+)
+
 COSTLY = (
     "their flight over a few frequencies takes more than ten seconds; write fewer periods (sweep.settle, sweep.hold) "
     "or fewer elements"
@@ -251,11 +255,14 @@ class FullResponse:
     @cached_property
     def _sweep(self) -> tuple[Amplitudes, str]:
         """Sweep of all modes, and why it is of no use; empty where it is."""
+        if self.full.further is not None:
+            nothing = np.zeros(0, dtype=np.int64)
+            return Amplitudes(nothing, np.zeros(0), np.zeros((0, COLUMNS)), 0), SEVERAL_CONTACTS
         least = 0.0 if self.share >= ENOUGH else ENOUGH
         for most in COUNTS:
             which = self._thinned(most)
             found = self._flown(self.full, which, partial(_repeats, least * len(which)))
-            if found.cost <= BUDGET:
+            if found.cost <= BUDGET or found.cost / found.done * len(self._thinned(COUNTS[-1])) > BUDGET:
                 break
         too_few = np.count_nonzero(found.points) < least * len(which)
         return found, COSTLY if found.cost > BUDGET else CHAOS if too_few else ""
