@@ -80,7 +80,8 @@ def _grow() -> None:
      (lambda: [][1], "IndexError", 60), (lambda: os._exit(2), "without a message", 60)],
 )  # fmt: skip
 def test_what_no_command_may_do_is_seen(work: object, said: str, cpu: int, tmp_path: Path) -> None:
-    resident = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss  # a fork begins with it
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])  # a fork begins with them
+    resident = pages * resource.getpagesize()
     limits = Limits(cpu=cpu, memory=resident + GIB // 16)
     assert said in run_limited(work, tmp_path, limits).fault(limits)  # type: ignore[arg-type]
     assert not list(tmp_path.iterdir())
