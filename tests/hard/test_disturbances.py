@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import resource
 import signal
 import time
 from functools import partial
@@ -80,9 +79,9 @@ def _grow() -> None:
      (lambda: [][1], "IndexError", 60), (lambda: os._exit(2), "without a message", 60)],
 )  # fmt: skip
 def test_what_no_command_may_do_is_seen(work: object, said: str, cpu: int, tmp_path: Path) -> None:
-    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])  # a fork begins with them
-    resident = pages * resource.getpagesize()
-    limits = Limits(cpu=cpu, memory=resident + GIB // 16)
+    status = Path("/proc/self/status").read_text(encoding="ascii")
+    begins = 1024 * int(status.partition("RssAnon:")[2].split()[0])  # a fork has no pages of files yet
+    limits = Limits(cpu=cpu, memory=begins + GIB // 16)
     assert said in run_limited(work, tmp_path, limits).fault(limits)  # type: ignore[arg-type]
     assert not list(tmp_path.iterdir())
 
