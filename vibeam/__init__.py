@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case as Case
     from vibeam.case.faults import CaseError as CaseError
     from vibeam.case.reference_curves import read_curve as read_curve
-    from vibeam.case.reference_form import ReferenceForm as ReferenceForm
+    from vibeam.case.reference_files import ReferenceForm as ReferenceForm
     from vibeam.case.reference_record import ReferenceCurve as ReferenceCurve
     from vibeam.casefile.read import load as load
     from vibeam.casefile.registration import register_effect as register_effect
@@ -31,9 +31,9 @@ if TYPE_CHECKING:
     from vibeam.flight.trajectory import simulate as simulate
     from vibeam.maps.evaluate import GridResponse as GridResponse
     from vibeam.maps.evaluate import evaluate as evaluate
+    from vibeam.maps.points import Starts as Starts
     from vibeam.maps.run import MapResult as MapResult
     from vibeam.maps.run import run_map as run_map
-    from vibeam.maps.starts import Starts as Starts
     from vibeam.orbits.bifurcation_functions import Kind as Kind
     from vibeam.orbits.boundaries import boundaries as boundaries
     from vibeam.orbits.continuation import follow as follow
@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from vibeam.orbits.train_boundaries import train_boundaries as train_boundaries
     from vibeam.orbits.train_orbits import settled_orbit as settled_orbit
     from vibeam.orbits.train_orbits import train_orbit as train_orbit
-    from vibeam.report.plot import plot as plot
+    from vibeam.report.figures import plot as plot
     from vibeam.run.estimate.error import estimate_error as estimate_error
     from vibeam.run.result import Result as Result
     from vibeam.run.run import run as run
@@ -115,7 +115,7 @@ _HOMES = {
     "GridResponse": "vibeam.maps.evaluate",
     "MapResult": "vibeam.maps.run",
     "run_map": "vibeam.maps.run",
-    "Starts": "vibeam.maps.starts",
+    "Starts": "vibeam.maps.points",
     "sweep": "vibeam.run.sweep",
     "batch": "vibeam.batch.batch",
     "BatchResponse": "vibeam.batch.response",
@@ -149,14 +149,14 @@ _HOMES = {
     "limit": "vibeam.studies.limit.study",
     "estimate_error": "vibeam.run.estimate.error",
     "ReferenceCurve": "vibeam.case.reference_record",
-    "ReferenceForm": "vibeam.case.reference_form",
+    "ReferenceForm": "vibeam.case.reference_files",
     "read_curve": "vibeam.case.reference_curves",
     "check": "vibeam.studies.regression.check",
     "compare_measured": "vibeam.studies.regression.check",
     "modes": "vibeam.studies.modes",
     "reduce": "vibeam.studies.reduce.study",
     "export_matrices": "vibeam.studies.export_matrices",
-    "plot": "vibeam.report.plot",
+    "plot": "vibeam.report.figures",
     "Case": "vibeam.case.case",
     "CaseError": "vibeam.case.faults",
     "StoreError": "vibeam.run.store.errors",

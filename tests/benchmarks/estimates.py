@@ -26,9 +26,8 @@ import vibeam
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.flight.solver import FlightSolver
 from vibeam.orbits.orbit import orbits
-from vibeam.run.estimate.basis import Basis
 from vibeam.run.estimate.error import estimate_error
-from vibeam.run.estimate.records import ErrorEstimate
+from vibeam.run.estimate.records import Basis, ErrorEstimate
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import FrequencyResponse, join
 from vibeam.system.state import StatesAfter

@@ -24,7 +24,7 @@ from workers import Stage
 
 from vibeam.case.faults import CaseError
 from vibeam.case.reference_curves import read_curve
-from vibeam.case.reference_form import ReferenceForm
+from vibeam.case.reference_files import ReferenceForm
 from vibeam.casefile.read import parse
 
 TEXT = (".csv", ".mtx", ".inp", ".pch")

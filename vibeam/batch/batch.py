@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.batch.compiled import is_compiled, run_task, tasks_of
-from vibeam.batch.one_by_one import run_points
 from vibeam.batch.points import Points, Systems, points_of
-from vibeam.batch.record import Plan, Record
+from vibeam.batch.response import Plan, Record
+from vibeam.batch.tasks import is_compiled, run_points, run_task, tasks_of
 from vibeam.run.parallel import run_parallel
 from vibeam.run.sweep import HELD, LONGEST
 from vibeam.solvers.warm_up import warm_up_once

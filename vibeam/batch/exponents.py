@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.batch.plain import plain_points
+from vibeam.batch.points import plain_points
 from vibeam.flight.kernels.thresholds import ELASTIC
 from vibeam.flight.pause import pause
 from vibeam.flight.tangent import tangent_fault
@@ -30,7 +30,7 @@ from vibeam.system.state import State
 
 if TYPE_CHECKING:
     from vibeam.batch.points import Points
-    from vibeam.batch.record import Record
+    from vibeam.batch.response import Record
     from vibeam.flight.points.points import PlainPoints
 
 Array = NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""Arguments of a batch, broadcast to one shape: every point with its system, changes, drive and start."""
+"""Arguments of a batch, broadcast to one shape: every point with its system, as the kernels take plain ones."""
 
 from __future__ import annotations
 
@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vibeam.flight.points.points import PlainPoints
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arguments import counted, real_array, refuse, shown
 
 if TYPE_CHECKING:
     from vibeam.batch.response import BatchResponse
+
 
 Array = NDArray[np.float64]
 
@@ -172,3 +174,16 @@ def _starts(state: Any, n: int, faults: list[str]) -> tuple[Array, NDArray[np.bo
         return None
     resting = state.resting if isinstance(state, BatchResponse) else np.zeros((), dtype=bool)
     return values, np.broadcast_to(resting, values.shape[:-1])
+
+
+def plain_points(points: Points, which: NDArray[np.int64]) -> PlainPoints:
+    """The points ``which``, their distinct dampings as systems."""
+    kinds, system = np.unique(np.stack([points.base[which], points.damping[which]]), axis=1, return_inverse=True)
+    bases = [points.bases[int(base)] for base in kinds[0]]
+    systems = [changed(b, b.gap, b.restitution, float(d)) for b, d in zip(bases, kinds[1], strict=True)]
+    starts = None if points.state is None else points.state[which].reshape(len(which), 2, points.size)
+    resting = None if points.resting is None else points.resting[which]
+    return PlainPoints(
+        systems, system.ravel(), points.omega[which], points.amplitude[which], points.gap[which],
+        points.restitution[which], starts, resting,
+    )  # fmt: skip

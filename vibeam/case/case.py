@@ -1,8 +1,8 @@
-"""Record of a case: the content of a case file, validated and in SI units."""
+"""Record of a case: the content of a case file, validated and in SI units; what its outputs are."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.faults import Complaint, Fault
+from vibeam.case.faults import CaseError, Complaint, Fault
 from vibeam.case.plans import AccuracyPlan, CostPlan, FigurePlan, FitPlan, InfluencePlan, Reference, SweepPlan
+from vibeam.system.quantities import PLAIN, OutputUnits
+from vibeam_models.outputs import DISPLACEMENT, OutputQuantity
 
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity
@@ -131,3 +133,34 @@ class Case:
         from vibeam.case.fidelity import system
 
         return system(self.scene_of(name), self.fidelities[name])
+
+
+def quantity_of(case: Case, output: str) -> OutputQuantity:
+    """What an output reads; a displacement where it is none of the case's own."""
+    return next((each.kind for each in case.scene.outputs if each.name == output), DISPLACEMENT)
+
+
+def units_of_output(case: Case, output: str) -> OutputUnits:
+    """SI units of an output and of its rate; those of a model without dimensions where the case is one."""
+    if case.scene.natural_unit is not None:
+        return PLAIN
+    found = quantity_of(case, output)
+    return OutputUnits("m", found.unit, found.unit_of_rate)
+
+
+def require_displacement(case: Case, study: str) -> None:
+    """ValueError where the sweep's output is no displacement, which is all that a ``study`` takes."""
+    found = quantity_of(case, case.sweep.output)
+    if found is not DISPLACEMENT:
+        said = f"{study} reads displacements, sweep.output {case.sweep.output!r} is of the quantity {found.name}"
+        raise ValueError(f"{said}: --set sweep.output=sensor")
+
+
+def require_one_harmonic(case: Case, what: str, fidelities: Collection[str] = ()) -> None:
+    """CaseError, at its line, where one of these fidelities (none: all) has several harmonics, unknown to ``what``."""
+    several = [name for name in fidelities or case.fidelities if case.scene_of(name).harmonics]
+    message = f"{what} knows a drive of one harmonic: take drive.harmonic away"
+    if case.scene.harmonics and several:
+        raise CaseError([case.fault("drive", "harmonic", message=message)])
+    if several:
+        raise CaseError([case.fault("fidelity", name, message=message) for name in several])

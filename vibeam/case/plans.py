@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.reference_form import ReferenceForm
+from vibeam.case.reference_files import ReferenceForm
 
 if TYPE_CHECKING:
     from vibeam.case.reference_record import ReferenceCurve

@@ -8,8 +8,7 @@ from re import fullmatch
 import numpy as np
 
 from vibeam.case.faults import CaseError, as_shown_in_message
-from vibeam.case.reference_files import fault_in, file_fault
-from vibeam.case.reference_form import ReferenceForm, factor
+from vibeam.case.reference_files import ReferenceForm, factor, fault_in, file_fault
 from vibeam.case.reference_record import Array, Point, given
 from vibeam.exchange.curves.columns import SHOWN, Column, Columns, HeadError, Wanted
 from vibeam.exchange.curves.read import read_columns

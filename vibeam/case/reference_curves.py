@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 
 from vibeam.case.faults import CaseError, Fault, as_shown_in_message, suggest
 from vibeam.case.reference_columns import NO_COLUMNS, heading_of, period_of, read_points
-from vibeam.case.reference_files import cells_of, fault_in
-from vibeam.case.reference_form import ReferenceForm
+from vibeam.case.reference_files import ReferenceForm, cells_of, fault_in
 from vibeam.case.reference_record import COLUMNS, Point, ReferenceCurve
 from vibeam.exchange.curves.read import is_text
 

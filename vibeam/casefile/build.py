@@ -11,10 +11,10 @@ import numpy as np
 from pydantic import BaseModel
 
 from vibeam.case.plans import AccuracyPlan, Direction, FitPlan, Reference, SweepPlan
-from vibeam.casefile.content import content, digest
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.tables.effects import effects_of_scene
 from vibeam.casefile.tables.stop import contact_law
+from vibeam.casefile.tables.table import content, digest
 from vibeam.figures import FIGURES
 from vibeam_models.base import Base
 from vibeam_models.beams.beam import Beam, Damping
@@ -229,7 +229,7 @@ def _expectations(case: AnyCase, swept: Direction) -> dict[str, Expectation]:
 def _fit(case: AnyCase) -> FitPlan | None:
     if case.fit is None:
         return None
-    from vibeam.casefile.fit_keys import plan_of
+    from vibeam.casefile.calibration import plan_of
 
     return plan_of(case.fit, case)
 
@@ -237,8 +237,8 @@ def _fit(case: AnyCase) -> FitPlan | None:
 def _measurements(case: AnyCase, changed: Mapping[str, AnyCase], swept: Direction) -> dict[str, Measured]:
     if not case.measured:
         return {}
-    from vibeam.casefile.chosen import keys_chosen
-    from vibeam.casefile.tables.measured import record
+    from vibeam.casefile.calibration import keys_chosen
+    from vibeam.casefile.tables.expectations import record
 
     return {name: record(name, case, swept, keys_chosen(name, case, changed)) for name in case.measured}
 

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vibeam.case.fidelity import system
-from vibeam.casefile.content import toml_text
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.read import validate
+from vibeam.casefile.tables.table import toml_text
 from vibeam.casefile.toml import key_parts
 from vibeam.casefile.validation import SHARED, declaration, physics_keys
 

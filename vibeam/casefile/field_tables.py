@@ -14,8 +14,8 @@ from pydantic_core.core_schema import ValidationInfo
 from vibeam.case.faults import as_shown_in_message
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import Entry, EntryInUnits
-from vibeam.casefile.inline import name_of
 from vibeam.casefile.toml import key_parts
+from vibeam.casefile.toml_writing import name_of
 from vibeam.casefile.unit_systems import UnitSystem
 
 

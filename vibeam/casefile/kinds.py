@@ -82,8 +82,8 @@ KINDS = Registry(
     CaseKind(
         "sdof",
         "vibeam.casefile.tables.cases:sdof_case",
-        "vibeam.casefile.tables.single:sdof_rules",
-        "vibeam.casefile.tables.single:sdof_output",
+        "vibeam.casefile.tables.cases:sdof_rules",
+        "vibeam.casefile.tables.cases:sdof_output",
         "vibeam.casefile.build:sdof_scene",
         plain=True,
         one_mode=True,

@@ -18,12 +18,17 @@ from vibeam.casefile.fidelity_changes import field_at
 from vibeam.casefile.field_lists import OneOrSeveral
 from vibeam.casefile.fields import Count, Entry, Quantity
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.map_rules import count_of, direction_of, picture_complaints, random_complaints, refine_complaints
 from vibeam.casefile.overrides import override
 from vibeam.casefile.quantities import with_unit
-from vibeam.casefile.tables.maps import STROBES
-from vibeam.casefile.tables.names import named_fidelity
-from vibeam.casefile.tables.table import MOST_ELEMENTS, Frequency
+from vibeam.casefile.tables.maps import (
+    STROBES,
+    count_of,
+    direction_of,
+    picture_complaints,
+    random_complaints,
+    refine_complaints,
+)
+from vibeam.casefile.tables.table import MOST_ELEMENTS, Frequency, named_fidelity
 from vibeam.casefile.unit_systems import SI, UnitSystem
 from vibeam.casefile.validation import SHARED, entry_of, physics_keys, units_of
 

@@ -1,13 +1,35 @@
-"""Where the keys of a case come from: lines of its file, or overrides."""
+"""Places of the keys of a case: lines of its file, or overrides; those of its one map without a name."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from vibeam.case.faults import OVERRIDE, Complaint, Fault, KeyPath, shortened
-from vibeam.casefile.inline import name_of
-from vibeam.casefile.unnamed_map import as_written
+from vibeam.casefile.toml_writing import name_of
+
+MAP = "map"
+
+
+def name_map(tables: dict[str, Any]) -> bool:
+    """Give the map that [map] is, where it has keys that are no tables, the name "map", in place; whether there is one.
+
+    No key of a map is a table, so that whatever is one is a map with a name. A name that is taken stays as it was.
+    """
+    given = tables.get(MAP)
+    if not isinstance(given, dict):
+        return False
+    own = {key: value for key, value in given.items() if not isinstance(value, dict)}
+    if not own or MAP in given:
+        return False
+    tables[MAP] = {MAP: own} | {key: value for key, value in given.items() if key not in own}
+    return True
+
+
+def as_written(path: KeyPath) -> KeyPath:
+    """The path of a key of the map without a name as the file has it."""
+    return (MAP, *path[2:]) if path[:2] == (MAP, MAP) else path
 
 
 @dataclass(frozen=True)

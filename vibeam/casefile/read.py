@@ -1,13 +1,18 @@
-"""Validation of a case's text and overrides: the checked tables, or every fault at its line."""
+"""Validation of a case's text and overrides: the checked tables, or every fault at its line.
+
+Each check between keys takes what could be read (None: could not) and yields complaints, so that one fault does not
+hide another.
+"""
 
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 from pathlib import Path as File
+from types import SimpleNamespace
 from typing import Any
 
 from pydantic import ValidationError
@@ -29,22 +34,42 @@ from vibeam.casefile.build import (
     _sweep,
     numbers_of,
 )
-from vibeam.casefile.chosen import absent_checks, chosen_checks
-from vibeam.casefile.content import content, digest, toml_text
+from vibeam.casefile.calibration import absent_checks, chosen_checks, fit_checks, fit_in_si
 from vibeam.casefile.fidelity_changes import FidelityCase, variants
-from vibeam.casefile.fit_keys import fit_checks, fit_in_si
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.maps import map_complaints, map_plans, maps_in_si, value_complaints
 from vibeam.casefile.overrides import OverrideError, override, tables_of
-from vibeam.casefile.places import Places
+from vibeam.casefile.places import Places, name_map
 from vibeam.casefile.tables.cases import AnyCase
-from vibeam.casefile.tables.readings import amounts_in_si
-from vibeam.casefile.tables.rules import cross_checks
+from vibeam.casefile.tables.expectations import expectation_checks, measured_checks
+from vibeam.casefile.tables.figures import figure_checks, measurement_checks
+from vibeam.casefile.tables.harmonics import harmonic_checks
+from vibeam.casefile.tables.readings import amount_checks, amounts_in_si
+from vibeam.casefile.tables.references import reference_checks
+from vibeam.casefile.tables.stop import stop_checks
+from vibeam.casefile.tables.studies import study_checks
+from vibeam.casefile.tables.sweep import plan_checks
+from vibeam.casefile.tables.table import content, digest, name_checks, toml_text
 from vibeam.casefile.toml import parsed
 from vibeam.casefile.uncertain import uncertain_checks, uncertain_in_si, uncertain_inputs
 from vibeam.casefile.unit_systems import UNIT_SYSTEMS
-from vibeam.casefile.unnamed_map import name_map
 from vibeam.casefile.validation import complaints, declaration, read, readable_case
+
+
+def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
+    """Every complaint about keys that do not go together; files are looked for from ``folder``."""
+    yield from KINDS[case.kind].complaints(case, folder)
+    yield from stop_checks(case)
+    yield from harmonic_checks(case)
+    yield from plan_checks(case, folder)
+    yield from name_checks(case)
+    yield from reference_checks(case, folder)
+    yield from expectation_checks(case)
+    yield from measured_checks(case)
+    yield from amount_checks(case)
+    yield from figure_checks(case)
+    yield from measurement_checks(case.measurement)
+    yield from study_checks(case)
 
 
 def load(path: str | PathLike[str] | Mapping[str, Any], set: Mapping[str, Any] | None = None) -> Case:

@@ -8,9 +8,8 @@ from inspect import isabstract
 from typing import Any
 
 from vibeam.casefile.tables.cases import beam_case
-from vibeam.casefile.tables.names import NAME
 from vibeam.casefile.tables.stop import law_keys, stop_table
-from vibeam.casefile.tables.table import declared_entry
+from vibeam.casefile.tables.table import NAME, declared_entry
 from vibeam.casefile.validation import fields_of, keys_of, table_of
 from vibeam_models.effects import EFFECTS, Effect
 from vibeam_models.homes import Home, Registration

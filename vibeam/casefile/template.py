@@ -10,9 +10,9 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from vibeam.casefile.documentation import meaning_of
-from vibeam.casefile.inline import to_toml
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.rigs import RIGS, Rig
+from vibeam.casefile.toml_writing import to_toml
 from vibeam.casefile.validation import entry_of, example_of, fields_of, is_repeated, table_of
 
 COLUMN = 44  # where the comments begin

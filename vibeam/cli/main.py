@@ -6,6 +6,9 @@ the case, an argument or a file, 130: stopped, 141: the reader of stdout has gon
 
 from __future__ import annotations
 
+import sys
+from importlib import import_module
+from os import getcwd
 from typing import Annotated
 
 import typer
@@ -18,11 +21,25 @@ from vibeam.cli.commands.record import record
 from vibeam.cli.commands.report import report
 from vibeam.cli.commands.run import run
 from vibeam.cli.commands.study import study
-from vibeam.cli.errors import mistakes
-from vibeam.cli.extensions import import_extension
+from vibeam.cli.errors import UsageError, mistakes
 from vibeam.cli.streams import put, standard_streams
 from vibeam.studies.declaration import STUDIES
 from vibeam_models.homes import loaded
+
+
+def import_extension(name: str) -> None:
+    """Import the module ``name``, from the current folder too; UsageError where it is not found."""
+    if getcwd() not in sys.path:
+        sys.path.insert(0, getcwd())
+    try:
+        import_module(name)
+    except ModuleNotFoundError as missing:
+        if missing.name != name.partition(".")[0] and missing.name != name:
+            raise
+        raise UsageError(
+            f"--load {name}: no such module; it is looked for in {getcwd()} and among those installed"
+        ) from None
+
 
 app = typer.Typer(
     help="How much model does a vibro-impact beam need?",

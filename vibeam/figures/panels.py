@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from vibeam.case.outputs import quantity_of
+from vibeam.case.case import quantity_of
 from vibeam.figures.axes import is_empty, say
 from vibeam.figures.outputs import frequency_label, with_unit
 from vibeam.figures.sheet import Sheet

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from vibeam.case.outputs import quantity_of
+from vibeam.case.case import quantity_of
 from vibeam.case.reference_curves import reference_points
 from vibeam.figures.axes import is_empty, say, start_upward
 from vibeam.figures.branch_lines import ALONE, draw_branch

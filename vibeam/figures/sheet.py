@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.outputs import quantity_of
+from vibeam.case.case import quantity_of
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import FIGURES
 from vibeam.figures.quantity_names import named_of

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.outputs import quantity_of
+from vibeam.case.case import quantity_of
 from vibeam.figures.prefixes import (
     ACCELERATIONS,
     ANGLES,

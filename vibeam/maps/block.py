@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from vibeam.case.grid_keys import DISPLACEMENT, STARTS, VELOCITY
 from vibeam.flight.pause import pause
 from vibeam.maps.axes import Axis, indices, indices_of, lines_of, shape_of, values_at
-from vibeam.maps.points import GridPoints, points_at
-from vibeam.maps.starts import Starts, random_starts, start_states
+from vibeam.maps.points import GridPoints, Starts, points_at, random_starts, start_states
 
 if TYPE_CHECKING:
     from vibeam.batch.response import BatchResponse

@@ -1,18 +1,18 @@
-"""Periodic motions in closed form along the one axis of a bifurcation diagram: stable and unstable ones."""
+"""Periodic motions in closed form along the one axis of a bifurcation diagram, on the grid and between its points."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.grid_keys import FREQUENCY
 from vibeam.casefile.case_model import narrowed
 from vibeam.maps.axes import Axis
 from vibeam.maps.points import GridPoints, grid_points
-from vibeam.maps.settings import setting_along
 from vibeam.maps.variation import varied
 from vibeam.orbits.doubled_branches import doubled_branches
 from vibeam.orbits.orbit import Orbit, orbits
@@ -20,11 +20,50 @@ from vibeam.orbits.orbit_curve import orbit_curve
 from vibeam.orbits.train_branch import Branch, Setting
 from vibeam.orbits.train_orbits import displacements_at
 from vibeam.orbits.trains import Train
+from vibeam.system.impact_system import Drive, ImpactSystem
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import MapPlan
-    from vibeam.system.impact_system import Drive, ImpactSystem
+
+
+STRAIGHT = 1e-12  # share by which numbers of the points may be off a straight line over the axis
+
+
+def setting_along(case: Case, fidelity: str, key: str, values: Array, points: GridPoints) -> Setting | None:
+    """System and drive over the ``values`` of an axis whose ``points`` are given.
+
+    Over the frequency as the case says; over any other key by straight lines through the numbers of the points. None
+    where these are not straight, where the key changes the modes, for modes without stiffness, and on an axis of one
+    value.
+    """
+    system = points.systems[0]
+    if len(points.systems) > 1 or np.any(system.omega == 0) or np.ptp(values) == 0:
+        return None
+    if key == FREQUENCY:
+        held = points.system_at(0)
+        return lambda value: (held, Drive(2 * np.pi * value, _amplitude(case, fidelity, value)))
+    restitution = np.full(values.shape, system.restitution) if points.restitution is None else points.restitution[0]
+    rows = np.array([points.omega[0], points.amplitude[0], points.gap[0], restitution])
+    if np.any(np.abs(_between(rows, values, values) - rows) > STRAIGHT * np.abs(rows).max(axis=1, keepdims=True)):
+        return None
+
+    def setting(value: float) -> tuple[ImpactSystem, Drive]:
+        omega, amplitude, gap, rebound = _between(rows, values, np.array([value]))[:, 0].tolist()
+        return replace(system, gap=gap, restitution=rebound), Drive(omega, amplitude)
+
+    return setting
+
+
+def _between(rows: Array, values: Array, wanted: Array) -> Array:
+    """Straight lines from the first to the last value, (rows, wanted)."""
+    share = (wanted - values[0]) / (values[-1] - values[0])
+    return np.asarray(rows[:, :1] * (1 - share) + rows[:, -1:] * share)
+
+
+def _amplitude(case: Case, fidelity: str, frequency: float) -> float:
+    return float(np.broadcast_to(case.amplitude_of(fidelity, 2 * np.pi * np.array([frequency])), 1)[0])
+
 
 Array = NDArray[np.float64]
 

@@ -108,7 +108,7 @@ def _address_in(file: Path) -> str:
 def fingerprint() -> str:
     """What decides the bits of a number in this process: code, libraries below it, compiled kernels."""
     from vibeam.flight.entries import origin
-    from vibeam.run.code import digest_of_code
+    from vibeam.run.keys import digest_of_code
 
     return f"{digest_of_code()} {origin()}"
 

@@ -14,7 +14,7 @@ from vibeam.case.grid_keys import FREQUENCY, STARTS, axis_faults
 from vibeam.casefile.case_model import narrowed
 from vibeam.maps.axes import Axis, shape_of
 from vibeam.maps.block import QUANTITIES, Block, Grid, Values, Way, evaluate_block
-from vibeam.maps.starts import Starts
+from vibeam.maps.points import Starts
 from vibeam.maps.variation import varied
 from vibeam_models.arguments import floats
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from vibeam.case.plans import MapPlan
 from vibeam.maps.block import Block, Grid
 from vibeam.maps.evaluate import grid_of
-from vibeam.maps.starts import Starts
+from vibeam.maps.points import Starts
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case

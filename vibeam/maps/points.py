@@ -1,4 +1,4 @@
-"""The points of some lines of a grid as arrays: systems, drive, gap, restitution."""
+"""The points of some lines of a grid as arrays: systems, drive, gap, restitution, and starts of the motion."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+
 
 Array = NDArray[np.float64]
 
@@ -122,3 +123,43 @@ def _objects(systems: Sequence[ImpactSystem]) -> NDArray[np.object_]:
     found = np.empty(len(systems), dtype=object)
     found[:] = systems
     return found
+
+
+@dataclass(frozen=True)
+class Starts:
+    """``count`` random starts a point: displacement of the contact within ``spread`` m of 0 and short of the stop,
+    velocity within Ω times that; the same for equal seeds, whatever the blocks."""
+
+    count: int
+    seed: int
+    spread: float
+
+
+def random_starts(points: GridPoints, first: int, starts: Starts) -> tuple[Array, Array]:
+    """Displacement (m) and velocity (m/s) of the contact, (lines, points, starts) each; ``first``: number of the line.
+
+    A pressed stop is short of 0: the displacement is then drawn between −``spread`` and the gap.
+    """
+    lines, columns = points.omega.shape
+    drawn = np.stack(
+        [np.random.default_rng([starts.seed, first + line]).random((columns, starts.count, 2)) for line in range(lines)]
+    )
+    highest = np.clip(points.gap, -starts.spread, starts.spread)[..., None]
+    displacement = -starts.spread + (highest + starts.spread) * drawn[..., 0]
+    return displacement, starts.spread * points.omega[..., None] * (2 * drawn[..., 1] - 1)
+
+
+def start_states(points: GridPoints, displacement: Array, velocity: Array) -> Array:
+    """States (lines, points, starts, 2n) with that motion of the contact, all of it in the first mode.
+
+    ValueError where that mode does not move the contact, or the systems have different numbers of modes.
+    """
+    if len({system.size for system in points.systems}) > 1:
+        raise ValueError("a start cannot be given to models with different numbers of modes")
+    first = np.array([system.contact[0] for system in points.systems])[points.which]
+    if not np.all(first):
+        raise ValueError("a start moves the first mode alone, and here it does not move the contact")
+    n = points.systems[0].size
+    state = np.zeros((*displacement.shape, 2 * n))
+    state[..., 0], state[..., n] = displacement / first[..., None], velocity / first[..., None]
+    return state

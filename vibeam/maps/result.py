@@ -1,13 +1,16 @@
-"""Result of a map, or of what is known of it under way."""
+"""Result of a map, or of what is known of it under way, and the shares of its classes of motion."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from vibeam.case.plans import MapPlan
+from vibeam.figures.motion_classes import Class, classes
 from vibeam.maps.evaluate import GridResponse
 
 if TYPE_CHECKING:
@@ -31,3 +34,45 @@ class MapResult:
 
     def __getitem__(self, fidelity: str) -> GridResponse:
         return self.responses[fidelity]
+
+
+@dataclass(frozen=True)
+class MapRow:
+    """One fidelity swept one way, at one value of the outer axis of three: shares of the points by their motion."""
+
+    map: str
+    fidelity: str
+    direction: str
+    at: str
+    points: int
+    no_impact: float
+    period_1: float
+    period_2: float
+    period_more: float
+    not_periodic: float
+    failed: float
+
+
+def rows_of(result: MapResult) -> list[MapRow]:
+    """Rows of a map; of one that is read back every so many points, of these."""
+    return list(_rows(result))
+
+
+def _rows(result: MapResult) -> Iterator[MapRow]:
+    plan = result.plan
+    outer = plan.axes[0] if len(plan.axes) > 2 else None
+    for fidelity, response in result.responses.items():
+        for number, way in enumerate(response.ways):
+            rest = response.values.get("rest")
+            period, ended = (response.values[name][number] for name in ("period", "ended"))
+            resting = np.zeros(period.shape) if rest is None else rest[number]
+            found = classes(period, resting, ended)
+            for at, part in [("", found)] if outer is None else zip(map(_text, outer.values), found, strict=True):
+                shares = [float(np.mean(part == each)) for each in Class if each is not Class.NOT_RUN]
+                yield MapRow(
+                    plan.name, fidelity, way, at and f"{outer.key if outer else ''} = {at}", part.size, *shares
+                )
+
+
+def _text(value: float) -> str:
+    return f"{value:.6g}"

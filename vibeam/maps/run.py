@@ -17,9 +17,8 @@ from vibeam.maps.cluster import Cluster, evaluate_here
 from vibeam.maps.grids import grids_of, key_of, lines_of_block, plan_of
 from vibeam.maps.job import Job, name_of, points_of
 from vibeam.maps.result import MapResult
-from vibeam.maps.store.blocks import write_block
+from vibeam.maps.store.blocks import discard, opened, write_block
 from vibeam.maps.store.gathered import finished, gather, is_ours, read_map
-from vibeam.maps.store.manifest import discard, opened
 from vibeam.run.parallel import run_parallel
 from vibeam.run.store.errors import StoreError, unwritable
 from vibeam.run.store.lock import locked

@@ -10,7 +10,7 @@ import numpy as np
 from vibeam.figures.units import METRIC, Units, percent, signed
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
-from vibeam.run.comparison.wording import both_peaks
+from vibeam.run.comparison.differences import both_peaks
 
 if TYPE_CHECKING:
     from vibeam.run.accuracy.study import AccuracyChoice, Chosen

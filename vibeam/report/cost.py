@@ -16,13 +16,13 @@ from vibeam.report.output import plain, write_rows
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, coefficient
 from vibeam.report.work_precision import write_work_precision
-from vibeam.run.comparison.wording import notes
+from vibeam.run.comparison.differences import notes
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.studies.cost.error_split import Part, Split
+    from vibeam.studies.cost.planning import LeftOut
     from vibeam.studies.cost.row import RunRow
-    from vibeam.studies.cost.schedule import LeftOut
     from vibeam.studies.cost.study import CostStudy
 
 

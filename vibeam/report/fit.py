@@ -108,8 +108,8 @@ def estimated_case(study: FitStudy) -> str:
 
     ValueError for a key that the file does not have, in a table written inline.
     """
-    from vibeam.casefile.edited_text import with_values
     from vibeam.casefile.toml import read_text
+    from vibeam.casefile.toml_writing import with_values
 
     found = {row.key: _in_toml(row) for row in study.rows if row.determined}
     names = dict.fromkeys(point.reference for point in study.points)

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 
 from vibeam.figures.units import units_for
 from vibeam.report import accuracy, tables
-from vibeam.run.comparison.wording import headline, notes
+from vibeam.run.comparison.differences import headline, notes
 from vibeam.run.estimate.summary import estimate_texts
-from vibeam.run.remarks import remarks
-from vibeam.run.summary import compare
+from vibeam.run.summary import compare, remarks
 
 if TYPE_CHECKING:
     from vibeam.report.table_widths import ReportTable

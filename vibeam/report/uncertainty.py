@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.outputs import quantity_of
+from vibeam.case.case import quantity_of
 from vibeam.case.plans import FigurePlan
 from vibeam.figures.files import paths_of
 from vibeam.figures.page import write_page
@@ -23,7 +23,7 @@ from vibeam.studies.identification.modes import unit_of
 
 if TYPE_CHECKING:
     from vibeam.case.plans import Uncertain
-    from vibeam.studies.uncertainty.spread import Spread
+    from vibeam.studies.uncertainty.statistics import Spread
     from vibeam.studies.uncertainty.study import UncertaintyStudy
 
 
@@ -221,7 +221,7 @@ def write_files(study: UncertaintyStudy, table: Path, plan: FigurePlan = USUAL) 
 
 def rows(study: UncertaintyStudy) -> Iterator[dict[str, Any]]:
     """Rows of every fidelity and frequency; indices in those of the finest; missing values are empty."""
-    from vibeam.studies.uncertainty.spread import LEVELS
+    from vibeam.studies.uncertainty.statistics import LEVELS
 
     for row in study.rows:
         for place, frequency in enumerate(study.frequency):

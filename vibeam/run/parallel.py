@@ -1,15 +1,17 @@
-"""Parallel computation in threads; the kernels run without the interpreter's lock."""
+"""Long work: in threads, since kernels run without the interpreter's lock; how far it is, every few seconds."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
-from threading import Event, current_thread, main_thread
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from threading import Event, Thread, current_thread, main_thread
+from time import process_time
 from typing import TypeVar
 
 from vibeam.flight.pause import Stopped, stopping_at
 
-__all__ = ["Stopped", "cores", "run_parallel"]
+__all__ = ["Stopped", "cores", "heartbeat", "run_parallel"]
 
 Item = TypeVar("Item")
 
@@ -52,3 +54,27 @@ def cores() -> int:
     """Number of processor cores available to this process."""
     affinity = getattr(os, "sched_getaffinity", None)
     return len(affinity(0)) if affinity else os.cpu_count() or 1
+
+
+EVERY = 10.0  # s between two lines
+
+
+@contextmanager
+def heartbeat(tell: Callable[[str], None] | None, where: Callable[[], str]) -> Iterator[None]:
+    """Within it, ``tell`` hears ``where()`` and the CPU time since its begin every ``EVERY`` seconds, from a thread."""
+    if tell is None:
+        yield
+        return
+    over, begun = Event(), process_time()
+
+    def beat() -> None:
+        while not over.wait(EVERY):
+            tell(f"{where()}, {process_time() - begun:.0f} s of CPU time")
+
+    thread = Thread(target=beat, name="vibeam heartbeat", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()

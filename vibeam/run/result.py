@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from vibeam.case.case import units_of_output
 from vibeam.case.faults import suggest
 from vibeam.case.held import held_of
-from vibeam.case.outputs import units_of_output
-from vibeam.run.comparison.wording import both_peaks
+from vibeam.run.comparison.differences import both_peaks
 from vibeam.run.overview import Overview, overview_of
 from vibeam.system.response import Branches, modes_of
 

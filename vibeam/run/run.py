@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.outputs import units_of_output
-from vibeam.run.fidelity_sweep import Job, job_of, known_curves, sweep_branches
+from vibeam.case.case import units_of_output
+from vibeam.run.fidelity_sweep import Count, Job, Progress, job_of, known_curves, sweep_branches
 from vibeam.run.keys import branch_key, comparison_key, model_key
 from vibeam.run.overview import Overview, overview_of
 from vibeam.run.parallel import run_parallel
-from vibeam.run.recorder import Count, Progress
 from vibeam.run.result import Result, output_units
 from vibeam.run.store.branch import Branch
 from vibeam.run.store.file import Tell, opened
@@ -124,7 +123,7 @@ def _compared(
     if stored is not None:
         result.comparisons = stored
         return result
-    from vibeam.run.comparison.of_case import comparisons
+    from vibeam.run.comparison.held_comparison import comparisons
 
     result.comparisons = comparisons(result.case, finest, systems, branches)
     if store:

@@ -13,14 +13,13 @@ from vibeam.run.result import Result
 from vibeam.run.store.accuracy import HOME, read_study
 from vibeam.run.store.branch import Values, points_of, read_rows
 from vibeam.run.store.checksum import CHECKSUM, verify
-from vibeam.run.store.comparison import COMPARISON, read_comparisons
 from vibeam.run.store.content import FORMAT, format_of, whole_case
 from vibeam.run.store.errors import StoreError, reading
 from vibeam.run.store.estimates import ESTIMATES, read_estimates
 from vibeam.run.store.figures import read_sheets
 from vibeam.run.store.file import opened_to_read
 from vibeam.run.store.layout import read_curves
-from vibeam.run.store.models import read_models
+from vibeam.run.store.models import COMPARISON, read_comparisons, read_models
 from vibeam.run.store.provenance import read_provenance
 from vibeam.run.store.reuse import branch_names
 from vibeam.run.store.store import CURVES

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vibeam.case.faults import CaseError, Fault
-from vibeam.casefile.content import toml_text
+from vibeam.casefile.tables.table import toml_text
 from vibeam.run.store.errors import StoreError
 from vibeam.run.stored_result import StoredResult, read_result
 

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-HOME = "vibeam.report.plot"
+HOME = "vibeam.report.figures"
 
 
 def plot(shown: object, *paths: str | Path, **options: Any) -> Figure:

@@ -123,7 +123,7 @@ class FrequencyResponse:
         return frame([({}, self)])
 
     def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
-        """Plot one quantity over frequency and write the figure to ``paths``; see ``vibeam.report.plot``."""
+        """Plot one quantity over frequency and write the figure to ``paths``; see ``vibeam.report.figures``."""
         from vibeam.system.plotting import plot
 
         return plot(self, *paths, quantity=quantity)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.batch.record import READ
+from vibeam.batch.response import READ
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import ViscousRestitution
 

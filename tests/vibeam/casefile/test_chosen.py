@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from vibeam.case.faults import CaseError
-from vibeam.casefile.chosen import keys_chosen
+from vibeam.casefile.calibration import keys_chosen
 from vibeam.casefile.read import parse, validate
 from vibeam.casefile.uncertain import value_at
 

@@ -5,8 +5,7 @@ from itertools import product
 
 import pytest
 
-from vibeam.case.common_units import SYMBOLS, common_unit
-from vibeam.case.units import _registry
+from vibeam.case.units import SYMBOLS, _registry, common_unit
 
 PRODUCTS = [
     *SYMBOLS,

@@ -4,7 +4,7 @@ import tomllib
 
 import pytest
 
-from vibeam.casefile.edited_text import with_values
+from vibeam.casefile.toml_writing import with_values
 
 TEXT = """# a rig
 [beam]   # its beam

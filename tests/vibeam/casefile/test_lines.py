@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from vibeam.casefile.inline import name_of, to_toml
 from vibeam.casefile.toml import key_lines, key_parts
+from vibeam.casefile.toml_writing import name_of, to_toml
 
 TRAPS = '''title = "x" # [comment]
 a.b . "c d" = 1

@@ -21,7 +21,7 @@ from typer.testing import CliRunner
 
 from vibeam import __version__
 from vibeam.casefile.read import parse
-from vibeam.cli import address_space
+from vibeam.cli import errors
 from vibeam.cli.errors import mistakes
 from vibeam.cli.main import app
 from vibeam.run import fidelity_sweep
@@ -334,7 +334,7 @@ def test_keys_says_what_was_meant(command: Command, name: str, message: str) -> 
 
 
 def test_keys_prints_the_schema_of_a_case(command: Command) -> None:
-    from vibeam.casefile.json_schema import case_schema
+    from vibeam.casefile.documentation import case_schema
 
     assert json.loads(command("keys", "--schema").stdout) == case_schema()
 
@@ -551,13 +551,13 @@ def test_every_thread_takes_address_space(
 ) -> None:
     import resource
 
-    for name in address_space.COUNTS:
+    for name in errors.COUNTS:
         monkeypatch.delenv(name, raising=False)
-    limit = mebibytes * address_space.MIB if mebibytes > 0 else resource.RLIM_INFINITY
+    limit = mebibytes * errors.MIB if mebibytes > 0 else resource.RLIM_INFINITY
     monkeypatch.setattr(resource, "getrlimit", lambda _: (limit, limit))
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(processors)))
-    assert address_space.refusal().endswith(words)
-    assert bool(address_space.refusal()) is bool(words)
+    assert errors.refusal().endswith(words)
+    assert bool(errors.refusal()) is bool(words)
 
 
 def test_libraries_without_room_are_a_message_and_other_imports_a_defect(capsys: pytest.CaptureFixture[str]) -> None:

@@ -13,7 +13,7 @@ from scipy.io import savemat
 
 from vibeam.case.faults import CaseError
 from vibeam.case.reference_curves import read_curve
-from vibeam.case.reference_form import ReferenceForm, factor
+from vibeam.case.reference_files import ReferenceForm, factor
 
 F, X, U = [14.0, 14.5, 15.0], [1.25e-4, 2.5e-4, 1e-3], [1e-6, 2e-6, 3e-6]
 MAPPED = ReferenceForm(columns={"frequency": "f", "amplitude": "x"}, unit="m")

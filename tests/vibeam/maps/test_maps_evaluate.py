@@ -12,7 +12,7 @@ from stand_in import SI
 import vibeam
 from vibeam.maps.block import Block, evaluate_block
 from vibeam.maps.evaluate import grid_of
-from vibeam.maps.starts import Starts
+from vibeam.maps.points import Starts
 
 RIG = "cases/dtu_neutral.toml"
 FREQUENCIES = np.linspace(14.0, 17.0, 7)

@@ -17,7 +17,7 @@ from vibeam.maps import run as running
 from vibeam.maps.axes import Axis
 from vibeam.maps.block import Block, evaluate_block
 from vibeam.maps.grids import grids_of, key_of, lines_of_block
-from vibeam.maps.partial import partial_response
+from vibeam.maps.job import partial_response
 from vibeam.maps.store.blocks import block_path, read_block, write_block
 from vibeam.maps.store.gathered import finished, steps_of
 from vibeam.system.ended import Ended
@@ -223,7 +223,7 @@ def test_blocks_of_another_map_are_refused(tmp_path: Path, monkeypatch: pytest.M
     with pytest.raises(vibeam.StoreError, match="blocks of another map"):
         vibeam.run_map(case(hold=9), "m", tmp_path / "m.h5")
     with monkeypatch.context() as patch:
-        patch.setattr("vibeam.maps.store.manifest.digest_of_code", lambda: "other")
+        patch.setattr("vibeam.maps.store.blocks.digest_of_code", lambda: "other")
         with pytest.raises(vibeam.StoreError, match="another version of vibeam"):
             vibeam.run_map(case(), "m", tmp_path / "m.h5")
     manifest = tmp_path / "m.h5.parts" / "manifest"

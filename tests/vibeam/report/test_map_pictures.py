@@ -20,8 +20,8 @@ from vibeam.figures.motion_classes import Class, classes
 from vibeam.maps import run as running
 from vibeam.orbits.bifurcation_functions import Kind
 from vibeam.report.maps.axes import panels, shown_axis
-from vibeam.report.maps.boundaries import boundaries_of
 from vibeam.report.maps.page import map_figure
+from vibeam.report.maps.plane import boundaries_of
 from vibeam.system.ended import Ended
 
 RIG = Path("cases/dtu_loose.toml").absolute()

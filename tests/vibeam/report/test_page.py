@@ -14,8 +14,8 @@ import vibeam
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.report.page import charts
+from vibeam.report.page.charts import as_json, packed
 from vibeam.report.page.drawing import LEFT, drawing
-from vibeam.report.page.encoding import as_json, packed
 from vibeam.report.page.page import page
 from vibeam.run.store.errors import StoreError
 from vibeam.studies.stored import stored

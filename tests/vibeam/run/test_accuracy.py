@@ -14,12 +14,10 @@ from vibeam.casefile.read import without_accuracy
 from vibeam.flight.kernels import layout
 from vibeam.flight.solver import FlightSolver
 from vibeam.orbits.states import carried
-from vibeam.run.accuracy.candidates import EXACT, candidates_of, rows
-from vibeam.run.accuracy.choice import _verdict
-from vibeam.run.accuracy.choices import BranchChoice
+from vibeam.run.accuracy.candidates import EXACT, candidates_of, distance, rows
+from vibeam.run.accuracy.choice import BranchChoice, _verdict
 from vibeam.run.accuracy.closed_forms import FREE, HARDER, ClosedForms
 from vibeam.run.accuracy.finest import Finest, fly_points
-from vibeam.run.accuracy.readings import distance
 from vibeam.run.accuracy.study import ordered_models, study
 from vibeam.run.accuracy.verification import judged, verify
 from vibeam.run.summary import compare

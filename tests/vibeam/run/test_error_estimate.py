@@ -18,10 +18,9 @@ from vibeam.orbits.nearby_orbits import nearby_orbits
 from vibeam.orbits.orbit import orbits
 from vibeam.orbits.predicted_response import Found, predicted
 from vibeam.orbits.train_sums import Trains
-from vibeam.run.estimate.basis import Basis
 from vibeam.run.estimate.error import estimate_error
 from vibeam.run.estimate.of_case import estimates
-from vibeam.run.estimate.records import QUANTITIES, ErrorEstimate, FidelityEstimate
+from vibeam.run.estimate.records import QUANTITIES, Basis, ErrorEstimate, FidelityEstimate
 from vibeam.run.estimate.summary import estimate_texts
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Branches, FrequencyResponse

@@ -16,7 +16,7 @@ from stand_in import RIG
 from vibeam.case.case import Case
 from vibeam.case.fidelity import restitutions
 from vibeam.casefile.read import load
-from vibeam.run import code, systems
+from vibeam.run import keys, systems
 from vibeam.run.result import Result
 from vibeam.run.run import run
 from vibeam.run.store.branch import read_rows, write_rows
@@ -125,7 +125,7 @@ def test_what_other_code_computed_is_not_believed(
 ) -> None:
     with h5py.File(file) as stored:
         key = stored["comparison"].attrs["key"]
-    monkeypatch.setattr(code, "_digest", lambda folders: "other")
+    monkeypatch.setattr(keys, "_digest", lambda folders: "other")
     run(short, file, compare=True)
     assert built == [short]
     with h5py.File(file) as stored:
@@ -140,8 +140,8 @@ def test_the_digest_of_the_code_hangs_on_every_source_that_computes(tmp_path: Pa
     copy = tmp_path / "vibeam"
 
     def digest() -> str:
-        code._digest.cache_clear()
-        return code._digest((copy,))
+        keys._digest.cache_clear()
+        return keys._digest((copy,))
 
     before = digest()
     for file in ("run/comparison/limit.py", "case/fidelity.py", "flight/kernels/extremes.py"):
@@ -152,7 +152,7 @@ def test_the_digest_of_the_code_hangs_on_every_source_that_computes(tmp_path: Pa
     with (copy / "report" / "tables.py").open("a") as source:
         source.write("# changed\n")
     assert digest() == before
-    code._digest.cache_clear()
+    keys._digest.cache_clear()
 
 
 def test_what_code_of_others_computes_is_computed_each_time(short: Case, file: Path, built: list[Case]) -> None:

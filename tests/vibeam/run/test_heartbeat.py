@@ -6,12 +6,12 @@ import time
 
 import pytest
 
-from vibeam.run import heartbeat as module
-from vibeam.run.heartbeat import heartbeat
+from vibeam.run import parallel
+from vibeam.run.parallel import heartbeat
 
 
 def test_a_line_comes_every_few_seconds_while_one_piece_lasts(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "EVERY", 0.01)
+    monkeypatch.setattr(parallel, "EVERY", 0.01)
     told: list[str] = []
     with heartbeat(told.append, lambda: "beam: 8 of 61 rows"):
         while len(told) < 3:

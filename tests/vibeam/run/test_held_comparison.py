@@ -20,9 +20,8 @@ import vibeam
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.casefile.read import load, parse
 from vibeam.run.comparison import held_comparison
-from vibeam.run.comparison.differences import HeldComparison
+from vibeam.run.comparison.differences import HeldComparison, headline, notes
 from vibeam.run.comparison.limit import limit
-from vibeam.run.comparison.wording import headline, notes
 from vibeam.run.run import run
 from vibeam.run.summary import compare
 

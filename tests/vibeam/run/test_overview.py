@@ -17,7 +17,7 @@ from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.run.first_modes import closed_frequency, gap_at_rest, open_frequencies
 from vibeam.run.overview import overview_of
-from vibeam.run.remarks import remarks
+from vibeam.run.summary import remarks
 from vibeam.run.systems import properties_of
 from vibeam.studies.stored import stored
 

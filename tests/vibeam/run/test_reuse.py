@@ -13,7 +13,7 @@ import pytest
 from stand_in import SDOF, Solver, case, same, system
 
 from vibeam.casefile.read import parse
-from vibeam.run import fidelity_sweep, recorder
+from vibeam.run import fidelity_sweep
 from vibeam.run.result import Result
 from vibeam.run.run import run
 from vibeam.run.store.errors import StoreError
@@ -28,7 +28,7 @@ class Run:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, path: Path) -> None:
         self.patch, self.path = monkeypatch, path
-        monkeypatch.setattr(recorder, "WRITE_EVERY", 0.0)
+        monkeypatch.setattr(fidelity_sweep, "WRITE_EVERY", 0.0)
         self.calls: list[tuple[int, float]] = []
         self.told: list[str] = []
 
@@ -218,12 +218,12 @@ sys.path[:0] = {path!r}
 from pathlib import Path
 from stand_in import Solver
 from test_reuse import GRID, as_anew, of
-from vibeam.run import fidelity_sweep, recorder
+from vibeam.run import fidelity_sweep
 from vibeam.run.run import run as running
 
 CALLS = ("pwrite", "fsync", "link", "replace", "unlink")
 path, before = Path({file!r}), Path({file!r} + ".before")
-fidelity_sweep.march_blocks, recorder.WRITE_EVERY = Solver(), 0.0
+fidelity_sweep.march_blocks, fidelity_sweep.WRITE_EVERY = Solver(), 0.0
 sys.modules["vibeam.run.run"].warm_up = lambda *given, **options: None
 wanted = of({{"one": 1, "two": 2}}, GRID[:3], "up") if {changed} else of({{"one": 1}}, GRID[:2])
 if {changed}:

@@ -15,7 +15,7 @@ from stand_in import SDOF, Solver, case, same, system
 from vibeam.case.faults import CaseError, Fault
 from vibeam.casefile.read import parse
 from vibeam.flight.pause import Stopped
-from vibeam.run import fidelity_sweep, recorder
+from vibeam.run import fidelity_sweep
 from vibeam.run.parallel import run_parallel
 from vibeam.run.result import Result
 from vibeam.run.run import Interrupted, run
@@ -31,7 +31,7 @@ def solver(monkeypatch: pytest.MonkeyPatch) -> Solver:
 
 def use(monkeypatch: pytest.MonkeyPatch, solver: Solver) -> Solver:
     monkeypatch.setattr(fidelity_sweep, "march_blocks", solver)
-    monkeypatch.setattr(recorder, "WRITE_EVERY", 0.0)
+    monkeypatch.setattr(fidelity_sweep, "WRITE_EVERY", 0.0)
     return solver
 
 
@@ -104,9 +104,9 @@ KILLED = """
 import sys
 sys.path[:0] = {path!r}
 from stand_in import Solver, case
-from vibeam.run import fidelity_sweep, recorder
+from vibeam.run import fidelity_sweep
 from vibeam.run.run import run
-fidelity_sweep.march_blocks, recorder.WRITE_EVERY = Solver(fail_at=20), {every}
+fidelity_sweep.march_blocks, fidelity_sweep.WRITE_EVERY = Solver(fail_at=20), {every}
 run(case(), {file!r})
 """
 

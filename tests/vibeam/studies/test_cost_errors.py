@@ -12,8 +12,8 @@ from stand_in import curve
 
 from vibeam.studies.cost.errors import Errors, errors, sample_distance
 from vibeam.studies.cost.measure import AperiodicSample, Measured, Plan
+from vibeam.studies.cost.row import front
 from vibeam.studies.cost.trajectories import ComparedPath, distance, hausdorff, matched
-from vibeam.studies.cost.work import front
 from vibeam.system.impact_system import Drive
 from vibeam.system.response import Difference
 

@@ -25,12 +25,11 @@ from vibeam.studies.cost import measure as measured_module
 from vibeam.studies.cost import study as study_module
 from vibeam.studies.cost.error_split import Share, part, shares, split
 from vibeam.studies.cost.measure import measure
-from vibeam.studies.cost.planning import Planning
+from vibeam.studies.cost.planning import Planning, Schedule, run_schedule
 from vibeam.studies.cost.reference import bound
-from vibeam.studies.cost.schedule import Schedule, run_schedule
+from vibeam.studies.cost.row import timed
 from vibeam.studies.cost.settings import Setting, series_of
 from vibeam.studies.cost.study import CostStudy, cost
-from vibeam.studies.cost.work import timed
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 

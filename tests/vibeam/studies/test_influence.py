@@ -27,12 +27,10 @@ from vibeam.cli.main import app
 from vibeam.report.influence import bars, left_alone, lines, sentences, taken_away, verdict
 from vibeam.report.tables import print_table
 from vibeam.studies.influence.curve import Curve, Step, ends, refined_peak, swept
-from vibeam.studies.influence.effects import effects_of, is_effect
 from vibeam.studies.influence.quantities import Quantity, Value, change, quantities
-from vibeam.studies.influence.search import smallest
 from vibeam.studies.influence.settled_motion import observed_ringing
 from vibeam.studies.influence.study import InfluenceStudy, influence
-from vibeam.studies.influence.subsets import subsets
+from vibeam.studies.influence.subsets import effects_of, is_effect, smallest, subsets
 from vibeam.system.impact_system import Drive
 from vibeam.system.state import State
 from vibeam_models.beam import assemble

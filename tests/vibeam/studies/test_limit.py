@@ -16,8 +16,16 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.cli.main import app
-from vibeam.studies.limit.rates import DIVERGES, ROUND_OFF, observed_limit
-from vibeam.studies.limit.sequences import BARE, MOVING_LAW, ModeSequence, models, with_law
+from vibeam.studies.limit.sequences import (
+    BARE,
+    DIVERGES,
+    MOVING_LAW,
+    ROUND_OFF,
+    ModeSequence,
+    models,
+    observed_limit,
+    with_law,
+)
 from vibeam.studies.limit.study import LimitRow, _row, limit
 from vibeam_models.laws.hertz import Elastic
 from vibeam_models.laws.linear import Linear

@@ -16,11 +16,10 @@ from tests.benchmarks.recommended import flown
 from tests.models.bench import RIG, STEEL
 from tests.models.test_sparse import net, squared_frequencies
 from vibeam.run.models import first_mode_restitution_of
-from vibeam.studies.reduce.contact_time import contact_time
 from vibeam.studies.reduce.losses import INSTANTS, ContactPulse, Question, assurance
 from vibeam.studies.reduce.response import Claim, ResponseError
 from vibeam.studies.reduce.study import Losses, ReductionStudy, _recommended, _reference
-from vibeam.studies.reduce.transfer import ModalForm, TransferStudy
+from vibeam.studies.reduce.transfer import ModalForm, TransferStudy, contact_time
 from vibeam_models.beam import assemble
 from vibeam_models.beams.beam import Damping
 from vibeam_models.laws.compliant import LinearStop

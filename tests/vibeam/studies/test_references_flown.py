@@ -12,7 +12,7 @@ from stand_in import SDOF
 import vibeam
 from vibeam.casefile.read import parse
 from vibeam.run.result import Result
-from vibeam.studies.regression.flown import at_references
+from vibeam.studies.regression.check import at_references
 from vibeam.studies.regression.references import require_readable
 
 OFF = 2.17 / (2 * np.pi)  # Hz, between the third and the fourth frequency of the sweep

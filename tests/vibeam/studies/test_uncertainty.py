@@ -17,13 +17,12 @@ from vibeam.casefile.read import parse
 from vibeam.maps.variation import varied
 from vibeam.report import uncertainty as report
 from vibeam.report.uncertainty_figure import bands
-from vibeam.studies.uncertainty.closed_form import ClosedForm, known
 from vibeam.studies.uncertainty.mean_of_peak import _models
 from vibeam.studies.uncertainty.multifidelity import Pilot, allocation, estimate
 from vibeam.studies.uncertainty.samples import Responses, Sampler, _changes, inputs_of
-from vibeam.studies.uncertainty.sensitivity import indices, saltelli
+from vibeam.studies.uncertainty.statistics import indices, saltelli
 from vibeam.studies.uncertainty.study import uncertainty
-from vibeam.studies.uncertainty.surface import Surface, runs
+from vibeam.studies.uncertainty.surrogates import ClosedForm, Surface, known, runs
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 

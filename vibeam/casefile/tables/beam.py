@@ -11,12 +11,12 @@ from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import POSITIVE, Count, Quantity, Range, Word
-from vibeam.casefile.inline import to_fill_in
 from vibeam.casefile.tables.drive import drive_checks
 from vibeam.casefile.tables.effects import effect_checks, effects_in
 from vibeam.casefile.tables.held_places import held_checks
 from vibeam.casefile.tables.outputs import output_checks
 from vibeam.casefile.tables.table import MOST_ELEMENTS, Length, Place, Ratio, Table, declared_key, key, table
+from vibeam.casefile.toml_writing import to_fill_in
 from vibeam_models.beams.shapes import SHAPES, unsuited
 from vibeam_models.keys import defaults_of, keys_of
 

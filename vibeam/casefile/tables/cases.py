@@ -1,31 +1,57 @@
-"""The tables of two kinds of case: a beam on the bench, a single degree of freedom."""
+"""The tables of two kinds of case: a beam on the bench, a single degree of freedom, with its own table."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import lru_cache
+from pathlib import Path as File
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
+from vibeam.case.faults import Complaint, KeyPath
+from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Each
 from vibeam.casefile.field_tables import Settings
-from vibeam.casefile.fields import Text, Word
+from vibeam.casefile.fields import POSITIVE, Quantity, Text, Word
 from vibeam.casefile.tables.beam import BeamTable, MassTable, SensorTable
-from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable
+from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable, sdof_drive_checks
 from vibeam.casefile.tables.effects import effect_tables, with_effects
-from vibeam.casefile.tables.expectations import ExpectTable
+from vibeam.casefile.tables.expectations import ExpectTable, MeasuredTable
 from vibeam.casefile.tables.figures import FigureTable, MeasurementTable, SdofMeasurementTable, ShowTable
 from vibeam.casefile.tables.maps import MapTable, SdofMapTable
-from vibeam.casefile.tables.measured import MeasuredTable
 from vibeam.casefile.tables.outputs import OutputTable
 from vibeam.casefile.tables.references import ReferenceTable
-from vibeam.casefile.tables.single import SdofTable
 from vibeam.casefile.tables.stop import sdof_stop_table, stop_table
 from vibeam.casefile.tables.studies import CostTable, FitTable, InfluenceTable
 from vibeam.casefile.tables.sweep import FidelityTable, SdofFidelityTable, SdofSweepTable, SweepTable
-from vibeam.casefile.tables.table import ACCURATE, Table, Within, key, table
+from vibeam.casefile.tables.table import ACCURATE, Ratio, Table, Within, key, table
 from vibeam.casefile.unit_systems import UNIT_SYSTEMS
 from vibeam_models.effects import EFFECTS
 from vibeam_models.homes import Home
 from vibeam_models.laws import LAWS
+
+
+def sdof_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
+    """Complaints about the drive, and about [cost]: there is one mode."""
+    yield from sdof_drive_checks(case)
+    if case.cost is not None and case.cost.modes:
+        yield ("cost", "modes"), "a single degree of freedom has one mode: leave this out"
+
+
+def sdof_output(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator[Complaint]:
+    """A complaint where a motion is asked for that is another's."""
+    if output not in ("sensor", "contact", None):
+        yield path, f'a single degree of freedom has no "{output}": write "sensor"'
+
+
+class SdofTable(Table):
+    """A single degree of freedom in place of beam, mass and sensor: the paper's model, nondimensional."""
+
+    natural_frequency: Annotated[float, Quantity(units.ANGULAR_FREQUENCY, POSITIVE)] = key(
+        "of free motion, with its unit; 1 rad/s = nondimensional time", "1 rad/s", 1.0
+    )
+    damping_ratio: Annotated[float, Ratio] = key("β, of critical", 0.015)
+
 
 ASIDE: Any = {"physics": False, "numbers": False}  # no part of the rig, nor of what its sweeps compute
 

@@ -12,7 +12,6 @@ from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Each, Names, Several
 from vibeam.casefile.fields import POSITIVE, Count, Flag, Quantity, Range, Word
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.tables.names import named_fidelity
 from vibeam.casefile.tables.outputs import OutputName, shown_output
 from vibeam.casefile.tables.table import (
     DIRECTIONS,
@@ -25,6 +24,7 @@ from vibeam.casefile.tables.table import (
     Periods,
     Table,
     key,
+    named_fidelity,
 )
 from vibeam.figures import FIGURES, KEYS, LIMITS, OF_OUTPUT
 from vibeam.figures.declaration import FigureKind

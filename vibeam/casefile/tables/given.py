@@ -11,10 +11,9 @@ from vibeam.casefile.fields import Text
 from vibeam.casefile.tables.drive import MOTIONS, DriveTable, drive_checks, list_checks
 from vibeam.casefile.tables.effects import effect_checks, platform_output
 from vibeam.casefile.tables.figures import ShowTable
-from vibeam.casefile.tables.names import NAME
 from vibeam.casefile.tables.stop import stop_table
 from vibeam.casefile.tables.sweep import SweepTable
-from vibeam.casefile.tables.table import Table, key, less
+from vibeam.casefile.tables.table import NAME, Table, key, less
 
 OWN = ("sensor", "contact", "platform")  # outputs that no row of one's own is called
 

@@ -10,12 +10,12 @@ from typing import Annotated, Any
 from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import POSITIVE, Quantity, Word
-from vibeam.casefile.inline import to_toml
 from vibeam.casefile.quantities import MASS
 from vibeam.casefile.row_fields import InFile, Row, Rows
 from vibeam.casefile.tables.beam import damping_checks
 from vibeam.casefile.tables.given import given_output, given_rules
 from vibeam.casefile.tables.table import Ratio, Table, key
+from vibeam.casefile.toml_writing import to_toml
 from vibeam.casefile.unit_systems import UNIT_SYSTEMS
 
 _SYSTEMS = " or ".join(map(to_toml, UNIT_SYSTEMS))

@@ -12,7 +12,6 @@ import numpy as np
 from vibeam.case.faults import Complaint, as_shown_in_message
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Quantity, Word
-from vibeam.casefile.inline import to_fill_in
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.tables.table import (
     Place,
@@ -24,6 +23,7 @@ from vibeam.casefile.tables.table import (
     plainly,
     table,
 )
+from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.solvers import SOLVERS
 from vibeam_models.homes import Home
 from vibeam_models.keys import Key, defaults_of, keys_of

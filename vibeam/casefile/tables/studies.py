@@ -11,8 +11,17 @@ from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Each, Several
 from vibeam.casefile.field_tables import Settings
 from vibeam.casefile.fields import POSITIVE, Count, Quantity, Text, Word
-from vibeam.casefile.tables.names import named_fidelity, not_there
-from vibeam.casefile.tables.table import MOST_ELEMENTS, MOST_POINTS, OF_INFLUENCE, Frequency, Periods, Table, key
+from vibeam.casefile.tables.table import (
+    MOST_ELEMENTS,
+    MOST_POINTS,
+    OF_INFLUENCE,
+    Frequency,
+    Periods,
+    Table,
+    key,
+    named_fidelity,
+    not_there,
+)
 from vibeam.solvers import SOLVERS
 
 

@@ -1,13 +1,19 @@
-"""Base of the tables of the case file, declaration of a key, entries that several tables share."""
+"""Base of the tables of a case file: declaration of a key, what a table may hold, and its content as plain data."""
 
 from __future__ import annotations
 
+import json
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from hashlib import sha256
 from math import inf
+from types import SimpleNamespace
 from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 from pydantic.fields import FieldInfo
 
+from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import NOT_NEGATIVE, POSITIVE, Count, Entry, Flag, Quantity, Range, Word
@@ -153,3 +159,73 @@ Within = Quantity(units.RATIO, Range(1e-4, 1))
 Frequency = Quantity(units.FREQUENCY, POSITIVE)
 
 Periods = Count(0, MOST_POINTS)
+
+
+def content(table: BaseModel, *parts: str, without: Collection[str] = ()) -> dict[str, Any]:
+    """Keys of a table that belong to all of ``parts`` (``"physics"``, ``"numbers"``), less those in ``without``."""
+    aside = _outside(table, parts) | dict.fromkeys(without, True)
+    return table.model_dump(mode="json", by_alias=True, exclude_none=True, exclude=aside)
+
+
+def _outside(table: BaseModel, parts: Collection[str]) -> dict[str, Any]:
+    """Keys that do not belong to all of ``parts``, as pydantic excludes them."""
+    found: dict[str, Any] = {}
+    for name, field in type(table).model_fields.items():
+        value = getattr(table, name)
+        absent = note(field, "effect") and value == ()  # a list of tables of which the case names none
+        if absent or any(note(field, part) is False for part in parts):
+            found[name] = True
+        elif isinstance(value, dict):
+            named = {key: _outside(each, parts) for key, each in value.items() if isinstance(each, BaseModel)}
+            found |= {name: named} if any(named.values()) else {}
+    return found
+
+
+def toml_text(content: Mapping[str, Any]) -> str:
+    """Content as a case file."""
+    import tomli_w
+
+    return tomli_w.dumps(content)
+
+
+def digest(*content: Any) -> str:
+    """SHA-256, in hexadecimal, of content as JSON with sorted keys."""
+    return sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()
+
+
+NAME = re.compile(r"[A-Za-z0-9_-]{1,64}")
+
+#: keys by what others call them, in small letters; of a table the keys that it has
+CALLED = {
+    "section": ("shape",), "profile": ("shape",), "cross_section": ("shape",),
+    "material": ("youngs_modulus", "density"), "e": ("youngs_modulus", "restitution"), "modulus": ("youngs_modulus",),
+    "rho": ("density",), "nu": ("poissons_ratio",), "zeta": ("damping_ratio",), "l": ("length",), "span": ("length",),
+    "b": ("width",), "breadth": ("width",), "h": ("thickness",), "t": ("thickness",), "height": ("thickness",),
+    "depth": ("thickness",), "boundary": ("ends",), "boundary_conditions": ("ends",), "supports": ("ends",),
+    "mesh": ("elements",), "clearance": ("gap",), "cor": ("restitution",), "k": ("stiffness",), "c": ("damping",),
+    "x": ("position",), "location": ("position",), "m": ("mass",), "transient": ("settle",), "periods": ("hold",),
+    "method": ("reduction", "solver"), "model": ("reduction",), "n": ("modes",),
+}  # fmt: skip
+
+
+def name_checks(case: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about the names that a case gives."""
+    if case.fidelity == {}:
+        yield ("fidelity",), "no fidelity: add a table [fidelity.NAME]"
+    for kind in ("fidelity", "reference", "expect", "measured", "show", "map"):
+        for name in getattr(case, kind):
+            if not NAME.fullmatch(name):
+                yield (kind, name), f"the name {as_shown_in_message(name)} must be 1 to 64 letters, digits, - or _"
+    for group in sorted({"show", "comparison", "models"} & set(case.fidelity)):
+        yield ("fidelity", group), f'the name "{group}" is that of a group of the results file: choose another'
+
+
+def named_fidelity(case: SimpleNamespace, path: KeyPath, name: str | None) -> Iterator[Complaint]:
+    """A complaint where a fidelity is named that is not there."""
+    if name is not None and name not in case.fidelity:
+        yield path, f"no fidelity {not_there(name, case.fidelity)}"
+
+
+def not_there(name: str, tables: Iterable[str]) -> str:
+    """A name that is none of ``tables``, and which of them it may have meant."""
+    return f"{as_shown_in_message(name)}; {suggest(name, filter(NAME.fullmatch, tables))}"

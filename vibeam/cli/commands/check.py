@@ -61,10 +61,9 @@ def check(
     from vibeam.case.held import held_of
     from vibeam.casefile.read import without_accuracy
     from vibeam.figures.units import units_of
-    from vibeam.run.remarks import remarks
-    from vibeam.studies.regression.check import compare_measured
+    from vibeam.run.summary import remarks
+    from vibeam.studies.regression.check import at_references, compare_measured
     from vibeam.studies.regression.expectations import check as expectations
-    from vibeam.studies.regression.flown import at_references
     from vibeam.studies.regression.references import check as of_references
     from vibeam.studies.regression.references import require_readable
 

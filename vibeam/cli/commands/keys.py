@@ -26,7 +26,7 @@ def keys(
     from vibeam.report import output
 
     if schema:
-        from vibeam.casefile.json_schema import case_schema
+        from vibeam.casefile.documentation import case_schema
 
         put_json(output.to_json(case_schema()))
         return

@@ -35,8 +35,7 @@ def limit(
     from vibeam.figures.units import units_of
     from vibeam.report import limit as report
     from vibeam.report import output
-    from vibeam.studies.limit.asked import counts, laws_of, quantity
-    from vibeam.studies.limit.study import LimitRow
+    from vibeam.studies.limit.study import LimitRow, counts, laws_of, quantity
     from vibeam.studies.limit.study import limit as limits
 
     loaded = load(case, set_)

@@ -136,7 +136,7 @@ def _drawn(result: MapResult) -> tuple[list[Path], list[str]]:
 
 
 def _rows(result: MapResult) -> list[Any]:
-    from vibeam.maps.rows import rows_of
+    from vibeam.maps.result import rows_of
 
     return list(rows_of(result))
 

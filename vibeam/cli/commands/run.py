@@ -33,8 +33,7 @@ def _report(result: Result, path: Path, as_json: bool) -> None:
     from vibeam.report.figures import write_figures
     from vibeam.report.run_report import run_report
     from vibeam.run.estimate.summary import estimate_texts
-    from vibeam.run.remarks import remarks
-    from vibeam.run.summary import compare
+    from vibeam.run.summary import compare, remarks
 
     files = [path, *write_figures(result, path)]
     whole = {"fidelities": compare(result), "remarks": remarks(result), "found": result.found, "total": result.total}

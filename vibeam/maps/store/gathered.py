@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.outputs import units_of_output
+from vibeam.case.case import units_of_output
 from vibeam.exchange.sealed_files import fill_sealed, is_sealed
 from vibeam.exchange.whole_files import write_at
 from vibeam.maps.axes import shape_of

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.case import units_of_output
 from vibeam.case.grid_keys import FREQUENCY
-from vibeam.case.outputs import units_of_output
 from vibeam.figures.outputs import frequency_label, with_unit
 from vibeam.figures.page import plain
 from vibeam.figures.prefixes import shown_unit

@@ -10,7 +10,7 @@ from vibeam.report.tables import blank
 
 if TYPE_CHECKING:
     from vibeam.maps.motions import Motion
-    from vibeam.maps.rows import MapRow
+    from vibeam.maps.result import MapRow
     from vibeam.report.table_widths import ReportTable
 
 

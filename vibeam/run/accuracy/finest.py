@@ -15,7 +15,7 @@ import numpy as np
 
 from vibeam.case.plans import SweepPlan
 from vibeam.run.accuracy.candidates import EXACT, Candidate, Evaluation
-from vibeam.run.accuracy.choices import BranchChoice
+from vibeam.run.accuracy.choice import BranchChoice
 from vibeam.run.accuracy.closed_forms import KINDS, Index, size
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State

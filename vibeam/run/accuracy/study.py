@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.one_harmonic import require_one_harmonic
+from vibeam.case.case import require_one_harmonic
 from vibeam.run.accuracy.candidates import Candidate, candidates_of
-from vibeam.run.accuracy.choice import Choice
-from vibeam.run.accuracy.choices import BranchChoice
+from vibeam.run.accuracy.choice import BranchChoice, Choice
 from vibeam.run.accuracy.closed_forms import ClosedForms
 from vibeam.run.accuracy.finest import Finest, Position, track
 from vibeam.run.accuracy.unsettled import Unsettled

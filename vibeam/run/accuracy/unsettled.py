@@ -16,12 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.plans import SweepPlan
-from vibeam.run.accuracy.candidates import Candidate, Evaluation, put, rows
-from vibeam.run.accuracy.choice import SPARE
-from vibeam.run.accuracy.choices import BranchChoice
+from vibeam.run.accuracy.candidates import Candidate, Evaluation, distance, put, rows, values
+from vibeam.run.accuracy.choice import SPARE, BranchChoice
 from vibeam.run.accuracy.closed_forms import Index
 from vibeam.run.accuracy.finest import note_flight
-from vibeam.run.accuracy.readings import distance, values
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
 

@@ -9,9 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.plans import SweepPlan
-from vibeam.run.accuracy.candidates import Candidate, rows
-from vibeam.run.accuracy.choices import BranchChoice
-from vibeam.run.accuracy.readings import distance
+from vibeam.run.accuracy.candidates import Candidate, distance, rows
+from vibeam.run.accuracy.choice import BranchChoice
 from vibeam.system.response import FrequencyResponse, join
 from vibeam.system.state import State
 

@@ -1,10 +1,13 @@
-"""Differences between fidelities: with either restitution held, and of the finest one from its own limit."""
+"""Differences between fidelities, with either restitution held and from the own limit, and the sentences on them."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from math import isfinite
 
 from vibeam.case.held import Held
+from vibeam.figures.units import percent, signed
 from vibeam.system.difference import NAN, Difference
 
 
@@ -55,3 +58,80 @@ class HeldComparison:
     def turning(self) -> tuple[str, ...]:
         """Fidelities whose verdict turns with the choice."""
         return tuple(row.fidelity for row in self.rows if row.turns)
+
+
+PAIRS = 3  # largest number of fidelities whose differences stand in one line
+
+
+def headline(found: HeldComparison) -> str:
+    """First line of a comparison: what is held, and whose verdict turns with the other choice."""
+    if found.other is None or not found.rows:
+        return f"Held in every fidelity: {found.held.label}."
+    if found.turning:
+        return (
+            f"The verdict on {listed(found.turning)} turns with what is held: {found.held.label} here, "
+            f"or {found.other.label}."
+        )
+    unknown = [row.fidelity for row in found.rows if not isfinite(row.other.peak)]
+    if len(unknown) == len(found.rows):
+        return f"Held: {found.held.label}. What {found.other.label} held instead would give is not known."
+    but = f"; of {listed(unknown)} that is not known" if unknown else ""
+    return f"Held: {found.held.label}. With {found.other.label} held instead no verdict turns{but}."
+
+
+def both_peaks(found: HeldComparison, most: int = PAIRS) -> str:
+    """Peaks with the other choice beside those held, in one line; empty where none is known, or more than ``most``."""
+    known = [row for row in found.rows if isfinite(row.other.peak)]
+    if found.other is None or not known or len(known) > most:
+        return ""
+    there = ", ".join(f"{row.fidelity} {signed(row.other.peak)}" for row in known)
+    here = ", ".join(signed(row.held.peak) for row in known)
+    return f"{found.other.symbol} held instead: {there} at peak (here {here})"
+
+
+def notes(found: HeldComparison) -> Iterator[str]:
+    """Sentences on the distance of the finest fidelity from its limit, and on what is not known."""
+    if found.other is None:
+        yield from _own_limit(found) if found.held.law else ()
+        return
+    reasons: dict[str, list[str]] = {}
+    for row in found.rows:
+        if row.why and row.why != found.limit.why:
+            reasons.setdefault(row.why, []).append(row.fidelity)
+    for why, names in reasons.items():
+        yield f"{listed(names)} with {found.other.label} held: not known ({why})"
+    yield from _own_limit(found)
+
+
+def _own_limit(found: HeldComparison) -> Iterator[str]:
+    own, name = found.limit, found.finest
+    if own.why:
+        yield f"{name}: distance from its own limit not estimated ({own.why})"
+        return
+    yield f"{name} is off its own limit by {_distance(own)}"
+    near = [
+        f"{row.fidelity} ({signed(_of(row))} ± {percent(row.uncertainty[0])})" for row in found.rows if not row.small
+    ]
+    if near:
+        yield f"  that is not small against {listed(near)}: {_cure(found)}"
+
+
+def _distance(own: OwnLimit) -> str:
+    peak = f"{signed(own.held.peak)} at the peak, " if isfinite(own.held.peak) else ""
+    return f"{peak}{percent(own.held.rms)} rms (estimated at {own.held.points} of {own.held.total} frequencies)"
+
+
+def _of(row: BothChoices) -> float:
+    return row.held.peak if isfinite(row.held.peak) else row.held.rms
+
+
+def _cure(found: HeldComparison) -> str:
+    own = found.limit
+    if found.other is not None and abs(own.other.peak) < abs(own.held.peak) / 2:
+        return f"take more modes, or hold {found.other.symbol} ({signed(own.other.peak)})"
+    return "take more modes"
+
+
+def listed(names: Sequence[str]) -> str:
+    """Names listed in a sentence."""
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"

@@ -1,15 +1,17 @@
-"""Comparison of fidelities with either restitution held, beside the finest one's distance from its own limit."""
+"""Comparison of a case's fidelities with either restitution held, beside the finest one's own limit."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from math import isfinite
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.case.held import held_of, other_choice, with_other_choice
 from vibeam.run.comparison.closed_curve import ClosedCurve, closed_curve
 from vibeam.run.comparison.differences import BothChoices, HeldComparison, OwnLimit
@@ -18,6 +20,10 @@ from vibeam.system.difference import NAN, Difference
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Branches, periodic
 from vibeam_models.any_scene import AnyScene, RigScene
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+
 
 Array = NDArray[np.float64]
 
@@ -190,3 +196,31 @@ def _peak_fault(model: ComparedModel, closed: Closed) -> str:
     if isinstance(closed, str) or not model.run or abs(closed.peak / model.run.peak.amplitude - 1) < SAME:
         return ""
     return f"the peak of {model.name} is not that of an exact motion with one impact a drive period"
+
+
+MOVING = "the gap changes along the sweep, which no closed form follows"
+
+SEVERAL = "no closed-form motions under several harmonics"
+
+
+def comparisons(
+    case: Case, finest: Mapping[str, str], systems: Mapping[str, ImpactSystem], branches: Mapping[str, Branches]
+) -> tuple[HeldComparison, ...]:
+    """Compare every fidelity with its ``finest``; those compared with none are left out, and cost nothing.
+
+    ``branches``: of the fidelities that were run, empty where only the chosen points of an accuracy were.
+    """
+    models = {name: compared_model(case, name, systems[name], branches.get(name)) for name in finest}
+    groups = {top: [models[n] for n in finest if finest[n] == top != n] for top in dict.fromkeys(finest.values())}
+    return tuple(held_comparison(models[top], others) for top, others in groups.items() if others)
+
+
+def compared_model(
+    case: Case, name: str, system: ImpactSystem, branches: Branches | None = None, like: str | None = None
+) -> ComparedModel:
+    """Model of one fidelity over the case's sweep, with the branches of its run; ``like``: whose scene it has."""
+    omega, scene = 2 * np.pi * np.sort(case.sweep.frequency), case.scene_of(like or name)
+    base = np.broadcast_to(np.asarray(case.amplitude_of(like or name, omega), dtype=float), omega.shape)
+    moves = gap_wear(scene) is not None or gap_drift(scene, omega) is not None
+    why = SEVERAL if scene.harmonics else MOVING if moves else ""
+    return ComparedModel(name, scene, system, omega, base, case.sweep.output, branches, why)

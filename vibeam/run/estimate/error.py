@@ -10,9 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from vibeam.orbits.modal_sums import fault, resonant
 from vibeam.orbits.predicted_response import Found, PredictedResponse, predicted, predicted_free
 from vibeam.orbits.train_sums import Trains
-from vibeam.run.estimate.basis import Basis
 from vibeam.run.estimate.motions import SweptMotions, swept_motions
-from vibeam.run.estimate.records import QUANTITIES, ErrorEstimate
+from vibeam.run.estimate.records import QUANTITIES, Basis, ErrorEstimate
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import StatesAfter

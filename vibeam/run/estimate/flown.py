@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.solver import FlightSolver
-from vibeam.run.estimate.basis import Basis
-from vibeam.run.estimate.records import QUANTITIES, ErrorEstimate
+from vibeam.run.estimate.records import QUANTITIES, Basis, ErrorEstimate
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse, complete
 from vibeam.system.state import State

@@ -12,7 +12,7 @@ from vibeam.orbits.admissibility import AdmissibilityCheck
 from vibeam.orbits.bifurcation_functions import motions
 from vibeam.orbits.nearby_orbits import nearby_orbits
 from vibeam.orbits.train_sums import Trains
-from vibeam.run.estimate.basis import Basis
+from vibeam.run.estimate.records import Basis
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import StatesAfter

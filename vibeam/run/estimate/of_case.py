@@ -1,4 +1,4 @@
-"""Error estimates of a case's fidelities against the full models of their own scenes."""
+"""Error estimates of a case's fidelities against the full models of their own scenes: all modes, same restitution."""
 
 from __future__ import annotations
 
@@ -9,20 +9,41 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.fidelity import gap_drift, gap_wear
-from vibeam.run.comparison.of_case import MOVING, SEVERAL
+from vibeam.case.fidelity import Fidelity, gap_drift, gap_wear, system
+from vibeam.run.comparison.held_comparison import MOVING, SEVERAL
 from vibeam.run.estimate.error import estimate_error, unsuited
 from vibeam.run.estimate.flown import FullSweep, Motion, without_another_motion
-from vibeam.run.estimate.full_model import full_model
 from vibeam.run.estimate.records import ErrorEstimate, FidelityEstimate
+from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse, join
 from vibeam.system.state import StatesAfter
+from vibeam_models.any_scene import AnyScene, RigScene
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.run.accuracy.study import Curve
-    from vibeam.system.impact_system import ImpactSystem
     from vibeam.system.response import Branches
+
+
+LARGEST = 1500  # coordinates of a structure all of whose modes are computed
+
+
+def full_model(scene: AnyScene) -> ImpactSystem:
+    """Impact system with all modes of a scene; ValueError says why there is none with closed-form motions."""
+    if scene.given_mode is not None or not isinstance(scene, RigScene):
+        raise ValueError("a single degree of freedom given directly has no fuller model")
+    if not scene.all_modes:
+        raise ValueError("the case gives a few modes, and no structure that has more")
+    if scene.platform is not None and scene.platform.coupling == "two-way":
+        raise ValueError("no closed-form motions on a platform that is pushed back")
+    if scene.stop.law is not None:
+        raise ValueError(f'no closed-form motions with the contact law "{scene.stop.law.name}"')
+    if (size := scene.structure().size) > LARGEST:
+        raise ValueError(f"the full model has {size} coordinates, too many to know all of its modes")
+    full = system(scene, Fidelity("full model", "full"))
+    if why := unsuited(full):
+        raise ValueError(f"the full model: {why}")
+    return full
 
 
 def estimates(

@@ -1,4 +1,4 @@
-"""Content of a results file: a new one, the owner of an old one, and its adaptation to a changed case."""
+"""Content of a results file: a new one, the owner of an old one, its adaptation to a changed case or format."""
 
 from __future__ import annotations
 
@@ -8,18 +8,36 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vibeam.run.store.branch import Branch, lay_out, read_rows
-from vibeam.run.store.checksum import sign
-from vibeam.run.store.comparison import COMPARISON
+from vibeam.run.store.branch import ROWS, Branch, count_points, lay_out, points_of, read_rows, write_rows
+from vibeam.run.store.checksum import CHECKSUM, sign
+from vibeam.run.store.disk import Image
 from vibeam.run.store.errors import StoreError, reading
-from vibeam.run.store.image import Image
 from vibeam.run.store.layout import fixed
-from vibeam.run.store.older import lay_out_anew
+from vibeam.run.store.models import COMPARISON
 from vibeam.run.store.provenance import write_provenance
 from vibeam.run.store.reuse import Reuse, Wanted, adapt, groups_with_points, lost_with, reported, reuse_of
 
 if TYPE_CHECKING:
     import h5py
+
+    from vibeam.system.quantities import OutputUnits
+
+
+def lay_out_anew(file: h5py.File, branch: Branch, units: OutputUnits, *, signed: bool) -> None:
+    """Convert an older branch of the same case to the present layout, with its points.
+
+    ``signed``: its points have checksums; ValueError where one does not fit.
+    """
+    group = file[branch.group]
+    done = points_of(group)
+    rows = read_rows(group) if signed else group
+    values = {name: rows[name][:done] for name in ROWS}
+    del file[branch.group]
+    file[branch.fidelity].attrs.pop(CHECKSUM, None)  # data beside the branch no longer fit it
+    present = lay_out(file, branch, units)
+    if done:
+        write_rows(present, 0, values)
+        count_points(present, done)
 
 
 FORMAT = "vibeam results 3"

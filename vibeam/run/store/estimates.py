@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.run.estimate.basis import Basis
-from vibeam.run.estimate.records import QUANTITIES, ErrorEstimate, FidelityEstimate
+from vibeam.run.estimate.records import QUANTITIES, Basis, ErrorEstimate, FidelityEstimate
 from vibeam.run.store.checksum import sign, verify
 from vibeam.run.store.layout import fixed
 

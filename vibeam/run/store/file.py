@@ -1,4 +1,4 @@
-"""Results file of a case: created, opened, adapted, or refused."""
+"""Results file of a case: created, opened, adapted, or refused, also for links and data that are not its own."""
 
 from __future__ import annotations
 
@@ -8,23 +8,52 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from vibeam.exchange.hdf5 import contents, is_own
 from vibeam.exchange.heap import heaps_are_whole
 from vibeam.exchange.whole_files import regular
 from vibeam.run.store.branch import Values, read_rows
 from vibeam.run.store.content import FORMAT, OLDER, SIGNATURE, UNSIGNED, adapted, blank, format_of, is_ours
-from vibeam.run.store.disk import Disk
+from vibeam.run.store.disk import Disk, Image
 from vibeam.run.store.errors import CURE, FAULTS, StoreError, damaged, reading, reason
-from vibeam.run.store.image import Image
 from vibeam.run.store.lock import locked
 from vibeam.run.store.models import MODELS, Keyed, read_models
 from vibeam.run.store.reuse import Wanted, branch_names
 from vibeam.run.store.store import Store
-from vibeam.run.store.structure import refuse_foreign
 from vibeam.system.quantities import LAYOUT
 from vibeam.system.response import FrequencyResponse
 
 if TYPE_CHECKING:
     import h5py
+
+
+def refuse_foreign(file: h5py.File) -> None:
+    """Raise ValueError for a soft or external link, data outside the file or not stored contiguously; RuntimeError for
+    attributes that cannot be gone through.
+
+    An accepted file is no larger on reading than on disk, and reading it touches nothing else.
+    """
+    import h5py
+
+    for place, item, again in contents(file):
+        if item is None:
+            raise ValueError(f"/{place} is a link to another place")
+        if again:
+            raise ValueError(f"/{place} is linked twice")
+        h5py.h5a.iterate(item.id, _read)
+        if not isinstance(item, h5py.Group) and (not isinstance(item, h5py.Dataset) or not _plain(item)):
+            raise ValueError(f"/{place} holds no values of its own")
+
+
+def _read(name: bytes) -> None:
+    """An attribute whose record can be read."""
+
+
+def _plain(dataset: h5py.Dataset) -> bool:
+    """Test whether the values lie in the file contiguously."""
+    import h5py
+
+    contiguous = dataset.id.get_create_plist().get_layout() in (h5py.h5d.CONTIGUOUS, h5py.h5d.COMPACT)
+    return contiguous and is_own(dataset) and dataset.id.get_storage_size() == dataset.nbytes
 
 
 Tell = Callable[[str], None]

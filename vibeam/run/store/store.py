@@ -9,12 +9,18 @@ from typing import TYPE_CHECKING
 
 from vibeam.run.store.branch import Branch, StoredBranch, count_points, read_branch, rows_of, write_rows
 from vibeam.run.store.checksum import CHECKSUM, sign, verify
-from vibeam.run.store.comparison import COMPARISON, key_of_comparisons, read_comparisons, write_comparisons
 from vibeam.run.store.errors import StoreError, reading
 from vibeam.run.store.estimates import ESTIMATES, key_of_estimates, read_estimates, write_estimates
 from vibeam.run.store.figures import HOME, read_sheets, write_sheets
 from vibeam.run.store.layout import fixed, read_curves, write_curves
-from vibeam.run.store.models import Keyed, write_models
+from vibeam.run.store.models import (
+    COMPARISON,
+    Keyed,
+    key_of_comparisons,
+    read_comparisons,
+    write_comparisons,
+    write_models,
+)
 from vibeam.run.store.provenance import note_continued
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
@@ -27,8 +33,7 @@ if TYPE_CHECKING:
     from vibeam.run.accuracy.study import AccuracyChoice
     from vibeam.run.comparison.differences import HeldComparison
     from vibeam.run.estimate.records import FidelityEstimate
-    from vibeam.run.store.disk import Disk
-    from vibeam.run.store.image import Image
+    from vibeam.run.store.disk import Disk, Image
     from vibeam.system.motion_curves import MotionCurves
     from vibeam.system.quantities import OutputUnits
 

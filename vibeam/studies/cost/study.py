@@ -10,22 +10,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.case import require_one_harmonic
 from vibeam.case.fidelity import gap_drift, gap_wear
-from vibeam.case.one_harmonic import require_one_harmonic
 from vibeam.flight.pause import Clock, OutOfTime
 from vibeam.run.comparison.differences import HeldComparison
-from vibeam.run.comparison.held_comparison import held_comparison
-from vibeam.run.comparison.of_case import compared_model
+from vibeam.run.comparison.held_comparison import compared_model, held_comparison
 from vibeam.run.models import CUT_SOLVERS, Model, built, finest, models
 from vibeam.solvers import SOLVERS
 from vibeam.studies.cost.error_split import Split, split
 from vibeam.studies.cost.measure import Measured, Plan, measure
-from vibeam.studies.cost.planning import Planning
+from vibeam.studies.cost.planning import LeftOut, Planning, Schedule, run_schedule
 from vibeam.studies.cost.reference import FLIGHT, Bound, bound, given
-from vibeam.studies.cost.row import References, RunRow, compared, stopped
-from vibeam.studies.cost.schedule import LeftOut, Schedule, run_schedule
+from vibeam.studies.cost.row import References, RunRow, Work, compared, front, stopped, timed
 from vibeam.studies.cost.settings import Setting, series_of
-from vibeam.studies.cost.work import Work, front, timed
 from vibeam.system.impact_system import ImpactSystem
 
 if TYPE_CHECKING:

@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 from vibeam.studies.fit.advice import NextPoint, next_points
 from vibeam.studies.fit.advice import in_words as advice_in_words
 from vibeam.studies.fit.alternatives import alternatives, unit_factor
-from vibeam.studies.fit.contour import contour_of
 from vibeam.studies.fit.estimate import Minimum, Scan, estimate, met, refined
 from vibeam.studies.fit.judgement import WIDEST, Judgement, patterns, without_outliers
 from vibeam.studies.fit.problem import MOTIONS, Problem
-from vibeam.studies.fit.profile import LEVEL, Profile, profile
+from vibeam.studies.fit.profile import LEVEL, Profile, contour_of, profile
 from vibeam.studies.fit.words import on_directions, on_misfit, on_ridges, ridges
 
 if TYPE_CHECKING:

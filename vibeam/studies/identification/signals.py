@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from vibeam.case.faults import CaseError
-from vibeam.case.reference_files import fault_in
-from vibeam.case.reference_form import factor
+from vibeam.case.reference_files import factor, fault_in
 from vibeam.exchange.curves.columns import Wanted
 from vibeam.exchange.curves.read import read_columns
 from vibeam.exchange.files import FormatError

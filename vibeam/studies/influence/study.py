@@ -9,16 +9,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.outputs import require_displacement
+from vibeam.case.case import require_displacement
 from vibeam.run.comparison.differences import HeldComparison
-from vibeam.run.comparison.held_comparison import ComparedModel, held_comparison
-from vibeam.run.comparison.of_case import compared_model
+from vibeam.run.comparison.held_comparison import ComparedModel, compared_model, held_comparison
 from vibeam.solvers.warm_up import warm_up_once
 from vibeam.studies.influence.curve import swept
 from vibeam.studies.influence.model import Model, model
 from vibeam.studies.influence.quantities import Change, Quantity, change, quantities
-from vibeam.studies.influence.search import smallest
-from vibeam.studies.influence.subsets import Subsets, subsets
+from vibeam.studies.influence.subsets import Subsets, smallest, subsets
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case

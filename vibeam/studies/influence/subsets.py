@@ -1,21 +1,82 @@
-"""Cases with subsets of the effects: each is complete and can be run as usual."""
+"""Subsets of the effects of a case: the cases that have them, and the search for the smallest sufficient one."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import combinations
+from math import inf
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from vibeam.case.case import Case
-from vibeam.casefile.content import content, toml_text
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.read import parse, validate
-from vibeam.studies.influence.effects import companions, effects_of
+from vibeam.casefile.tables.table import content, note, toml_text
+from vibeam.casefile.validation import fields_of, is_repeated, physics_keys
+
+
+def effects_of(declared: BaseModel) -> tuple[str, ...]:
+    """Dotted keys of the effects in a declared case, in its order; of several tables of a kind each by its index.
+
+    Effects at their neutral value (None, or the default) are left out.
+    """
+    return tuple(name for field in physics_keys(type(declared)) for name in _named(declared, field))
+
+
+def is_effect(field: FieldInfo) -> bool:
+    """Test whether a key or table is declared as an effect."""
+    return bool(note(field, "effect"))
+
+
+def companions(declared: BaseModel, name: str) -> tuple[str, ...]:
+    """Keys of a declared case that are meaningless without an effect: beside it, or tables that are on it."""
+    table, _, key = name.partition(".")
+    carried = () if key else tuple(_on(declared, name))
+    if carried:
+        return carried
+    inner = getattr(declared, table, None)
+    if not (key and isinstance(inner, BaseModel)):
+        return ()
+    beside = [other for other, field in fields_of(type(inner)).items() if note(field, "of") == key]
+    return tuple(f"{table}.{each}" for each in beside if getattr(inner, each) is not None)
+
+
+def _on(declared: BaseModel, name: str) -> Iterator[str]:
+    """Effects, tables of which there are several, with ``on`` = ``name``: that beam carries them."""
+    for field in physics_keys(type(declared)):
+        if is_repeated(fields_of(type(declared))[field]):
+            carried = [getattr(each, "on", None) == name for each in _tables(getattr(declared, field))]
+            yield from (effect for effect, is_on in zip(_named(declared, field), carried, strict=False) if is_on)
+
+
+def _tables(value: object) -> tuple[object, ...]:
+    return value if isinstance(value, tuple) else ()
+
+
+def _named(declared: BaseModel, name: str) -> Iterator[str]:
+    field, value = fields_of(type(declared))[name], getattr(declared, name)
+    if not is_effect(field):
+        yield from (f"{name}.{key}" for key in _keys(value))
+    elif is_repeated(field):
+        yield from ([name] if len(value) == 1 else [f"{name}.{index}" for index in range(len(value))])
+    elif value is not None:
+        yield name
+
+
+def _keys(table: object) -> Iterator[str]:
+    """Effects among a table's own keys."""
+    if isinstance(table, BaseModel):
+        for key, field in fields_of(type(table)).items():
+            if is_effect(field) and getattr(table, key) != field.default:
+                yield key
+
 
 Array = NDArray[np.float64]
 
@@ -124,3 +185,40 @@ def _shared(whole: Array, left: Array) -> int:
 
 def _frequencies(case: Case, modes: int) -> Array:
     return case.scene.structure().modes(modes).omega
+
+
+EXACT = 6  # largest number of effects for which all sets are tried
+
+Worst = Callable[[frozenset[str]], float]
+
+
+def smallest(effects: Sequence[str], worst: Worst) -> tuple[frozenset[str], bool]:
+    """Find the set, and whether it is proved to be the smallest.
+
+    ``worst``: the largest change of a set in units of its tolerance, sufficient where it is at most 1; ∞ for an
+    invalid set. Of several equally small sets the one with the least change.
+    """
+    if len(effects) <= EXACT:
+        return _of_all(effects, worst), True
+    return _one_by_one(effects, worst), False
+
+
+def _of_all(effects: Sequence[str], worst: Worst) -> frozenset[str]:
+    for size in range(len(effects)):
+        best, least = min(((frozenset(kept), worst(frozenset(kept))) for kept in combinations(effects, size)),
+                          key=lambda pair: pair[1])  # fmt: skip
+        if least <= 1:
+            return best
+    return frozenset(effects)
+
+
+def _one_by_one(effects: Sequence[str], worst: Worst) -> frozenset[str]:
+    """Eliminate the effect with the least influence among those left, as long as the rest is sufficient."""
+    kept = frozenset(effects)
+    while kept:
+        away = [(worst(kept - {name}), index, name) for index, name in enumerate(effects) if name in kept]
+        least, _, name = min(away, default=(inf, 0, ""))
+        if least > 1:
+            break
+        kept -= {name}
+    return kept

@@ -21,9 +21,9 @@ from vibeam.case.reduced_structure import static_at_contact
 from vibeam.flight.solver import FlightSolver
 from vibeam.run.accuracy.closed_forms import FREE, KINDS
 from vibeam.run.comparison.closed_curve import amplitudes
-from vibeam.run.comparison.of_case import MOVING, SEVERAL
+from vibeam.run.comparison.held_comparison import MOVING, SEVERAL
 from vibeam.run.estimate.error import unsuited
-from vibeam.run.estimate.full_model import LARGEST
+from vibeam.run.estimate.of_case import LARGEST
 from vibeam.run.sweep import march
 from vibeam.system.response import periodic
 from vibeam_models.laws.restitution import contact_restitution, first_mode_restitution

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.studies.reduce.bases import Basis, bases_of
-from vibeam.studies.reduce.contact_time import contact_time as time_in_contact
 from vibeam.studies.reduce.losses import ContactPulse, Losses, Question
 from vibeam.studies.reduce.response import Claim, FullResponse
 from vibeam.studies.reduce.transfer import ModalForm, TransferErrors, TransferStudy
+from vibeam.studies.reduce.transfer import contact_time as time_in_contact
 from vibeam_models.arguments import whole
 from vibeam_models.laws.compliant import LinearStop
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.case.case import require_one_harmonic
 from vibeam.case.faults import CaseError
-from vibeam.case.one_harmonic import require_one_harmonic
 from vibeam.orbits.orbit_map import OrbitMap, orbit_map
-from vibeam.run.comparison.wording import listed
-from vibeam.run.remarks import ill_posed
+from vibeam.run.comparison.differences import listed
+from vibeam.run.summary import ill_posed
 from vibeam.solvers.averaging.solver import slow_flow
 from vibeam.studies.stability import axes
 from vibeam.studies.stability.axes import Axis, Driving

@@ -15,10 +15,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.studies.uncertainty.closed_form import ClosedForm, known
 from vibeam.studies.uncertainty.multifidelity import Allocation, Estimate, Pilot, allocation, estimate
 from vibeam.studies.uncertainty.samples import Coarse, Responses, Sampler, inputs_of
-from vibeam.studies.uncertainty.surface import Surface, runs
+from vibeam.studies.uncertainty.surrogates import ClosedForm, Surface, known, runs
 
 Array = NDArray[np.float64]
 

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from vibeam.case.fidelity import gap_drift, gap_wear, system
 from vibeam.casefile.case_model import CaseModel, narrowed
 from vibeam.maps.variation import varied
-from vibeam.run.heartbeat import heartbeat
-from vibeam.run.parallel import run_parallel
+from vibeam.run.parallel import heartbeat, run_parallel
 from vibeam.run.sweep import sweep
 from vibeam.system.response import FrequencyResponse, complete
 from vibeam_models.base_motion import drive_amplitude

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.run.heartbeat import EVERY, heartbeat
+from vibeam.run.parallel import EVERY, heartbeat
 from vibeam.run.result import finest_of
 from vibeam.studies.uncertainty.mean_of_peak import PILOT, MeanPeak, mean_of_peak
 from vibeam.studies.uncertainty.samples import Responses, Sampler, inputs_of
-from vibeam.studies.uncertainty.sensitivity import Indices, indices, saltelli
-from vibeam.studies.uncertainty.spread import LEVELS, Spread
+from vibeam.studies.uncertainty.statistics import LEVELS, Indices, Spread, indices, saltelli
 from vibeam.studies.uncertainty.validation import ErrorRow, error_rows
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from vibeam.run.result import Result
-    from vibeam.studies.uncertainty.spread import Spread
+    from vibeam.studies.uncertainty.statistics import Spread
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ from vibeam.flight.tangent import tangent_fault
 from vibeam.maps.block import Values
 from vibeam.maps.points import GridPoints
 from vibeam.orbits.largest_exponents import largest_exponents
-from vibeam.run.accuracy.readings import reading_of
+from vibeam.run.accuracy.candidates import reading_of
 from vibeam.studies.verdict.motions import CHAOTIC, FAILED, IRREGULAR
 from vibeam.system.impact_system import Drive
 from vibeam.system.response import Ended

@@ -19,10 +19,8 @@ from vibeam.maps.block import Block, Grid, Values, evaluate_block
 from vibeam.maps.evaluate import grid_of
 from vibeam.maps.grids import blocks_of, key_of
 from vibeam.maps.points import GridPoints, grid_points
-from vibeam.maps.store.blocks import read_block, write_block
-from vibeam.maps.store.manifest import discard, opened
-from vibeam.run.heartbeat import heartbeat
-from vibeam.run.parallel import run_parallel
+from vibeam.maps.store.blocks import discard, opened, read_block, write_block
+from vibeam.run.parallel import heartbeat, run_parallel
 from vibeam.run.store.errors import unwritable
 from vibeam.run.store.lock import locked
 from vibeam.studies.verdict.boundaries import ExactBoundary, exact_boundaries

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.one_harmonic import require_one_harmonic
+from vibeam.case.case import require_one_harmonic
 from vibeam.casefile.quantities import RATIO, UnitError, to_si
 from vibeam.flight.tangent import tangent_fault
-from vibeam.run.comparison.wording import listed
+from vibeam.run.comparison.differences import listed
 from vibeam.run.systems import Systems
 from vibeam.studies.verdict import axes
 from vibeam.studies.verdict.axes import VerdictAxis

@@ -1,10 +1,14 @@
-"""Rules of [fit]: keys that are estimated within bounds, and the reference curves that they are estimated from."""
+"""Calibration of a case: keys that measured numbers chose ([chosen_by]), and those that a fit estimates ([fit]).
+
+A measured number is one value of one source, whatever it is compared with. It is calibrated in every model that has the
+key at the value that it chose; a model that leaves the key out, or has it at another value, predicts it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from vibeam.case.faults import Complaint, as_shown_in_message
 from vibeam.case.plans import FitKey, FitPlan
@@ -13,10 +17,14 @@ from vibeam.casefile.field_lists import OneOrSeveral, Several
 from vibeam.casefile.fields import Count, Quantity
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import with_unit
-from vibeam.casefile.tables.names import not_there
 from vibeam.casefile.tables.studies import FitTable
+from vibeam.casefile.tables.table import not_there
 from vibeam.casefile.uncertain import number_of, value_at
 from vibeam.casefile.validation import entry_of, units_of
+
+if TYPE_CHECKING:
+    from vibeam.casefile.tables.cases import AnyCase
+
 
 WRITE = "write its bounds as [lowest, highest]"
 
@@ -90,3 +98,47 @@ def _entry(name: str, model: Any) -> Quantity:
     if not isinstance(entry, Quantity) or isinstance(entry, Count):
         raise ValueError("holds no single number that could be estimated")
     return entry
+
+
+Models = Mapping[str, Any]  # the cases of those fidelities that change the rig, as declared
+
+
+def chosen_checks(case: SimpleNamespace) -> Iterator[Complaint]:
+    """Complaints about [chosen_by]: keys that are none of the rig, names of no measured number."""
+    for key, names in (case.chosen_by or {}).items():
+        if fault := field_at(KINDS[case.kind].declaration(), key)[1]:
+            yield ("chosen_by", key), fault.replace("a fidelity changes", "a measured number chooses")
+        elif not isinstance(names, list) or not names or not all(isinstance(each, str) for each in names):
+            shown = "an empty list" if names == [] else as_shown_in_message(names)
+            yield ("chosen_by", key), f'must be a list of names of [measured.NAME], not {shown}: write ["peak"]'
+        else:
+            for name in (each for each in names if each not in case.measured):
+                yield ("chosen_by", key), f"no [measured.NAME] called {not_there(name, case.measured)}"
+
+
+def absent_checks(case: AnyCase, models: Models) -> Iterator[Complaint]:
+    """Complaints about keys that the model of a number that chose them does not have."""
+    for key, names in (case.chosen_by or {}).items():
+        for name in names:
+            fidelity = case.measured[name].fidelity
+            if value_at(models.get(fidelity, case), key) is None:
+                told = f"measured.{name} is of fidelity {fidelity}, which has no {key}: name a number of one that has"
+                yield ("chosen_by", key), told
+
+
+def keys_chosen(name: str, case: AnyCase, models: Models) -> tuple[str, ...]:
+    """Keys of the model that a measured number is compared with which this very number chose."""
+    mine, keys = case.measured[name], case.chosen_by or {}
+
+    def model(number: Any) -> Any:
+        return models.get(number.fidelity, case)
+
+    def same(other: Any) -> bool:
+        return (other.value.number, other.against, other.source) == (mine.value.number, mine.against, mine.source)
+
+    numbers = {key: filter(same, (case.measured[each] for each in names)) for key, names in keys.items()}
+    return tuple(
+        key
+        for key, named in numbers.items()
+        if any(value_at(model(each), key) == value_at(model(mine), key) for each in named)
+    )

@@ -1,4 +1,4 @@
-"""Variance-based sensitivity: shares of each input in the variance of the amplitude, frequency by frequency.
+"""Statistics of the samples: the distribution of one number, and the shares of the inputs in a variance.
 
 First-order and total indices after Sobol' and Saltelli, computed by scipy (``scipy.stats.sobol_indices``) from two
 independent sets of samples A, B and, for each input, the set in which only that input's values come from B.
@@ -63,3 +63,30 @@ def _placed(blank: Array, where: NDArray[np.int64], values: Array) -> Array:
     full = blank.copy()
     full[:, where] = np.reshape(values, (len(where), len(blank))).T
     return full
+
+
+LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)  # quantiles of the bands
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Distribution of one number over the samples: ``nominal`` at the case's own values; NaN where there is none.
+
+    ``share``: of the samples that have the number.
+    """
+
+    nominal: float
+    mean: float
+    deviation: float
+    quantiles: tuple[float, ...]
+    share: float = float("nan")
+
+    @classmethod
+    def of(cls, nominal: float, values: Array) -> Spread:
+        """Distribution of the finite values."""
+        known = values[np.isfinite(values)]
+        share = len(known) / max(len(values), 1)
+        if len(known) < 2:
+            return cls(nominal, float("nan"), float("nan"), (float("nan"),) * len(LEVELS), share)
+        found = np.quantile(known, LEVELS)
+        return cls(nominal, float(known.mean()), float(known.std(ddof=1)), tuple(map(float, found)), share)
