@@ -14,7 +14,8 @@ from typing import TypeVar
 
 import typer
 
-from vibeam.cli.streams import STOPPED, WRONG, reader_gone, say
+from vibeam.cli.streams import STOPPED, WRONG, discard_stdout, reader_gone, say
+from vibeam.exchange.stdout import STDOUT
 
 MIB = 2**20
 
@@ -77,6 +78,8 @@ def mistakes() -> Iterator[None]:
     except BrokenPipeError:
         reader_gone()
     except OSError as error:
+        if error.filename == STDOUT:  # what is pending would fail once more at the end
+            discard_stdout()
         where = f"{error.filename}: " if error.filename else ""
         _stop(f"{where}{(error.strerror or str(error)).lower()}", WRONG)
     except MemoryError:

@@ -42,7 +42,7 @@ def standard_streams() -> Iterator[None]:
     except BrokenPipeError:
         reader_gone()
     except OSError as error:  # of stdout only: errors elsewhere are reported already
-        _discard()
+        discard_stdout()
         say(f"stdout: {(error.strerror or str(error)).lower()}")
         raise SystemExit(WRONG) from None
 
@@ -78,11 +78,11 @@ def _flushed() -> Iterator[None]:
 
 def reader_gone() -> NoReturn:
     """Exit because nobody reads stdout (``vibeam keys | head``)."""
-    _discard()
+    discard_stdout()
     raise SystemExit(CLOSED) from None
 
 
-def _discard() -> None:
+def discard_stdout() -> None:
     """Redirect pending output to nowhere: the interpreter flushes once more at its end."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, sys.stdout.fileno())

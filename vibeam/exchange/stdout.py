@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+STDOUT = "stdout"  # in place of a file's name
+
 
 @contextmanager
 def naming_stdout() -> Iterator[None]:
@@ -12,4 +14,4 @@ def naming_stdout() -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise OSError(error.errno, error.strerror, "stdout") from None
+        raise OSError(error.errno, error.strerror, STDOUT) from None

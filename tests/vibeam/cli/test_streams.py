@@ -12,12 +12,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import typer
 from rich.console import Console
 from typer.testing import CliRunner
 
+from vibeam.cli.errors import mistakes
 from vibeam.cli.main import app
 from vibeam.cli.progress import Bar
-from vibeam.cli.streams import legible
+from vibeam.cli.streams import legible, put, standard_streams
 
 RIG = Path(__file__).parents[3] / "cases" / "dtu_neutral.toml"
 MODES = ("modes", str(RIG), "--count", "2")
@@ -97,3 +99,18 @@ def test_progress_keeps_count_elapsed_and_remaining_in_a_narrow_terminal(width: 
     assert re.search(r"12345/123456 .*· 0:00:00 · (remaining )?(-:--:--|\d:\d\d:\d\d)", last), last
     assert "…" not in last
     assert ("sweeping on up to" in last, "remaining" in last) == (width >= 120, width >= 60)
+
+
+def test_text_that_is_pending_after_a_failed_write_is_not_told_twice(
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    def printed() -> None:
+        with standard_streams(), mistakes():
+            full.buffer.write(b"x")
+            put("y" * 100_000)
+
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        monkeypatch.setattr(sys, "stdout", full)
+        with pytest.raises((typer.Exit, SystemExit)):
+            printed()
+    assert capfd.readouterr().err == "stdout: no space left on device\n"
