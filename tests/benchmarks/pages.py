@@ -286,6 +286,25 @@ def _flown_cell(row: Row) -> str:
     return f"{row['modes']}: {100 * row['worst']:.2g} % ({100 * row['rms']:.2g} %){few}"
 
 
+def recommended_beams_table(rows: dict[str, Row]) -> str:
+    """Recommendations for random beams by kind of stop: how many were flown, missed, and could not be made."""
+    columns = (
+        "stop", "beams", "recommendations flown", "points alike", "off by more than 5 %", "worst", "above 12",
+        "beams without", "CPU a beam",
+    )  # fmt: skip
+    return markdown(columns, (_beams_row(kind, row) for kind, row in rows.items()))
+
+
+def _beams_row(kind: str, row: Row) -> list[str]:
+    names = {"first mode": "R₁ held", "contact": "R at the contact"}
+    without = sum(count for why, count in row["refused"].items() if "another beam" not in why)
+    return [
+        names.get(kind, kind), str(row["beams"]), str(row["recommendations"]), f"{row['points']:,}".replace(",", " "),
+        str(row["missed"]), f"{100 * row['worst'][0]['worst']:.4f} %", str(row["above_12"]), str(without),
+        f"{significant(row['seconds']['reduce'] / row['beams'])} s",
+    ]  # fmt: skip
+
+
 def scale_table(batches: dict[str, Any], cluster: dict[str, Any]) -> str:
     """Points a second that a core does, measured, and what 1, 16 and 256 cores need for 10⁹ points, predicted."""
     jobs = {
@@ -350,6 +369,7 @@ def generated(results: Path = RESULTS) -> dict[str, str]:
     tables = {name: table(peers, modes) for name, table in TABLES.items()}
     single = {"limits": limits_table, "libraries": libraries_table, "startup": startup_table, "sparse": sparse_table}
     single |= {"recommended": recommended_table, "estimates": estimates_table}
+    single |= {"recommended_beams": recommended_beams_table}
     return tables | {name: table(_read(results, name)) for name, table in single.items()}
 
 
