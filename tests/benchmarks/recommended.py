@@ -37,7 +37,7 @@ def flown(path: Path, held: str | None = None, points: int = 31, within: float =
     study = vibeam.reduce(vibeam.load(path, set=choice), within=within)
     found = {each.basis: each for each in study.recommended if each.modes is not None}
     if not found:
-        return [{"case": path.stem, "held": held, "basis": None, "refused": study.claim.refused}]
+        return [{"case": path.stem, "held": held, "basis": None, "refused": study.claim.refused or "above the last n"}]
     result = vibeam.run(alone(vibeam.load(path, set=choice | fidelities(study))))
     whole = branch(result["r_full"])
     return [
