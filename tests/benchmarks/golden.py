@@ -34,7 +34,8 @@ file, out, points = sys.argv[1], sys.argv[2], int(sys.argv[3])
 case = vibeam.load(file)
 grid = [] if case.sweep is None else case.sweep.frequency.tolist()
 few = grid if not points else grid[:: max(1, -(-len(grid) // points))]
-vibeam.run(vibeam.load(file, set={"sweep.frequency": few}) if few and few != grid else case, out=out, show=False)
+short = {"sweep.frequency": few, "units": "SI"}
+vibeam.run(vibeam.load(file, set=short) if few and few != grid else case, out=out, show=False)
 """
 
 
