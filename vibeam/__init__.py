@@ -189,7 +189,6 @@ _OF_A_CASE = (
 )  # which take the case's file, or its tables, as well
 
 _MODULES = ("observe",)  # handed on whole
-
 __all__ = sorted((*_HOMES, *_MODULES, "__version__"))
 
 

@@ -7,14 +7,11 @@ from numbers import Number, Real
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 FLOAT = np.dtype(float)
-
 NUMERIC = "fiu"  # kinds of arrays that hold real numbers
-
 TRUTH = (bool, np.bool_)
 
 

@@ -10,15 +10,14 @@ from math import sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam_models.any_scene import AnyScene, RigScene
+from vibeam_models.arrays import Array
 from vibeam_models.base import Base
 
 if TYPE_CHECKING:
     from vibeam_models.effects.platform import MovingPlatform, Platform, PlatformFilter, Shaker
 
-Array = NDArray[np.float64]
 
 WITHOUT_BOUND = 1e9  # times the static motion: a resonance that only round-off bounds
 
@@ -89,7 +88,6 @@ def _damping(platform: Platform) -> float:
 
 #: what a drive may be said by, without voltage, and the power of Ω by which B is less
 POWERS = {"amplitude": 0, "velocity": 1, "acceleration": 2, "force": 2, "moment": 2}
-
 NEAR = 1e-9  # share of a table's ends by which a frequency may lie outside and still be that end, rounded
 
 

@@ -10,21 +10,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.damping import damped
 from vibeam_models.effects import EFFECTS, LAST
 from vibeam_models.hermite import HermiteElements, hermite_elements
 from vibeam_models.scene import Scene
 from vibeam_models.space import BeamSpace, nodes
-from vibeam_models.structure import Array, Structure, with_inertia
+from vibeam_models.structure import Structure, with_inertia
 
 if TYPE_CHECKING:
     from vibeam_models.timoshenko import TimoshenkoElements
 
 NEAR = 1e-3  # share of the length: a node at the stop must be this far from those of mass and rigid zone
-
 KEPT = 16  # beams without what they carry
-
 UNDAMPED = Damping("constant", (0.0,))
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Damping
-from vibeam_models.structure import Array, Structure
+from vibeam_models.structure import Structure
 
 COUNTS = {"constant": 1, "stiffness": 1, "rayleigh": 2}
 

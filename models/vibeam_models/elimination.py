@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam_models.structure import Array
+from vibeam_models.arrays import Array
 
 
 def elimination(rows: Array) -> Any:

@@ -12,19 +12,14 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Beam
 from vibeam_models.beams.stretch import Stretch
 
-Array = NDArray[np.float64]
-
 Indices = NDArray[np.intp]
-
 KEPT = 32  # meshes
-
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)  # exact to degree 7, a mass matrix has 6
-
 PLACES, SHARES = 0.5 * POINTS + 0.5, WEIGHTS / 2  # on an element of length 1
-
 FACTORS = ((1, 1, 1, 1), (0, 1, 2, 3), (0, 0, 2, 6))  # of 1, x, x², x³ in the derivatives 0, 1, 2
 
 

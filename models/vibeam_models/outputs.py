@@ -11,8 +11,8 @@ import numpy as np
 from vibeam_models.beams.beam import Beam
 
 if TYPE_CHECKING:
+    from vibeam_models.arrays import Array
     from vibeam_models.space import BeamSpace
-    from vibeam_models.structure import Array
 
 
 @dataclass(frozen=True)

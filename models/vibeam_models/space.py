@@ -10,17 +10,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from vibeam_models.arrays import Array
 from vibeam_models.hermite import HermiteElements
 
 if TYPE_CHECKING:
     from vibeam_models.timoshenko import TimoshenkoElements
 
 NEAR = 0.25  # share of a uniform element within which a uniform node gives way to an inserted one
-
 SAME = 1e-9  # share of the length within which two inserted nodes are one
-
 KEPT = 256  # rows of spaces
-
 MESHES = 32  # clamped spaces, each of a mesh of its own
 
 
@@ -41,9 +39,6 @@ def nodes(length: float, elements: int, inserted: Iterable[float] = ()) -> NDArr
     uniform = np.linspace(0.0, length, elements + 1)[1:-1]
     clear = np.abs(uniform[:, None] - np.array(kept)).min(axis=1) > NEAR * length / elements
     return np.sort(np.concatenate([kept, uniform[clear]]))
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

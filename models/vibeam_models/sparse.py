@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 
 from vibeam_models.arguments import real_array, refuse
+from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Damping
 from vibeam_models.sparse_modes import SymmetricFactor, factor, lowest_modes
-from vibeam_models.structure import FREE, MATRICES, Array, Modes, Structure, signs
+from vibeam_models.structure import FREE, MATRICES, Modes, Structure, signs
 
 MOST = 1 / 3  # share of all modes up to which Lanczos' method finds them
 

@@ -12,19 +12,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Damping
 from vibeam_models.sparse_modes import SymmetricFactor, factor
-from vibeam_models.structure import Array
 
 if TYPE_CHECKING:
     from vibeam_models.sparse import SparseStructure
 
 STEPS = 300  # of Lanczos' method at most
-
 EVERY = 10  # of them the result is looked at
-
 SETTLED = 1e-9  # its change from one look to the next at which it ends
-
 EXHAUSTED = 1e-10  # share of a vector that is left where the Krylov space is complete
 
 

@@ -7,16 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from vibeam_models.structure import STIFF, Array
+from vibeam_models.arrays import Array
+from vibeam_models.structure import STIFF
 
 SINGULAR = 1e-14  # share of the largest pivot below which the smallest is round-off
-
 ROUGH = 1e-9  # first shift of a free body, as a share of a bound from below of its highest ω²
-
 RIGID = 1e-6  # share of the first shift below which ω² is that of a rigid motion
-
 TRIES = 6  # of modes that were left out
-
 SPARE = 5  # modes beyond those asked for, so that a close one is not left out
 
 

@@ -7,26 +7,17 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam_models.arguments import real_array, refuse
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 SYMMETRIC = 1e-9  # share of a matrix's largest entry by which two entries may differ
-
 NODE = 1e-9  # share of a shape's largest value below which it is round-off
-
 STIFF = 1e-9  # share of the largest ω² by which another may be negative and still be round-off
-
 SINGULAR = 3e14  # times the deflection of the stiffest coordinate alone: round-off bounds it where nothing else does
-
 FREE = "structure: K: is singular, the body is free: no static deflection bears a load on it"
-
 MATRICES = ("M", "C", "K")
-
 FIELDS = (*MATRICES, "load", "static", "contact", "outputs")
-
 ASIDE = ("units", "attached", "contact_flexibility")  # fields that need no check
 
 

@@ -12,17 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Beam
 from vibeam_models.beams.stretch import Stretch
 
-Array = NDArray[np.float64]
-
 Indices = NDArray[np.intp]
-
 BUBBLES = 3  # of each element
-
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
-
 LOCAL, SHARES = (1 + POINTS) / 2, WEIGHTS / 2  # on an element of length 1
 
 

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vibeam_models.structure import Array, Structure
+from vibeam_models.arrays import Array
+from vibeam_models.structure import Structure
 from vibeam_reductions.loads import static_shapes_under
 from vibeam_reductions.projection import Reduction, check_count, projection
 from vibeam_reductions.ritz import ritz_stiffness

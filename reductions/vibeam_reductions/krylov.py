@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from vibeam_models.structure import FREE, Array, Structure
+from vibeam_models.arrays import Array
+from vibeam_models.structure import FREE, Structure
 from vibeam_reductions.loads import loads_of
 from vibeam_reductions.projection import Reduction, check_count, projection
 from vibeam_reductions.ritz import ritz_stiffness

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibeam_models.structure import Array, Modes, Structure
+from vibeam_models.arrays import Array
+from vibeam_models.structure import Modes, Structure
 
 DEPENDENT = 1e-9  # share of a deflection's energy beyond the ones before it, below which it is one of these
-
 NOTHING = 1e-12  # share of a load that is left beside modes, below which it is round-off
-
 TWICE = 2  # Gram and Schmidt's orthogonalisation is then complete to round-off
 
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibeam_models.structure import Array, Modes, Structure
+from vibeam_models.arrays import Array
+from vibeam_models.structure import Modes, Structure
 from vibeam_reductions.projection import Reduction, check_count, projection
 
 SPANNED = 1e-13  # singular value, as a share of the largest, below which a direction is round-off

@@ -7,7 +7,8 @@ from math import inf
 
 import numpy as np
 
-from vibeam_models.structure import Array, Structure, in_coordinates
+from vibeam_models.arrays import Array
+from vibeam_models.structure import Structure, in_coordinates
 
 
 @dataclass(frozen=True)

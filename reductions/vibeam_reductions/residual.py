@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from vibeam_models.structure import Array, Modes, Structure
+from vibeam_models.arrays import Array
+from vibeam_models.structure import Modes, Structure
 from vibeam_reductions.loads import StaticShapes, static_shapes_under
 from vibeam_reductions.projection import Reduction, projection
 

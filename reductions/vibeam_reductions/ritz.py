@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from vibeam_models.arrays import Array
 from vibeam_models.sparse import SparseStructure
-from vibeam_models.structure import Array, Structure
+from vibeam_models.structure import Structure
 
 
 def ritz_stiffness(structure: Structure, basis: Array, forces: Array) -> Array:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibeam_models.structure import Array, Structure
+from vibeam_models.arrays import Array
+from vibeam_models.structure import Structure
 from vibeam_reductions.projection import Reduction, projection
 
 

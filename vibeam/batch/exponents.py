@@ -27,16 +27,15 @@ from vibeam.orbits.stroboscopic import GIVEN, NEAR, ROUND_OFF, STALLED
 from vibeam.system.ended import Ended
 from vibeam.system.impact_system import Drive
 from vibeam.system.state import State
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.batch.points import Points
     from vibeam.batch.response import Record
     from vibeam.flight.points.points import PlainPoints
 
-Array = NDArray[np.float64]
 
 Whole = NDArray[np.int64]
-
 NEWTON = 8  # steps, before a point goes alone
 
 

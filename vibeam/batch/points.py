@@ -13,12 +13,11 @@ from vibeam.flight.points.points import PlainPoints
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arguments import counted, real_array, refuse, shown
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.batch.response import BatchResponse
 
-
-Array = NDArray[np.float64]
 
 Systems = ImpactSystem | Sequence[ImpactSystem] | NDArray[np.object_]
 

@@ -13,8 +13,7 @@ from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
 from vibeam_models.arguments import counted
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 @dataclass(frozen=True)

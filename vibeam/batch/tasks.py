@@ -14,9 +14,9 @@ from vibeam.solvers import solver
 from vibeam.system.ended import Ended
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.state import State
+from vibeam_models.arrays import Array
 
 Whole = NDArray[np.int64]
-
 TASK, LEAST = 1024, 256  # points of one task of a thread at most, and at least where there are as many
 
 
@@ -58,9 +58,6 @@ def run_task(points: Points, which: Whole, plan: Plan, record: Record) -> None:
         from vibeam.batch.exponents import largest_exponents
 
         record.lyapunov[which] = largest_exponents(points, which, plan.lyapunov, record)
-
-
-Array = NDArray[np.float64]
 
 
 def run_points(points: Points, which: NDArray[np.int64], plan: Plan, record: Record) -> None:

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.fidelity import system as system_of
+from vibeam_models.arrays import Array
 from vibeam_models.beam import assemble_with_space
 from vibeam_models.effects.field_points import FieldPoints, output_names, points_of
 from vibeam_models.scene import Scene
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from vibeam_models.any_scene import AnyScene
     from vibeam_models.beams.beam import Beam
     from vibeam_models.structure import Structure
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,9 +16,7 @@ if TYPE_CHECKING:
     from vibeam_reductions.pod import Snapshots
 
 FLIGHT = "vibeam.flight.snapshots:modal_snapshots"
-
 PERIODS = 50
-
 KEPT = 8
 
 

@@ -5,11 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 FREQUENCY = "sweep.frequency"
-
 DISPLACEMENT, VELOCITY = "start.displacement", "start.velocity"
-
 STARTS = (DISPLACEMENT, VELOCITY)  # of the contact: keys of a grid alone, no case has them
-
 GAP, RESTITUTION = "stop.gap", "stop.restitution"
 
 LEVELS = tuple(

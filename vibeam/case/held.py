@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     from vibeam_models.any_scene import AnyScene, RigScene
 
 SYMBOLS = {"contact": "R", "first mode": "R₁"}
-
 PLACES = {"contact": "at the contact", "first mode": "of mode 1"}
 
 

@@ -12,9 +12,7 @@ from vibeam_models.structure import Structure
 from vibeam_reductions.declaration import REDUCTIONS, ReductionDeclaration
 
 KEPT = 64  # reduced structures
-
 FEW = 8  # structures before their reduction, each for all of its fidelities
-
 OURS = "vibeam_models."  # effects of this package read no more of the stop than its position
 
 

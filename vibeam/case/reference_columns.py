@@ -9,14 +9,14 @@ import numpy as np
 
 from vibeam.case.faults import CaseError, as_shown_in_message
 from vibeam.case.reference_files import ReferenceForm, factor, fault_in, file_fault
-from vibeam.case.reference_record import Array, Point, given
+from vibeam.case.reference_record import Point, given
 from vibeam.exchange.curves.columns import SHOWN, Column, Columns, HeadError, Wanted
 from vibeam.exchange.curves.read import read_columns
 from vibeam.exchange.curves.text import TextForm
 from vibeam.exchange.files import FormatError
+from vibeam_models.arrays import Array
 
 NO_COLUMNS = "does not begin with the names of its columns: write {}"
-
 FREQUENCY_HEADS = ("frequency", "freq", "f")
 
 WAYS = {

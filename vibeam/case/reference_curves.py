@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from vibeam.case.plans import Reference
 
 SAME_FREQUENCY = 1e-9  # relative tolerance
-
 RECORDED = "# Regression values: recorded by vibeam"  # first line of a file that ``vibeam record`` wrote
 
 

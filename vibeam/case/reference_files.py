@@ -15,7 +15,6 @@ from vibeam.exchange.files import LARGEST_TEXT, FormatError, reason, state_of
 from vibeam.exchange.text import numbered
 
 LONGEST = 100_000  # characters of a line
-
 LINES = 2_100_000  # one for each direction of the longest sweep, and comments
 
 
@@ -61,7 +60,6 @@ def shortest(path: Path) -> str:
 
 
 GRAVITY = 9.80665  # m/s² of a unit g of acceleration
-
 ROLES = ("frequency", "direction", "period", "uncertainty")  # columns besides that of the quantity
 
 

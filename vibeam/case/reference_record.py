@@ -8,17 +8,15 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.faults import suggest
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
 
 QUANTITIES = ("amplitude", "maximum", "minimum", "reach", "impacts_per_period", "impact_velocity", "period")
-
 COLUMNS = ("frequency_hz", "direction", *QUANTITIES)
 
 

@@ -12,13 +12,9 @@ from typing import Any
 
 #: size and dimension of a unit in gram, metre, second, volt and radian
 Size = tuple[Decimal, dict[str, float]]
-
 MASS, LENGTH, TIME, VOLTAGE, ANGLE = "[mass]", "[length]", "[time]", "[voltage]", "[angle]"
-
 _TURN = "6.283185307179586476925286766559"
-
 _FORCE = {MASS: 1, LENGTH: 1, TIME: -2}
-
 _PRESSURE = {MASS: 1, LENGTH: -1, TIME: -2}
 
 SYMBOLS: dict[str, tuple[str, dict[str, int]]] = {
@@ -47,7 +43,6 @@ SYMBOLS: dict[str, tuple[str, dict[str, int]]] = {
 }
 
 _FACTOR = re.compile(r"(/|[ *·]|^)([A-Za-zµ%]+)(?:\^(-?[1-9]))?")
-
 _PRODUCT = re.compile(rf"(?:1(?=/)|(?=[A-Za-zµ%]))(?:{_FACTOR.pattern})+")
 
 
@@ -96,7 +91,6 @@ percent = 0.01
 """
 
 _POWER = r"(?: ?(?:\^|\*\*) ?-?[0-9]|⁻?[¹²³])?"
-
 _UNIT = re.compile(rf"(?:1 ?/ ?)?[A-Za-zµ%]+{_POWER}(?:(?: ?[*/·] ?| )[A-Za-zµ%]+{_POWER}){{0,5}}")
 
 

@@ -121,7 +121,6 @@ def _beam(table: Any) -> Beam:
 
 
 RIPPLE, ATTENUATION = 0.1, 60.0  # dB, of an elliptic filter that does not say
-
 GRID = frozenset({"frequency", "direction"})  # of a sweep
 
 

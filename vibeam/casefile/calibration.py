@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 
 WRITE = "write its bounds as [lowest, highest]"
-
 READ_OFF = ("amplitude", "maximum", "minimum", "reach", "impact_velocity")  # what a fit can read off a branch
 
 

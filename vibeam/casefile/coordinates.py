@@ -8,14 +8,12 @@ from pathlib import Path as File
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.casefile.row_fields import DIRECTIONS, file_name
 from vibeam.exchange.files import FormatError
 from vibeam.exchange.matrices.declaration import read_matrix
 from vibeam.exchange.matrices.entries import Label
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 SHOWN = 6  # nodes in a message
 

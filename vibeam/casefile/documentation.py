@@ -138,7 +138,6 @@ def meaning_of(field: FieldInfo) -> str:
 
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-
 TITLE = "A case of vibeam"
 
 

@@ -31,7 +31,6 @@ from vibeam.casefile.validation import (
 )
 
 OWN = ("set", "without")
-
 Validate = Callable[[dict[str, Any]], tuple[Any, list[Complaint]]]
 
 

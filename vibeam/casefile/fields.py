@@ -103,9 +103,7 @@ class Range:
 
 
 ANY = Range()
-
 POSITIVE = Range(0, closed=False)
-
 NOT_NEGATIVE = Range(0)
 
 

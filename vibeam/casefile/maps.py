@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from vibeam.casefile.tables.cases import AnyCase
 
 Validate = Callable[[dict[str, Any]], tuple[Any, list[Complaint]]]
-
 LARGEST = 10**9  # points of a map
 
 

@@ -13,25 +13,22 @@ from typing import Any
 import numpy as np
 
 from vibeam.case.faults import Complaint
-from vibeam.casefile.coordinates import Array, Coordinates
+from vibeam.casefile.coordinates import Coordinates
 from vibeam.casefile.matrix_faults import damping_faults, entry_faults, mass_faults, stiffness_faults
 from vibeam.casefile.row_fields import file_name
 from vibeam.casefile.unit_systems import UNIT_SYSTEMS, UnitSystem
 from vibeam.exchange.files import FormatError, digest_of
 from vibeam.exchange.matrices.declaration import read_matrix
 from vibeam.exchange.matrices.entries import FileMatrix, Label, in_labels
+from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Damping
 from vibeam_models.given import GivenStructure
 from vibeam_models.structure import Structure
 
 DENSE = 1000  # coordinates up to which matrices are full arrays
-
 CALLED = {"mass": "M", "stiffness": "K", "damping_matrix": "C"}  # in a file with several
-
 ROWS = ("contact", "sensor", "base", "force")
-
 KEYS = (*CALLED, *ROWS, "outputs", "damping", "damping_ratio", "units", "moving_mass")
-
 KEPT = 8  # structures
 
 

@@ -13,17 +13,16 @@ from typing import Any
 import numpy as np
 
 from vibeam.case.faults import Complaint
-from vibeam.casefile.coordinates import SHOWN, Array
+from vibeam.casefile.coordinates import SHOWN
 from vibeam.casefile.row_fields import DIRECTIONS, file_name
 from vibeam.exchange.files import FormatError, digest_of
 from vibeam.exchange.uff import FileModes, read_modes
+from vibeam_models.arrays import Array
 from vibeam_models.given import GivenStructure
 from vibeam_models.structure import Structure
 
 ROWS = ("contact", "sensor", "base", "force")
-
 KEYS = (*ROWS, "outputs", "file", "frequency", "damping_ratio", "modal_mass", "moving_mass")
-
 KEPT = 8
 
 

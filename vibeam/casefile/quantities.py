@@ -29,49 +29,27 @@ class Dimension:
 
 
 LENGTH = Dimension("a length", "m", "180 mm", ("mm", "m"))
-
 MASS = Dimension("a mass", "kg", "0.2 kg", ("g", "kg"))
-
 TIME = Dimension("a time", "s", "1 s", ("ms", "s"))
-
 INERTIA = Dimension("a moment of inertia", "kg m^2", "2.84e-5 kg m^2")
-
 PRESSURE = Dimension("a pressure", "Pa", "210 GPa", ("GPa", "Pa"))
-
 DENSITY = Dimension("a density", "kg/m^3", "7850 kg/m^3")
-
 VOLTAGE = Dimension("a voltage", "V", "0.6 V", ("mV", "V"))
-
 PER_VOLT = Dimension("a number per volt", "1/V", "5.16e-4 1/V")
-
 SPEED = Dimension("a speed", "m/s", "0.1 m/s", ("mm/s", "m/s"))
-
 VISCOUS = Dimension("a damping constant", "N s/m", "10 N s/m")
-
 FREQUENCY = Dimension("a frequency", "Hz", "15.5 Hz", ("Hz", "rad/s"))
-
 ANGULAR_FREQUENCY = Dimension("a frequency", "rad/s", "1 rad/s", bare=False)
-
 ANGLE = Dimension("an angle", "rad", "30 deg", ("deg", "rad"))
-
 SWEEP_RATE = Dimension("a sweep rate", "Hz/s", "0.1 Hz/s")
-
 RATIO = Dimension("a plain number", "", "0.5")
-
 ACCELERATION = Dimension("an acceleration", "m/s^2", "9.81 m/s^2", ("m/s^2", "g"), own=("g", "9.80665"))  # not grams
-
 FORCE = Dimension("a force", "N", "5 N")
-
 MOMENT = Dimension("a moment", "N m", "0.1 N m")
-
 STIFFNESS = Dimension("a stiffness", "N/m", "2000 N/m", ("N/m", "N/mm"))
-
 TURNING_STIFFNESS = Dimension("a rotational stiffness", "N m/rad", "500 N m/rad")
-
 RESISTANCE = Dimension("a resistance", "ohm", "4 ohm")
-
 INDUCTANCE = Dimension("an inductance", "H", "1 mH", ("mH", "H"))
-
 FORCE_FACTOR = Dimension("a force per current", "N/A", "20 N/A")
 
 
@@ -97,7 +75,6 @@ _USUAL += ["V", "mV", "1/V", "kg/m^3", "g/cm^3", "kg m^2", "N/m^2", "m/s", "mm/s
 _USUAL += ["m/s^2", "N", "N m", "N/m", "N m/rad", "ohm", "H", "mH", "N/A", "rad", "deg"]
 
 _QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*", re.DOTALL)
-
 _NOT_FINITE = re.compile(r"\s*[+-]?(nan|inf|infinity)\b.*", re.DOTALL | re.IGNORECASE)
 
 

@@ -11,7 +11,6 @@ from vibeam.casefile.fields import Entry
 from vibeam_models.arguments import real
 
 DIRECTIONS = {"x": 1, "y": 2, "z": 3, "rx": 4, "ry": 5, "rz": 6}
-
 PLACE = '{ node = 12, direction = "z" }'
 
 

@@ -16,7 +16,6 @@ from vibeam.casefile.toml_writing import to_toml
 from vibeam.casefile.validation import entry_of, example_of, fields_of, is_repeated, table_of
 
 COLUMN = 44  # where the comments begin
-
 WIDTH = 120
 
 HEAD = """\

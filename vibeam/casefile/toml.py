@@ -12,7 +12,6 @@ from typing import Any
 from vibeam.case.faults import CaseError, Fault, KeyPath
 
 _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
-
 _KEY = re.compile(r"""(?:[ \t]*(?:[A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')[ \t]*\.?)+""")
 
 _STRING = re.compile(
@@ -154,17 +153,11 @@ def key_parts(key: str) -> list[str]:
 
 
 TOO_DEEP = "is nested too deeply for a case"
-
 LARGEST = 1_000_000  # bytes; a case is a page or two
-
 DEEPEST = 20  # tables and lists within each other
-
 _PART = r"""(?:[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')"""
-
 LONG_KEY = re.compile(rf"(?<![A-Za-z0-9_-]){_PART}(?:[ \t]*+\.[ \t]*+{_PART}){{{DEEPEST},}}+")
-
 _HDF5 = b"\x89HDF\r\n\x1a\n"
-
 _UTF_16 = (b"\xff\xfe", b"\xfe\xff")
 
 

@@ -22,13 +22,9 @@ if TYPE_CHECKING:
     from vibeam.casefile.tables.cases import AnyCase
 
 SPREAD = re.compile(r"\s*(?P<middle>.*?)\s*(?:±|\+/-|\+-)\s*(?P<spread>.+?)\s*", re.DOTALL)
-
 INTERVAL = re.compile(r"\s*(?P<low>.+?)\s*(?:…|\.\.\.)\s*(?P<high>.+?)\s*", re.DOTALL)
-
 WRITE = 'write "± 0.1 mm" (a standard deviation, about the case\'s own value), "± 2 %", or a range "0.6 … 0.8"'
-
 FAR = 5.0  # standard deviations within which a normal distribution must be allowed
-
 SAME = 1e-9  # relative difference of a middle and the case's own value that is round-off
 
 

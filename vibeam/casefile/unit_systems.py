@@ -47,7 +47,6 @@ class UnitSystem:
 
 
 POUND = 4.4482216152605  # N, exactly
-
 SI = UnitSystem()
 
 UNIT_SYSTEMS = {

@@ -27,7 +27,6 @@ Overrides = Annotated[
 ]
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON in place of tables.")]
-
 _NEW_FOLDERS = "folders on the way are made"
 
 ResultsFile = Annotated[

@@ -18,11 +18,8 @@ from vibeam.cli.streams import STOPPED, WRONG, discard_stdout, reader_gone, say
 from vibeam.exchange.stdout import STDOUT
 
 MIB = 2**20
-
 OWN, EACH = 400 * MIB, 48 * MIB  # of a small run, and of each thread of OpenBLAS in both libraries
-
 MOST = 64  # threads of OpenBLAS as it is distributed
-
 COUNTS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS")
 
 
@@ -54,7 +51,6 @@ def _threads() -> int:
 
 
 Made = TypeVar("Made")
-
 UNMAPPED = ("failed to map segment", "cannot allocate memory", "Cannot allocate memory")  # the loader's words
 
 

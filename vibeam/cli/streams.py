@@ -16,9 +16,7 @@ from vibeam.case.faults import printable
 from vibeam.exchange.stdout import naming_stdout
 
 WRONG, STOPPED = 2, 130
-
 LEGIBLE = "vibeam.legible"  # name of the error handler below
-
 CLOSED = 141  # exit code of a command whose reader has gone, as a shell reports it
 
 _WORDS = str.maketrans(

@@ -10,15 +10,10 @@ from pathlib import Path
 from stat import S_ISDIR, S_ISREG
 
 LARGEST = 2_000_000_000  # bytes on disk
-
 LARGEST_TEXT = 100_000_000  # bytes on disk of what is text, and of a measured curve
-
 NUMBERS = 25_000_000  # of one array: what is made of it on the way stays below 2 GiB
-
 BYTES = 8 * NUMBERS
-
 COORDINATES = 1_000_000  # rows or columns of one matrix
-
 State = tuple[int, int]  # time of the last change in ns, size
 
 

@@ -17,17 +17,11 @@ if TYPE_CHECKING:
     import h5py
 
 DEEPEST = 32  # groups in groups
-
 MOST = 50_000  # groups and datasets of a file
-
 CHUNKS = 200_000  # of a dataset
-
 WORD = 1000  # characters of a text
-
 SMALL = 1_000_000  # bytes of a compressed piece: what deflate makes of it, 1032 times as much at most, is bearable
-
 FILTERS = {1: "gzip", 2: "shuffle", 3: "fletcher32", 4: "szip", 5: "nbit", 6: "scaleoffset", 32000: "lzf"}
-
 Place = tuple[str, Any, bool]  # path, what lies there (None: a link to another place), whether it was met before
 
 

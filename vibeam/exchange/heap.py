@@ -7,11 +7,8 @@ from collections.abc import Iterator
 from mmap import mmap
 
 Content = bytes | mmap
-
 SIGNATURE = b"GCOL\x01\0\0\0"
-
 HEADER = 16  # bytes: signature, version, size of the collection; likewise of each object in it
-
 _OBJECT = struct.Struct("<HHIQ")  # index, references, reserved, size
 
 

@@ -20,15 +20,10 @@ from typing import Any, BinaryIO
 from vibeam.exchange.files import BYTES, FormatError, require_coordinates, require_room, state_of
 
 MATRIX, PACKED = 14, 15  # types of elements
-
 NESTED, SPARSE, NUMERIC = (1, 2, 3), 5, range(6, 16)  # classes: cells, structs and objects; sparse; full
-
 FILE_HEAD = 128  # bytes
-
 LONGEST_HEAD = 1000  # bytes that hold the flags, dimensions and name of a variable
-
 DEEPEST, MOST = 16, 100_000  # variables in variables
-
 Content = bytes | mmap.mmap
 
 

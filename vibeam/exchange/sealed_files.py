@@ -10,7 +10,6 @@ from pathlib import Path
 from vibeam.exchange.whole_files import Fill, fill_whole, write_at
 
 PIECE = 1 << 20  # bytes that are digested at once
-
 LENGTH = len("\nsha256 \n") + 64
 
 

@@ -9,11 +9,8 @@ from pathlib import Path
 from vibeam.exchange.files import LARGEST_TEXT, FormatError, reason, state_of
 
 LINES = 5_000_000  # of one file: 100 MB of lines of 20 characters
-
 LONGEST = 30_000_000  # characters of a line: a row of a million numbers
-
 Line = tuple[int, str]  # number from 1, text
-
 _LINE = re.compile(r"([^\r\n]*)(?:\r\r\n|\r\n|\n|\r|\Z)")
 
 

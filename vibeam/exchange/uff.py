@@ -14,19 +14,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.exchange.files import LARGEST_TEXT, FormatError, State, reason, state_of
 from vibeam.exchange.matrices.entries import Label
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 MISSING = "pyuff reads it, and is not installed: pip install 'vibeam[lab]', or write frequencies and shapes in the case"
-
 NORMAL, COMPLEX = 2, (3, 7)  # analysis types
-
 SI = 1  # code of the units data set, 164
-
 TWISTED = 0.1  # share of a complex shape that is out of phase, up to which it is taken as real
 
 

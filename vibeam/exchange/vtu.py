@@ -12,11 +12,9 @@ from tempfile import TemporaryDirectory
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.exchange.whole_files import write_whole
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,22 +8,15 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.transforms import Bbox
-from numpy.typing import NDArray
 
 from vibeam.figures.page import plain
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 DECADES = 10  # decades below the largest value: smaller values are round-off
-
 ROW = 0.028  # height of a row of marks of failed points, in axes
-
 SLIGHT, MARGIN = 1e-3, 0.1  # relative range below which all points coincide; margin around one
-
 TOP = 0.4  # share of the largest value that the range of all values is below, for an axis that does not start at 0
-
 CUT = ((-1.0, -0.5), (1.0, 0.5))  # stroke of the mark of such an axis
-
 NOT_FROM_ZERO = "the axis does not start at 0"
 
 

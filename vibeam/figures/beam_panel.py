@@ -7,10 +7,10 @@ from math import floor, inf, log10
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.figures.sheet import Sheet
 from vibeam.figures.style import Look
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -18,16 +18,11 @@ if TYPE_CHECKING:
 
     from vibeam_models.scene import Scene
 
-Array = NDArray[np.float64]
 
 FAR = 3.0  # distance of a stop, in largest deflections, beyond which it is not drawn
-
 TIP = {1.0: 7, -1.0: 6}  # carets whose tip is the point: of a stop above the beam, and of one below
-
 ROOM = 1.3  # height of a panel over the range of all that moves in it
-
 STEPS = (5.0, 2.0, 1.0)  # first digits of a scale
-
 Unit = tuple[str, float]
 
 

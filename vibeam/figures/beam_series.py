@@ -6,15 +6,13 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.exchange.vtu import Piece, Step, centre_line
 from vibeam.figures.sheet import Sheet
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-
-Array = NDArray[np.float64]
 
 
 def steps_of(sheets: Sequence[Sheet]) -> list[Step]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 
 from vibeam.figures.axes import mark_failed
-from vibeam.figures.branches import Array, MotionClass, Piece, pieces
+from vibeam.figures.branches import MotionClass, Piece, pieces
 from vibeam.figures.style import Look, line
 from vibeam.system.response import FrequencyResponse
+from vibeam_models.arrays import Array
 
 ALONE = "period 1, at one frequency alone"
 

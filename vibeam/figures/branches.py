@@ -12,13 +12,10 @@ from numpy.typing import NDArray
 
 from vibeam.system.motion_curves import MotionCurves
 from vibeam.system.response import FrequencyResponse, complete
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 STEEP = 5.0  # a step is a jump if it is this many times its larger neighbour …
-
 STEEP_ELSEWHERE = 3.0  # … this many times where the number of impacts changes too …
-
 LARGE = 0.05  # … and at least this share of the range
 
 

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from vibeam.case.plans import FigurePlan
 
 MARK = {".png": "Identifier", ".svg": "Identifier", ".pdf": "Keywords"}  # entry of the metadata that holds the stamp
-
 METADATA: dict[str, dict[str, Any]] = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
 
 

@@ -19,24 +19,19 @@ from vibeam.figures.settled_motion import NoMotion, Settled, exact_motion, settl
 from vibeam.figures.sheet import Column, Columns
 from vibeam.flight.trajectory import Trajectory
 from vibeam.observe.periodicity import repetition, strobe_time
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.system.impact_system import ImpactSystem
     from vibeam_models.scene import Scene
 
-Array = NDArray[np.float64]
 
 LONGEST = 8  # longest period, in drive periods, that a loop follows
-
 ENDLESS = 4  # drive periods shown of a motion that does not repeat
-
 REPEATS = 1e-3  # share of the motion by which it may miss its begin at the loop's end: less than a dot of a picture
-
 FRAMES, MOST = 36, 144  # frames a drive period, and most in all, where the table does not say
-
 MET = "where the opposite beam is met, and its arm"
-
 FINE = 400  # samples a drive period of the contact's history
 
 

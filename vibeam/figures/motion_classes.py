@@ -31,7 +31,6 @@ class Class(IntEnum):
 
 
 CALLED = ("no impact", "period 1", "period 2", "period 3 … 16", "not periodic", "failed", "not computed yet")
-
 SHADES = ("#D9D9D9", COLOURS[0], COLOURS[1], COLOURS[3], "#FFFFFF", "#333333", "#F7E9C6")
 
 

@@ -25,15 +25,10 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 Picture = NDArray[np.uint8]
-
 FRAMES_A_SECOND = 20
-
 DOTS = 100  # dots an inch
-
 COLOURS = 64  # of a GIF, few so that it is small
-
 PICTURES = (".gif", ".mp4")
-
 NO_FFMPEG = 'mp4 needs ffmpeg, which is not found: install it (apt install ffmpeg), or write format = "gif"'
 
 

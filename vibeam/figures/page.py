@@ -38,21 +38,13 @@ PAGE: Any = {
 }
 
 DOTS = 220  # dots an inch
-
 INCH = 0.0254  # m
-
 LEAST_SHARE = 0.6  # smallest share of a figure's usual height, however narrow it is
-
 TITLE = 9.5  # pt
-
 LETTER = 0.52  # mean width of a letter, in font sizes
-
 HANDLE = 0.5  # inch, of a legend's entry beside its text
-
 ENTRY = 52  # largest number of letters in a line of a legend's entry
-
 COLUMNS = 4  # largest number of columns of a legend
-
 LINES = 4  # of a title or an entry at most: what is longer ends in an ellipsis
 
 

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
 from vibeam.case.case import quantity_of
 from vibeam.figures.axes import is_empty, say
 from vibeam.figures.outputs import frequency_label, with_unit
 from vibeam.figures.sheet import Sheet
 from vibeam.figures.style import GAP, Look, looks_of, name_of
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import ShowPlan
     from vibeam.figures.units import Units
-
-
-Array = NDArray[np.float64]
 
 
 def means(sheets: Sequence[Sheet], column: str) -> tuple[Array, Array, Array]:
@@ -58,7 +55,6 @@ def across_frequency(axes: Axes, units: Units) -> None:
 
 
 STOP = "stop"  # legend entry of the stop
-
 FAR = 3.0  # distance, in largest displacements, beyond which a stop is not drawn
 
 

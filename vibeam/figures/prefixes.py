@@ -6,29 +6,17 @@ import math
 from collections.abc import Mapping
 
 Steps = tuple[tuple[float, str, float], ...]  # smallest SI size, unit, factor from SI
-
 LENGTHS: Steps = ((1.0, "m", 1.0), (1e-4, "mm", 1e3), (1e-7, "µm", 1e6), (0.0, "nm", 1e9))
-
 SPEEDS: Steps = ((10.0, "m/s", 1.0), (1e-4, "mm/s", 1e3), (1e-7, "µm/s", 1e6), (0.0, "nm/s", 1e9))
-
 ACCELERATIONS: Steps = ((1e-1, "m/s²", 1.0), (1e-4, "mm/s²", 1e3), (0.0, "µm/s²", 1e6))
-
 JERKS: Steps = ((0.0, "m/s³", 1.0),)
-
 ANGLES: Steps = ((1.0, "rad", 1.0), (1e-4, "mrad", 1e3), (0.0, "µrad", 1e6))
-
 TURNING: Steps = ((1.0, "rad/s", 1.0), (1e-4, "mrad/s", 1e3), (0.0, "µrad/s", 1e6))
-
 STRAINS: Steps = ((0.0, "µε", 1e6),)
-
 STRAINING: Steps = ((1.0, "1/s", 1.0), (0.0, "µε/s", 1e6))
-
 FREQUENCIES: Steps = ((1e10, "GHz", 1e-9), (1e7, "MHz", 1e-6), (1e4, "kHz", 1e-3), (0.0, "Hz", 1.0))
-
 MASSES: Steps = ((1.0, "kg", 1.0), (1e-3, "g", 1e3), (0.0, "mg", 1e6))
-
 TIMES: Steps = ((1.0, "s", 1.0), (1e-4, "ms", 1e3), (0.0, "µs", 1e6))
-
 MODULI: Steps = ((1e9, "GPa", 1e-9), (1e6, "MPa", 1e-6), (0.0, "Pa", 1.0))
 
 #: prefixes of a key's SI unit

@@ -17,7 +17,6 @@ from vibeam.system.quantities import LAYOUT
 from vibeam.system.response import SINGLE, FrequencyResponse
 
 SHOWN = (*SINGLE, "period", "impacts", "evaluations")  # quantities with one number a point
-
 PREFIXED = {"q": "m", "c": "m", "c/s": "m/s", "s": "s"}  # units that take a prefix
 
 

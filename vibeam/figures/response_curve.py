@@ -34,7 +34,8 @@ from vibeam.figures.style import (
     name_of,
 )
 from vibeam.figures.units import Units, percent, units_for
-from vibeam.system.response import Array, Ended, FrequencyResponse, complete, modes_of, periodic
+from vibeam.system.response import Ended, FrequencyResponse, complete, modes_of, periodic
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.figures.comparison import Comparison
@@ -43,13 +44,9 @@ if TYPE_CHECKING:
 
 
 TOGETHER = 3  # largest number of fidelities in one panel …
-
 SCATTERED = 0.15  # … and largest share of their points that no line joins
-
 ARROWS_A_BRANCH = 8
-
 REFERENCES_SHOWN = 60
-
 FAR = 2.0  # largest grazing amplitude drawn, in multiples of the curves' height
 
 

@@ -5,16 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.fidelity import gap_drift
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.system.impact_system import ImpactSystem
     from vibeam.system.response import FrequencyResponse
-
-Array = NDArray[np.float64]
 
 
 def values_of(case: Case, fidelity: str, response: FrequencyResponse, quantity: str) -> Array:

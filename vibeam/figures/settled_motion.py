@@ -9,7 +9,6 @@ from math import ceil
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.fidelity import gap_drift
 from vibeam.case.plans import ShowPlan
@@ -23,12 +22,11 @@ from vibeam.solvers import solver as solver_named
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.state import State
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
 
-
-Array = NDArray[np.float64]
 
 SAMPLES = 1000  # samples a drive period, of a motion that is exact between its events
 

@@ -9,20 +9,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.case import quantity_of
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import FIGURES
 from vibeam.figures.quantity_names import named_of
+from vibeam_models.arrays import Array
 from vibeam_models.outputs import DISPLACEMENT
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.system.impact_system import ImpactSystem
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

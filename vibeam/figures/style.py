@@ -15,28 +15,18 @@ if TYPE_CHECKING:
 
 
 Keys = dict[str, Any]
-
 Thing = TypeVar("Thing")
 
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#AA4499", "#7A5C00", "#333333")  # distinct in colour-blind vision
-
 DASHES: tuple[Any, ...] = ("-", (0, (7, 1.8)), (0, (1.2, 1.2)), (0, (7, 1.5, 1.2, 1.5, 1.2, 1.5)))
-
 HATCHES = ("", "////", "....", "xxxx")  # hatches of bars
-
 GHOST_LINE: Keys = {"color": "#C4C4C4", "linewidth": 3.6, "zorder": 1}
-
 LIGHTER = {"up": 0.0, "down": 0.58}
-
 WIDER = {"up": 1.0, "down": 2.6}  # the sweep down lies behind, as a light band: where both agree, both are visible
-
 BEHIND = {"up": 3.0, "down": 2.0}
-
 ARROWS = {"up": ">", "down": "<"}
-
 WIDEST, NARROWEST = 1.7, 0.7  # line widths of the first and the last of several curves, relative to a lone one
-
 FEW = 3  # points of a branch up to which each is shown as a full dot
 
 
@@ -49,13 +39,9 @@ LINES: dict[MotionClass, Keys] = {
 }
 
 DOT: Keys = {"linestyle": "", "marker": "o", "markersize": 2.0, "markerfacecolor": "0.25"}  # isolated, of period 1
-
 DASH: Keys = {"marker": "_", "markersize": 5.0}  # isolated, without contact
-
 UNSTABLE: Keys = {"linewidth": 0.9, "linestyle": (0, (3, 1.6)), "zorder": 2.5}
-
 STABLE: Keys = {"linewidth": 0.9, "zorder": 2.5}
-
 ARROW: Keys = {"linestyle": "", "markersize": 5.0, "markeredgewidth": 0.7, "zorder": 4.0}
 
 REFERENCE: Keys = {
@@ -68,7 +54,6 @@ REFERENCE: Keys = {
 }
 
 GAP: Keys = {"linewidth": 0.9, "linestyle": ":", "color": "black"}
-
 KEY: Keys = {"color": "0.25", "markerfacecolor": "white", "markeredgecolor": "0.25", "linewidth": 1.2}
 
 

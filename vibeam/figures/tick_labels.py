@@ -13,7 +13,6 @@ SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 MINUS = "\N{MINUS SIGN}"
-
 POWER = re.compile(rf"^1e([-{MINUS}]?\d+)")  # common power of ten of a linear axis, as matplotlib writes it
 
 

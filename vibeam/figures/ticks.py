@@ -10,9 +10,7 @@ from matplotlib.ticker import AutoLocator, FixedLocator, LogLocator, MaxNLocator
 from matplotlib.transforms import Bbox
 
 FEWER = (6, 5, 4, 3, 2, 1)  # numbers of intervals, tried in order until nothing overlaps
-
 STEPS = [1, 2, 5, 10]
-
 ROOM = 3.0  # points between two labels
 
 

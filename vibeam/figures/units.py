@@ -123,7 +123,6 @@ def _largest(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float
 
 
 MOST = 100.0  # largest share shown as a number: what is further off is off altogether
-
 ROUND_OFF = 1e-9  # share of what a number comes from, below which it is round-off
 
 

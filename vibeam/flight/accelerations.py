@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.derivatives import FREE, HELD, PUSHED, Derivatives, stop_of
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.time_derivative import TimeDerivative
+from vibeam_models.arrays import Array
 from vibeam_models.laws.compliant import HuntCrossley
-
-Array = NDArray[np.float64]
 
 
 def derivative_along(

@@ -40,6 +40,7 @@ from vibeam.flight.kernels.pieces import (
 )
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.watched import Motion, motion_of, watch_list
+from vibeam_models.arrays import Array
 from vibeam_models.laws.compliant import HuntCrossley
 
 if TYPE_CHECKING:
@@ -47,10 +48,7 @@ if TYPE_CHECKING:
     from vibeam.system.impact_system import Drive, ImpactSystem
 
 
-Array = NDArray[np.float64]
-
 PIECES_A_TASK = 8
-
 SLIVER = 1e-10  # share of a segment's length: a piece so short that says that a signal closes is one with that before
 
 
@@ -136,11 +134,8 @@ class Certificate:
 
 
 _TOUCHING = "touches a stop, pushed or drawn away by no more than round-off"
-
 _UNDECIDED = "no bound excludes another root"
-
 _ENDLESS = "impacts without end (R → 1) are taken as rest from here on: left_out of the motion bounds the difference"
-
 _UNBOUNDED = "what is left of the accumulation of impacts has no bound"
 
 

@@ -31,16 +31,12 @@ from vibeam.flight.rebound import rebound
 from vibeam.flight.round_off import responses
 from vibeam.flight.watched import Motion
 from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.arrays import Array
 from vibeam_models.laws.restitution import TableRestitution, ViscousRestitution
 
-Array = NDArray[np.float64]
-
 ROOM = 2.0  # times the first estimate: what T and P are assumed to be at most
-
 MARGIN = 1e-9  # for the rounding of all this
-
 DOUBTFUL = 0.5  # the largest doubt in u₀ and a for which its bounds mean something
-
 SLACK = 64 * float(np.finfo(float).eps)  # share of the parts of a velocity or pull by which doubles may miss it
 
 

@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 NOISE = 16 * 2.220446049250313e-16  # share of the parts of a sum below which it is their round-off
 

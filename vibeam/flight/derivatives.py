@@ -10,16 +10,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam_models.arrays import Array
 from vibeam_models.laws.compliant import LinearStop
 
-Array = NDArray[np.float64]
-
 FREE, HELD, PUSHED = range(3)  # regimes
-
 HIGHEST = 3  # derivative of a signal
 
 

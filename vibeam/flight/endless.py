@@ -25,11 +25,11 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.flight.rebound import rebound
 from vibeam.observe.motion import Path
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.flight.event_driven import Segments
 
-Array = NDArray[np.float64]
 
 PLACES = 512  # at which the force is read off over a rest
 

@@ -32,21 +32,13 @@ class Entry:
 
 
 KERNELS = "vibeam.flight.kernels"
-
 tabulate = Entry("tables", f"{KERNELS}.roots.levels", "tabulate")
-
 move, poses_at = (Entry("flight", f"{KERNELS}.entry", name) for name in ("move", "poses_at"))
-
 cover = Entry("certificate", f"{KERNELS}.cover", "cover")
-
 regimes_move, regimes_poses_at = (Entry("regimes", f"{KERNELS}.regimes.entry", name) for name in ("move", "poses_at"))
-
 regimes_cover = Entry("regimes", f"{KERNELS}.regimes.cover", "cover")
-
 run_points = Entry("points", "vibeam.flight.points.kernels.entry", "run")
-
 carry_disturbances = Entry("tangents", "vibeam.flight.points.tangents.entry", "carry")
-
 march = Entry("moreau", f"{KERNELS}.moreau", "march")
 
 ENTRIES = (

@@ -3,24 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
+from vibeam_models.arrays import Array
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
-Array = NDArray[np.float64]
-
 LOST = 1e-14  # share of the gap by which the contact may miss the stop that it rests on
-
 SMALLEST = 1e-150  # rad/s
-
 DRIVEN = 10.0  # how much larger than the base motion times its share a driven mode is taken to be
-
 IMPOSSIBLE = 1e-12  # residual of least distance programming that is none
-
 NEAR = 1e-9  # share of the largest penetration within which a contact counts as at its stop
-
 STRONG = 1e6  # drive over start beyond which the size of the motion is that of the start
 
 

@@ -21,13 +21,10 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State
 from vibeam_models.arguments import count, refuse
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 LONGEST_PERIOD = 16
-
 MOST_IMPACTS = 10**9  # a drive period: with 10⁹ periods that still fits an int64
-
 ROWS = 256  # segments traced before they are read off
 
 

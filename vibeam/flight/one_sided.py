@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 def one_sided(rows: Array, vector: Array) -> Array:

@@ -19,9 +19,7 @@ class OutOfTime(Exception):
 
 
 Clock = Callable[[], float]
-
 _STOP: ContextVar[Event | None] = ContextVar("stop", default=None)
-
 _TIME: ContextVar[tuple[Clock, float] | None] = ContextVar("time", default=None)
 
 

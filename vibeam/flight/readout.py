@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.system.response import Ended, FrequencyResponse
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 OUTCOMES = {
     layout.COMPLETE: Ended.COMPLETE,

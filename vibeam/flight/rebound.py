@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.arrays import Array
 from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
-
-Array = NDArray[np.float64]
 
 
 def rebound(system: ImpactSystem, speeds: Array) -> Array:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.entries import regimes_cover, regimes_move, regimes_poses_at
 from vibeam.flight.event_driven import EventDrivenSolver
@@ -16,9 +15,8 @@ from vibeam.flight.linear.packing import slowest_rate
 from vibeam.flight.linear.regimes import plan
 from vibeam.flight.per_thread import PerThread
 from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.arrays import Array
 from vibeam_models.laws.compliant import HuntCrossley
-
-Array = NDArray[np.float64]
 
 
 class RegimeSolver(EventDrivenSolver):

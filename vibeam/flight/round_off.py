@@ -17,24 +17,20 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight import tangent
 from vibeam.flight.endless import endless
 from vibeam.flight.equilibrium import size_of_motion
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.thresholds import BRISK, FAR, FAR_DRIVEN
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.system.impact_system import Drive, ImpactSystem
 
 
-Array = NDArray[np.float64]
-
 EPSILON = float(np.finfo(float).eps)
-
 LOST = 0.1  # error of an impact's velocity, as a share of what is usual, from which on it says nothing
-
 STRUCK = (layout.IMPACT, layout.CHATTER, layout.STUCK)
 
 

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.trajectory import simulate
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 INSTANTS = 2000
 

@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.entries import cover, move, poses_at
 from vibeam.flight.event_driven import EventDrivenSolver
@@ -15,13 +14,12 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Engine, Regime
 from vibeam.flight.linear.packing import PackedSystem, pack
 from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.flight.regime_solver import RegimeSolver
     from vibeam.system.response import FrequencyResponse
     from vibeam.system.state import State
-
-Array = NDArray[np.float64]
 
 
 class FlightSolver(EventDrivenSolver):

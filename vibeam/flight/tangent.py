@@ -24,7 +24,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.derivatives import stop_of
 from vibeam.flight.kernels import layout
@@ -32,6 +31,7 @@ from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.linear.propagator import Pair, propagators
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.flight.rebound import rebound, rebound_slope
+from vibeam_models.arrays import Array
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
 if TYPE_CHECKING:
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from vibeam.system.impact_system import Drive, ImpactSystem
     from vibeam.system.state import State
 
-Array = NDArray[np.float64]
 
 LOST_AT_REST = 2  # directions: displacement and velocity of the contact point
 

@@ -21,6 +21,7 @@ from vibeam.system.response import Ended
 from vibeam.system.state import State
 from vibeam.system.time_derivative import TimeDerivative
 from vibeam_models.arguments import count, counted, floats, number, refuse, require
+from vibeam_models.arrays import Array
 from vibeam_models.laws.compliant import CompliantStop
 from vibeam_models.laws.restitution import ViscousRestitution
 
@@ -32,9 +33,7 @@ if TYPE_CHECKING:
 
 
 STILL = 1e-11  # share of the motion's fastest velocity, and of ω times the static displacements, that is none
-
 FADING = 1e-3  # loss of speed at an impact, as a share, that is next to none
-
 LAST = 100  # impacts by which a motion that was given up is judged
 
 
@@ -93,8 +92,6 @@ def _still(path: Trajectory) -> bool:
     held = float(np.linalg.norm(system.omega * equilibrium(system).displacement))
     return bool(speeds[-1] <= STILL * max(speeds.max(), held))
 
-
-Array = NDArray[np.float64]
 
 MOST_IMPACTS = 10**15  # what is counted in an int64, with room to spare
 

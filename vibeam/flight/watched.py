@@ -20,11 +20,8 @@ from vibeam.flight.kernels.pieces import NEGATIVE, TASK_COLUMNS
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.rebound import rebound
 from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam_models.arrays import Array, Flags
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
-
-Array = NDArray[np.float64]
-
-Flags = NDArray[np.bool_]
 
 ROUND_OFF = 64 * float(np.finfo(float).eps)  # share of the parts of a sum below which it is none
 

@@ -14,18 +14,15 @@ from vibeam.case.grid_keys import DISPLACEMENT, STARTS, VELOCITY
 from vibeam.flight.pause import pause
 from vibeam.maps.axes import Axis, indices, indices_of, lines_of, shape_of, values_at
 from vibeam.maps.points import GridPoints, Starts, points_at, random_starts, start_states
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.batch.response import BatchResponse
 
-Array = NDArray[np.float64]
 
 Values = dict[str, NDArray[Any]]
-
 Way = Literal["up", "down"]
-
 DTYPES: Mapping[str, type] = {"period": np.int16, "ended": np.int16, "resting": np.int16, "flown": np.uint8}
-
 LEAST = 20  # drive periods of the mean of a Lyapunov exponent
 
 QUANTITIES = (

@@ -17,8 +17,7 @@ from vibeam.orbits.bifurcation_functions import DrivePerLevel, Kind
 from vibeam.orbits.contours import Plane
 from vibeam.orbits.orbit_map import plane_boundaries
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ from vibeam.orbits.train_branch import Branch, Setting
 from vibeam.orbits.train_orbits import displacements_at
 from vibeam.orbits.trains import Train
 from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -65,10 +66,7 @@ def _amplitude(case: Case, fidelity: str, frequency: float) -> float:
     return float(np.broadcast_to(case.amplitude_of(fidelity, 2 * np.pi * np.array([frequency])), 1)[0])
 
 
-Array = NDArray[np.float64]
-
 POINTS = 301  # along the axis
-
 PERIODS = (1, 2)  # drive periods from impact to impact
 
 

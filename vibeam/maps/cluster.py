@@ -21,11 +21,8 @@ from vibeam.maps.block import Block, Values, evaluate_block
 from vibeam.run.store.errors import reason
 
 Evaluate = Callable[[Block], Values]
-
 WAIT = 15.0  # s for the scheduler and its first worker
-
 LOOK = 0.2  # s between two looks whether the run is to stop
-
 AHEAD = 2  # blocks in flight for each thread of a worker: one computed, one waiting
 
 

@@ -22,9 +22,7 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 Run = Literal["up", "down", "both", "apart"]
-
 WAYS: Mapping[Run, tuple[Way, ...]] = {"up": ("up",), "down": ("down",), "both": ("up", "down"), "apart": ()}
-
 AT_ONCE = 20_000  # points in memory beside the result
 
 

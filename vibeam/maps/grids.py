@@ -17,15 +17,10 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 SECONDS = 1.0  # of a block, about: what a run that is killed may lose
-
 PERIOD = 1.5e-6  # s that a drive period of one mode takes, about
-
 POINT, CALL, SHARE = 4e-5, 1e-3, 4  # s that a point takes beside its periods, and a call of the batch, about; ratio
-
 MOST_CARRIED = 1_000_000  # points of a block whose lines take steps together
-
 LEAST, MOST = 256, 50_000  # points of a block
-
 FILES = 20_000  # blocks of a map, about: of larger maps each is longer, so that one client can hand them all out
 
 

@@ -11,19 +11,16 @@ from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import STARTS
 from vibeam.system.ended import Ended
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.maps.evaluate import GridResponse
     from vibeam.maps.result import MapResult
 
-Array = NDArray[np.float64]
 
 READ = ("maximum", "minimum", "impact_velocity")  # by which motions of equal period and impacts are told apart
-
 SAME = 1e-3  # share of the largest value among them within which two readings are of one motion
-
 FAILED = -1
-
 LETTERS = "abcdefghijklmnopqrstuvwxyz"
 
 

@@ -13,12 +13,10 @@ from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS, RESTITUTION
 from vibeam.maps.axes import Axis, Combinations, Indices, combinations, indices, values_at
 from vibeam.maps.variation import Settings, varied
 from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

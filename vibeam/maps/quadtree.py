@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam_models.arrays import Flags
+
 Ints = NDArray[np.int64]
 
-Flags = NDArray[np.bool_]
 
 UNFLOWN = -1  # label
 

@@ -17,11 +17,8 @@ from vibeam.maps.quadtree import UNFLOWN, Quadtree
 from vibeam.system.ended import Ended
 
 PERIODS, MOTIONS = ("period", "rest", "ended"), ("period", "impacts_per_period", "ended", *READ)
-
 NO_IMPACT, FAILED = 1000, 2000  # labels; of a motion with impacts: its period
-
 PARTS, LEAST = 8, 64  # blocks of a pass at least, and points of one of these
-
 FLOWN = "flown"
 
 

@@ -29,9 +29,7 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 __all__ = ["MapResult", "run_map"]
-
 Progress = Callable[[int, int], None]
-
 EVERY, SHARE = 5.0, 20.0  # s between partial pictures at least, and how many times as long as one takes
 
 

@@ -17,16 +17,14 @@ from vibeam.maps.points import GridPoints, grid_points
 from vibeam.observe.spectrum import spectrum_of
 from vibeam.system.ended import Ended
 from vibeam.system.state import State
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.maps.result import MapResult
 
-Array = NDArray[np.float64]
 
 LINES = 32  # spectra shown at most
-
 PERIODS = 64  # drive periods of a spectrum
-
 SAMPLES = 64  # a drive period
 
 

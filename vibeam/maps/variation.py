@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 Settings = tuple[tuple[str, float], ...]
-
 KEPT = 512  # cases
 
 

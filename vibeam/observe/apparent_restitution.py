@@ -17,9 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from vibeam.observe.motion import Path, impacts_within, modes_around_impacts
 from vibeam.observe.slow_motion import SlowPart, solved
 from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.arrays import Array
 from vibeam_models.laws.compliant import CompliantStop
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -7,16 +7,12 @@ from math import factorial
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 Family = Literal["bessel", "butterworth", "elliptic"]
-
 FAMILIES = get_args(Family)
-
 HIGHEST_ORDER = 10
 
 

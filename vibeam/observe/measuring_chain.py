@@ -9,12 +9,11 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vibeam.observe.low_pass import LowPass, filtered
 from vibeam.observe.motion import Path
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 Velocity = Literal["exact", "central differences"]
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arguments import count, refuse
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 class Path(Protocol):

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.observe.motion import Path, last_periods
 from vibeam.observe.quadrature import integral
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.observe.motion import Path, drive_period, impacts_within, last_periods, modes_around_impacts
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 JUST = 1e-9  # share of the drive's period
 

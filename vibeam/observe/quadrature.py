@@ -15,17 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.observe.motion import Path, smooth_stretches
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 BLOCK = 512  # panels evaluated at once
-
 NODES = 20  # nodes a panel: the error is about (TURN/2)^40/40! = 2e-17 of a product of two e^{λt}
-
 TURN = 12.0  # |λ|h of the fastest live exponential in a panel
-
 DEAD = 36.0  # e^{-36} = 2e-16
-
 DEAD_AT_REST = 144.0  # wide margin: held on the stop, modes have other damping
 
 

@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam.observe.slow_motion import SlowPart, fitted, solved
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 REACH = 1.5  # factor by which the search may leave its start
 

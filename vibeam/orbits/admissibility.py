@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.solver import FlightSolver
@@ -11,8 +10,7 @@ from vibeam.orbits.states import carried, phasors
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 CLOSE = 1e-9  # share of the motion's size by which the contact may miss the gap at the end of the span
 

@@ -8,7 +8,6 @@ from enum import Enum
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.orbits.clearance import least_minimum
 from vibeam.orbits.gap import Flights
@@ -16,15 +15,10 @@ from vibeam.orbits.impulse_balance import Roots, balance
 from vibeam.orbits.modal_sums import Sums, sums
 from vibeam.orbits.multipliers import multipliers, real_crossing
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array
 
 DrivePerLevel = Callable[[Array], float | Array]  # amplitude of the drive (points,) at level 1 over omega, rad/s
-
 NAMES = ("omega", "amplitude", "gap")
-
 REAL = 1e-9  # imaginary share below which a multiplier counts as real
 
 

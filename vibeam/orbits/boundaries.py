@@ -12,23 +12,14 @@ from vibeam.orbits.bifurcation_functions import NAMES, DrivePerLevel, Kind, Line
 from vibeam.orbits.multipliers import multipliers
 from vibeam.orbits.orbit_curve import checked
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 Range = float | tuple[float, float]
-
 Found = tuple[float, Kind, int]
-
 ENDS = (Kind.FOLD, Kind.GRAZING)
-
 BRANCHES = {kind: (0,) if kind is Kind.FOLD else (0, 1) for kind in Kind}
-
 TOUCH = 1e-9  # share of the motion's size by which the contact may pass the gap
-
 JUMP = 1e-4  # a sign change whose value stays above this share of its neighbours' is a jump or a pole, no root
-
 TOWARD_END = 10.0 ** -np.arange(0.5, 10.5, 0.5)  # grid refinements where a branch ends within a step
 
 

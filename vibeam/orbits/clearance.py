@@ -14,18 +14,12 @@ from typing import NamedTuple, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.orbits.gap import Gap, Index
-
-Array = NDArray[np.float64]
-
-Flags = NDArray[np.bool_]
+from vibeam.orbits.gap import Gap
+from vibeam_models.arrays import Array, Flags, Index
 
 FIRST = 8  # initial intervals a drive period
-
 HALVINGS = 45  # halvings after which a flat minimum counts as a point of inflection
-
 SMALLEST = 1e-15  # share of the motion's size taken as round-off
-
 STEPS = 60
 
 

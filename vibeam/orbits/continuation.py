@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vibeam.orbits.bifurcation_functions import NAMES, Line
 from vibeam.orbits.boundaries import BRANCHES, Boundary, boundary, bracketed
 from vibeam.system.impact_system import ImpactSystem
 
-Array = NDArray[np.float64]
-
 WIDTHS = 10.0 ** np.arange(-7.0, -1.9, 0.5)  # search windows around the guess, as shares of the scale
-
 HALVINGS = 6
 
 

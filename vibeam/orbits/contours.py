@@ -11,7 +11,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize.elementwise import find_root
 
 from vibeam.orbits.bifurcation_functions import (
@@ -25,13 +24,9 @@ from vibeam.orbits.bifurcation_functions import (
 )
 from vibeam.orbits.boundaries import JUMP, TOUCH
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
-
-Flags = NDArray[np.bool_]
+from vibeam_models.arrays import Array, Flags
 
 Edge = tuple[int, int, int]  # row and column of the first end, and the direction 0: along the row, 1: along the column
-
 NUDGE = 1e-9  # share of a step from a fold at which both of its motions are real
 
 

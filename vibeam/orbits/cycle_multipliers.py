@@ -13,20 +13,13 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.tangent import TangentMaps
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 DECAY = 8.0  # nepers within one factor, beyond which the weakest direction would drown in round-off
-
 WEAK = 1e-6  # share of the largest multiplier below which the product's eigenvalues are not good enough
-
 ROUNDS = 100  # of the frame
-
 CONVERGED = 40.0  # nepers by which two directions must have parted in all rounds to be told apart
 
 

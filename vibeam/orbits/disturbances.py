@@ -17,8 +17,7 @@ from vibeam.flight.linear.propagator import propagators
 from vibeam.flight.tangent import held_matrix
 from vibeam.orbits.stroboscopic import Flown
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 SEEN = 4  # events after which a disturbance is measured
 

@@ -25,19 +25,12 @@ from vibeam.orbits.train_boundaries import ENDS, Stretch, root_on, stepped
 from vibeam.orbits.train_branch import Branch
 from vibeam.orbits.train_orbits import multipliers_of
 from vibeam.orbits.trains import Train
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 STEP = 0.02  # longest along the branch: rad, share of the impulse, share of the range of the parameter
-
 FIRST = (0.002, 0.005, 0.01, 0.02)  # parts along the antisymmetric vector of the first points
-
 LONGEST = 1000  # steps
-
 END = 1e-8  # length along the branch to which its end is located
-
 SAME = 1e-7  # share of the range within which two doublings of one motion are the same
 
 

@@ -21,13 +21,9 @@ from vibeam.flight.linear.propagator import pair, pairs
 from vibeam.orbits.impulse_balance import Roots
 from vibeam.orbits.modal_sums import Sums, green
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
-
-Index = NDArray[np.int64]
+from vibeam_models.arrays import Array, Index
 
 APART = 1.2  # damping ratio from which the two decays of a mode are bounded separately
-
 AT_ONCE = 200_000  # numbers of an array of several modes at most
 
 

@@ -13,12 +13,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vibeam.orbits.modal_sums import Sums
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 DOUBLE = 16 * 2.220446049250313e-16  # relative round-off of a discriminant: the root counts as double
 

@@ -20,19 +20,13 @@ from vibeam.orbits.lyapunov import SURE, lyapunov
 from vibeam.orbits.stroboscopic import Flown, StroboscopicMap
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 BATCHES = 10
-
 ALIGNED = 20  # drive periods over which a disturbance turns into its direction
-
 TRIAL = 4  # drive periods by whose events motions are put in order
-
 TOGETHER = 128  # motions that are flown together at most
-
 PIECE = 80  # drive periods flown at a time at most
-
 ROOM = 4_000_000  # numbers of the propagators of motions that are gone through together
 
 

@@ -19,7 +19,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.pause import pause
@@ -30,15 +29,11 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arguments import count as counted
 from vibeam_models.arguments import number, refuse, require
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 BATCHES = 20  # of which the standard error of a mean is taken
-
 ALIGNED = 50  # drive periods over which disturbances turn into their directions before the mean begins
-
 PIECE = 50  # drive periods flown at a time
-
 SURE = 2.0  # standard errors by which an exponent must differ from 0 to have a sign
 
 

@@ -20,13 +20,9 @@ from numpy.typing import NDArray
 
 from vibeam.flight.linear.propagator import Pair, pairs
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 T = TypeVar("T", np.float64, np.complex128)
-
 PARALLEL = 1e-12  # tolerance for the static force on modes without stiffness to point along the contact
 
 

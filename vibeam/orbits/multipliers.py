@@ -24,19 +24,12 @@ from numpy.typing import NDArray
 from vibeam.flight.linear.propagator import _propagators
 from vibeam.orbits.modal_sums import Transfer
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 CHUNK = 2048  # matrices built at once
-
 FEW = 200  # elements of all matrices, in fours, up to which eigenvalues cost less than powers
-
 FADED = 1e-9  # share left of a mode after a span, below which the mode is dropped
-
 SQUARED = 12  # squarings of a matrix, to its 4096th power
-
 TOGETHER = 3  # squarings between two normalisations
 
 

@@ -18,19 +18,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.orbits.train_sums import Trains, contact_phasor, green_sums, residual
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
-
-Flags = NDArray[np.bool_]
+from vibeam_models.arrays import Array, Flags
 
 STEPS = 8
-
 CONTRACTS = 0.5  # largest Θ of a correction that is trusted
-
 CLOSED = 1e-10  # last correction of an orbit that counts as found, rad and share of the impulse
 
 

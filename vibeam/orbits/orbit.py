@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.orbits.admissibility import AdmissibilityCheck
 from vibeam.orbits.impulse_balance import Roots, balance
@@ -16,10 +15,7 @@ from vibeam.orbits.states import state_after
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Complex
 
 
 @dataclass(frozen=True)

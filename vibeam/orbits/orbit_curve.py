@@ -12,8 +12,7 @@ from vibeam.orbits.modal_sums import Sums, fault, sums
 from vibeam.orbits.multipliers import multipliers, real_crossing
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arguments import count, floats, refuse, require
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 CERTAIN = 1e8  # size of D(±1) up to which its sign is trusted
 

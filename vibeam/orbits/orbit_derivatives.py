@@ -24,14 +24,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.orbits.green_derivatives import Green, Poles, green_at
 from vibeam.orbits.tangents import ModalData, Tangents
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 
 class Struck(NamedTuple):

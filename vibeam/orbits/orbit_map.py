@@ -5,24 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vibeam.orbits.bifurcation_functions import DrivePerLevel, Kind, MotionsAt, clearances
 from vibeam.orbits.contours import BoundaryCurve, Plane, beyond_touching, boundary_curves, map_function
 from vibeam.orbits.multipliers import real_crossing
 from vibeam.orbits.orbit_curve import checked, proven, stability
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
-
-Flags = NDArray[np.bool_]
+from vibeam_models.arrays import Array, Flags
 
 ENOUGH = 1e-9  # clearance, as a share of the motion, above which the gap is not refined further
-
 LOSSES = (Kind.DOUBLING, Kind.NEIMARK_SACKER)
-
 BOTH = (Kind.GRAZING, Kind.TOUCHING, *LOSSES)
-
 CURVES = ((Kind.FOLD, 0), *((kind, branch) for kind in BOTH for branch in (0, 1)))
 
 

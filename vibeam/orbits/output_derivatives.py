@@ -8,13 +8,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.orbits.orbit_derivatives import Struck, driven, offset_of, struck
 from vibeam.orbits.output_signals import FilteredOutput, Gain, SampledOutput
 from vibeam.orbits.tangents import ModalData, Tangents
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 QUANTITIES = ("amplitude", "maximum", "minimum", "reach", "impact_velocity")
 

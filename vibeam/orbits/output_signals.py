@@ -15,32 +15,19 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.orbits.green_derivatives import Poles, green_at
 from vibeam.orbits.orbit_derivatives import Struck, contracted, driven, offset_of
 from vibeam.orbits.tangents import ModalData, Tangents
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
-
-Index = NDArray[np.int64]
+from vibeam_models.arrays import Array, Complex, Index
 
 Gain = Callable[[Array], Complex]  # of a filter, at frequencies in Hz
-
 SAMPLES = 192  # a drive period
-
 HARMONICS = 256  # a drive period, of a filtered displacement
-
 STEPS = 6  # of Newton's method at an extreme, at most
-
 CLOSE = 1e-9  # share of the span by which the last step moves it: the value is then known to its square
-
 RESOLVED = 0.5  # turn of a mode between two samples, rad, up to which they show its extremes
-
 MOST_PARTS = 64  # of an interval between two samples
-
 NEAR = 0.1  # share of the bound on fast modes by which a sample may be below the best and still lead to it
 
 

@@ -19,15 +19,10 @@ from vibeam.orbits.nearby_orbits import nearby_orbits
 from vibeam.orbits.train_signal import clear, excited, extremes, sampled, signal
 from vibeam.orbits.train_sums import Trains, ahead, contact_phasor, repeats_sooner
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
-
-Flags = NDArray[np.bool_]
+from vibeam_models.arrays import Array, Flags
 
 TOGETHER = 1024  # motions computed at once, to bound the memory
-
 LASTS = 1e-6  # share left of a mode at the next impact, below which it takes no part in the stability
-
 SLOWEST = 20  # modes at most in the stability of several impacts
 
 

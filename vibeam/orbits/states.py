@@ -6,16 +6,12 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.linear.propagator import pairs, propagators
 from vibeam.orbits.modal_sums import green, offsets, phasor
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 KEPT = 8  # responses to a drive: one motion asks for the same one several times
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.event_driven import EventDrivenSolver, Segments
 from vibeam.flight.exact import exact_solver
@@ -22,21 +21,13 @@ from vibeam.orbits.cycle_multipliers import cycle_multipliers
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 IMPACTS = 10**7  # at most, in one call
-
 LONGEST = 16  # drive periods after which a motion is looked at for repeating
-
 NEAR = 0.02  # share of the motion's size within which it must return for a fixed point to be looked for
-
 GIVEN = 1e-7  # share within which a start is on the fixed point, stable or not
-
 NEWTON, ROUND_OFF, STALLED = 25, 1e-14, 1e-10
-
 WATCH = 64  # periods, times n, over which a motion near a stable fixed point must not leave it
 
 

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 @dataclass(frozen=True)

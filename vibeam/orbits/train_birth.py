@@ -19,21 +19,15 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.orbits.bifurcation_functions import Kind
 from vibeam.orbits.train_branch import Branch
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 NEAR = 0.5  # share to which a step takes the asymmetry down, by its tangent, for a birth to be looked for
-
 REACH = 3.0  # steps within which it must lie
-
 NONE = 1e-9  # asymmetry that is none: the train is the shorter motion, gone through twice
-
 SECANT, ROOT = 30, 1e-14  # steps, and change of the parameter at which they end
-
 SHARES = 0.5 ** np.arange(1, 10)  # of the asymmetry at the start of a step at which points before a birth are taken
 
 

@@ -12,7 +12,6 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from vibeam.orbits.bifurcation_functions import NAMES, Kind
@@ -20,19 +19,12 @@ from vibeam.orbits.boundaries import JUMP
 from vibeam.orbits.train_birth import birth_ahead, inward, point_before, shares_before
 from vibeam.orbits.train_branch import Branch, Setting
 from vibeam.orbits.train_orbits import TrainOrbit, multipliers_of
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 KINDS = (Kind.FOLD, Kind.DOUBLING, Kind.NEIMARK_SACKER, Kind.GRAZING, Kind.TOUCHING)
-
 ENDS = (Kind.GRAZING, Kind.TOUCHING)
-
 HALVINGS = 20
-
 STRAY = 0.05  # tolerance of the corrector, as a share of a step: a larger one could land on another branch
-
 Tests = dict[Kind, float]
 
 

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.orbits.bifurcation_functions import REAL, Kind
 from vibeam.orbits.clearance import least_minimum
@@ -16,13 +15,10 @@ from vibeam.orbits.train_gap import TrainGap
 from vibeam.orbits.train_orbits import multipliers_of, states_before
 from vibeam.orbits.trains import Train, equations
 from vibeam.system.impact_system import Drive, ImpactSystem
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 STEP = 1e-6  # parameter step of the finite differences, as a share of its scale
-
 NEWTON, SMALL = 12, 1e-12
-
 Setting = Callable[[float], tuple[ImpactSystem, Drive]]
 
 

@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.linear.propagator import pair
-from vibeam.orbits.gap import APART, Gap, Index
+from vibeam.orbits.gap import APART, Gap
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array, Index
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vibeam.orbits.admissibility import AdmissibilityCheck
 from vibeam.orbits.modal_sums import offsets, resonant
@@ -15,13 +15,9 @@ from vibeam.orbits.states import carried, phasors
 from vibeam.orbits.trains import Train, lags, newton
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 SETTLED = 1e-3  # tolerance, as a share of the impact velocities, between the flight and the motion it settles on
-
 MOST = 4  # largest number of impacts a span
 
 

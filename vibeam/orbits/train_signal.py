@@ -20,21 +20,12 @@ from numpy.typing import NDArray
 from vibeam.orbits.modal_sums import offsets
 from vibeam.orbits.train_sums import Trains, contact_phasor, flights, lags
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
-
-Flags = NDArray[np.bool_]
+from vibeam_models.arrays import Array, Complex, Flags
 
 TOLERANCE = 2e-6  # interpolation error aimed at, as a share of the signal's size; the modes left out have as much
-
 MOST = 640  # times at most; for more the tolerance is relaxed
-
 LEVELS, OCTAVES = 18, 14  # step lengths: a 16th of the flight, halved so often; stretches of equal steps
-
 APART = 1e-7  # least 1 − ζ² at critical damping, so that the two decays of a mode stay apart
-
 ROUND_OFF = 1e-9  # share of the motion's size by which a gap may be negative
 
 

@@ -14,10 +14,7 @@ from numpy.typing import NDArray
 from vibeam.flight.linear.propagator import pairs
 from vibeam.orbits.modal_sums import green, offsets, phasor
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 
 class Trains(NamedTuple):

@@ -13,19 +13,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.linear.propagator import propagators
 from vibeam.orbits.modal_sums import green, offsets
 from vibeam.orbits.states import phasors
 from vibeam.system.impact_system import Drive, ImpactSystem
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 STEPS = 40
-
 LONGEST = 0.2  # largest Newton step, as a share of the span and of the impulses
-
 SMALL, STALLED = 1e-13, 1e-9  # the same at which the iteration ends, also where round-off stops its progress
 
 

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 
 MOST = 5  # points listed one by one
-
 ON_ITS_WAY = "only to find the motion that goes on in closed form"
 
 WAYS = {

@@ -50,7 +50,6 @@ def _flat(value: Mapping[str, Any], above: str = "") -> list[tuple[str, Any]]:
 
 
 ROUND_OFF = 1e-12  # parts that are no larger are left out
-
 RATIO = 10.0  # ratio of solver error to model error below which a sentence says so
 
 

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 CURVE = 121  # frequencies of a fitted branch
-
 PANEL_MOST = 4  # references with a panel
 
 

@@ -38,7 +38,6 @@ SHORT = {
 }
 
 SHOWN = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3), "Hz": ("Hz", 1.0), "1": ("", 1.0)}
-
 MOVED = 0.005  # relative change above which a mode's frequency counts as changed
 
 
@@ -206,7 +205,6 @@ def _listed(names: list[str], last: str = "and") -> str:
 
 
 USUAL = FigurePlan()
-
 LEAST, MOST = 1e-3, 1e3  # larger changes are drawn at the ends
 
 

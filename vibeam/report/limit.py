@@ -15,7 +15,6 @@ if TYPE_CHECKING:
 
 
 LOOSE = 0.1  # share of a limit beyond which its uncertainty is no number to rely on
-
 MORE = "its values are not settled over these numbers of modes, more may settle them (--modes)"
 
 

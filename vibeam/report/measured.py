@@ -10,9 +10,7 @@ from vibeam.report.table_widths import ReportTable
 from vibeam.studies.regression.measured import MeasuredRow
 
 NAN = float("nan")
-
 ARROWS = {"up": " ↑", "down": " ↓"}
-
 WITHIN = {True: "yes", False: "no", None: "not given"}
 
 

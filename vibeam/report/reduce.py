@@ -39,9 +39,7 @@ PANELS = {
 }
 
 LARGEST = 10.0  # loss up to which the figure goes
-
 ROOM = 1.4  # beyond the first and the last decade
-
 ROUND_OFF = 1e-9  # below which a loss is not drawn: static stiffness is known to about 10⁻¹⁰
 
 

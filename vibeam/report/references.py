@@ -35,9 +35,7 @@ POINT: dict[str, Any] = {
 }
 
 MISSED: dict[str, Any] = POINT | {"color": COLOURS[1], "markerfacecolor": COLOURS[1]}
-
 MOVED: dict[str, Any] = {"color": "0.35", "linestyle": (0, (4, 1.6)), "linewidth": 0.9, "zorder": 2.4}
-
 SHOWN = 150  # points drawn of a reference, at most
 
 

@@ -44,7 +44,6 @@ LOOKS: dict[Kind, dict[str, Any]] = {
 }
 
 AVERAGED: dict[str, Any] = {"color": "#0072B2", "linestyle": (0, (6, 1.5, 1, 1.5)), "linewidth": 0.9}
-
 OWN: dict[str, Any] = {"color": "0.35", "linestyle": ":", "linewidth": 1.0}
 
 

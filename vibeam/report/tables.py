@@ -30,11 +30,8 @@ if TYPE_CHECKING:
     from vibeam.studies.stability.rows import Crossing
 
 WIDEST = 160
-
 FEW_IMPACTS = 100  # so few tell nothing of what an impact costs
-
 MARK = "*"  # of a peak at which the motion does not repeat
-
 ARROWS = {"up": " ↑", "down": " ↓"}  # way of the sweep
 
 

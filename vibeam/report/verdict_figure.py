@@ -26,17 +26,11 @@ from vibeam.studies.verdict.judgement import DIFFERENCES, IN_CHAOS, IN_NUMBER, I
 from vibeam.studies.verdict.study import Verdict
 
 MODELS = ("#D6ECC4", "#9CCB86", "#F2E2A0", "#E9B872", "#D98C5F", "#B5654A")  # cheapest first
-
 FINEST = "#8FA9C8"
-
 NEAR, FAR, FARTHER = "#E4F1DA", "#F7E3B5", "#EBB78B"  # within the accuracy, five times it, beyond
-
 APART = {IN_PERIOD: "#C9B6DD", IN_NUMBER: "#8E7CC3", IN_CHAOS: "#4F4789"}
-
 FIVE = 5.0
-
 HATCH = "////"
-
 BOUNDARIES = {NAMES[kind]: look for kind, look in LOOKS.items()}
 
 

@@ -29,17 +29,11 @@ if TYPE_CHECKING:
 
 
 JOINED: dict[str, Any] = {"RK23": "-", "RK45": "--", "DOP853": "-.", "LSODA": ":", "": "-"}
-
 FRONT: dict[str, Any] = {"color": "0.8", "linewidth": 5.0, "zorder": 1.0, "solid_capstyle": "round"}
-
 LIMIT: dict[str, Any] = {"color": "0.35", "linewidth": 1.0, "linestyle": (0, (1, 1)), "zorder": 1.5}
-
 FLOOR = 1e-16  # position of an error of zero
-
 WIDEST, EDGE = 6.0, 50.0  # position of larger errors and of failures
-
 NAMED = {0: "100 %", -2: "1 %"}  # powers of ten that read better as plain numbers
-
 Pick = Callable[["RunRow"], "Errors"]
 
 

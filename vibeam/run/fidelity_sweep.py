@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 
 WRITE_EVERY = 0.2  # seconds: a write costs as much as many points, and a killed run loses no more than this
-
 Progress = Callable[[int, int], None]
 
 

@@ -26,9 +26,7 @@ if TYPE_CHECKING:
 
 
 FOLDERS = (Path(__file__).parents[1], *map(Path, [*vibeam_models.__path__, *vibeam_reductions.__path__]))
-
 SHOWN = ("cli", "figures", "report", "studies")  # rooms that compute none of these numbers
-
 BELOW = ("scipy", "scikit-fem")  # libraries that assemble and reduce
 
 

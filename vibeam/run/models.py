@@ -16,7 +16,6 @@ if TYPE_CHECKING:
 
 
 COUNTS = (1, 2, 4, 8, 16, 32, 64)
-
 CUT_SOLVERS = ("flight", "orbit")  # prefix of a truncated model
 
 

@@ -12,9 +12,7 @@ from typing import TypeVar
 from vibeam.flight.pause import Stopped, stopping_at
 
 __all__ = ["Stopped", "cores", "heartbeat", "run_parallel"]
-
 Item = TypeVar("Item")
-
 Made = TypeVar("Made")
 
 

@@ -9,7 +9,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vibeam.solvers import SOLVERS, require_readable
 from vibeam.solvers import solver as solver_named
@@ -18,19 +18,16 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Branches, FrequencyResponse, join
 from vibeam.system.state import State
 from vibeam_models.arguments import count, floats, number, refuse, require
+from vibeam_models.arrays import Array
 from vibeam_models.laws.compliant import CompliantStop
 
 if TYPE_CHECKING:
     from vibeam.solvers.several_harmonics import Shares
 
-Array = NDArray[np.float64]
 
 Direction = Literal["up", "down", "both"]
-
 LONGEST = 10**9  # largest number of drive periods to settle a point: at 0.2 µs each, minutes
-
 BLOCK, MOST = 0.05, 16  # seconds and largest number of points of a block: what a run that is killed may lose
-
 HELD = 10**8  # largest number of modal states, one a drive period, held for a point: 1.6 GB
 
 

@@ -18,19 +18,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vibeam.solvers import SOLVERS, solver
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse, join
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 Amplitude = Callable[[Array], ArrayLike]  # of the base (m), at frequencies in rad/s
-
 MOST = 1_000_000  # pieces
-
 WHOLE = 1e-9  # share of a period by which the last one may be cut off and still be there
 
 

@@ -17,18 +17,14 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.trajectory import simulate
 from vibeam.observe.quadrature import integral
 from vibeam.solvers import SOLVERS, solver
 from vibeam.solvers.several_harmonics import SeveralHarmonics, solved
 from vibeam.system.state import State
+from vibeam_models.arrays import Array, Complex
 from vibeam_models.laws.compliant import CompliantStop
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
 
 
 class ModeEnergies:

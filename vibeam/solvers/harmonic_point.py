@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.observe.periodicity import repetition
@@ -22,8 +21,6 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.quantities import VELOCITIES_KEPT
 from vibeam.system.response import Ended, FrequencyResponse, join
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
 
 REPEATS = 1e-5  # share of the motion's size by which states one period apart may differ, as in flight
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.orbits.admissibility import AdmissibilityCheck
@@ -19,8 +18,7 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.motion_curves import MotionCurves
 from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 class OrbitSolver(SteadySolver):

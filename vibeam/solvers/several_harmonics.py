@@ -20,15 +20,10 @@ from numpy.typing import NDArray
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arguments import refuse, require
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 Shares = Iterable[tuple[int, float, float]]  # order, share of the first harmonic's Ω²B, phase in rad
-
 LIGHT = 1e-8  # contact row of an oscillator, as a share of the modes'
-
 NEAR = 1e-12  # |ω² − (jΩ)² + 2iζωjΩ| over (jΩ)² below which a mode has no steady response
 
 

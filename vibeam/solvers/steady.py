@@ -8,13 +8,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 class SteadySolver(ABC):

@@ -143,11 +143,8 @@ def _ill_posed(scene: Scene) -> list[str]:
 
 
 LEAST_SHARE = 0.1  # smallest share of the attached mass in the moving one for which the beam may be neglected
-
 NEGLECTED = "left out: rows with a massless beam and the damping ratio that goes with them"
-
 OF_A_MASS = "left out: shape at the mass, rows with a massless beam, damping ratio, base factor and drive"
-
 MASSLESS, WITH_BEAM, WITH_INERTIA = "massless beam", "with the beam's mass", "with beam mass and rotary inertia"
 
 
@@ -190,7 +187,6 @@ STATIC_SHAPE = "the static deflection of a uniform strip as mode shape"
 
 
 BARE_SHAPE = "the static deflection of the bare beam as mode shape"
-
 ADDED = "added masses left out"
 
 

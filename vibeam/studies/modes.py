@@ -8,21 +8,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.beam_field import BeamField, Fields, fields, with_points
 from vibeam.exchange.vtu import Piece, Step, centre_line, write_series, write_vtu
 from vibeam_models.any_scene import AnyScene, RigScene
 from vibeam_models.arguments import whole
+from vibeam_models.arrays import Array
 from vibeam_models.laws.restitution import first_mode_restitution
 from vibeam_models.scene import Scene
 from vibeam_models.structure import Modes, Structure
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

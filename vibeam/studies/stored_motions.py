@@ -13,7 +13,6 @@ from math import isinf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.fidelity import gap_drift, system
 from vibeam.figures.loop import stop_places
@@ -30,6 +29,7 @@ from vibeam.studies.sampled_path import SampledPath
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.state import State
+from vibeam_models.arrays import Array
 from vibeam_models.outputs import Output
 from vibeam_models.scene import Scene
 
@@ -38,18 +38,11 @@ if TYPE_CHECKING:
     from vibeam.run.stored_result import StoredResult
 
 
-Array = NDArray[np.float64]
-
 WINDOW = 4  # drive periods shown of a motion that does not repeat within them
-
 FLOWN = 16  # drive periods flown, of which the spectrum is
-
 HARMONICS = 16  # highest drive harmonic of the spectrum
-
 FRAMES = 32  # of the moving beam over the window
-
 POINTS = 480  # of a sampled motion that are shown
-
 STATIONS = 25  # places along the beam at which it is drawn
 
 

@@ -7,18 +7,13 @@ from math import isfinite
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam_models.arguments import number, read_only, real, refuse, shown
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 ROWS = ("omega", "zeta", "contact", "load", "static")
-
 MOST_CONTACTS = 50  # further ones
-
 LEAST, MOST = 1e-300, 1e300  # smallest Σ contact², a divisor
-
 SYMMETRIC = 1e-9  # share of the largest damping: tolerance for asymmetry and negative eigenvalues
 
 

@@ -7,12 +7,13 @@ from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vibeam.system.arguments import checked
 from vibeam.system.contact import Contact
 from vibeam.system.time_derivative import TimeDerivative
 from vibeam_models.arguments import counted, number, read_only, refuse, require
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam_models.laws.compliant import CompliantStop
@@ -20,12 +21,8 @@ if TYPE_CHECKING:
     from vibeam_models.structure import Structure
 
 
-Array = NDArray[np.float64]
-
 ROUND_OFF = 1e-12  # share of the largest modal damping below which a mode without stiffness counts as undamped
-
 SHOWN = 4  # frequencies shown by a repr
-
 DIAGONAL = 1e-6  # admissible share of off-diagonal terms in the modal damping matrix; fine meshes round to 10⁻⁷
 
 

@@ -5,11 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-
-Flags = NDArray[np.bool_]
+from vibeam_models.arrays import Array, Flags
 
 BRANCHES = 2  # two roots of the quadratic for motions with one impact a span
 

@@ -14,6 +14,7 @@ from vibeam.system.difference import Peak as Peak
 from vibeam.system.ended import Ended as Ended
 from vibeam.system.quantities import VELOCITIES_KEPT as VELOCITIES_KEPT
 from vibeam_models.arguments import counted
+from vibeam_models.arrays import Array, Flags
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
 
     from vibeam.system.motion_curves import MotionCurves
 
-
-Array = NDArray[np.float64]
 
 SINGLE = (  # one number a point, NaN where unknown
     "amplitude", "reach", "maximum", "minimum", "impacts_per_period", "impact_velocity", "rest", "cpu_seconds",
@@ -204,9 +203,6 @@ class Branches:
         """Direction and response of each branch present, up first."""
         both = (("up", self.up), ("down", self.down))
         return ((direction, response) for direction, response in both if response is not None)
-
-
-Flags = NDArray[np.bool_]
 
 
 def modes_of(branches: Branches) -> int:

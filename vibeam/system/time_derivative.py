@@ -6,11 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam_models.arguments import number, read_only, refuse
-
-Array = NDArray[np.float64]
 
 CALLED = {1: "velocity", 2: "acceleration"}
 

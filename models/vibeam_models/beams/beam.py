@@ -8,13 +8,11 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from vibeam_models.arrays import Array
 from vibeam_models.beams.shapes import Shape
 from vibeam_models.beams.stretch import Material, Plate, Stretch
 from vibeam_models.beams.support import CANTILEVER, Support, end_supports
-
-Array = NDArray[np.float64]
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(8)  # exact for every linear taper
 

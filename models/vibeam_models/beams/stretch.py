@@ -6,11 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from vibeam_models.arrays import Array
 from vibeam_models.beams.shapes import Shape
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,6 @@ ENDS = {"clamped": (inf, inf), "pinned": (inf, 0.0), "guided": (0.0, inf), "free
 
 #: what a case may write: the end at x = 0, then that at the full length
 PAIRS = tuple(f"{one}-{other}" for one in ENDS for other in ENDS)
-
 CANTILEVER = "clamped-free"
 
 

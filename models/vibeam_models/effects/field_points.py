@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from vibeam_models.arrays import Array
 from vibeam_models.effects import Effect
-from vibeam_models.structure import Array, Structure
+from vibeam_models.structure import Structure
 
 if TYPE_CHECKING:
     from vibeam_models.scene import Scene

@@ -10,15 +10,15 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam_models.arrays import Array
 from vibeam_models.effects import Effect
-from vibeam_models.structure import Array, Structure, in_coordinates
+from vibeam_models.structure import Structure, in_coordinates
 
 if TYPE_CHECKING:
     from vibeam_models.scene import Scene
     from vibeam_models.space import BeamSpace
 
 LEAST = 1e-3  # share of the length below which the zone changes nothing, but its elements' round-off does
-
 KEPT = 16  # eliminations, each of a space of its own
 
 

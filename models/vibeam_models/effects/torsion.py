@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Beam
 from vibeam_models.beams.shapes import Rectangle
 from vibeam_models.effects import Effect
 from vibeam_models.keys import quantity
 from vibeam_models.space import BeamSpace
-from vibeam_models.structure import Array, Structure
+from vibeam_models.structure import Structure
 
 if TYPE_CHECKING:
     from vibeam_models.scene import Scene

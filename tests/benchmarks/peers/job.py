@@ -11,9 +11,9 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
+
 LIMIT = 50  # impacts a period, in the mean, after which a solver is taken to be stuck on the stop
 
 

@@ -8,15 +8,14 @@ import mpmath
 import numpy as np
 import pytest
 from numba import njit
-from numpy.typing import NDArray
 
 import vibeam
 from vibeam.flight.kernels.compiler import OPTIONS
 from vibeam.flight.kernels.lanes.elementary import exponential, sine_cosine
 from vibeam.flight.kernels.lanes.simd import eight, load, one, store, width
 from vibeam.flight.kernels.thresholds import REDUCED
+from vibeam_models.arrays import Array
 
-Array = NDArray[np.float64]
 DRIVE = vibeam.Drive(1.9, 0.8)
 
 

@@ -14,11 +14,8 @@ from vibeam.casefile.tables.harmonics import ORDERS, PHASES, SHARES, Orders, Pha
 from vibeam.casefile.tables.table import Frequency, Place, Ratio, Table, key
 
 MOTIONS = ("amplitude", "velocity", "acceleration")  # of the base
-
 LOADS = ("force", "moment")
-
 SIZES = (*MOTIONS, *LOADS, "voltage")  # what may be a list over drive.frequency
-
 NEAR = 1e-9  # share of the table's ends by which the sweep may lie outside, rounded
 
 

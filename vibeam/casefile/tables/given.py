@@ -16,7 +16,6 @@ from vibeam.casefile.tables.sweep import SweepTable
 from vibeam.casefile.tables.table import NAME, Table, key, less
 
 OWN = ("sensor", "contact", "platform")  # outputs that no row of one's own is called
-
 OF_BEAM = ("gain", "moment", "at")  # keys of a beam's drive
 
 

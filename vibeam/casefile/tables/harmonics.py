@@ -15,11 +15,8 @@ from vibeam.figures import FIGURES
 from vibeam.solvers import SOLVERS
 
 Orders, Shares, Phases = Each(Count(2, 1000)), Several(Ratio), Several(Quantity(units.ANGLE))
-
 ORDERS = "orders of further harmonics, whole multiples of the drive's frequency; absent = none"
-
 SHARES = "their amplitudes as shares of the first's acceleration, whatever key says that; of a force or a moment, of it"
-
 PHASES = "their phases at the first's zero: sin Ωt + share · sin(order · Ωt + phase); absent = 0"
 
 

@@ -11,11 +11,8 @@ from vibeam.case.faults import Complaint, KeyPath
 from vibeam_models.beams.support import CANTILEVER, ENDS
 
 SAME = 1e-6  # share of the length within which two places are one
-
 ROUND_OFF = 1e-9  # share of the length within which two nodes are one
-
 SHORTEST = 1e-3  # share of the length below which a rigid zone changes nothing
-
 LEAST = 1e-4  # share of the length below which an element is so stiff that its round-off drowns the beam's stiffness
 
 

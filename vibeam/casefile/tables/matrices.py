@@ -19,7 +19,6 @@ from vibeam.casefile.toml_writing import to_toml
 from vibeam.casefile.unit_systems import UNIT_SYSTEMS
 
 _SYSTEMS = " or ".join(map(to_toml, UNIT_SYSTEMS))
-
 FULL = 3000  # coordinates up to which all modes can be had
 
 

@@ -18,7 +18,6 @@ from vibeam.solvers import SOLVERS
 from vibeam_models.outputs import DISPLACEMENT, OUTPUT_QUANTITIES, OutputQuantity
 
 RESERVED = (*OUTPUTS, "opposite", "opposite_tip")
-
 INTEGRATED = ("hertz", "hunt-crossley")  # contact laws during whose contacts derivatives are not read
 
 

@@ -20,9 +20,7 @@ from vibeam.figures import LIMITS, OF_OUTPUT, READ
 from vibeam.system.quantities import LAYOUT
 
 RATE = units.dimension("1/s")
-
 ANGLE, TURNING, JERK = (units.dimension(unit) for unit in ("rad", "rad/s", "m/s^3"))
-
 COMPARED = (units.RATIO, units.FREQUENCY, units.LENGTH, units.SPEED, units.TIME, RATE, units.ACCELERATION, ANGLE)
 
 #: dimension of an output's quantity, and of its rate
@@ -123,7 +121,6 @@ def _suits(text: str, kind: units.Dimension) -> bool:
 
 
 AMOUNTS = {"expect": ("value",), "measured": ("value", "scatter"), "reference": ("offset", "uncertainty")}
-
 SHARES = ("scatter", "uncertainty")  # which may be a percentage of the value
 
 

@@ -128,36 +128,22 @@ def _same(field: FieldInfo) -> tuple[Any, Any]:
 
 
 DIRECTIONS = ("up", "down", "both")
-
 QUANTITIES = ("amplitude", "reach", "maximum", "minimum", "impact_velocity", "impacts_per_period", "period")
-
 EXTENTS = ("peak", "peak_frequency", "period_one_from", "period_one_to")  # of a whole branch
-
 OF_INFLUENCE = (*EXTENTS, "ringing", "ringing_frequency", "apparent_restitution")
-
 OUTPUTS = ("sensor", "contact", "tip", "platform")
-
 ACCURATE = ("amplitude", "reach", "maximum", "minimum", "impact_velocity")  # what an accuracy can be asked of
-
 FORMATS = ("png", "svg", "pdf")  # of figures
-
 MOVING_FORMATS = ("gif", "mp4", "pvd")  # of an animation
-
 MOST_ELEMENTS = 2000
-
 MOST_POINTS = 1_000_000
 
 
 Length = Place = Quantity(units.LENGTH, POSITIVE)
-
 Ratio = Quantity(units.RATIO, NOT_NEGATIVE)
-
 Unity = Quantity(units.RATIO, Range(0, 1))
-
 Within = Quantity(units.RATIO, Range(1e-4, 1))
-
 Frequency = Quantity(units.FREQUENCY, POSITIVE)
-
 Periods = Count(0, MOST_POINTS)
 
 

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from vibeam.studies.regression.references import CheckRow
 
 MISSED = 1
-
 DRAWN = (".png", ".svg", ".pdf")
 
 Plot = Annotated[

@@ -9,10 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import Array, Column, Columns, Wanted, missing, split_head
+from vibeam.exchange.curves.columns import Column, Columns, Wanted, missing, split_head
 from vibeam.exchange.files import FormatError, reason
 from vibeam.exchange.hdf5 import contents, opened, text_at, values_of
 from vibeam.exchange.mat import Variable, variables
+from vibeam_models.arrays import Array
 
 Read = Callable[[], tuple[Any, str]]  # an array and its unit
 

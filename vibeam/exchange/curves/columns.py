@@ -6,12 +6,8 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vibeam.exchange.files import FormatError
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 SHOWN = 12  # heads named in a message
 

@@ -10,19 +10,12 @@ from vibeam.exchange.curves.columns import short
 from vibeam.exchange.files import FormatError
 
 LONGEST = 100  # characters of a number: some expressions below take time with their square
-
 EMPTY = ("", "-", "--", "n/a", "na", "nan", "null", "none")
-
 _GROUPED = re.compile(r"([+-]?[0-9]{1,3})((?:[ \u00a0\u202f'’][0-9]{3})+)(?![0-9])")
-
 _LIKELY = re.compile(r"[+-]?[0-9.,'’ \u00a0\u202f]+([eEdD][+-]?[0-9]+)?")
-
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][+-]?[0-9]+)?")
-
 _EITHER = re.compile(r"[+-]?[1-9][0-9]{0,2}[.,][0-9]{3}")  # 1,234: a thousand and more, or one and a bit
-
 _THOUSANDS = {mark: re.compile(rf"[+-]?[0-9]{{1,3}}(?:{re.escape(mark)}[0-9]{{3}})+") for mark in ".,"}
-
 Cell = tuple[int, str]  # line, text
 
 

@@ -17,15 +17,10 @@ from vibeam.exchange.files import FormatError
 from vibeam.exchange.text import lines_of, text_of
 
 SEPARATORS = (";", "\t", ",", "|", " ")
-
 LONGEST_HEAD = 500  # lines before the table begins
-
 LONGEST_LINE = 100_000  # characters of one, and of all that may be heads
-
 LINES = 500_000  # read in 8 s of CPU time
-
 _FREQUENCY_UNIT = re.compile(r"[\[(]?\s*(k?hz|rad/s|rpm|1/min|[mµu]?s)\s*[\])]?", re.IGNORECASE)
-
 Row = tuple[int, list[str]]  # line, cells
 
 

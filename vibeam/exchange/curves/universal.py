@@ -15,13 +15,9 @@ from vibeam.exchange.curves.columns import Column, Columns, Wanted
 from vibeam.exchange.files import FormatError, reason
 
 MISSING = "pyuff reads it, and is not installed: pip install 'vibeam[lab]', or export the curve as CSV"
-
 FREQUENCY = 18  # specific data type of an abscissa in Hz
-
 SI = 1  # code of the units data set, 164
-
 UNITS = {8: "m", 11: "m/s", 12: "m/s^2"}  # specific data types of an ordinate
-
 AXES = {1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
 
 

@@ -20,7 +20,6 @@ from vibeam.exchange.matrices.text import require_no_name, table
 from vibeam.exchange.text import Line, lines_of, text_of
 
 HELD = 1e35  # on the diagonal
-
 EXACT = 2.0**53  # up to which a double is any whole number
 
 

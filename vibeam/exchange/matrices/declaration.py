@@ -13,7 +13,6 @@ from vibeam_models.homes import loaded
 from vibeam_models.registry import Registry
 
 HEAD = 512  # bytes by which a format is told where the ending does not
-
 SHOWN = 12  # names in a message
 
 

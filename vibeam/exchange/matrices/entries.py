@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from vibeam.exchange.files import FormatError, require_coordinates
 
 Label = tuple[int, int]  # node, degree of freedom: 1 to 3 along x, y, z, 4 to 6 about them
-
 Whole = NDArray[np.int64]
 
 

@@ -11,7 +11,6 @@ from vibeam.exchange.matrices.declaration import chosen
 from vibeam.exchange.matrices.entries import FileMatrix, compressed, numbers
 
 COMPRESSED = {"data", "indices", "indptr"}  # datasets of a sparse matrix as scipy has it
-
 MATLAB = {"data", "ir", "jc"}  # and as MATLAB has it, with the attribute MATLAB_sparse
 
 

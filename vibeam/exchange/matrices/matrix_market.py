@@ -18,9 +18,7 @@ from vibeam.exchange.matrices.text import SHOWN, require_no_name, shown, table
 from vibeam.exchange.text import Line, lines_of, text_of
 
 HEAD = "%%matrixmarket"
-
 LAYOUTS, FIELDS, SYMMETRIES = ("coordinate", "array"), ("real", "integer", "double"), ("general", "symmetric")
-
 Rows = Callable[[], Iterator[Line]]
 
 

@@ -21,15 +21,10 @@ from vibeam.exchange.matrices.text import shown
 from vibeam.exchange.text import Line, lines_of, text_of
 
 SQUARE, SYMMETRIC = 1, 6  # IFO
-
 REAL = (1, 2)  # TIN: single, double precision
-
 ALIKE = {"M": ("M",), "K": ("K",), "C": ("B",)}  # first letters of what Nastran calls mass, stiffness and damping
-
 _WHOLE = re.compile(r"[+-]?[0-9]{1,15}")
-
 _REAL = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[ED]?([+-][0-9]+)|[ED]([0-9]+))?")  # 1.5+3 is 1.5E+3
-
 Card = tuple[int, list[str]]  # line, fields
 
 

@@ -15,13 +15,9 @@ from vibeam.exchange.matrices.entries import FileMatrix, compressed, numbers, sc
 from vibeam.exchange.matrices.text import require_no_name
 
 MAGIC = b"\x93NUMPY"
-
 LONGEST_HEAD = 10_000  # bytes, as numpy's own limit
-
 DIRECTORY = 1_000_000  # bytes of the directory of a .npz: some thousand arrays
-
 SPARSE = {"format", "shape", "data"}  # what scipy.sparse.save_npz writes in every file
-
 Part = Callable[[str], Any]
 
 

@@ -14,7 +14,6 @@ from vibeam.exchange.matrices.entries import FileMatrix
 from vibeam.exchange.text import Line, lines_of, text_of
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
-
 SHOWN = 40  # characters of a line in a message
 
 

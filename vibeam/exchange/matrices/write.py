@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from vibeam.exchange.whole_files import write_whole
 
 DIGITS = 17  # of a float, so that it is read as the same
-
 Arrays = Mapping[str, NDArray[np.float64]]
 
 
@@ -75,7 +74,5 @@ def _mtx(array: Any) -> bytes:
 
 
 _TOGETHER = {".npz": _npz, ".h5": _hdf5, ".hdf5": _hdf5, ".mat": _mat}
-
 _ALONE = {".mtx": _mtx, ".npy": _npy}
-
 ENDINGS = (*_TOGETHER, *_ALONE)

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.axes import is_empty, say, start_upward
@@ -25,6 +24,7 @@ from vibeam.figures.settled_motion import sheet_each
 from vibeam.figures.sheet import Sheet
 from vibeam.figures.style import Look, looks_of, name_of
 from vibeam.figures.units import units_for
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,12 +35,9 @@ if TYPE_CHECKING:
     from vibeam.figures.comparison import Comparison
     from vibeam.figures.units import Units
 
-Array = NDArray[np.float64]
 
 WIDTH, HIGH, ROW, AROUND = 7.2, 3.7, 1.35, 1.4  # inches: of the page, of one beam's page, of a further beam, of titles
-
 LEFT = 0.52  # share of the width that the beams have
-
 FLASH = 0.06  # drive periods for which an impact is marked
 
 

@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.axes import from_zero, is_empty, say
@@ -27,6 +26,7 @@ from vibeam.orbits.modal_sums import fault
 from vibeam.orbits.orbit import orbits
 from vibeam.solvers.averaging.solver import slow_flow
 from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,16 +36,10 @@ if TYPE_CHECKING:
     from vibeam.figures.comparison import Comparison
 
 
-Array = NDArray[np.float64]
-
 Options = Mapping[str, str | float]
-
 BESIDE = 1e-6  # step off a fold, as a share of the drive: the mean of both roots there is its reach
-
 STRONGER = 1e3  # upper end of the search for the weakest drive with orbits, in multiples of the case's drive
-
 CURE = "name other fidelities, or leave the table away"
-
 CALLED = {"least_stable_reach": "least stable reach Q* of the contact", "largest_gap": "largest |gap| Δ_MAX"}
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.case.plans import ShowPlan
@@ -25,6 +25,7 @@ from vibeam.figures.style import looks_of, name_of
 from vibeam.figures.units import Units, percent, units_for
 from vibeam.solvers.chirp import Chirp, linear_chirp, swept
 from vibeam.system.response import Ended, FrequencyResponse
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -34,8 +35,6 @@ if TYPE_CHECKING:
     from vibeam.figures.comparison import Comparison
     from vibeam.figures.style import Look
 
-
-Array = NDArray[np.float64]
 
 SWEPT = {"up": 0.9, "down": 0.5}  # opacity of the line of a chirp
 

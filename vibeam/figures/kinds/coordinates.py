@@ -25,6 +25,7 @@ from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import Look, name_of
 from vibeam.figures.units import Units, units_for
 from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,12 +34,8 @@ if TYPE_CHECKING:
     from vibeam.figures.comparison import Comparison
 
 
-Array = NDArray[np.float64]
-
 PERIODS = 3
-
 ROUNDING = 1e-13
-
 TRANSFORMED: dict[str, Any] = {"linestyle": (0, (4, 1.4)), "linewidth": 1.0}
 
 

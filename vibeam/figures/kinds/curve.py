@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 
 
 LENGTHS = ("amplitude", "reach", "output_reach", "maximum", "minimum")
-
 OF_CONTACT = ("reach", "impact_velocity")
 
 OF_OUTPUT = {

@@ -29,6 +29,7 @@ from vibeam.observe.measuring_chain import Record, measure
 from vibeam.observe.spectrum import spectrum_of
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -38,18 +39,11 @@ if TYPE_CHECKING:
     from vibeam.figures.comparison import Comparison
 
 
-Array = NDArray[np.float64]
-
 PERIODS = 40  # of the mode that the output shows most
-
 SAMPLES = 256  # samples a natural period, of a motion that is not measured
-
 AWAY = 1e3  # gap, in contact displacements at the start, of a stop that is not there
-
 LEAST = 3  # maxima for an envelope
-
 LEAST_LINE = 1e-7  # smallest line shown, as a share of the largest displacement
-
 SHOWN = 4  # largest frequency shown, in multiples of the mode's
 
 

@@ -32,11 +32,8 @@ if TYPE_CHECKING:
 
 
 HIGHEST = 8
-
 PERIODS = 8  # default highest order, times the subdivision
-
 FEW = 12  # largest number of frequencies drawn as bars
-
 MARKED = 25  # points of a line below which each is marked
 
 

@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.axes import is_empty, say
@@ -22,6 +21,7 @@ from vibeam.flight.trajectory import simulate
 from vibeam.observe.collision import Collision, collision_of
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
+from vibeam_models.arrays import Array
 from vibeam_models.laws.compliant import CompliantStop
 
 if TYPE_CHECKING:
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.figures.comparison import Comparison
 
-
-Array = NDArray[np.float64]
 
 TURN = 0.25  # periods of the mode until it turns: what touches the stop before belongs to the one collision
 

@@ -27,13 +27,9 @@ if TYPE_CHECKING:
 
 
 PERIODS = 16
-
 ROUNDING = 1e-13
-
 NEAR = 0.01  # tolerance, as a share of the range, for a closed orbit
-
 REPEATS = 8  # largest period, in drive periods, of a closed orbit
-
 SHADES, LEAST_SHADE = 8.0, 0.12  # opacity of an aperiodic motion's lines: first over their number, second at least
 
 

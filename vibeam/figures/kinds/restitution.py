@@ -9,7 +9,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import RESTITUTIONS
@@ -39,20 +38,12 @@ if TYPE_CHECKING:
     from vibeam.figures.comparison import Comparison
 
 
-Array = NDArray[np.float64]
-
 PERIODS = 12
-
 SAMPLES = 500  # samples a drive period, of a motion that is not measured
-
 WINDOW = 0.08  # window of the extremum, in drive periods: 5 ms near 15.5 Hz
-
 FIT = 0.9  # window of the slow part's fit, in drive periods; an impact nearby ends it
-
 GUARD = 0.016  # drive periods left out next to impacts, where a filter smears: 1 ms near 15.5 Hz
-
 SHOWN = (-0.5, 2.0)  # largest value drawn: a reading beside an impact is unbounded
-
 BESIDE = 2  # further modes fitted beside the slow part
 
 MEANING = {

@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.axes import from_zero, is_empty, say
@@ -22,6 +21,7 @@ from vibeam.figures.style import looks_of, name_of
 from vibeam.figures.units import units_for
 from vibeam.observe.ringing import REACH, CountedPeaks, count_peaks, fast_part, fit_ringing, peaks_of
 from vibeam.observe.slow_motion import SlowPart, slow_part
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -30,16 +30,10 @@ if TYPE_CHECKING:
     from vibeam.figures.comparison import Comparison
 
 
-Array = NDArray[np.float64]
-
 PERIODS = 12
-
 SAMPLES = 48  # samples a period of the ringing, of a motion that is not measured
-
 GUARD = 0.2  # periods of the ringing left out next to impacts, where faster modes and the filter still act
-
 PROMINENCE = 0.2  # prominence of a counted peak, as a share of the range
-
 APART = 0.7  # periods of the ringing between two counted peaks, at least: of several in noise the highest is meant
 
 

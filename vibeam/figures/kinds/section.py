@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.axes import around
@@ -18,6 +17,7 @@ from vibeam.figures.units import units_for
 from vibeam.observe.poincare import stroboscopic_section
 from vibeam.system.response import Ended
 from vibeam.system.state import State
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -26,10 +26,7 @@ if TYPE_CHECKING:
     from vibeam.figures.comparison import Comparison
 
 
-Array = NDArray[np.float64]
-
 PERIODS = 500
-
 PLACES = 32  # largest number of points drawn with large marks
 
 

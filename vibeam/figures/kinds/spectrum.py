@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.axes import Array, decades
+from vibeam.figures.axes import decades
 from vibeam.figures.outputs import motion_of
 from vibeam.figures.panels import faults_at, labelled, sheets_at, titled
 from vibeam.figures.settled_motion import chain_or_exact, measured_window, sheet_each
@@ -13,6 +13,7 @@ from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import name_of
 from vibeam.figures.units import units_for
 from vibeam.observe.spectrum import spectrum_of
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,9 +23,7 @@ if TYPE_CHECKING:
 
 
 PERIODS = 64
-
 SAMPLES = 256  # samples a drive period, of a motion that is not measured
-
 SHOWN = 16  # largest frequency shown, in multiples of the drive frequency
 
 

@@ -17,13 +17,9 @@ from typing import Any
 import numpy as np
 
 Kind = str | list[Any]  # see ``manifest``
-
 NUMBERS = ("d", "q")
-
 NOTHING = object()  # no argument is this one
-
 KEPT = 1 << 20  # bytes of arrays that are kept alive for the next call at most
-
 _address, _first_byte = ctypes.addressof, ctypes.c_char.from_buffer
 
 

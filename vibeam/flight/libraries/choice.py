@@ -20,9 +20,7 @@ from vibeam.flight.libraries.load import function_of, level_of
 from vibeam.flight.libraries.manifest import LEVELS
 
 LOG = logging.getLogger("vibeam")
-
 VARIABLE = "VIBEAM_KERNELS"
-
 CURE = "pip install 'vibeam[jit]'"
 
 

@@ -22,9 +22,7 @@ from vibeam.flight.libraries.processor import level as level_of_processor
 from vibeam.flight.libraries.sources import sources_of
 
 BUILD = "python -m vibeam.flight.ahead_of_time"
-
 MOST = 1 << 24  # bytes of a library
-
 _NUMBER = count()
 
 

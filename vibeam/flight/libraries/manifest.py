@@ -11,9 +11,7 @@ from typing import Any
 from vibeam.flight.libraries.errors import LibraryUnavailable
 
 FOLDER = Path(__file__).parent
-
 NAME = "manifest.json"
-
 LEVELS = ("x86-64-v3", "x86-64-v2", "aarch64")
 
 

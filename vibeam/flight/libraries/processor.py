@@ -8,9 +8,7 @@ import sys
 from pathlib import Path
 
 V2 = {"cx16", "lahf_lm", "popcnt", "pni", "sse4_1", "sse4_2", "ssse3"}
-
 V3 = V2 | {"abm", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "xsave"}
-
 FIRST = 16384  # bytes of /proc/cpuinfo in which the first processor's flags stand
 
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Regime
@@ -14,8 +13,7 @@ from vibeam.flight.linear.blocks import pair_constants, planes
 from vibeam.flight.linear.eigenpairs import Linear
 from vibeam.flight.linear.panel_tables import rates, regime
 from vibeam.system.time_derivative import TimeDerivative
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 FURTHEST = 128  # binary orders by which the unit of time is moved at most
 

@@ -18,17 +18,11 @@ from numpy.typing import NDArray
 from vibeam.flight.linear.common_plane import INSEPARABLE, common_plane
 from vibeam.flight.linear.eigenpairs import Linear, refined, refined_plane
 from vibeam.flight.linear.equal_modes import deflated
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 Indices = NDArray[np.int64]
-
 CLOSE = 0.1  # relative distance of two eigenvalues below which their common plane is taken
-
 WORST = 1e7  # condition of the columns beyond which too many digits would be lost
-
 PROPORTIONAL = 1e-9  # relative; modal damping of a finite-element model has that much round-off
 
 

@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 INSEPARABLE = (
     "damping: modes coincide so nearly, in rates and shapes, that contact has no closed form in which they are told "

@@ -18,22 +18,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
+from vibeam_models.arrays import Array, Complex
 
 Indices = NDArray[np.int64]
-
 Ring = tuple[Any, Any]
-
 ROUNDS = 4  # of Newton
-
 TINY = 1e-13  # share of the fastest rate below which an eigenvalue is zero: nothing to gain
-
 LAST_DIGITS = 1e-15  # share of an eigenvalue below which a step says no more
-
 TINIEST = 1e-30  # for what may be divided by
-
 ASTRAY = 1e-3  # share by which a step may change an eigenvalue or a shape; more, and there is none by itself
 
 

@@ -14,11 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.linear.eigenpairs import Linear
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 Indices = NDArray[np.int64]
-
 EQUAL = 16 * np.finfo(float).eps  # relative: what rounding may leave between equal rates
 
 

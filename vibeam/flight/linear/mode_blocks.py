@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.lanes import layout as block_layout
 from vibeam.flight.kernels.thresholds import ELASTIC, FORGOTTEN, LINGERING, REDUCED, SILENT
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 def lay_out(pairs: Array, table: Array, levels: Array, modes: Array, drive: Array, lanes: int) -> tuple[Array, Array]:

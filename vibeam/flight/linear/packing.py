@@ -7,7 +7,6 @@ from functools import lru_cache
 from math import floor, inf, log2
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Engine, Regime
@@ -18,15 +17,11 @@ from vibeam.flight.linear.mode_blocks import lay_out, longest_flight
 from vibeam.flight.linear.panel_tables import rates, regime
 from vibeam.flight.per_thread import PerThread
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 SLOW = 1e-6  # turns within a motion below which a mode is slow, and the motion itself says how long a panel is
-
 KEPT = 16  # packed systems
-
 SPARE = 4  # levels of panels shorter than the fastest rate needs
-
 FASTEST = 1e36  # bounds take eighth powers of the rates
 
 

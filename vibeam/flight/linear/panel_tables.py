@@ -7,13 +7,11 @@ Panels are 2^top, 2^(top−1), … seconds long: powers of two are hardly ever a
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.entries import tabulate
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.thresholds import APART, RESOLVED
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 SMALLEST = 1e-300  # rad/s: slower is as good as free
 

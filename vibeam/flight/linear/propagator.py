@@ -14,14 +14,11 @@ from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 KEPT = 8  # propagators over one span
-
 APART = 0.3  # μ/σ from which the two decays of an overdamped mode are told apart
 
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Regime
@@ -17,10 +16,9 @@ from vibeam.flight.linear.eigenpairs import Linear
 from vibeam.flight.linear.packing import top_level, yields
 from vibeam.flight.linear.panel_tables import rates
 from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.arrays import Array
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
-
-Array = NDArray[np.float64]
 
 
 def damper_of(system: ImpactSystem) -> Array:

@@ -14,8 +14,7 @@ from vibeam.flight.points.packing import blank
 from vibeam.flight.points.points import LIMIT, Packed, PlainPoints, Settings, packed_alike, room_of, task_of
 from vibeam.flight.points.tangents import layout as tangent_layout
 from vibeam.flight.points.tangents.layout import Disturbances
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 @dataclass(frozen=True)

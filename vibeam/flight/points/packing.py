@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import LOST, without_stop
 from vibeam.flight.kernels import layout
@@ -16,8 +15,7 @@ from vibeam.flight.kernels.thresholds import ELASTIC
 from vibeam.flight.linear.block_regime import set_output
 from vibeam.flight.linear.packing import PackedSystem, pack
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 def packed(system: ImpactSystem, omega: float, elastic: bool, output: str) -> tuple[PackedSystem, Engine]:

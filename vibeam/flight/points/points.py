@@ -22,13 +22,10 @@ from vibeam.flight.points.packing import blank, equilibria, held, packed, stacke
 from vibeam.flight.readout import PointReadout
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 LIMIT = 100_000  # impacts a drive period after which a point is given up, as of a sweep
-
 _OWN = local()
-
 SIDE_BY_SIDE = 8  # modes up to which points go side by side
 
 

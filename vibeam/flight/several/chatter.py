@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.contacts import Contacts
 from vibeam.flight.several.state import Pull
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 NEAR, NEAR_MODES = 1e-11, 4e-15  # shares of the length scale, of one mode and of more: see ``kernels.impact``
-
 FAITHFUL, LATE, FLOOR = 1e-11, 1e-12, 1e-26  # as there
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.contacts import Contacts
 from vibeam.flight.kernels import layout
@@ -11,8 +10,7 @@ from vibeam.flight.several.holds import held_in
 from vibeam.flight.several.state import Pull
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.time_derivative import TimeDerivative
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 def derivative_along(

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.contacts import Contacts
 from vibeam.flight.entries import regimes_move, regimes_poses_at
@@ -18,15 +17,11 @@ from vibeam.flight.linear.block_regime import SignalRow, free_regime, with_signa
 from vibeam.flight.linear.eigenpairs import Linear
 from vibeam.flight.one_sided import multipliers
 from vibeam.flight.pause import unpaused
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 COUPLES = 1e-13  # share of the damping of two held modes below which what couples them is round-off
-
 FLAT = 1e-14  # share of the fastest held mode below which another has no stiffness
-
 MANY = 10**9
-
 FORCE = 2  # row of the force signal of a regime's first side
 
 

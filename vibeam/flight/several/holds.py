@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.several.motion import HELD
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 def holds_of(trace: Array, end: float, contact: int | None) -> Array:

@@ -20,15 +20,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.contacts import NOISE, Contacts
 from vibeam.flight.one_sided import multipliers, one_sided
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 ENDLESS = 100_000  # impulses in one instant
-
 TIED = 1e-12  # share of the fastest approach by which another may be slower and still count as equally fast
 
 

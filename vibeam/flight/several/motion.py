@@ -8,7 +8,6 @@ from threading import local
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.contacts import NOISE, Contacts
 from vibeam.flight.kernels import layout
@@ -19,21 +18,14 @@ from vibeam.flight.several.held import Found, HeldRegime, Unfollowed
 from vibeam.flight.several.impact import Strike, stopped, strikes
 from vibeam.flight.several.state import ContactState, Pull, next_state, pressing
 from vibeam.system.impact_system import Drive
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 HELD = regime_layout.TRACE_COLUMNS  # trace column: which contacts are held, a sum of 2^contact
-
 COLUMNS = regime_layout.TRACE_COLUMNS + 1
-
 DEEP = 1e4  # round-offs beyond a stop that no round-off explains
-
 AT_STOP = 4.0  # round-offs within which a gap is none
-
 IDLE = 64  # events in a row that take next to no time and are no impacts
-
 EVENTS_AN_IMPACT = 16  # on average, before a run is given up
-
 SOON = 1e-12  # share of the slowest time scale that no event is told from
 
 

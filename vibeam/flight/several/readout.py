@@ -3,22 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.several.held import HeldRegime, Unfollowed
 from vibeam.flight.several.holds import held_in
 from vibeam.flight.several.motion import Flights, Motion
 from vibeam.system.impact_system import Drive
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 SAME, REPEATS = 1e-14, 1e-5  # shares of the motion's size: see ``kernels.steady_point``
-
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
-
 TURN = 4.0  # radians of the fastest mode to a panel of Gauss' quadrature
-
 MOST_PANELS = 256  # a segment
 
 

@@ -6,7 +6,6 @@ import time
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.contacts import Contacts
 from vibeam.flight.equilibrium import equilibrium, size_of_motion
@@ -21,8 +20,7 @@ from vibeam.flight.several.readout import Reading, repetition
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 class ContactsSolver:

@@ -10,14 +10,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.contacts import NOISE, Contacts
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.one_sided import multipliers, one_sided, within
 from vibeam.system.impact_system import Drive
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 Start = tuple[float, float]  # order of the root with which a signal starts, and the derivative of that order
 

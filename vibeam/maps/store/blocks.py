@@ -51,7 +51,6 @@ def _identity(block: Block, key: str) -> str:
 
 
 NAME = "manifest"
-
 ANEW = "choose another --out, or start over with --fresh"
 
 

@@ -32,9 +32,7 @@ if TYPE_CHECKING:
     from vibeam.case.plans import MapPlan
 
 FORMAT = "vibeam map 1"
-
 UNSEALED = "its digest does not fit (it is damaged, was changed since, or is no map of this version)"
-
 SHOWN = 4_000_000  # points of a quantity that are read back at most: for pictures
 
 OWN: Mapping[str, Quantity] = {

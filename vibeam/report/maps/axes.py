@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from vibeam.maps.evaluate import GridResponse
     from vibeam.maps.run import MapResult
 
-Array = NDArray[np.float64]
 
 CALLED = NAMES | {
     "stop.gap": "gap",

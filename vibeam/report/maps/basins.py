@@ -21,9 +21,7 @@ if TYPE_CHECKING:
     from vibeam.maps.run import MapResult
 
 MOST = 10  # motions with a colour of their own
-
 SHADES = (*COLOURS[:5], "#56B4E9", "#F0E442", "#8C564B", "#BCBD22", "#17BECF")
-
 FAILED, OTHER = "#333333", "#BBBBBB"
 
 

@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     from vibeam.maps.run import MapResult
 
 SIZES = {"up": 1.3, "down": 2.6, "apart": 1.3}
-
 STABLE: dict[str, Any] = {"color": "black", "linestyle": "-"}
-
 UNSTABLE = {1: COLOURS[1], 2: COLOURS[3], 4: COLOURS[2]}  # by impacts, dashed
 
 

@@ -24,6 +24,7 @@ from vibeam.orbits.bifurcation_functions import Kind
 from vibeam.report.maps.axes import Panel, ShownAxis, cells, panels, quantity_label, shown_axis
 from vibeam.report.stability import LOOKS
 from vibeam.studies.stability.rows import NAMES
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -31,8 +32,6 @@ if TYPE_CHECKING:
     from vibeam.maps.run import MapResult
     from vibeam.system.impact_system import ImpactSystem
 
-
-Array = NDArray[np.float64]
 
 FEWEST, MOST = 41, 81  # points of the grid along each axis, on which boundaries are looked for
 
@@ -98,7 +97,6 @@ def _grid(values: Sequence[float] | Array) -> Array:
 
 
 Handles = list[Any]
-
 HALO = withStroke(linewidth=2.2, foreground="white", alpha=0.8)  # a boundary is seen over cells of its colour too
 
 

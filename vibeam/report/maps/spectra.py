@@ -20,9 +20,7 @@ if TYPE_CHECKING:
     from vibeam.maps.run import MapResult
 
 HIGHEST = 6.0  # multiples of the drive frequency shown
-
 DECADES = 4.0  # below the largest line
-
 HEIGHT = 4.0  # of the largest line, in distances between spectra
 
 

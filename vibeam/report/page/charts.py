@@ -14,13 +14,14 @@ from numpy.typing import ArrayLike, NDArray
 from vibeam.case.faults import CaseError
 from vibeam.case.reference_curves import reference_points
 from vibeam.figures.axes import NOT_FROM_ZERO, SLIGHT, TOP
-from vibeam.figures.branches import Array, MotionClass, pieces
+from vibeam.figures.branches import MotionClass, pieces
 from vibeam.figures.response_curve import grazing_heights
 from vibeam.figures.style import DASH, DASHES, DOT, LINES, looks_of, name_of
 from vibeam.figures.units import Units, units_for
 from vibeam.run.summary import compare
 from vibeam.studies.stored_motions import FRAMES, HARMONICS, StoredMotion, StoredMotions, held_at_zero, stations
 from vibeam.system.response import Ended, FrequencyResponse, complete
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.run.result import Result
@@ -52,7 +53,6 @@ def as_json(values: Any) -> str:
 
 
 MOTION_BYTES, MOTIONS_BYTES = 8000, 750_000  # of one motion on the page, and of all of them
-
 FEWEST, MOST = 3, 41  # frequencies at which motions are kept
 
 

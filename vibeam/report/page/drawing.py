@@ -18,13 +18,9 @@ if TYPE_CHECKING:
 
 
 WIDTH, HEIGHT = 960, 250  # px of the drawing
-
 LEFT, RIGHT, AXIS = 70.0, 50.0, 135.0  # px to the first end of the beam, beyond its other end, down to its axis
-
 THIN = 1.5  # px: least height of a beam that is drawn
-
 POINTS = 8  # of the outline on each stretch
-
 LETTER, ROW = 6.6, 14.0  # px: mean width of a letter, height of a line of text
 
 

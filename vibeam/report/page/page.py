@@ -83,9 +83,7 @@ def _shown(value: Any) -> str:
 
 
 SCRIPTS = ("response.js", "motion.js", "page.js")  # one after the other
-
 DOTS = 110  # dots an inch of a static picture
-
 PICTURES_BYTES = 420_000  # of all static pictures together
 
 

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.solver import FlightSolver
-from vibeam.run.accuracy.closed_forms import FREE, HARDER, ClosedForms, Index, size
+from vibeam.run.accuracy.closed_forms import FREE, HARDER, ClosedForms, size
 from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse, join
 from vibeam.system.state import State
+from vibeam_models.arrays import Array, Index
 
 OVER_AMPLITUDE = ("maximum", "minimum")  # quantities that may be zero: their errors are shares of the amplitude
 
@@ -43,14 +44,9 @@ def distance(found: FrequencyResponse, truth: FrequencyResponse, quantities: Seq
     return np.asarray(np.where(neither, 0.0, np.where(np.isnan(error), np.inf, error)))
 
 
-Array = NDArray[np.float64]
-
 EXACT = 1e-5  # claimed error of the finest model itself: a flight is read off to about 1e-6
-
 CLOSES = 1e-6  # tolerance, as a share of the state, for a state to be periodic
-
 COLUMNS = tuple(each.name for each in fields(FrequencyResponse) if each.name != "frequency")
-
 AVERAGED = ("amplitude", "reach", "impact_velocity")  # quantities that averaging gives
 
 

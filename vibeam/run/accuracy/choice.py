@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.run.accuracy.candidates import Candidate, Evaluation, distance, put, takes
-from vibeam.run.accuracy.closed_forms import Index
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
+from vibeam_models.arrays import Array, Index
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,16 +57,10 @@ class BranchChoice:
         self.candidate[at], self.estimate[at] = candidate, evaluation.error
 
 
-Array = NDArray[np.float64]
-
 SAMPLE = 5  # points of the whole sweep that decide whether a candidate is evaluated at more
-
 FAR = 5  # error of a candidate, as a multiple of the accuracy, beyond which coarser ones are not evaluated
-
 STRETCHES = 8  # initial number of stretches
-
 SHORTEST = 6  # steps of the sweep: a shorter stretch is left to the finest model
-
 SPARE = 0.9  # share of the accuracy available to an estimate
 
 

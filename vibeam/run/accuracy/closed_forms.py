@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.linear.propagator import pairs
 from vibeam.orbits.bifurcation_functions import MotionsAt, motions
@@ -18,19 +17,10 @@ from vibeam.orbits.multipliers import largest, real_crossing
 from vibeam.orbits.orbit_curve import proven
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
-
-Flags = NDArray[np.bool_]
-
-Index = NDArray[np.int64]
+from vibeam_models.arrays import Array, Complex, Flags, Index
 
 HARDER, SOFTER, FREE = range(3)
-
 MANY = 8  # spacing of the points of a coarse scan
-
 KINDS = (HARDER, SOFTER, FREE)
 
 

@@ -16,21 +16,18 @@ import numpy as np
 from vibeam.case.plans import SweepPlan
 from vibeam.run.accuracy.candidates import EXACT, Candidate, Evaluation
 from vibeam.run.accuracy.choice import BranchChoice
-from vibeam.run.accuracy.closed_forms import KINDS, Index, size
+from vibeam.run.accuracy.closed_forms import KINDS, size
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State
+from vibeam_models.arrays import Index
 
 DIES_OUT = 1e-2  # remainder of a disturbance after settling, as a share of the accuracy
-
 NEAR = 0.25  # largest change from one frequency to the next, as a share of the distance to another motion
-
 PARTS = 3  # number of parts of the settling, the first of which is checked for a known motion
-
 SAME = 1e-4  # tolerance, as a share of the state, for a flown motion to be a known one
 
 
 RunOf = Callable[[BranchChoice, Index, int], int]  # along a run on one known motion; gives how many of its places held
-
 Unsettled = Callable[[BranchChoice, Index, State | None], State | None]  # a stretch without one: the state after it
 
 

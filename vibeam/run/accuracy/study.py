@@ -19,13 +19,12 @@ from vibeam.run.accuracy.unsettled import Unsettled
 from vibeam.run.accuracy.verification import POINTS, Verified, verify
 from vibeam.run.models import Model, equal
 from vibeam.system.response import FrequencyResponse
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.system.impact_system import ImpactSystem
 
-
-Array = NDArray[np.float64]
 
 ENDS = {"up": ("up",), "down": ("down",), "both": ("up", "down")}
 

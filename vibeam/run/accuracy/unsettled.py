@@ -18,19 +18,14 @@ from numpy.typing import NDArray
 from vibeam.case.plans import SweepPlan
 from vibeam.run.accuracy.candidates import Candidate, Evaluation, distance, put, rows, values
 from vibeam.run.accuracy.choice import SPARE, BranchChoice
-from vibeam.run.accuracy.closed_forms import Index
 from vibeam.run.accuracy.finest import note_flight
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array, Index
 
 FIRST = 12  # frequencies that determine the scatter
-
 ASKED = 12  # frequencies at which cheaper models are compared with the finest
-
 FEWEST = 48  # smallest number of frequencies for which that can pay
-
 SURE = 3.0  # standard errors of a claim
 
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.plans import SweepPlan
 from vibeam.run.accuracy.candidates import Candidate, distance, rows
@@ -14,12 +13,8 @@ from vibeam.run.accuracy.choice import BranchChoice
 from vibeam.system.response import FrequencyResponse, join
 from vibeam.system.state import State
 
-Array = NDArray[np.float64]
-
 POINTS = 24
-
 SEED = 20181005
-
 DRAWS = 8  # readings of an aperiodic motion
 
 # Student's t for one more sample, 99 % two-sided, over 2 … 8 samples

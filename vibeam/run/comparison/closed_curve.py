@@ -6,16 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.solver import FlightSolver
 from vibeam.run.accuracy.candidates import Candidate
 from vibeam.run.accuracy.closed_forms import KINDS, ClosedForms
 from vibeam.system.impact_system import ImpactSystem
-
-Array = NDArray[np.float64]
-
-Index = NDArray[np.int64]
+from vibeam_models.arrays import Array, Index
 
 POINTS = 16  # frequencies evaluated at once, evenly spread
 

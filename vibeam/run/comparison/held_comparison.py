@@ -20,17 +20,14 @@ from vibeam.system.difference import NAN, Difference
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Branches, periodic
 from vibeam_models.any_scene import AnyScene, RigScene
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 
-Array = NDArray[np.float64]
-
 SAME = 0.01  # share by which the amplitude of a run and that of the closed form of its motion may differ
-
 SURE = 1e-4  # differences smaller than this share have no sign
-
 SMALL = 0.1  # largest share of a difference that the finest's distance from its limit may be
 
 
@@ -199,7 +196,6 @@ def _peak_fault(model: ComparedModel, closed: Closed) -> str:
 
 
 MOVING = "the gap changes along the sweep, which no closed form follows"
-
 SEVERAL = "no closed-form motions under several harmonics"
 
 

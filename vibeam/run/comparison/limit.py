@@ -23,9 +23,7 @@ from vibeam_models.any_scene import RigScene
 from vibeam_models.scene import Scene
 
 LEAST, MOST = 16, 32  # modes of the limit: twice the fidelity's, within these
-
 RESOLVED = 3  # elements a mode: the frequency of the highest is then within 0.1 %
-
 LEAST_SHARE = 0.8  # of the mobility of all modes that those kept must have
 
 FAR = (

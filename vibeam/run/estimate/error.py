@@ -15,8 +15,7 @@ from vibeam.run.estimate.records import QUANTITIES, Basis, ErrorEstimate
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import StatesAfter
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 READ_OFF = 2e-6  # share to which a flight is read off
 

@@ -21,19 +21,13 @@ from vibeam.run.estimate.records import QUANTITIES, Basis, ErrorEstimate
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse, complete
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 AGREES = 1e-3  # largest relative difference in amplitude and impact velocity between a flight and its motion
-
 FIRST = 8  # the first look is after this part of the settling, each further one after as many periods again as before
-
 LONGEST = 1000  # periods of settling at most
-
 MOST = 300  # impacts a drive period, above which a flight is given up
-
 STARTS = 8  # states of a motion that is not known, from which the next one that is known is to be reached
-
 READ = 8  # repetitions of a motion over which it is read
 
 
@@ -86,9 +80,7 @@ class Motion:
 
 
 NAMES = tuple(field.name for field in fields(Motion))
-
 _NAN = np.full(1, np.nan)
-
 UNKNOWN = Motion(_NAN, _NAN, _NAN, np.zeros(1, dtype=np.int64))
 
 

@@ -16,13 +16,9 @@ from vibeam.run.estimate.records import Basis
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import StatesAfter
-
-Array = NDArray[np.float64]
-
-Index = NDArray[np.int64]
+from vibeam_models.arrays import Array, Index
 
 SETTLED = 1e-3  # largest relative difference in impact velocity between a point and its exact orbit
-
 MOST = 8  # impacts before the motion repeats
 
 

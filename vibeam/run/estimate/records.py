@@ -9,6 +9,8 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam_models.arrays import Array
+
 
 class Basis(Enum):
     """The value says in words what an estimate is of, or why there is none; the order is the code in arrays."""
@@ -39,13 +41,9 @@ class Basis(Enum):
 
 
 KNOWN = (Basis.ORBIT, Basis.FREE)  # those with an estimate
-
 WITHOUT_IMPACTS = (Basis.FREE, Basis.FAILED)  # neither model is known to touch the stop
-
 _CODES = {member: code for code, member in enumerate(Basis)}
 
-
-Array = NDArray[np.float64]
 
 QUANTITIES = ("amplitude", "reach", "impact_velocity")
 

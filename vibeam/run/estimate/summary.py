@@ -11,9 +11,7 @@ from vibeam.figures.units import percent
 from vibeam.run.estimate.records import FidelityEstimate
 
 NAN = float("nan")
-
 WHOLE = "it is the full model"
-
 COLUMN = "est. off"
 
 CAPTION = (

@@ -25,9 +25,7 @@ if TYPE_CHECKING:
 
 
 HOME = "accuracy"
-
 PLAIN = ("within", "quantities", "finest", "cpu_seconds", "finest_seconds")
-
 ROWS = {"estimate": "relative error, estimated", "scatter": "relative scatter of single readings, standard deviation"}
 
 

@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from vibeam.run.store.checksum import CHECKSUM, of_rows
 from vibeam.run.store.layout import STATES, fixed, write_branch
 from vibeam.system.quantities import LAYOUT, OutputUnits
-from vibeam.system.response import Array, FrequencyResponse
+from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State, StatesAfter
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     import h5py
 
 
 Values = Mapping[str, NDArray[Any]]
-
 ROWS = (*LAYOUT, *STATES)
 
 

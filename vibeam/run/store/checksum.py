@@ -14,7 +14,6 @@ if TYPE_CHECKING:
 
 
 CHECKSUM = "checksum"
-
 NO_VALUES = (CHECKSUM, "DIMENSION_LIST", "REFERENCE_LIST")  # references between scales
 
 

@@ -41,17 +41,11 @@ def lay_out_anew(file: h5py.File, branch: Branch, units: OutputUnits, *, signed:
 
 
 FORMAT = "vibeam results 3"
-
 UNSIGNED = "vibeam results 1"  # format with a key for the whole case alone, no checksums
-
 OLDER = ("vibeam results 2", UNSIGNED)  # formats with other keys
-
 Values = Mapping[str, Any]
-
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
-
 OURS = re.compile(rb"vibeam results \d")
-
 ELSEWHERE = "choose another --out, or start over with --fresh"
 
 

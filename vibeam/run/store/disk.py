@@ -15,9 +15,7 @@ from vibeam.run.store.errors import StoreError, reason, unwritable
 from vibeam.run.store.lock import lock
 
 ELSEWHERE = "choose another --out"
-
 ROOM = "make room, then run again to go on"
-
 NO_LINKS = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK)
 
 

@@ -10,7 +10,6 @@ from pathlib import Path
 
 # raised by h5py for damaged bytes
 FAULTS = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError)
-
 CURE = "start over with --fresh, or delete it and run again"
 
 

@@ -57,7 +57,6 @@ def _plain(dataset: h5py.Dataset) -> bool:
 
 
 Tell = Callable[[str], None]
-
 Plan = Callable[[Keyed], Wanted]
 
 

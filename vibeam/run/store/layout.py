@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from vibeam.run.store.checksum import CHECKSUM
 from vibeam.system.motion_curves import BRANCHES, MotionCurves
 from vibeam.system.quantities import LAYOUT, OutputUnits, Quantity, unit_of
-from vibeam.system.response import VELOCITIES_KEPT, Array, Ended, FrequencyResponse
+from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     import h5py

@@ -12,7 +12,6 @@ from pathlib import Path
 from vibeam.run.store.errors import StoreError, unwritable
 
 UNKNOWN = (errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK)  # errors of file systems without locks, which HDF5 accepts too
-
 TRIES = 100
 
 

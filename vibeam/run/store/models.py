@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 
 MODELS = "models"  # group of the file, one group in it for each fidelity
-
 Keyed = Mapping[str, tuple[str, ModelProperties]]  # by fidelity: the key of all that decides them, and the properties
 
 
@@ -54,9 +53,7 @@ def write_models(file: h5py.File, models: Keyed) -> None:
 
 
 COMPARISON = "comparison"  # group of the file, one group in it for each fidelity
-
 WHOLE = "whole.json"  # dataset in it, by a name that no fidelity can have
-
 Attributes = Mapping[str, Mapping[str, str | float]]
 
 

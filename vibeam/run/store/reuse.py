@@ -20,7 +20,7 @@ from vibeam.run.store.branch import (
 )
 from vibeam.run.store.checksum import CHECKSUM
 from vibeam.system.quantities import METRES, OutputUnits
-from vibeam.system.response import Array
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     import h5py

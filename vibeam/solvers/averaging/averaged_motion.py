@@ -5,7 +5,6 @@ from __future__ import annotations
 from math import atan2
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.solvers.integration.samples import Motion as Sampled
 from vibeam.solvers.one_mode.oscillator import OneMode, Oscillator
@@ -13,8 +12,7 @@ from vibeam.solvers.one_mode.stationary import Motion
 from vibeam.system.impact_system import Drive
 from vibeam.system.response import Ended
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 SAMPLES = 1000  # samples a drive period
 

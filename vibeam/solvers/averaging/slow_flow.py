@@ -37,17 +37,13 @@ from math import atan2, copysign, hypot, inf, log, nan, pi, sqrt
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.solvers.one_mode.oscillator import Oscillator
 from vibeam_models.arguments import whole
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 Damping = Literal["paper", "log"]
-
 LAWS = ("paper", "log")
-
 REAL = 1e-7  # imaginary share below which a root of the quartic counts as real: a double root splits by √ε
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vibeam.solvers.averaging.averaged_motion import averaged_path
 from vibeam.solvers.averaging.slow_flow import Damping, SlowFlow, Stationary, law_faults
@@ -18,8 +18,7 @@ from vibeam.solvers.one_mode.stationary import NOTHING_FOUND, Motion, Stationary
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.motion_curves import MotionCurves
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 HIGHEST = 16  # longest period in a response
 

@@ -6,13 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arguments import count, number, refuse
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 EXPLICIT = ("RK23", "RK45", "DOP853")
 

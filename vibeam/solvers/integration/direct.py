@@ -5,16 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.solvers.integration.coordinates import EXPLICIT, Frame
 from vibeam.solvers.integration.impact_events import EventSolver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
+from vibeam_models.arrays import Array
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import VelocityRestitution
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

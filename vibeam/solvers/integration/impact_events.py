@@ -23,7 +23,6 @@ from threading import Lock
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.pause import pause
 from vibeam.solvers.integration.adaptive import AdaptiveStepper
@@ -33,23 +32,15 @@ from vibeam.solvers.integration.stepper import NO_MARKS, Watch, cycle, slack
 from vibeam.system.impact_system import Drive
 from vibeam.system.response import Ended
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 PER_STEP = 4  # samples a step of the integrator
-
 LONGEST = 1 / 8  # longest step, as a share of the drive period
-
 TINY = 1e-300
-
 DEEP = 1e-2  # tolerance, as a share of atol, before a passage of the stop counts as an impact
-
 ROUNDING = 1e-15
-
 STUCK = 1e-12  # share of a period below which a flight counts as not begun
-
 EVALUATIONS = 1_000_000  # of the right-hand side in a drive period: modes far too fast take more
-
 ONE_AT_A_TIME = Lock()  # before scipy 1.17, LSODA keeps its state in one place for all threads
 
 

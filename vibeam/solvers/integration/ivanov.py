@@ -27,7 +27,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.flight.pause import pause
@@ -40,8 +39,7 @@ from vibeam.solvers.integration.zhuravlev import Distance
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 class _Endless(Exception):

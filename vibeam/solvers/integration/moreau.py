@@ -21,7 +21,6 @@ one step's acceleration, and half of it shows as flight.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.entries import march
 from vibeam.flight.kernels import moreau_layout
@@ -32,8 +31,7 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.state import State
 from vibeam_models.arguments import count, number, refuse
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 EDGE = 1e-9  # tolerance, as a share of a step, for a span to be a whole number of steps
 

@@ -16,8 +16,7 @@ from vibeam.observe.periodicity import repetition
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 SLACK = 1e-9  # tolerance, as a share of a period, between a sample's time and the period's end
 

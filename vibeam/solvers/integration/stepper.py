@@ -7,7 +7,6 @@ from abc import abstractmethod
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.solvers.integration.samples import Motion, Outcome, Piece, Reading
@@ -15,13 +14,10 @@ from vibeam.solvers.steady import SteadySolver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 Watch = Callable[[Piece], None]
-
 BEYOND = 1e-9  # tolerance for a start beyond the stop, as a share of the contact displacement's size
-
 NO_MARKS = np.empty(0)
 
 

@@ -25,14 +25,12 @@ from dataclasses import dataclass, replace
 from math import sin
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.solvers.integration.coordinates import Frame, only_one_mode
 from vibeam.solvers.integration.impact_events import EventSolver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 @dataclass(frozen=True)

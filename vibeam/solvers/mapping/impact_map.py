@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from math import hypot, nan, pi, sqrt
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from vibeam.flight.kernels import layout
@@ -26,13 +26,10 @@ from vibeam.flight.solver import FlightSolver
 from vibeam.solvers.one_mode.oscillator import Oscillator
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 HORIZON = 1000  # drive periods after which a flight counts as without impact
-
 SAMPLES = 64  # intervals a period, of the faster of drive and oscillator, that isolate the turning points
-
 EARLY = 1e-6  # tolerance, as a share of n periods, for the first impact to be the orbit's own
 
 

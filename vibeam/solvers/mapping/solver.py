@@ -8,7 +8,6 @@ chatter or chaos: such a point is NaN.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.solvers.mapping.impact_map import ImpactMap, Orbit, flight_solver
 from vibeam.solvers.mapping.stability import Form, admissible_orbits, check_form, orbit_invariants
@@ -16,8 +15,6 @@ from vibeam.solvers.one_mode.oscillator import Oscillator
 from vibeam.solvers.one_mode.stationary import Motion, StationarySolver
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arguments import count, refuse
-
-Array = NDArray[np.float64]
 
 HIGHEST = 16  # longest period in a response
 

@@ -41,7 +41,6 @@ from vibeam.solvers.mapping.impact_map import Impact, ImpactMap, Orbit, fixed_po
 from vibeam.solvers.one_mode.oscillator import Oscillator
 
 Form = Literal["derived", "printed 29-30", "printed 35-37"]
-
 FORMS: tuple[Form, ...] = ("derived", "printed 29-30", "printed 35-37")
 
 

@@ -14,13 +14,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 @dataclass(frozen=True)

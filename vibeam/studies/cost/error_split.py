@@ -15,13 +15,11 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.run.models import Model, equal, first_mode_restitution_of, with_first_mode_restitution
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse, periodic
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 LINKS = ("contact law", "reduction", "effects left out", "finest fidelity itself")  # last link, to a reference file
 
@@ -90,7 +88,6 @@ def part(name: str, found: Share) -> Part:
 
 
 Build = Callable[[Model, Model], ImpactSystem]
-
 Fly = Callable[[ImpactSystem], FrequencyResponse]
 
 

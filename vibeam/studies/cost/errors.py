@@ -11,11 +11,9 @@ from numpy.typing import NDArray
 from vibeam.studies.cost.measure import AperiodicSample, Measured, Plan
 from vibeam.studies.cost.trajectories import APART, distance, matched
 from vibeam.system.response import Difference, complete, periodic
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 QUANTILES = (0.1, 0.5, 0.9)
-
 NONE = float("nan")
 
 

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.pause import Clock, OutOfTime, ending_at, pause
 from vibeam.solvers import SOLVERS, solver
@@ -15,8 +14,7 @@ from vibeam.studies.cost.trajectories import ComparedPath, path_of, released
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse, join
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 @dataclass(frozen=True)

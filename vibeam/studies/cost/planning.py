@@ -10,19 +10,17 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.run.models import Model
 from vibeam.studies.cost.measure import Plan, measure
 from vibeam.studies.cost.reference import FLIGHT, curve
 from vibeam.studies.cost.settings import Series, Setting
 from vibeam.system.impact_system import Drive
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
 
-
-Array = NDArray[np.float64]
 
 POINTS, SETTLE, HOLD, CLOUD, WINDOW = 9, 100, 10, 200, 10
 

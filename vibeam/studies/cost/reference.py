@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.reference_curves import SAME_FREQUENCY, reference_points
 from vibeam.flight.pause import Clock, OutOfTime
@@ -15,19 +14,15 @@ from vibeam.studies.cost.measure import Measured, Plan, measure
 from vibeam.studies.cost.settings import Setting
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 
-Array = NDArray[np.float64]
-
 FLIGHT, ORBIT = Setting("flight"), Setting("orbit")
-
 STRICT = 1e-12
-
 MOST = 12  # largest number of modes for strict integration
-
 WINDOW = 3  # drive periods of strict integration
 
 

@@ -10,11 +10,8 @@ from typing import Any
 from vibeam.solvers import SOLVERS
 
 RTOLS = (1e-3, 1e-4, 1e-6, 1e-8, 1e-10)
-
 STEPS = (100, 300, 1000, 3000, 10_000)
-
 ORDERS = {"RK23": 3, "RK45": 5, "DOP853": 8, "LSODA": 8}  # order of a step's error: tolerance^(−1/order) steps
-
 ATOL = 1e-2  # absolute tolerance over relative tolerance and size of the motion: the paper's 1e-8 for 1e-4 and 1e-2
 
 

@@ -30,11 +30,8 @@ if TYPE_CHECKING:
 
 
 PROBE = 2  # drive periods of the warm-up, from which the cost of a first setting is estimated
-
 SHARE = 0.01  # share of the budget for repeats of a run
-
 STIFF = 1e-5  # seconds, at least, that scipy's solvers take for a radian of the fastest mode
-
 Progress = Callable[[str], None]
 
 

@@ -13,17 +13,14 @@ from numpy.typing import NDArray
 
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.system.state import State
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.system.impact_system import Drive, ImpactSystem
 
 
-Array = NDArray[np.float64]
-
 APART = 0.1  # share of a drive period by which an impact may be shifted and still match
-
 GRID = 200  # vertices a drive period of an exact path
-
 VERTICES = 4000  # vertices of a longer path that are compared, besides its impacts
 
 

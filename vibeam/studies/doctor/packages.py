@@ -14,7 +14,6 @@ from pathlib import Path
 from vibeam.studies.doctor.finding import Finding, State
 
 TOPIC = "packages"
-
 LEAST_PYTHON = (3, 11)
 
 #: names of modules that are not those of their packages
@@ -22,7 +21,6 @@ MODULES = {"scikit-fem": "skfem", "tomli-w": "tomli_w", "pillow": "PIL"}
 
 #: extras that a user has a use for, and that
 EXTRAS = {"jit": "compiles kernels where there is no library of them", "lab": "reads universal files"}
-
 ENTRY = re.compile(r"([\w.-]+)(?:\[[^\]]*\])?\s*(?:>=\s*([\w.]+))?")
 WANTED_BY = re.compile(r"extra\s*==\s*['\"]([^'\"]+)")
 

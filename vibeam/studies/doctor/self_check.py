@@ -30,11 +30,8 @@ if TYPE_CHECKING:
     from vibeam.system.state import State as Motion
 
 TOPIC, KERNELS = "self-check", "kernels"
-
 CURE = "the installation computes wrongly: install vibeam anew, and report this output"
-
 EXACT, MESH = 1e-10, 1e-6  # allowed relative errors: of round-off, and of a mesh of 24 elements
-
 ROOT = 1.8751040687119611
 
 

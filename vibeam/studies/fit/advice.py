@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.figures.prefixes import with_unit
 from vibeam.studies.fit.estimate import Minimum
@@ -23,20 +22,16 @@ from vibeam.studies.fit.points import Points
 from vibeam.studies.fit.problem import MOTIONS, ROUGH, Problem, value_of
 from vibeam.studies.fit.profile import LEVEL
 from vibeam.studies.identification.modes import unit_of
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
 
-Array = NDArray[np.float64]
 
 LEVELS = ("voltage", "amplitude", "velocity", "acceleration", "force")
-
 FACTORS = (0.5, 1.0, 2.0)  # of the drive
-
 MOST = 25  # frequencies
-
 BEST = 5  # candidates told
-
 NEAR = 0.01  # half-width of the box of the modal data, share of the bounds
 
 

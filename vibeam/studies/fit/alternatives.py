@@ -18,11 +18,8 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 UNITS = (1e3, 1e-3, 1e6, 1e-6)  # factors that a wrong unit makes
-
 CLEAR = 0.5  # share of the loss that a factor must leave at most
-
 MODES = 8
-
 STARTS = 3  # of another model
 
 

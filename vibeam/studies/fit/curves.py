@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.studies.fit.estimate import Minimum
 from vibeam.studies.fit.problem import MOTIONS, ROUGH, Problem, value_of
 from vibeam.studies.fit.surface import surface_of
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 NEAR = 0.01  # half-width of the box of the modal data, share of the bounds
 

@@ -22,45 +22,27 @@ from numpy.typing import NDArray
 from vibeam.studies.fit.explanation import SCALE, Explanation, costs, explained, nearest, robust
 from vibeam.studies.fit.flown import Rows, flown_losses, flown_rows
 from vibeam.studies.fit.other_motions import UNTOLD, OtherMotion
-from vibeam.studies.fit.problem import IMPOSSIBLE, LEFT, NO_CONTACT, Index, Problem
+from vibeam.studies.fit.problem import IMPOSSIBLE, LEFT, NO_CONTACT, Problem
 from vibeam.studies.fit.surface import quasi_random
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array, Index
 
 SCANNED = 32  # keys looked at, for each that is estimated
-
 SAMPLES = 64  # a period, of the motions of the scan
-
 TRIED, SETTLED = 6, 3  # starts minimised from; of these, settled
-
 FEW, MANY = 8, 40  # evaluations of a minimisation
-
 ROUNDS = 8  # of explaining and minimising
-
 NEAREST = 4  # of these with every point on its nearest motion, to begin with
-
 GAIN = 0.05  # decrease of the loss by which a round is worth while
-
 SHARES = (1.0, 0.5, 0.2)  # of the way to a minimum that are tried
-
 DOUBTFUL = 0.2  # probability of a misfit below which starts are looked for by flights
-
 WORSE = 1.5  # loss a point above which they are too; 0.8 is expected of normal residuals
-
 FLOWN = 5  # of these starts
-
 APART = 0.02  # distance of two minima, share of the bounds
-
 FINE = 1e-9
-
 ROUGHLY = 1e-5  # tolerance of a minimisation between two explanations
-
 NEARBY = 4.5  # standard errors to either side, of the box of the last surfaces
-
 SURE = 1e-9  # tolerance of the modal data there
-
 CONFIRMED = 0.02  # difference of residuals by the surfaces and by the model itself, in standard uncertainties
-
 SMALLER = 6  # boxes at most
 
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.orbits.bifurcation_functions import clearances
 from vibeam.orbits.bifurcation_functions import motions as motions_at
@@ -21,21 +20,14 @@ from vibeam.orbits.orbit_curve import stability
 from vibeam.orbits.tangents import ModalData
 from vibeam.studies.fit.other_motions import OtherMotion, other_motions
 from vibeam.studies.fit.points import Points
-from vibeam.studies.fit.problem import IMPOSSIBLE, LEFT, NO_CONTACT, Index, Problem, value_of
+from vibeam.studies.fit.problem import IMPOSSIBLE, LEFT, NO_CONTACT, Problem, value_of
 from vibeam.studies.fit.surface import ModalSurface
-
-Array = NDArray[np.float64]
-
-Flags = NDArray[np.bool_]
+from vibeam_models.arrays import Array, Flags, Index
 
 ROOTS = (0, 1)  # of the quadratic
-
 FURTHEST = 1.0  # ln(B*/B) up to which the drive beyond the fold is taken
-
 FAR = 4.0  # residual from which on another motion is looked for
-
 HANDICAP = 9.0  # of a motion that does not exist at this drive against one that does, in squared residuals
-
 SCALE = 3.0  # residual from which on Cauchy's loss grows slowly
 
 

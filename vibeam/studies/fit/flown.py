@@ -10,25 +10,23 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.batch.batch import batch
 from vibeam.orbits.tangents import ModalData
 from vibeam.studies.fit.explanation import robust
 from vibeam.studies.fit.other_motions import HOLD, SETTLE, OtherMotion
 from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.batch.response import BatchResponse
     from vibeam.studies.fit.points import Points
-    from vibeam.studies.fit.problem import Index, Problem
+    from vibeam.studies.fit.problem import Problem
+    from vibeam_models.arrays import Index
 
-Array = NDArray[np.float64]
 
 SHORT = 150  # drive periods settled where starts are looked for
-
 STEP = 1e-3  # of a difference quotient, share of the bounds
-
 NEAR = 3.0  # residual of a flown motion up to which it is taken to be that of the point
 
 

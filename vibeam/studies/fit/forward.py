@@ -7,20 +7,19 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.fidelity import system
 from vibeam.casefile.case_model import CaseModel
 from vibeam.orbits.modal_sums import fault
 from vibeam.orbits.tangents import ModalData
 from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.arrays import Array
 from vibeam_models.base_motion import drive_amplitude
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import FitKey
 
-Array = NDArray[np.float64]
 
 NEARLY = 1e-6  # distance of a damping ratio from 1 below which the closed forms lose accuracy
 

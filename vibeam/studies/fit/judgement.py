@@ -24,21 +24,16 @@ from itertools import combinations
 from math import erfc, log, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.orbits.tangents import Tangents
 from vibeam.studies.fit.alternatives import Alternative
 from vibeam.studies.fit.estimate import UNLIKELY, Minimum, met, minimise, settled
 from vibeam.studies.fit.problem import LEFT, NO_CONTACT, Problem, value_of
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 WIDEST = 3.0  # factor on all uncertainties up to which intervals are given
-
 SHARE = 10  # one in so many points may be an outlier
-
 DISTINCT = 1e-3  # part of an added variable that the keys cannot make up for, from which on it is tested
-
 NUDGE = 1e-5  # relative step of a frequency
 
 

@@ -7,23 +7,21 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.run.sweep import sweep
 from vibeam.system.ended import Ended
 from vibeam.system.response import Branches, FrequencyResponse
 from vibeam_models.arguments import counted
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.studies.fit.points import Points
-    from vibeam.studies.fit.problem import Index, Problem
+    from vibeam.studies.fit.problem import Problem
+    from vibeam_models.arrays import Index
 
-Array = NDArray[np.float64]
 
 SETTLE, HOLD = 300, 32  # drive periods
-
 UNTOLD = 9.0  # least squared residual of a motion that does not repeat, whose value is that of no one record
-
 VARIES = 0.1  # share by which records of such a motion are taken to differ
 
 

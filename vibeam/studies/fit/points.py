@@ -11,16 +11,15 @@ from numpy.typing import NDArray
 
 from vibeam.case.faults import CaseError
 from vibeam.case.reference_curves import read_curve, reference_curve
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import Reference
     from vibeam.observe.measuring_chain import Chain
 
-Array = NDArray[np.float64]
 
 MORE_THAN_ONE = 1.01  # impacts until the motion repeats
-
 Gain = Callable[[Array], NDArray[np.complex128]]
 
 

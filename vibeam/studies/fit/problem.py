@@ -21,27 +21,19 @@ from vibeam.orbits.tangents import ModalData, Tangents
 from vibeam.studies.fit.forward import Forward
 from vibeam.studies.fit.points import Points, points_of
 from vibeam.studies.fit.surface import ModalSurface, surface_of
+from vibeam_models.arrays import Array, Index
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import FitKey
 
-Array = NDArray[np.float64]
-
-Index = NDArray[np.int64]
 
 Models = Callable[[str], tuple[ModalData, Tangents]]  # of a fidelity, at all of its points
-
 MOTIONS = ("harder impact", "softer impact", "no contact", "left out")
-
 NO_CONTACT, LEFT = 2, 3
-
 HARD = 3.0  # weight of a drive that is off by the relative uncertainty of a point
-
 HEAVIEST = 1e4
-
 IMPOSSIBLE = 1e9  # residual of values that make no system
-
 ROUGH = 1e-5  # tolerance of the modal data over all bounds, where starts are looked for
 
 

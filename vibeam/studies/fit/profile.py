@@ -11,27 +11,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.studies.fit.estimate import Minimum, minimise
 from vibeam.studies.fit.problem import Problem
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 LEVEL = 3.841458820694124  # χ² of one degree of freedom, 95 %
-
 TRIES = 24
-
 NEAR = 0.01  # of the root's height, where the crossing is found
-
 BOUND = 1e-3  # share of the bounds within which a key is at one
-
 STRETCH = 3.0  # of the distance from the minimum, in one step outward
-
 NEARLY = 0.05  # share of the bounds within which a bound is tried itself
-
 ENOUGH = 1e-4  # relative tolerance of a misfit whose rise is looked at
-
 BETTER = 1e-3  # decrease of the misfit that is another minimum
 
 
@@ -123,11 +114,8 @@ def misfit_at(problem: Problem, minimum: Minimum, k: int, share: float) -> float
 
 
 LEVEL_OF_TWO = 5.991464547107979  # χ² of two degrees of freedom, 95 %
-
 RAYS = 16
-
 TRIES_OF_TWO = 4
-
 NEAR_OF_TWO = 0.05
 
 

@@ -9,7 +9,6 @@ from math import sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.studies.fit.advice import NextPoint, next_points
 from vibeam.studies.fit.advice import in_words as advice_in_words
@@ -19,11 +18,10 @@ from vibeam.studies.fit.judgement import WIDEST, Judgement, patterns, without_ou
 from vibeam.studies.fit.problem import MOTIONS, Problem
 from vibeam.studies.fit.profile import LEVEL, Profile, contour_of, profile
 from vibeam.studies.fit.words import on_directions, on_misfit, on_ridges, ridges
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -23,17 +23,11 @@ from numpy.typing import NDArray
 from vibeam.case.grid_keys import is_structural
 from vibeam.orbits.tangents import ModalData, Tangents, aligned
 from vibeam.studies.fit.forward import Forward
-
-Array = NDArray[np.float64]
-
-Index = NDArray[np.int64]
+from vibeam_models.arrays import Array, Index
 
 MOST = 64  # structures made for a box
-
 DEGREES = (2, 2)  # to start with, of the keys of the structure and of the others
-
 HIGHEST = (12, 4)
-
 OVER = 1e-9  # by which a restitution may be outside 0 … 1 by round-off
 
 

@@ -23,24 +23,18 @@ from vibeam.studies.fit.judgement import Judgement, Pattern, doubled
 from vibeam.studies.fit.problem import MOTIONS, Problem
 from vibeam.studies.fit.profile import LEVEL, Profile
 from vibeam.studies.identification.modes import unit_of
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.studies.fit.forward import Forward
 
-Array = NDArray[np.float64]
 
 SMALL = 1e-3  # probability below which it is told as such; of less misfit than the uncertainty allows for
-
 SHOWN = 6  # frequencies named
-
 OPEN = 0.5  # half-width of a direction, share of the bounds, from which on it is not determined
-
 TOGETHER = 0.95  # correlation of two keys from which on their ridge is told
-
 CONSTANT = 0.03  # relative change along a ridge of a product of powers that is said to be constant
-
 SLOW = 0.12  # the same of the slow flow's quotient, which averaging makes out to be constant
-
 DRIVES = ("drive.gain", "drive.voltage", "drive.amplitude")
 
 

@@ -11,12 +11,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.studies.identification.estimates import Array, Identification, by_logarithms, estimates, spread_of
+from vibeam.studies.identification.estimates import Identification, by_logarithms, estimates, spread_of
+from vibeam_models.arrays import Array
 
 LEAST = 16  # samples
-
 CORRELATED = 0.3  # correlation of neighbouring residuals from which on noise is not white
-
 REMAINS = 0.05  # residual, relative to the largest value, from which on it is no single linear mode
 
 

@@ -16,16 +16,12 @@ from dataclasses import dataclass
 from math import inf, log, nan
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 UNKNOWN = log(2.0)  # half-width of an interval in the logarithm from which on a direction is not determined
-
 FURTHEST = log(1000.0)  # how far a direction that is not determined may reach
-
 SAME = 0.005  # difference of an exponent from 1 that is none
-
 TAKES_PART = 0.05  # share of a direction's largest part from which on a parameter takes part in it
 
 

@@ -20,19 +20,17 @@ from vibeam.case.faults import suggest
 from vibeam.casefile.read import parse
 from vibeam.casefile.toml import key_parts
 from vibeam.run.result import Result
-from vibeam.studies.identification.estimates import Array, Identification, estimates, spread_of
+from vibeam.studies.identification.estimates import Identification, estimates, spread_of
 from vibeam.studies.regression.readings import read
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import Measured
 
 QUANTITY = "mode_frequency"
-
 STEP = 1e-4  # of a logarithm, for differences
-
 FURTHEST = np.log(20.0)  # factor from the start
-
 UNLIKELY = 1e-3  # probability of the misfit below which the intervals do not hold
 
 

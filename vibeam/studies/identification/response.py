@@ -16,16 +16,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.studies.identification.estimates import Array, Identification, by_logarithms, estimates, spread_of
+from vibeam.studies.identification.estimates import Identification, by_logarithms, estimates, spread_of
+from vibeam_models.arrays import Array
 
 DRIVES = ("base displacement", "base acceleration", "force")
-
 CUT = 0.02  # share of the motion left at the end of a record from which on its spectrum leaks
-
 REMAINS = 0.05  # residual, relative to the largest value, from which on it is no single linear mode
-
 NEAR = 0.15  # share of the peak from which on a spectrum is fitted: below, noise has a floor
-
 Shape = Callable[[Array, Array], Array]
 
 

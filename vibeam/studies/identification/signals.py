@@ -11,12 +11,10 @@ from vibeam.case.reference_files import factor, fault_in
 from vibeam.exchange.curves.columns import Wanted
 from vibeam.exchange.curves.read import read_columns
 from vibeam.exchange.files import FormatError
-from vibeam.studies.identification.estimates import Array
+from vibeam_models.arrays import Array
 
 USUAL = {"time": ("time", "t"), "frequency": ("frequency", "freq", "f")}
-
 VALUES = ("displacement", "amplitude", "magnitude", "value", "x", "a")
-
 UNITS = {"time": "s", "frequency": "Hz"}
 
 

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.case import Case
 from vibeam.case.fidelity import gap_drift
@@ -15,13 +14,10 @@ from vibeam.studies.influence.quantities import NAN, Value
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Branches, FrequencyResponse, join, periodic
 from vibeam.system.state import State
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 FINER, ROUNDS, HALVINGS = 8, 2, 8
-
 SMOOTH = 0.05  # tolerance, as a share of the parabola's height, between the motion at its top and that height
-
 EDGE = "at the end of the sweep: it may lie beyond"
 
 

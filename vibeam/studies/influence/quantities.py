@@ -11,7 +11,6 @@ if TYPE_CHECKING:
 
 
 NAN = float("nan")
-
 How = Literal["relative", "absolute"]
 
 

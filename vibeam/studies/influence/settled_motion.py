@@ -16,23 +16,15 @@ from vibeam.observe.slow_motion import SlowPart, slow_part
 from vibeam.studies.influence.curve import Curve, Step
 from vibeam.studies.influence.quantities import NAN, Value
 from vibeam.system.impact_system import Drive, ImpactSystem
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 WILD = 8  # drive periods evaluated of an aperiodic motion
-
 BESIDE = 1.5  # drive periods beyond the period of a periodic one, so that no interval between impacts is cut off
-
 SAMPLES = 50  # samples a period of the ringing …
-
 LEAST = 300  # … and a drive period, at least
-
 FITTED = 10  # largest number of faster modes in the fit: still faster ones have decayed
-
 GUARD = 0.02  # share of a drive period left out next to impacts where there are still faster modes
-
 RINGING = ("ringing", "ringing_frequency", "apparent_restitution")
-
 UNSEEN = 1e-9  # share of the sensor's row below which a mode is not observable
 
 

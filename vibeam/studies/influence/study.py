@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 
 Progress = Callable[[str], None]
-
 NAN = float("nan")
 
 

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
@@ -20,6 +19,7 @@ from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.read import parse, validate
 from vibeam.casefile.tables.table import content, note, toml_text
 from vibeam.casefile.validation import fields_of, is_repeated, physics_keys
+from vibeam_models.arrays import Array
 
 
 def effects_of(declared: BaseModel) -> tuple[str, ...]:
@@ -77,8 +77,6 @@ def _keys(table: object) -> Iterator[str]:
             if is_effect(field) and getattr(table, key) != field.default:
                 yield key
 
-
-Array = NDArray[np.float64]
 
 SAME = 1e-9  # relative tolerance for two models' modes to be the same
 
@@ -188,7 +186,6 @@ def _frequencies(case: Case, modes: int) -> Array:
 
 
 EXACT = 6  # largest number of effects for which all sets are tried
-
 Worst = Callable[[frozenset[str]], float]
 
 

@@ -20,7 +20,6 @@ from math import nan
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.figures.kinds.impact import struck
@@ -30,11 +29,10 @@ from vibeam.orbits.train_sums import Trains
 from vibeam.run.comparison.limit import LEAST_SHARE, RESOLVED
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.any_scene import RigScene
+from vibeam_models.arrays import Array
 from vibeam_models.laws import ContactLaw
 from vibeam_models.laws.restitution import first_mode_restitution
 from vibeam_models.scene import Scene
-
-Array = NDArray[np.float64]
 
 BARE = (
     "the contact has little or no mass of its own: its mobility grows with each mode more, mode 1 gets less of the "
@@ -140,15 +138,10 @@ def modes_by_contact_time(model: ImpactSystem, duration: float) -> int:
 
 
 LEAST = 4  # values from which a rate is observed
-
 SLOWEST = 0.4  # rate below which differences are not taken to sum up
-
 STEADY = 0.25  # largest difference of two successive rates of a sequence that is extrapolated
-
 ROUND_OFF = 1e-9  # relative difference at which a sequence has arrived
-
 TOO_FEW = "too few numbers of modes to observe a rate"
-
 DIVERGES = "no limit in sight: from N = {0} to {1} it still changes by {2:.2g} %, no less than before"
 
 

@@ -32,9 +32,7 @@ if TYPE_CHECKING:
 
 
 COUNTS = (1, 2, 4, 8, 16, 32, 64)
-
 SPEED = 0.05  # m/s of the contact at first touch
-
 WITHIN = 0.01  # share of the limit at which there are modes enough
 
 HELD: dict[Literal["contact", "first mode"], str] = {

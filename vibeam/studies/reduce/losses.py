@@ -6,14 +6,12 @@ from dataclasses import dataclass
 from math import inf, nan
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.studies.reduce.response import UNKNOWN, ResponseError
 from vibeam.studies.reduce.transfer import ModalForm, TransferErrors, TransferStudy
+from vibeam_models.arrays import Array
 from vibeam_models.laws.restitution import first_mode_restitution
 from vibeam_reductions.projection import Reduction
-
-Array = NDArray[np.float64]
 
 INSTANTS = 65  # of a contact at which the half-sine pulse is looked at
 

@@ -14,7 +14,6 @@ from math import nan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.fidelity import gap_drift, gap_wear, system_of
 from vibeam.case.reduced_structure import static_at_contact
@@ -26,6 +25,7 @@ from vibeam.run.estimate.error import unsuited
 from vibeam.run.estimate.of_case import LARGEST
 from vibeam.run.sweep import march
 from vibeam.system.response import periodic
+from vibeam_models.arrays import Array, Flags, Index
 from vibeam_models.laws.restitution import contact_restitution, first_mode_restitution
 
 if TYPE_CHECKING:
@@ -33,20 +33,11 @@ if TYPE_CHECKING:
     from vibeam.system.impact_system import ImpactSystem
     from vibeam_models.structure import Structure
 
-Array = NDArray[np.float64]
-
-Flags = NDArray[np.bool_]
-
-Index = NDArray[np.int64]
 
 COUNTS = (31, 7)  # frequencies of a sweep that is flown in place of a longer one; fewer where those cost too much
-
 BUDGET = 6e7  # evaluations of the contact × modes that all modes' sweep may cost: about ten seconds
-
 ALIKE = 0.9  # share of the full model's motions that a model within the accuracy must make too
-
 ENOUGH = 0.5  # share of the frequencies at which the full model's motion must be known for a recommendation
-
 COLUMNS = 18  # of amplitudes by period: 0, which stays empty, 1 … 16, and −1, no contact, as the last
 
 CHAOS = (

@@ -31,9 +31,7 @@ HELD = (
 )
 
 FREQUENCIES = 400  # of the band
-
 WIDER = 10  # times the highest drive frequency, where no band is asked for
-
 REFERENCE = 60  # coordinates that stand for a structure whose modes are not all known
 
 

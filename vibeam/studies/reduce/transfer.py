@@ -7,18 +7,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from vibeam_models.arrays import Array, Complex
 from vibeam_models.laws.compliant import LinearStop
 from vibeam_models.structure import Structure
 from vibeam_reductions.projection import Reduction
 
-Array = NDArray[np.float64]
-
-Complex = NDArray[np.complex128]
-
 COUPLED = 1e-6  # share of off-diagonal modal damping from which it counts
-
 HOLLOW = 0.01  # of the largest value in the band: what an error is relative to in an antiresonance
 
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.reference_curves import SAME_FREQUENCY, reference_points
 from vibeam.studies.regression import expectations as expect
 from vibeam.studies.regression import measured, references
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from vibeam.studies.regression.measured import MeasuredRow
     from vibeam.studies.regression.references import CheckRow
     from vibeam.system.response import Branches
-
-
-Array = NDArray[np.float64]
 
 
 def at_references(case: Case, result: Result, *, partial: bool = False) -> dict[str, Branches]:

@@ -23,13 +23,9 @@ if TYPE_CHECKING:
     from vibeam.system.response import Branches
 
 SMALL = 1e-6  # smallest reference value for relative differences, as a share of the column's largest
-
 COVERAGE = 2.0  # standard uncertainties that a difference may be for the measurement's sake: 95 %
-
 TOLD = 3  # points named that are missed
-
 COMPARABLE = 1e-4  # largest relative difference from which on a curve is registered
-
 CONTINUOUS = ("amplitude", "maximum", "minimum", "reach", "impact_velocity")  # over frequency: these may be shifted
 
 

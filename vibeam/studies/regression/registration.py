@@ -25,20 +25,14 @@ from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 Piece = tuple[Array, Array]  # frequency in Hz, value: neighbouring points of one kind of motion
-
 LEAST = 5  # points below which nothing is told apart
-
 ROBUST = 0.02  # scaled distance from which on points count less than by its square
-
 TOGETHER = 0.98  # correlation from which on shift and amplitude error are not told apart
-
 MOST = 2_000_000  # pairs of points and segments: of more points every second, third … is taken
-
 SHIFTS = np.concatenate([-np.geomspace(0.2, 0.002, 12), [0.0], np.geomspace(0.002, 0.2, 12)])  # starts
 
 

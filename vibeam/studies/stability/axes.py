@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import FREQUENCY
 from vibeam.casefile.quantities import (
@@ -24,13 +23,12 @@ from vibeam.casefile.quantities import (
 from vibeam.figures.prefixes import shown_unit
 from vibeam.orbits.bifurcation_functions import DrivePerLevel
 from vibeam.orbits.modal_sums import sums
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.system.impact_system import ImpactSystem
 
-
-Array = NDArray[np.float64]
 
 WIDE = 2.0  # default gaps, in amplitudes without the stop
 
@@ -45,9 +43,7 @@ LEVELS = {
 }
 
 NAMES = {f"drive.{key}": name for key, (name, _) in LEVELS.items()}
-
 PLAIN = {"amplitude": "base amplitude B", "velocity": "base velocity ΩB", "acceleration": "base acceleration Ω²B"}
-
 TABLE = "share of the drive"  # the level of one that is a list over frequency
 
 

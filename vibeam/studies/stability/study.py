@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.case import require_one_harmonic
 from vibeam.case.faults import CaseError
@@ -17,13 +16,11 @@ from vibeam.solvers.averaging.solver import slow_flow
 from vibeam.studies.stability import axes
 from vibeam.studies.stability.axes import Axis, Driving
 from vibeam.studies.stability.rows import Crossing, CurvePoint, Share, crossings, curve_points, share
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.system.impact_system import ImpactSystem
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -13,22 +13,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.studies.uncertainty.multifidelity import Allocation, Estimate, Pilot, allocation, estimate
 from vibeam.studies.uncertainty.samples import Coarse, Responses, Sampler, inputs_of
 from vibeam.studies.uncertainty.surrogates import ClosedForm, Surface, known, runs
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 Progress = Callable[[str], None]
-
 PILOT = 32  # samples from which correlations are taken
-
 POINTS = 60  # frequencies of a closed form at least, of a sweep that has as many
-
 MOST = 20_000  # runs of any model
-
 TIMED = 12  # further samples from which costs are taken
 
 

@@ -21,9 +21,8 @@ from itertools import combinations, pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 RESAMPLES = 500  # of the bootstrap
 

@@ -8,7 +8,6 @@ from time import thread_time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.fidelity import gap_drift, gap_wear, system
 from vibeam.casefile.case_model import CaseModel, narrowed
@@ -16,6 +15,7 @@ from vibeam.maps.variation import varied
 from vibeam.run.parallel import heartbeat, run_parallel
 from vibeam.run.sweep import sweep
 from vibeam.system.response import FrequencyResponse, complete
+from vibeam_models.arrays import Array
 from vibeam_models.base_motion import drive_amplitude
 
 if TYPE_CHECKING:
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
     from vibeam.case.case import Case
     from vibeam.case.plans import Uncertain
-
-Array = NDArray[np.float64]
 
 
 def inputs_of(uncertain: Sequence[Uncertain], shares: Array) -> Array:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.run.parallel import EVERY, heartbeat
 from vibeam.run.result import finest_of
@@ -15,15 +14,14 @@ from vibeam.studies.uncertainty.mean_of_peak import PILOT, MeanPeak, mean_of_pea
 from vibeam.studies.uncertainty.samples import Responses, Sampler, inputs_of
 from vibeam.studies.uncertainty.statistics import LEVELS, Indices, Spread, indices, saltelli
 from vibeam.studies.uncertainty.validation import ErrorRow, error_rows
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import Uncertain
 
-Array = NDArray[np.float64]
 
 Progress = Callable[[str], None]
-
 MISSING = 'the case says nothing of what is uncertain: write [uncertain] with, say, "mass.mass" = "± 2 g"'
 
 

@@ -15,7 +15,6 @@ from time import thread_time
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.fidelity import system
 from vibeam.casefile.case_model import CaseModel
@@ -25,16 +24,14 @@ from vibeam.orbits.output_derivatives import without_contact
 from vibeam.orbits.output_signals import SampledOutput
 from vibeam.orbits.tangents import ModalData, Tangents
 from vibeam.studies.uncertainty.samples import Responses
+from vibeam_models.arrays import Array
 from vibeam_models.base_motion import drive_amplitude
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
 
 
-Array = NDArray[np.float64]
-
 SAMPLES = 64  # a drive period
-
 NEARLY = 1e-6  # distance of a damping ratio from 1 below which the closed forms lose accuracy
 
 

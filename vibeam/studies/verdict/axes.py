@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.faults import CaseError
 from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS, RESTITUTION
@@ -16,15 +15,14 @@ from vibeam.casefile.fields import Entry, Quantity
 from vibeam.casefile.quantities import to_si
 from vibeam.casefile.validation import declaration, entry_of, fields_of, table_of
 from vibeam.studies.stability.axes import NAMES, WIDE, frequencies, second_name, swing
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.system.impact_system import ImpactSystem
 
-Array = NDArray[np.float64]
 
 SHORT = {"frequency": FREQUENCY, "gap": GAP, "restitution": RESTITUTION}  #: "drive" is whichever the case has
-
 DRIVEN = (0.2, 2.0)  # default range of a drive, in its own value
 
 

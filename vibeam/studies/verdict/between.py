@@ -24,15 +24,14 @@ from vibeam.orbits.orbit import Orbit, orbits
 from vibeam.studies.verdict.judgement import cheapest, doubtful
 from vibeam.studies.verdict.motions import NO_CONTACT, Kinds, Motions
 from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.studies.verdict.axes import VerdictAxis
 
-Array = NDArray[np.float64]
 
 UP, DOWN = 0, 1
-
 ONE = 1  # period
 
 

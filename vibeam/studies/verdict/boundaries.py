@@ -12,7 +12,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import GAP, LEVELS
 from vibeam.casefile.case_model import narrowed
@@ -23,14 +22,13 @@ from vibeam.orbits.bifurcation_functions import Kind
 from vibeam.orbits.boundaries import boundaries
 from vibeam.studies.stability.rows import NAMES
 from vibeam.studies.verdict.axes import VerdictAxis
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
 
-Array = NDArray[np.float64]
 
 PLACES = 121  # looked at along a row before each change of sign is bracketed
-
 STEP = 3.0  # columns by which a boundary may move from row to row and still be one curve
 
 

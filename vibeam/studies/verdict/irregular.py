@@ -30,14 +30,12 @@ from vibeam.system.state import State
 if TYPE_CHECKING:
     from vibeam.case.plans import SweepPlan
 
-Array = NDArray[np.float64]
 
 READINGS = 8  # of a motion that does not repeat, the sweep's own among them
 
 # drive periods of the mean of an exponent, and standard errors by which it must differ from 0: more periods where it
 # does not. One mode begins with the second stage: a rest, which decides, may be seldom.
 STAGES = ((60, 4.0), (200, 2.0), (1000, 2.0))
-
 Place = tuple[int, int, int]  # way, row, column
 
 

@@ -8,13 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.studies.verdict.motions import CHAOTIC, FAILED, IRREGULAR, SURE, Motions
-
-Flags = NDArray[np.bool_]
+from vibeam_models.arrays import Flags
 
 Codes = NDArray[np.int64]
-
 NOISE = 2.0  # standard errors by which a mean may miss the accuracy and still count as within it
-
 SAME, IN_PERIOD, IN_NUMBER, IN_CHAOS = range(4)  #: differences in kind, the gravest last
 
 DIFFERENCES = {

@@ -9,17 +9,12 @@ from numpy.typing import NDArray
 
 from vibeam.maps.block import Values
 from vibeam.maps.points import GridPoints
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 Kinds = NDArray[np.int64]
-
 WAYS = ("up", "down")
-
 NO_CONTACT, IRREGULAR, CHAOTIC, FAILED = -1, 0, -2, -3  #: kinds beside the period 1 … 16
-
 APART = 1e-3  # difference of two amplitudes, as a share, that makes two motions of one kind
-
 SURE = 3.0  # standard errors by which means must differ for two motions of one kind
 
 

@@ -10,7 +10,6 @@ from threading import Event, Lock
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import FREQUENCY
 from vibeam.exchange.whole_files import regular
@@ -26,17 +25,15 @@ from vibeam.run.store.lock import locked
 from vibeam.studies.verdict.boundaries import ExactBoundary, exact_boundaries
 from vibeam.studies.verdict.irregular import judged
 from vibeam.studies.verdict.motions import Motions, motions
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.studies.verdict.axes import VerdictAxis
 
-Array = NDArray[np.float64]
 
 ROWS = 8  # of a block at most: the points that stand in the processor's lanes together
-
 READ = ("period", "ended", "state", "resting", "cpu_seconds")
-
 Task = Callable[[Event], None]
 
 

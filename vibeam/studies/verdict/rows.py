@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 
 from vibeam.studies.verdict.judgement import SAME, difference, within
 from vibeam.studies.verdict.motions import CHAOTIC, FAILED, IRREGULAR, NO_CONTACT, Motions
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.studies.verdict.axes import VerdictAxis
 
-Array = NDArray[np.float64]
 
 EVERYWHERE = 0.99  # share of the map that counts as all of it
-
 WORTH = 1.5  # gain as a control variate from which it pays
 
 KINDS = {

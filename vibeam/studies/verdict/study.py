@@ -23,15 +23,14 @@ from vibeam.studies.verdict.motions import Motions
 from vibeam.studies.verdict.planes import computed, plane_of
 from vibeam.studies.verdict.rows import FidelityRow, fidelity_row
 from vibeam.studies.verdict.verification import Verification, verified
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.system.impact_system import ImpactSystem
 
-Array = NDArray[np.float64]
 
 Codes = NDArray[np.int64]
-
 QUANTITIES = ("amplitude", "reach")
 
 

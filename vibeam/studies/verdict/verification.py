@@ -14,15 +14,14 @@ from vibeam.studies.verdict.between import labels_between, points_at
 from vibeam.studies.verdict.irregular import judged
 from vibeam.studies.verdict.judgement import cheapest, doubtful
 from vibeam.studies.verdict.motions import Motions, motions
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.studies.verdict.axes import VerdictAxis
 
-Array = NDArray[np.float64]
 
 SEED = 20090101
-
 LONGER = 2  # times the case's settling
 
 

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from math import sin, sqrt
 
-import numpy as np
-from numpy.typing import NDArray
-
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.compiler import joined, kernel
 from vibeam.flight.kernels.roots.pair import propagator
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 
 @joined

@@ -15,11 +15,9 @@ from vibeam.flight.points.kernels.point import engine_of, fill_engine, set_point
 from vibeam.flight.points.tangents import layout as tangent_layout
 from vibeam.flight.points.tangents.along import carry_along, normalized
 from vibeam.flight.points.tangents.layout import Disturbances
-
-Array = NDArray[np.float64]
+from vibeam_models.arrays import Array
 
 Counts = NDArray[np.int64]
-
 BUDGET = 100_000  # impacts between two pauses
 
 
