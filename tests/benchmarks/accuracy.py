@@ -24,9 +24,9 @@ import vibeam
 from vibeam.case.case import Case
 from vibeam.flight import solver as flight
 from vibeam.flight.solver import FlightSolver
-from vibeam.run.accuracy.candidates import rows
-from vibeam.run.accuracy.study import AccuracyChoice, Curve, study
-from vibeam.run.accuracy.verification import DRAWS, judged
+from vibeam.runs.accuracy.candidates import rows
+from vibeam.runs.accuracy.study import AccuracyChoice, Curve, study
+from vibeam.runs.accuracy.verification import DRAWS, judged
 from vibeam.system.response import Branches, FrequencyResponse, join
 
 Found = TypeVar("Found")

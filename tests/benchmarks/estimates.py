@@ -25,9 +25,9 @@ import numpy as np
 import vibeam
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.flight.solver import FlightSolver
-from vibeam.orbits.orbit import orbits
-from vibeam.run.estimate.error import estimate_error
-from vibeam.run.estimate.records import Basis, ErrorEstimate
+from vibeam.periodic.orbit import orbits
+from vibeam.runs.estimate.error import estimate_error
+from vibeam.runs.estimate.records import Basis, ErrorEstimate
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import FrequencyResponse, join
 from vibeam.system.state import StatesAfter

@@ -28,9 +28,9 @@ import numpy as np
 import vibeam
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.flight.solver import FlightSolver
-from vibeam.run.accuracy.closed_forms import KINDS
-from vibeam.run.comparison.closed_curve import amplitudes
-from vibeam.run.comparison.limit import limit
+from vibeam.runs.accuracy.closed_forms import KINDS
+from vibeam.runs.comparison.closed_curve import amplitudes
+from vibeam.runs.comparison.limit import limit
 from vibeam.system.impact_system import ImpactSystem
 
 CASES = Path(__file__).parents[2] / "cases"

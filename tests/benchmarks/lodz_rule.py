@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import vibeam
-from vibeam.orbits.bifurcation_functions import clearances, motions
-from vibeam.orbits.orbit_curve import stability
+from vibeam.periodic.bifurcation_functions import clearances, motions
+from vibeam.periodic.orbit_curve import stability
 
 RESULTS = Path(__file__).parent / "results" / "lodz_rule.json"
 

@@ -19,8 +19,8 @@ from verdict import Verdict
 from workers import Stage
 
 from vibeam.cli.main import main
-from vibeam.run.store.errors import StoreError
-from vibeam.run.store.file import read
+from vibeam.runs.store.errors import StoreError
+from vibeam.runs.store.file import read
 
 KINDS = ("cut", "bits", "byte", "zeros", "noise", "moved", "appended", "holed")
 

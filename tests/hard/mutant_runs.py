@@ -18,7 +18,7 @@ from workers import Stage
 from vibeam.case.case import Case
 from vibeam.case.faults import CaseError
 from vibeam.cli.main import main
-from vibeam.run.store.file import read
+from vibeam.runs.store.file import read
 from vibeam.system.ended import Ended as Reason
 
 

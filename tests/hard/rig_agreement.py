@@ -16,7 +16,7 @@ from verdict import Verdict
 import vibeam
 from vibeam.flight.equilibrium import equilibrium
 from vibeam.flight.regime_solver import RegimeSolver
-from vibeam.run.sweep import march
+from vibeam.runs.sweep import march
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import pytest
 from motions import EPSILON, assert_lawful, judged
 
 import vibeam
-from vibeam.orbits.bifurcation_functions import Kind
+from vibeam.periodic.bifurcation_functions import Kind
 
 ONE = vibeam.ImpactSystem.from_modes(1.0, 0.015, 1.0, 1.0, gap=0.0, restitution=0.8)
 TWO = vibeam.ImpactSystem.from_modes([1.0, 4.3], [0.02, 0.01], [1.0, 0.5], [1.0, 0.4], gap=0.0, restitution=0.8)

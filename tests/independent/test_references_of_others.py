@@ -35,7 +35,7 @@ from systems_of_others import (
     weak_orbit,
 )
 
-from vibeam.orbits.bifurcation_functions import Kind
+from vibeam.periodic.bifurcation_functions import Kind
 
 SICONOS = "Siconos, siconos-tutorials b6c9bfd, examples/mechanics/"
 DRIVEN = SICONOS + "BouncingBallEventDriven/"

@@ -9,7 +9,7 @@ import numpy as np
 
 import vibeam
 from vibeam.flight.trajectory import Trajectory
-from vibeam.orbits.orbit import Orbit
+from vibeam.periodic.orbit import Orbit
 
 NEUTRAL = Path(__file__).parents[2] / "cases" / "dtu_neutral.toml"
 OMEGA, SIZE = 3.0, 2e-3

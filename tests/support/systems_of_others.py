@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import vibeam
-from vibeam.orbits.bifurcation_functions import Kind
+from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.solvers.mapping.impact_map import fixed_points
 from vibeam.solvers.one_mode.oscillator import Oscillator
 from vibeam_models.laws.compliant import Hertz, LinearStop

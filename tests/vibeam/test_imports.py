@@ -52,7 +52,7 @@ def test_packages_lean_one_way(package: str) -> None:
 
 def test_the_check_sees_imports_of_every_kind(tmp_path: Path) -> None:
     path = tmp_path / "a.py"
-    path.write_text("import vibeam.run\ndef f():\n    from vibeam_models import scene\n    from .x import y\n")
+    path.write_text("import vibeam.runs\ndef f():\n    from vibeam_models import scene\n    from .x import y\n")
     assert imported(path) == {"vibeam", "vibeam_models", ".x"}
 
 

@@ -32,7 +32,7 @@ def test_capabilities_are_declared_and_not_looked_for(tmp_path: Path) -> None:
     assert asks_for_attributes(tmp_path / "a.py")
 
 
-@pytest.mark.parametrize("upward", [None, "import vibeam.run.sweep"])
+@pytest.mark.parametrize("upward", [None, "import vibeam.runs.sweep"])
 def test_imports_run_one_way_down(upward: str | None, tmp_path: Path) -> None:
     """The contracts in pyproject.toml hold, and an import upward breaks them."""
     for part in ("vibeam", "models", "reductions"):
@@ -46,7 +46,7 @@ def test_imports_run_one_way_down(upward: str | None, tmp_path: Path) -> None:
         "from importlinter.cli import lint_imports; sys.exit(lint_imports(no_cache=True))"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True)
-    assert (done.returncode, "vibeam.system.state -> vibeam.run.sweep" in done.stdout) == (
+    assert (done.returncode, "vibeam.system.state -> vibeam.runs.sweep" in done.stdout) == (
         int(bool(upward)),
         bool(upward),
     )

@@ -13,7 +13,7 @@ from vibeam.cli.errors import Made, UsageError, of_case
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.runs.result import Result
 
 
 RESULTS = (".h5", ".hdf5")
@@ -104,7 +104,7 @@ def folder(path: Path) -> Path:
 def run_case(case: Case, path: Path | None, show: bool = True, fresh: bool = False, compare: bool = False) -> Result:
     """Run the case, stored in ``path``, with a progress bar."""
     from vibeam.cli.progress import Bar, stderr, tell_overview
-    from vibeam.run.run import run
+    from vibeam.runs.run import run
 
     with Bar() as bar:
         return run(

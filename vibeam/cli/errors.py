@@ -65,7 +65,7 @@ def mistakes() -> Iterator[None]:
         _stop(short, WRONG)
     from vibeam.case.faults import CaseError
     from vibeam.flight.libraries.errors import KernelsUnavailable
-    from vibeam.run.store.errors import StoreError
+    from vibeam.runs.store.errors import StoreError
 
     try:
         yield

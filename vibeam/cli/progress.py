@@ -11,7 +11,7 @@ from rich.console import Console
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-    from vibeam.run.overview import Overview
+    from vibeam.runs.overview import Overview
 
 WIDE, NARROW = 120, 60  # columns of a terminal from which on there are words and speed, and a bar
 
@@ -69,7 +69,7 @@ def _bar(console: Console, doing: str) -> Progress:
     from rich import progress
     from rich.text import Text
 
-    from vibeam.run.parallel import cores
+    from vibeam.runs.parallel import cores
 
     text = progress.TextColumn
 

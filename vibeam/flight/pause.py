@@ -11,7 +11,7 @@ from vibeam.flight.kernels import layout
 
 
 class Stopped(Exception):
-    """A task saw its stop signal and left; never seen outside ``vibeam.run.parallel``."""
+    """A task saw its stop signal and left; never seen outside ``vibeam.runs.parallel``."""
 
 
 class OutOfTime(Exception):

@@ -17,7 +17,7 @@ from vibeam.maps.points import GridPoints, Starts, points_at, random_starts, sta
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
-    from vibeam.batch.response import BatchResponse
+    from vibeam.batches.response import BatchResponse
 
 
 Values = dict[str, NDArray[Any]]
@@ -164,7 +164,7 @@ def _of_one_size(points: GridPoints) -> list[Any]:
 def _flown(
     grid: Grid, points: GridPoints, part: Any, state: Array | BatchResponse | None, threads: int | None
 ) -> BatchResponse:
-    from vibeam.batch.batch import batch
+    from vibeam.batches.batch import batch
 
     wide = isinstance(state, np.ndarray) and state.ndim == 3  # several starts a point
 

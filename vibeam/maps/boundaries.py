@@ -13,9 +13,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.orbits.bifurcation_functions import DrivePerLevel, Kind
-from vibeam.orbits.contours import Plane
-from vibeam.orbits.orbit_map import plane_boundaries
+from vibeam.periodic.bifurcation_functions import DrivePerLevel, Kind
+from vibeam.periodic.contours import Plane
+from vibeam.periodic.orbit_map import plane_boundaries
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 

@@ -14,12 +14,12 @@ from vibeam.casefile.case_model import narrowed
 from vibeam.maps.axes import Axis
 from vibeam.maps.points import GridPoints, grid_points
 from vibeam.maps.variation import varied
-from vibeam.orbits.doubled_branches import doubled_branches
-from vibeam.orbits.orbit import Orbit, orbits
-from vibeam.orbits.orbit_curve import orbit_curve
-from vibeam.orbits.train_branch import Branch, Setting
-from vibeam.orbits.train_orbits import displacements_at
-from vibeam.orbits.trains import Train
+from vibeam.periodic.doubled_branches import doubled_branches
+from vibeam.periodic.orbit import Orbit, orbits
+from vibeam.periodic.orbit_curve import orbit_curve
+from vibeam.periodic.train_branch import Branch, Setting
+from vibeam.periodic.train_orbits import displacements_at
+from vibeam.periodic.trains import Train
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
 

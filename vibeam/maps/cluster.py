@@ -18,7 +18,7 @@ from typing import Any
 
 from vibeam.flight.pause import pause
 from vibeam.maps.block import Block, Values, evaluate_block
-from vibeam.run.store.errors import reason
+from vibeam.runs.store.errors import reason
 
 Evaluate = Callable[[Block], Values]
 WAIT = 15.0  # s for the scheduler and its first worker
@@ -105,7 +105,7 @@ def _address_in(file: Path) -> str:
 def fingerprint() -> str:
     """What decides the bits of a number in this process: code, libraries below it, compiled kernels."""
     from vibeam.flight.entries import origin
-    from vibeam.run.keys import digest_of_code
+    from vibeam.runs.keys import digest_of_code
 
     return f"{digest_of_code()} {origin()}"
 

@@ -19,9 +19,9 @@ from vibeam.maps.job import Job, name_of, points_of
 from vibeam.maps.result import MapResult
 from vibeam.maps.store.blocks import discard, opened, write_block
 from vibeam.maps.store.gathered import finished, gather, is_ours, read_map
-from vibeam.run.parallel import run_parallel
-from vibeam.run.store.errors import StoreError, unwritable
-from vibeam.run.store.lock import locked
+from vibeam.runs.parallel import run_parallel
+from vibeam.runs.store.errors import StoreError, unwritable
+from vibeam.runs.store.lock import locked
 
 if TYPE_CHECKING:
     from threading import Event

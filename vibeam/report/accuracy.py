@@ -10,11 +10,11 @@ import numpy as np
 from vibeam.figures.units import METRIC, Units, percent, signed
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
-from vibeam.run.comparison.differences import both_peaks
+from vibeam.runs.comparison.differences import both_peaks
 
 if TYPE_CHECKING:
-    from vibeam.run.accuracy.study import AccuracyChoice, Chosen
-    from vibeam.run.comparison.differences import HeldComparison
+    from vibeam.runs.accuracy.study import AccuracyChoice, Chosen
+    from vibeam.runs.comparison.differences import HeldComparison
 
 
 MOST = 5  # points listed one by one

@@ -16,7 +16,7 @@ from vibeam.report.output import plain, write_rows
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, coefficient
 from vibeam.report.work_precision import write_work_precision
-from vibeam.run.comparison.differences import notes
+from vibeam.runs.comparison.differences import notes
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case

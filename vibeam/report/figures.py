@@ -12,7 +12,7 @@ from vibeam.figures import FIGURES
 from vibeam.figures.files import all_current, figure_files, paths_of, shown_paths, stamp
 from vibeam.figures.quantity_names import named_of
 from vibeam.figures.sheet import module_of
-from vibeam.run.result import Result
+from vibeam.runs.result import Result
 from vibeam.system.response import Branches, FrequencyResponse
 
 if TYPE_CHECKING:

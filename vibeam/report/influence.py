@@ -20,7 +20,7 @@ from vibeam.figures.units import signed
 from vibeam.report.output import write_rows
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
-from vibeam.run.comparison.differences import both_peaks, notes
+from vibeam.runs.comparison.differences import both_peaks, notes
 
 if TYPE_CHECKING:
     from vibeam.studies.influence.quantities import Change, Quantity

@@ -10,12 +10,12 @@ import numpy as np
 
 from vibeam.case.reference_curves import RECORDED
 from vibeam.case.reference_record import COLUMNS, QUANTITIES
-from vibeam.run.store.provenance import provenance
+from vibeam.runs.store.provenance import provenance
 from vibeam.system.response import complete
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.runs.result import Result
 
 
 def record(result: Result, name: str) -> str:

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 from vibeam.figures.units import units_for
 from vibeam.report import accuracy, tables
-from vibeam.run.comparison.differences import headline, notes
-from vibeam.run.estimate.summary import estimate_texts
-from vibeam.run.summary import compare, remarks
+from vibeam.runs.comparison.differences import headline, notes
+from vibeam.runs.estimate.summary import estimate_texts
+from vibeam.runs.summary import compare, remarks
 
 if TYPE_CHECKING:
     from vibeam.report.table_widths import ReportTable
-    from vibeam.run.result import Result
+    from vibeam.runs.result import Result
 
 
 @dataclass(frozen=True)

@@ -21,9 +21,9 @@ from vibeam.figures.page import PAGE, blank_page, legend, plain, titled, write_p
 from vibeam.figures.prefixes import shown_unit
 from vibeam.figures.style import name_of
 from vibeam.figures.units import units_of
-from vibeam.orbits.bifurcation_functions import Kind
-from vibeam.orbits.contours import BoundaryCurve
-from vibeam.orbits.orbit_map import OrbitMap
+from vibeam.periodic.bifurcation_functions import Kind
+from vibeam.periodic.contours import BoundaryCurve
+from vibeam.periodic.orbit_map import OrbitMap
 from vibeam.studies.stability.axes import Axis
 from vibeam.studies.stability.rows import NAMES
 from vibeam.studies.stability.study import ModelMap, Stability

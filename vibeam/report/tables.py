@@ -19,9 +19,9 @@ from vibeam.report.table_widths import ReportTable, fitted, needed
 
 if TYPE_CHECKING:
     from vibeam.casefile.documentation import KeyRow
-    from vibeam.run.comparison.differences import HeldComparison
-    from vibeam.run.estimate.summary import EstimateTexts
-    from vibeam.run.summary import Summary
+    from vibeam.runs.comparison.differences import HeldComparison
+    from vibeam.runs.estimate.summary import EstimateTexts
+    from vibeam.runs.summary import Summary
     from vibeam.studies.derive import DerivedParameter
     from vibeam.studies.identification.estimates import Identification
     from vibeam.studies.modes import ModeTable

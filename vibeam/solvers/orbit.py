@@ -8,11 +8,11 @@ from dataclasses import fields, replace
 import numpy as np
 
 from vibeam.flight.equilibrium import equilibrium
-from vibeam.orbits.admissibility import AdmissibilityCheck
-from vibeam.orbits.modal_sums import offsets, resonant
-from vibeam.orbits.orbit import Orbit, orbits
-from vibeam.orbits.orbit_curve import checked
-from vibeam.orbits.states import phasors
+from vibeam.periodic.admissibility import AdmissibilityCheck
+from vibeam.periodic.modal_sums import offsets, resonant
+from vibeam.periodic.orbit import Orbit, orbits
+from vibeam.periodic.orbit_curve import checked
+from vibeam.periodic.states import phasors
 from vibeam.solvers.steady import SteadySolver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.motion_curves import MotionCurves

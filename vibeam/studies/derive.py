@@ -137,7 +137,7 @@ def _bare(scene: Scene, exact: _FirstMode) -> Table:
 
 
 def _ill_posed(scene: Scene) -> list[str]:
-    from vibeam.run.summary import BARE
+    from vibeam.runs.summary import BARE
 
     return [BARE] if scene.stop.law is None else []
 

@@ -116,7 +116,7 @@ def _shaped(beam: BeamField, modes: Modes) -> BeamField:
 
 def _notes(scene: RigScene, rows: list[ModeRow]) -> tuple[str, ...]:
     """Notes on an impossible restitution at the end of the table."""
-    from vibeam.run.summary import ill_posed
+    from vibeam.runs.summary import ill_posed
 
     if scene.stop.law is not None:
         return ()

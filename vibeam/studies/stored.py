@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 from vibeam.case.faults import CaseError, Fault
 from vibeam.casefile.tables.table import toml_text
-from vibeam.run.store.errors import StoreError
-from vibeam.run.stored_result import StoredResult, read_result
+from vibeam.runs.store.errors import StoreError
+from vibeam.runs.stored_result import StoredResult, read_result
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.runs.result import Result
 
 
 #: units of a stored case's numbers, which one of before this key does not say

@@ -35,7 +35,7 @@ from vibeam_models.scene import Scene
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.run.stored_result import StoredResult
+    from vibeam.runs.stored_result import StoredResult
 
 
 WINDOW = 4  # drive periods shown of a motion that does not repeat within them

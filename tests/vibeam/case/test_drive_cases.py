@@ -9,7 +9,7 @@ from tests.vibeam.casefile.test_case_faults import RIG as TEXT
 from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
 from vibeam.figures.kinds import modal
-from vibeam.run.run import run
+from vibeam.runs.run import run
 from vibeam.studies.derive import derive
 from vibeam.studies.modes import mode_table
 from vibeam_models.base import Base

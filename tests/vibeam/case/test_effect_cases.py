@@ -19,8 +19,8 @@ from vibeam.case.faults import CaseError
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.casefile.read import parse
 from vibeam.casefile.template import template
-from vibeam.run.run import run
-from vibeam.run.sweep import march
+from vibeam.runs.run import run
+from vibeam.runs.sweep import march
 from vibeam.studies.derive import derive
 from vibeam.studies.modes import mode_table, write_shapes
 from vibeam_models.base import Base

@@ -14,8 +14,8 @@ from scipy.sparse import csc_array, diags_array, eye_array, kron, save_npz
 import vibeam
 from vibeam.casefile.read import parse
 from vibeam.casefile.rigs import FRAME_FILES
-from vibeam.run.comparison.closed_curve import closed_curve
-from vibeam.run.comparison.limit import limit
+from vibeam.runs.comparison.closed_curve import closed_curve
+from vibeam.runs.comparison.limit import limit
 from vibeam.studies.export_matrices import export_matrices
 
 RIG = Path(__file__).parents[3] / "cases" / "dtu_neutral.toml"

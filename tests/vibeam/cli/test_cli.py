@@ -24,8 +24,8 @@ from vibeam.casefile.read import parse
 from vibeam.cli import errors
 from vibeam.cli.errors import mistakes
 from vibeam.cli.main import app
-from vibeam.run import fidelity_sweep
-from vibeam.run.run import run
+from vibeam.runs import fidelity_sweep
+from vibeam.runs.run import run
 
 TESTS = str(Path(__file__).parents[2] / "support")
 HANGS = 600  # seconds: only what never ends takes so long
@@ -440,7 +440,7 @@ STOPPED = """
 import importlib, os, signal, sys
 sys.path[:0] = {path!r}
 from stand_in import Solver
-from vibeam.run import fidelity_sweep
+from vibeam.runs import fidelity_sweep
 from vibeam.cli.main import main
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a background job inherits it as ignored
@@ -452,7 +452,7 @@ def march(*given, **options):
             os.kill(os.getpid(), signal.SIGINT)  # four points are taken by now
 
 fidelity_sweep.march_blocks = march
-importlib.import_module("vibeam.run.run")._warm_up = lambda case, job: None
+importlib.import_module("vibeam.runs.run")._warm_up = lambda case, job: None
 sys.argv = ["vibeam", "run", {case!r}, "--set", "sweep.frequency.points=100000"]
 main()
 """

@@ -1,6 +1,6 @@
 """What ``vibeam run`` prints and draws of a comparison: what is held, the other choice, the finest one's own limit.
 
-+32.1 % and −10.5 % are the peaks of two runs, of either choice; ``tests/vibeam/run/test_held_comparison.py`` derives
++32.1 % and −10.5 % are the peaks of two runs, of either choice; ``tests/vibeam/runs/test_held_comparison.py`` derives
 them and the limit independently.
 """
 

@@ -10,7 +10,7 @@ from figures import SDOF
 from vibeam.casefile.read import parse
 from vibeam.figures.files import all_current, figure_files, stamp
 from vibeam.report.figures import write_figures
-from vibeam.run.run import run
+from vibeam.runs.run import run
 
 CASE = SDOF + '[figure]\nformat = ["png", "svg", "pdf"]\n[show.period]\nkind = "curve"\nquantity = "period"\n'
 

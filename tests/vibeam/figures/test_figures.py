@@ -28,7 +28,7 @@ from vibeam.figures.style import COLOURS, looks_of
 from vibeam.figures.ticks import crowded_axes, thin_out
 from vibeam.figures.units import units_for, units_of
 from vibeam.report.figures import figure, write_shown
-from vibeam.run.result import Result
+from vibeam.runs.result import Result
 from vibeam.system.response import Branches, Ended
 
 GRID = np.linspace(14.0, 17.0, 61)

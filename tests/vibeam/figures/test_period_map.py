@@ -13,7 +13,7 @@ from vibeam.figures.kinds.period_map import classes_of as classes
 from vibeam.figures.kinds.period_map import rows_at
 from vibeam.figures.motion_classes import Class
 from vibeam.report.figures import figure
-from vibeam.run.result import Result
+from vibeam.runs.result import Result
 from vibeam.system.response import Branches, Ended
 
 GRID = np.array([14.0, 15.0, 16.0, 17.0, 18.0])

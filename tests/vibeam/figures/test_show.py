@@ -17,7 +17,7 @@ from vibeam.casefile.read import parse
 from vibeam.figures import FIGURES
 from vibeam.figures.kinds.boundaries import limits
 from vibeam.report.figures import figure, write_shown
-from vibeam.run.store.file import read
+from vibeam.runs.store.file import read
 
 SDOF = one_mode('["1.8 rad/s", "2 rad/s"]', 150, 4, gap="GAP", direction="up")
 EVERY = [

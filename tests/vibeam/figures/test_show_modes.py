@@ -11,7 +11,7 @@ import vibeam
 from vibeam.figures import RESTITUTIONS, SHARES
 from vibeam.figures.sheet import sheet_at, sheets
 from vibeam.report.figures import figure
-from vibeam.run.result import Result
+from vibeam.runs.result import Result
 from vibeam.studies.modes import mode_table
 
 observe = vibeam.observe

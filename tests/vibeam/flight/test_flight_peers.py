@@ -10,7 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import vibeam
-from vibeam.run.sweep import march
+from vibeam.runs.sweep import march
 
 IMPACTS = [150, pytest.param(500, marks=pytest.mark.slow)]
 BAR = 1e-8

@@ -18,7 +18,7 @@ from vibeam.case.plans import AxisPlan
 from vibeam.cli.main import app
 from vibeam.figures.motion_classes import Class, classes
 from vibeam.maps import run as running
-from vibeam.orbits.bifurcation_functions import Kind
+from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.report.maps.axes import panels, shown_axis
 from vibeam.report.maps.page import map_figure
 from vibeam.report.maps.plane import boundaries_of

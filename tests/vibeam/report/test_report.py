@@ -21,8 +21,8 @@ from vibeam.figures.units import METRIC, percent, signed, units_of
 from vibeam.report import tables as table
 from vibeam.report.limit import sentences as limit_sentences
 from vibeam.report.output import to_json, write_csv
-from vibeam.run.result import Result
-from vibeam.run.summary import compare
+from vibeam.runs.result import Result
+from vibeam.runs.summary import compare
 from vibeam.studies.derive import DerivedParameter
 from vibeam.studies.limit.study import LimitRow
 from vibeam.studies.modes import ModeRow, ModeTable

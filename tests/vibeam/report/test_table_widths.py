@@ -12,8 +12,8 @@ from stand_in import case, curve
 from vibeam.casefile.documentation import reference_table
 from vibeam.report import tables as table
 from vibeam.report.table_widths import ReportTable, fitted
-from vibeam.run.result import Result
-from vibeam.run.summary import Summary, compare
+from vibeam.runs.result import Result
+from vibeam.runs.summary import Summary, compare
 from vibeam.studies.derive import DerivedParameter
 from vibeam.studies.regression.references import CheckRow
 from vibeam.system.response import Branches, Difference, Peak

@@ -20,8 +20,8 @@ from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.figures.branches import motion_pieces
 from vibeam.figures.response_curve import write_frc
-from vibeam.orbits.orbit import orbits
-from vibeam.orbits.states import carried
+from vibeam.periodic.orbit import orbits
+from vibeam.periodic.states import carried
 from vibeam.solvers import SOLVERS
 from vibeam.solvers.averaging.solver import AveragingSolver
 from vibeam.solvers.orbit import OrbitSolver

@@ -19,7 +19,7 @@ from vibeam.flight import compilation
 from vibeam.flight import warm_up as warm_up_motion
 from vibeam.flight.compilation import KERNELS, announce
 from vibeam.flight.solver import FlightSolver
-from vibeam.run.accuracy import study as accuracy_study
+from vibeam.runs.accuracy import study as accuracy_study
 from vibeam.solvers import warm_up
 from vibeam.studies.cost.study import cost
 from vibeam.studies.influence import study as influence_study

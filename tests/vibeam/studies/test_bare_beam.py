@@ -18,8 +18,8 @@ from vibeam.casefile.read import parse
 from vibeam.casefile.template import template
 from vibeam.cli.main import app
 from vibeam.report.tables import modal
-from vibeam.run.result import Result
-from vibeam.run.summary import ill_posed, remarks
+from vibeam.runs.result import Result
+from vibeam.runs.summary import ill_posed, remarks
 from vibeam.studies.derive import derive
 from vibeam.studies.modes import mode_table
 from vibeam.studies.stability.study import stability

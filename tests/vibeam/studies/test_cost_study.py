@@ -18,8 +18,8 @@ from vibeam.cli.main import app
 from vibeam.flight.pause import OutOfTime
 from vibeam.report.cost import parts, runs, sentences, write_files
 from vibeam.report.work_precision import work_precision
-from vibeam.run.models import finest, first_mode_restitution_of, models, with_first_mode_restitution
-from vibeam.run.sweep import sweep
+from vibeam.runs.models import finest, first_mode_restitution_of, models, with_first_mode_restitution
+from vibeam.runs.sweep import sweep
 from vibeam.solvers import SOLVERS, solver
 from vibeam.studies.cost import measure as measured_module
 from vibeam.studies.cost import study as study_module

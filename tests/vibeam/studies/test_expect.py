@@ -9,7 +9,7 @@ from stand_in import curve, one_mode
 from vibeam.case.faults import CaseError
 from vibeam.case.plans import Expectation
 from vibeam.casefile.read import parse
-from vibeam.run.result import Result
+from vibeam.runs.result import Result
 from vibeam.studies.regression.expectations import check
 from vibeam.studies.regression.references import CheckRow
 from vibeam.system.response import Branches, Ended

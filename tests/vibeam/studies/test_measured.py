@@ -16,7 +16,7 @@ from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
 from vibeam.report.measured import measurements
 from vibeam.report.output import to_json
-from vibeam.run.result import Result
+from vibeam.runs.result import Result
 from vibeam.studies.regression.expectations import check
 from vibeam.studies.regression.measured import MeasuredRow, compare
 from vibeam.system.response import Branches

@@ -11,9 +11,9 @@ import vibeam
 from vibeam.case.case import Case
 from vibeam.casefile.read import parse
 from vibeam.report.tables import responses
-from vibeam.run.models import Model
-from vibeam.run.result import Result
-from vibeam.run.summary import compare
+from vibeam.runs.models import Model
+from vibeam.runs.result import Result
+from vibeam.runs.summary import compare
 from vibeam.studies.cost.planning import Planning
 from vibeam.studies.influence.curve import refined_peak, swept
 from vibeam.studies.regression.check import check

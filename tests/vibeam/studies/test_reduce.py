@@ -15,7 +15,7 @@ import vibeam
 from tests.benchmarks.recommended import flown
 from tests.models.bench import RIG, STEEL
 from tests.models.test_sparse import net, squared_frequencies
-from vibeam.run.models import first_mode_restitution_of
+from vibeam.runs.models import first_mode_restitution_of
 from vibeam.studies.reduce.losses import INSTANTS, ContactPulse, Question, assurance
 from vibeam.studies.reduce.response import Claim, ResponseError
 from vibeam.studies.reduce.study import Losses, ReductionStudy, _recommended, _reference

@@ -11,7 +11,7 @@ from stand_in import SDOF
 
 import vibeam
 from vibeam.casefile.read import parse
-from vibeam.run.result import Result
+from vibeam.runs.result import Result
 from vibeam.studies.regression.check import at_references
 from vibeam.studies.regression.references import require_readable
 

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam.cli.main import app
 from vibeam.maps.points import GridPoints
-from vibeam.orbits.largest_exponents import LargestExponents, largest_exponents
+from vibeam.periodic.largest_exponents import LargestExponents, largest_exponents
 from vibeam.studies.stability.axes import second_name
 from vibeam.studies.verdict import irregular, judgement
 from vibeam.studies.verdict.axes import keys_of

@@ -58,8 +58,8 @@ def test_plain_names_load_nothing_heavy(name: str) -> None:
 
 
 def test_functions_stay_what_they_are_when_a_module_of_their_name_is_loaded() -> None:
-    import vibeam.orbits.orbit
-    import vibeam.run.run
+    import vibeam.periodic.orbit
+    import vibeam.runs.run
 
     for name in ("orbits", "run", "check", "cost", "modes", "plot"):
         assert callable(getattr(vibeam, name)), name

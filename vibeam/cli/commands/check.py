@@ -51,7 +51,7 @@ def check(
     loaded = load(case, set_)
     path = None if plot is None else output_path(plot, f"{loaded.path.stem}_check.png", DRAWN, "a figure")
     if not (loaded.references or loaded.expectations or loaded.measured):
-        from vibeam.run.systems import require_runnable
+        from vibeam.runs.systems import require_runnable
 
         require_runnable(loaded)
         say(f"{case}: a sound case, but it names no reference to check against and no measured number")
@@ -60,7 +60,7 @@ def check(
     from vibeam.case.held import held_of
     from vibeam.casefile.read import without_accuracy
     from vibeam.figures.units import units_of
-    from vibeam.run.summary import remarks
+    from vibeam.runs.summary import remarks
     from vibeam.studies.regression.check import at_references, compare_measured
     from vibeam.studies.regression.expectations import check as expectations
     from vibeam.studies.regression.references import check as of_references

@@ -26,7 +26,7 @@ def cost(
     """
     from vibeam.report import cost as cost_table
     from vibeam.report.cost import write_files
-    from vibeam.run.comparison.differences import headline
+    from vibeam.runs.comparison.differences import headline
     from vibeam.studies.cost.study import cost as costs
 
     loaded = load(case, set_)

@@ -10,7 +10,7 @@ def influence(case: CaseFile, set_: Overrides = None, as_json: AsJson = False, o
     """Measure what each effect changes, costs and is needed for."""
     from vibeam.report import influence as report
     from vibeam.report.influence import write_files
-    from vibeam.run.comparison.differences import headline
+    from vibeam.runs.comparison.differences import headline
     from vibeam.studies.influence.study import influence as influences
 
     loaded = load(case, set_)

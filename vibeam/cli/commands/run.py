@@ -10,7 +10,7 @@ from vibeam.cli.errors import of_case
 from vibeam.cli.output import print_result
 
 if TYPE_CHECKING:
-    from vibeam.run.result import Result
+    from vibeam.runs.result import Result
 
 
 def run(
@@ -32,8 +32,8 @@ def run(
 def _report(result: Result, path: Path, as_json: bool) -> None:
     from vibeam.report.figures import write_figures
     from vibeam.report.run_report import run_report
-    from vibeam.run.estimate.summary import estimate_texts
-    from vibeam.run.summary import compare, remarks
+    from vibeam.runs.estimate.summary import estimate_texts
+    from vibeam.runs.summary import compare, remarks
 
     files = [path, *write_figures(result, path)]
     whole = {"fidelities": compare(result), "remarks": remarks(result), "found": result.found, "total": result.total}

@@ -20,10 +20,10 @@ from vibeam.figures.panels import across_frequency, labelled
 from vibeam.figures.sheet import Column, Sheet
 from vibeam.figures.style import FEW, GAP, STABLE, UNSTABLE, Look, arrow, looks_of, name_of
 from vibeam.figures.units import Units, units_for
-from vibeam.orbits.bifurcation_functions import Kind
-from vibeam.orbits.boundaries import Boundary, boundaries
-from vibeam.orbits.modal_sums import fault
-from vibeam.orbits.orbit import orbits
+from vibeam.periodic.bifurcation_functions import Kind
+from vibeam.periodic.boundaries import Boundary, boundaries
+from vibeam.periodic.modal_sums import fault
+from vibeam.periodic.orbit import orbits
 from vibeam.solvers.averaging.solver import slow_flow
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array

@@ -15,8 +15,8 @@ import numpy as np
 
 from vibeam.exchange.sealed_files import read_sealed, write_sealed
 from vibeam.maps.block import Block, Values
-from vibeam.run.keys import digest_of_code
-from vibeam.run.store.errors import StoreError, unwritable
+from vibeam.runs.keys import digest_of_code
+from vibeam.runs.store.errors import StoreError, unwritable
 
 
 def block_path(folder: Path, block: Block) -> Path:

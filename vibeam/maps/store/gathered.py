@@ -20,9 +20,9 @@ from vibeam.maps.block import DTYPES, Block, Grid, Values
 from vibeam.maps.evaluate import GridResponse
 from vibeam.maps.refined import FLOWN, over_grid
 from vibeam.maps.store.structure import Structure, without_values
-from vibeam.run.store.content import SIGNATURE
-from vibeam.run.store.errors import StoreError, reason, unwritable
-from vibeam.run.store.provenance import write_provenance
+from vibeam.runs.store.content import SIGNATURE
+from vibeam.runs.store.errors import StoreError, reason, unwritable
+from vibeam.runs.store.provenance import write_provenance
 from vibeam.system.quantities import LAYOUT, Quantity, unit_of
 
 if TYPE_CHECKING:

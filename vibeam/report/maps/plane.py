@@ -20,7 +20,7 @@ from vibeam.figures.motion_classes import classes, draw_classes, edges, key
 from vibeam.figures.page import PAGE, plain
 from vibeam.maps.boundaries import boundaries_over
 from vibeam.maps.variation import Settings, varied
-from vibeam.orbits.bifurcation_functions import Kind
+from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.report.maps.axes import Panel, ShownAxis, cells, panels, quantity_label, shown_axis
 from vibeam.report.stability import LOOKS
 from vibeam.studies.stability.rows import NAMES

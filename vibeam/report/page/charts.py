@@ -18,15 +18,15 @@ from vibeam.figures.branches import MotionClass, pieces
 from vibeam.figures.response_curve import grazing_heights
 from vibeam.figures.style import DASH, DASHES, DOT, LINES, looks_of, name_of
 from vibeam.figures.units import Units, units_for
-from vibeam.run.summary import compare
+from vibeam.runs.summary import compare
 from vibeam.studies.stored_motions import FRAMES, HARMONICS, StoredMotion, StoredMotions, held_at_zero, stations
 from vibeam.system.response import Ended, FrequencyResponse, complete
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
-    from vibeam.run.result import Result
-    from vibeam.run.stored_result import StoredResult
-    from vibeam.run.summary import Summary
+    from vibeam.runs.result import Result
+    from vibeam.runs.stored_result import StoredResult
+    from vibeam.runs.summary import Summary
 
 
 STEPS = 65535  # of an array's range

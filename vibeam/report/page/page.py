@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.report.table_widths import ReportTable
-    from vibeam.run.result import Result
-    from vibeam.run.stored_result import StoredResult
+    from vibeam.runs.result import Result
+    from vibeam.runs.stored_result import StoredResult
 
 
 ELSEWHERE = ("title", "source", "units", "fidelity", "sweep", "show", "reference", "expect", "measured", "cost",

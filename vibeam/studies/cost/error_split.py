@@ -16,7 +16,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from vibeam.run.models import Model, equal, first_mode_restitution_of, with_first_mode_restitution
+from vibeam.runs.models import Model, equal, first_mode_restitution_of, with_first_mode_restitution
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse, periodic
 from vibeam_models.arrays import Array

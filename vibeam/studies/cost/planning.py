@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.run.models import Model
+from vibeam.runs.models import Model
 from vibeam.studies.cost.measure import Plan, measure
 from vibeam.studies.cost.reference import FLIGHT, curve
 from vibeam.studies.cost.settings import Series, Setting

@@ -13,9 +13,9 @@ import numpy as np
 from vibeam.case.case import require_one_harmonic
 from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.flight.pause import Clock, OutOfTime
-from vibeam.run.comparison.differences import HeldComparison
-from vibeam.run.comparison.held_comparison import compared_model, held_comparison
-from vibeam.run.models import CUT_SOLVERS, Model, built, finest, models
+from vibeam.runs.comparison.differences import HeldComparison
+from vibeam.runs.comparison.held_comparison import compared_model, held_comparison
+from vibeam.runs.models import CUT_SOLVERS, Model, built, finest, models
 from vibeam.solvers import SOLVERS
 from vibeam.studies.cost.error_split import Split, split
 from vibeam.studies.cost.measure import Measured, Plan, measure

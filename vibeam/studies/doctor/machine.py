@@ -45,7 +45,7 @@ def processor(cpuinfo: Path = Path("/proc/cpuinfo")) -> str:
 
 
 def _cores() -> str:
-    from vibeam.run.parallel import cores
+    from vibeam.runs.parallel import cores
 
     usable, there = cores(), os.cpu_count() or 1
     return f"{usable} usable" + (f" of {there}" if usable != there else "")

@@ -140,7 +140,7 @@ def orbit() -> float:
 
 def closed_orbit() -> float:
     """Relative error of the velocity of the same orbit, as the equations of periodic motions give it."""
-    from vibeam.orbits.orbit import orbits
+    from vibeam.periodic.orbit import orbits
     from vibeam.system.impact_system import Drive, ImpactSystem
 
     rate, kept, size = 50.0, 0.7, 1e-4

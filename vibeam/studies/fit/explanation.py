@@ -14,10 +14,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vibeam.orbits.bifurcation_functions import clearances
-from vibeam.orbits.bifurcation_functions import motions as motions_at
-from vibeam.orbits.orbit_curve import stability
-from vibeam.orbits.tangents import ModalData
+from vibeam.periodic.bifurcation_functions import clearances
+from vibeam.periodic.bifurcation_functions import motions as motions_at
+from vibeam.periodic.orbit_curve import stability
+from vibeam.periodic.tangents import ModalData
 from vibeam.studies.fit.other_motions import OtherMotion, other_motions
 from vibeam.studies.fit.points import Points
 from vibeam.studies.fit.problem import IMPOSSIBLE, LEFT, NO_CONTACT, Problem, value_of

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.batch.batch import batch
-from vibeam.orbits.tangents import ModalData
+from vibeam.batches.batch import batch
+from vibeam.periodic.tangents import ModalData
 from vibeam.studies.fit.explanation import robust
 from vibeam.studies.fit.other_motions import HOLD, SETTLE, OtherMotion
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
-    from vibeam.batch.response import BatchResponse
+    from vibeam.batches.response import BatchResponse
     from vibeam.studies.fit.points import Points
     from vibeam.studies.fit.problem import Problem
     from vibeam_models.arrays import Index

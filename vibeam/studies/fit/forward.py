@@ -10,8 +10,8 @@ import numpy as np
 
 from vibeam.case.fidelity import system
 from vibeam.casefile.case_model import CaseModel
-from vibeam.orbits.modal_sums import fault
-from vibeam.orbits.tangents import ModalData
+from vibeam.periodic.modal_sums import fault
+from vibeam.periodic.tangents import ModalData
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 from vibeam_models.base_motion import drive_amplitude

@@ -25,7 +25,7 @@ from math import erfc, log, sqrt
 
 import numpy as np
 
-from vibeam.orbits.tangents import Tangents
+from vibeam.periodic.tangents import Tangents
 from vibeam.studies.fit.alternatives import Alternative
 from vibeam.studies.fit.estimate import UNLIKELY, Minimum, met, minimise, settled
 from vibeam.studies.fit.problem import LEFT, NO_CONTACT, Problem, value_of

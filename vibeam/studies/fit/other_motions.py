@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.run.sweep import sweep
+from vibeam.runs.sweep import sweep
 from vibeam.system.ended import Ended
 from vibeam.system.response import Branches, FrequencyResponse
 from vibeam_models.arguments import counted

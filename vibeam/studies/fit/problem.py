@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.orbits.output_derivatives import Value, of_orbits, without_contact
-from vibeam.orbits.tangents import ModalData, Tangents
+from vibeam.periodic.output_derivatives import Value, of_orbits, without_contact
+from vibeam.periodic.tangents import ModalData, Tangents
 from vibeam.studies.fit.forward import Forward
 from vibeam.studies.fit.points import Points, points_of
 from vibeam.studies.fit.surface import ModalSurface, surface_of

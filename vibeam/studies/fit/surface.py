@@ -21,7 +21,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import is_structural
-from vibeam.orbits.tangents import ModalData, Tangents, aligned
+from vibeam.periodic.tangents import ModalData, Tangents, aligned
 from vibeam.studies.fit.forward import Forward
 from vibeam_models.arrays import Array, Index
 

@@ -19,7 +19,7 @@ import numpy as np
 from vibeam.case.faults import suggest
 from vibeam.casefile.read import parse
 from vibeam.casefile.toml import key_parts
-from vibeam.run.result import Result
+from vibeam.runs.result import Result
 from vibeam.studies.identification.estimates import Identification, estimates, spread_of
 from vibeam.studies.regression.readings import read
 from vibeam_models.arrays import Array

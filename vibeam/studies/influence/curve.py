@@ -9,7 +9,7 @@ import numpy as np
 
 from vibeam.case.case import Case
 from vibeam.case.fidelity import gap_drift
-from vibeam.run.sweep import march
+from vibeam.runs.sweep import march
 from vibeam.studies.influence.quantities import NAN, Value
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Branches, FrequencyResponse, join, periodic

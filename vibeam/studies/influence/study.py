@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.case import require_displacement
-from vibeam.run.comparison.differences import HeldComparison
-from vibeam.run.comparison.held_comparison import ComparedModel, compared_model, held_comparison
+from vibeam.runs.comparison.differences import HeldComparison
+from vibeam.runs.comparison.held_comparison import ComparedModel, compared_model, held_comparison
 from vibeam.solvers.warm_up import warm_up_once
 from vibeam.studies.influence.curve import swept
 from vibeam.studies.influence.model import Model, model

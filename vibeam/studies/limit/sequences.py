@@ -23,10 +23,10 @@ import numpy as np
 
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.figures.kinds.impact import struck
-from vibeam.orbits.bifurcation_functions import motions
-from vibeam.orbits.predicted_response import Found, PredictedResponse, predicted
-from vibeam.orbits.train_sums import Trains
-from vibeam.run.comparison.limit import LEAST_SHARE, RESOLVED
+from vibeam.periodic.bifurcation_functions import motions
+from vibeam.periodic.predicted_response import Found, PredictedResponse, predicted
+from vibeam.periodic.train_sums import Trains
+from vibeam.runs.comparison.limit import LEAST_SHARE, RESOLVED
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.any_scene import RigScene
 from vibeam_models.arrays import Array

@@ -18,12 +18,12 @@ import numpy as np
 from vibeam.case.fidelity import gap_drift, gap_wear, system_of
 from vibeam.case.reduced_structure import static_at_contact
 from vibeam.flight.solver import FlightSolver
-from vibeam.run.accuracy.closed_forms import FREE, KINDS
-from vibeam.run.comparison.closed_curve import amplitudes
-from vibeam.run.comparison.held_comparison import MOVING, SEVERAL
-from vibeam.run.estimate.error import unsuited
-from vibeam.run.estimate.of_case import LARGEST
-from vibeam.run.sweep import march
+from vibeam.runs.accuracy.closed_forms import FREE, KINDS
+from vibeam.runs.comparison.closed_curve import amplitudes
+from vibeam.runs.comparison.held_comparison import MOVING, SEVERAL
+from vibeam.runs.estimate.error import unsuited
+from vibeam.runs.estimate.of_case import LARGEST
+from vibeam.runs.sweep import march
 from vibeam.system.response import periodic
 from vibeam_models.arrays import Array, Flags, Index
 from vibeam_models.laws.restitution import contact_restitution, first_mode_restitution

@@ -14,7 +14,7 @@ from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.runs.result import Result
     from vibeam.studies.regression.measured import MeasuredRow
     from vibeam.studies.regression.references import CheckRow
     from vibeam.system.response import Branches
@@ -52,7 +52,7 @@ def _off_grid(case: Case, name: str, result: Result, partial: bool) -> Array:
 
 
 def _swept(case: Case, fidelity: str, further: Array) -> Branches:
-    from vibeam.run.run import run
+    from vibeam.runs.run import run
 
     grid = np.union1d(case.sweep.frequency, further)
     own = replace(
@@ -80,6 +80,6 @@ def compare_measured(case: Case, result: Result | None = None) -> list[MeasuredR
 
 def _result(case: Case) -> Result:
     from vibeam.casefile.read import without_accuracy
-    from vibeam.run.run import run
+    from vibeam.runs.run import run
 
     return run(without_accuracy(case), show=False)

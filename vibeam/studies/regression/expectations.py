@@ -12,7 +12,7 @@ from vibeam.studies.regression.references import CheckRow
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.runs.result import Result
 
 
 def check(case: Case, result: Result, *, partial: bool = False) -> list[CheckRow]:

@@ -12,7 +12,7 @@ from vibeam.studies.regression.readings import NAN, directions, read
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.run.result import Result
+    from vibeam.runs.result import Result
 
 
 SAME = 1e-6  # relative difference of branches that are one row, and of a difference that is just the scatter

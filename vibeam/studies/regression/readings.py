@@ -16,7 +16,7 @@ from vibeam.figures.response_quantities import values_of
 from vibeam.system.response import Ended, FrequencyResponse
 
 if TYPE_CHECKING:
-    from vibeam.run.result import Result
+    from vibeam.runs.result import Result
 
 NAN = float("nan")
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import Reference
     from vibeam.case.reference_record import Point
-    from vibeam.run.result import Result
+    from vibeam.runs.result import Result
     from vibeam.studies.regression.registration import Piece
     from vibeam.system.response import Branches
 

@@ -21,8 +21,8 @@ from vibeam.casefile.quantities import (
     to_si,
 )
 from vibeam.figures.prefixes import shown_unit
-from vibeam.orbits.bifurcation_functions import DrivePerLevel
-from vibeam.orbits.modal_sums import sums
+from vibeam.periodic.bifurcation_functions import DrivePerLevel
+from vibeam.periodic.modal_sums import sums
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibeam.orbits.bifurcation_functions import Kind
-from vibeam.orbits.boundaries import Boundary, boundaries
-from vibeam.orbits.orbit_map import OrbitMap
+from vibeam.periodic.bifurcation_functions import Kind
+from vibeam.periodic.boundaries import Boundary, boundaries
+from vibeam.periodic.orbit_map import OrbitMap
 from vibeam.studies.stability.axes import Driving
 from vibeam.system.impact_system import ImpactSystem
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from vibeam.case.case import require_one_harmonic
 from vibeam.case.faults import CaseError
-from vibeam.orbits.orbit_map import OrbitMap, orbit_map
-from vibeam.run.comparison.differences import listed
-from vibeam.run.summary import ill_posed
+from vibeam.periodic.orbit_map import OrbitMap, orbit_map
+from vibeam.runs.comparison.differences import listed
+from vibeam.runs.summary import ill_posed
 from vibeam.solvers.averaging.solver import slow_flow
 from vibeam.studies.stability import axes
 from vibeam.studies.stability.axes import Axis, Driving

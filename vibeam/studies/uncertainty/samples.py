@@ -12,8 +12,8 @@ import numpy as np
 from vibeam.case.fidelity import gap_drift, gap_wear, system
 from vibeam.casefile.case_model import CaseModel, narrowed
 from vibeam.maps.variation import varied
-from vibeam.run.parallel import heartbeat, run_parallel
-from vibeam.run.sweep import sweep
+from vibeam.runs.parallel import heartbeat, run_parallel
+from vibeam.runs.sweep import sweep
 from vibeam.system.response import FrequencyResponse, complete
 from vibeam_models.arrays import Array
 from vibeam_models.base_motion import drive_amplitude

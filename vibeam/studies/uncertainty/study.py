@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.run.parallel import EVERY, heartbeat
-from vibeam.run.result import finest_of
+from vibeam.runs.parallel import EVERY, heartbeat
+from vibeam.runs.result import finest_of
 from vibeam.studies.uncertainty.mean_of_peak import PILOT, MeanPeak, mean_of_peak
 from vibeam.studies.uncertainty.samples import Responses, Sampler, inputs_of
 from vibeam.studies.uncertainty.statistics import LEVELS, Indices, Spread, indices, saltelli
@@ -85,7 +85,7 @@ def uncertainty(
         raise ValueError(MISSING)
     if samples < PILOT // 2 or samples & (samples - 1):
         raise ValueError(f"samples: {samples}, must be a power of two, {PILOT // 2} or more")
-    from vibeam.run.run import run
+    from vibeam.runs.run import run
 
     with heartbeat(tell, lambda: "the case as it is"):
         nominal = run(case, show=False, compare=True)

@@ -18,11 +18,11 @@ import numpy as np
 
 from vibeam.case.fidelity import system
 from vibeam.casefile.case_model import CaseModel
-from vibeam.orbits.modal_sums import fault
-from vibeam.orbits.orbit_derivatives import struck
-from vibeam.orbits.output_derivatives import without_contact
-from vibeam.orbits.output_signals import SampledOutput
-from vibeam.orbits.tangents import ModalData, Tangents
+from vibeam.periodic.modal_sums import fault
+from vibeam.periodic.orbit_derivatives import struck
+from vibeam.periodic.output_derivatives import without_contact
+from vibeam.periodic.output_signals import SampledOutput
+from vibeam.periodic.tangents import ModalData, Tangents
 from vibeam.studies.uncertainty.samples import Responses
 from vibeam_models.arrays import Array
 from vibeam_models.base_motion import drive_amplitude

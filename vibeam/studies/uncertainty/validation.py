@@ -12,7 +12,7 @@ from math import hypot, nan
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from vibeam.run.result import Result
+    from vibeam.runs.result import Result
     from vibeam.studies.uncertainty.statistics import Spread
 
 

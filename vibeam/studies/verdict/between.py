@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.batch.points import changed
+from vibeam.batches.points import changed
 from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS
 from vibeam.maps.axes import Axis
 from vibeam.maps.evaluate import grid_of
 from vibeam.maps.points import GridPoints, grid_points
-from vibeam.orbits.modal_sums import sums
-from vibeam.orbits.orbit import Orbit, orbits
+from vibeam.periodic.modal_sums import sums
+from vibeam.periodic.orbit import Orbit, orbits
 from vibeam.studies.verdict.judgement import cheapest, doubtful
 from vibeam.studies.verdict.motions import NO_CONTACT, Kinds, Motions
 from vibeam.system.impact_system import Drive, ImpactSystem

@@ -18,8 +18,8 @@ from vibeam.casefile.case_model import narrowed
 from vibeam.maps.boundaries import boundaries_over
 from vibeam.maps.points import GridPoints
 from vibeam.maps.variation import varied
-from vibeam.orbits.bifurcation_functions import Kind
-from vibeam.orbits.boundaries import boundaries
+from vibeam.periodic.bifurcation_functions import Kind
+from vibeam.periodic.boundaries import boundaries
 from vibeam.studies.stability.rows import NAMES
 from vibeam.studies.verdict.axes import VerdictAxis
 from vibeam_models.arrays import Array

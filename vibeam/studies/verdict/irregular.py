@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.batch.points import changed
+from vibeam.batches.points import changed
 from vibeam.flight.event_driven import EventDrivenSolver
 from vibeam.flight.exact import exact_solver
 from vibeam.flight.pause import pause
 from vibeam.flight.tangent import tangent_fault
 from vibeam.maps.block import Values
 from vibeam.maps.points import GridPoints
-from vibeam.orbits.largest_exponents import largest_exponents
-from vibeam.run.accuracy.candidates import reading_of
+from vibeam.periodic.largest_exponents import largest_exponents
+from vibeam.runs.accuracy.candidates import reading_of
 from vibeam.studies.verdict.motions import CHAOTIC, FAILED, IRREGULAR
 from vibeam.system.impact_system import Drive
 from vibeam.system.response import Ended

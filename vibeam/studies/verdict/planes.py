@@ -19,9 +19,9 @@ from vibeam.maps.evaluate import grid_of
 from vibeam.maps.grids import blocks_of, key_of
 from vibeam.maps.points import GridPoints, grid_points
 from vibeam.maps.store.blocks import discard, opened, read_block, write_block
-from vibeam.run.parallel import heartbeat, run_parallel
-from vibeam.run.store.errors import unwritable
-from vibeam.run.store.lock import locked
+from vibeam.runs.parallel import heartbeat, run_parallel
+from vibeam.runs.store.errors import unwritable
+from vibeam.runs.store.lock import locked
 from vibeam.studies.verdict.boundaries import ExactBoundary, exact_boundaries
 from vibeam.studies.verdict.irregular import judged
 from vibeam.studies.verdict.motions import Motions, motions

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from vibeam.case.case import require_one_harmonic
 from vibeam.casefile.quantities import RATIO, UnitError, to_si
 from vibeam.flight.tangent import tangent_fault
-from vibeam.run.comparison.differences import listed
-from vibeam.run.systems import Systems
+from vibeam.runs.comparison.differences import listed
+from vibeam.runs.systems import Systems
 from vibeam.studies.verdict import axes
 from vibeam.studies.verdict.axes import VerdictAxis
 from vibeam.studies.verdict.boundaries import ExactBoundary

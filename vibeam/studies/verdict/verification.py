@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.batch.batch import batch
-from vibeam.run.parallel import run_parallel
+from vibeam.batches.batch import batch
+from vibeam.runs.parallel import run_parallel
 from vibeam.studies.verdict.between import labels_between, points_at
 from vibeam.studies.verdict.irregular import judged
 from vibeam.studies.verdict.judgement import cheapest, doubtful

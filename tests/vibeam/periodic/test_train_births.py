@@ -1,0 +1,159 @@
+"""Where motions with two impacts were born by a subcritical period doubling: no fold of theirs is missed."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from scipy.optimize import fsolve, minimize_scalar
+
+from vibeam.periodic.bifurcation_functions import Kind
+from vibeam.periodic.boundaries import Boundary, boundaries
+from vibeam.periodic.train_boundaries import TrainBoundary, train_boundaries
+from vibeam.periodic.train_orbits import TrainOrbit, settled_orbit, train_orbit
+from vibeam.periodic.trains import Train, equations
+from vibeam.system.impact_system import Drive, ImpactSystem
+
+AMPLITUDE = 0.3
+
+
+def three(omega: list[float], zeta: float, contact: list[float], load: list[float], gap: float, restitution: float):  # type: ignore[no-untyped-def]
+    return ImpactSystem.from_modes(
+        [1.0, *omega], zeta, [1.0, *contact], [1.0, *load], gap=gap, restitution=restitution
+    )  # fmt: skip
+
+
+#: found by searching random systems; the fold lies 5e-4 … 7e-7 of the frequency from the doubling
+RIGS = {
+    "5e-4": (three([4.672, 10.516], 0.02, [0.439, 0.466], [-0.088, -0.422], 0.25, 0.9), 0.80676),
+    "3e-3": (three([5.93, 7.9], 0.05, [-0.347, 0.519], [0.569, 0.008], 0.37, 0.82), 0.77595),
+    "4e-5": (three([4.462, 9.845], 0.05, [0.373, -0.147], [0.837, -0.645], -0.19, 0.87), 2.97152),
+    "7e-7": (three([5.863, 8.116], 0.02, [0.381, -0.209], [-0.266, 0.144], -0.24, 0.41), 2.94142),
+}
+
+
+class Pair(NamedTuple):
+    """Two impacts in two periods: frequency, mean phase, impulses, and half the difference of the phases."""
+
+    omega: float
+    phase: float
+    impulses: tuple[float, float]
+    apart: float
+
+
+@cache
+def doubling(name: str) -> Boundary:
+    """The doubling of the motion with one impact."""
+    system, omega = RIGS[name]
+    found = boundaries(system, AMPLITUDE, (0.995 * omega, 1.005 * omega), points=101, kinds=(Kind.DOUBLING,))
+    return min((b for b in found if b.clear), key=lambda b: abs(b.omega - omega))
+
+
+def pair_at(name: str, apart: float, near: Pair | None = None) -> Pair:
+    """The motion with two impacts whose phases differ by π + 2 ``apart``: the frequency is solved for, not given."""
+    system, at = RIGS[name][0], doubling(name)
+    impulse = -(1 + system.restitution) * at.velocity / float(system.contact @ system.contact)
+    start = near or Pair(at.omega, at.phase, (impulse, impulse), apart)
+
+    def residual(unknown: np.ndarray) -> np.ndarray:
+        omega, phase, *impulses = unknown * [at.omega, 1.0, impulse, impulse]
+        span = 4 * np.pi / omega
+        times = np.array([(phase + apart) / omega, (phase - apart) / omega + span / 2])
+        values, _ = equations(system, Drive(omega, AMPLITUDE), span, Train(times, np.array(impulses)))
+        return values / np.repeat([at.velocity / at.omega, at.velocity], 2)
+
+    guess = np.array([start.omega / at.omega, start.phase, *(p / impulse for p in start.impulses)])
+    found, _, _, _ = fsolve(residual, guess, xtol=1e-14, full_output=True)
+    assert np.abs(residual(found)).max() < 1e-10
+    omega, phase, first, second = found * [at.omega, 1.0, impulse, impulse]
+    return Pair(float(omega), float(phase), (float(first), float(second)), apart)
+
+
+@cache
+def curve(name: str) -> list[Pair]:
+    """The branch from its birth on, past its fold and back beyond the doubling's frequency."""
+    found = [pair_at(name, 0.004)]
+    while (found[-1].omega - doubling(name).omega) * (found[0].omega - doubling(name).omega) > 0:
+        found.append(pair_at(name, found[-1].apart + 0.004, found[-1]))
+    return found
+
+
+def fold_of(name: str) -> float:
+    """The extreme of the frequency along the branch, on which its distance from the birth is the parameter."""
+    at, pairs = doubling(name).omega, curve(name)
+    side = np.sign(pairs[0].omega - at)
+    peak = int(np.argmax([side * pair.omega for pair in pairs]))
+
+    def below(apart: float) -> float:
+        return -side * pair_at(name, apart, pairs[peak]).omega
+
+    bounds = pairs[peak - 1].apart, pairs[peak + 1].apart
+    return abs(float(minimize_scalar(below, bounds=bounds, method="bounded", options={"xatol": 1e-7}).fun))
+
+
+def orbit_of(name: str, pair: Pair) -> TrainOrbit:
+    system = RIGS[name][0]
+    span = 4 * np.pi / pair.omega
+    times = [(pair.phase + pair.apart) / pair.omega, (pair.phase - pair.apart) / pair.omega + span / 2]
+    velocities = -np.array(pair.impulses) * float(system.contact @ system.contact) / (1 + system.restitution)
+    found = train_orbit(system, Drive(pair.omega, AMPLITUDE), 2, times, velocities)
+    assert found is not None
+    assert found.admissible
+    return found
+
+
+def folds(found: tuple[TrainBoundary, ...]) -> list[float]:
+    return [each.omega for each in found if each.kind is Kind.FOLD]
+
+
+@pytest.mark.parametrize("name", RIGS)
+def test_the_doubling_is_subcritical(name: str) -> None:
+    """The motion with two impacts is there, unstable, where that with one is stable; the fold makes it stable."""
+    pairs = curve(name)
+    assert not orbit_of(name, pairs[0]).stable
+    assert orbit_of(name, pairs[-1]).stable
+    assert 0 < abs(fold_of(name) / doubling(name).omega - 1) < 4e-3
+
+
+@pytest.mark.parametrize("name", RIGS)
+@pytest.mark.parametrize(("steps", "wide"), [(5, 0.2), pytest.param(50, 0.2, marks=pytest.mark.slow), (50, 0.01)])
+def test_both_folds_are_found_from_the_stable_side(name: str, steps: int, wide: float) -> None:
+    """However long a step is beside the way from fold to birth; each once, though the branch goes on as its mirror."""
+    at, start = doubling(name).omega, orbit_of(name, curve(name)[-1])
+    side = np.sign(curve(name)[0].omega - at)
+    found = folds(train_boundaries(start, "omega", at * (1 + wide * side), steps=steps))
+    assert found == pytest.approx([fold_of(name), at], rel=1e-9)
+    assert found[1] == pytest.approx(at, rel=1e-13)
+
+
+@pytest.mark.parametrize("name", RIGS)
+@pytest.mark.parametrize("steps", [5, pytest.param(50, marks=pytest.mark.slow)])
+def test_a_start_between_birth_and_fold_finds_either(name: str, steps: int) -> None:
+    at, start = doubling(name).omega, orbit_of(name, curve(name)[2])
+    side = np.sign(start.drive.omega - at)
+    assert folds(train_boundaries(start, "omega", at * (1 - 0.1 * side), steps=steps)) == pytest.approx([at], rel=1e-13)
+    away = folds(train_boundaries(start, "omega", at * (1 + 0.1 * side), steps=steps))
+    assert away[0] == pytest.approx(fold_of(name), rel=1e-9)
+
+
+def test_a_birth_is_the_shorter_motion_gone_through_twice() -> None:
+    at, pairs = doubling("3e-3"), curve("3e-3")
+    birth = train_boundaries(orbit_of("3e-3", pairs[2]), "omega", at.omega - 0.1)[-1]
+    assert birth.kind is Kind.FOLD
+    assert birth.velocities == pytest.approx([at.velocity] * 2, rel=1e-12)
+    assert np.diff(birth.phases) == pytest.approx([2 * np.pi], rel=1e-12)
+    squares = np.sort(np.abs(at.multipliers**2))
+    assert np.sort(np.abs(birth.multipliers)) == pytest.approx(squares, rel=1e-9)
+
+
+def test_a_supercritical_birth_is_one_fold() -> None:
+    """The family that a stable doubling gives birth to turns there, and nowhere else on the way."""
+    system = ImpactSystem.from_modes([1.0], 0.015, 1.0, 1.0, restitution=0.9)
+    at = next(b for b in boundaries(system, 0.2, (2.5, 2.8), points=31) if b.kind is Kind.DOUBLING)
+    start = settled_orbit(system, Drive(at.omega * 1.002, 0.2), 2, settle=3000)
+    assert start is not None
+    back = train_boundaries(start, "omega", at.omega * 0.9)
+    assert [each.kind for each in back] == [Kind.FOLD]
+    assert back[0].omega == pytest.approx(at.omega, rel=1e-13)

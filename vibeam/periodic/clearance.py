@@ -1,0 +1,144 @@
+"""Clearance of periodic motions from the stop between their impacts, with certified bounds.
+
+The gap d(τ) of ``gap`` has its local minima where d' rises through zero. On an interval of width h, with d'''' ≤ K,
+d lies within K h⁴/384 of its cubic Hermite interpolant, d' within √3 K h³/216 of that one's derivative (Birkhoff &
+Priver 1967) and d'' within K h²/8 of the straight line between its ends. An interval is left where these bounds show
+that d is too large there, that d' keeps its sign or that d is concave; where d is convex and d' changes sign it holds
+exactly one minimum, found by Newton's method; every other is halved. No minimum is passed over.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.periodic.gap import Gap
+from vibeam_models.arrays import Array, Flags, Index
+
+FIRST = 8  # initial intervals a drive period
+HALVINGS = 45  # halvings after which a flat minimum counts as a point of inflection
+SMALLEST = 1e-15  # share of the motion's size taken as round-off
+STEPS = 60
+
+
+class Flown(Protocol):
+    """Flights from impact to impact: ``Flights``, or the parts of a motion with several impacts."""
+
+    @property
+    def omega(self) -> Array:
+        """Drive frequency, rad/s."""
+        ...
+
+    @property
+    def span(self) -> Array:
+        """Time from impact to impact, s."""
+        ...
+
+    @property
+    def part(self) -> NDArray[np.complex128]:
+        """Drive's part y + ix of the contact at the first impact, m."""
+        ...
+
+    def __len__(self) -> int: ...
+
+    def gap(self, which: Index, times: Array) -> Gap:
+        """Gap d of the flights ``which`` (m,) at ``times`` (m,) after their first impact."""
+        ...
+
+
+class Minimum(NamedTuple):
+    """Least local minimum of the gap strictly between two impacts, (motions,): ∞ and NaN where there is none."""
+
+    value: Array
+    time: Array
+
+
+class _Pieces(NamedTuple):
+    """Intervals that may hold a minimum: motion, begin and width of each."""
+
+    motion: Index
+    left: Array
+    width: Array
+
+    def chosen(self, which: Flags) -> _Pieces:
+        return _Pieces(self.motion[which], self.left[which], self.width[which])
+
+
+def least_minimum(flights: Flown, ceiling: Array) -> Minimum:
+    """Least local minimum of every motion's gap; ∞ where all are above its ``ceiling`` (motions,), m."""
+    best = Minimum(np.full(len(flights), np.inf), np.full(len(flights), np.nan))
+    floor = SMALLEST * np.abs(flights.part)
+    pieces = _initial(flights)
+    for _ in range(HALVINGS):
+        if not len(pieces.motion):
+            return best
+        open_, single = _classified(flights, pieces, np.minimum(best.value, ceiling), floor)
+        found = pieces.chosen(single)
+        _update_least(best, ceiling, found.motion, *_minima(flights, found))
+        pieces = _halved(pieces.chosen(open_))
+    flat = flights.gap(pieces.motion, pieces.left)
+    _update_least(best, ceiling, pieces.motion, flat.value, pieces.left)
+    return best
+
+
+def _initial(flights: Flown) -> _Pieces:
+    """Initial intervals: a few a drive period for every motion."""
+    counts = np.ceil(flights.omega * flights.span / (2 * np.pi) * FIRST - 1e-9).astype(int)
+    motion = np.repeat(np.arange(len(flights)), counts)
+    place = np.concatenate([np.arange(count) for count in counts]) if len(counts) else np.zeros(0)
+    width = np.repeat(flights.span / counts, counts)
+    return _Pieces(motion, place * width, width)
+
+
+def _halved(pieces: _Pieces) -> _Pieces:
+    half = pieces.width / 2
+    left = np.concatenate([pieces.left, pieces.left + half])
+    return _Pieces(np.tile(pieces.motion, 2), left, np.tile(half, 2))
+
+
+def _classified(flights: Flown, pieces: _Pieces, ceiling: Array, floor: Array) -> tuple[Flags, Flags]:
+    """Classify intervals: those that stay open, and those with exactly one minimum."""
+    motion, h = pieces.motion, pieces.width
+    a = flights.gap(motion, pieces.left)
+    right = np.minimum(pieces.left + h, flights.span[motion])
+    b = flights.gap(motion, right)
+    most = a.fourth
+    inner = a.value + h * a.slope / 3, b.value - h * b.slope / 3  # Bézier ordinates of the interpolant
+    low = np.minimum.reduce([a.value, *inner, b.value]) - most * h**4 / 384
+    slopes = np.stack([a.slope, 3 * (inner[1] - inner[0]) / h, b.slope])
+    miss = most * h**3 * np.sqrt(3) / 216
+    bends, spread = np.stack([a.bend, b.bend]), most * h**2 / 8
+    convex = bends.min(axis=0) > spread
+    above = low > ceiling[motion] + floor[motion]
+    steady = (slopes.min(axis=0) > miss) | (slopes.max(axis=0) < -miss) | (bends.max(axis=0) < -spread)
+    tiny = floor[motion] * flights.omega[motion]  # tolerance inside the span
+    falls = a.slope < np.where(pieces.left == 0, -tiny, tiny)
+    rises = b.slope > np.where(right == flights.span[motion], tiny, -tiny)
+    single = convex & falls & rises & ~above
+    return ~above & ~steady & ~convex, single
+
+
+def _minima(flights: Flown, pieces: _Pieces) -> tuple[Array, Array]:
+    """Values and times of the one minimum in each interval: Newton's method on d', safeguarded by bisection."""
+    low, high = pieces.left.copy(), pieces.left + pieces.width
+    time = (low + high) / 2
+    at = flights.gap(pieces.motion, time)
+    for _ in range(STEPS):
+        low, high = np.where(at.slope < 0, time, low), np.where(at.slope < 0, high, time)
+        step = time - at.slope / at.bend
+        following = np.where((step > low) & (step < high), step, (low + high) / 2)
+        done = np.abs(following - time) <= 4e-16 * flights.span[pieces.motion]
+        time, at = following, flights.gap(pieces.motion, following)
+        if done.all():
+            break
+    return at.value, time
+
+
+def _update_least(best: Minimum, ceiling: Array, motion: Index, value: Array, time: Array) -> None:
+    """Update, in place, the least minimum of each motion that is not above its ceiling."""
+    order = np.argsort(-value, kind="stable")  # written in descending order: the least stays
+    motion, value, time = motion[order], value[order], time[order]
+    lower = (value < best.value[motion]) & (value <= ceiling[motion])
+    best.value[motion[lower]], best.time[motion[lower]] = value[lower], time[lower]

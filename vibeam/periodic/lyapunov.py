@@ -1,0 +1,203 @@
+"""Lyapunov exponents of a motion by products of exact flights and saltation matrices.
+
+The exponents λ are the mean rates at which disturbances of (η, η') grow, in 1/s, 2n of them: the drive's phase is no
+state, so none is trivial. Along a motion they are products of its tangent maps (``flight.tangent``: closed-form flow
+between events, saltation matrix at each), made orthonormal again and again by QR (Benettin et al. 1980; Müller 1995 for
+systems with impacts).
+
+- Of a motion that repeats after n drive periods they are known without a limit: λ = log|μ|/nT with its Floquet
+  multipliers μ. The motion is found to round-off by Newton's method first, so this holds to round-off too.
+- Of any other they are a mean over a finite time, with the standard error of that mean by batches.
+- A rest on the stop loses two directions, an impact with R = 0 one: λ = −∞ there.
+
+Independent of all that, their sum is known: Σλ = −trace D + log(R²) times the impacts a second (one R, no rest).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibeam.flight.kernels import layout
+from vibeam.flight.pause import pause
+from vibeam.flight.tangent import TangentMaps
+from vibeam.periodic.cycle_multipliers import DECAY
+from vibeam.periodic.stroboscopic import Cycle, Flown, StroboscopicMap
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.state import State
+from vibeam_models.arguments import count as counted
+from vibeam_models.arguments import number, refuse, require
+from vibeam_models.arrays import Array
+
+BATCHES = 20  # of which the standard error of a mean is taken
+ALIGNED = 50  # drive periods over which disturbances turn into their directions before the mean begins
+PIECE = 50  # drive periods flown at a time
+SURE = 2.0  # standard errors by which an exponent must differ from 0 to have a sign
+
+
+@dataclass(frozen=True)
+class LyapunovSpectrum:
+    """Lyapunov exponents of a motion, in 1/s.
+
+    ``period``: drive periods after which the motion repeats, and the exponents are then those of its Floquet
+    multipliers, to round-off; 0: it does not within 16, and they are means over ``time`` s.
+    """
+
+    exponents: Array  #: (k,), largest first; −∞ for directions that are lost
+    errors: Array  #: (k,) standard errors, 0 where the motion repeats
+    period: int
+    time: float  #: s
+    impacts: int  #: within ``time``
+    rests: int  #: within ``time``
+    state: State  #: on the motion, at the drive's time ``phase_time``
+    phase_time: float  #: s within a drive period
+
+    @property
+    def largest(self) -> float:
+        """Largest exponent, 1/s."""
+        return float(self.exponents[0])
+
+    @property
+    def sign(self) -> int:
+        """1: chaos, −1: neighbours come together; 0: within two standard errors of zero."""
+        margin = SURE * float(self.errors[0])
+        return int(self.largest > margin) - int(self.largest < -margin)
+
+    @property
+    def dimension(self) -> float:
+        """Kaplan–Yorke dimension of the attractor in the stroboscopic map; needs all exponents up to it (else NaN)."""
+        sums = np.cumsum(self.exponents)
+        if sums[0] < 0:
+            return 0.0
+        falls = np.flatnonzero(sums < 0)
+        if not len(falls):
+            return float("nan")
+        j = int(falls[0])
+        return j + float(sums[j - 1] / abs(self.exponents[j]))
+
+
+def lyapunov(
+    system: ImpactSystem,
+    drive: Drive,
+    state: State | None = None,
+    *,
+    t_start: float = 0.0,
+    settle: int = 300,
+    periods: int = 1000,
+    count: int | None = None,
+) -> LyapunovSpectrum:
+    """Compute the largest ``count`` (None: all 2n) Lyapunov exponents of the motion reached from ``state``.
+
+    ``state`` (None: static equilibrium) at ``t_start`` s, ``settle`` drive periods before anything is taken, 0 for a
+    state that is on the motion meant: of a periodic one its exponents are those of that motion, stable or not.
+    ``periods``: drive periods of the mean where the motion does not repeat. For any damping, one stop or two, R or R(v)
+    or a linear stop. ValueError for Hertz' and Hunt–Crossley's law and several contacts, whose tangent maps are not
+    known, for arguments that make no sense, and where the motion ends on the way (too many impacts).
+    """
+    require("system", system, ImpactSystem)
+    require("drive", drive, Drive)
+    require("state", state, State, none_too=True)
+    begin, settle, periods, wanted = _checked(system, t_start, settle, periods, count)
+    here = StroboscopicMap(system, drive, begin)
+    for step in _pieces(settle):
+        state = here.flown(state, step).state
+    section, start = here.in_flight(state)
+    cycle = section.cycle(start)
+    if cycle is not None:
+        return _of_cycle(section, cycle, wanted)
+    return _mean(section, start, periods, wanted)
+
+
+def _checked(
+    system: ImpactSystem, t_start: float, settle: int, periods: int, count: int | None
+) -> tuple[float, int, int, int]:
+    faults: list[str] = []
+    begin = number("t_start", t_start, faults, least=0.0)
+    settling = counted("settle", settle, faults)
+    mean = counted("periods", periods, faults, least=BATCHES)
+    whole = 2 * system.size
+    wanted = whole if count is None else counted("count", count, faults, least=1, most=whole)
+    refuse("lyapunov", faults)
+    return begin, settling, mean, wanted
+
+
+def _pieces(periods: int) -> Iterator[int]:
+    """Numbers of drive periods flown at a time."""
+    while periods > 0:
+        yield min(PIECE, periods)
+        periods -= PIECE
+
+
+def _of_cycle(section: StroboscopicMap, cycle: Cycle, wanted: int) -> LyapunovSpectrum:
+    time = cycle.periods * section.period
+    with np.errstate(divide="ignore"):
+        found = np.log(np.abs(cycle.multipliers[:wanted])) / time
+    impacts, rests = _events(cycle.flown)
+    return LyapunovSpectrum(
+        found, np.zeros(wanted), cycle.periods, time, impacts, rests, cycle.state, section.time
+    )  # fmt: skip
+
+
+def _mean(section: StroboscopicMap, start: State, periods: int, wanted: int) -> LyapunovSpectrum:
+    walk, impacts, rests = _Walk(section, wanted), 0, 0
+    for step in _pieces(ALIGNED):
+        flown = section.flown(start, step)
+        walk.along(flown)
+        start = flown.state
+    batches, taken = [], np.diff(np.linspace(0, periods, BATCHES + 1).astype(int))
+    for size in taken:
+        walk.logs = np.zeros(wanted)
+        for step in _pieces(int(size)):
+            flown = section.flown(start, step)
+            walk.along(flown)
+            start = flown.state
+            struck, rested = _events(flown)
+            impacts, rests = impacts + struck, rests + rested
+        batches.append(walk.logs / (int(size) * section.period))
+    with np.errstate(invalid="ignore"):
+        rates, weights = np.array(batches), taken / taken.sum()
+        mean = weights @ rates
+        error = np.std(rates, axis=0, ddof=1) / np.sqrt(BATCHES)
+    lost = ~np.isfinite(mean)
+    order = np.argsort(-np.where(lost, -np.inf, mean), kind="stable")
+    return LyapunovSpectrum(
+        np.where(lost, -np.inf, mean)[order], np.where(lost, 0.0, error)[order], 0, periods * section.period,
+        impacts, rests, start, section.time,
+    )  # fmt: skip
+
+
+class _Walk:
+    """Orthonormal disturbances carried along a motion, and the logarithms of what they have grown by."""
+
+    def __init__(self, section: StroboscopicMap, wanted: int) -> None:
+        system = section.system
+        self.ratio = section.units[:, None] / section.units
+        start = np.random.default_rng(0).standard_normal((2 * system.size, wanted))
+        self.frame, self.logs = np.linalg.qr(start)[0], np.zeros(wanted)
+
+    def along(self, flown: Flown) -> None:
+        """Carry the disturbances along; directions that are lost have −∞ from then on."""
+        maps = TangentMaps(flown)
+        rate = maps.fastest if self.frame.shape[1] > 1 else 0.0
+        for i in range(len(maps)):
+            pause()
+            steps = maps.steps(i, rate, DECAY)
+            for k, matrix in enumerate(steps, 1):
+                self._step(matrix, maps.lost(i) if k == len(steps) else 0)
+
+    def _step(self, matrix: Array, lost: int) -> None:
+        left = min(self.frame.shape[1], len(self.ratio) - lost)
+        self.logs[left:] = -np.inf
+        self.frame, upper = np.linalg.qr((matrix * self.ratio) @ self.frame)
+        self.frame = self.frame[:, :left]
+        with np.errstate(divide="ignore"):
+            self.logs[:left] += np.log(np.abs(np.diag(upper)))[:left]
+
+
+def _events(flown: Flown) -> tuple[int, int]:
+    """Numbers of impacts and of rests."""
+    trace = flown.segments.trace
+    rests = (trace[:, layout.WHAT] == layout.RESTING) & (trace[:, layout.DURATION] > 0)
+    return int(np.isin(trace[:, layout.END], (layout.IMPACT, layout.CHATTER, layout.STUCK)).sum()), int(rests.sum())

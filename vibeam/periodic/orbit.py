@@ -1,0 +1,103 @@
+"""Certified periodic motions with one impact per n drive periods at one drive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from vibeam.periodic.admissibility import AdmissibilityCheck
+from vibeam.periodic.impulse_balance import Roots, balance
+from vibeam.periodic.modal_sums import Sums, resonant, sums
+from vibeam.periodic.multipliers import multipliers
+from vibeam.periodic.orbit_curve import checked
+from vibeam.periodic.states import state_after
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.response import FrequencyResponse
+from vibeam.system.state import State
+from vibeam_models.arrays import Complex
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """Motion with one impact every ``periods`` drive periods. SI units.
+
+    ``admissible``: it stays clear of the stop between its impacts, proved by the flight solver's root bounds; one that
+    is not satisfies the equations at the impact but is no motion, and its ``reach`` is NaN.
+    """
+
+    system: ImpactSystem
+    drive: Drive
+    periods: int
+    phase: float  #: drive phase Ωt at the impact, 0 … 2π
+    impulse: float  #: impulse on the contact, N s per unit modal mass, negative: away from the stop
+    velocity: float  #: contact velocity just before, toward the stop, m/s
+    reach: float  #: gap − min of the contact displacement, m
+    state: State  #: state just after the impact
+    multipliers: Complex  #: the 2n Floquet multipliers, largest first; none is trivial, because time is not a state
+    stable: bool  #: all multipliers within the unit circle
+    admissible: bool
+
+    @property
+    def time(self) -> float:
+        """Impact time, s, with the drive's phase 0 at time 0."""
+        return self.phase / self.drive.omega
+
+    @property
+    def span(self) -> float:
+        """Time from impact to impact, s."""
+        return 2 * np.pi * self.periods / self.drive.omega
+
+    def watched(self, output: str = "contact") -> FrequencyResponse:
+        """Steady point with extremes and modal energies over the motion; ValueError where it is not admissible.
+
+        KeyError for an unknown output.
+        """
+        if not self.admissible:
+            raise ValueError("orbit: it passes through the stop, so there is no motion to watch")
+        self.system.output(output)
+        witness = AdmissibilityCheck(self.system, self.drive.omega)
+        return witness.watched(self.drive, self.state, self.time, self.periods, output)[0]
+
+    def amplitude(self, output: str = "contact") -> float:
+        """½(max − min) of an output over the motion, m; errors as in ``watched``."""
+        return float(self.watched(output).amplitude[0])
+
+
+def orbits(
+    system: ImpactSystem, drive: Drive, periods: int = 1, witness: AdmissibilityCheck | None = None
+) -> tuple[Orbit, ...]:
+    """Find all motions with one impact per ``periods`` drive periods, harder impact first: none, one or two.
+
+    Exact for any number of modes of any damping, with static forces; not admissible ones are among them. ``witness``:
+    a flight solver for the certificate, to be reused for many drives. Empty where the impact equations have no real
+    root that pushes away from the stop (also without a drive). ValueError for an undamped mode at a resonance (driven
+    at its own frequency, or a whole number of its turns in the span, so that impacts make it grow), and for modes
+    without stiffness that no static force brings back to the stop.
+    """
+    omega = checked(system, drive.omega, periods)
+    reason = resonant(system, drive.omega, periods)
+    if reason:
+        raise ValueError(reason)
+    if drive.amplitude == 0:
+        return ()
+    total = sums(system, omega, periods)
+    found = balance(system, total, drive.amplitude, system.gap)
+    own = AdmissibilityCheck(system, drive.omega) if witness is None else witness
+    return tuple(
+        _orbit(own, drive, int(periods), total, found, k)
+        for k in (0, 1)
+        if found.impulse[0, k] < 0 and np.isfinite(found.phase[0, k])
+    )
+
+
+def _orbit(witness: AdmissibilityCheck, drive: Drive, periods: int, total: Sums, found: Roots, k: int) -> Orbit:
+    phase, impulse, velocity = (float(row[0, k]) for row in (found.phase, found.impulse, found.velocity))
+    system, time = witness.system, phase / drive.omega
+    state = state_after(system, drive, periods, phase, impulse)
+    values = multipliers(system, total.span, found.relative_acceleration[:, k])[0]
+    admissible = witness.admits(drive, state, time, periods, velocity)
+    reach = float(witness.watched(drive, state, time, periods, "contact")[0].reach[0]) if admissible else np.nan
+    return Orbit(
+        system, drive, periods, phase, impulse, velocity, reach, state, values, bool(abs(values[0]) < 1), admissible
+    )

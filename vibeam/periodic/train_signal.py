@@ -1,0 +1,233 @@
+"""Signals of impact trains in closed form: extremes over a period, and clearance from the stop.
+
+After an impact an output is a constant, the drive's harmonic and Σ Re(W_i e^{λ_i τ}) over the modes, with
+
+    W_i = o_i c_i κ_i Σ_k p_k e^{λ_i (t − t_k)},      g_i = Re(κ_i e^{λ_i τ}) the periodic Green's function.
+
+Its values and slopes on a grid of times common to all motions are one product of matrices. Between two times the signal
+is within Σ |W_i| e^{−σ_i τ} min(2, |λ_i h|⁴/384) of its cubic Hermite interpolant (Birkhoff & Priver 1967): the steps
+are as short as that needs, finer just after the impact where the high modes still ring. What is left of it at the
+extremes is their ``uncertainty``, together with all modes that are too small to be followed.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.periodic.modal_sums import offsets
+from vibeam.periodic.train_sums import Trains, contact_phasor, flights, lags
+from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.arrays import Array, Complex, Flags
+
+TOLERANCE = 2e-6  # interpolation error aimed at, as a share of the signal's size; the modes left out have as much
+MOST = 640  # times at most; for more the tolerance is relaxed
+LEVELS, OCTAVES = 18, 14  # step lengths: a 16th of the flight, halved so often; stretches of equal steps
+APART = 1e-7  # least 1 − ζ² at critical damping, so that the two decays of a mode stay apart
+ROUND_OFF = 1e-9  # share of the motion's size by which a gap may be negative
+
+
+class Excited(NamedTuple):
+    """Modes after each of all impacts (rows,), row by row of points and impacts, as sums of exponentials (parts,).
+
+    ``response`` (parts, rows): per contact value of the part's mode, with ``rates``, 1/s; ``modes`` (parts,).
+    """
+
+    trains: Trains
+    rates: Complex
+    response: Complex
+    modes: NDArray[np.int64]
+
+
+class Signal(NamedTuple):
+    """One output after each impact (rows,): Σ over the parts Re(``weights`` e^{λτ}) + Im(``drive`` e^{iΩτ}) + constant.
+
+    ``weights`` (parts, rows) with ``rates`` (parts,), 1/s; ``drive`` (rows,): phasor of the harmonic just after the
+    impact; ``omega``, ``flights`` (rows,): rad/s, and time to the next impact, s.
+    """
+
+    rates: Complex
+    weights: Complex
+    drive: Complex
+    constant: float
+    omega: Array
+    flights: Array
+
+
+class Sampled(NamedTuple):
+    """A signal's values (rows, times), slopes times step at the begin and end of each interval, and the times.
+
+    ``followed``: its parts that are large enough; ``dropped`` (rows,): bound on the others.
+    """
+
+    value: Array
+    begin: Array
+    end: Array
+    times: Array
+    followed: Signal
+    dropped: Array
+
+
+class Grid(NamedTuple):
+    """Ascending ``times`` from 0 in stretches of equal steps: the stretch (intervals,) of each, and its step."""
+
+    times: Array
+    stretch: NDArray[np.int64]
+    steps: Array
+
+    def turned(self, omega: Array) -> Complex:
+        """The factors e^{iΩτ} (rows, times), by multiplication: an exponential a stretch."""
+        ratios = np.exp(1j * omega[:, None] * self.steps)
+        return np.cumprod(np.concatenate([np.ones((len(omega), 1)), ratios[:, self.stretch]], axis=1), axis=1)
+
+
+class Extremes(NamedTuple):
+    """Largest and least value of a signal over the period (points,), and the bound on what either may be off."""
+
+    maximum: Array
+    minimum: Array
+    uncertainty: Array
+
+
+def excited(system: ImpactSystem, trains: Trains) -> Excited:
+    """Response of all modes to the impact trains."""
+    seen = np.flatnonzero(system.contact)
+    rates, shares, part_of = _parts(system.omega[seen], system.zeta[seen])
+    kernels = shares[:, None] / -np.expm1(rates[:, None] * trains.span)
+    response = (kernels[:, :, None] * _summed(rates, trains)).reshape(len(rates), -1)
+    return Excited(trains, rates, response, seen[part_of])
+
+
+def signal(system: ImpactSystem, modes: Excited, output: str) -> Signal:
+    """Signal of an output: a displacement, a velocity or an acceleration."""
+    row, derivative, trains = system.row(output), system.derivative(output), modes.trains
+    order, base = (0, 0.0) if derivative is None else (derivative.order, derivative.base)
+    weight = (row * system.contact)[modes.modes] * modes.rates**order
+    steady = contact_phasor(system, trains.omega, trains.amplitude, row) + base * trains.amplitude
+    drive = ((1j * trains.omega) ** order * steady)[:, None] * np.exp(1j * trains.phases)
+    constant = float(row @ offsets(system)) if order == 0 else 0.0
+    omega = np.repeat(trains.omega, trains.phases.shape[1])
+    return Signal(
+        modes.rates, weight[:, None] * modes.response, drive.ravel(), constant, omega, flights(trains).ravel()
+    )  # fmt: skip
+
+
+def _parts(natural: Array, zeta: Array) -> tuple[Complex, Complex, NDArray[np.int64]]:
+    """Rates and shares of the exponentials: one of a mode that oscillates, two of one that does not; and its mode."""
+    square = zeta**2 - 1
+    root = natural * np.sqrt(np.where(np.abs(square) < APART, -APART, square) + 0j)
+    over = root.imag == 0
+    slow = np.where(over, -(natural**2) / (zeta * natural + root), root - zeta * natural)
+    rates = np.concatenate([slow, (-zeta * natural - root)[over]])
+    shares = np.concatenate([np.where(over, 0.5, 1.0) / root, -0.5 / root[over]])
+    return rates, shares, np.concatenate([np.arange(len(natural)), np.flatnonzero(over)])
+
+
+def _summed(rates: Complex, trains: Trains) -> Complex:
+    """Σ_k p_k e^{λ (t_j − t_k)} (parts, points, m) just after every impact j."""
+    if trains.phases.shape[1] == 1:
+        return np.broadcast_to(trains.impulses.astype(complex), (len(rates), *trains.phases.shape))
+    grown = np.exp(rates[:, None, None, None] * lags(trains)[0])
+    return np.asarray((grown @ trains.impulses[:, :, None])[..., 0])
+
+
+def sampled(found: Signal) -> Sampled:
+    """The signal from each impact to the next, which is the last time of each row."""
+    heights = np.abs(found.weights)
+    size = np.abs(found.drive) + abs(found.constant) + heights.max(axis=0, initial=0.0)
+    shares = (heights / np.maximum(size, 1e-300)).max(axis=1, initial=0.0)
+    ascending = np.argsort(shares)
+    kept = np.sort(ascending[np.cumsum(shares[ascending]) > TOLERANCE])
+    dropped = np.maximum(heights.sum(axis=0) - heights[kept].sum(axis=0), 0.0)
+    followed = found._replace(rates=found.rates[kept], weights=found.weights[kept])
+    rates = np.append(found.rates[kept], 1j * found.omega.max(initial=0.0))  # the drive's harmonic is one more
+    grid = graded(rates, np.append(shares[kept], 1.0), float(found.flights.max(initial=0.0)))
+    value, slope = _on_grid(followed, grid)
+    clamped = np.minimum(grid.times, found.flights[:, None])
+    width = np.diff(clamped, axis=1)
+    return Sampled(value, slope[:, :-1] * width, slope[:, 1:] * width, clamped, followed, dropped)
+
+
+def _on_grid(found: Signal, grid: Grid) -> tuple[Array, Array]:
+    """Values and slopes (rows, times), those beyond the end of a flight at its end."""
+    times, turned = grid.times, grid.turned(found.omega) * found.drive[:, None]
+    grown, last = np.exp(found.rates[:, None] * times), np.exp(found.rates[:, None] * found.flights)
+    real, end = np.concatenate([grown.real, -grown.imag]), np.exp(1j * found.omega * found.flights) * found.drive
+    beyond, both = times > found.flights[:, None], []
+    for weights, steady, final in (
+        (found.weights, turned.imag + found.constant, end.imag + found.constant),
+        (found.weights * found.rates[:, None], found.omega[:, None] * turned.real, found.omega * end.real),
+    ):
+        free = np.concatenate([weights.real, weights.imag]).T @ real
+        ends = final + (weights.real * last.real - weights.imag * last.imag).sum(axis=0)
+        both.append(np.where(beyond, ends[:, None], free + steady))
+    return both[0], both[1]
+
+
+def graded(rates: Complex, shares: Array, length: float) -> Grid:
+    """Times from 0 to ``length``: steps of a length with which the modes are resolved to the tolerance."""
+    begins = length * np.concatenate([[0.0], 2.0 ** np.arange(-OCTAVES, 0), [0.625, 0.75, 0.875]])
+    steps = length / 16 * 0.5 ** np.arange(LEVELS)
+    left = shares[:, None] * np.exp(rates.real[:, None] * begins)
+    missed = _interpolation(rates[:, None] * steps).T @ left  # (levels, begins)
+    tolerance, widths = TOLERANCE, np.diff(np.append(begins, length))
+    while True:
+        level = np.argmax(np.vstack([missed <= tolerance, np.ones((1, len(begins)), dtype=bool)]), axis=0)
+        counts = np.ceil(widths / steps[np.minimum(level, LEVELS - 1)] - 1e-9).astype(int)
+        if counts.sum() <= MOST:
+            break
+        tolerance *= 2
+    pieces = [begin + width * np.arange(n) / n for begin, width, n in zip(begins, widths, counts, strict=True)]
+    stretch = np.repeat(np.arange(len(counts)), counts)
+    return Grid(np.append(np.concatenate(pieces), length), stretch, widths / np.maximum(counts, 1))
+
+
+def extremes(found: Sampled, m: int) -> Extremes:
+    """Extremes over the whole period, of motions with ``m`` impacts."""
+    high, off_high = _highest(found, 1.0)
+    low, off_low = _highest(found, -1.0)
+    off = np.maximum(off_high, off_low) + found.dropped
+    return Extremes(*(row.reshape(-1, m).max(axis=1) * sign for row, sign in ((high, 1), (low, -1), (off, 1))))
+
+
+def clear(found: Sampled, gap: float, m: int) -> Flags:
+    """Test (points,) whether the signal, the contact's, stays below ``gap`` from impact to impact.
+
+    To the resolution of the grid and to round-off.
+    """
+    top, missed = _highest(found, 1.0)
+    slack = missed + found.dropped + ROUND_OFF * np.abs(found.followed.drive)
+    return np.asarray((top - gap <= slack).reshape(-1, m).all(axis=1))
+
+
+def _highest(found: Sampled, sign: float) -> tuple[Array, Array]:
+    """Largest value (rows,) of the interpolants of ± the signal, and the bound on the interpolation error there."""
+    tops = _tops(sign * found.value, sign * found.begin, sign * found.end)
+    at = np.argmax(tops, axis=1)
+    begin, end = (np.take_along_axis(found.times, at[:, None] + k, axis=1)[:, 0] for k in (0, 1))
+    left = np.abs(found.followed.weights) * np.exp(found.followed.rates.real[:, None] * begin)
+    missed = (left * _interpolation(found.followed.rates[:, None] * (end - begin))).sum(axis=0)
+    missed += np.abs(found.followed.drive) * _interpolation(found.followed.omega * (end - begin))
+    return np.take_along_axis(tops, at[:, None], axis=1)[:, 0], missed
+
+
+def _interpolation(turned: Complex | Array) -> Array:
+    """Bound on the error of the cubic interpolant of e^{λτ} over a step h, as a share of its size, by λh."""
+    return np.minimum(2.0, np.abs(turned) ** 4 / 384)
+
+
+def _tops(value: Array, begin: Array, end: Array) -> Array:
+    """Largest value (rows, intervals) of the cubic interpolants that may be a row's largest, of their ends elsewhere.
+
+    ``begin``, ``end``: slopes times step. With slopes of ± d at the ends a cubic rises at most ¼(d₀ − d₁) above them.
+    """
+    highest = np.maximum(value[:, :-1], value[:, 1:])
+    reach = highest + (begin - end) / 4
+    inside = (begin > 0) & (end < 0) & (reach > highest.max(axis=1, keepdims=True))
+    y0, d0, d1, rise = value[:, :-1][inside], begin[inside], end[inside], np.diff(value, axis=1)[inside]
+    a, b = d0 + d1 - 2 * rise, 3 * rise - 2 * d0 - d1
+    s = d0 / (np.sqrt(b * b - 3 * a * d0) - b)
+    highest[inside] = np.maximum(highest[inside], y0 + s * (d0 + s * (b + s * a)))
+    return highest

@@ -1,0 +1,222 @@
+"""Comparison of a case's fidelities with either restitution held, beside the finest one's own limit."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from math import isfinite
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from vibeam.case.fidelity import gap_drift, gap_wear
+from vibeam.case.held import held_of, other_choice, with_other_choice
+from vibeam.runs.comparison.closed_curve import ClosedCurve, closed_curve
+from vibeam.runs.comparison.differences import BothChoices, HeldComparison, OwnLimit
+from vibeam.runs.comparison.limit import Limit, limit
+from vibeam.system.difference import NAN, Difference
+from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.response import Branches, periodic
+from vibeam_models.any_scene import AnyScene, RigScene
+from vibeam_models.arrays import Array
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+
+
+SAME = 0.01  # share by which the amplitude of a run and that of the closed form of its motion may differ
+SURE = 1e-4  # differences smaller than this share have no sign
+SMALL = 0.1  # largest share of a difference that the finest's distance from its limit may be
+
+
+@dataclass(frozen=True)
+class ComparedModel:
+    """Model of a comparison: its ``system`` and ``scene`` over ``omega`` (points,) rad/s, under ``base`` (points,) m.
+
+    ``run``: its branches, by which its motions are told apart; None where it was not run. ``why``: a reason
+    that excludes closed forms beside those of the system.
+    """
+
+    name: str
+    scene: AnyScene
+    system: ImpactSystem
+    omega: Array
+    base: Array
+    output: str
+    run: Branches | None = None
+    why: str = ""
+
+
+Closed = ClosedCurve | str  #: or the reason why there is none
+
+
+def held_comparison(
+    finest: ComparedModel, others: Iterable[ComparedModel], other_physics: bool = False
+) -> HeldComparison:
+    """Compare ``others`` with ``finest`` by closed-form motions, at a few frequencies and at the peaks.
+
+    ``other_physics``: they have limits of their own, so that only the difference of two distances is uncertain.
+    """
+    begun = time.thread_time()
+    held = held_of(finest.scene)
+    here, there = _both(finest)
+    own = _own_limit(finest, here, there)
+    rows = tuple(_row(model, finest, (here, there), own, other_physics) for model in others)
+    return HeldComparison(finest.name, held, other_choice(held), rows, own, time.thread_time() - begun)
+
+
+def _both(model: ComparedModel) -> tuple[Closed, Closed]:
+    """Closed-form curves of a model as held and with the other choice."""
+    if why := _excluded(model):
+        return why, why
+    here = _curve(model, model.system)
+    try:
+        return here, _curve(model, with_other_choice(_rig(model), model.system))
+    except ValueError as refusal:
+        return here, str(refusal)
+
+
+def _excluded(model: ComparedModel) -> str:
+    """Reason why a model has no closed-form motions or no other choice; empty where it has both."""
+    if model.scene.given_mode is not None:
+        return "a single degree of freedom given directly has no more modes"
+    if model.system.beyond_plain:
+        return f"no closed-form motions with {_as_written(model, ' or '.join(model.system.beyond_plain))}"
+    if model.scene.platform is not None and model.scene.platform.coupling == "two-way":
+        return "no closed-form motions on a platform that is pushed back"
+    return model.why
+
+
+def _as_written(model: ComparedModel, features: str) -> str:
+    """Features with the contact law by the case's name: a leaf spring is a linear stop to the system."""
+    law, built = getattr(model.scene.stop, "law", None), model.system.law
+    return features if law is None or built is None else features.replace(f'"{built.name}"', f'"{law.name}"')
+
+
+def _rig(model: ComparedModel) -> RigScene:
+    assert isinstance(model.scene, RigScene)
+    return model.scene
+
+
+def _curve(model: ComparedModel, system: ImpactSystem) -> ClosedCurve:
+    return closed_curve(system, model.omega, model.base, model.output)
+
+
+def _own_limit(finest: ComparedModel, here: Closed, there: Closed) -> OwnLimit:
+    if isinstance(here, str):
+        return OwnLimit(why=here)
+    scene = _rig(finest)
+    try:
+        own = limit(scene, finest.system.size)
+    except ValueError as refusal:
+        return OwnLimit(why=str(refusal))
+    kinds = _kinds(finest, here)
+    if not kinds.any():
+        return OwnLimit(why="no motion with at most one impact a drive period, and no other has a closed form")
+    choices = ("contact", "first mode")
+    held, other = choices if scene.stop.restitution_of == "contact" else choices[::-1]
+    by_limit, by_other = (_limit_curve(finest, own, scene, choice) for choice in (held, other))
+    distance = _difference(here, by_limit, kinds)
+    if _peak_fault(finest, here):
+        distance = replace(distance, peak=NAN)
+    why = by_limit if isinstance(by_limit, str) else ""
+    return OwnLimit(distance, _difference(there, by_other), own.modes, own.elements, why)
+
+
+def _limit_curve(finest: ComparedModel, own: Limit, scene: RigScene, choice: str) -> Closed:
+    try:
+        return _curve(finest, own.holding(scene, choice))
+    except ValueError as refusal:
+        return str(refusal)
+
+
+def _kinds(model: ComparedModel, closed: ClosedCurve) -> NDArray[np.bool_]:
+    """Mask (points, kinds) of the closed-form motions that a run has; all of them where there was no run."""
+    if model.run is None:
+        return np.isfinite(closed.amplitude)
+    seen = np.zeros(closed.amplitude.shape, dtype=bool)
+    for _, response in model.run.items():
+        run = np.where(periodic(response), response.amplitude, np.nan)[np.argsort(response.frequency)]
+        seen |= np.abs(closed.amplitude / run[closed.which, None] - 1) < SAME
+    return seen
+
+
+def _difference(one: Closed, other: Closed, kinds: NDArray[np.bool_] | None = None) -> Difference:
+    """Difference of ``one`` over ``other`` where both have motions of the same kind."""
+    if isinstance(one, str) or isinstance(other, str):
+        return Difference()
+    counted = np.isfinite(one.amplitude) if kinds is None else kinds
+    values = (one.amplitude / other.amplitude - 1)[counted & np.isfinite(other.amplitude)]
+    return Difference.of(values, int(np.count_nonzero(counted)), one.peak / other.peak - 1)
+
+
+def _row(
+    model: ComparedModel, finest: ComparedModel, top: tuple[Closed, Closed], own: OwnLimit, other_physics: bool
+) -> BothChoices:
+    here, there = _both(model)
+    held = _difference(here, top[0], None if isinstance(here, str) else _kinds(model, here))
+    if model.run and finest.run:
+        held = replace(held, peak=model.run.off(finest.run).peak)
+    why = next((each for each in (*top, here, there) if isinstance(each, str)), "")
+    why = why or _peak_fault(finest, top[0]) or _peak_fault(model, here)
+    other = _difference(there, top[1])
+    other = replace(other, peak=NAN) if why else other
+    of_model = _own_limit(model, here, there) if other_physics else OwnLimit(held=AT_LIMIT, other=AT_LIMIT)
+    margins = _margin(held, own.held, of_model.held), _margin(other, own.other, of_model.other)
+    turns = _sign(held.peak, margins[0]) * _sign(other.peak, margins[1]) < 0
+    small = not margins[0] > SMALL * abs(held.peak if isfinite(held.peak) else held.rms)
+    return BothChoices(model.name, held, other, margins, turns, small, why)
+
+
+AT_LIMIT = Difference(0.0, 0.0, 0.0)
+
+
+def _margin(difference: Difference, finest: Difference, model: Difference) -> float:
+    """Change of a difference where both models go to their limits, a model without one of its own staying as it is."""
+    for off, one, other in ((getattr(each, name) for each in (difference, finest, model)) for name in ("peak", "rms")):
+        if isfinite(off) and isfinite(one) and isfinite(other):
+            return float(abs((1 + off) * (1 + one) / (1 + other) - 1 - off))
+    return NAN
+
+
+def _sign(difference: float, margin: float) -> int:
+    """Sign of a difference that is larger than its uncertainty; else 0."""
+    if not abs(difference) > max(SURE, margin if isfinite(margin) else 0.0):
+        return 0
+    return 1 if difference > 0 else -1
+
+
+def _peak_fault(model: ComparedModel, closed: Closed) -> str:
+    """Reason why the peak of a model's run is not that of its closed forms; empty where it is."""
+    if isinstance(closed, str) or not model.run or abs(closed.peak / model.run.peak.amplitude - 1) < SAME:
+        return ""
+    return f"the peak of {model.name} is not that of an exact motion with one impact a drive period"
+
+
+MOVING = "the gap changes along the sweep, which no closed form follows"
+SEVERAL = "no closed-form motions under several harmonics"
+
+
+def comparisons(
+    case: Case, finest: Mapping[str, str], systems: Mapping[str, ImpactSystem], branches: Mapping[str, Branches]
+) -> tuple[HeldComparison, ...]:
+    """Compare every fidelity with its ``finest``; those compared with none are left out, and cost nothing.
+
+    ``branches``: of the fidelities that were run, empty where only the chosen points of an accuracy were.
+    """
+    models = {name: compared_model(case, name, systems[name], branches.get(name)) for name in finest}
+    groups = {top: [models[n] for n in finest if finest[n] == top != n] for top in dict.fromkeys(finest.values())}
+    return tuple(held_comparison(models[top], others) for top, others in groups.items() if others)
+
+
+def compared_model(
+    case: Case, name: str, system: ImpactSystem, branches: Branches | None = None, like: str | None = None
+) -> ComparedModel:
+    """Model of one fidelity over the case's sweep, with the branches of its run; ``like``: whose scene it has."""
+    omega, scene = 2 * np.pi * np.sort(case.sweep.frequency), case.scene_of(like or name)
+    base = np.broadcast_to(np.asarray(case.amplitude_of(like or name, omega), dtype=float), omega.shape)
+    moves = gap_wear(scene) is not None or gap_drift(scene, omega) is not None
+    why = SEVERAL if scene.harmonics else MOVING if moves else ""
+    return ComparedModel(name, scene, system, omega, base, case.sweep.output, branches, why)

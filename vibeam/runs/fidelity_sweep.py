@@ -1,0 +1,195 @@
+"""Sweep of one fidelity of a run: its branches, resumed from the results file, recorded point by point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields
+from hashlib import sha256
+from threading import Event, Lock
+from time import monotonic
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.flight.pause import Stopped
+from vibeam.runs.store.branch import Branch, StoredBranch
+from vibeam.runs.sweep import march_blocks
+from vibeam.solvers import solver
+from vibeam.system.response import Branches, FrequencyResponse
+from vibeam.system.state import StatesAfter
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.case.fidelity import Fidelity
+    from vibeam.runs.store.store import Store
+    from vibeam.system.impact_system import ImpactSystem
+    from vibeam.system.motion_curves import MotionCurves
+    from vibeam.system.state import State
+
+
+WRITE_EVERY = 0.2  # seconds: a write costs as much as many points, and a killed run loses no more than this
+Progress = Callable[[int, int], None]
+
+
+class Recorder:
+    """Adds points to a branch's response, and writes them to the file every ``WRITE_EVERY`` seconds."""
+
+    def __init__(self, branch: Branch, kept: StoredBranch, store: Store | None) -> None:
+        self._branch, self._response, self._store = branch, kept.response, store
+        self._after = kept.after
+        self._done = self._written = kept.done
+        self._states: list[State] = []
+        self._due = monotonic() + WRITE_EVERY
+
+    def add(self, block: FrequencyResponse, states: Sequence[State]) -> None:
+        """Add the points of ``block``, and the states after the last of them."""
+        points = slice(self._done, self._done + len(block))
+        for field in fields(FrequencyResponse):
+            if field.name != "frequency":  # keep the grid's own value, to the last bit
+                getattr(self._response, field.name)[points] = getattr(block, field.name)
+        self._done = points.stop
+        for point, state in enumerate(states, points.stop - len(states)):
+            self._after.displacement[point], self._after.velocity[point] = state.displacement, state.velocity
+        if len(states) < len(block):
+            self._states.clear()  # states in between are unknown
+        self._states += states
+        if monotonic() >= self._due:
+            self.write()
+
+    def write(self) -> None:
+        """Write all points not written yet."""
+        if self._store and self._done > self._written:
+            block = _part(self._response, slice(self._written, self._done))
+            self._store.write(self._branch, self._written, block, self._states)
+        self._states.clear()
+        self._written, self._due = self._done, monotonic() + WRITE_EVERY
+
+
+def _part(response: FrequencyResponse, points: slice) -> FrequencyResponse:
+    return FrequencyResponse(**{field.name: getattr(response, field.name)[points] for field in fields(response)})
+
+
+class Count:
+    """Counter of the points done of all fidelities, with a progress callback."""
+
+    def __init__(self, branches: Iterable[StoredBranch], progress: Progress) -> None:
+        kept = list(branches)
+        self._lock = Lock()
+        self._progress = progress
+        self.done = sum(part.done for part in kept)
+        self.total = sum(len(part.response) for part in kept)
+        self._progress(self.done, self.total)
+
+    def add(self, points: int) -> None:
+        """Count further points."""
+        with self._lock:
+            self.done += points
+            self._progress(self.done, self.total)
+
+
+@dataclass(frozen=True)
+class Job:
+    """Branches of one fidelity in the order swept, each with its stored points."""
+
+    name: str
+    systems: Mapping[str, ImpactSystem]
+    fidelity: Fidelity
+    branches: tuple[tuple[Branch, StoredBranch], ...]
+
+    @property
+    def system(self) -> ImpactSystem:
+        """System of the fidelity, built where something is missing."""
+        return self.systems[self.name]
+
+    @property
+    def missing(self) -> bool:
+        """True where points are missing."""
+        return any(kept.done < len(kept.response) for _, kept in self.branches)
+
+    @property
+    def after(self) -> dict[str, StatesAfter]:
+        """States after the points of each branch, as far as they are known."""
+        return {branch.direction: kept.after for branch, kept in self.branches}
+
+    def gathered(self, curves: MotionCurves | None) -> Branches:
+        """Responses of all branches."""
+        return Branches(**{branch.direction: kept.response for branch, kept in self.branches}, curves=curves)
+
+
+def job_of(
+    case: Case, name: str, systems: Mapping[str, ImpactSystem], branches: tuple[Branch, ...], store: Store | None
+) -> Job:
+    """Job of the fidelity ``name``, with the stored points of its branches."""
+    kept = tuple((branch, store.restore(branch) if store else _nothing(branch)) for branch in branches)
+    return Job(name, systems, case.fidelities[name], kept)
+
+
+def _nothing(branch: Branch) -> StoredBranch:
+    points, modes = len(branch.frequency), branch.modes
+    return StoredBranch(FrequencyResponse.empty(branch.frequency, modes), 0, None, StatesAfter.unknown(points, modes))
+
+
+def sweep_branches(case: Case, job: Job, store: Store | None, count: Count, stop: Event) -> None:
+    """Sweep all branches of one fidelity, the state carried from each to the next."""
+    carried: State | None = None
+    struck = 0
+    for branch, kept in job.branches:
+        recorder = Recorder(branch, kept, store)
+        start = kept.state if kept.done else carried
+        carried = start
+        try:
+            for block, states in _march(case, job, kept, start, struck):
+                carried = states[-1]
+                recorder.add(block, states)
+                count.add(len(block))
+                if stop.is_set():
+                    raise Stopped
+        finally:
+            recorder.write()
+        struck += int(kept.response.impacts.sum())
+
+
+def _march(
+    case: Case, job: Job, kept: StoredBranch, state: State | None, struck: int
+) -> Iterator[tuple[FrequencyResponse, list[State]]]:
+    """Sweep the missing points; ``struck``: number of impacts in the branches before this one."""
+    from vibeam.case.fidelity import gap_drift, gap_wear
+
+    scene = case.scene_of(job.name)
+    plan, omega = case.sweep, kept.response.omega[kept.done :]
+    if not len(omega):
+        return iter(())
+    return march_blocks(
+        job.system,
+        omega,
+        case.amplitude_of(job.name, omega),
+        settle=plan.settle,
+        hold=plan.hold,
+        solver=job.fidelity.solver,
+        options=job.fidelity.options,
+        output=plan.output,
+        state=state,
+        slowest=float(kept.response.omega.min()),
+        drift=gap_drift(scene, omega),
+        wear=gap_wear(scene),
+        harmonics=scene.harmonics,
+        struck=struck + int(kept.response.impacts[: kept.done].sum()),
+    )
+
+
+def _curves_key(case: Case, name: str) -> str:
+    return sha256(case.own[name].encode() + np.sort(case.sweep.frequency).tobytes()).hexdigest()
+
+
+def known_curves(case: Case, job: Job, store: Store | None) -> MotionCurves:
+    """All motions known to the fidelity's solver at the sweep's frequencies, from the file where stored."""
+    key = _curves_key(case, job.name)
+    stored = store.curves(job.name, key) if store else None
+    if stored is not None:
+        return stored
+    omega = 2 * np.pi * np.sort(case.sweep.frequency)
+    made = solver(job.fidelity.solver, job.system, float(omega[0]), 0.0, **job.fidelity.options)
+    found: MotionCurves = made.curves(omega, case.amplitude_of(job.name, omega), case.sweep.output)
+    if store:
+        store.write_curves(job.name, key, found)
+    return found

@@ -1,0 +1,162 @@
+"""Result of a run: the branches of every fidelity, and the case's further figures and choices."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from vibeam.case.case import units_of_output
+from vibeam.case.faults import suggest
+from vibeam.case.held import held_of
+from vibeam.runs.comparison.differences import both_peaks
+from vibeam.runs.overview import Overview, overview_of
+from vibeam.system.response import Branches, modes_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from pandas import DataFrame
+    from xarray import Dataset
+
+    from vibeam.case.case import Case
+    from vibeam.figures.sheet import Sheet
+    from vibeam.runs.accuracy.study import AccuracyChoice
+    from vibeam.runs.comparison.differences import HeldComparison
+    from vibeam.runs.estimate.records import FidelityEstimate
+    from vibeam.runs.systems import ModelProperties
+    from vibeam.system.motion_curves import MotionCurves
+    from vibeam.system.quantities import OutputUnits
+
+
+def finest_of(result: Result, beside: str | None = None) -> str:
+    """Fidelity with most modes, the first of several, among those with the same physics as ``beside``.
+
+    A member of a family of curves (other gaps, other R) is no reference for another one's accuracy.
+    """
+    if result.accuracy is not None:
+        return next(iter(result))
+    own = result.case.fidelities
+    alike = [name for name in result if beside is None or own[name].changes == own[beside].changes]
+    return max(alike, key=lambda name: modes_of(result[name]))
+
+
+def output_units(case: Case) -> OutputUnits:
+    """Units of the sweep's output of a case."""
+    return units_of_output(case, case.sweep.output)
+
+
+class Result(Mapping[str, Branches]):
+    """Result of a run: ``result[fidelity].up.amplitude``; ``found`` points of ``total`` were in the file already.
+
+    ``shown``: the numbers of the case's [show.NAME] tables, by name. ``accuracy``: the choice of models for the case's
+    accuracy and its verification; the one entry is then ``result["accuracy"]``. ``comparisons``: under both choices of
+    the restitution held, one for each finest fidelity, where the run was asked for them; ``estimates``: then also the
+    error of each fidelity against the full model of its scene, estimated along its exact orbits. ``models``: properties
+    of the fidelities' models, where they are known already.
+    """
+
+    def __init__(
+        self,
+        case: Case,
+        branches: Mapping[str, Branches],
+        path: Path | None = None,
+        found: int = 0,
+        shown: Mapping[str, tuple[Sheet, ...]] | None = None,
+        accuracy: AccuracyChoice | None = None,
+        comparisons: Sequence[HeldComparison] = (),
+        models: Mapping[str, ModelProperties] | None = None,
+    ) -> None:
+        self.case = case
+        self.path = path
+        self.found = found
+        self.shown = dict(shown or {})
+        self.accuracy = accuracy
+        self.comparisons = tuple(comparisons)
+        self.estimates: dict[str, FidelityEstimate] = {}
+        self._branches = dict(branches)
+        self._models = dict(models or {})
+
+    @property
+    def overview(self) -> Overview | None:
+        """Sizes, masses, modes and gap of the rig beside the sweep; None where its models are not known."""
+        return overview_of(self.case, self._models) if self._models else None
+
+    @property
+    def total(self) -> int:
+        """Number of points of all branches."""
+        return sum(len(response) for branches in self.values() for _, response in branches.items())
+
+    @property
+    def finest(self) -> dict[str, str]:
+        """Reference fidelity of each fidelity: see ``finest_of``."""
+        return {name: finest_of(self, name) for name in self}
+
+    @property
+    def held(self) -> str:
+        """What its comparisons hold fixed and, where known, the peaks with the other choice; empty without any."""
+        compared = [name for name, finest in self.finest.items() if name != finest]
+        compared = compared if self.accuracy is None else [self.accuracy.finest]
+        labels = dict.fromkeys(held_of(self.case.scene_of(name)).label for name in compared)
+        return "\n".join(filter(None, [", ".join(labels), *map(both_peaks, self.comparisons)]))
+
+    def restitutions(self, fidelity: str) -> tuple[float, float]:
+        """Restitution R of the contact and R₁ of mode 1 in one fidelity, in an accuracy's choice in the finest."""
+        from vibeam.case.fidelity import restitutions
+
+        name = fidelity if self.accuracy is None else self.accuracy.finest
+        known = self._models.get(name)
+        if known is None:
+            return restitutions(self.case.scene_of(name), self.case.fidelities[name])
+        return known.restitution, known.first_mode_restitution
+
+    @property
+    def curves(self) -> dict[str, MotionCurves]:
+        """All motions, unstable ones included, of each fidelity whose solver knows them."""
+        return {name: branches.curves for name, branches in self._branches.items() if branches.curves is not None}
+
+    def __getitem__(self, fidelity: str) -> Branches:
+        if fidelity not in self._branches:
+            raise KeyError(f"no fidelity {fidelity!r}: {suggest(str(fidelity), self._branches)}")
+        return self._branches[fidelity]
+
+    def __repr__(self) -> str:
+        where = "" if self.path is None else f" in {self.path}"
+        lines = [f"Result of {self.case.title!r}{where}", *(f"  {name}: {self[name]!r}" for name in self)]
+        return "\n".join(lines)
+
+    def to_xarray(self) -> Dataset:
+        """Data set along ``fidelity``, ``direction`` and ``frequency`` (Hz); needs xarray.
+
+        NaN where a fidelity has fewer modes or was not swept that way; units are attributes.
+        """
+        from vibeam.system.labelled import dataset, joined
+
+        units = output_units(self.case)
+        parts = {
+            name: {direction: dataset(one, units) for direction, one in branches.items()}
+            for name, branches in self.items()
+        }
+        return joined({name: joined(parts, "direction") for name, parts in parts.items()}, "fidelity")
+
+    def to_dataframe(self) -> DataFrame:
+        """Table of one row a point, with columns ``fidelity`` and ``direction``; needs pandas."""
+        from vibeam.system.labelled import frame
+
+        rows = [
+            ({"fidelity": name, "direction": direction}, response)
+            for name, branches in self.items()
+            for direction, response in branches.items()
+        ]
+        return frame(rows, output_units(self.case))
+
+    def plot(self, *paths: str | Path) -> Figure:
+        """Figure of ``vibeam run``; written to ``paths`` (.png, .svg, .pdf) where given."""
+        from vibeam.system.plotting import plot
+
+        return plot(self, *paths)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._branches)
+
+    def __len__(self) -> int:
+        return len(self._branches)

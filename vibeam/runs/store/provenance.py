@@ -1,0 +1,59 @@
+"""Provenance of a results file: what computed its numbers, and what continued it."""
+
+from __future__ import annotations
+
+import platform
+from importlib.metadata import PackageNotFoundError, version
+from time import gmtime, strftime
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.flight.entries import origin
+from vibeam.runs.store.checksum import CHECKSUM, is_sound, sign
+
+if TYPE_CHECKING:
+    import h5py
+
+
+SESSIONS, NOTE = 32, 240  # room for this number of notes, of this number of bytes, on runs that continued the file
+
+
+def provenance() -> dict[str, str]:
+    """Versions of vibeam, numpy, numba and Python, where the compiled kernels come from, platform, time (UTC)."""
+    versions = {"vibeam": _version("vibeam"), "numpy": np.__version__, "numba": _version("numba"), "kernels": origin()}
+    machine = {"python": platform.python_version(), "platform": platform.platform()}
+    return versions | machine | {"time": strftime("%Y-%m-%dT%H:%M:%SZ", gmtime())}
+
+
+def write_provenance(group: h5py.Group) -> None:
+    """Write the provenance into a new file, with room for later continuations."""
+    group.attrs.update(provenance())
+    group.create_dataset("continued", data=np.zeros(SESSIONS, dtype=f"S{NOTE}")).make_scale()
+    sign(group)
+
+
+def note_continued(group: h5py.Group) -> None:
+    """Note a continuation in the next free slot (or the last), in place, so that nothing moves.
+
+    A damaged provenance stays without a checksum that fits.
+    """
+    notes, sound = group["continued"], is_sound(group)
+    slot = min(int(np.count_nonzero(notes[()] != b"")), len(notes) - 1)
+    notes[slot] = ", ".join(f"{name} {value}" for name, value in provenance().items()).encode()[:NOTE]
+    if sound:
+        sign(group)
+
+
+def read_provenance(group: h5py.Group) -> dict[str, str]:
+    """What computed the numbers, by name; of a damaged one, that it is."""
+    if not is_sound(group):
+        return {"damaged": "what computed these numbers is not known"}
+    return {name: str(value) for name, value in group.attrs.items() if name != CHECKSUM}
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"

@@ -1,0 +1,122 @@
+"""Result of an earlier run, read from its file: nothing is computed, nothing is written."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.runs.result import Result
+from vibeam.runs.store.accuracy import HOME, read_study
+from vibeam.runs.store.branch import Values, points_of, read_rows
+from vibeam.runs.store.checksum import CHECKSUM, verify
+from vibeam.runs.store.content import FORMAT, format_of, whole_case
+from vibeam.runs.store.errors import StoreError, reading
+from vibeam.runs.store.estimates import ESTIMATES, read_estimates
+from vibeam.runs.store.figures import read_sheets
+from vibeam.runs.store.file import opened_to_read
+from vibeam.runs.store.layout import read_curves
+from vibeam.runs.store.models import COMPARISON, read_comparisons, read_models
+from vibeam.runs.store.provenance import read_provenance
+from vibeam.runs.store.reuse import branch_names
+from vibeam.runs.store.store import CURVES
+from vibeam.system.quantities import LAYOUT
+from vibeam.system.response import Branches, FrequencyResponse
+from vibeam.system.state import State
+
+if TYPE_CHECKING:
+    import h5py
+
+    from vibeam.case.case import Case
+    from vibeam.runs.accuracy.study import AccuracyChoice
+
+
+@dataclass(frozen=True)
+class StoredResult:
+    """A ``result`` of which ``missing`` points were not run yet (NaN), and what else its file holds.
+
+    ``states``: of each branch ("fidelity", "up") the state at the end of each point, at the drive's phase 0; None where
+    none is known. ``provenance``: what computed the numbers, by name. ``left_out``: references of the case whose files
+    were not found. ``numbers``: what decides the numbers, as TOML.
+    """
+
+    result: Result
+    states: Mapping[tuple[str, str], tuple[State | None, ...]]
+    provenance: Mapping[str, str]
+    missing: int
+    numbers: str
+    left_out: tuple[str, ...] = ()
+
+
+def read_result(path: str | Path, parse: Callable[[str], Case]) -> StoredResult:
+    """Read a results file, complete or not; ``parse`` makes a case of its text.
+
+    StoreError where it is none, of an older format, or damaged; CaseError where its case cannot be built any more.
+    """
+    file = Path(path)
+    with opened_to_read(file) as stored:
+        if format_of(stored) != FORMAT:
+            raise StoreError(f"{file}: is of an older format: vibeam run brings it to the present one")
+        with reading(file, "/case"):
+            verify(stored["case"])
+        case = parse(whole_case(stored, file))
+        with reading(file, "its groups"):
+            return _read(stored, file, case)
+
+
+def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
+    rows = {at: read_rows(stored[at[0]][at[1]]) for at in branch_names(stored) if _named(case, at[0])}
+    branches = {name: _branches(stored, name, rows) for name in dict.fromkeys(name for name, _ in rows)}
+    ordered = {name: branches[name] for name in (*case.fidelities, HOME) if name in branches}
+    shown = {name: sheets for name, plan in case.shows.items() if (sheets := read_sheets(stored, plan)) is not None}
+    result = Result(
+        case,
+        ordered,
+        path,
+        sum(points_of(stored[one][way]) for one, way in rows),
+        shown,
+        _study(stored, branches),
+        read_comparisons(stored) if COMPARISON in stored else (),
+        {name: properties for name, (_, properties) in read_models(stored).items()},
+    )
+    result.estimates = read_estimates(stored) if ESTIMATES in stored else {}
+    provenance = read_provenance(stored["provenance"])
+    states = {at: _states(values) for at, values in rows.items()}
+    numbers = stored["case/text"][()].decode()
+    return StoredResult(result, states, provenance, result.total - result.found, numbers)
+
+
+def _named(case: Case, name: str) -> bool:
+    """Test whether the case has the fidelity of a branch: an older run may have left others."""
+    return name in case.fidelities if case.accuracy is None else name == HOME
+
+
+def _branches(stored: h5py.File, name: str, rows: Mapping[tuple[str, str], Values]) -> Branches:
+    ways = {way: _response(rows[name, way]) for way in ("up", "down") if (name, way) in rows}
+    place = f"{name}/{CURVES}"
+    if place not in stored:
+        return Branches(ways.get("up"), ways.get("down"))
+    verify(stored[place])
+    return Branches(ways.get("up"), ways.get("down"), read_curves(stored[place]))
+
+
+def _response(values: Values) -> FrequencyResponse:
+    return FrequencyResponse(**{name: values[name] for name in LAYOUT})
+
+
+def _study(stored: h5py.File, branches: Mapping[str, Branches]) -> AccuracyChoice | None:
+    if HOME not in branches or CHECKSUM not in stored[HOME].attrs:
+        return None
+    verify(stored[HOME])
+    return read_study(stored[HOME], dict(branches[HOME].items()))
+
+
+def _states(values: Values) -> tuple[State | None, ...]:
+    columns = (values[name] for name in ("state_displacement", "state_velocity", "state_resting"))
+    return tuple(
+        State(displacement, velocity, bool(resting)) if np.isfinite([displacement, velocity]).all() else None
+        for displacement, velocity, resting in zip(*columns, strict=True)
+    )
