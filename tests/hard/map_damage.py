@@ -24,10 +24,10 @@ from vibeam.maps.block import Block
 
 SHORT = {
     "points = 100": "points = 6", "points = 65": "points = 9", "points = 40": "points = 8",
-    "settle = 2000": "settle = 60", "settle = 400": "settle = 60", "settle = 200": "settle = 60",
+    "settle = 400": "settle = 60", "settle = 200": "settle = 60",
 }  # fmt: skip
 
-NAMES = ("plane", "starts", "refined")
+NAMES = ("plane", "starts")
 
 
 class Ended(Exception):

@@ -41,22 +41,12 @@ starts = 6
 spread = "1 mm"
 settle = 400
 hold = 16
-[map.refined]
-fidelities = ["sdof"]
-axes = [
-  { key = "drive.voltage", from = "0.2 V", to = "0.7 V", points = 65 },
-  { key = "sweep.frequency", from = "14 Hz", to = "17 Hz", points = 65 },
-]
-direction = "apart"
-refine = 2
-settle = 2000
-hold = 16
 """
 )
 
 COMMAND = ("--load", "small_blocks", "map", "rig.toml", "--only")
 
-NAMES = ("plane", "starts", "refined")
+NAMES = ("plane", "starts")
 
 FOUND = re.compile(r"continuing: (\d+) of (\d+) points")
 

@@ -236,7 +236,7 @@ class MapPlan:
     ``direction``: "up", "down" or "both", the state carried; "apart": every point from its own start. ``frequency`` in
     Hz, where it is no axis; ``settle`` and ``hold`` in drive periods; ``strobes``: how many values at the end of a
     period; ``starts`` at random, from ``seed``, within ``spread`` (m). ``picture`` and the ``quantity`` that it shows;
-    ``boundaries``: whether exact ones are laid over it; ``refine``: levels of a quadtree.
+    ``boundaries``: whether exact ones are laid over it.
     """
 
     name: str
@@ -255,4 +255,3 @@ class MapPlan:
     seed: int = 1
     spread: float | None = None
     boundaries: bool = True
-    refine: int = 0

@@ -26,7 +26,6 @@ from vibeam.casefile.tables.maps import (
     direction_of,
     picture_complaints,
     random_complaints,
-    refine_complaints,
 )
 from vibeam.casefile.tables.table import MOST_ELEMENTS, Frequency, named_fidelity
 from vibeam.casefile.unit_systems import SI, UnitSystem
@@ -64,8 +63,6 @@ def map_complaints(case: SimpleNamespace, model: type[AnyCase]) -> Iterator[Comp
         yield from _axes(case, path, table, model)
         yield from random_complaints(path, table)
         yield from picture_complaints(case, path, table)
-        if table.refine:
-            yield from refine_complaints(case, path, table)
 
 
 def _axes(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace, model: type[AnyCase]) -> Iterator[Complaint]:
@@ -240,7 +237,6 @@ def _plan(name: str, table: Any, declared: AnyCase, sweep: SweepPlan) -> MapPlan
         seed=table.seed,
         spread=table.spread,
         boundaries=table.boundaries,
-        refine=table.refine,
     )
 
 

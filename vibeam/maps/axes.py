@@ -46,12 +46,6 @@ def indices(axes: Sequence[Axis], lines: NDArray[np.int64]) -> Indices:
     return found | {last.key: np.broadcast_to(np.arange(size[1]), size)}
 
 
-def indices_of(axes: Sequence[Axis], points: NDArray[np.int64]) -> Indices:
-    """Index along each axis of single ``points``, flat numbers in the grid: (points, 1) each, as lines of one."""
-    places = np.unravel_index(points, shape_of(axes))
-    return {axis.key: each[:, None] for axis, each in zip(axes, places, strict=True)}
-
-
 @dataclass(frozen=True)
 class Combinations:
     """The distinct ``settings`` (key → value) among some points, and ``which`` of them each point has."""

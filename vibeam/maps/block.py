@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import prod
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import DISPLACEMENT, STARTS, VELOCITY
 from vibeam.flight.pause import pause
-from vibeam.maps.axes import Axis, indices, indices_of, lines_of, shape_of, values_at
-from vibeam.maps.points import GridPoints, Starts, points_at, random_starts, start_states
+from vibeam.maps.axes import Axis, lines_of, shape_of, values_at
+from vibeam.maps.points import GridPoints, Starts, grid_points, random_starts, start_states
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 Values = dict[str, NDArray[Any]]
 Way = Literal["up", "down"]
-DTYPES: Mapping[str, type] = {"period": np.int16, "ended": np.int16, "resting": np.int16, "flown": np.uint8}
+DTYPES: Mapping[str, type] = {"period": np.int16, "ended": np.int16, "resting": np.int16}
 LEAST = 20  # drive periods of the mean of a Lyapunov exponent
 
 QUANTITIES = (
@@ -39,9 +39,8 @@ class Grid:
     ``axes`` is swept: with ``ways`` (up, down or first up, then down) the state is carried from point to point along
     it, and every line begins at equilibrium; without any, every point starts from equilibrium, from where the axes say,
     or from ``starts``. ``frequency`` in Hz, where that is no axis; ``settle`` and ``hold`` in drive periods;
-    ``strobes``: how many values of the output at the end of a period are read. ``refine``: levels of the quadtree over
-    the last two axes, 0: every point is flown. ``lanes``: lines, or points apart, fly side by side where they can
-    (``vibeam.batch``).
+    ``strobes``: how many values of the output at the end of a period are read. ``lanes``: lines, or points apart, fly
+    side by side where they can (``vibeam.batch``).
     """
 
     text: str
@@ -56,7 +55,6 @@ class Grid:
     frequency: float | None = None
     strobes: int = 0
     starts: Starts | None = None
-    refine: int = 0
     lanes: bool = True
 
     @property
@@ -73,29 +71,26 @@ class Grid:
 
 @dataclass(frozen=True)
 class Block:
-    """Lines ``first`` to ``last`` (not itself) of a grid; of a refined one these are ``points``, flat numbers in it."""
+    """Lines ``first`` to ``last`` (not itself) of a grid."""
 
     grid: Grid
     first: int
     last: int
-    points: NDArray[np.int64] | None = field(default=None, compare=False)
 
     @property
     def size(self) -> int:
         """Number of points: ways and random starts are counted each."""
-        return (self.last - self.first) * (prod(self.grid.shape) if self.points is None else 1)
+        return (self.last - self.first) * prod(self.grid.shape)
 
 
 def evaluate_block(block: Block, threads: int | None = None) -> Values:
     """Every quantity of a block, (lines, ways, points of the last axis, starts …): a function of the block alone.
 
-    Points of a refined grid are lines of one point.
     The same to the bit wherever and in however many threads. ``Stopped`` or KeyboardInterrupt pass through.
     """
     grid = block.grid
     lines = np.arange(block.first, block.last)
-    index = indices(grid.axes, lines) if block.points is None else indices_of(grid.axes, block.points)
-    points = points_at(grid.text, grid.path, grid.fidelity, grid.axes, grid.frequency, index)
+    points = grid_points(grid.text, grid.path, grid.fidelity, grid.axes, grid.frequency, lines)
     if grid.ways:
         return _carried(grid, points, threads)
     return _apart(grid, points, block.first, threads)

@@ -105,7 +105,7 @@ def over_axes(grid: Grid, parts: Sequence[Values]) -> Values:
 def grid_of(
     case: Case, fidelity: str, axes: Mapping[str, ArrayLike], *, quantities: Sequence[str], direction: Run,
     frequency: float | None = None, settle: int | None = None, hold: int | None = None, output: str | None = None,
-    strobes: int = 0, starts: Starts | None = None, refine: int = 0, lanes: bool = True,
+    strobes: int = 0, starts: Starts | None = None, lanes: bool = True,
 ) -> Grid:  # fmt: skip
     """The grid that ``evaluate`` is asked for, its lines side by side with ``lanes``; errors as there."""
     unknown = [name for name in quantities if name not in QUANTITIES]
@@ -127,7 +127,6 @@ def grid_of(
         _frequency(case, axes, frequency),
         strobes,
         starts,
-        refine,
         lanes,
     )
     faults = faults_of(grid)

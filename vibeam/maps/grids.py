@@ -39,7 +39,7 @@ def grids_of(case: Case, plan: MapPlan) -> Mapping[str, Grid]:
         fidelity: grid_of(
             case, fidelity, {axis.key: axis.values for axis in plan.axes}, quantities=plan.quantities,
             direction=plan.direction, frequency=plan.frequency, settle=plan.settle, hold=plan.hold,
-            output=plan.output, strobes=plan.strobes, starts=starts, refine=plan.refine,
+            output=plan.output, strobes=plan.strobes, starts=starts,
         )
         for fidelity in plan.fidelities
     }  # fmt: skip
@@ -49,15 +49,13 @@ def key_of(case: Case, grid: Grid) -> str:
     """Digest of all that decides the numbers of a grid, the code aside."""
     rest = asdict(grid)
     del rest["text"], rest["path"]
-    if not grid.refine:
-        del rest["refine"]
     if not grid.lanes:
         del rest["lanes"]  # so that maps of earlier versions stay the same ones
     return sha256(f"{case.own[grid.fidelity]} {rest!r}".encode()).hexdigest()
 
 
 def lines_of_block(case: Case, grid: Grid) -> int:
-    """Number of lines of a block: those that take about ``SECONDS``, and at least one; of points of a refined grid.
+    """Number of lines of a block: those that take about ``SECONDS``, and at least one.
 
     Where the state is carried, all lines of a block take a step of the last axis in one call: there are as many as
     make the points ``SHARE`` times as long as the call.
@@ -66,8 +64,6 @@ def lines_of_block(case: Case, grid: Grid) -> int:
     seconds = POINT + (grid.settle + grid.hold) * PERIOD * (1 + modes / 8)
     line = prod(grid.shape)
     points = min(max(SECONDS / seconds, LEAST, grid.lines * line / FILES), MOST)
-    if grid.refine:
-        return int(points)
     together = min(SHARE * CALL / seconds, MOST_CARRIED / line) if grid.ways else 1
     return max(1, min(int(max(points / line, together)), grid.lines))
 

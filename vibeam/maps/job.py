@@ -16,7 +16,6 @@ from vibeam.maps.axes import shape_of
 from vibeam.maps.block import DTYPES, Block, Grid, Values
 from vibeam.maps.evaluate import GridResponse
 from vibeam.maps.grids import blocks_of
-from vibeam.maps.refined import Passes, over_grid
 from vibeam.maps.result import MapResult
 from vibeam.maps.store.blocks import Manifest, read_block
 from vibeam.maps.store.gathered import SHOWN, Source, steps_of
@@ -32,8 +31,6 @@ ASIDE = ("state", "resting")  # shown by no picture of a map under way
 
 def partial_response(grid: Grid, known: Iterable[tuple[Block, Values | None]], most: int = SHOWN) -> GridResponse:
     """Response of the blocks that are ``known``; a point of any other is NaN and not run yet."""
-    if grid.refine:
-        return _refined(grid, known, most)
     steps, lines = steps_of(grid, most), np.arange(grid.lines)
     above = shape_of(grid.axes)[:-1]
     kept = np.ones(grid.lines, dtype=bool)
@@ -57,15 +54,6 @@ def partial_response(grid: Grid, known: Iterable[tuple[Block, Values | None]], m
     )  # fmt: skip
 
 
-def _refined(grid: Grid, known: Iterable[tuple[Block, Values | None]], most: int) -> GridResponse:
-    """Response of a refined grid: the label of a point that is not flown yet is that of a corner of its cell."""
-    there = [(block, values) for block, values in known if values is not None]
-    steps, every = steps_of(grid, most), over_grid(grid, there, grid.quantities)
-    where = (slice(None), *(slice(None, None, step) for step in steps))
-    axes = {axis.key: np.array(axis.values)[::step] for axis, step in zip(grid.axes, steps, strict=True)}
-    return GridResponse(grid.fidelity, axes, ("apart",), {name: values[where] for name, values in every.items()})
-
-
 def _blank(grid: Grid, name: str, lines: int, step: int) -> NDArray[Any]:
     """Values of points that are not run yet."""
     ways, columns, *starts = grid.shape
@@ -76,7 +64,7 @@ def _blank(grid: Grid, name: str, lines: int, step: int) -> NDArray[Any]:
 
 @dataclass
 class Job:
-    """Blocks of a map: those known so far (of a refined grid pass by pass), and which of them are on disk."""
+    """Blocks of a map: all of them, and which are on disk."""
 
     case: Case
     plan: MapPlan
@@ -87,34 +75,19 @@ class Job:
     blocks: list[Block] = field(default_factory=list)
     done: set[tuple[str, int]] = field(default_factory=set)
     found: int = 0
-    passes: dict[str, Passes] = field(default_factory=dict)
-    latest: dict[str, list[Block]] = field(default_factory=dict)
 
     @classmethod
     def begun(
         cls, case: Case, plan: MapPlan, grids: Mapping[str, Grid], manifest: Manifest, folder: Path, path: Path
     ) -> Job:  # fmt: skip
-        """All blocks that follow from what is there; those that are there and whole are done."""
+        """All blocks; those that are there and whole are done."""
         job = cls(case, plan, grids, manifest.keys, folder, path)
         for name, grid in grids.items():
-            if grid.refine:
-                job.passes[name] = Passes(grid, manifest.sizes[name])
-            job._add(name, job.passes[name].first() if grid.refine else blocks_of(grid, manifest.sizes[name]))
-        job.grow()
+            job.blocks += blocks_of(grid, manifest.sizes[name])
+        stored = [block for block in job.blocks if job.read(block) is not None]
+        job.done |= {name_of(block) for block in stored}
+        job.found = points_of(stored)
         return job
-
-    def _add(self, fidelity: str, blocks: list[Block]) -> None:
-        stored = [block for block in blocks if self.read(block) is not None]
-        self.blocks += blocks
-        self.latest[fidelity] = blocks
-        self.done |= {name_of(block) for block in stored}
-        self.found += points_of(stored)
-
-    def grow(self) -> None:
-        """Add the passes that follow from finished ones."""
-        for name, passes in self.passes.items():
-            while self.latest[name] and all(name_of(block) in self.done for block in self.latest[name]):
-                self._add(name, passes.following(self._stored(self.latest[name])))
 
     @property
     def missing(self) -> list[Block]:

@@ -53,18 +53,12 @@ class GridPoints:
 def grid_points(
     text: str, path: str, fidelity: str, axes: Sequence[Axis], frequency: float | None, lines: NDArray[np.int64]
 ) -> GridPoints:
-    """Points of ``lines`` of the grid; otherwise as ``points_at``."""
-    return points_at(text, path, fidelity, axes, frequency, indices(axes, lines))
-
-
-def points_at(
-    text: str, path: str, fidelity: str, axes: Sequence[Axis], frequency: float | None, index: Indices
-) -> GridPoints:
-    """Points of the grid over a narrowed case, at ``index`` along its axes; ``frequency`` (Hz) where that is no axis.
+    """Points of ``lines`` of the grid over a narrowed case; ``frequency`` (Hz) where that is no axis.
 
     A key is looked at in the case as it would be written there, so that every rule between keys holds. CaseError for
     a value that the case may not have, ValueError for a case that a grid cannot take.
     """
+    index = indices(axes, lines)
     along = values_at(axes, index, FREQUENCY)
     size = next(iter(index.values())).shape
     omega = 2 * np.pi * (np.full(size, frequency) if along is None else along)

@@ -101,7 +101,7 @@ def _compute(
     workers: int | None,
     cluster: Cluster | None,
 ) -> None:
-    """Compute the missing blocks, pass by pass, then gather all."""
+    """Compute the missing blocks, then gather all."""
     lock, watch = Lock(), _Watch()
     if progress:
         progress(job.found, points_of(job.blocks))
@@ -123,9 +123,7 @@ def _compute(
         if partial and len(job.done) < len(job.blocks) and watch.due():
             watch.drawn(lambda: partial(job.result()))
 
-    while missing := job.missing:
-        run_parallel(task, missing, workers if cluster is None else cluster.blocks)
-        job.grow()
+    run_parallel(task, job.missing, workers if cluster is None else cluster.blocks)
     gather(job.path, job.case, job.plan, job.keys, job.sources())
 
 

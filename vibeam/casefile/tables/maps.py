@@ -137,11 +137,6 @@ class MapTable(Table):
     spread: Annotated[float | None, Quantity(units.LENGTH, POSITIVE)] = key(
         "how far from 0 the contact starts at random, its velocity within Ω times that", "1 mm", None, written=False
     )
-    refine: Annotated[int, Count(0, 12)] = key(
-        "levels of a quadtree over the last two axes: every 2^levels-th point is flown, then cells are halved where "
-        "the period or the motion differs; the other points have the label of their cell; 0 = every point",
-        3, 0, written=False,
-    )  # fmt: skip
     boundaries: Annotated[bool, Flag()] = key(
         "whether exact boundaries of motions with one impact a period are laid over, where there are any", False, True,
         written=False,
@@ -187,30 +182,6 @@ def picture_complaints(case: SimpleNamespace, path: KeyPath, table: SimpleNamesp
     hold = case.sweep.hold if table.hold is None else table.hold
     if table.strobes is not None and hold is not None and table.strobes > hold:
         yield (*path, "strobes"), f"{table.strobes} values need as many periods held: hold is {hold}"
-
-
-def refine_complaints(case: SimpleNamespace, path: KeyPath, table: SimpleNamespace) -> Iterator[Complaint]:
-    """Complaints about a refined map: of points that are independent, and of labels."""
-    at, keys = (*path, "refine"), [axis.key_ for axis in table.axes or ()]
-    if table.picture not in ("period", "basins"):
-        yield at, f'"{table.picture}" shows numbers, and refining follows labels: leave it away'
-        return
-    if table.starts is not None:
-        yield at, "is of one motion a point: leave starts or refine away"
-        return
-    if direction_of(table, keys, case.sweep.direction) != "apart":
-        yield (
-            at,
-            'flies points by themselves, and here the state is carried along the last axis: write direction = "apart"',
-        )
-    if len(keys) < 2 or (table.picture == "basins" and not all(key in STARTS for key in keys[-2:])):
-        said = "start.displacement and start.velocity" if table.picture == "basins" else "two axes or three"
-        yield at, f"halves cells of a plane: the axes must be {said}"
-        return
-    fewest = min(count_of(axis) for axis in table.axes[-2:])
-    if 2**table.refine > fewest - 1:
-        most = max(fewest - 1, 1).bit_length() - 1
-        yield at, f"begins with every {2**table.refine}th point, and an axis has {fewest}: {most} at most"
 
 
 def direction_of(table: Any, keys: list[str], swept: str | None) -> str:

@@ -18,7 +18,6 @@ from vibeam.exchange.whole_files import write_at
 from vibeam.maps.axes import shape_of
 from vibeam.maps.block import DTYPES, Block, Grid, Values
 from vibeam.maps.evaluate import GridResponse
-from vibeam.maps.refined import FLOWN, over_grid
 from vibeam.maps.store.structure import Structure, without_values
 from vibeam.runs.store.content import SIGNATURE
 from vibeam.runs.store.errors import StoreError, reason, unwritable
@@ -38,7 +37,6 @@ SHOWN = 4_000_000  # points of a quantity that are read back at most: for pictur
 OWN: Mapping[str, Quantity] = {
     "energy": Quantity("time-mean energy of all modes", "E"),
     "lyapunov": Quantity("largest Lyapunov exponent", "1/s"),  # type: ignore[arg-type]
-    FLOWN: Quantity("1: flown itself; 0: has what its cell's corner has", "1"),
     "strobes": Quantity("output at the end of the last drive periods", "q"),
 }
 
@@ -55,15 +53,10 @@ class Source:
         _, values = next(self.blocks())
         of_points = 1 + len(self.grid.shape)
         whole = (len(self.grid.ways) or 1, *shape_of(self.grid.axes), *self.grid.shape[2:])
-        names = (*values, *((FLOWN,) if self.grid.refine else ()))
-        return {name: (*whole, *(values[name].shape[of_points:] if name in values else ())) for name in names}
+        return {name: (*whole, *each.shape[of_points:]) for name, each in values.items()}
 
     def pieces(self) -> Iterator[tuple[str, int, NDArray[Any]]]:
         """Quantity by name, the number of its first value in the file, and values from there on."""
-        if self.grid.refine:
-            every = over_grid(self.grid, self.blocks(), self.grid.quantities)
-            yield from ((name, 0, values) for name, values in every.items())
-            return
         for block, values in self.blocks():
             for name, rows in values.items():
                 for way in range(rows.shape[1]):
@@ -178,8 +171,7 @@ def _response(group: h5py.Group, grid: Grid, most: int) -> GridResponse:
     steps = steps_of(grid, most)
     axes = {axis.key: np.array(axis.values)[::step] for axis, step in zip(grid.axes, steps, strict=True)}
     where = (slice(None), *(slice(None, None, step) for step in steps))
-    names = (*grid.quantities, *((FLOWN,) if grid.refine else ()))
-    values: dict[str, NDArray[Any]] = {name: np.asarray(group[name][where]) for name in names}
+    values: dict[str, NDArray[Any]] = {name: np.asarray(group[name][where]) for name in grid.quantities}
     return GridResponse(grid.fidelity, axes, grid.ways or ("apart",), values)
 
 

@@ -6,15 +6,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
 from matplotlib.figure import Figure
 
 from vibeam.figures.page import blank_page, legend, titled, write_page
-from vibeam.figures.units import percent
 from vibeam.report.maps.axes import quantity_label
 
 if TYPE_CHECKING:
-    from vibeam.maps.evaluate import GridResponse
     from vibeam.maps.run import MapResult
 
 CAPTIONS = {
@@ -35,15 +32,9 @@ HOMES = {
 
 def write_map(result: MapResult, *paths: Path, exact: bool = True) -> list[str]:
     """Draw a map to ``paths``, by their endings; ``exact``: with what is known in closed form. Returns notes on it."""
-    notes = [_refined(each) for each in result.responses.values() if "flown" in each.values]
+    notes: list[str] = []
     write_page(lambda: _figure(result, exact and result.plan.boundaries, notes), paths)
     return notes
-
-
-def _refined(response: GridResponse) -> str:
-    """What share of the points of a refined map was flown."""
-    share = percent(float(np.mean(response.values["flown"])))
-    return f"{response.fidelity}: {share} of the points were flown, the others have the label of their cell"
 
 
 def map_figure(result: MapResult) -> Figure:
