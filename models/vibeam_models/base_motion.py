@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam_models.any_scene import AnyScene, RigScene
 from vibeam_models.arrays import Array
 from vibeam_models.base import Base
+from vibeam_models.scene import AnyScene, RigScene
 
 if TYPE_CHECKING:
     from vibeam_models.effects.platform import MovingPlatform, Platform, PlatformFilter, Shaker

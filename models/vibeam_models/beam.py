@@ -2,31 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import replace
-from functools import lru_cache
-from math import inf
-from typing import TYPE_CHECKING
+from functools import singledispatch
 
-import numpy as np
-
-from vibeam_models.arrays import Array
-from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.damping import damped
 from vibeam_models.effects import EFFECTS, LAST
-from vibeam_models.hermite import HermiteElements, hermite_elements
-from vibeam_models.scene import Scene
-from vibeam_models.space import BeamSpace, nodes
+from vibeam_models.scene import AnyScene, Scene
+from vibeam_models.space import NEAR, BeamSpace, bare_beam
 from vibeam_models.structure import Structure, with_inertia
 
-if TYPE_CHECKING:
-    from vibeam_models.timoshenko import TimoshenkoElements
 
-NEAR = 1e-3  # share of the length: a node at the stop must be this far from those of mass and rigid zone
-KEPT = 16  # beams without what they carry
-UNDAMPED = Damping("constant", (0.0,))
+@singledispatch
+def structure_of(scene: AnyScene) -> Structure:
+    """The structure of a scene of any kind on a base held still; ValueError where it is impossible."""
+    raise TypeError(f"structure_of: {type(scene).__name__} is no kind of scene")
 
 
+@structure_of.register
 def assemble(scene: Scene) -> Structure:
     """The finite-element structure of a scene, its coordinates relative to the base.
 
@@ -60,63 +51,6 @@ def _driven(structure: Structure, space: BeamSpace, scene: Scene) -> Structure:
     if not scene.carrier.density and (place[1] or place[0] not in [x for _, x in scene.weights]):
         raise ValueError("base.at: what drives a massless beam must be a force on one of its masses")
     return structure.with_(load=-space.row(*place))
-
-
-def bare_beam(beam: Beam, inserted: Iterable[float] = ()) -> tuple[Structure, BeamSpace]:
-    """The undamped beam alone on its supports, and its space, with extra mesh nodes at ``inserted`` (m).
-
-    Contact and the only output, ``"tip"``, are the deflection at the far end. The load is −M r with the supports moving
-    along: r is 1 there too.
-    """
-    return _bare_beam(replace(beam, damping=UNDAMPED), tuple(inserted))
-
-
-@lru_cache(maxsize=KEPT)  # the arrays of a Structure are never written to
-def _bare_beam(beam: Beam, inserted: tuple[float, ...]) -> tuple[Structure, BeamSpace]:
-    elements = _elements(beam, nodes(beam.length, beam.elements, (*inserted, *beam.breaks)))
-    space = BeamSpace.held(elements, _fixed(beam, elements.nodes))
-    (mass, stiffness), tip = elements.matrices(beam), space.row(beam.length)
-    structure = Structure(
-        M=space.within(mass),
-        C=np.zeros((space.size, space.size)),
-        K=space.within(stiffness),
-        load=space.base_load(mass),
-        static=np.zeros(space.size),
-        contact=tip,
-        outputs={"tip": tip},
-        units={"tip": "m"},
-    )
-    return _sprung(structure, space, beam), space
-
-
-def _elements(beam: Beam, places: Array) -> HermiteElements | TimoshenkoElements:
-    """Elements by the beam's theory."""
-    if not beam.shear:
-        return hermite_elements(places)
-    from vibeam_models.timoshenko import TimoshenkoElements
-
-    return TimoshenkoElements.of(beam, places)
-
-
-def _fixed(beam: Beam, places: Array) -> list[int]:
-    """Degrees of freedom that rigid supports hold: deflection 2i, slope 2i + 1 of node i."""
-    return [
-        2 * int(np.argmin(np.abs(places - support.position))) + which
-        for support in beam.held
-        for which, stiffness in enumerate(support.each)
-        if stiffness == inf
-    ]
-
-
-def _sprung(structure: Structure, space: BeamSpace, beam: Beam) -> Structure:
-    """The structure with K + k wᵀw for every spring of the supports, w its deflection or slope."""
-    stiffness = structure.K
-    for support in beam.held:
-        for derivative, spring in enumerate(support.each):
-            if 0 < spring < inf:
-                row = space.row(support.position, derivative)
-                stiffness = stiffness + spring * np.outer(row, row)
-    return structure if stiffness is structure.K else structure.with_(K=stiffness)
 
 
 def _observed(structure: Structure, space: BeamSpace, scene: Scene) -> Structure:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from math import nan
 
-from vibeam_models.any_scene import RigScene
 from vibeam_models.base import Base
+from vibeam_models.beam import structure_of
 from vibeam_models.beams.beam import Damping
+from vibeam_models.damping import damped
+from vibeam_models.scene import Effect, RigScene
 from vibeam_models.stop import Stop
 from vibeam_models.structure import Structure
 
@@ -34,7 +36,7 @@ class GivenScene(RigScene):
     given: GivenStructure
     stop: Stop
     base: Base
-    effects: tuple = ()  # type: ignore[type-arg]
+    effects: tuple[Effect, ...] = ()
 
     @property
     def no_beam(self) -> str:
@@ -45,13 +47,6 @@ class GivenScene(RigScene):
     def all_modes(self) -> bool:
         """As ``RigScene.all_modes``."""
         return self.given.kind == "matrices"
-
-    def structure(self) -> Structure:
-        """As ``AnyScene.structure``, with its damping."""
-        from vibeam_models.damping import damped
-
-        bare, damping = self.given.structure, self.given.damping
-        return bare if damping is None else damped(bare, damping)
 
     def structural(self) -> GivenScene:
         """As ``RigScene.structural``: the given structure alone."""
@@ -68,3 +63,10 @@ class GivenScene(RigScene):
         if self.given.carried is None:
             raise ValueError("platform: the mass that it carries is not known: write moving_mass")
         return self.given.carried
+
+
+@structure_of.register
+def _(scene: GivenScene) -> Structure:
+    """The given structure with its damping."""
+    bare, damping = scene.given.structure, scene.given.damping
+    return bare if damping is None else damped(bare, damping)

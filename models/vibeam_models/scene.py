@@ -1,21 +1,177 @@
-"""Scene: the rig as frozen data in SI units."""
+"""Scene: the rig as frozen data in SI units, with what every kind of scene says of itself, and its effects."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import reduce
-from typing import TYPE_CHECKING
+from math import nan
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from vibeam_models.any_scene import AnyScene, RigScene
 from vibeam_models.base import Base
 from vibeam_models.beams.beam import Beam
-from vibeam_models.keys import keys_of
+from vibeam_models.keys import keys_of, word
 from vibeam_models.stop import Stop
 
 if TYPE_CHECKING:
-    from vibeam_models.effects import Effect
     from vibeam_models.outputs import Output
+    from vibeam_models.space import BeamSpace
     from vibeam_models.structure import Structure
+
+
+class AnyScene(ABC):
+    """What every kind of scene says of itself, so that nobody need ask which kind it is."""
+
+    stop: Stop | None
+    outputs: tuple[Output, ...] = ()
+
+    @property
+    def harmonics(self) -> tuple[tuple[int, float, float], ...]:
+        """Order, share and phase of every further harmonic of the drive, as ``Base.harmonics``."""
+        rig: Any = self
+        found: tuple[tuple[int, float, float], ...] = rig.base.harmonics
+        return found
+
+    @property
+    @abstractmethod
+    def held(self) -> tuple[str, float]:
+        """Whose coefficient of restitution the scene gives (empty: there is one mode alone), and its value."""
+
+    @property
+    def natural_unit(self) -> float | None:
+        """Frequency in rad/s that a scene without dimensions counts by; None: it has SI units."""
+        return None
+
+    @property
+    def given_mode(self) -> tuple[float, float] | None:
+        """ω (rad/s) and ζ of the one mode that the scene is; None: its structure is reduced as a fidelity asks."""
+        return None
+
+    @property
+    def no_beam(self) -> str:
+        """Why there is no beam to speak of, as the end of a sentence; empty where there is one."""
+        return ""
+
+    @property
+    def bulk(self) -> tuple[tuple[float, ...], float, float]:
+        """Lengths of the beam in m, its length first; its mass and the moving mass in kg. Empty, NaN: not known."""
+        return (), nan, nan
+
+    def named(self, name: str) -> tuple[Any, ...]:
+        """The effects of a name, in their order; empty where there is none."""
+        return ()
+
+    def without(self, *names: str) -> Any:
+        """The scene less the effects of these names."""
+        return self
+
+    @property
+    def platform(self) -> Any:
+        """Platform under clamp and stop (``effects.platform``); None: the base motion is prescribed."""
+        return next(iter(self.named("platform")), None)
+
+    @property
+    def shaker(self) -> Any:
+        """The exciter on the platform (``effects.platform``); None: the force is prescribed."""
+        return next(iter(self.named("shaker")), None)
+
+
+class RigScene(AnyScene):
+    """A scene in SI units with a stop and effects, which is reduced as a fidelity asks."""
+
+    stop: Stop
+    base: Base
+    effects: tuple[Effect, ...]
+
+    @property
+    def held(self) -> tuple[str, float]:
+        """As ``AnyScene.held``."""
+        return self.stop.restitution_of, self.stop.usual_restitution
+
+    @property
+    @abstractmethod
+    def moving_mass(self) -> float:
+        """Mass carried by the base in kg."""
+
+    @property
+    def all_modes(self) -> bool:
+        """Test whether the structure has all of the modes that its contact moves, and not a few that are known."""
+        return True
+
+    @abstractmethod
+    def structural(self) -> Any:
+        """The scene less what its structure does not depend on: equal ones have the same structure."""
+
+    def named(self, name: str) -> tuple[Any, ...]:
+        """As ``AnyScene.named``."""
+        return tuple(effect for effect in self.effects if effect.name == name)
+
+    def without(self, *names: str) -> Any:
+        """As ``AnyScene.without``."""
+        made: Any = self
+        return replace(made, effects=tuple(effect for effect in self.effects if effect.name not in names))
+
+
+@dataclass(frozen=True)
+class Effect:
+    """An optional table of a case: its docstring is the table's, its fields are the keys (``vibeam_models.keys``).
+
+    With a ``name`` such as ``"mass.rotary_inertia"`` it is one optional key of [beam] or [mass], its only field,
+    declared in ``EFFECTS``.
+    ``inertias``: how many coordinates with inertia it brings to a massless beam; ``modes_per_element``: how many modes
+    each finite element gains. ``shapes_beam``: part of what the beam is, in the SDOF model too.
+    """
+
+    name: ClassVar[str]
+    inertias: ClassVar[int] = 0
+    modes_per_element: ClassVar[int] = 0
+    shapes_beam: ClassVar[bool] = False
+
+    @classmethod
+    def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
+        """(key, message) of what does not go together; the key is empty where it is the whole table.
+
+        ``table`` (that in which its key is) and ``case`` have a case's values as attributes, None what is absent or
+        cannot be read.
+        """
+        yield from ()
+
+    @property
+    def carried_by(self) -> str:
+        """Which beam it is of: ``"beam"``, or the ``"opposite"`` one."""
+        return "beam"
+
+    def carrier(self, beam: Beam) -> Beam:
+        """The beam that carries all else, from that which the scene has."""
+        return beam
+
+    @property
+    def weights(self) -> tuple[tuple[float, float], ...]:
+        """(mass in kg, position in m) of what it attaches to the beam."""
+        return ()
+
+    @property
+    def rigid_zones(self) -> tuple[tuple[float, float], ...]:
+        """(position, half-width) in m of where it keeps the beam from bending: both ends and the middle are nodes."""
+        return ()
+
+    def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
+        """The structure with this effect, and the space that its coordinates belong to."""
+        return structure, space
+
+
+@dataclass(frozen=True)
+class OnEitherBeam(Effect):
+    """What may be on the opposite beam too: ``on`` says which."""
+
+    _: KW_ONLY
+    on: Literal["beam", "opposite"] = word(("beam", "opposite"), "which beam it is of", "opposite", "beam")
+
+    @property
+    def carried_by(self) -> str:
+        """As ``Effect.carried_by``."""
+        return self.on
 
 
 @dataclass(frozen=True)
@@ -45,12 +201,6 @@ class Scene(RigScene):
     base: Base
     effects: tuple[Effect, ...] = ()
     outputs: tuple[Output, ...] = ()
-
-    def structure(self) -> Structure:
-        """As ``AnyScene.structure``: the finite elements with all effects on the beam."""
-        from vibeam_models.beam import assemble
-
-        return assemble(self)
 
     def structural(self) -> Scene:
         """As ``RigScene.structural``: of stop and drive their positions."""
@@ -106,60 +256,6 @@ class Scene(RigScene):
         """(mass in kg, position in m) of everything attached, the mass first."""
         attached = () if self.mass is None else ((self.mass.mass, self.mass.position),)
         return (*attached, *(each for effect in self.of("beam") for each in effect.weights))
-
-
-@dataclass(frozen=True)
-class SdofScene(AnyScene):
-    """The single-degree-of-freedom model given directly (the paper's §2): q̈ + 2ζω q̇ + ω² q = Ω² B sin Ωt, q ≤ gap.
-
-    ``natural_frequency`` in rad/s (1: the nondimensional model), ``gap`` and ``amplitude`` in the unit of q: B, or a
-    ``Base`` where that depends on Ω.
-    ``restitution`` is 1 where the stop's law says the loss otherwise. ``stop``: what the stop does beyond one
-    coefficient of restitution, in these units and per unit of mass (its position means nothing); None: nothing.
-    """
-
-    natural_frequency: float
-    damping_ratio: float
-    gap: float
-    restitution: float
-    amplitude: float | Base
-    stop: Stop | None = None
-
-    @property
-    def base(self) -> Base:
-        """The drive as that of every scene."""
-        return self.amplitude if isinstance(self.amplitude, Base) else Base(amplitude=self.amplitude)
-
-    @property
-    def held(self) -> tuple[str, float]:
-        """As ``AnyScene.held``."""
-        return "", self.restitution
-
-    @property
-    def natural_unit(self) -> float:
-        """As ``AnyScene.natural_unit``."""
-        return self.natural_frequency
-
-    @property
-    def given_mode(self) -> tuple[float, float]:
-        """As ``AnyScene.given_mode``."""
-        return self.natural_frequency, self.damping_ratio
-
-    @property
-    def no_beam(self) -> str:
-        """As ``AnyScene.no_beam``."""
-        return "this case gives the SDOF model directly, there is no beam"
-
-    def structure(self) -> Structure:
-        """As ``AnyScene.structure``: its one mode, mass-normalised."""
-        import numpy as np
-
-        from vibeam_models.structure import Structure
-
-        one, zero = np.ones(1), np.zeros(1)
-        omega, zeta = self.given_mode
-        matrices = np.eye(1), np.full((1, 1), 2 * zeta * omega), np.full((1, 1), omega**2)
-        return Structure(*matrices, load=-one, static=zero, contact=one, outputs={"sensor": one})
 
 
 def _carried(beam: Beam, effects: tuple[Effect, ...]) -> Beam:

@@ -8,8 +8,66 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import sqrt
 
-from vibeam_models.scene import Scene, SdofScene
+import numpy as np
+
+from vibeam_models.base import Base
+from vibeam_models.beam import structure_of
+from vibeam_models.scene import AnyScene, Scene
 from vibeam_models.static_shape import static_shape_of
+from vibeam_models.stop import Stop
+from vibeam_models.structure import Structure
+
+
+@dataclass(frozen=True)
+class SdofScene(AnyScene):
+    """The single-degree-of-freedom model given directly (the paper's §2): q̈ + 2ζω q̇ + ω² q = Ω² B sin Ωt, q ≤ gap.
+
+    ``natural_frequency`` in rad/s (1: the nondimensional model), ``gap`` and ``amplitude`` in the unit of q: B, or a
+    ``Base`` where that depends on Ω.
+    ``restitution`` is 1 where the stop's law says the loss otherwise. ``stop``: what the stop does beyond one
+    coefficient of restitution, in these units and per unit of mass (its position means nothing); None: nothing.
+    """
+
+    natural_frequency: float
+    damping_ratio: float
+    gap: float
+    restitution: float
+    amplitude: float | Base
+    stop: Stop | None = None
+
+    @property
+    def base(self) -> Base:
+        """The drive as that of every scene."""
+        return self.amplitude if isinstance(self.amplitude, Base) else Base(amplitude=self.amplitude)
+
+    @property
+    def held(self) -> tuple[str, float]:
+        """As ``AnyScene.held``."""
+        return "", self.restitution
+
+    @property
+    def natural_unit(self) -> float:
+        """As ``AnyScene.natural_unit``."""
+        return self.natural_frequency
+
+    @property
+    def given_mode(self) -> tuple[float, float]:
+        """As ``AnyScene.given_mode``."""
+        return self.natural_frequency, self.damping_ratio
+
+    @property
+    def no_beam(self) -> str:
+        """As ``AnyScene.no_beam``."""
+        return "this case gives the SDOF model directly, there is no beam"
+
+
+@structure_of.register
+def _(scene: SdofScene) -> Structure:
+    """The one mode, mass-normalised."""
+    one, zero = np.ones(1), np.zeros(1)
+    omega, zeta = scene.given_mode
+    matrices = np.eye(1), np.full((1, 1), 2 * zeta * omega), np.full((1, 1), omega**2)
+    return Structure(*matrices, load=-one, static=zero, contact=one, outputs={"sensor": one})
 
 
 @dataclass(frozen=True)

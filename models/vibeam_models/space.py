@@ -1,25 +1,31 @@
-"""BeamSpace: finite elements of a beam on one mesh, with what its constraints have left free."""
+"""BeamSpace: finite elements of a beam on one mesh, with what its constraints have left free; the bare beam in it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from math import inf
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam_models.arrays import Array
-from vibeam_models.hermite import HermiteElements
+from vibeam_models.beams.beam import Beam, Damping
+from vibeam_models.hermite import HermiteElements, hermite_elements
+from vibeam_models.structure import Structure
 
 if TYPE_CHECKING:
     from vibeam_models.timoshenko import TimoshenkoElements
 
-NEAR = 0.25  # share of a uniform element within which a uniform node gives way to an inserted one
+GIVES_WAY = 0.25  # share of a uniform element within which a uniform node gives way to an inserted one
 SAME = 1e-9  # share of the length within which two inserted nodes are one
 KEPT = 256  # rows of spaces
 MESHES = 32  # clamped spaces, each of a mesh of its own
+BEAMS = 16  # beams without what they carry
+NEAR = 1e-3  # share of the length: a node at a load must be this far from those of mass and rigid zone
+UNDAMPED = Damping("constant", (0.0,))
 
 
 def nodes(length: float, elements: int, inserted: Iterable[float] = ()) -> NDArray[np.float64]:
@@ -37,7 +43,7 @@ def nodes(length: float, elements: int, inserted: Iterable[float] = ()) -> NDArr
         if min(abs(position - other) for other in kept) > SAME * length:
             kept.append(float(position))
     uniform = np.linspace(0.0, length, elements + 1)[1:-1]
-    clear = np.abs(uniform[:, None] - np.array(kept)).min(axis=1) > NEAR * length / elements
+    clear = np.abs(uniform[:, None] - np.array(kept)).min(axis=1) > GIVES_WAY * length / elements
     return np.sort(np.concatenate([kept, uniform[clear]]))
 
 
@@ -129,3 +135,60 @@ def _row(space: BeamSpace, x: float, derivative: int) -> Array:
     row: Array = space.rows([x], derivative)[0]
     row.setflags(write=False)
     return row
+
+
+def bare_beam(beam: Beam, inserted: Iterable[float] = ()) -> tuple[Structure, BeamSpace]:
+    """The undamped beam alone on its supports, and its space, with extra mesh nodes at ``inserted`` (m).
+
+    Contact and the only output, ``"tip"``, are the deflection at the far end. The load is −M r with the supports moving
+    along: r is 1 there too.
+    """
+    return _bare_beam(replace(beam, damping=UNDAMPED), tuple(inserted))
+
+
+@lru_cache(maxsize=BEAMS)  # the arrays of a Structure are never written to
+def _bare_beam(beam: Beam, inserted: tuple[float, ...]) -> tuple[Structure, BeamSpace]:
+    elements = _elements(beam, nodes(beam.length, beam.elements, (*inserted, *beam.breaks)))
+    space = BeamSpace.held(elements, _fixed(beam, elements.nodes))
+    (mass, stiffness), tip = elements.matrices(beam), space.row(beam.length)
+    structure = Structure(
+        M=space.within(mass),
+        C=np.zeros((space.size, space.size)),
+        K=space.within(stiffness),
+        load=space.base_load(mass),
+        static=np.zeros(space.size),
+        contact=tip,
+        outputs={"tip": tip},
+        units={"tip": "m"},
+    )
+    return _sprung(structure, space, beam), space
+
+
+def _elements(beam: Beam, places: Array) -> HermiteElements | TimoshenkoElements:
+    """Elements by the beam's theory."""
+    if not beam.shear:
+        return hermite_elements(places)
+    from vibeam_models.timoshenko import TimoshenkoElements
+
+    return TimoshenkoElements.of(beam, places)
+
+
+def _fixed(beam: Beam, places: Array) -> list[int]:
+    """Degrees of freedom that rigid supports hold: deflection 2i, slope 2i + 1 of node i."""
+    return [
+        2 * int(np.argmin(np.abs(places - support.position))) + which
+        for support in beam.held
+        for which, stiffness in enumerate(support.each)
+        if stiffness == inf
+    ]
+
+
+def _sprung(structure: Structure, space: BeamSpace, beam: Beam) -> Structure:
+    """The structure with K + k wᵀw for every spring of the supports, w its deflection or slope."""
+    stiffness = structure.K
+    for support in beam.held:
+        for derivative, spring in enumerate(support.each):
+            if 0 < spring < inf:
+                row = space.row(support.position, derivative)
+                stiffness = stiffness + spring * np.outer(row, row)
+    return structure if stiffness is structure.K else structure.with_(K=stiffness)

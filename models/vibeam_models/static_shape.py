@@ -86,14 +86,14 @@ class FiniteElementShape:
 
     @property
     def _inserted(self) -> tuple[float, ...]:
-        from vibeam_models.beam import NEAR
+        from vibeam_models.space import NEAR
 
         clear = all(abs(self.load_at - x) >= NEAR * self.beam.length for x in self.beam.breaks)
         return (self.load_at,) if clear else ()
 
     @cached_property
     def _solved(self) -> tuple[Structure, BeamSpace, Array]:
-        from vibeam_models.beam import bare_beam
+        from vibeam_models.space import bare_beam
 
         structure, space = bare_beam(self.beam, self._inserted)
         return structure, space, np.asarray(np.linalg.solve(structure.K, space.row(self.load_at)))
@@ -116,7 +116,7 @@ class FiniteElementShape:
 
     def beam_mass(self, carrier: Beam) -> float:
         """As ``StaticShape.beam_mass``."""
-        from vibeam_models.beam import bare_beam
+        from vibeam_models.space import bare_beam
 
         _, space, deflection = self._solved
         unit = deflection / (space.row(self.unit_at) @ deflection)

@@ -128,8 +128,6 @@ class Structure:
 
     def held(self, rows: Array) -> tuple[Structure, Any]:
         """The undamped structure whose ``rows`` (k, n) do not move, and its coordinates Z (n, n − k): x = Z y."""
-        from vibeam_models.elimination import elimination
-
         basis = elimination(rows).toarray()
         return in_coordinates(self, basis, C=np.zeros((basis.shape[1],) * 2)), basis
 
@@ -170,6 +168,26 @@ def _symmetric(matrix: Array) -> bool:
     if np.array_equal(matrix, matrix.T):
         return True
     return bool(np.max(np.abs(matrix - matrix.T)) <= SYMMETRIC * np.max(np.abs(matrix)))
+
+
+def elimination(rows: Array) -> Any:
+    """Z (n, n − k), sparse, with rows @ Z = 0 for independent ``rows`` (k, n): x = Z y holds them.
+
+    Of each row one coordinate goes, chosen by QR with column pivoting; all others stay as they are.
+    """
+    from scipy.linalg import qr
+    from scipy.sparse import csc_array, lil_array
+
+    count, size = rows.shape
+    order = qr(rows, mode="r", pivoting=True)[1]
+    gone, left = np.sort(order[:count]), np.sort(order[count:])
+    made = lil_array((size, len(left)))
+    made[left, np.arange(len(left))] = 1.0
+    ties = -np.linalg.solve(rows[:, gone], rows[:, left])
+    for coordinate, tie in zip(gone, ties, strict=True):
+        used = np.flatnonzero(tie)
+        made[[coordinate], used] = tie[used]
+    return csc_array(made)
 
 
 def in_coordinates(structure: Structure, basis: Array, **known: Array) -> Structure:

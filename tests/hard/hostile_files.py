@@ -26,6 +26,7 @@ from vibeam.case.faults import CaseError
 from vibeam.case.reference_curves import read_curve
 from vibeam.case.reference_files import ReferenceForm
 from vibeam.casefile.read import parse
+from vibeam_models.beam import structure_of
 
 TEXT = (".csv", ".mtx", ".inp", ".pch")
 
@@ -130,7 +131,7 @@ def _read(file: Path) -> tuple[Any, Any]:
     if file.name.startswith(CURVE):
         return read_curve(file, "amplitude", FORMS.get(file.name, FORM)).value, X
     np.save(file.with_name("M.npy"), np.eye(len(K)))
-    return parse(CASE.format(name=file.name), file.with_name("case.toml")).scene.structure().K, K
+    return structure_of(parse(CASE.format(name=file.name), file.with_name("case.toml")).scene).K, K
 
 
 @cache

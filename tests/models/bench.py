@@ -10,10 +10,9 @@ import numpy as np
 from vibeam_models.base import Base
 from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.beams.shapes import Rectangle
-from vibeam_models.effects import Effect
 from vibeam_models.effects.rigid_zone import RigidZone
 from vibeam_models.effects.rotary_inertia import RotaryInertia
-from vibeam_models.scene import Mass, Scene, Sensor
+from vibeam_models.scene import Effect, Mass, Scene, Sensor
 from vibeam_models.stop import Stop
 
 STEEL = Beam(0.18, Rectangle(0.02, 1.034e-3), 210e9, 7850.0, Damping("constant", (0.017,)))

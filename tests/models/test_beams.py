@@ -8,11 +8,11 @@ import pytest
 
 from tests.models import closed_forms
 from tests.models.bench import STEEL
-from vibeam_models.beam import bare_beam
 from vibeam_models.beams.beam import Beam
 from vibeam_models.beams.shapes import General, HollowRectangle, ISection, Rectangle, Round, Tube
 from vibeam_models.beams.stretch import Material, Plate, Stretch
 from vibeam_models.beams.support import PAIRS, Support
+from vibeam_models.space import bare_beam
 
 STIFF = STEEL.material
 ROOT = np.sqrt(STEEL.bending_stiffness / STEEL.mass_per_length)

@@ -8,7 +8,7 @@ import pytest
 from scipy.linalg import eigh
 
 from tests.models.bench import POINT_MASS, STEEL
-from vibeam_models.beam import assemble, assemble_with_space, bare_beam
+from vibeam_models.beam import assemble, assemble_with_space
 from vibeam_models.effects.added_mass import AddedMass
 from vibeam_models.effects.beam_keys import Ends
 from vibeam_models.effects.further_stop import FurtherStop
@@ -23,6 +23,7 @@ from vibeam_models.effects.sprung_clamp import Clamp
 from vibeam_models.effects.support import Support
 from vibeam_models.effects.torsion import Torsion
 from vibeam_models.scene import Mass
+from vibeam_models.space import bare_beam
 
 ROOT = Path(__file__).parents[2]
 LIGHT = replace(STEEL, density=7850e-9)

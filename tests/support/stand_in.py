@@ -19,7 +19,7 @@ from vibeam.case.plans import FigurePlan
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
-from vibeam_models.scene import SdofScene
+from vibeam_models.sdof import SdofScene
 
 RIG = Path(__file__).parents[2] / "cases" / "dtu_neutral.toml"
 HELD_AT_CONTACT = RIG.read_text(encoding="utf-8").replace('restitution_of = "first mode"', 'restitution_of = "contact"')

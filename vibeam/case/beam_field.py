@@ -21,8 +21,8 @@ from vibeam_models.scene import Scene
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity
     from vibeam.system.impact_system import ImpactSystem
-    from vibeam_models.any_scene import AnyScene
     from vibeam_models.beams.beam import Beam
+    from vibeam_models.scene import AnyScene
     from vibeam_models.structure import Structure
 
 

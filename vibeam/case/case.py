@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from vibeam.case.reference_record import ReferenceCurve
     from vibeam.observe.measuring_chain import Chain
     from vibeam.system.impact_system import ImpactSystem
-    from vibeam_models.any_scene import AnyScene
+    from vibeam_models.scene import AnyScene
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,8 +17,8 @@ from vibeam_reductions.declaration import REDUCTIONS
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from vibeam_models.any_scene import AnyScene, RigScene
-    from vibeam_models.scene import SdofScene
+    from vibeam_models.scene import AnyScene, RigScene
+    from vibeam_models.sdof import SdofScene
     from vibeam_models.structure import Structure
 
     Array = NDArray[np.float64]

@@ -12,7 +12,7 @@ from vibeam_models.homes import loaded
 
 if TYPE_CHECKING:
     from vibeam.system.impact_system import ImpactSystem
-    from vibeam_models.any_scene import RigScene
+    from vibeam_models.scene import RigScene
     from vibeam_reductions.pod import Snapshots
 
 FLIGHT = "vibeam.flight.snapshots:modal_snapshots"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from vibeam.system.impact_system import ImpactSystem
-    from vibeam_models.any_scene import AnyScene, RigScene
+    from vibeam_models.scene import AnyScene, RigScene
 
 SYMBOLS = {"contact": "R", "first mode": "R₁"}
 PLACES = {"contact": "at the contact", "first mode": "of mode 1"}

@@ -7,7 +7,8 @@ from functools import lru_cache
 from math import nan
 from typing import Any
 
-from vibeam_models.any_scene import RigScene
+from vibeam_models.beam import structure_of
+from vibeam_models.scene import RigScene
 from vibeam_models.structure import Structure
 from vibeam_reductions.declaration import REDUCTIONS, ReductionDeclaration
 
@@ -31,7 +32,7 @@ def reduced_structure(
     """
     declared, further = REDUCTIONS[reduction], tuple(sorted((parameters or {}).items()))
     if not all(type(effect).__module__.startswith(OURS) for effect in scene.effects):
-        return _made(scene.structure(), declared, modes, further)
+        return _made(structure_of(scene), declared, modes, further)
     return _kept(scene.structural(), declared, modes, further)
 
 
@@ -60,4 +61,4 @@ def static_at_contact(structure: Structure) -> float:
 
 @lru_cache(maxsize=FEW)
 def _kept_structure(scene: RigScene) -> Structure:
-    return scene.structure()
+    return structure_of(scene)

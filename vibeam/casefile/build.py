@@ -21,7 +21,8 @@ from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.beams.shapes import SHAPES
 from vibeam_models.keys import keys_of
 from vibeam_models.outputs import Output
-from vibeam_models.scene import Mass, Scene, SdofScene, Sensor
+from vibeam_models.scene import Mass, Scene, Sensor
+from vibeam_models.sdof import SdofScene
 from vibeam_models.stop import Stop
 from vibeam_reductions.declaration import PARAMETERS, REDUCTIONS
 

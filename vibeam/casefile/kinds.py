@@ -12,7 +12,7 @@ from vibeam_models.homes import loaded
 from vibeam_models.registry import Registry
 
 if TYPE_CHECKING:
-    from vibeam_models.any_scene import AnyScene
+    from vibeam_models.scene import AnyScene
 
 
 @dataclass(frozen=True)

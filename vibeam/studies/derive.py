@@ -7,9 +7,8 @@ from dataclasses import asdict, dataclass, replace
 from math import pi, sqrt
 from typing import TYPE_CHECKING, Any
 
-from vibeam_models.any_scene import AnyScene
 from vibeam_models.base import Base
-from vibeam_models.scene import Mass, Scene
+from vibeam_models.scene import AnyScene, Mass, Scene
 
 if TYPE_CHECKING:
     from vibeam_models.sdof import SdofModel

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.exchange.matrices.write import Arrays, write_arrays
+from vibeam_models.beam import structure_of
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam_models.any_scene import AnyScene
+    from vibeam_models.scene import AnyScene
 
 
 def export_matrices(case: Case | AnyScene, path: str | PathLike[str]) -> str:
@@ -37,7 +38,7 @@ def export_matrices(case: Case | AnyScene, path: str | PathLike[str]) -> str:
 
 def arrays_of(scene: AnyScene) -> Arrays:
     """The matrices and rows by name; ValueError for sparse ones, which would become full."""
-    structure = scene.structure()
+    structure = structure_of(scene)
     if not isinstance(structure.M, np.ndarray):
         raise ValueError(f"{structure.size} coordinates stay sparse, in the files that the case names")
     found = {"M": structure.M, "C": structure.C, "K": structure.K, "contact": structure.contact, **_driven(scene)}
@@ -46,7 +47,7 @@ def arrays_of(scene: AnyScene) -> Arrays:
 
 def _driven(scene: Any) -> Arrays:
     """The row of what drives the structure: of the base's motion, or of the place of a force."""
-    structure = scene.structure()
+    structure = structure_of(scene)
     if scene.base.on_beam is not None:
         return {"force": -structure.load}
     return {"base": np.asarray(np.linalg.solve(structure.M, -structure.load), dtype=np.float64)}

@@ -11,11 +11,11 @@ import numpy as np
 
 from vibeam.case.beam_field import BeamField, Fields, fields, with_points
 from vibeam.exchange.vtu import Piece, Step, centre_line, write_series, write_vtu
-from vibeam_models.any_scene import AnyScene, RigScene
 from vibeam_models.arguments import whole
 from vibeam_models.arrays import Array
+from vibeam_models.beam import structure_of
 from vibeam_models.laws.restitution import first_mode_restitution
-from vibeam_models.scene import Scene
+from vibeam_models.scene import AnyScene, RigScene, Scene
 from vibeam_models.structure import Modes, Structure
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ def mode_table(scene: AnyScene, count: int = 10) -> ModeTable:
         raise ValueError(f"count: {count!r}, there is a table from 1 mode on")
     rig: Any = scene
     pointed = with_points(scene) if isinstance(scene, Scene) else None
-    structure: Structure = (rig if pointed is None else pointed).structure()
+    structure: Structure = structure_of(rig if pointed is None else pointed)
     modes = structure.modes(min(int(count), structure.size))
     damping = np.diag(structure.congruent("C", modes.shapes)) / (2 * np.where(modes.omega > 0, modes.omega, np.inf))
     contact, sensor = structure.contact @ modes.shapes, structure.outputs["sensor"] @ modes.shapes

@@ -2,20 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import KW_ONLY, dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
-
 from vibeam_models.beams.support import PAIRS
 from vibeam_models.homes import Home
-from vibeam_models.keys import Key, word
+from vibeam_models.keys import Key
 from vibeam_models.registry import Registry
-
-if TYPE_CHECKING:
-    from vibeam_models.beams.beam import Beam
-    from vibeam_models.scene import Scene
-    from vibeam_models.space import BeamSpace
-    from vibeam_models.structure import Structure
 
 #: by the case file's table, or its key in another table, in the order in which they are applied
 EFFECTS: Registry[Home] = Registry(
@@ -89,64 +79,3 @@ def keys_in(table: str) -> dict[str, Key]:
     """The keys of a table that are effects."""
     homes = {name.rpartition("."): home for name, home in EFFECTS.items()}
     return {key: home.key for (above, _, key), home in homes.items() if home.key and above == table}
-
-
-@dataclass(frozen=True)
-class Effect:
-    """An optional table of a case: its docstring is the table's, its fields are the keys (``vibeam_models.keys``).
-
-    With a ``name`` such as ``"mass.rotary_inertia"`` it is one optional key of [beam] or [mass], its only field,
-    declared in ``EFFECTS``.
-    ``inertias``: how many coordinates with inertia it brings to a massless beam; ``modes_per_element``: how many modes
-    each finite element gains. ``shapes_beam``: part of what the beam is, in the SDOF model too.
-    """
-
-    name: ClassVar[str]
-    inertias: ClassVar[int] = 0
-    modes_per_element: ClassVar[int] = 0
-    shapes_beam: ClassVar[bool] = False
-
-    @classmethod
-    def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
-        """(key, message) of what does not go together; the key is empty where it is the whole table.
-
-        ``table`` (that in which its key is) and ``case`` have a case's values as attributes, None what is absent or
-        cannot be read.
-        """
-        yield from ()
-
-    @property
-    def carried_by(self) -> str:
-        """Which beam it is of: ``"beam"``, or the ``"opposite"`` one."""
-        return "beam"
-
-    def carrier(self, beam: Beam) -> Beam:
-        """The beam that carries all else, from that which the scene has."""
-        return beam
-
-    @property
-    def weights(self) -> tuple[tuple[float, float], ...]:
-        """(mass in kg, position in m) of what it attaches to the beam."""
-        return ()
-
-    @property
-    def rigid_zones(self) -> tuple[tuple[float, float], ...]:
-        """(position, half-width) in m of where it keeps the beam from bending: both ends and the middle are nodes."""
-        return ()
-
-    def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
-        """The structure with this effect, and the space that its coordinates belong to."""
-        return structure, space
-
-
-@dataclass(frozen=True)
-class OnEitherBeam(Effect):
-    """What may be on the opposite beam too: ``on`` says which."""
-
-    _: KW_ONLY
-    on: Literal["beam", "opposite"] = word(("beam", "opposite"), "which beam it is of", "opposite", "beam")
-
-    @property
-    def carried_by(self) -> str:
-        """As ``Effect.carried_by``."""
-        return self.on

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from vibeam_models.beams.rules import beam_of, place_faults
-from vibeam_models.effects import OnEitherBeam
 from vibeam_models.keys import quantity
+from vibeam_models.scene import OnEitherBeam, Scene
 from vibeam_models.structure import Structure, with_inertia
 
 if TYPE_CHECKING:
-    from vibeam_models.scene import Scene
     from vibeam_models.space import BeamSpace
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from vibeam_models.beams.rules import rigid_body_faults
-from vibeam_models.effects import Effect
+from vibeam_models.scene import Effect
 
 if TYPE_CHECKING:
     from vibeam_models.beams.beam import Beam

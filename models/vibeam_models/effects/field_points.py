@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from vibeam_models.arrays import Array
-from vibeam_models.effects import Effect
+from vibeam_models.scene import Effect, Scene
 from vibeam_models.structure import Structure
 
 if TYPE_CHECKING:
-    from vibeam_models.scene import Scene
     from vibeam_models.space import BeamSpace
 
 AN_ELEMENT = 4  # points an element, so that a shape looks as smooth as its cubics are

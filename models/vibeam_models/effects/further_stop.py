@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from vibeam_models.effects import Effect
 from vibeam_models.keys import quantity, word
 from vibeam_models.laws import CONSTANT
+from vibeam_models.scene import Effect, Scene
 
 if TYPE_CHECKING:
-    from vibeam_models.scene import Scene
     from vibeam_models.space import BeamSpace
     from vibeam_models.structure import Structure
 

@@ -10,14 +10,13 @@ import numpy as np
 
 from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Beam
-from vibeam_models.effects import Effect
 from vibeam_models.keys import quantity, word
+from vibeam_models.scene import Effect, Scene
 from vibeam_models.structure import Structure
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(3)  # exact to degree 5: N linear, w′² of degree 4
 
 if TYPE_CHECKING:
-    from vibeam_models.scene import Scene
     from vibeam_models.space import BeamSpace
 
 

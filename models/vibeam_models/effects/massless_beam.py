@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from vibeam_models.effects import LAST, Effect
+from vibeam_models.effects import LAST
+from vibeam_models.scene import Effect, Scene
 from vibeam_models.structure import Structure, in_coordinates
 
 if TYPE_CHECKING:
     from vibeam_models.beams.beam import Beam
-    from vibeam_models.scene import Scene
     from vibeam_models.space import BeamSpace
 
 NOTHING = 1e-12  # share of the largest 1/ω² below which a shape carries no inertia; round-off leaves 10⁻¹⁶

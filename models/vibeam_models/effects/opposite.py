@@ -13,13 +13,12 @@ from vibeam_models.beams.dimensions import dimension, shape_of
 from vibeam_models.beams.rules import rigid_body_faults
 from vibeam_models.beams.shapes import SHAPES, unsuited
 from vibeam_models.beams.support import CANTILEVER, PAIRS
-from vibeam_models.effects import Effect
 from vibeam_models.keys import keys_of, quantity, word
+from vibeam_models.scene import Effect, Scene
 from vibeam_models.structure import Structure
 
 if TYPE_CHECKING:
     from vibeam_models.beams.beam import Beam
-    from vibeam_models.scene import Scene
     from vibeam_models.space import BeamSpace
 
 
@@ -105,7 +104,7 @@ class Opposite(Effect):
 
     def other_beam(self, scene: Scene) -> tuple[Structure, BeamSpace]:
         """The structure of the opposite beam alone with what it carries, and its space."""
-        from vibeam_models.beam import bare_beam
+        from vibeam_models.space import bare_beam
 
         effects = scene.of("opposite")
         zones = [zone for effect in effects for zone in effect.rigid_zones]

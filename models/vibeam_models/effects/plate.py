@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 from vibeam_models.beams.rules import NO_OPPOSITE, beam_of, stretch_faults
 from vibeam_models.beams.stretch import Plate
-from vibeam_models.effects import OnEitherBeam
 from vibeam_models.keys import Key, declared, quantity, word
+from vibeam_models.scene import OnEitherBeam
 
 if TYPE_CHECKING:
     from vibeam_models.beams.beam import Beam

@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 
 from vibeam_models.arrays import Array
-from vibeam_models.effects import Effect
 from vibeam_models.keys import quantity, word
+from vibeam_models.scene import Effect
 from vibeam_models.structure import Structure
 
 if TYPE_CHECKING:

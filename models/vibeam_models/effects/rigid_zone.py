@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam_models.arrays import Array
-from vibeam_models.effects import Effect
+from vibeam_models.scene import Effect, Scene
 from vibeam_models.structure import Structure, in_coordinates
 
 if TYPE_CHECKING:
-    from vibeam_models.scene import Scene
     from vibeam_models.space import BeamSpace
 
 LEAST = 1e-3  # share of the length below which the zone changes nothing, but its elements' round-off does

@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from vibeam_models.effects import Effect
+from vibeam_models.scene import Effect, Scene
 from vibeam_models.structure import Structure, with_inertia
 
 if TYPE_CHECKING:
-    from vibeam_models.scene import Scene
     from vibeam_models.space import BeamSpace
 
 

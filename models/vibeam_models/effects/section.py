@@ -10,8 +10,8 @@ from vibeam_models.beams.dimensions import dimension, shape_of
 from vibeam_models.beams.rules import NO_OPPOSITE, beam_of, stretch_faults
 from vibeam_models.beams.shapes import SHAPES, unsuited
 from vibeam_models.beams.stretch import Material, Stretch
-from vibeam_models.effects import OnEitherBeam
 from vibeam_models.keys import keys_of, quantity, word
+from vibeam_models.scene import OnEitherBeam
 
 if TYPE_CHECKING:
     from vibeam_models.beams.beam import Beam

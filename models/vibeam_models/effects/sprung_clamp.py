@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from vibeam_models.beams.support import Support
-from vibeam_models.effects import Effect
 from vibeam_models.keys import quantity
+from vibeam_models.scene import Effect
 
 if TYPE_CHECKING:
     from vibeam_models.beams.beam import Beam

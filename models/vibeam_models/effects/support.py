@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from vibeam_models.beams import support
 from vibeam_models.beams.rules import place_faults
-from vibeam_models.effects import OnEitherBeam
 from vibeam_models.keys import quantity
+from vibeam_models.scene import OnEitherBeam
 
 if TYPE_CHECKING:
     from vibeam_models.beams.beam import Beam

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
 from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Beam
 from vibeam_models.beams.shapes import Rectangle
-from vibeam_models.effects import Effect
 from vibeam_models.keys import quantity
+from vibeam_models.scene import Effect, Scene
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure
-
-if TYPE_CHECKING:
-    from vibeam_models.scene import Scene
 
 TERMS = 40  # of the series, where tanh is 1 and the rest of Σ n⁻⁵ is below 10⁻⁹
 

@@ -13,7 +13,7 @@ from vibeam_models.base_motion import base_amplitude
 from vibeam_models.beam import assemble
 from vibeam_models.beams.beam import Damping
 from vibeam_models.laws.restitution import first_mode_restitution
-from vibeam_models.scene import SdofScene
+from vibeam_models.sdof import SdofScene
 from vibeam_models.stop import Stop
 
 SDOF = Fidelity("sdof", "static_mode")

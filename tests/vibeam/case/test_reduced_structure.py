@@ -14,8 +14,7 @@ import vibeam
 from vibeam.case import reduced_structure
 from vibeam.case.fidelity import system
 from vibeam.system.impact_system import ImpactSystem
-from vibeam_models.effects import Effect
-from vibeam_models.scene import Scene
+from vibeam_models.scene import Effect, Scene
 from vibeam_models.space import BeamSpace
 from vibeam_models.structure import Structure
 

@@ -11,10 +11,11 @@ import pytest
 import vibeam
 from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
-from vibeam_models.beam import assemble, bare_beam
+from vibeam_models.beam import assemble
 from vibeam_models.beams.shapes import SHAPES, Rectangle, Round, Tube
 from vibeam_models.beams.support import Support
 from vibeam_models.laws import LAWS
+from vibeam_models.space import bare_beam
 
 DTU = Path(__file__).parents[3] / "cases" / "dtu_neutral.toml"
 

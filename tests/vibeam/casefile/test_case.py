@@ -24,7 +24,8 @@ from vibeam_models.beams.shapes import Rectangle
 from vibeam_models.effects.added_mass import AddedMass
 from vibeam_models.effects.rigid_zone import RigidZone
 from vibeam_models.effects.rotary_inertia import RotaryInertia
-from vibeam_models.scene import Mass, Scene, SdofScene, Sensor
+from vibeam_models.scene import Mass, Scene, Sensor
+from vibeam_models.sdof import SdofScene
 from vibeam_models.stop import Stop
 
 CASES = Path(__file__).parents[3] / "cases"

@@ -17,6 +17,7 @@ from vibeam.casefile.rigs import FRAME_FILES
 from vibeam.runs.comparison.closed_curve import closed_curve
 from vibeam.runs.comparison.limit import limit
 from vibeam.studies.export_matrices import export_matrices
+from vibeam_models.beam import structure_of
 
 RIG = Path(__file__).parents[3] / "cases" / "dtu_neutral.toml"
 
@@ -150,7 +151,7 @@ def nastran(matrix: np.ndarray, name: str) -> str:
 @pytest.mark.parametrize(("written", "ending"), [(abaqus, "inp"), (nastran, "bdf")])
 def test_a_beam_through_the_text_of_other_programs(written: Any, ending: str, tmp_path: Path) -> None:
     case = vibeam.load(RIG)
-    structure = case.scene.structure()
+    structure = structure_of(case.scene)
     table = export_matrices(case, tmp_path / "rig.npz")
     for key, name in (("mass", "M"), ("stiffness", "K"), ("damping_matrix", "C")):
         (tmp_path / f"{name}.{ending}").write_text(written(getattr(structure, name), f"{name}RIG"))
@@ -479,7 +480,7 @@ def ratio_of_static_mode(rows: int, columns: int) -> float:
 
 def test_two_thousand_coordinates_stay_sparse(tmp_path: Path) -> None:
     case = vibeam.load(membrane(tmp_path, 40, 50))
-    assert type(case.scene.structure()).__name__ == "SparseStructure"
+    assert type(structure_of(case.scene)).__name__ == "SparseStructure"
     system = case.system("whole")
     np.testing.assert_allclose(np.sort(system.omega**2), squared_frequencies(40, 50)[:20], rtol=1e-11)
     np.testing.assert_allclose(system.zeta, 0.01, rtol=1e-8)

@@ -17,8 +17,9 @@ from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.studies.influence.study import influence
 from vibeam_models.beam import assemble_with_space
-from vibeam_models.effects import EFFECTS, Effect
+from vibeam_models.effects import EFFECTS
 from vibeam_models.keys import quantity
+from vibeam_models.scene import Effect
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 

@@ -15,7 +15,8 @@ from vibeam.case.case import Case
 from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
 from vibeam_models.effects.added_mass import AddedMass
-from vibeam_models.scene import Scene, SdofScene
+from vibeam_models.scene import Scene
+from vibeam_models.sdof import SdofScene
 
 CASES = Path(__file__).parents[3] / "cases"
 SDOF = one_mode('["2 rad/s"]', 100, 2, "[fidelity.plain]", direction="up")

@@ -21,6 +21,7 @@ from vibeam.cli.main import app
 from vibeam.figures.moving import pictures
 from vibeam.figures.sheet import Sheet
 from vibeam.report.figures import _composed, write_shown
+from vibeam_models.beam import structure_of
 
 CASE = """units = "SI"
 [beam]
@@ -96,7 +97,7 @@ def test_rows_of_all_points_are_the_reduction_expanded() -> None:
     case = parse(CASE)
     system, pointed = field_system(case.scene, case.fidelities["beam"])
     shape = fields(pointed, system)["beam"]
-    whole = case.scene.structure()
+    whole = structure_of(case.scene)
     basis = vibeam.modal(whole, 4).basis
     nodes = shape.deflection[4::4]  # deflections of the nodes come first, then slopes, in turn; node 0 is held
     slopes = shape.slope[4::4]

@@ -28,7 +28,7 @@ from vibeam.studies.limit.study import LimitRow
 from vibeam.studies.modes import ModeRow, ModeTable
 from vibeam.studies.regression.references import CheckRow
 from vibeam.system.response import Branches
-from vibeam_models.scene import SdofScene
+from vibeam_models.sdof import SdofScene
 
 SVG = "{http://www.w3.org/2000/svg}"
 GRID = np.linspace(14.0, 17.0, 61)

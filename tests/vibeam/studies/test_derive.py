@@ -10,7 +10,7 @@ from vibeam import load
 from vibeam.studies.derive import derive
 from vibeam_models.base import Base
 from vibeam_models.beams.beam import Damping
-from vibeam_models.scene import SdofScene
+from vibeam_models.sdof import SdofScene
 from vibeam_models.stop import Stop
 
 CASES = Path(__file__).parents[3] / "cases"

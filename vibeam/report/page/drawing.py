@@ -13,8 +13,8 @@ import numpy as np
 from vibeam_models.scene import Scene
 
 if TYPE_CHECKING:
-    from vibeam_models.any_scene import AnyScene
     from vibeam_models.beams.beam import Beam
+    from vibeam_models.scene import AnyScene
 
 
 WIDTH, HEIGHT = 960, 250  # px of the drawing

@@ -19,8 +19,8 @@ from vibeam.runs.comparison.limit import Limit, limit
 from vibeam.system.difference import NAN, Difference
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Branches, periodic
-from vibeam_models.any_scene import AnyScene, RigScene
 from vibeam_models.arrays import Array
+from vibeam_models.scene import AnyScene, RigScene
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case

@@ -19,8 +19,8 @@ import numpy as np
 
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.system.impact_system import ImpactSystem
-from vibeam_models.any_scene import RigScene
-from vibeam_models.scene import Scene
+from vibeam_models.beam import structure_of
+from vibeam_models.scene import RigScene, Scene
 
 LEAST, MOST = 16, 32  # modes of the limit: twice the fidelity's, within these
 RESOLVED = 3  # elements a mode: the frequency of the highest is then within 0.1 %
@@ -79,7 +79,7 @@ def limit(scene: RigScene, modes: int) -> Limit:
 def _of_matrices(scene: RigScene, count: int) -> Limit:
     if not scene.all_modes:
         raise ValueError(f"{scene.no_beam} to be refined")
-    structure = scene.structure()
+    structure = structure_of(scene)
     stop = replace(scene.stop, restitution_of="contact")
     given: Any = scene
     plain = replace(given, stop=stop)

@@ -17,7 +17,8 @@ from vibeam.runs.estimate.records import ErrorEstimate, FidelityEstimate
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import FrequencyResponse, join
 from vibeam.system.state import StatesAfter
-from vibeam_models.any_scene import AnyScene, RigScene
+from vibeam_models.beam import structure_of
+from vibeam_models.scene import AnyScene, RigScene
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -38,7 +39,7 @@ def full_model(scene: AnyScene) -> ImpactSystem:
         raise ValueError("no closed-form motions on a platform that is pushed back")
     if scene.stop.law is not None:
         raise ValueError(f'no closed-form motions with the contact law "{scene.stop.law.name}"')
-    if (size := scene.structure().size) > LARGEST:
+    if (size := structure_of(scene).size) > LARGEST:
         raise ValueError(f"the full model has {size} coordinates, too many to know all of its modes")
     full = system(scene, Fidelity("full model", "full"))
     if why := unsuited(full):

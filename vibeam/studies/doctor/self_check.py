@@ -151,9 +151,9 @@ def closed_orbit() -> float:
 
 def cantilever() -> float:
     """Relative error of the first frequency of 24 elements."""
-    from vibeam_models.beam import bare_beam
     from vibeam_models.beams.beam import Beam, Damping
     from vibeam_models.beams.shapes import Rectangle
+    from vibeam_models.space import bare_beam
 
     beam = Beam(0.3, Rectangle(0.02, 0.002), 70e9, 2700.0, Damping("constant", (0.0,)), elements=24)
     known = ROOT**2 / 0.3**2 * sqrt(70e9 * 0.002**2 / 12 / 2700)

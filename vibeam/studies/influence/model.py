@@ -14,6 +14,7 @@ from vibeam.studies.influence.quantities import NAN, Value
 from vibeam.studies.influence.settled_motion import observed_ringing
 from vibeam.studies.influence.subsets import Subsets
 from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.beam import structure_of
 
 IN_MOTION = ("ringing", "ringing_frequency", "apparent_restitution")
 
@@ -76,7 +77,7 @@ def _in_motion(curve: Curve, top: RefinedPeak, frequency: float | None) -> dict[
 def _coordinates(scene: Any) -> int:
     """Coordinates of the finite elements, and of a platform that is pushed back."""
     moves = scene.platform is not None and scene.platform.coupling == "two-way"
-    return int(scene.structure().size) + moves
+    return int(structure_of(scene).size) + moves
 
 
 def _reason(refusal: ValueError) -> str:

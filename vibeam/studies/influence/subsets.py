@@ -20,6 +20,7 @@ from vibeam.casefile.read import parse, validate
 from vibeam.casefile.tables.table import content, note, toml_text
 from vibeam.casefile.validation import fields_of, is_repeated, physics_keys
 from vibeam_models.arrays import Array
+from vibeam_models.beam import structure_of
 
 
 def effects_of(declared: BaseModel) -> tuple[str, ...]:
@@ -182,7 +183,7 @@ def _shared(whole: Array, left: Array) -> int:
 
 
 def _frequencies(case: Case, modes: int) -> Array:
-    return case.scene.structure().modes(modes).omega
+    return structure_of(case.scene).modes(modes).omega
 
 
 EXACT = 6  # largest number of effects for which all sets are tried

@@ -28,11 +28,10 @@ from vibeam.periodic.predicted_response import Found, PredictedResponse, predict
 from vibeam.periodic.train_sums import Trains
 from vibeam.runs.comparison.limit import LEAST_SHARE, RESOLVED
 from vibeam.system.impact_system import ImpactSystem
-from vibeam_models.any_scene import RigScene
 from vibeam_models.arrays import Array
 from vibeam_models.laws import ContactLaw
 from vibeam_models.laws.restitution import first_mode_restitution
-from vibeam_models.scene import Scene
+from vibeam_models.scene import RigScene, Scene
 
 BARE = (
     "the contact has little or no mass of its own: its mobility grows with each mode more, mode 1 gets less of the "

@@ -22,10 +22,10 @@ from vibeam.studies.limit.sequences import (
     with_law,
     with_restitution,
 )
-from vibeam_models.any_scene import RigScene
 from vibeam_models.laws import ContactLaw
 from vibeam_models.laws.hertz import Elastic
 from vibeam_models.laws.linear import Linear
+from vibeam_models.scene import RigScene
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case

@@ -16,6 +16,7 @@ from vibeam.studies.reduce.response import Claim, FullResponse
 from vibeam.studies.reduce.transfer import ModalForm, TransferErrors, TransferStudy
 from vibeam.studies.reduce.transfer import contact_time as time_in_contact
 from vibeam_models.arguments import whole
+from vibeam_models.beam import structure_of
 from vibeam_models.laws.compliant import LinearStop
 
 if TYPE_CHECKING:
@@ -98,7 +99,7 @@ def reduce(
     arguments outside their range.
     """
     _check(case, within, band, contact_time, most)
-    structure, notes = _reference(case.scene.structure())
+    structure, notes = _reference(structure_of(case.scene))
     form = ModalForm.of(structure)
     low, high = band or (0.0, WIDER * float(case.sweep.frequency.max()))
     pulse = _pulse(case, form, contact_time)
