@@ -23,9 +23,9 @@ from typing import Any
 import numpy as np
 
 import vibeam
-from vibeam.flight.entries import ENTRIES, Entry
-from vibeam.flight.libraries import choice, load, processor
-from vibeam.flight.libraries.manifest import manifest
+from vibeam.flight.engine import entries, loading
+from vibeam.flight.engine.entries import ENTRIES, Entry
+from vibeam.flight.engine.loading import manifest
 
 HERE = Path(__file__).parent
 
@@ -36,9 +36,9 @@ MODES = (1, 2, 8, 32)
 READY = """
 import time
 begun = time.process_time()
-import vibeam.flight.trajectory, vibeam.flight.regime_solver, vibeam.flight.certificate
+import vibeam.flight.trajectory, vibeam.flight.regime_solver, vibeam.flight.proof.certificate
 imported = time.process_time()
-from vibeam.flight.entries import ENTRIES
+from vibeam.flight.engine.entries import ENTRIES
 for entry in ENTRIES:
     entry.function
 print(imported - begun, time.process_time() - imported)
@@ -48,8 +48,8 @@ print(imported - begun, time.process_time() - imported)
 def taken(level: str) -> Callable[[Entry], Any]:
     """The functions of a level's libraries, or numba's."""
     if level == "numba":
-        return lambda entry: choice.compiled(entry.module, entry.name)
-    return lambda entry: load.function_of(entry.library, entry.module, entry.name, level)
+        return lambda entry: entries.compiled(entry.module, entry.name)
+    return lambda entry: loading.function_of(entry.library, entry.module, entry.name, level)
 
 
 def use(functions: dict[Entry, Any]) -> None:
@@ -130,7 +130,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=200)
     parser.add_argument("--out", type=Path, default=HERE / "results" / "libraries.json")
     arguments = parser.parse_args()
-    here, load_before = processor.level(), os.getloadavg()[0]
+    here, load_before = loading.level_of_processor(), os.getloadavg()[0]
     levels = [level for level in ("numba", here, "x86-64-v2") if level]
     functions = {level: {entry: taken(level)(entry) for entry in ENTRIES} for level in dict.fromkeys(levels)}
     found = {

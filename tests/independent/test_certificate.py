@@ -14,10 +14,10 @@ from proved_table import PAGE, written
 from random_rigs import KINDS, rig
 
 import vibeam
-from vibeam.flight.certificate import CLOSES, OPEN, _without_slivers, certificate_of
 from vibeam.flight.event_driven import Segments
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
+from vibeam.flight.proof.certificate import CLOSES, OPEN, _without_slivers, certificate_of
 from vibeam_models.laws.compliant import LinearStop
 
 ONE = vibeam.ImpactSystem.from_modes(1.0, 0.015, 1.0, 1.0, gap=0.0, restitution=0.9)

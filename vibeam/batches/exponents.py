@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.batches.points import plain_points
+from vibeam.flight.disturbance.tangent import tangent_fault
+from vibeam.flight.engine.threads import pause
 from vibeam.flight.kernels.thresholds import ELASTIC
-from vibeam.flight.pause import pause
-from vibeam.flight.tangent import tangent_fault
 from vibeam.periodic.lyapunov import ALIGNED, BATCHES, lyapunov
 from vibeam.periodic.stroboscopic import GIVEN, NEAR, ROUND_OFF, STALLED
 from vibeam.system.ended import Ended

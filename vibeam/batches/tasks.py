@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from vibeam.batches.points import Points, plain_points
 from vibeam.batches.response import Plan, Record
+from vibeam.flight.engine.threads import pause
 from vibeam.flight.kernels.thresholds import ELASTIC, PANEL
-from vibeam.flight.pause import pause
 from vibeam.flight.points.points import SIDE_BY_SIDE, Settings, compute
 from vibeam.solvers import solver
 from vibeam.system.ended import Ended

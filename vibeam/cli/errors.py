@@ -64,7 +64,7 @@ def mistakes() -> Iterator[None]:
     if short := refusal():
         _stop(short, WRONG)
     from vibeam.case.faults import CaseError
-    from vibeam.flight.libraries.errors import KernelsUnavailable
+    from vibeam.flight.engine.loading import KernelsUnavailable
     from vibeam.runs.store.errors import StoreError
 
     try:

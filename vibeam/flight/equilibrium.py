@@ -89,8 +89,7 @@ def equilibrium_on_contacts(system: ImpactSystem) -> State:
     ValueError where no displacement is at peace with all of them. A mode without stiffness starts at zero, or where the
     stops push it.
     """
-    from vibeam.flight.contacts import Contacts
-    from vibeam.flight.one_sided import one_sided
+    from vibeam.flight.contacts import Contacts, one_sided
 
     contacts, free = Contacts.of(system), without_stop(system)
     beyond = contacts.rows @ free - contacts.gaps

@@ -11,11 +11,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.engine.threads import unpaused
 from vibeam.flight.equilibrium import equilibrium, size_of_motion
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Regime, Watch
 from vibeam.flight.linear.block_regime import set_output
-from vibeam.flight.pause import unpaused
 from vibeam.flight.readout import OUTCOMES, PointReadout
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibeam.flight.entries import regimes_cover, regimes_move, regimes_poses_at
+from vibeam.flight.engine.entries import regimes_cover, regimes_move, regimes_poses_at
+from vibeam.flight.engine.threads import PerThread
 from vibeam.flight.event_driven import EventDrivenSolver
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Regime
@@ -13,7 +14,6 @@ from vibeam.flight.kernels.regimes.layout import RegimeEngine
 from vibeam.flight.linear.block_regime import set_derivative
 from vibeam.flight.linear.packing import slowest_rate
 from vibeam.flight.linear.regimes import plan
-from vibeam.flight.per_thread import PerThread
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 from vibeam_models.laws.compliant import HuntCrossley

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.flight.entries import cover, move, poses_at
+from vibeam.flight.engine.entries import cover, move, poses_at
 from vibeam.flight.event_driven import EventDrivenSolver
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Engine, Regime

@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam.flight.equilibrium import equilibrium
-from vibeam.flight.exact import exact_solver
+from vibeam.flight.exact import exact_solver, warm_up_motion
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
-from vibeam.flight.warm_up import warm_up_motion
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.state import State
@@ -26,9 +25,9 @@ from vibeam_models.laws.compliant import CompliantStop
 from vibeam_models.laws.restitution import ViscousRestitution
 
 if TYPE_CHECKING:
-    from vibeam.flight.certificate import Certificate
     from vibeam.flight.event_driven import EventDrivenSolver, Segments
-    from vibeam.flight.round_off import Errors
+    from vibeam.flight.proof.certificate import Certificate
+    from vibeam.flight.proof.errors import Errors
     from vibeam.flight.several.solver import ContactsSolver
 
 
@@ -135,7 +134,7 @@ class Trajectory:
 
         A state carried in is taken as exact to its last digit.
         """
-        from vibeam.flight.round_off import errors_of
+        from vibeam.flight.proof.errors import errors_of
 
         return errors_of(self)
 
@@ -173,7 +172,7 @@ class Trajectory:
         velocity, nor ω times its displacement, is off by more than √2W there, nor the gap wider than W over the
         contact force.
         """
-        from vibeam.flight.endless import left_out_of
+        from vibeam.flight.proof.errors import left_out_of
 
         return left_out_of(self)
 
@@ -259,7 +258,7 @@ class Trajectory:
     def _derivative(self, t: ArrayLike, wanted: TimeDerivative, more: int) -> Array:
         """A velocity or acceleration, or its rate, at times t of any shape."""
         if self.system.further is None:
-            from vibeam.flight.accelerations import derivative_along
+            from vibeam.flight.disturbance.derivatives import derivative_along
         else:
             from vibeam.flight.several.derivatives import derivative_along
 
@@ -321,8 +320,8 @@ def _checked(t_start: Any, t_end: Any, max_impacts: Any) -> tuple[float, float, 
 
 
 def _certificate(runner: EventDrivenSolver | ContactsSolver, drive: Drive, segments: Segments) -> Certificate:
-    from vibeam.flight.certificate import certificate_of
     from vibeam.flight.event_driven import EventDrivenSolver
+    from vibeam.flight.proof.certificate import certificate_of
 
     assert isinstance(runner, EventDrivenSolver)
     return certificate_of(runner, drive, segments)

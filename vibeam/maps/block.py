@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import DISPLACEMENT, STARTS, VELOCITY
-from vibeam.flight.pause import pause
+from vibeam.flight.engine.threads import pause
 from vibeam.maps.axes import Axis, lines_of, shape_of, values_at
 from vibeam.maps.points import GridPoints, Starts, grid_points, random_starts, start_states
 from vibeam_models.arrays import Array

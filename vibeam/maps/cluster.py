@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from vibeam.flight.pause import pause
+from vibeam.flight.engine.threads import pause
 from vibeam.maps.block import Block, Values, evaluate_block
 from vibeam.runs.store.errors import reason
 
@@ -104,7 +104,7 @@ def _address_in(file: Path) -> str:
 
 def fingerprint() -> str:
     """What decides the bits of a number in this process: code, libraries below it, compiled kernels."""
-    from vibeam.flight.entries import origin
+    from vibeam.flight.engine.entries import origin
     from vibeam.runs.keys import digest_of_code
 
     return f"{digest_of_code()} {origin()}"

@@ -11,7 +11,7 @@ from time import monotonic
 from typing import TYPE_CHECKING
 
 from vibeam.exchange.whole_files import regular
-from vibeam.flight.pause import Stopped
+from vibeam.flight.engine.threads import Stopped
 from vibeam.maps.block import Block
 from vibeam.maps.cluster import Cluster, evaluate_here
 from vibeam.maps.grids import grids_of, key_of, lines_of_block, plan_of

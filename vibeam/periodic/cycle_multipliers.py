@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from vibeam.flight.tangent import TangentMaps
+from vibeam.flight.disturbance.tangent import TangentMaps
 from vibeam_models.arrays import Array, Complex
 
 DECAY = 8.0  # nepers within one factor, beyond which the weakest direction would drown in round-off

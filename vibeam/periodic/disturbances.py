@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.disturbance.tangent import held_matrix
 from vibeam.flight.kernels import layout
 from vibeam.flight.linear.propagator import propagators
-from vibeam.flight.tangent import held_matrix
 from vibeam.periodic.stroboscopic import Flown
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array

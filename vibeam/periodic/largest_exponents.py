@@ -13,8 +13,8 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.flight.engine.threads import pause
 from vibeam.flight.event_driven import EventDrivenSolver
-from vibeam.flight.pause import pause
 from vibeam.periodic.disturbances import Piece, carried, linearised, units_of
 from vibeam.periodic.lyapunov import SURE, lyapunov
 from vibeam.periodic.stroboscopic import Flown, StroboscopicMap

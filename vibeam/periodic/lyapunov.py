@@ -1,7 +1,7 @@
 """Lyapunov exponents of a motion by products of exact flights and saltation matrices.
 
 The exponents λ are the mean rates at which disturbances of (η, η') grow, in 1/s, 2n of them: the drive's phase is no
-state, so none is trivial. Along a motion they are products of its tangent maps (``flight.tangent``: closed-form flow
+state, so none is trivial. Along a motion they are products of its tangent maps (``TangentMaps``: closed-form flow
 between events, saltation matrix at each), made orthonormal again and again by QR (Benettin et al. 1980; Müller 1995 for
 systems with impacts).
 
@@ -20,9 +20,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vibeam.flight.disturbance.tangent import TangentMaps
+from vibeam.flight.engine.threads import pause
 from vibeam.flight.kernels import layout
-from vibeam.flight.pause import pause
-from vibeam.flight.tangent import TangentMaps
 from vibeam.periodic.cycle_multipliers import DECAY
 from vibeam.periodic.stroboscopic import Cycle, Flown, StroboscopicMap
 from vibeam.system.impact_system import Drive, ImpactSystem

@@ -1,7 +1,7 @@
 """Stroboscopic map of a driven system by exact flights: its fixed points by Newton's method, their multipliers.
 
 The map P carries (η, η') at one phase of the drive over n of its periods. Its Jacobian is the product of the tangent
-maps of the motion (``flight.tangent``), so that Newton's method x ← x − (DP − 1)⁻¹ (P(x) − x) converges quadratically
+maps of the motion (``TangentMaps``), so that Newton's method x ← x − (DP − 1)⁻¹ (P(x) − x) converges quadratically
 on any periodic motion whose tangent maps are known: with any number of impacts and rests, stable or not. The phase is
 taken in the middle of the longest flight, where neither side of an impact is near.
 """
@@ -12,11 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from vibeam.flight.disturbance.tangent import TangentMaps, tangent_fault
+from vibeam.flight.engine.threads import pause
 from vibeam.flight.event_driven import EventDrivenSolver, Segments
 from vibeam.flight.exact import exact_solver
 from vibeam.flight.kernels import layout
-from vibeam.flight.pause import pause
-from vibeam.flight.tangent import TangentMaps, tangent_fault
 from vibeam.periodic.cycle_multipliers import cycle_multipliers
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.flight.pause import Stopped
+from vibeam.flight.engine.threads import Stopped
 from vibeam.runs.store.branch import Branch, StoredBranch
 from vibeam.runs.sweep import march_blocks
 from vibeam.solvers import solver

@@ -9,7 +9,7 @@ from threading import Event, Thread, current_thread, main_thread
 from time import process_time
 from typing import TypeVar
 
-from vibeam.flight.pause import Stopped, stopping_at
+from vibeam.flight.engine.threads import Stopped, stopping_at
 
 __all__ = ["Stopped", "cores", "heartbeat", "run_parallel"]
 Item = TypeVar("Item")

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.flight.warm_up import kind_of
+from vibeam.flight.exact import kind_of
 from vibeam.solvers import solver
 from vibeam.system.impact_system import ImpactSystem
 

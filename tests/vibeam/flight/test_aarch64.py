@@ -19,10 +19,9 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.flight.entries import ENTRIES, Entry
-from vibeam.flight.libraries.call import Call
-from vibeam.flight.libraries.load import function_of
-from vibeam.flight.libraries.manifest import file_of, manifest
+from vibeam.flight.engine.call import Call
+from vibeam.flight.engine.entries import ENTRIES, Entry
+from vibeam.flight.engine.loading import file_of, function_of, manifest
 from vibeam_models.laws.compliant import HuntCrossley
 
 COMPILER, EMULATOR = "aarch64-linux-gnu-gcc", "qemu-aarch64"

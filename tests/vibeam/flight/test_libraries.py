@@ -23,24 +23,30 @@ import pytest
 
 import vibeam
 from vibeam.flight.ahead_of_time.__main__ import build
-from vibeam.flight.entries import ENTRIES, Entry, march, move, poses_at, tabulate
+from vibeam.flight.engine import entries, loading
+from vibeam.flight.engine.entries import ENTRIES, Entry, march, move, poses_at, tabulate
+from vibeam.flight.engine.loading import (
+    FOLDER,
+    KernelsUnavailable,
+    LibraryUnavailable,
+    file_of,
+    manifest,
+    write_manifest,
+)
+from vibeam.flight.engine.loading import LEVELS as LIBRARY_LEVELS
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.sources import digest
-from vibeam.flight.libraries import choice, load, processor
-from vibeam.flight.libraries.errors import KernelsUnavailable, LibraryUnavailable
-from vibeam.flight.libraries.manifest import FOLDER, file_of, manifest, write_manifest
-from vibeam.flight.libraries.manifest import LEVELS as LIBRARY_LEVELS
 from vibeam.flight.libraries.sources import sources_of
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
 
 ROOT = Path(__file__).parents[3]
 
-HERE = processor.level()
+HERE = loading.level_of_processor()
 
 needs_library = pytest.mark.skipif(HERE is None, reason="no library for this machine")
 
-BY_NUMBA = os.environ.get(choice.VARIABLE) == "numba"
+BY_NUMBA = os.environ.get(entries.VARIABLE) == "numba"
 
 DRIVE = vibeam.Drive(95.0, 2e-4)
 
@@ -70,14 +76,14 @@ SYSTEMS = {
 def test_libraries_are_made_from_the_kernels_as_they_are(library: str) -> None:
     about = manifest()["libraries"][library]
     entries = [each for each in ENTRIES if each.library == library]
-    assert {digest(sources_of(each.module)) for each in entries} == {about["sources"]}, f"run {load.BUILD}"
+    assert {digest(sources_of(each.module)) for each in entries} == {about["sources"]}, f"run {loading.BUILD}"
     assert set(about["entries"]) == {each.name for each in entries}
     assert set(about["levels"]) == set(LIBRARY_LEVELS)
     for level, expected in about["levels"].items():
         packed = file_of(library, level).read_bytes()
         assert sha256(packed).hexdigest() == expected
         content = lzma.decompress(packed)
-        assert len(content) < load.MOST
+        assert len(content) < loading.MOST
         assert content[:5] == b"\x7fELF\x02"
         assert int.from_bytes(content[18:20], "little") == (183 if level == "aarch64" else 62)  # e_machine
 
@@ -88,7 +94,7 @@ def test_libraries_are_small() -> None:
 
 def taken(entry: Entry, level: str | None = None) -> Callable[..., Any]:
     """The function of a library."""
-    return load.function_of(entry.library, entry.module, entry.name, level)
+    return loading.function_of(entry.library, entry.module, entry.name, level)
 
 
 def use(monkeypatch: pytest.MonkeyPatch, function: Callable[[Entry], Callable[..., Any]]) -> None:
@@ -118,12 +124,12 @@ def both(system: vibeam.ImpactSystem, monkeypatch: pytest.MonkeyPatch, one: Any,
 
 @needs_library
 @pytest.mark.skipif(
-    not BY_NUMBA, reason=f"numba compiles for minutes: {choice.VARIABLE}=numba python -m pytest {__file__}"
+    not BY_NUMBA, reason=f"numba compiles for minutes: {entries.VARIABLE}=numba python -m pytest {__file__}"
 )
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_library_and_numba_give_the_same_bits(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def numba(entry: Entry) -> Callable[..., Any]:
-        return choice.compiled(entry.module, entry.name)
+        return entries.compiled(entry.module, entry.name)
 
     for a, b in both(SYSTEMS[name], monkeypatch, taken, numba):
         np.testing.assert_array_equal(a, b)
@@ -140,7 +146,7 @@ def test_library_and_numba_give_the_same_bits_of_time_stepping(monkeypatch: pyte
 
     monkeypatch.setitem(vars(march), "function", taken(march))
     by_library = stepped()
-    monkeypatch.setitem(vars(march), "function", choice.compiled(march.module, march.name))
+    monkeypatch.setitem(vars(march), "function", entries.compiled(march.module, march.name))
     for a, b in zip(by_library, stepped(), strict=True):
         assert a.any()
         np.testing.assert_array_equal(a, b)
@@ -195,7 +201,7 @@ except SystemExit as end:
 def without_numba(code: str, folder: Path, **environment: str) -> subprocess.CompletedProcess[str]:
     """Run ``code`` in a fresh interpreter in which numba cannot be imported."""
     places = {"PYTHONPATH": os.pathsep.join(str(ROOT / part) for part in ("", "models", "reductions"))}
-    kept = {name: value for name, value in os.environ.items() if name != choice.VARIABLE}
+    kept = {name: value for name, value in os.environ.items() if name != entries.VARIABLE}
     command = [sys.executable, "-c", BLOCKED + code]
     return subprocess.run(
         command, env=kept | places | {"MPLBACKEND": "agg"} | environment, cwd=folder, capture_output=True, text=True
@@ -226,7 +232,7 @@ def test_commands_work_without_numba(command: str, tmp_path: Path) -> None:
 
 
 def test_neither_library_nor_numba_is_one_message_with_the_cure(tmp_path: Path) -> None:
-    stale = "import pathlib, vibeam.flight.libraries.load as load\nload.level_of_processor = lambda: None\n"
+    stale = "import pathlib, vibeam.flight.engine.loading as load\nload.level_of_processor = lambda: None\n"
     words = ["run", str(ROOT / "cases/sdof_nominal.toml"), "--out", str(tmp_path / "a.h5")]
     done = without_numba(
         stale + COMMANDS.format(words=words).replace("assert not end.code, end.code", "raise"), tmp_path
@@ -247,7 +253,7 @@ def copied(folder: Path) -> Path:
 def test_stale_missing_and_damaged_libraries_are_named(tmp_path: Path) -> None:
     def refused(folder: Path, entry: Entry = move) -> str:
         with pytest.raises(LibraryUnavailable) as raised:
-            load.function_of(entry.library, entry.module, entry.name, HERE, folder)
+            loading.function_of(entry.library, entry.module, entry.name, HERE, folder)
         return str(raised.value)
 
     assert "no compiled kernels for" in refused(tmp_path)
@@ -274,7 +280,7 @@ def test_a_library_with_another_digest_is_not_unpacked(tmp_path: Path, monkeypat
     for name in ("decompress", "LZMADecompressor"):
         monkeypatch.setattr(lzma, name, lambda *given: pytest.fail("it was unpacked"))
     with pytest.raises(LibraryUnavailable, match="are damaged: install vibeam again"):
-        load.function_of("flight", move.module, move.name, HERE, folder)
+        loading.function_of("flight", move.module, move.name, HERE, folder)
 
 
 def _other_kind(content: str) -> str:
@@ -291,26 +297,26 @@ def test_a_damaged_manifest_is_named_and_numba_steps_in(
     folder = copied(tmp_path / "a")
     place = folder / "manifest.json"
     place.write_text(change(place.read_text()), encoding="latin-1")
-    monkeypatch.delenv(choice.VARIABLE, raising=False)
-    monkeypatch.setattr(choice, "function_of", lambda *given: load.function_of(*given, folder=folder))
-    monkeypatch.setattr(load, "level_of_processor", lambda: "x86-64-v3")
+    monkeypatch.delenv(entries.VARIABLE, raising=False)
+    monkeypatch.setattr(entries, "function_of", lambda *given: loading.function_of(*given, folder=folder))
+    monkeypatch.setattr(loading, "level_of_processor", lambda: "x86-64-v3")
     with caplog.at_level(logging.WARNING, logger="vibeam"):
-        assert hasattr(choice.chosen(move.library, move.module, move.name), "signatures")
+        assert hasattr(entries.chosen(move.library, move.module, move.name), "signatures")
     said = [each.getMessage() for each in caplog.records]
     assert len(said) == 1
     assert said[0].startswith(f"the list of compiled kernels, {place}, is damaged (")
     assert said[0].endswith("install vibeam again: numba compiles the kernels")
-    assert choice.description(move.library, move.module, move.name) == "numba"
+    assert entries.description(move.library, move.module, move.name) == "numba"
 
 
 @needs_library
 def test_a_limit_on_the_size_of_files_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(load, "_opened", load._opened.__wrapped__)
+    monkeypatch.setattr(loading, "_opened", loading._opened.__wrapped__)
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
     try:
         with pytest.raises(LibraryUnavailable, match=r"loaded \(files may not have their \d+ kB: raise ulimit -f\)$"):
-            load.function_of(move.library, move.module, move.name)
+            loading.function_of(move.library, move.module, move.name)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
@@ -318,24 +324,24 @@ def test_a_limit_on_the_size_of_files_is_named(monkeypatch: pytest.MonkeyPatch) 
 def test_numba_steps_in_with_one_line_that_says_why(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    monkeypatch.delenv(choice.VARIABLE, raising=False)
-    monkeypatch.setattr(load, "level_of_processor", lambda: None)
-    choice._tell.cache_clear()
+    monkeypatch.delenv(entries.VARIABLE, raising=False)
+    monkeypatch.setattr(loading, "level_of_processor", lambda: None)
+    entries._tell.cache_clear()
     with caplog.at_level(logging.WARNING, logger="vibeam"):
         for each in (move, poses_at):
-            assert hasattr(choice.chosen(each.library, each.module, each.name), "signatures")
+            assert hasattr(entries.chosen(each.library, each.module, each.name), "signatures")
     assert [each.getMessage() for each in caplog.records] == [
         "there are no compiled kernels for this machine: numba compiles the kernels"
     ]
-    monkeypatch.setenv(choice.VARIABLE, "library")
+    monkeypatch.setenv(entries.VARIABLE, "library")
     with pytest.raises(KernelsUnavailable, match="VIBEAM_KERNELS=library: there are no"):
-        choice.chosen(move.library, move.module, move.name)
+        entries.chosen(move.library, move.module, move.name)
 
 
 def test_a_wrong_variable_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv(choice.VARIABLE, "fast")
+    monkeypatch.setenv(entries.VARIABLE, "fast")
     with pytest.raises(KernelsUnavailable, match=r"VIBEAM_KERNELS: 'fast' is none of numba, library, x86-64-v3"):
-        choice.chosen(move.library, move.module, move.name)
+        entries.chosen(move.library, move.module, move.name)
 
 
 FLAGS = "processor : 0\nflags\t\t: fpu {}\nbugs : none\n"
@@ -350,9 +356,9 @@ def test_the_level_is_that_of_the_processors_flags(
     monkeypatch.setattr("platform.machine", lambda: "x86_64")
     monkeypatch.setattr("sys.platform", "linux")
     path = tmp_path / "cpuinfo"
-    path.write_text(FLAGS.format(" ".join(sorted(processor.V3 - set(missing)))))
-    assert processor.level(path) == level
-    assert processor.level(tmp_path / "none") is None
+    path.write_text(FLAGS.format(" ".join(sorted(loading.V3 - set(missing)))))
+    assert loading.level_of_processor(path) == level
+    assert loading.level_of_processor(tmp_path / "none") is None
 
 
 @pytest.mark.parametrize(("system", "machine", "level"), [
@@ -361,7 +367,7 @@ def test_the_level_is_that_of_the_processors_flags(
 def test_other_machines(system: str, machine: str, level: str | None, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("platform.machine", lambda: machine)
     monkeypatch.setattr("sys.platform", system)
-    assert processor.level() == level
+    assert loading.level_of_processor() == level
 
 
 @needs_library
@@ -370,10 +376,10 @@ def test_libraries_load_from_a_folder_where_memory_has_no_files(monkeypatch: pyt
         raise OSError("memfd_create: not permitted")
 
     monkeypatch.setattr(os, "memfd_create", refused)
-    load._opened.cache_clear()
+    loading._opened.cache_clear()
     assert callable(taken(tabulate))
     monkeypatch.setattr("tempfile.mkstemp", refused)
-    load._opened.cache_clear()
+    loading._opened.cache_clear()
     with pytest.raises(LibraryUnavailable, match="cannot be loaded"):
         taken(tabulate)
 

@@ -7,7 +7,7 @@ import pytest
 from exact_motion import exact_motion
 
 import vibeam
-from vibeam.flight.round_off import errors_of
+from vibeam.flight.proof.errors import errors_of
 
 CHAOTIC = vibeam.ImpactSystem.from_modes(1.0, 0.01, 1.0, 1.0, gap=0.0, restitution=0.9)
 WILD = vibeam.Drive(2.9, 1.0)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.flight.tangent import TangentMaps
+from vibeam.flight.disturbance.tangent import TangentMaps
 from vibeam.periodic.stroboscopic import StroboscopicMap, jacobian
 from vibeam.periodic.train_orbits import settled_orbit
 from vibeam.system.state import State

@@ -11,7 +11,7 @@ import pytest
 from apart import run_apart
 
 import vibeam
-from vibeam.flight import pause
+from vibeam.flight.engine import threads as pause
 from vibeam.runs.sweep import march
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
@@ -19,7 +19,7 @@ FOREVER = """
 import os, signal, threading
 import numpy as np
 import vibeam
-from vibeam.flight import pause
+from vibeam.flight.engine import threads as pause
 from vibeam.runs.parallel import run_parallel
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 

@@ -14,7 +14,7 @@ from stand_in import SDOF, Solver, case, same, system
 
 from vibeam.case.faults import CaseError, Fault
 from vibeam.casefile.read import parse
-from vibeam.flight.pause import Stopped
+from vibeam.flight.engine.threads import Stopped
 from vibeam.runs import fidelity_sweep
 from vibeam.runs.parallel import run_parallel
 from vibeam.runs.result import Result

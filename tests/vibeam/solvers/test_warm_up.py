@@ -15,9 +15,9 @@ from stand_in import RIG, SDOF, same
 
 import vibeam
 from vibeam.casefile.read import parse
-from vibeam.flight import compilation
-from vibeam.flight import warm_up as warm_up_motion
-from vibeam.flight.compilation import KERNELS, announce
+from vibeam.flight import exact as warm_up_motion
+from vibeam.flight.engine import compilation
+from vibeam.flight.engine.compilation import KERNELS, announce
 from vibeam.flight.solver import FlightSolver
 from vibeam.runs.accuracy import study as accuracy_study
 from vibeam.solvers import warm_up

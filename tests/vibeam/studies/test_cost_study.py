@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
-from vibeam.flight.pause import OutOfTime
+from vibeam.flight.engine.threads import OutOfTime
 from vibeam.report.cost import parts, runs, sentences, write_files
 from vibeam.report.work_precision import work_precision
 from vibeam.runs.models import finest, first_mode_restitution_of, models, with_first_mode_restitution

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.flight.entries import Entry
+from vibeam.flight.engine.entries import Entry
 from vibeam.solvers import solver
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import PlasticRestitution, Restitution, TableRestitution, ViscousRestitution
@@ -179,7 +179,7 @@ def signatures(kernel: Entry) -> list[Any]:
 @pytest.mark.parametrize("law", [None, TABLE, LinearStop(1e6, 1.0)])
 def test_whole_numbers_are_taken_as_floats_too_and_no_kernel_is_compiled_again(law: Any) -> None:
     """Every type of argument that is taken reaches the kernels as the same types: a library refuses any others."""
-    from vibeam.flight.entries import move, poses_at, regimes_move, regimes_poses_at
+    from vibeam.flight.engine.entries import move, poses_at, regimes_move, regimes_poses_at
 
     system = replace(SYSTEM, law=law)
     kernels = [move, poses_at] if law is None else [regimes_move, regimes_poses_at]

@@ -3,26 +3,34 @@
 All of them, or those of one group of ``scenes.SCENES`` alone: the others stay as they are.
 
 Needs numba (extra ``jit``) and LLVM's linker ``ld.lld``. Each group of entry points is compiled in a process of its
-own, for x86-64-v3; what numba has optimised is emitted for every level.
+own, since numba reads its settings when it is imported, for x86-64-v3; what numba has optimised is emitted for every
+level.
 """
 
 from __future__ import annotations
 
 import json
+import lzma
 import os
 import shutil
 import subprocess
 import sys
-from argparse import ArgumentParser
+from argparse import SUPPRESS, ArgumentParser
 from collections.abc import Sequence
+from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Any
 
-from vibeam.flight.ahead_of_time import link
-from vibeam.flight.libraries.manifest import FOLDER, manifest, write_manifest
+from vibeam.flight.ahead_of_time.emit import TARGETS, emitted, linked, linker_version
+from vibeam.flight.ahead_of_time.scenes import SCENES
+from vibeam.flight.ahead_of_time.wrapper import Compiled, compiled
+from vibeam.flight.engine.entries import ENTRIES
+from vibeam.flight.engine.loading import FOLDER, file_of, manifest, write_manifest
+from vibeam.flight.kernels.sources import digest
+from vibeam.flight.libraries.sources import sources_of
 
 GROUPS = ("points", "regimes", "flight", "tangents", "moreau")  # the longest first
 
@@ -36,7 +44,7 @@ SETTINGS = {
 
 def build(folder: Path, groups: Sequence[str] = GROUPS) -> None:
     """Make these libraries and their manifest in ``folder``; CalledProcessError, and no change, where a group fails."""
-    made_with = {"numba": version("numba"), "llvmlite": version("llvmlite"), "linker": link.version()}
+    made_with = {"numba": version("numba"), "llvmlite": version("llvmlite"), "linker": linker_version()}
     with TemporaryDirectory() as cache, TemporaryDirectory() as fresh:
         environment = os.environ | SETTINGS | {"NUMBA_CACHE_DIR": cache}  # what numba has cached has no LLVM module
         for process in [_begun(group, fresh, environment) for group in groups]:
@@ -51,8 +59,35 @@ def build(folder: Path, groups: Sequence[str] = GROUPS) -> None:
 
 
 def _begun(group: str, folder: str, environment: dict[str, str]) -> subprocess.Popen[bytes]:
-    command = [sys.executable, "-m", "vibeam.flight.ahead_of_time.group", group, folder]
+    command = [sys.executable, "-m", "vibeam.flight.ahead_of_time", folder, "--group", group]
     return subprocess.Popen(command, env=environment)
+
+
+def build_group(group: str, folder: Path) -> None:
+    """Compile a group's entry points, write their libraries into ``folder`` and what they are into ``GROUP.json``."""
+    libraries, scenes = SCENES[group]
+    entries = [each for each in ENTRIES if each.library in libraries]
+    sources = {each.library: digest(sources_of(each.module)) for each in entries}  # before they are compiled
+    for scene in scenes:
+        scene()
+    about = {}
+    for library in libraries:
+        parts = [compiled(each) for each in entries if each.library == library]
+        about[library] = {"sources": sources[library]} | _written(library, parts, folder)
+    (folder / f"{group}.json").write_text(json.dumps(about), encoding="utf-8")
+
+
+def _written(library: str, parts: Sequence[Compiled], folder: Path) -> dict[str, Any]:
+    """Write a library for every level; its part of the manifest."""
+    levels = {}
+    for level in TARGETS:
+        content, path = linked(emitted(library, parts, level), level), file_of(library, level, folder)
+        path.parent.mkdir(exist_ok=True)
+        packed = lzma.compress(content, preset=9 | lzma.PRESET_EXTREME)
+        path.write_bytes(packed)
+        levels[level] = sha256(packed).hexdigest()
+    entries = {part.entry.name: {"arguments": part.arguments, "results": part.results} for part in parts}
+    return {"entries": entries, "levels": levels}
 
 
 def main() -> None:
@@ -60,8 +95,12 @@ def main() -> None:
     asked = ArgumentParser(prog="python -m vibeam.flight.ahead_of_time", description="Make the compiled kernels anew.")
     asked.add_argument("folder", nargs="?", type=Path, default=FOLDER, help="where to (in place)")
     asked.add_argument("--only", choices=GROUPS, help="the libraries of one group alone")
+    asked.add_argument("--group", choices=GROUPS, help=SUPPRESS)  # in the process of its own that ``build`` begins
     given, begun = asked.parse_args(), perf_counter()
     folder = given.folder
+    if given.group:
+        build_group(given.group, folder)
+        return
     folder.mkdir(parents=True, exist_ok=True)
     build(folder, [given.only] if given.only else GROUPS)
     size = sum(file.stat().st_size for file in folder.rglob("*.xz"))

@@ -1,15 +1,21 @@
-"""Object code of a library for one level, from the optimised modules of its entry points."""
+"""A library for one level: object code of the optimised modules of its entry points, linked by LLVM's ``ld.lld``.
+
+It is linked against stand-ins of the system's libraries: the same bytes on every machine.
+"""
 
 from __future__ import annotations
 
 import re
+import shutil
+import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import llvmlite.binding as llvm
 
-from vibeam.flight.ahead_of_time.modules import Compiled
-from vibeam.flight.ahead_of_time.wrapper import wrapper
+from vibeam.flight.ahead_of_time.wrapper import Compiled, wrapper
 
 
 @dataclass(frozen=True)
@@ -84,3 +90,41 @@ def _drop_unused(module: llvm.ModuleRef, machine: llvm.TargetMachine) -> None:
     passes = llvm.create_new_module_pass_manager()
     passes.add_global_dead_code_eliminate_pass()
     passes.run(module, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=0)))
+
+
+LINKER = "ld.lld"
+
+SYSTEM = {  # all that the kernels may call of the system, by its library
+    "libm.so.6": ("cos", "cosh", "exp", "expm1", "fmod", "hypot", "ldexp", "pow", "sin", "sincos", "sinh"),
+    "libc.so.6": ("memcpy", "memset"),
+}
+
+
+def linker() -> str:
+    """The linker's path; RuntimeError with the cure where there is none."""
+    found = shutil.which(LINKER)
+    if found is None:
+        raise RuntimeError(f"{LINKER} is not installed: apt install lld, or another system's LLVM package")
+    return found
+
+
+def linker_version() -> str:
+    """What the linker says of itself."""
+    return subprocess.run([linker(), "--version"], capture_output=True, text=True, check=True).stdout.strip()
+
+
+def linked(content: bytes, level: str) -> bytes:
+    """The shared library of one object file."""
+    with TemporaryDirectory() as place:
+        folder = Path(place)
+        (folder / "kernels.o").write_bytes(content)
+        for name, symbols in SYSTEM.items():
+            (folder / "system.o").write_bytes(stand_ins(symbols, level))
+            _link(level, folder, name, "system.o", "-soname", name)
+        _link(level, folder, "kernels.so", "kernels.o", "-z", "defs", "--as-needed", *SYSTEM)
+        return (folder / "kernels.so").read_bytes()
+
+
+def _link(level: str, folder: Path, out: str, *given: str) -> None:
+    command = [linker(), "-m", TARGETS[level].emulation, "-shared", "-s", "--build-id=none", "-z", "noexecstack"]
+    subprocess.run([*command, *given, "-o", out], cwd=folder, check=True)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from vibeam.flight.entries import march
+from vibeam.flight.engine.entries import march
 from vibeam.flight.kernels import moreau_layout
 from vibeam.flight.points.disturbances import carry
 from vibeam.flight.points.points import PlainPoints, Settings, compute

@@ -8,6 +8,7 @@ from math import floor, inf, log2
 
 import numpy as np
 
+from vibeam.flight.engine.threads import PerThread
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Engine, Regime
 from vibeam.flight.kernels.thresholds import PANEL, RESOLVED
@@ -15,7 +16,6 @@ from vibeam.flight.linear.block_regime import SignalRow, held_regime, with_signa
 from vibeam.flight.linear.eigenpairs import Linear
 from vibeam.flight.linear.mode_blocks import lay_out, longest_flight
 from vibeam.flight.linear.panel_tables import rates, regime
-from vibeam.flight.per_thread import PerThread
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 

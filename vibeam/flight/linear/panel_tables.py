@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibeam.flight.entries import tabulate
+from vibeam.flight.engine.entries import tabulate
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.thresholds import APART, RESOLVED
 from vibeam_models.arrays import Array

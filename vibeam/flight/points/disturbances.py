@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.entries import carry_disturbances
+from vibeam.flight.engine.entries import carry_disturbances
+from vibeam.flight.engine.threads import pause
 from vibeam.flight.kernels import layout
-from vibeam.flight.pause import pause
 from vibeam.flight.points.packing import blank
 from vibeam.flight.points.points import LIMIT, Packed, PlainPoints, Settings, packed_alike, room_of, task_of
 from vibeam.flight.points.tangents import layout as tangent_layout

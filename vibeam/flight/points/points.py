@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.entries import run_points
+from vibeam.flight.engine.entries import run_points
+from vibeam.flight.engine.threads import pause
 from vibeam.flight.event_driven import LONGEST_PERIOD, ROWS
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Engine, Watch
 from vibeam.flight.linear.packing import PackedSystem
-from vibeam.flight.pause import pause
 from vibeam.flight.points.kernels import layout as row
 from vibeam.flight.points.packing import blank, equilibria, held, packed, stacked
 from vibeam.flight.readout import PointReadout

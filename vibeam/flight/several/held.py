@@ -7,16 +7,15 @@ from functools import cached_property
 
 import numpy as np
 
-from vibeam.flight.contacts import Contacts
-from vibeam.flight.entries import regimes_move, regimes_poses_at
+from vibeam.flight.contacts import Contacts, multipliers
+from vibeam.flight.engine.entries import regimes_move, regimes_poses_at
+from vibeam.flight.engine.threads import unpaused
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Regime, Watch
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.kernels.regimes.layout import RegimeEngine
 from vibeam.flight.linear.block_regime import SignalRow, free_regime, with_signals
 from vibeam.flight.linear.eigenpairs import Linear
-from vibeam.flight.one_sided import multipliers
-from vibeam.flight.pause import unpaused
 from vibeam_models.arrays import Array
 
 COUPLES = 1e-13  # share of the damping of two held modes below which what couples them is round-off

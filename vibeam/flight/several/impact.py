@@ -21,8 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibeam.flight.contacts import NOISE, Contacts
-from vibeam.flight.one_sided import multipliers, one_sided
+from vibeam.flight.contacts import NOISE, Contacts, multipliers, one_sided
 from vibeam_models.arrays import Array
 
 ENDLESS = 100_000  # impulses in one instant

@@ -8,11 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from vibeam.flight.contacts import Contacts
+from vibeam.flight.engine.threads import pause
 from vibeam.flight.equilibrium import equilibrium, size_of_motion
 from vibeam.flight.event_driven import LONGEST_PERIOD, Segments, impact_limit
 from vibeam.flight.kernels import layout
 from vibeam.flight.linear.packing import slowest_rate
-from vibeam.flight.pause import pause
 from vibeam.flight.readout import OUTCOMES, PointReadout
 from vibeam.flight.several.holds import held_in
 from vibeam.flight.several.motion import COLUMNS, Flights, Motion

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.flight.entries import origin
+from vibeam.flight.engine.entries import origin
 from vibeam.runs.store.checksum import CHECKSUM, is_sound, sign
 
 if TYPE_CHECKING:

@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.flight.pause import pause
+from vibeam.flight.engine.threads import pause
 from vibeam.solvers.integration.adaptive import AdaptiveStepper
 from vibeam.solvers.integration.coordinates import Frame, Settings
 from vibeam.solvers.integration.samples import Outcome, Piece, turning_points

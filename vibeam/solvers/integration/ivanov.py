@@ -28,8 +28,8 @@ from typing import Any
 
 import numpy as np
 
+from vibeam.flight.engine.threads import pause
 from vibeam.flight.equilibrium import equilibrium
-from vibeam.flight.pause import pause
 from vibeam.solvers.integration.adaptive import AdaptiveStepper
 from vibeam.solvers.integration.coordinates import only_one_mode
 from vibeam.solvers.integration.impact_events import LONGEST, samples

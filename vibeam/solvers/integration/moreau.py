@@ -22,9 +22,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibeam.flight.entries import march
+from vibeam.flight.engine.entries import march
+from vibeam.flight.engine.threads import pause
 from vibeam.flight.kernels import moreau_layout
-from vibeam.flight.pause import pause
 from vibeam.solvers.integration.samples import Outcome, Piece
 from vibeam.solvers.integration.stepper import NO_MARKS, Stepper, Watch, cycle, onto_stop, slack
 from vibeam.system.impact_system import Drive, ImpactSystem

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from vibeam.flight.pause import Clock, OutOfTime, ending_at, pause
+from vibeam.flight.engine.threads import Clock, OutOfTime, ending_at, pause
 from vibeam.solvers import SOLVERS, solver
 from vibeam.studies.cost.settings import Setting
 from vibeam.studies.cost.trajectories import ComparedPath, path_of, released

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.reference_curves import SAME_FREQUENCY, reference_points
-from vibeam.flight.pause import Clock, OutOfTime
+from vibeam.flight.engine.threads import Clock, OutOfTime
 from vibeam.studies.cost.errors import Errors, errors
 from vibeam.studies.cost.measure import Measured, Plan, measure
 from vibeam.studies.cost.settings import Setting

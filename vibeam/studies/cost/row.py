@@ -9,7 +9,7 @@ from statistics import median
 
 import numpy as np
 
-from vibeam.flight.pause import Clock
+from vibeam.flight.engine.threads import Clock
 from vibeam.runs.models import Model
 from vibeam.studies.cost.error_split import Part, part, shares
 from vibeam.studies.cost.errors import Errors, errors

@@ -12,7 +12,7 @@ import numpy as np
 
 from vibeam.case.case import require_one_harmonic
 from vibeam.case.fidelity import gap_drift, gap_wear
-from vibeam.flight.pause import Clock, OutOfTime
+from vibeam.flight.engine.threads import Clock, OutOfTime
 from vibeam.runs.comparison.differences import HeldComparison
 from vibeam.runs.comparison.held_comparison import compared_model, held_comparison
 from vibeam.runs.models import CUT_SOLVERS, Model, built, finest, models

@@ -37,11 +37,9 @@ ROOT = 1.8751040687119611
 
 def kernels() -> Iterator[Finding]:
     """Finding about where the kernels come from, and why from there."""
-    from vibeam.flight.entries import move, origin
-    from vibeam.flight.libraries.choice import CURE as INSTALL
-    from vibeam.flight.libraries.choice import VARIABLE
-    from vibeam.flight.libraries.errors import KernelsUnavailable
-    from vibeam.flight.libraries.processor import level
+    from vibeam.flight.engine.entries import CURE as INSTALL
+    from vibeam.flight.engine.entries import VARIABLE, move, origin
+    from vibeam.flight.engine.loading import KernelsUnavailable, level_of_processor
 
     try:
         move.function  # noqa: B018  found, or compiled, when it is asked for
@@ -52,17 +50,15 @@ def kernels() -> Iterator[Finding]:
     if came == "numba":
         yield Finding(KERNELS, "kernels", State.NOTE, f"compiled by numba: {reason()}", "the first use takes minutes")
     else:
-        yield Finding(KERNELS, "kernels", State.GOOD, f"{came}; the processor takes {level()}")
+        yield Finding(KERNELS, "kernels", State.GOOD, f"{came}; the processor takes {level_of_processor()}")
 
 
 def reason() -> str:
     """Why numba compiles the kernels and no library is taken."""
     import os
 
-    from vibeam.flight.entries import move
-    from vibeam.flight.libraries.choice import VARIABLE
-    from vibeam.flight.libraries.errors import LibraryUnavailable
-    from vibeam.flight.libraries.load import function_of
+    from vibeam.flight.engine.entries import VARIABLE, move
+    from vibeam.flight.engine.loading import LibraryUnavailable, function_of
 
     if os.environ.get(VARIABLE) == "numba":
         return f"{VARIABLE}=numba"
@@ -83,7 +79,7 @@ def self_check() -> Iterator[Finding]:
 
 def checked(name: str, deviation: Callable[[], float], allowed: float) -> Finding:
     """Finding about one check, by its relative ``deviation`` from what is known."""
-    from vibeam.flight.libraries.errors import KernelsUnavailable
+    from vibeam.flight.engine.loading import KernelsUnavailable
 
     try:
         off = deviation()

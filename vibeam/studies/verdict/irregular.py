@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.batches.points import changed
+from vibeam.flight.disturbance.tangent import tangent_fault
+from vibeam.flight.engine.threads import pause
 from vibeam.flight.event_driven import EventDrivenSolver
 from vibeam.flight.exact import exact_solver
-from vibeam.flight.pause import pause
-from vibeam.flight.tangent import tangent_fault
 from vibeam.maps.block import Values
 from vibeam.maps.points import GridPoints
 from vibeam.periodic.largest_exponents import largest_exponents

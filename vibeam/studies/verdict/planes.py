@@ -13,7 +13,7 @@ import numpy as np
 
 from vibeam.case.grid_keys import FREQUENCY
 from vibeam.exchange.whole_files import regular
-from vibeam.flight.pause import Stopped
+from vibeam.flight.engine.threads import Stopped
 from vibeam.maps.block import Block, Grid, Values, evaluate_block
 from vibeam.maps.evaluate import grid_of
 from vibeam.maps.grids import blocks_of, key_of

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from vibeam.case.case import require_one_harmonic
 from vibeam.casefile.quantities import RATIO, UnitError, to_si
-from vibeam.flight.tangent import tangent_fault
+from vibeam.flight.disturbance.tangent import tangent_fault
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.systems import Systems
 from vibeam.studies.verdict import axes

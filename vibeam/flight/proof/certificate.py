@@ -22,7 +22,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.chatter_tail import tails_of
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.pieces import (
     CLAIM,
@@ -39,7 +38,8 @@ from vibeam.flight.kernels.pieces import (
     WATCHED,
 )
 from vibeam.flight.kernels.regimes import layout as regime_layout
-from vibeam.flight.watched import Motion, motion_of, watch_list
+from vibeam.flight.proof.chatter_tail import tails_of
+from vibeam.flight.proof.watched import Motion, motion_of, watch_list
 from vibeam_models.arrays import Array
 from vibeam_models.laws.compliant import HuntCrossley
 

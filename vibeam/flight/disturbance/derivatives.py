@@ -1,8 +1,12 @@
-"""Time derivatives of gaps and contact forces at given states, with the sizes of the parts that they are sums of.
+"""Time derivatives along a motion: of gaps and contact forces at given states, of accelerations and jerks.
 
-In every regime η'' = l u(t) + s − D η' − Λ η + r, with u = Ω²B sin φ and the reaction r of the stop: none in flight,
-−c F where a linear stop pushes with F = k d + b d', d = c·η − Δ, and −c F with F = c·(l u + s − D η' − Λ η)/S where the
-contact is held. So every derivative of η follows from the two before it.
+Gaps and forces come with the sizes of the parts that they are sums of. In every regime
+
+    η'' = l u(t) + s − D η' − Λ η + r,    u = Ω²B sin φ,
+
+with the reaction r of the stop: none in flight, −c F where a linear stop pushes with F = k d + b d', d = c·η − Δ, and
+−c F with F = c·(l u + s − D η' − Λ η)/S where the contact is held. So every derivative of η follows from the two before
+it.
 """
 
 from __future__ import annotations
@@ -11,10 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.time_derivative import TimeDerivative
 from vibeam_models.arrays import Array
-from vibeam_models.laws.compliant import LinearStop
+from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
 FREE, HELD, PUSHED = range(3)  # regimes
 HIGHEST = 3  # derivative of a signal
@@ -117,3 +124,54 @@ class Derivatives:
 def exact(values: Array) -> Sum:
     """Values that are known to the bit."""
     return Sum(values, np.abs(values))
+
+
+def derivative_along(
+    system: ImpactSystem, drive: Drive, trace: Array, times: Array, poses: Array, wanted: TimeDerivative, more: int = 0
+) -> Array:
+    """The output ``wanted`` (m,), or its rate (``more`` 1), at ``times`` (m,) with their ``poses`` (m, 2, n).
+
+    At an event the value after it. ValueError for the rate of an acceleration in a contact that is integrated.
+    """
+    order = wanted.order + more
+    if order == 1:
+        return np.asarray(poses[:, 1] @ wanted.row)
+    which = np.maximum(np.searchsorted(trace[:, layout.START], times, side="right") - 1, 0)
+    clocks = trace[which, layout.AT_CLOCK] + times - trace[which, layout.START]
+    found = _modal(system, drive, trace[which], clocks, poses, order) @ wanted.row
+    return np.asarray(found + _of_base(drive, clocks, order, wanted.base))
+
+
+def _of_base(drive: Drive, clocks: Array, order: int, share: float) -> Array:
+    """The derivative of B sin φ of ``order`` 2 or 3, times ``share``."""
+    turn = (np.sin if order == 2 else np.cos)(drive.omega * clocks)
+    return np.asarray(-share * drive.amplitude * drive.omega**order * turn)
+
+
+def _modal(system: ImpactSystem, drive: Drive, rows: Array, clocks: Array, poses: Array, order: int) -> Array:
+    """η'' or η''' (m, n) at states in the segments ``rows`` (m, columns) of a trace."""
+    sides = (
+        rows[:, regime_layout.AT_SIDE].astype(np.int64)
+        if rows.shape[1] > layout.TRACE_COLUMNS
+        else np.zeros(len(rows), dtype=np.int64)
+    )
+    found = np.empty((len(rows), system.size))
+    for kind, side in {(float(kind), int(side)) for kind, side in zip(rows[:, layout.WHAT], sides, strict=True)}:
+        here = (rows[:, layout.WHAT] == kind) & (sides == side)
+        found[here] = _in_regime(system, drive, kind, side, poses[here], clocks[here], order)
+    return found
+
+
+def _in_regime(
+    system: ImpactSystem, drive: Drive, kind: float, side: int, poses: Array, clocks: Array, order: int
+) -> Array:
+    if kind == regime_layout.CONTACT and isinstance(system.law, HuntCrossley):
+        if order > 2:
+            raise ValueError(f"the jerk in a contact that is integrated, {system.law.name!r}, is not read")
+        row, gap = stop_of(system, side)
+        deep, rate = np.maximum(poses[:, 0] @ row - gap, 0.0), poses[:, 1] @ row
+        force = system.law.stiffness * deep**system.law.exponent * (1 + system.law.damping * rate)
+        free = Derivatives(system, drive, FREE, side, poses, clocks).known[order].value
+        return np.asarray(free - np.maximum(force, 0.0)[:, None] * row)
+    regime = HELD if kind == layout.RESTING else PUSHED if kind == regime_layout.CONTACT else FREE
+    return Derivatives(system, drive, regime, side, poses, clocks).known[order].value

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from vibeam.flight.derivatives import stop_of
+from vibeam.flight.disturbance.derivatives import stop_of
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.linear.propagator import Pair, propagators
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 LOST_AT_REST = 2  # directions: displacement and velocity of the contact point
 
 
-class ExactMotion(Protocol):
+class SegmentedMotion(Protocol):
     """What tangent maps need of a trajectory."""
 
     @property
@@ -79,7 +79,7 @@ def tangent_fault(system: ImpactSystem) -> str:
 class TangentMaps:
     """Tangent maps (2n, 2n) on (η, η') of the segments of a motion."""
 
-    def __init__(self, path: ExactMotion) -> None:
+    def __init__(self, path: SegmentedMotion) -> None:
         """ValueError where they are not known, see ``tangent_fault``."""
         if reason := tangent_fault(path.system):
             raise ValueError(f"tangent maps are not known for {reason}")

@@ -1,11 +1,17 @@
-"""Between pieces of long work: where a signal, a computation that is to stop, or the end of a time is heard."""
+"""Threads at work: each with working arrays of its own, and heard between pieces of long work.
+
+There a signal, a computation that is to stop, or the end of a time is noticed.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from threading import Event
+from threading import Event, local
+from typing import Any, Generic, TypeVar, cast
+
+import numpy as np
 
 from vibeam.flight.kernels import layout
 
@@ -59,3 +65,36 @@ def unpaused(move: Callable[..., tuple[int, float]], *given: object) -> tuple[in
         pause()
         outcome, value = move(*given)
     return outcome, value
+
+
+Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
+
+
+class PerThread(Generic[Arrays]):
+    """A (nested) tuple of arrays, copied once for each thread that works on it; the original is never written to."""
+
+    def __init__(self, original: Arrays) -> None:
+        self._original, self._local = original, local()
+
+    def own(self) -> Arrays:
+        """The calling thread's copy, the same one at every call."""
+        try:
+            return cast(Arrays, self._local.copy)
+        except AttributeError:
+            self._local.copy = copied(self._original)
+            return cast(Arrays, self._local.copy)
+
+    def __reduce__(self) -> tuple[type[PerThread[Arrays]], tuple[Arrays]]:
+        return PerThread, (self._original,)
+
+
+def copied(arrays: Arrays) -> Arrays:
+    """The same tuple with a copy of every array; what occurs twice in it stays one."""
+    return cast(Arrays, _copied(arrays, {}))
+
+
+def _copied(value: Any, seen: dict[int, Any]) -> Any:
+    if id(value) not in seen:
+        is_array = isinstance(value, np.ndarray)
+        seen[id(value)] = value.copy() if is_array else type(value)(*(_copied(each, seen) for each in value))
+    return seen[id(value)]

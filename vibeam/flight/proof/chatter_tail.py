@@ -23,13 +23,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.derivatives import FREE, Derivatives, stop_of
-from vibeam.flight.endless import endless
+from vibeam.flight.disturbance.derivatives import FREE, Derivatives, stop_of
 from vibeam.flight.kernels import layout
 from vibeam.flight.linear.regimes import damper_of
+from vibeam.flight.proof.errors import endless, responses
+from vibeam.flight.proof.watched import Motion
 from vibeam.flight.rebound import rebound
-from vibeam.flight.round_off import responses
-from vibeam.flight.watched import Motion
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 from vibeam_models.laws.restitution import TableRestitution, ViscousRestitution

@@ -1,8 +1,9 @@
-"""Library or numba: where the function behind an entry point comes from.
+"""Entry points of the kernels, as Python calls them: from a library made ahead of time, or compiled by numba.
 
 A library is taken where there is one for this machine that was made from the kernels as they are; else numba compiles
 them, and one line says why. The environment variable VIBEAM_KERNELS forces one: ``numba``, ``library``, or the name of
-a level (``x86-64-v2``).
+a level (``x86-64-v2``). No kernel is imported before numba is to compile it: programs that find a library need
+no numba.
 """
 
 from __future__ import annotations
@@ -10,14 +11,13 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Callable
-from functools import cache
+from dataclasses import dataclass
+from functools import cache, cached_property
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
-from vibeam.flight.libraries.errors import KernelsUnavailable, LibraryUnavailable
-from vibeam.flight.libraries.load import function_of, level_of
-from vibeam.flight.libraries.manifest import LEVELS
+from vibeam.flight.engine.loading import LEVELS, KernelsUnavailable, LibraryUnavailable, function_of, level_of
 
 LOG = logging.getLogger("vibeam")
 VARIABLE = "VIBEAM_KERNELS"
@@ -56,7 +56,7 @@ def compiled(module: str, name: str) -> Callable[..., Any]:
     """The entry point as numba compiles it; KernelsUnavailable without numba."""
     if find_spec("numba") is None:
         raise KernelsUnavailable(f"numba is not installed: {CURE}")
-    from vibeam.flight.compilation import announce
+    from vibeam.flight.engine.compilation import announce
 
     announce()
     found: Callable[..., Any] = getattr(import_module(module), name)
@@ -74,3 +74,50 @@ def description(library: str, module: str, name: str) -> str:
         return f"library {level_of(library, module, name, level)}"
     except LibraryUnavailable:
         return "numba"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A compiled function, found at its first call."""
+
+    library: str
+    module: str
+    name: str
+
+    @cached_property
+    def function(self) -> Callable[..., Any]:
+        """The library's function, or numba's; see ``chosen``."""
+        return chosen(self.library, self.module, self.name)
+
+    def __call__(self, *given: Any) -> Any:
+        """Call the compiled function."""
+        return self.function(*given)
+
+
+KERNELS = "vibeam.flight.kernels"
+tabulate = Entry("tables", f"{KERNELS}.roots.levels", "tabulate")
+move, poses_at = (Entry("flight", f"{KERNELS}.entry", name) for name in ("move", "poses_at"))
+cover = Entry("certificate", f"{KERNELS}.cover", "cover")
+regimes_move, regimes_poses_at = (Entry("regimes", f"{KERNELS}.regimes.entry", name) for name in ("move", "poses_at"))
+regimes_cover = Entry("regimes", f"{KERNELS}.regimes.cover", "cover")
+run_points = Entry("points", "vibeam.flight.points.kernels.entry", "run")
+carry_disturbances = Entry("tangents", "vibeam.flight.points.tangents.entry", "carry")
+march = Entry("moreau", f"{KERNELS}.moreau", "march")
+
+ENTRIES = (
+    tabulate,
+    move,
+    poses_at,
+    cover,
+    regimes_move,
+    regimes_poses_at,
+    regimes_cover,
+    run_points,
+    carry_disturbances,
+    march,
+)
+
+
+def origin() -> str:
+    """Where the kernels come from in this process: ``library`` and its level, or ``numba``."""
+    return description(move.library, move.module, move.name)

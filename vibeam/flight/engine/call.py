@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-Kind = str | list[Any]  # see ``manifest``
+Kind = str | list[Any]  # see ``loading.manifest``
 NUMBERS = ("d", "q")
 NOTHING = object()  # no argument is this one
 KEPT = 1 << 20  # bytes of arrays that are kept alive for the next call at most

@@ -1,11 +1,19 @@
-"""Loading a library: checked against the kernels' sources, unpacked into memory, opened by ctypes."""
+"""Libraries of compiled kernels: their manifest, the level that this machine's processor takes, and loading one.
+
+A library is checked against the kernels' sources, unpacked into memory and opened by ctypes; what stands in the folder
+``flight/libraries`` beside ``manifest.json`` is written by ``vibeam.flight.ahead_of_time``.
+"""
 
 from __future__ import annotations
 
 import ctypes
 import errno
+import json
 import lzma
 import os
+import platform
+import struct
+import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,13 +21,86 @@ from functools import cache
 from hashlib import sha256
 from itertools import count
 from pathlib import Path
+from typing import Any
 
+from vibeam.flight.engine.call import Call
 from vibeam.flight.kernels.sources import digest
-from vibeam.flight.libraries.call import Call
-from vibeam.flight.libraries.errors import LibraryUnavailable
-from vibeam.flight.libraries.manifest import FOLDER, file_of, manifest
-from vibeam.flight.libraries.processor import level as level_of_processor
 from vibeam.flight.libraries.sources import sources_of
+
+
+class LibraryUnavailable(Exception):
+    """Why there is no library for this machine."""
+
+
+class KernelsUnavailable(RuntimeError):
+    """Neither a library for this machine nor numba, or a wrong VIBEAM_KERNELS; with the cure."""
+
+
+FOLDER = Path(__file__).parents[1] / "libraries"
+NAME = "manifest.json"
+LEVELS = ("x86-64-v3", "x86-64-v2", "aarch64")
+
+
+def file_of(library: str, level: str, folder: Path = FOLDER) -> Path:
+    """The compressed library."""
+    return folder / level / f"{library}.xz"
+
+
+@cache
+def manifest(folder: Path = FOLDER) -> dict[str, Any]:
+    """{library: {sources, entries {name: {arguments, results}}, levels {level: SHA-256 of its file}}}, ``made_with``.
+
+    LibraryUnavailable for a damaged one.
+    ``arguments``: ``f8:2`` an array of doubles with two axes, ``i8:1`` one of int64, ``d`` and ``q`` numbers, a list a
+    tuple of these. ``results``: numbers.
+    """
+    path = folder / NAME
+    if not path.exists():
+        return {"libraries": {}}
+    try:
+        found: dict[str, Any] = json.loads(path.read_bytes())
+        if found.pop("sha256") == _digest(found):
+            return found
+        fault = "its digest does not fit"
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        fault = f"{type(error).__name__}: {error}"
+    raise LibraryUnavailable(f"the list of compiled kernels, {path}, is damaged ({fault}): install vibeam again")
+
+
+def write_manifest(folder: Path, made_with: dict[str, str], libraries: dict[str, Any]) -> None:
+    """Write the manifest, with a digest of itself."""
+    whole = {"made_with": made_with, "libraries": dict(sorted(libraries.items()))}
+    (folder / NAME).write_text(json.dumps(whole | {"sha256": _digest(whole)}, indent=1) + "\n", encoding="utf-8")
+
+
+def _digest(whole: dict[str, Any]) -> str:
+    return sha256(json.dumps(whole, sort_keys=True).encode()).hexdigest()
+
+
+V2 = {"cx16", "lahf_lm", "popcnt", "pni", "sse4_1", "sse4_2", "ssse3"}
+V3 = V2 | {"abm", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "xsave"}
+FIRST = 16384  # bytes of /proc/cpuinfo in which the first processor's flags stand
+
+
+def level_of_processor(cpuinfo: Path = Path("/proc/cpuinfo")) -> str | None:
+    """The highest level that runs here (see ``LEVELS``); None where none does."""
+    machine = platform.machine()
+    if sys.platform != "linux" or struct.calcsize("P") != 8:
+        return None
+    if machine == "aarch64":
+        return "aarch64" if sys.byteorder == "little" else None
+    flags = _flags(cpuinfo) if machine == "x86_64" else set()
+    return "x86-64-v3" if flags >= V3 else "x86-64-v2" if flags >= V2 else None
+
+
+def _flags(cpuinfo: Path) -> set[str]:
+    try:
+        with cpuinfo.open(encoding="utf-8") as file:
+            lines = file.read(FIRST).splitlines()
+    except OSError:
+        return set()
+    return next((set(line.partition(":")[2].split()) for line in lines if line.startswith("flags")), set())
+
 
 BUILD = "python -m vibeam.flight.ahead_of_time"
 MOST = 1 << 24  # bytes of a library

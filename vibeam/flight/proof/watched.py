@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.derivatives import FREE as FLYING
-from vibeam.flight.derivatives import HELD, PUSHED, Derivatives, Stop, Sum, stop_of
+from vibeam.flight.disturbance.derivatives import FREE as FLYING
+from vibeam.flight.disturbance.derivatives import HELD, PUSHED, Derivatives, Stop, Sum, stop_of
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.pieces import NEGATIVE, TASK_COLUMNS
 from vibeam.flight.kernels.regimes import layout as regime_layout

@@ -1,0 +1,1 @@
+"""Small disturbances of a motion, and its time derivatives."""
