@@ -9,7 +9,7 @@ from vibeam.batches.points import Points, plain_points
 from vibeam.batches.response import Plan, Record
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.kernels.thresholds import ELASTIC, PANEL
-from vibeam.flight.points.points import SIDE_BY_SIDE, Settings, compute
+from vibeam.flight.points.points import SIDE_BY_SIDE, PointSettings, compute
 from vibeam.solvers import solver
 from vibeam.system.ended import Ended
 from vibeam.system.impact_system import ImpactSystem
@@ -51,7 +51,9 @@ def _portions(part: Whole) -> list[Whole]:
 def run_task(points: Points, which: Whole, plan: Plan, record: Record) -> None:
     """Compute the points ``which`` and keep them in ``record``."""
     elastic = bool(1.0 - points.restitution[which[0]] < ELASTIC)
-    settings = Settings(plan.settle, plan.hold, plan.output, plan.strobes, elastic, SIDE_BY_SIDE if plan.lanes else 0)
+    settings = PointSettings(
+        plan.settle, plan.hold, plan.output, plan.strobes, elastic, SIDE_BY_SIDE if plan.lanes else 0
+    )
     for some, results in compute(plain_points(points, which), settings):
         record.fill(which[some], results.response, results.states, results.resting, results.strobes)
     if plan.lyapunov:

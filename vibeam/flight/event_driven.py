@@ -45,6 +45,14 @@ def impact_limit(limit: object) -> int:
     return found
 
 
+def modal_values(system: ImpactSystem, state: State) -> Array:
+    """Displacement and velocity (2, n) of a state. ValueError where its shape is wrong."""
+    both = np.array([state.displacement, state.velocity], dtype=float)
+    if both.shape != (2, system.size) or not np.isfinite(both).all():
+        raise ValueError(f"state: displacement and velocity must be {system.size} finite numbers each")
+    return both
+
+
 class EventDrivenSolver(ABC):
     """One system, made ready once; its methods take a state and give one back.
 
@@ -93,10 +101,7 @@ class EventDrivenSolver(ABC):
         return self._pose_of(state)
 
     def _pose_of(self, start: State) -> tuple[Array, Array]:
-        both = np.array([start.displacement, start.velocity], dtype=float)
-        if both.shape != (2, self.system.size) or not np.isfinite(both).all():
-            raise ValueError(f"state: displacement and velocity must be {self.system.size} finite numbers each")
-        pose, status = self._inward(both), np.empty(self._status_rows)
+        pose, status = self._inward(modal_values(self.system, start)), np.empty(self._status_rows)
         self._restart(pose, status, layout.RESTING if start.resting else layout.FREE)
         return pose, status
 
@@ -262,10 +267,8 @@ class EventDrivenSolver(ABC):
 
     def _response(self, omegas: Array, readout: PointReadout, hold: int, reading: int) -> FrequencyResponse:
         """What was noted, in the user's order of modes; what was not read off is NaN."""
-        response = readout.response(omegas, hold, self.system.gap)
-        if reading < layout.REACH_TOO:
-            response.reach[:] = np.nan
-        response.mode_energy[:] = self._outward(response.mode_energy) if reading >= layout.EVERYTHING else np.nan
+        response = readout.response(omegas, hold, self.system.gap, reading)
+        response.mode_energy[:] = self._outward(response.mode_energy)
         return response
 
     def _room(

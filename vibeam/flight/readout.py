@@ -54,8 +54,19 @@ class PointReadout:
         self.seconds[index] = now - begun
         return now
 
-    def response(self, omegas: Array, hold: int, gap: float) -> FrequencyResponse:
-        """The points at ``omegas``, rad/s, each read over ``hold`` periods, in the kernels' order of modes."""
+    def response(self, omegas: Array, hold: int, gap: float, reading: int = layout.EVERYTHING) -> FrequencyResponse:
+        """The points at ``omegas``, rad/s, each read over ``hold`` periods, in the kernels' order of modes.
+
+        ``reading``: how much was read off, see ``kernels.layout``; what was not is NaN.
+        """
+        response = self._noted(omegas, hold, gap)
+        if reading < layout.REACH_TOO:
+            response.reach[:] = np.nan
+        if reading < layout.EVERYTHING:
+            response.mode_energy[:] = np.nan
+        return response
+
+    def _noted(self, omegas: Array, hold: int, gap: float) -> FrequencyResponse:
         known = {
             "frequency": omegas / (2 * np.pi),
             "ended": CODES[self.ended],

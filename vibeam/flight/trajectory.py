@@ -205,7 +205,7 @@ class Trajectory:
         """
         if self.system.further is None:
             raise ValueError("holds: there is one place of contact: rests has its holds")
-        from vibeam.flight.several.holds import holds_of
+        from vibeam.flight.several.readout import holds_of
 
         return holds_of(self._segments.trace, self.t_end, contact)
 
@@ -260,7 +260,7 @@ class Trajectory:
         if self.system.further is None:
             from vibeam.flight.disturbance.derivatives import derivative_along
         else:
-            from vibeam.flight.several.derivatives import derivative_along
+            from vibeam.flight.several.readout import derivative_along
 
         times, poses = floats("t", t), self.modes_at(t)
         flat, states = times.ravel(), poses.reshape(-1, 2, self.system.size)

@@ -9,7 +9,7 @@ import numpy as np
 from vibeam.flight.engine.entries import march
 from vibeam.flight.kernels import moreau_layout
 from vibeam.flight.points.disturbances import carry
-from vibeam.flight.points.points import PlainPoints, Settings, compute
+from vibeam.flight.points.points import PlainPoints, PointSettings, compute
 from vibeam.flight.trajectory import simulate
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.laws.compliant import HuntCrossley
@@ -35,7 +35,7 @@ def fly_side_by_side() -> None:
     """Points of a batch."""
     one = np.ones(1)
     points = PlainPoints([PLAIN], np.zeros(1, dtype=np.int64), DRIVE.omega * one, DRIVE.amplitude * one, one, 0.7 * one)
-    compute(points, Settings(settle=1, hold=1, output="contact", strobes=0, elastic=False, most_modes=2))
+    compute(points, PointSettings(settle=1, hold=1, output="contact", strobes=0, elastic=False, most_modes=2))
 
 
 def disturb() -> None:

@@ -11,7 +11,7 @@ from vibeam.flight.engine.entries import carry_disturbances
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.kernels import layout
 from vibeam.flight.points.packing import blank
-from vibeam.flight.points.points import LIMIT, Packed, PlainPoints, Settings, packed_alike, room_of, task_of
+from vibeam.flight.points.points import LIMIT, Packed, PlainPoints, PointSettings, packed_alike, room_of, task_of
 from vibeam.flight.points.tangents import layout as tangent_layout
 from vibeam.flight.points.tangents.layout import Disturbances
 from vibeam_models.arrays import Array
@@ -37,7 +37,7 @@ def carry(points: PlainPoints, elastic: bool, periods: NDArray[np.int64], column
     ``single``: one column each, made of size 1 in units of velocity at the end of every period; all of as many periods.
     """
     m, n = len(points.omega), points.systems[0].size
-    settings = Settings(0, 1, "contact", 0, elastic, 0)
+    settings = PointSettings(0, 1, "contact", 0, elastic, 0)
     growth = np.zeros((m, int(periods.max(initial=0)) if single else 0))
     found = Carried(
         np.zeros(columns.shape), growth, np.zeros((m, 2, n)), np.zeros(m, dtype=bool), np.zeros(m, dtype=bool)
@@ -52,7 +52,7 @@ def carry(points: PlainPoints, elastic: bool, periods: NDArray[np.int64], column
 def _run(
     points: PlainPoints,
     made: list[Packed],
-    settings: Settings,
+    settings: PointSettings,
     periods: NDArray[np.int64],
     columns: Array,
     growth: Array,

@@ -68,7 +68,7 @@ class PlainPoints:
 
 
 @dataclass(frozen=True)
-class Settings:
+class PointSettings:
     """What every point goes through; ``most_modes`` up to which points go side by side, 0: each alone, as in a sweep.
 
     ``elastic``: whether all restitutions are next to 1, or none (``packing.packed``).
@@ -95,12 +95,12 @@ class PlainResults:
 Packed = tuple[PackedSystem, Engine]
 
 
-def compute(points: PlainPoints, settings: Settings) -> list[tuple[NDArray[np.int64], PlainResults]]:
+def compute(points: PlainPoints, settings: PointSettings) -> list[tuple[NDArray[np.int64], PlainResults]]:
     """Settle and watch every point: those that are packed alike, by their numbers, and what they came to."""
     return [(which, _run(points.of(which), made, settings)) for which, made in packed_alike(points, settings)]
 
 
-def packed_alike(points: PlainPoints, settings: Settings) -> Iterator[tuple[NDArray[np.int64], list[Packed]]]:
+def packed_alike(points: PlainPoints, settings: PointSettings) -> Iterator[tuple[NDArray[np.int64], list[Packed]]]:
     """Points that are packed alike, by their numbers, and their systems packed."""
     slowest = float(points.omega.min())
     made = [packed(system, slowest, settings.elastic, settings.output) for system in points.systems]
@@ -111,12 +111,12 @@ def packed_alike(points: PlainPoints, settings: Settings) -> Iterator[tuple[NDAr
         yield which, [made[i] for i in np.unique(points.system[which])]
 
 
-def _output(packing: PackedSystem, settings: Settings) -> Array:
+def _output(packing: PackedSystem, settings: PointSettings) -> Array:
     """Row of the output in the kernels' order of modes."""
     return packing.inward(packing.system.output(settings.output))
 
 
-def _run(points: PlainPoints, made: list[Packed], settings: Settings) -> PlainResults:
+def _run(points: PlainPoints, made: list[Packed], settings: PointSettings) -> PlainResults:
     begun, task = time.thread_time(), task_of(points, made, settings)
     lane, watch = _lane(task), room_of(made[0][0], settings)
     outcome, first = layout.PAUSED, 0
@@ -128,7 +128,7 @@ def _run(points: PlainPoints, made: list[Packed], settings: Settings) -> PlainRe
     return _results(points, made, task, settings.hold, time.thread_time() - begun)
 
 
-def task_of(points: PlainPoints, made: list[Packed], settings: Settings) -> row.Task:
+def task_of(points: PlainPoints, made: list[Packed], settings: PointSettings) -> row.Task:
     """The arrays of the points, as the kernels take them."""
     m, n, blocks = len(points.omega), points.systems[0].size, made[0][1].rest.blocks.shape[1]
     at, constants, offsets = np.zeros((m, n)), np.zeros((m, 2, blocks)), np.zeros((m, 2))
@@ -177,7 +177,7 @@ def _shapes(engine: Any) -> Iterator[tuple[int, ...]]:
             yield from _shapes(each)
 
 
-def room_of(made: PackedSystem, settings: Settings) -> Watch:
+def room_of(made: PackedSystem, settings: PointSettings) -> Watch:
     """What a point is watched with."""
     n, hold = made.system.size, settings.hold
     return Watch(

@@ -25,7 +25,7 @@ FORCE = 2  # row of the force signal of a regime's first side
 
 
 @dataclass(frozen=True)
-class Found:
+class SignalRoot:
     """The first root of some signals: whose (−1: none within the span), when, the pose and clock then, panels."""
 
     signal: int
@@ -85,7 +85,7 @@ class HeldRegime:
     def first(
         self, omega: float, amplitude: float, pose: Array, clock: float, span: float,
         signals: tuple[int, ...], order: float, rise: float,
-    ) -> Found:  # fmt: skip
+    ) -> SignalRoot:  # fmt: skip
         """The first root within ``span`` of one or two signals; ``order`` and ``rise`` say how the first one starts."""
         for place, which in enumerate(signals):
             self.regime.signals[layout.GAP_SIGNAL + place] = self.signals[which]
@@ -99,7 +99,7 @@ class HeldRegime:
             raise Unfollowed(outcome)
         time = float(self.trace[0, layout.DURATION])
         panels = int(self.counts[layout.PANELS])
-        return Found(
+        return SignalRoot(
             signals[int(status[regime_layout.SIDE])] if met else -1, time, moved, float(status[layout.CLOCK]), panels
         )
 

@@ -13,9 +13,8 @@ from vibeam.flight.contacts import NOISE, Contacts
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.kernels.thresholds import PANEL
-from vibeam.flight.several.chatter import time_left
-from vibeam.flight.several.held import Found, HeldRegime, Unfollowed
-from vibeam.flight.several.impact import Strike, stopped, strikes
+from vibeam.flight.several.held import HeldRegime, SignalRoot, Unfollowed
+from vibeam.flight.several.impact import Strike, stopped, strikes, time_left
 from vibeam.flight.several.state import ContactState, Pull, next_state, pressing
 from vibeam.system.impact_system import Drive
 from vibeam_models.arrays import Array
@@ -38,7 +37,7 @@ class Segment:
 
 
 @dataclass
-class Motion:
+class ContactMotion:
     """Where a motion stands, and what was traced and counted on the way."""
 
     pose: Array
@@ -59,7 +58,7 @@ class _Own(local):
         self.size = np.inf
 
 
-class Flights:
+class ContactFlights:
     """The flights of one system for drives of ``slowest`` rad/s and more: regimes of held contacts, made when met."""
 
     def __init__(self, contacts: Contacts, slowest: float) -> None:
@@ -83,20 +82,20 @@ class Flights:
         """The motion's size from now on, see ``equilibrium.size_of_motion``."""
         self._own.size = size
 
-    def begin(self, drive: Drive, pose: Array, clock: float) -> tuple[Motion, int]:
+    def begin(self, drive: Drive, pose: Array, clock: float) -> tuple[ContactMotion, int]:
         """A motion from its first pose, and whether it can be one."""
         pose, fastest = np.array(pose, dtype=float), np.zeros(len(self.contacts.gaps))
         gaps, parts = self.contacts.clearances(pose[0])
+        motion = ContactMotion(pose, clock, ContactState(), fastest)
         if np.any(gaps < -DEEP * NOISE * parts):
-            return Motion(pose, clock, ContactState(), fastest), layout.PENETRATED
-        motion = Motion(pose, clock, ContactState(), fastest)
+            return motion, layout.PENETRATED
         touched = np.flatnonzero(gaps <= AT_STOP * NOISE * parts).tolist()
         if touched:
             pose[0] = self.contacts.put(pose[0], touched)
             self._follow(drive, motion, self._blank(motion, 0.0), touched, [], regime_layout.PASS)
         return motion, layout.COMPLETE
 
-    def advance(self, drive: Drive, motion: Motion, span: float, limit: int) -> tuple[int, float]:
+    def advance(self, drive: Drive, motion: ContactMotion, span: float, limit: int) -> tuple[int, float]:
         """Carry ``motion`` on by ``span`` s: outcome, time done. Segments are traced from time 0 on."""
         done: list[float] = []
         idle, begun, events = 0, motion.impacts, 0
@@ -118,14 +117,14 @@ class Flights:
                 return layout.EVENT_LIMIT, now + found.time
         return layout.COMPLETE, span
 
-    def _first(self, drive: Drive, motion: Motion, span: float) -> Found:
+    def _first(self, drive: Drive, motion: ContactMotion, span: float) -> SignalRoot:
         """The first root of all signals, in the coordinates of the regime."""
         regime, state, count = self.regime(motion.state.held), motion.state, len(self.contacts.gaps)
         pose = regime.inward(motion.pose)
         signals = {count + i: state.starts.get(j) for i, j in enumerate(state.held)}
         away = [j for j in range(count) if j not in state.held and j not in state.implied]
         signals |= {j: state.starts.get(j) for j in away}
-        best = Found(-1, span, pose, motion.clock, 0)
+        best = SignalRoot(-1, span, pose, motion.clock, 0)
         for pair, (order, rise) in _pairs(signals):
             found = regime.first(drive.omega, drive.amplitude, pose, motion.clock, best.time, pair, order, rise)
             motion.panels += found.panels
@@ -133,17 +132,14 @@ class Flights:
                 best = found
         return best
 
-    def _blank(self, motion: Motion, now: float) -> Segment:
+    def _blank(self, motion: ContactMotion, now: float) -> Segment:
         row = np.zeros(COLUMNS)
-        row[layout.START], row[layout.AT_CLOCK], row[layout.WHAT] = (
-            now,
-            motion.clock,
-            layout.RESTING if motion.state.held else layout.FREE,
-        )
+        row[layout.START], row[layout.AT_CLOCK] = now, motion.clock
+        row[layout.WHAT] = layout.RESTING if motion.state.held else layout.FREE
         row[HELD] = float(sum(1 << j for j in motion.state.held))
         return Segment(row, motion.pose.copy())
 
-    def _event(self, drive: Drive, motion: Motion, found: Found, now: float) -> None:
+    def _event(self, drive: Drive, motion: ContactMotion, found: SignalRoot, now: float) -> None:
         """Close the segment at a root, or at the span's end, and see what follows."""
         segment, held = self._blank(motion, now), motion.state.held
         segment.row[layout.DURATION] = found.time
@@ -163,14 +159,14 @@ class Flights:
         segment.row[regime_layout.AT_SIDE] = (met or leaving)[0]
         self._follow(drive, motion, segment, touched, leaving, regime_layout.PASS if met else layout.RELEASE)
 
-    def _touched(self, motion: Motion, met: list[int]) -> list[int]:
+    def _touched(self, motion: ContactMotion, met: list[int]) -> list[int]:
         """Contacts at their stops: held, met, or as near as round-off can tell, on the way in or out."""
         gaps, parts = self.contacts.clearances(motion.pose[0])
         near = np.flatnonzero(gaps <= AT_STOP * NOISE * parts).tolist()
         return sorted({*motion.state.held, *motion.state.implied, *met, *near})
 
     def _follow(
-        self, drive: Drive, motion: Motion, segment: Segment, touched: list[int], leaving: list[int], end: int
+        self, drive: Drive, motion: ContactMotion, segment: Segment, touched: list[int], leaving: list[int], end: int
     ) -> None:
         """Impulses, and what the touched contacts do then: ``segment`` and those of no duration after it are traced."""
         pull = Pull.of(self.contacts, drive, motion.pose, motion.clock)
@@ -192,7 +188,7 @@ class Flights:
         self._trace(motion, segment, struck, end, left, remainder)
 
     def _completed(
-        self, drive: Drive, motion: Motion, pull: Pull, state: ContactState, last: Strike, touched: list[int]
+        self, drive: Drive, motion: ContactMotion, pull: Pull, state: ContactState, last: Strike, touched: list[int]
     ) -> tuple[float, float, ContactState]:
         """The accumulation at the contact struck last, completed where it is time: time left, its error, the state."""
         which, after, top = last.contact, state.starts[last.contact][1], float(motion.fastest[last.contact])
@@ -210,44 +206,31 @@ class Flights:
         motion.pose, motion.state = before
         return -1.0, 0.0, state
 
-    def _disturbed(self, drive: Drive, motion: Motion, left: float) -> bool:
+    def _disturbed(self, drive: Drive, motion: ContactMotion, left: float) -> bool:
         """Whether another event falls within what is left of an accumulation, and is told from its end."""
         if left * self.slowest < SOON:
             return False
         return self._first(drive, motion, left).signal >= 0
 
     def _trace(
-        self, motion: Motion, segment: Segment, struck: list[Strike], end: int, left: float, remainder: float
+        self, motion: ContactMotion, segment: Segment, struck: list[Strike], end: int, left: float, remainder: float
     ) -> None:
         motion.events += 1
         motion.impacts += len(struck)
-        last = len(struck) - 1
-        for place, strike in enumerate(struck):
+        for strike in struck:
             row = segment.row
-            row[layout.END], row[layout.BEFORE], row[regime_layout.AT_SIDE] = (
-                layout.IMPACT,
-                strike.before,
-                strike.contact,
-            )
-            if place == last:
-                row[layout.LEFT], row[layout.REMAINDER] = max(left, 0.0), remainder
-                row[layout.END] = (
-                    layout.CHATTER
-                    if left >= 0
-                    else layout.STUCK
-                    if strike.contact in motion.state.held
-                    else layout.IMPACT
-                )
+            row[layout.END], row[layout.BEFORE] = layout.IMPACT, strike.before
+            row[regime_layout.AT_SIDE] = strike.contact
             motion.segments.append(segment)
-            if place < last:
-                segment = Segment(row.copy(), np.array([segment.pose[0], strike.velocity]))
+            if strike is struck[-1]:
+                stuck = strike.contact in motion.state.held
+                row[layout.LEFT], row[layout.REMAINDER] = max(left, 0.0), remainder
+                row[layout.END] = layout.CHATTER if left >= 0 else layout.STUCK if stuck else layout.IMPACT
+            else:
+                segment = Segment(row.copy(), np.array([motion.pose[0], strike.velocity]))
                 segment.row[layout.START] += row[layout.DURATION]
-                segment.row[layout.DURATION], segment.row[layout.AT_CLOCK], segment.row[layout.WHAT] = (
-                    0.0,
-                    motion.clock,
-                    layout.FREE,
-                )
-                segment.pose = np.array([motion.pose[0], strike.velocity])
+                segment.row[layout.DURATION], segment.row[layout.AT_CLOCK] = 0.0, motion.clock
+                segment.row[layout.WHAT] = layout.FREE
         if not struck:
             segment.row[layout.END] = end
             motion.segments.append(segment)

@@ -1,14 +1,17 @@
-"""What is read off the segments of a period: extremes, energies, impacts, time in contact."""
+"""Readout of motions with several contacts: a period's extremes, energies and impacts; holds, and derivatives."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from vibeam.flight.contacts import Contacts
 from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.several.held import HeldRegime, Unfollowed
-from vibeam.flight.several.holds import held_in
-from vibeam.flight.several.motion import Flights, Motion
-from vibeam.system.impact_system import Drive
+from vibeam.flight.several.motion import HELD, ContactFlights, ContactMotion
+from vibeam.flight.several.state import Pull
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.time_derivative import TimeDerivative
 from vibeam_models.arrays import Array
 
 SAME, REPEATS = 1e-14, 1e-5  # shares of the motion's size: see ``kernels.steady_point``
@@ -17,16 +20,37 @@ TURN = 4.0  # radians of the fastest mode to a panel of Gauss' quadrature
 MOST_PANELS = 256  # a segment
 
 
-class Reading:
+def holds_of(trace: Array, end: float, contact: int | None) -> Array:
+    """(m, 2): begin and end, s, of the stretches of a motion until ``end`` in which a contact, or any, was held.
+
+    A hold begins where the accumulation of impacts before it is over.
+    """
+    bits = trace[:, HELD].astype(np.int64)
+    held = (bits if contact is None else bits >> contact & 1) > 0
+    change = np.diff(np.concatenate([[False], held, [False]]).astype(int))
+    times, first = np.append(trace[:, layout.START], end), np.flatnonzero(change == 1)
+    before = trace[np.maximum(first - 1, 0)]
+    accumulated = (first > 0) & (before[:, layout.END] == layout.CHATTER)
+    accumulated &= (contact is None) | (before[:, regime_layout.AT_SIDE] == contact)
+    return np.stack([times[first] + np.where(accumulated, before[:, layout.LEFT], 0.0), times[change == -1]], axis=1)
+
+
+def held_in(row: Array, count: int) -> tuple[int, ...]:
+    """The contacts held in a segment, of its trace row."""
+    bits = int(row[HELD])
+    return tuple(j for j in range(count) if bits >> j & 1)
+
+
+class PointReader:
     """One point of a sweep, filled period by period as ``kernels.layout`` has it."""
 
-    def __init__(self, flights: Flights, drive: Drive, row: Array, reading: int) -> None:
+    def __init__(self, flights: ContactFlights, drive: Drive, row: Array, reading: int) -> None:
         self.flights, self.drive, self.row, self.reading = flights, drive, row, reading
         self.result, self.energy = np.zeros(layout.RESULT_ROWS), np.zeros(len(row))
         self.result[[layout.HIGH, layout.LEAST, layout.CONTACT_LEAST]] = -np.inf, np.inf, np.inf
         self._share: tuple[Array, float] | None = None  # of a period that the next ones repeat
 
-    def note(self, motion: Motion, strobes: list[Array]) -> int:
+    def note(self, motion: ContactMotion, strobes: list[Array]) -> int:
         """Read off the segments of the period that ``motion`` ended, begun at the last strobe: the outcome."""
         before, rested = self.energy.copy(), self.result[layout.REST_TIME]
         for segment in motion.segments:
@@ -102,3 +126,20 @@ def repetition(omega: Array, drive: float, strobes: Array, longest: int) -> int:
         if max(apart) <= REPEATS * size:
             return k
     return 0
+
+
+def derivative_along(
+    system: ImpactSystem, drive: Drive, trace: Array, times: Array, poses: Array, wanted: TimeDerivative, more: int = 0
+) -> Array:
+    """As ``flight.accelerations.derivative_along``: the output (m,), or its rate, at ``times`` with their ``poses``."""
+    order, contacts = wanted.order + more, Contacts.of(system)
+    if order == 1:
+        return np.asarray(poses[:, 1] @ wanted.row)
+    which = np.maximum(np.searchsorted(trace[:, layout.START], times, side="right") - 1, 0)
+    clocks = trace[which, layout.AT_CLOCK] + times - trace[which, layout.START]
+    found = np.empty(len(times))
+    for i, (segment, clock) in enumerate(zip(which, clocks.tolist(), strict=True)):
+        rows = contacts.rows[list(held_in(trace[segment], len(contacts.gaps)))]
+        found[i] = wanted.row @ Pull.of(contacts, drive, poses[i], clock).constrained(rows)[order - 2]
+    turn = (np.sin if order == 2 else np.cos)(drive.omega * clocks)
+    return np.asarray(found - wanted.base * drive.amplitude * drive.omega**order * turn)

@@ -1,4 +1,4 @@
-"""The solver of systems with contacts in several places: the same calls."""
+"""Solver of systems with contacts in several places, with the calls of the others."""
 
 from __future__ import annotations
 
@@ -10,13 +10,12 @@ import numpy as np
 from vibeam.flight.contacts import Contacts
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.equilibrium import equilibrium, size_of_motion
-from vibeam.flight.event_driven import LONGEST_PERIOD, Segments, impact_limit
+from vibeam.flight.event_driven import LONGEST_PERIOD, Segments, impact_limit, modal_values
 from vibeam.flight.kernels import layout
 from vibeam.flight.linear.packing import slowest_rate
 from vibeam.flight.readout import OUTCOMES, PointReadout
-from vibeam.flight.several.holds import held_in
-from vibeam.flight.several.motion import COLUMNS, Flights, Motion
-from vibeam.flight.several.readout import Reading, repetition
+from vibeam.flight.several.motion import COLUMNS, ContactFlights, ContactMotion
+from vibeam.flight.several.readout import PointReader, held_in, repetition
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State
@@ -34,7 +33,7 @@ class ContactsSolver:
         """``limit``: impacts a drive period (or a call of ``simulate``) after which it gives up."""
         self.system, self.limit = system, impact_limit(limit)
         self.contacts = Contacts.of(system)
-        self.flights = Flights(self.contacts, slowest_rate(system, slowest, span))
+        self.flights = ContactFlights(self.contacts, slowest_rate(system, slowest, span))
 
     def simulate(
         self, drive: Drive, state: State | None, start: float, end: float, limit: int
@@ -57,11 +56,7 @@ class ContactsSolver:
         return OUTCOMES[outcome], last, _state(motion), segments, stats
 
     def _pose(self, state: State | None) -> Array:
-        start = equilibrium(self.system) if state is None else state
-        pose = np.array([start.displacement, start.velocity], dtype=float)
-        if pose.shape != (2, self.system.size) or not np.isfinite(pose).all():
-            raise ValueError(f"state: displacement and velocity must be {self.system.size} finite numbers each")
-        return pose
+        return modal_values(self.system, equilibrium(self.system) if state is None else state)
 
     def poses_at(self, drive: Drive, segments: Segments, times: Array) -> Array:
         """Modal displacements and velocities (m, 2, n) at times (m,) within the segments."""
@@ -105,7 +100,7 @@ class ContactsSolver:
         self.flights.for_size(np.inf)
         begun = time.thread_time()
         for index, (omega, size) in enumerate(zip(omegas, np.broadcast_to(amplitude, len(omegas)), strict=True)):
-            reader = Reading(self.flights, Drive(float(omega), float(size)), row, reading)
+            reader = PointReader(self.flights, Drive(float(omega), float(size)), row, reading)
             motion, outcome, period, passed = self._point(reader, pose, settle, hold)
             counts = np.zeros(layout.COUNT_ROWS, dtype=np.int64)
             counts[layout.IMPACTS], counts[layout.PANELS] = motion.impacts, motion.panels
@@ -117,9 +112,9 @@ class ContactsSolver:
             begun = readout.time(index, begun)
         if states is not None:
             states.extend(after)
-        return self._response(np.asarray(omegas, dtype=float), readout, hold, reading), after[-1]
+        return readout.response(np.asarray(omegas, dtype=float), hold, self.system.gap, reading), after[-1]
 
-    def _point(self, reader: Reading, pose: Array, settle: int, hold: int) -> tuple[Motion, int, int, Array]:
+    def _point(self, reader: PointReader, pose: Array, settle: int, hold: int) -> tuple[ContactMotion, int, int, Array]:
         """Settle and watch: the motion at the end, the outcome, the period, the states at the ends of periods."""
         drive = reader.drive
         motion, outcome = self.flights.begin(drive, pose, 0.0)
@@ -140,25 +135,17 @@ class ContactsSolver:
         passed = np.array(strobes)
         return motion, outcome, repetition(self.system.omega, drive.omega, passed, LONGEST_PERIOD), passed
 
-    def _response(self, omegas: Array, readout: PointReadout, hold: int, reading: int) -> FrequencyResponse:
-        response = readout.response(omegas, hold, self.system.gap)
-        if reading < layout.REACH_TOO:
-            response.reach[:] = np.nan
-        if reading < layout.EVERYTHING:
-            response.mode_energy[:] = np.nan
-        return response
-
 
 def _clock(drive: Drive, start: float) -> float:
     """The time within the drive's period."""
     return start % (2 * np.pi / drive.omega) if drive.omega > 0 else start
 
 
-def _state(motion: Motion) -> State:
+def _state(motion: ContactMotion) -> State:
     return State.reached(motion.pose[0].copy(), motion.pose[1].copy(), bool(motion.state.held))
 
 
-def _packed(motion: Motion, start: float, size: float) -> Segments:
+def _packed(motion: ContactMotion, start: float, size: float) -> Segments:
     """The segments traced; a motion that ended where it began is one without duration."""
     if not motion.segments:
         row = np.zeros((1, COLUMNS))
