@@ -25,7 +25,12 @@ def asks_for_attributes(path: Path) -> bool:
 
 
 def test_capabilities_are_declared_and_not_looked_for(tmp_path: Path) -> None:
-    files = [path for package in PACKAGES for path in package.rglob("*.py") if "kernels" not in path.parts]
+    files = [
+        path
+        for package in PACKAGES
+        for path in package.rglob("*.py")
+        if "kernels" not in path.relative_to(package).parts
+    ]
     assert len(files) > 200
     assert [path for path in files if asks_for_attributes(path)] == []
     (tmp_path / "a.py").write_text("if hasattr(x, 'motion'):\n    pass\n")

@@ -51,9 +51,8 @@ def _portions(part: Whole) -> list[Whole]:
 def run_task(points: Points, which: Whole, plan: Plan, record: Record) -> None:
     """Compute the points ``which`` and keep them in ``record``."""
     elastic = bool(1.0 - points.restitution[which[0]] < ELASTIC)
-    settings = PointSettings(
-        plan.settle, plan.hold, plan.output, plan.strobes, elastic, SIDE_BY_SIDE if plan.lanes else 0
-    )
+    most = SIDE_BY_SIDE if plan.lanes else 0
+    settings = PointSettings(plan.settle, plan.hold, plan.output, plan.strobes, elastic, most)
     for some, results in compute(plain_points(points, which), settings):
         record.fill(which[some], results.response, results.states, results.resting, results.strobes)
     if plan.lyapunov:
