@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from importlib import import_module
 
-from vibeam.system.public_names import from_home, homes_of
+from vibeam.system.public_names import from_home, hand_in, homes_of
 
 __version__ = "0.1.0"
 _HOMES = homes_of(__file__)
@@ -29,3 +29,6 @@ def __getattr__(name: str) -> object:
 
 def __dir__() -> list[str]:
     return __all__
+
+
+hand_in("plot", lambda: __getattr__("plot"))

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import ast
+import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -35,6 +37,41 @@ def test_capabilities_are_declared_and_not_looked_for(tmp_path: Path) -> None:
     assert [path for path in files if asks_for_attributes(path)] == []
     (tmp_path / "a.py").write_text("if hasattr(x, 'motion'):\n    pass\n")
     assert asks_for_attributes(tmp_path / "a.py")
+
+
+def floors() -> dict[str, int]:
+    """The floor of every package and room, the lowest 0, as the contracts of pyproject.toml have them."""
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["tool"]["importlinter"]
+    layers = {each["name"]: each["layers"] for each in settings["contracts"] if each["type"] == "layers"}
+    rooms = [[f"vibeam.{room.strip()}" for room in layer.split("|")] for layer in layers["one way down"]]
+    storeys = [*rooms, *([package] for package in layers["packages"] if package != "vibeam")]
+    return {name: floor for floor, storey in enumerate(reversed(storeys)) for name in storey}
+
+
+def upward_names(path: Path, room: str) -> list[str]:
+    """Strings of a file in ``room`` that name a module of another room that is not below: ``"package.module:name"``."""
+    found, known = [], floors()
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        word = node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
+        parts = re.match(r"(vibeam(?:_\w+)?)\.(?:(\w+)[\w.:]*)?$", word)
+        home = parts[1] if parts and parts[1] in known else parts and f"{parts[1]}.{parts[2]}"
+        if home and home != room and known.get(home, -1) >= known[room]:
+            found.append(word)
+    return found
+
+
+def test_no_string_names_a_room_above(tmp_path: Path) -> None:
+    """What is loaded by its name runs one way down too, though no import says so."""
+    found = set()
+    for room in floors():
+        package, _, name = room.partition(".")
+        folder = next(each for each in PACKAGES if each.name == package) / name
+        found |= {f"{path.name}: {word}" for path in folder.rglob("*.py") for word in upward_names(path, room)}
+    assert found <= {"flown.py: vibeam.flight.snapshots:modal_snapshots"}
+    (tmp_path / "a.py").write_text('a = "vibeam.report.figures"; b = "vibeam.flight.solver:x"; f"vibeam.cli.{a}:{b}"')
+    climbing = ["vibeam.report.figures", "vibeam.flight.solver:x", "vibeam.cli."]
+    assert sorted(upward_names(tmp_path / "a.py", "vibeam.case")) == sorted(climbing)
+    assert upward_names(tmp_path / "a.py", "vibeam.cli") == []
 
 
 @pytest.mark.parametrize("upward", [None, "import vibeam.runs.sweep"])

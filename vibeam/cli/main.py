@@ -78,7 +78,7 @@ def _options(
 
 for command in (
     run,
-    *(loaded(each.command) for each in STUDIES.values() if each.command),
+    *(loaded(f"vibeam.cli.commands.{name}:{name}") for name, each in STUDIES.items() if each.own_command),
     report,
     study,
     identify,

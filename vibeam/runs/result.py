@@ -11,6 +11,7 @@ from vibeam.case.faults import suggest
 from vibeam.case.held import held_of
 from vibeam.runs.comparison.differences import both_peaks
 from vibeam.runs.overview import Overview, overview_of
+from vibeam.system.public_names import handed_in
 from vibeam.system.response import Branches, modes_of
 
 if TYPE_CHECKING:
@@ -151,9 +152,8 @@ class Result(Mapping[str, Branches]):
 
     def plot(self, *paths: str | Path) -> Figure:
         """Figure of ``vibeam run``; written to ``paths`` (.png, .svg, .pdf) where given."""
-        from vibeam.system.plotting import plot
-
-        return plot(self, *paths)
+        made: Figure = handed_in("plot")(self, *paths)
+        return made
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._branches)

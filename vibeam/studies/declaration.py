@@ -18,13 +18,13 @@ class StudyDeclaration:
     """Study of a case: ``run``, or its ``"module:function"``, takes a case; ValueError for an unsuitable one.
 
     It returns rows, instances of one dataclass, of some ``meaning``: ``vibeam study NAME CASE`` prints them as a table
-    or as JSON, or writes them as CSV. A study with a ``command`` of its own, ``"module:function"``, returns any record.
+    or as JSON, or writes them as CSV. A study with an ``own_command``, ``vibeam NAME CASE``, returns any record.
     """
 
     name: str
     run: Callable[[Case], Any] | str
     meaning: str
-    command: str = ""
+    own_command: bool = False
 
     def of(self, case: Case) -> Any:
         """The study of a case."""
@@ -32,7 +32,7 @@ class StudyDeclaration:
 
 
 def _own(name: str, home: str, meaning: str) -> StudyDeclaration:
-    return StudyDeclaration(name, f"vibeam.studies.{home}:{name}", meaning, f"vibeam.cli.commands.{name}:{name}")
+    return StudyDeclaration(name, f"vibeam.studies.{home}:{name}", meaning, own_command=True)
 
 
 STUDIES: Registry[StudyDeclaration] = Registry(
@@ -40,9 +40,7 @@ STUDIES: Registry[StudyDeclaration] = Registry(
     _own("check", "regression.check", "differences to references and expected numbers"),
     _own("stability", "stability.study", "existence and stability of periodic motions over frequency and gap or drive"),
     _own("verdict", "verdict.study", "the cheapest model that suffices over two keys, and where models differ in kind"),
-    StudyDeclaration(
-        "map", "vibeam.maps.run:run_map", "motions over any keys of a case", "vibeam.cli.commands.map:map"
-    ),
+    StudyDeclaration("map", "vibeam.maps.run:run_map", "motions over any keys of a case", own_command=True),
     _own("cost", "cost.study", "accuracy and CPU time of every fidelity by every solver"),
     _own("limit", "limit.study", "what converges with more and more modes, at which rate, and what has no limit"),
     _own("influence", "influence.study", "change by each effect, and its cost"),

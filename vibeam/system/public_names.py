@@ -1,8 +1,12 @@
-"""Public names of a package, listed once in its stub and loaded when first used."""
+"""Public names of a package, listed once in its stub and loaded when first used; those that a room below calls."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from importlib import import_module
+from typing import Any
+
+_HANDED_IN: dict[str, Callable[[], Any]] = {}
 
 
 def homes_of(package_file: str) -> dict[str, str]:
@@ -19,3 +23,13 @@ def from_home(homes: dict[str, str], package: str, name: str) -> object:
     if homes[name] == package:
         return import_module(f"{package}.{name}")
     return getattr(import_module(homes[name]), name)
+
+
+def hand_in(name: str, load: Callable[[], Any]) -> None:
+    """Give the rooms below a public function of a room above, which they know by ``name``; ``load`` fetches it."""
+    _HANDED_IN[name] = load
+
+
+def handed_in(name: str) -> Any:
+    """The public function ``name`` that the package has handed in."""
+    return _HANDED_IN[name]()

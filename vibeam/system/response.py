@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from vibeam.system.difference import Difference as Difference
 from vibeam.system.difference import Peak as Peak
 from vibeam.system.ended import Ended as Ended
+from vibeam.system.public_names import handed_in
 from vibeam.system.quantities import VELOCITIES_KEPT as VELOCITIES_KEPT
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array, Flags
@@ -122,10 +123,9 @@ class FrequencyResponse:
         return frame([({}, self)])
 
     def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
-        """Plot one quantity over frequency and write the figure to ``paths``; see ``vibeam.report.figures``."""
-        from vibeam.system.plotting import plot
-
-        return plot(self, *paths, quantity=quantity)
+        """Plot one quantity over frequency and write the figure to ``paths``; see ``vibeam.plot``."""
+        made: Figure = handed_in("plot")(self, *paths, quantity=quantity)
+        return made
 
     @classmethod
     def empty(cls, frequency: Array, modes: int) -> FrequencyResponse:
@@ -175,9 +175,8 @@ class Branches:
 
     def plot(self, *paths: str | Path, quantity: str = "amplitude") -> Figure:
         """Plot as a response, the downward sweep lighter."""
-        from vibeam.system.plotting import plot
-
-        return plot(self, *paths, quantity=quantity)
+        made: Figure = handed_in("plot")(self, *paths, quantity=quantity)
+        return made
 
     @property
     def peak(self) -> Peak:

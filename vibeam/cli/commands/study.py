@@ -18,7 +18,7 @@ def study(name: Name, case: CaseFile, set_: Overrides = None, as_json: AsJson = 
     from vibeam.case.faults import suggest
     from vibeam.studies.declaration import STUDIES
 
-    registered = [each for each, declared in STUDIES.items() if not declared.command]
+    registered = [each for each, declared in STUDIES.items() if not declared.own_command]
     if name not in registered:
         known = suggest(name, registered) if registered else "none is registered: write vibeam --load MODULE study …"
         raise UsageError(f"vibeam {name} is a command of its own" if name in STUDIES else f"no study {name!r}; {known}")
