@@ -79,3 +79,14 @@ def _height(beam: Beam, x: float) -> float:
     here = next(each for each in reversed(beam.stretches) if each.start <= x <= each.end)
     found = here.section(np.array(x)).height
     return float("nan") if found is None else float(found)
+
+
+def stop_places(scene: Scene, system: ImpactSystem) -> list[tuple[float, float, float]]:
+    """Place along the beam and touching deflection (m) of every stop, with 1 above the beam and −1 below."""
+    first = scene.stop.position
+    found = [(first, system.gap, 1.0)]
+    found += [] if system.second_gap is None else [(first, -system.second_gap, -1.0)]
+    for own, contact in zip(scene.named("further_stop"), system.further or (), strict=True):
+        side = 1.0 if own.side == "above" else -1.0
+        found.append((own.position, side * contact.gap, side))
+    return found

@@ -56,9 +56,6 @@ FIGURES = Registry(
         refuses=True,
     ),
     FigureKind(
-        "period_map", f"{HOME}period_map", "period over frequency and what the fidelities set, as a map", swept=True
-    ),
-    FigureKind(
         "harmonics",
         f"{HOME}harmonics",
         "amplitudes at multiples of the drive frequency, bars at a few, lines over many",

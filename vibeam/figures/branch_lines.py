@@ -5,8 +5,8 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 
 from vibeam.figures.axes import mark_failed
-from vibeam.figures.branches import MotionClass, Piece, pieces
 from vibeam.figures.style import Look, line
+from vibeam.observe.branches import MotionClass, Piece, pieces
 from vibeam.system.response import FrequencyResponse
 from vibeam_models.arrays import Array
 

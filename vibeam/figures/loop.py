@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.beam_field import Fields, field_system, fields
+from vibeam.case.beam_field import Fields, field_system, fields, stop_places
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.settled_motion import NoMotion, Settled, exact_motion, settled
 from vibeam.figures.sheet import Column, Columns
@@ -176,14 +176,3 @@ def _stops(scene: Scene, system: ImpactSystem) -> Columns:
         "stop_side": Column(side, "1", "1: above the beam, −1: below"),
         **({"met_position": Column(np.array(met[0]), "m", MET)} if met else {}),
     }  # fmt: skip
-
-
-def stop_places(scene: Scene, system: ImpactSystem) -> list[tuple[float, float, float]]:
-    """Place along the beam and touching deflection (m) of every stop, with 1 above the beam and −1 below."""
-    first = scene.stop.position
-    found = [(first, system.gap, 1.0)]
-    found += [] if system.second_gap is None else [(first, -system.second_gap, -1.0)]
-    for own, contact in zip(scene.named("further_stop"), system.further or (), strict=True):
-        side = 1.0 if own.side == "above" else -1.0
-        found.append((own.position, side * contact.gap, side))
-    return found

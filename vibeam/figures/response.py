@@ -11,8 +11,8 @@ from matplotlib.ticker import EngFormatter
 
 from vibeam.case.faults import suggest
 from vibeam.figures.branch_lines import ALONE, draw_branch
-from vibeam.figures.branches import MotionClass
 from vibeam.figures.style import COLOURS, DOT, KEY, LINES, Look, shade
+from vibeam.observe.branches import MotionClass
 from vibeam.system.quantities import LAYOUT
 from vibeam.system.response import SINGLE, FrequencyResponse
 

@@ -16,7 +16,6 @@ from vibeam.case.case import quantity_of
 from vibeam.case.reference_curves import reference_points
 from vibeam.figures.axes import is_empty, say, start_upward
 from vibeam.figures.branch_lines import ALONE, draw_branch
-from vibeam.figures.branches import MotionClass, motion_pieces, pieces
 from vibeam.figures.outputs import amplitude_of, frequency_label
 from vibeam.figures.page import PAGE, blank_page, legend, plain, titled, write_page
 from vibeam.figures.style import (
@@ -33,7 +32,9 @@ from vibeam.figures.style import (
     looks_of,
     name_of,
 )
-from vibeam.figures.units import Units, percent, units_for
+from vibeam.figures.units import Units, units_for
+from vibeam.observe.branches import MotionClass, motion_pieces, pieces
+from vibeam.system.number_text import percent
 from vibeam.system.response import Ended, FrequencyResponse, complete, modes_of, periodic
 from vibeam_models.arrays import Array
 

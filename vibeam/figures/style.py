@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from matplotlib.colors import to_rgb
 
-from vibeam.figures.branches import MotionClass
+from vibeam.observe.branches import MotionClass
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isfinite, isinf, pi
+from math import isfinite, pi
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibeam.case.case import quantity_of
-from vibeam.figures.prefixes import (
+from vibeam.system.number_text import (
     ACCELERATIONS,
     ANGLES,
     FREQUENCIES,
@@ -120,35 +120,6 @@ def units_for(result: Comparison, output: str | None = None) -> Units:
 
 def _largest(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
     return float(np.max(values[np.isfinite(values)], initial=0.0))
-
-
-MOST = 100.0  # largest share shown as a number: what is further off is off altogether
-ROUND_OFF = 1e-9  # share of what a number comes from, below which it is round-off
-
-
-def percent(value: float) -> str:
-    """Share as percent, to three digits; of one beyond ``MOST`` that it is more."""
-    if value > MOST:
-        return "∞" if isinf(value) else f"> {100 * MOST:.0f} %"
-    return f"{_three_digits(100 * value):g} %" if isfinite(value) else "–"
-
-
-def without_round_off(value: float, of: float) -> float:
-    """The value; 0 where it is round-off of what it comes from, numbers as large as ``of``."""
-    return 0.0 if abs(value) <= ROUND_OFF * abs(of) else value
-
-
-def signed(value: float) -> str:
-    """Signed share as percent, to three digits; a power of ten where it is below 10⁻⁵."""
-    if not isfinite(value):
-        return "–"
-    if value > MOST:
-        return f"> +{100 * MOST:.0f} %"
-    return f"{_three_digits(100 * value):+g} %" if abs(value) >= 1e-5 else "0" if value == 0 else f"{value:+.0e}"
-
-
-def _three_digits(value: float) -> float:
-    return float(f"{value:.3g}")
 
 
 def _with_unit(value: float, unit: str) -> str:

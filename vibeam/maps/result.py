@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.plans import MapPlan
-from vibeam.figures.motion_classes import Class, classes
 from vibeam.maps.evaluate import GridResponse
+from vibeam.observe.periodicity import Class, classes
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case

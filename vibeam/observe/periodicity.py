@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from vibeam.observe.motion import Path, drive_period, impacts_within, last_periods
+from vibeam.system.ended import Ended
 from vibeam_models.arrays import Array
 
 
@@ -76,3 +80,26 @@ def repetition(strobes: Array, omega: Array, drive: float, tolerance: float, lon
         if np.max(np.sum(weights * steps**2, axis=(1, 2))) <= tolerance**2 * size:
             return k
     return 0
+
+
+RESTING = 0.999  # share of the time on the stop from which a motion has no impacts
+
+
+class Class(IntEnum):
+    """Class of a motion in the map."""
+
+    NO_IMPACT = 0
+    PERIOD_ONE = 1
+    PERIOD_TWO = 2
+    PERIOD_MORE = 3
+    NOT_PERIODIC = 4
+    FAILED = 5
+    NOT_RUN = 6
+
+
+def classes(period: NDArray[Any], rest: NDArray[Any], ended: NDArray[Any]) -> NDArray[np.int_]:
+    """Class of the motion at every point, of the shape of the arguments: period, share at rest, code of ``Ended``."""
+    found = np.select([period > 2, period > 0], [Class.PERIOD_MORE, period], Class.NOT_PERIODIC)
+    found = np.where((period < 0) | (rest > RESTING), Class.NO_IMPACT, found)
+    found = np.where(ended == Ended.COMPLETE.code, found, Class.FAILED)
+    return np.where(ended == Ended.NOT_RUN.code, Class.NOT_RUN, found)

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.figures.units import METRIC, Units, percent, signed
+from vibeam.figures.units import METRIC, Units
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
 from vibeam.runs.comparison.differences import both_peaks
+from vibeam.system.number_text import percent, signed
 
 if TYPE_CHECKING:
     from vibeam.runs.accuracy.study import AccuracyChoice, Chosen

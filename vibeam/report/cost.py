@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 from rich.text import Text
 
 from vibeam.figures.files import paths_of
-from vibeam.figures.units import percent, signed
 from vibeam.report.output import plain, write_rows
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, coefficient
 from vibeam.report.work_precision import write_work_precision
 from vibeam.runs.comparison.differences import notes
+from vibeam.system.number_text import percent, signed
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case

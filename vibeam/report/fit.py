@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.figures.prefixes import shown_in, with_unit
 from vibeam.report.output import write_csv
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
 from vibeam.studies.fit.judgement import Judgement
 from vibeam.studies.fit.study import FitRow, FitStudy, FittedPoint
 from vibeam.studies.identification.modes import unit_of
+from vibeam.system.number_text import shown_in, with_unit
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -16,11 +16,11 @@ from vibeam.case.plans import FigurePlan
 from vibeam.figures.files import paths_of
 from vibeam.figures.page import blank_page, legend, titled, write_page
 from vibeam.figures.style import COLOURS
-from vibeam.figures.units import signed
 from vibeam.report.output import write_rows
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
 from vibeam.runs.comparison.differences import both_peaks, notes
+from vibeam.system.number_text import signed
 
 if TYPE_CHECKING:
     from vibeam.studies.influence.quantities import Change, Quantity

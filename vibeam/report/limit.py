@@ -6,9 +6,10 @@ from collections.abc import Iterator, Sequence
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from vibeam.figures.units import METRIC, Units, percent
+from vibeam.figures.units import METRIC, Units
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
+from vibeam.system.number_text import percent
 
 if TYPE_CHECKING:
     from vibeam.studies.limit.study import LimitRow

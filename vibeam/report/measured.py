@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import isfinite
 
-from vibeam.figures.units import METRIC, Units, percent
+from vibeam.figures.units import METRIC, Units
 from vibeam.report.table_widths import ReportTable
 from vibeam.studies.regression.measured import MeasuredRow
+from vibeam.system.number_text import percent
 
 NAN = float("nan")
 ARROWS = {"up": " ↑", "down": " ↓"}

@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
-from vibeam.figures.units import percent, units_of
+from vibeam.figures.units import units_of
 from vibeam.report.output import plain, write_rows
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, coefficient
 from vibeam.studies.reduce.losses import Losses
 from vibeam.studies.reduce.study import ReductionStudy
+from vibeam.system.number_text import percent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from vibeam.figures.axes import say
 from vibeam.figures.outputs import frequency_label, with_unit
 from vibeam.figures.page import PAGE, blank_page, legend, plain, titled, write_page
-from vibeam.figures.prefixes import shown_unit
 from vibeam.figures.style import name_of
 from vibeam.figures.units import units_of
 from vibeam.periodic.bifurcation_functions import Kind
@@ -27,6 +26,7 @@ from vibeam.periodic.orbit_map import OrbitMap
 from vibeam.studies.stability.axes import Axis
 from vibeam.studies.stability.rows import NAMES
 from vibeam.studies.stability.study import ModelMap, Stability
+from vibeam.system.number_text import shown_unit
 
 SHADES = {
     "no such motion": "white",

@@ -12,10 +12,10 @@ from rich.console import Console
 from rich.text import Text
 
 from vibeam.exchange.stdout import naming_stdout
-from vibeam.figures.prefixes import FREQUENCIES, prefixed
-from vibeam.figures.units import METRIC, Units, percent, signed, without_round_off
+from vibeam.figures.units import METRIC, Units
 from vibeam.report.measured import measurements
 from vibeam.report.table_widths import ReportTable, fitted, needed
+from vibeam.system.number_text import FREQUENCIES, percent, prefixed, signed, without_round_off
 
 if TYPE_CHECKING:
     from vibeam.casefile.documentation import KeyRow

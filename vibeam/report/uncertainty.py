@@ -13,13 +13,13 @@ from vibeam.case.case import quantity_of
 from vibeam.case.plans import FigurePlan
 from vibeam.figures.files import paths_of
 from vibeam.figures.page import write_page
-from vibeam.figures.prefixes import in_prefix
-from vibeam.figures.units import Units, percent, units_of
+from vibeam.figures.units import Units, units_of
 from vibeam.report.output import write_rows
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, plain
 from vibeam.report.uncertainty_figure import bands
 from vibeam.studies.identification.modes import unit_of
+from vibeam.system.number_text import in_prefix, percent
 
 if TYPE_CHECKING:
     from vibeam.case.plans import Uncertain

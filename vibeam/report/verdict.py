@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.figures.prefixes import shown_unit
-from vibeam.figures.units import signed
 from vibeam.report.table_widths import ReportTable
 from vibeam.studies.verdict.judgement import DIFFERENCES
+from vibeam.system.number_text import shown_unit, signed
 
 if TYPE_CHECKING:
     from vibeam.studies.verdict.rows import FidelityRow

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import isfinite, nan
 from typing import TYPE_CHECKING
 
-from vibeam.figures.prefixes import FREQUENCIES, LENGTHS, MASSES, Steps, prefixed
+from vibeam.system.number_text import FREQUENCIES, LENGTHS, MASSES, Steps, prefixed
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case

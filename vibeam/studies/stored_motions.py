@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.beam_field import stop_places
 from vibeam.case.fidelity import gap_drift, system
-from vibeam.figures.loop import stop_places
 from vibeam.flight.trajectory import simulate
 from vibeam.observe.motion import impacts_within
 from vibeam.observe.participation import modal_participation

@@ -7,6 +7,8 @@ import pytest
 from observed import OMEGA, SIZE, rectified_sine, settled
 
 import vibeam
+from vibeam.observe.periodicity import Class, classes
+from vibeam.system.ended import Ended
 
 observe = vibeam.observe
 
@@ -83,3 +85,11 @@ def test_uneven_samples_are_refused() -> None:
         observe.spectrum_of([0.0, 1.0, 3.0], [0.0, 1.0, 2.0])
     with pytest.raises(ValueError, match="segment: 9 s"):
         observe.spectrum_of([0.0, 1.0, 2.0], [0.0, 1.0, 2.0], segment=9)
+
+
+def test_classes_of_motions() -> None:
+    period, moving, done = np.array([-1, 1, 2, 5, 0]), np.zeros(5), np.full(5, Ended.COMPLETE.code)
+    wanted = [Class.NO_IMPACT, Class.PERIOD_ONE, Class.PERIOD_TWO, Class.PERIOD_MORE, Class.NOT_PERIODIC]
+    assert classes(period, moving, done).tolist() == wanted
+    assert classes(period, np.ones(5), done).tolist() == [Class.NO_IMPACT] * 5  # it never leaves the stop
+    assert classes(period, moving, np.full(5, Ended.NO_ORBIT.code)).tolist() == [Class.FAILED] * 5

@@ -16,8 +16,8 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam.case.plans import AxisPlan
 from vibeam.cli.main import app
-from vibeam.figures.motion_classes import Class, classes
 from vibeam.maps import run as running
+from vibeam.observe.periodicity import Class, classes
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.report.maps.axes import panels, shown_axis
 from vibeam.report.maps.page import map_figure

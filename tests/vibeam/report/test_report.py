@@ -15,9 +15,9 @@ from stand_in import case, curve, system
 
 from vibeam.case.plans import Reference
 from vibeam.casefile.documentation import reference_table
-from vibeam.figures.branches import MotionClass, jumps, pieces
 from vibeam.figures.response_curve import frc, grazing, write_frc
-from vibeam.figures.units import METRIC, percent, signed, units_of
+from vibeam.figures.units import METRIC, units_of
+from vibeam.observe.branches import MotionClass, jumps, pieces
 from vibeam.report import tables as table
 from vibeam.report.limit import sentences as limit_sentences
 from vibeam.report.output import to_json, write_csv
@@ -27,6 +27,7 @@ from vibeam.studies.derive import DerivedParameter
 from vibeam.studies.limit.study import LimitRow
 from vibeam.studies.modes import ModeRow, ModeTable
 from vibeam.studies.regression.references import CheckRow
+from vibeam.system.number_text import percent, signed
 from vibeam.system.response import Branches
 from vibeam_models.sdof import SdofScene
 

@@ -18,8 +18,8 @@ import vibeam
 from vibeam.case.case import Case
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
-from vibeam.figures.branches import motion_pieces
 from vibeam.figures.response_curve import write_frc
+from vibeam.observe.branches import motion_pieces
 from vibeam.periodic.orbit import orbits
 from vibeam.periodic.states import carried
 from vibeam.solvers import SOLVERS

@@ -19,11 +19,11 @@ from vibeam.figures.loop import LONGEST, loop_columns
 from vibeam.figures.moving import FRAMES_A_SECOND, Moving
 from vibeam.figures.outputs import frequency_label, motion_of, with_unit
 from vibeam.figures.page import plain
-from vibeam.figures.prefixes import FREQUENCIES, LENGTHS, prefixed
 from vibeam.figures.settled_motion import sheet_each
 from vibeam.figures.sheet import Sheet
 from vibeam.figures.style import Look, looks_of, name_of
 from vibeam.figures.units import units_for
+from vibeam.system.number_text import FREQUENCIES, LENGTHS, prefixed
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:

@@ -22,8 +22,9 @@ from vibeam.figures.outputs import amplitude_of
 from vibeam.figures.panels import across_frequency
 from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import looks_of, name_of
-from vibeam.figures.units import Units, percent, units_for
+from vibeam.figures.units import Units, units_for
 from vibeam.solvers.chirp import Chirp, linear_chirp, swept
+from vibeam.system.number_text import percent
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam_models.arrays import Array
 

@@ -9,14 +9,14 @@ import numpy as np
 from matplotlib.ticker import MaxNLocator
 
 from vibeam.case.plans import ShowPlan
+from vibeam.case.response_quantities import values_of
 from vibeam.figures.axes import is_empty, say
 from vibeam.figures.branch_lines import draw_branch
-from vibeam.figures.branches import MotionClass
 from vibeam.figures.panels import across_frequency, labelled
-from vibeam.figures.response_quantities import values_of
 from vibeam.figures.sheet import Sheet
 from vibeam.figures.style import KEY, LINES, looks_of, name_of
 from vibeam.figures.units import Units, units_for
+from vibeam.observe.branches import MotionClass
 from vibeam.system.response import complete
 from vibeam_models.outputs import DISPLACEMENT
 

@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
+from vibeam.case.response_quantities import static_shape
 from vibeam.figures.axes import decades, is_empty, say
 from vibeam.figures.outputs import motion_of
 from vibeam.figures.panels import labelled
-from vibeam.figures.response_quantities import static_shape
 from vibeam.figures.settled_motion import chain_or_exact
 from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import Look, looks_of, name_of

@@ -6,7 +6,6 @@ load or gap. What the contact and that mode keep of their velocities is read off
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,12 +16,10 @@ from vibeam.figures.panels import labelled
 from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import look, looks_of, name_of
 from vibeam.figures.units import units_for
-from vibeam.flight.trajectory import simulate
-from vibeam.observe.collision import Collision, collision_of
-from vibeam.system.impact_system import Drive, ImpactSystem
-from vibeam.system.state import State
+from vibeam.observe.collision import Collision
+from vibeam.solvers.collision import struck
+from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
-from vibeam_models.laws.compliant import CompliantStop
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,9 +27,6 @@ if TYPE_CHECKING:
 
     from vibeam.case.case import Case
     from vibeam.figures.comparison import Comparison
-
-
-TURN = 0.25  # periods of the mode until it turns: what touches the stop before belongs to the one collision
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
@@ -63,19 +57,6 @@ def _columns(system: ImpactSystem, velocity: Array) -> Columns:
 
 def _all(found: list[Collision], name: str) -> Array:
     return np.array([float(getattr(each, name)) for each in found])
-
-
-def struck(system: ImpactSystem, speed: float) -> Collision:
-    """Collision of a system that moves at ``speed`` toward the stop, in one mode, with nothing else acting."""
-    mode = int(np.argmax(system.contact**2))
-    if not system.omega[mode] > 0:
-        raise ValueError("the mode that strikes has no period: there is no end of the collision")
-    still, rate = np.zeros(system.size), np.zeros(system.size)
-    rate[mode] = speed / system.contact[mode]
-    alone = replace(system, gap=0.0, static=still, second_gap=None)
-    omega = float(system.omega[mode])
-    path = simulate(alone, Drive(omega, 0.0), TURN * 2 * np.pi / omega, State(still, rate))
-    return collision_of(path, path.contacts if isinstance(system.law, CompliantStop) else None, mode)
 
 
 def size(plan: ShowPlan) -> tuple[float, float]:

@@ -10,7 +10,8 @@ from vibeam.case.plans import ShowPlan
 from vibeam.figures.page import plain
 from vibeam.figures.sheet import Column, Sheet
 from vibeam.figures.style import name_of
-from vibeam.figures.units import percent, units_for
+from vibeam.figures.units import units_for
+from vibeam.system.number_text import percent
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

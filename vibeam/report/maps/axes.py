@@ -13,10 +13,10 @@ from vibeam.case.case import units_of_output
 from vibeam.case.grid_keys import FREQUENCY
 from vibeam.figures.outputs import frequency_label, with_unit
 from vibeam.figures.page import plain
-from vibeam.figures.prefixes import shown_unit
 from vibeam.figures.style import name_of
 from vibeam.figures.units import units_of
 from vibeam.studies.stability.axes import NAMES
+from vibeam.system.number_text import shown_unit
 from vibeam.system.quantities import LAYOUT, unit_of
 
 if TYPE_CHECKING:
@@ -108,3 +108,11 @@ def quantity_label(result: MapResult, quantity: str) -> str:
         return own.get(quantity, quantity)
     unit = unit_of(described, units_of_output(result.case, result.plan.output))
     return plain(described.long_name if unit == "1" else f"{described.long_name} ({unit})")
+
+
+def edges(centres: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Edges of the cells round ``centres``, (points + 1,): half-way between neighbours."""
+    if len(centres) == 1:
+        return np.array([centres[0] - 0.5, centres[0] + 0.5])
+    inner = (centres[1:] + centres[:-1]) / 2
+    return np.concatenate([[2 * centres[0] - inner[0]], inner, [2 * centres[-1] - inner[-1]]])

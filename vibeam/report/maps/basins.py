@@ -10,12 +10,11 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from vibeam.figures.motion_classes import edges
 from vibeam.figures.page import plain
 from vibeam.figures.style import COLOURS, name_of
-from vibeam.figures.units import percent
 from vibeam.maps.motions import Labelled, counted, label
-from vibeam.report.maps.axes import shown_axis
+from vibeam.report.maps.axes import edges, shown_axis
+from vibeam.system.number_text import percent
 
 if TYPE_CHECKING:
     from vibeam.maps.run import MapResult

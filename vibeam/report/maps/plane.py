@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import Normalize, TwoSlopeNorm
+from matplotlib.colors import ListedColormap, Normalize, TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
@@ -16,12 +16,13 @@ from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS
 from vibeam.casefile.case_model import narrowed
-from vibeam.figures.motion_classes import classes, draw_classes, edges, key
 from vibeam.figures.page import PAGE, plain
+from vibeam.figures.style import COLOURS
 from vibeam.maps.boundaries import boundaries_over
 from vibeam.maps.variation import Settings, varied
+from vibeam.observe.periodicity import classes
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.report.maps.axes import Panel, ShownAxis, cells, panels, quantity_label, shown_axis
+from vibeam.report.maps.axes import Panel, ShownAxis, cells, edges, panels, quantity_label, shown_axis
 from vibeam.report.stability import LOOKS
 from vibeam.studies.stability.rows import NAMES
 from vibeam_models.arrays import Array
@@ -199,3 +200,25 @@ def _overlay(
     axes.set_ylim(limits[1])
     if why:
         notes.setdefault(why)
+
+
+CALLED = ("no impact", "period 1", "period 2", "period 3 … 16", "not periodic", "failed", "not computed yet")
+SHADES = ("#D9D9D9", COLOURS[0], COLOURS[1], COLOURS[3], "#FFFFFF", "#333333", "#F7E9C6")
+
+
+def draw_classes(
+    axes: Axes, across: NDArray[np.float64], upward: NDArray[np.float64], found: NDArray[np.int_]
+) -> None:  # fmt: skip
+    """Draw a cell for each point, ``found`` (upward, across), its colour by its class."""
+    axes.pcolormesh(
+        edges(across), edges(upward), found, cmap=ListedColormap(SHADES), vmin=-0.5, vmax=len(SHADES) - 0.5,
+        rasterized=True,
+    )  # fmt: skip
+
+
+def key(found: int) -> dict[str, Any]:
+    """Look of a class in the legend."""
+    return {
+        "color": SHADES[found], "markeredgecolor": "0.4", "markeredgewidth": 0.5, "linestyle": "", "marker": "s",
+        "label": CALLED[found],
+    }  # fmt: skip

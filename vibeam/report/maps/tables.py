@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from vibeam.figures.units import Units, percent
+from vibeam.figures.units import Units
 from vibeam.report.tables import blank
+from vibeam.system.number_text import percent
 
 if TYPE_CHECKING:
     from vibeam.maps.motions import Motion

@@ -14,10 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from vibeam.case.faults import CaseError
 from vibeam.case.reference_curves import reference_points
 from vibeam.figures.axes import NOT_FROM_ZERO, SLIGHT, TOP
-from vibeam.figures.branches import MotionClass, pieces
 from vibeam.figures.response_curve import grazing_heights
 from vibeam.figures.style import DASH, DASHES, DOT, LINES, looks_of, name_of
 from vibeam.figures.units import Units, units_for
+from vibeam.observe.branches import MotionClass, pieces
 from vibeam.runs.summary import compare
 from vibeam.studies.stored_motions import FRAMES, HARMONICS, StoredMotion, StoredMotions, held_at_zero, stations
 from vibeam.system.response import Ended, FrequencyResponse, complete

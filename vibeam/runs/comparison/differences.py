@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from math import isfinite
 
 from vibeam.case.held import Held
-from vibeam.figures.units import percent, signed
 from vibeam.system.difference import NAN, Difference
+from vibeam.system.number_text import percent, signed
 
 
 @dataclass(frozen=True)

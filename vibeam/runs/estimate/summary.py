@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibeam.figures.units import percent
 from vibeam.runs.estimate.records import FidelityEstimate
+from vibeam.system.number_text import percent
 
 NAN = float("nan")
 WHOLE = "it is the full model"

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.figures.prefixes import with_unit
 from vibeam.studies.fit.estimate import Minimum
 from vibeam.studies.fit.explanation import actual
 from vibeam.studies.fit.forward import Forward
@@ -22,6 +21,7 @@ from vibeam.studies.fit.points import Points
 from vibeam.studies.fit.problem import MOTIONS, ROUGH, Problem, value_of
 from vibeam.studies.fit.profile import LEVEL
 from vibeam.studies.identification.modes import unit_of
+from vibeam.system.number_text import with_unit
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:

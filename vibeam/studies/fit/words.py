@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.figures.prefixes import with_unit
 from vibeam.observe.apparent_restitution import first_mode_restitution
 from vibeam.studies.fit.estimate import Minimum, probability
 from vibeam.studies.fit.judgement import Judgement, Pattern, doubled
 from vibeam.studies.fit.problem import MOTIONS, Problem
 from vibeam.studies.fit.profile import LEVEL, Profile
 from vibeam.studies.identification.modes import unit_of
+from vibeam.system.number_text import with_unit
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:

@@ -22,11 +22,11 @@ from typing import Any, Literal
 import numpy as np
 
 from vibeam.case.fidelity import Fidelity, system
-from vibeam.figures.kinds.impact import struck
 from vibeam.periodic.bifurcation_functions import motions
 from vibeam.periodic.predicted_response import Found, PredictedResponse, predicted
 from vibeam.periodic.train_sums import Trains
 from vibeam.runs.comparison.limit import LEAST_SHARE, RESOLVED
+from vibeam.solvers.collision import struck
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 from vibeam_models.laws import ContactLaw

@@ -11,8 +11,8 @@ import numpy as np
 
 from vibeam.case.plans import Reading
 from vibeam.case.reference_curves import SAME_FREQUENCY
+from vibeam.case.response_quantities import values_of
 from vibeam.figures import FIGURES, LIMITS
-from vibeam.figures.response_quantities import values_of
 from vibeam.system.response import Ended, FrequencyResponse
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def _number(reading: Reading, result: Result, name: str, direction: str) -> Foun
 
 
 def _limit(reading: Reading, result: Result, name: str) -> Found:
-    from vibeam.figures.kinds.boundaries import limits
+    from vibeam.solvers.existence_limits import limits
 
     number = float(limits(result.case, name, np.array([reading.frequency]), reading.quantity)[0])
     return Found(number, "" if isfinite(number) else "there is none")

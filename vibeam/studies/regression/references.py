@@ -217,7 +217,7 @@ def registered(reference: Reference, matches: list[Match], branches: Branches) -
 
 def pieces_of(branches: Branches, direction: str, quantity: str) -> list[Piece]:
     """Pieces of a branch's periodic motions, cut at jumps and changes of the period."""
-    from vibeam.figures.branches import MotionClass, pieces
+    from vibeam.observe.branches import MotionClass, pieces
 
     response = dict(branches.items())[direction]
     value, scattered = (

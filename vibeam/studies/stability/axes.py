@@ -20,9 +20,9 @@ from vibeam.casefile.quantities import (
     UnitError,
     to_si,
 )
-from vibeam.figures.prefixes import shown_unit
 from vibeam.periodic.bifurcation_functions import DrivePerLevel
 from vibeam.periodic.modal_sums import sums
+from vibeam.system.number_text import shown_unit
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import vibeam
+from vibeam.case.response_quantities import touching, values_of
 from vibeam.casefile.read import parse
-from vibeam.figures.response_quantities import touching, values_of
 from vibeam.report.figures import figure
 from vibeam.studies.regression import expectations
 from vibeam.system.impact_system import ImpactSystem

@@ -1,4 +1,4 @@
-"""Unit prefixes by size: a switch in µm and kHz, a beam in mm and Hz."""
+"""Numbers as text: unit prefixes by size (a switch in µm and kHz, a beam in mm and Hz), shares as percent."""
 
 from __future__ import annotations
 
@@ -61,3 +61,32 @@ def prefixed(steps: Steps, largest: float, usual: int = 1) -> tuple[str, float]:
     known = math.isfinite(largest) and largest > 0
     _, name, factor = next(step for step in steps if largest >= step[0]) if known else steps[usual]
     return name, factor
+
+
+MOST = 100.0  # largest share shown as a number: what is further off is off altogether
+ROUND_OFF = 1e-9  # share of what a number comes from, below which it is round-off
+
+
+def percent(value: float) -> str:
+    """Share as percent, to three digits; of one beyond ``MOST`` that it is more."""
+    if value > MOST:
+        return "∞" if math.isinf(value) else f"> {100 * MOST:.0f} %"
+    return f"{_three_digits(100 * value):g} %" if math.isfinite(value) else "–"
+
+
+def without_round_off(value: float, of: float) -> float:
+    """The value; 0 where it is round-off of what it comes from, numbers as large as ``of``."""
+    return 0.0 if abs(value) <= ROUND_OFF * abs(of) else value
+
+
+def signed(value: float) -> str:
+    """Signed share as percent, to three digits; a power of ten where it is below 10⁻⁵."""
+    if not math.isfinite(value):
+        return "–"
+    if value > MOST:
+        return f"> +{100 * MOST:.0f} %"
+    return f"{_three_digits(100 * value):+g} %" if abs(value) >= 1e-5 else "0" if value == 0 else f"{value:+.0e}"
+
+
+def _three_digits(value: float) -> float:
+    return float(f"{value:.3g}")

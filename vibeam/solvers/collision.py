@@ -1,0 +1,32 @@
+"""Collision with the stop at a given velocity, by flight.
+
+The system moves toward the stop in the mode that takes most of the impulse, all other modes at rest, without drive,
+load or gap.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from vibeam.flight.trajectory import simulate
+from vibeam.observe.collision import Collision, collision_of
+from vibeam.system.impact_system import Drive, ImpactSystem
+from vibeam.system.state import State
+from vibeam_models.laws.compliant import CompliantStop
+
+TURN = 0.25  # periods of the mode until it turns: what touches the stop before belongs to the one collision
+
+
+def struck(system: ImpactSystem, speed: float) -> Collision:
+    """Collision of a system that moves at ``speed`` toward the stop, in one mode, with nothing else acting."""
+    mode = int(np.argmax(system.contact**2))
+    if not system.omega[mode] > 0:
+        raise ValueError("the mode that strikes has no period: there is no end of the collision")
+    still, rate = np.zeros(system.size), np.zeros(system.size)
+    rate[mode] = speed / system.contact[mode]
+    alone = replace(system, gap=0.0, static=still, second_gap=None)
+    omega = float(system.omega[mode])
+    path = simulate(alone, Drive(omega, 0.0), TURN * 2 * np.pi / omega, State(still, rate))
+    return collision_of(path, path.contacts if isinstance(system.law, CompliantStop) else None, mode)
