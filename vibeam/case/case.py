@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,11 +17,36 @@ from vibeam_models.outputs import DISPLACEMENT, OutputQuantity
 
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity
+    from vibeam.case.model import Model
     from vibeam.case.plans import Expectation, MapPlan, Measured, ShowPlan, Uncertain
     from vibeam.case.reference_record import ReferenceCurve
     from vibeam.observe.measuring_chain import Chain
     from vibeam.system.impact_system import ImpactSystem
     from vibeam_models.scene import AnyScene
+
+
+class Keys(Protocol):
+    """Keys of a case, as its file declares them."""
+
+    def model(self, fidelity: str) -> Model:
+        """Model of one fidelity."""
+        ...
+
+    def case(self, settings: Mapping[str, Any]) -> Case:
+        """The case with keys at other values, SI where they have no unit; CaseError for what it may not have."""
+        ...
+
+    def value(self, key: str) -> Any:
+        """Value of a key of the case itself, SI; None where it has none."""
+        ...
+
+    def unit(self, key: str) -> str:
+        """SI unit of a key that holds a number, empty of a plain one; ValueError where it holds none."""
+        ...
+
+    def number(self, key: str, given: str | float) -> float:
+        """Number of a key, given with its unit or in SI; ValueError where it is none, or the key holds none."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +57,8 @@ class Case:
     it that decides what the sweeps compute (no title, source, checks, figures), ``key`` its SHA-256: two cases compute
     the same where it is equal. ``shared`` is the part of ``numbers`` common to all fidelities, ``own`` the key of all
     that decides the numbers of each at given frequencies. ``scenes`` has the scenes of the fidelities that change the
-    case's, ``chains`` their measuring chains (None: exact). ``locate`` finds the line of a complaint.
+    case's, ``chains`` their measuring chains (None: exact). ``keys``: what any key is, and the case with other values
+    of them. ``locate`` finds the line of a complaint.
     """
 
     path: Path
@@ -44,6 +70,7 @@ class Case:
     title: str
     source: str
     scene: AnyScene
+    keys: Keys
     fidelities: dict[str, Fidelity]
     sweep: SweepPlan
     references: dict[str, Reference]
@@ -72,7 +99,7 @@ class Case:
     def _said(self) -> list[object]:
         """All but the file and where its keys stand, which has no part in equality."""
         swept = [value.tobytes() if isinstance(value, np.ndarray) else value for value in vars(self.sweep).values()]
-        apart = ("path", "locate", "sweep")
+        apart = ("path", "keys", "locate", "sweep")
         return [swept, *(value for name, value in vars(self).items() if name not in apart)]
 
     def fault(self, *path: str | int, message: str) -> Fault:
@@ -133,6 +160,18 @@ class Case:
         from vibeam.case.fidelity import system
 
         return system(self.scene_of(name), self.fidelities[name])
+
+    def model(self, fidelity: str) -> Model:
+        """Model of one fidelity as a function of keys: ``case.model("beam").at({"stop.gap": 1e-4}).system()``.
+
+        KeyError names the known fidelities.
+        """
+        self.scene_of(fidelity)
+        return self.keys.model(fidelity)
+
+    def with_keys(self, settings: Mapping[str, Any]) -> Case:
+        """Case with keys at other values, as ``set`` of ``vibeam.load``; its references stay. CaseError as there."""
+        return replace(self.keys.case(settings), references=self.references, locate=self.locate)
 
 
 def quantity_of(case: Case, output: str) -> OutputQuantity:

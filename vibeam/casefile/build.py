@@ -14,6 +14,7 @@ from vibeam.case.plans import AccuracyPlan, Direction, FitPlan, Reference, Sweep
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.tables.effects import effects_of_scene
 from vibeam.casefile.tables.stop import contact_law
+from vibeam.casefile.tables.sweep import APPLIED
 from vibeam.casefile.tables.table import content, digest
 from vibeam.figures import FIGURES
 from vibeam_models.base import Base
@@ -24,10 +25,8 @@ from vibeam_models.outputs import Output
 from vibeam_models.scene import Mass, Scene, Sensor
 from vibeam_models.sdof import SdofScene
 from vibeam_models.stop import Stop
-from vibeam_reductions.declaration import PARAMETERS, REDUCTIONS
 
 if TYPE_CHECKING:
-    from vibeam.case.fidelity import Fidelity
     from vibeam.case.plans import Expectation, Measured, ShowPlan
     from vibeam.casefile.tables.cases import AnyCase, BeamCase, SdofCase
     from vibeam.casefile.tables.given_cases import MatricesCase, ModesCase
@@ -125,9 +124,6 @@ RIPPLE, ATTENUATION = 0.1, 60.0  # dB, of an elliptic filter that does not say
 GRID = frozenset({"frequency", "direction"})  # of a sweep
 
 
-APPLIED = frozenset({"set", "without"})  # of a fidelity: part of its scene already
-
-
 def numbers_of(case: AnyCase, changed: Mapping[str, AnyCase], folder: Path) -> dict[str, Any]:
     """All of a case that decides numbers, with the digests of the files that it and its fidelities are made of."""
     shared = _files(case, folder)
@@ -167,28 +163,6 @@ def _sweep(table: SweepTable) -> SweepPlan:
     points.setflags(write=False)
     direction: Any = table.direction
     return SweepPlan(points, direction, table.settle, table.hold, table.output)
-
-
-def _fidelities(case: AnyCase) -> dict[str, Fidelity]:
-    from vibeam.case.fidelity import Fidelity
-
-    tables: Any = case.fidelity
-    return {
-        name: Fidelity(
-            name,
-            changes=table.set or {},
-            without=table.without or (),
-            parameters=_parameters(table),
-            **content(table, without={*APPLIED, *PARAMETERS}),
-        )
-        for name, table in tables.items()
-    }
-
-
-def _parameters(table: Any) -> dict[str, Any]:
-    """Keys of a fidelity that are its reduction's, where they are written."""
-    named = {name: getattr(table, name) for name in REDUCTIONS[table.reduction].takes}
-    return {name: value for name, value in named.items() if value is not None}
 
 
 def _chain(case: AnyCase) -> Chain | None:

@@ -45,7 +45,7 @@ class CaseKind:
         """Its tables and keys, with the effects and contact laws that are registered now: a class of ``AnyCase``."""
         return loaded(self.tables)()
 
-    def complaints(self, case: Any, folder: File) -> Iterator[Complaint]:
+    def checks(self, case: Any, folder: File) -> Iterator[Complaint]:
         """Complaints about what is its own."""
         yield from loaded(self.rules)(case, folder)
 

@@ -1,30 +1,20 @@
-"""Validation of a case's text and overrides: the checked tables, or every fault at its line.
-
-Each check between keys takes what could be read (None: could not) and yields complaints, so that one fault does not
-hide another.
-"""
+"""Reading of a case: from a file, text or tables, with overrides, to its record."""
 
 from __future__ import annotations
 
-import tomllib
-from collections.abc import Collection, Iterator, Mapping
-from dataclasses import replace
+from collections.abc import Mapping
 from os import PathLike
 from pathlib import Path
 from pathlib import Path as File
-from types import SimpleNamespace
 from typing import Any
 
-from pydantic import ValidationError
-
 from vibeam.case.case import Case
-from vibeam.case.faults import OVERRIDE, CaseError, Complaint, Fault, KeyPath, shortened
+from vibeam.case.faults import CaseError, Fault, KeyPath
 from vibeam.case.plans import CostPlan, FigurePlan, InfluencePlan
 from vibeam.casefile.build import (
     _accuracy,
     _chain,
     _expectations,
-    _fidelities,
     _fit,
     _keys,
     _measurements,
@@ -34,42 +24,15 @@ from vibeam.casefile.build import (
     _sweep,
     numbers_of,
 )
-from vibeam.casefile.calibration import absent_checks, chosen_checks, fit_checks, fit_in_si
-from vibeam.casefile.fidelity_changes import FidelityCase, variants
+from vibeam.casefile.checks import checked
+from vibeam.casefile.keys import CaseKeys
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.maps import map_complaints, map_plans, maps_in_si, value_complaints
-from vibeam.casefile.overrides import OverrideError, override, tables_of
-from vibeam.casefile.places import Places, name_map
-from vibeam.casefile.tables.cases import AnyCase
-from vibeam.casefile.tables.expectations import expectation_checks, measured_checks
-from vibeam.casefile.tables.figures import figure_checks, measurement_checks
-from vibeam.casefile.tables.harmonics import harmonic_checks
-from vibeam.casefile.tables.readings import amount_checks, amounts_in_si
-from vibeam.casefile.tables.references import reference_checks
-from vibeam.casefile.tables.stop import stop_checks
-from vibeam.casefile.tables.studies import study_checks
-from vibeam.casefile.tables.sweep import plan_checks
-from vibeam.casefile.tables.table import content, digest, name_checks, toml_text
+from vibeam.casefile.maps import map_plans
+from vibeam.casefile.overrides import OverrideError, tables_of
+from vibeam.casefile.tables.sweep import fidelity_of
+from vibeam.casefile.tables.table import content, digest, toml_text
 from vibeam.casefile.toml import parsed
-from vibeam.casefile.uncertain import uncertain_checks, uncertain_in_si, uncertain_inputs
-from vibeam.casefile.unit_systems import UNIT_SYSTEMS
-from vibeam.casefile.validation import complaints, declaration, read, readable_case
-
-
-def cross_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
-    """Every complaint about keys that do not go together; files are looked for from ``folder``."""
-    yield from KINDS[case.kind].complaints(case, folder)
-    yield from stop_checks(case)
-    yield from harmonic_checks(case)
-    yield from plan_checks(case, folder)
-    yield from name_checks(case)
-    yield from reference_checks(case, folder)
-    yield from expectation_checks(case)
-    yield from measured_checks(case)
-    yield from amount_checks(case)
-    yield from figure_checks(case)
-    yield from measurement_checks(case.measurement)
-    yield from study_checks(case)
+from vibeam.casefile.uncertain import uncertain_inputs
 
 
 def load(path: str | PathLike[str] | Mapping[str, Any], set: Mapping[str, Any] | None = None) -> Case:
@@ -97,8 +60,13 @@ def parse(text: str, path: str | PathLike[str] = "case.toml", set: Mapping[str, 
     return _case(*parsed(text, file), file, set or {})
 
 
+def case_of(tables: dict[str, Any], path: File, set: Mapping[str, Any]) -> Case:
+    """The case of ``tables`` as a case file has them, which are changed in place; otherwise as ``load``."""
+    return _case(tables, {}, path, set)
+
+
 def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: File, overrides: Mapping[str, Any]) -> Case:
-    declared, changed, place = _validated_at(tables, lines, file, overrides)
+    declared, changed, place = checked(tables, lines, file, overrides)
     sweep, numbers = _sweep(declared.sweep), numbers_of(declared, changed, file.parent)
     return Case(
         path=file,
@@ -110,7 +78,7 @@ def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: File, overrid
         title=declared.title or file.stem,
         source=declared.source,
         scene=KINDS[declared.kind].scene_of(declared, file.parent),
-        fidelities=_fidelities(declared),
+        fidelities={name: fidelity_of(name, table) for name, table in declared.fidelity.items()},
         sweep=sweep,
         references=_references(declared, file.parent, sweep.direction),
         scenes={name: KINDS[own.kind].scene_of(own, file.parent) for name, own in changed.items()},
@@ -126,123 +94,12 @@ def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: File, overrid
         maps=map_plans(declared, sweep),
         uncertain=uncertain_inputs(declared),
         fit=_fit(declared),
+        keys=CaseKeys(declared, changed, file, case_of),
         locate=place.fault,
     )
 
 
 def without_accuracy(case: Case) -> Case:
     """Same case without its ``accuracy``: every fidelity at every frequency."""
-    tables = tomllib.loads(case.text)
-    rest = {key: value for key, value in tables.items() if key not in ("accuracy", "accuracy_of")}
-    return replace(parse(toml_text(rest), case.path), references=case.references, locate=case.locate)
-
-
-def validate(text: str, file: File, overrides: Mapping[str, Any]) -> tuple[AnyCase, dict[str, AnyCase]]:
-    """The declared case in SI units, and that of each fidelity that changes it; CaseError with all faults."""
-    return _validated_at(*parsed(text, file), file, overrides)[:2]
-
-
-def _validated_at(
-    tables: dict[str, Any], lines: dict[KeyPath, int], file: File, overrides: Mapping[str, Any]
-) -> tuple[AnyCase, dict[str, AnyCase], Places]:
-    """The same, and where its keys come from."""
-    faults, paths = _override(tables, overrides)
-    place = Places(str(file), lines, paths, name_map(tables))
-    _share_units(tables)
-    _name_fidelities(tables, lines)
-    case, wrong = _validated(tables, file.parent)
-    changed, more = variants(tables, declaration(tables), wrong, lambda own: _validated(own, file.parent))
-    if case is not None and not wrong + more:
-        more = list(value_complaints(tables, case, lambda own: _validated(own, file.parent)))
-        more += absent_checks(case, {name: variant.declared for name, variant in changed.items()})
-    faults += [place.fault(complaint) for complaint in wrong + more]
-    if faults or case is None:
-        raise CaseError(faults)
-    return _settled(case, changed), {name: variant.declared for name, variant in changed.items()}, place
-
-
-def _share_units(tables: dict[str, Any]) -> None:
-    """Give the matrices of a case its own units, in place, where they have none of theirs."""
-    matrices, units = tables.get("matrices"), str(tables.get("units"))
-    if isinstance(matrices, dict) and "units" in tables:
-        matrices.setdefault("units", units if units in UNIT_SYSTEMS else "SI")
-
-
-def _name_fidelities(tables: dict[str, Any], lines: dict[KeyPath, int]) -> None:
-    """Call ``fidelities``, in place, what [map] and [show] call ``fidelity`` as other tables do."""
-    for kind in ("map", "show"):
-        named = tables.get(kind)
-        for name, table in named.items() if isinstance(named, dict) else ():
-            if isinstance(table, dict) and "fidelity" in table and "fidelities" not in table:
-                table["fidelities"] = table.pop("fidelity")
-                line = lines.get((kind, name, "fidelity"), lines.get((kind, "fidelity"), lines.get((kind,))))
-                lines |= {} if line is None else {(kind, name, "fidelities"): line, (kind, "fidelities"): line}
-
-
-def _settled(case: AnyCase, changed: Mapping[str, FidelityCase]) -> AnyCase:
-    """The case with all that is written in its own units in SI, so that equal cases have equal texts."""
-    tables: Any = case.fidelity
-    own = {name: table.model_copy(update=_own(table, changed.get(name))) for name, table in tables.items()}
-    further = {"uncertain": case.uncertain and uncertain_in_si(case), "fit": fit_in_si(case), "map": maps_in_si(case)}
-    return case.model_copy(update={"units": "SI", "fidelity": own} | amounts_in_si(case) | further)
-
-
-def _own(table: Any, variant: FidelityCase | None) -> dict[str, Any]:
-    return {} if variant is None or not table.set else {"set": dict(sorted(variant.changes.items()))}
-
-
-def _override(tables: dict[str, Any], overrides: Mapping[str, Any]) -> tuple[list[Fault], set[KeyPath]]:
-    """Apply the overrides in place: the faults in them, and the paths that they set."""
-    faults, paths = [], set()
-    for key, value in overrides.items():
-        try:
-            paths.add(override(tables, key, value))
-        except OverrideError as error:
-            faults.append(Fault(OVERRIDE, None, shortened(ascii(str(key))[1:-1], 80), str(error)))
-    return faults, paths
-
-
-def _validated(tables: dict[str, Any], folder: File) -> tuple[AnyCase | None, list[Complaint]]:
-    model = declaration(tables)
-    case: AnyCase | None = None
-    alone: list[Complaint] = []
-    excused: set[KeyPath] = set()
-    try:
-        case = read(tables)
-    except ValidationError as error:
-        alone, excused = complaints(error, model)
-    readable = readable_case(model, tables)
-    further = (
-        *map_complaints(readable, model),
-        *uncertain_checks(readable),
-        *chosen_checks(readable),
-        *fit_checks(readable),
-    )
-    together = (*cross_checks(readable, folder), *further)
-    return case, alone + _unreported(together, {path for path, _ in alone} | excused)
-
-
-#: (table, key): keys that say what other keys of their table mean
-DECIDING = {("stop", "law"), *((name, "shape") for name in ("beam", "opposite", "section")), ("drive", "at"),
-            ("drive", "frequency")}  # fmt: skip
-
-
-def _unreported(together: Collection[Complaint], reported: set[KeyPath]) -> list[Complaint]:
-    """Complaints across keys where nothing has been reported of the key, of one it names, or of its table, before.
-
-    One about a whole table waits until its keys can be read: what it misses may be what is wrong. So do those about
-    the keys of a table beside one that says what they mean.
-    """
-    unread = {path[:1] for path in reported}
-    named = {".".join(map(str, path)) for path in reported}
-    unclear = {path[:-1] for path in reported if (path[0], path[-1]) in DECIDING}
-    if unclear & {("beam",), ("opposite",)}:  # a section takes from its beam what it does not say
-        unclear |= {path[:-1] for path, _ in together if path[0] == "section"}
-    return [
-        (path, message)
-        for path, message in together
-        if not {path, path[:-1]} & unclear
-        and path not in unread
-        and not (path[0] in ("uncertain", "fit") and path[-1] in named)
-        and not any(path[:length] in reported for length in range(1, len(path) + 1))
-    ]
+    said = [key for key in ("accuracy", "accuracy_of") if case.keys.value(key) is not None]
+    return case.with_keys(dict.fromkeys(said)) if said else case

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from vibeam.case.grid_keys import is_structural
 
 Indices = Mapping[str, NDArray[np.int64]]
+Settings = Mapping[str, float]  # values of keys, SI
 
 
 @dataclass(frozen=True)
@@ -48,9 +49,9 @@ def indices(axes: Sequence[Axis], lines: NDArray[np.int64]) -> Indices:
 
 @dataclass(frozen=True)
 class Combinations:
-    """The distinct ``settings`` (key → value) among some points, and ``which`` of them each point has."""
+    """The distinct ``settings`` among some points, and ``which`` of them each point has."""
 
-    settings: tuple[tuple[tuple[str, float], ...], ...]
+    settings: tuple[Settings, ...]
     which: NDArray[np.int64]
 
 
@@ -59,11 +60,11 @@ def combinations(axes: Sequence[Axis], index: Indices, keys: Sequence[str]) -> C
     mine = [axis for axis in axes if axis.key in keys]
     size = next(iter(index.values())).shape
     if not mine:
-        return Combinations(((),), np.zeros(size, dtype=np.int64))
+        return Combinations(({},), np.zeros(size, dtype=np.int64))
     flat = np.ravel_multi_index([index[axis.key] for axis in mine], shape_of(mine))
     numbers, which = np.unique(flat, return_inverse=True)
     rows = np.array(np.unravel_index(numbers, shape_of(mine))).T
-    settings = (tuple((axis.key, axis.values[at]) for axis, at in zip(mine, row, strict=True)) for row in rows)
+    settings = ({axis.key: axis.values[at] for axis, at in zip(mine, row, strict=True)} for row in rows)
     return Combinations(tuple(settings), which.reshape(size))
 
 

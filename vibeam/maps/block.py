@@ -18,6 +18,7 @@ from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.batches.response import BatchResponse
+    from vibeam.case.model import Model
 
 
 Values = dict[str, NDArray[Any]]
@@ -35,17 +36,14 @@ QUANTITIES = (
 class Grid:
     """What is evaluated over a grid, as plain data: equal grids give equal numbers, to the bit.
 
-    ``text``: a narrowed case, ``path``: where its files are looked for from, ``fidelity``: its model. The last of the
-    ``axes`` is swept: with ``ways`` (up, down or first up, then down) the state is carried from point to point along
-    it, and every line begins at equilibrium; without any, every point starts from equilibrium, from where the axes say,
-    or from ``starts``. ``frequency`` in Hz, where that is no axis; ``settle`` and ``hold`` in drive periods;
-    ``strobes``: how many values of the output at the end of a period are read. ``lanes``: lines, or points apart, fly
-    side by side where they can (``vibeam.batch``).
+    ``model``: of one fidelity. The last of the ``axes`` is swept: with ``ways`` (up, down or first up, then down) the
+    state is carried from point to point along it, and every line begins at equilibrium; without any, every point starts
+    from equilibrium, from where the axes say, or from ``starts``. ``frequency`` in Hz, where that is no axis;
+    ``settle`` and ``hold`` in drive periods; ``strobes``: how many values of the output at the end of a period are
+    read. ``lanes``: lines, or points apart, fly side by side where they can (``vibeam.batch``).
     """
 
-    text: str
-    path: str
-    fidelity: str
+    model: Model
     axes: tuple[Axis, ...]
     ways: tuple[Way, ...]
     settle: int
@@ -56,6 +54,11 @@ class Grid:
     strobes: int = 0
     starts: Starts | None = None
     lanes: bool = True
+
+    @property
+    def fidelity(self) -> str:
+        """Name of its fidelity."""
+        return self.model.fidelity.name
 
     @property
     def lines(self) -> int:
@@ -90,7 +93,7 @@ def evaluate_block(block: Block, threads: int | None = None) -> Values:
     """
     grid = block.grid
     lines = np.arange(block.first, block.last)
-    points = grid_points(grid.text, grid.path, grid.fidelity, grid.axes, grid.frequency, lines)
+    points = grid_points(grid.model, grid.axes, grid.frequency, lines)
     if grid.ways:
         return _carried(grid, points, threads)
     return _apart(grid, points, block.first, threads)

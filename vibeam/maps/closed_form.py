@@ -10,10 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import FREQUENCY
-from vibeam.casefile.case_model import narrowed
 from vibeam.maps.axes import Axis
 from vibeam.maps.points import GridPoints, grid_points
-from vibeam.maps.variation import varied
 from vibeam.periodic.doubled_branches import doubled_branches
 from vibeam.periodic.orbit import Orbit, orbits
 from vibeam.periodic.orbit_curve import orbit_curve
@@ -25,13 +23,14 @@ from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.case.model import Model
     from vibeam.case.plans import MapPlan
 
 
 STRAIGHT = 1e-12  # share by which numbers of the points may be off a straight line over the axis
 
 
-def setting_along(case: Case, fidelity: str, key: str, values: Array, points: GridPoints) -> Setting | None:
+def setting_along(model: Model, key: str, values: Array, points: GridPoints) -> Setting | None:
     """System and drive over the ``values`` of an axis whose ``points`` are given.
 
     Over the frequency as the case says; over any other key by straight lines through the numbers of the points. None
@@ -43,7 +42,7 @@ def setting_along(case: Case, fidelity: str, key: str, values: Array, points: Gr
         return None
     if key == FREQUENCY:
         held = points.system_at(0)
-        return lambda value: (held, Drive(2 * np.pi * value, _amplitude(case, fidelity, value)))
+        return lambda value: (held, Drive(2 * np.pi * value, _amplitude(model, value)))
     restitution = np.full(values.shape, system.restitution) if points.restitution is None else points.restitution[0]
     rows = np.array([points.omega[0], points.amplitude[0], points.gap[0], restitution])
     if np.any(np.abs(_between(rows, values, values) - rows) > STRAIGHT * np.abs(rows).max(axis=1, keepdims=True)):
@@ -62,8 +61,8 @@ def _between(rows: Array, values: Array, wanted: Array) -> Array:
     return np.asarray(rows[:, :1] * (1 - share) + rows[:, -1:] * share)
 
 
-def _amplitude(case: Case, fidelity: str, frequency: float) -> float:
-    return float(np.broadcast_to(case.amplitude_of(fidelity, 2 * np.pi * np.array([frequency])), 1)[0])
+def _amplitude(model: Model, frequency: float) -> float:
+    return float(np.broadcast_to(model.amplitude(2 * np.pi * np.array([frequency])), 1)[0])
 
 
 POINTS = 301  # along the axis
@@ -99,17 +98,14 @@ def closed_form_strobes(case: Case, plan: MapPlan, fidelity: str, points: int = 
     begin; or why none are known."""
     (axis,) = plan.axes
     values = np.linspace(axis.values[0], axis.values[-1], points)
-    line, text = (Axis(axis.key, tuple(values.tolist())),), narrowed(case, fidelity)
-    known = grid_points(text, str(case.path), fidelity, line, plan.frequency, np.zeros(1, int))
+    line, model = (Axis(axis.key, tuple(values.tolist())),), case.model(fidelity)
+    known = grid_points(model, line, plan.frequency, np.zeros(1, int))
     beyond = known.systems[0].beyond_plain
     derivative = known.systems[0].derivative(plan.output)
     if beyond or derivative is not None:
         why = " or ".join(beyond) if beyond else "an output that is a derivative"
         return [], f"no motions in closed form for {fidelity}: there are none with {why}"
-    along, setting = (
-        _Line(values, known, plan.output),
-        setting_along(varied(text, str(case.path), fidelity, ()), fidelity, axis.key, values, known),
-    )
+    along, setting = _Line(values, known, plan.output), setting_along(model, axis.key, values, known)
     found = list[ClosedForm]()
     for periods in PERIODS:
         rows = [_known(known, at, periods) for at in range(points)]

@@ -11,15 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from vibeam.case.faults import CaseError, Fault
 from vibeam.case.grid_keys import FREQUENCY, STARTS, axis_faults
-from vibeam.casefile.case_model import narrowed
 from vibeam.maps.axes import Axis, shape_of
 from vibeam.maps.block import QUANTITIES, Block, Grid, Values, Way, evaluate_block
 from vibeam.maps.points import Starts
-from vibeam.maps.variation import varied
 from vibeam_models.arguments import floats
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.case.model import Model
 
 Run = Literal["up", "down", "both", "apart"]
 WAYS: Mapping[Run, tuple[Way, ...]] = {"up": ("up",), "down": ("down",), "both": ("up", "down"), "apart": ()}
@@ -111,13 +110,11 @@ def grid_of(
     unknown = [name for name in quantities if name not in QUANTITIES]
     if unknown:
         raise KeyError(f"no quantity {', '.join(map(repr, unknown))}: there are {', '.join(QUANTITIES)}")
-    plan, text = case.sweep, narrowed(case, fidelity)
+    plan, model = case.sweep, case.model(fidelity)
     made = tuple(_axis(key, values) for key, values in axes.items())
-    _require_keys(text, case, fidelity, made)
+    _require_keys(model, made)
     grid = Grid(
-        text,
-        str(case.path),
-        fidelity,
+        model,
         made,
         WAYS[direction],
         plan.settle if settle is None else settle,
@@ -139,13 +136,13 @@ def _axis(key: str, values: ArrayLike) -> Axis:
     return Axis(key, tuple(np.atleast_1d(floats(key, values)).tolist()))
 
 
-def _require_keys(text: str, case: Case, fidelity: str, axes: Sequence[Axis]) -> None:
+def _require_keys(model: Model, axes: Sequence[Axis]) -> None:
     """CaseError with every fault of the keys and of their first and last values."""
     faults: list[Fault] = []
     for axis in axes:
         for value in {axis.values[0], axis.values[-1]} if axis.values and axis.key not in (FREQUENCY, *STARTS) else ():
             try:
-                varied(text, str(case.path), fidelity, ((axis.key, value),))
+                model.at({axis.key: value}).checked()
             except CaseError as error:
                 faults += error.faults
     if faults:

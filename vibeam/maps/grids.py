@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from hashlib import sha256
 from math import prod
 from typing import TYPE_CHECKING
@@ -47,8 +47,8 @@ def grids_of(case: Case, plan: MapPlan) -> Mapping[str, Grid]:
 
 def key_of(case: Case, grid: Grid) -> str:
     """Digest of all that decides the numbers of a grid, the code aside."""
-    rest = asdict(grid)
-    del rest["text"], rest["path"]
+    rest = {"fidelity": grid.fidelity} | asdict(replace(grid, model=None))  # type: ignore[arg-type]
+    del rest["model"]
     if not grid.lanes:
         del rest["lanes"]  # so that maps of earlier versions stay the same ones
     return sha256(f"{case.own[grid.fidelity]} {rest!r}".encode()).hexdigest()

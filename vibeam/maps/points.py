@@ -10,13 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS, RESTITUTION
-from vibeam.maps.axes import Axis, Combinations, Indices, combinations, indices, values_at
-from vibeam.maps.variation import Settings, varied
+from vibeam.maps.axes import Axis, Combinations, Indices, Settings, combinations, indices, values_at
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
-    from vibeam.case.case import Case
+    from vibeam.case.model import Model
 
 
 @dataclass(frozen=True)
@@ -50,28 +49,22 @@ class GridPoints:
         return Drive(float(self.omega.flat[place]), float(self.amplitude.flat[place]))
 
 
-def grid_points(
-    text: str, path: str, fidelity: str, axes: Sequence[Axis], frequency: float | None, lines: NDArray[np.int64]
-) -> GridPoints:
-    """Points of ``lines`` of the grid over a narrowed case; ``frequency`` (Hz) where that is no axis.
+def grid_points(model: Model, axes: Sequence[Axis], frequency: float | None, lines: NDArray[np.int64]) -> GridPoints:
+    """Points of ``lines`` of the grid over a model; ``frequency`` (Hz) where that is no axis.
 
-    A key is looked at in the case as it would be written there, so that every rule between keys holds. CaseError for
-    a value that the case may not have, ValueError for a case that a grid cannot take.
+    Every rule between keys holds. CaseError for a value that the case may not have, ValueError for a case that a grid
+    cannot take.
     """
     index = indices(axes, lines)
     along = values_at(axes, index, FREQUENCY)
     size = next(iter(index.values())).shape
     omega = 2 * np.pi * (np.full(size, frequency) if along is None else along)
     structural = [axis.key for axis in axes if axis.structural]
-
-    def case(settings: Settings) -> Case:
-        return varied(text, path, fidelity, settings)
-
     structures = combinations(axes, index, structural)
-    cases = [case(each) for each in structures.settings]
-    for each in cases:
-        _require_known(each, fidelity)
-    systems = tuple(each.system(fidelity) for each in cases)
+    models = [model.at(each).checked() for each in structures.settings]
+    for each in models:
+        _require_known(each)
+    systems = tuple(each.system() for each in models)
     gaps = combinations(axes, index, [*structural, GAP])
     laws = combinations(axes, index, [*structural, RESTITUTION])
     rebounds = any(axis.key == RESTITUTION for axis in axes)
@@ -79,9 +72,9 @@ def grid_points(
         systems,
         structures.which,
         omega,
-        _amplitudes(combinations(axes, index, [*structural, *LEVELS]), omega, case, fidelity),
-        _looked_up(gaps, lambda settings: case(settings).system(fidelity).gap),
-        _looked_up(laws, lambda settings: case(settings).system(fidelity).restitution) if rebounds else None,
+        _amplitudes(combinations(axes, index, [*structural, *LEVELS]), omega, model),
+        _looked_up(gaps, lambda settings: model.at(settings).checked().system().gap),
+        _looked_up(laws, lambda settings: model.at(settings).checked().system().restitution) if rebounds else None,
         index,
     )
 
@@ -90,25 +83,24 @@ def _looked_up(found: Combinations, value: Callable[[Settings], float]) -> Array
     return np.array([value(settings) for settings in found.settings])[found.which]
 
 
-def _amplitudes(found: Combinations, omega: Array, case: Callable[[Settings], Case], fidelity: str) -> Array:
+def _amplitudes(found: Combinations, omega: Array, model: Model) -> Array:
     amplitude = np.empty(omega.size)
     order = np.argsort(found.which, axis=None, kind="stable")
     parts = np.split(order, np.cumsum(np.bincount(found.which.ravel()))[:-1])
     for settings, mine in zip(found.settings, parts, strict=True):
-        amplitude[mine] = case(settings).amplitude_of(fidelity, omega.ravel()[mine])
+        amplitude[mine] = model.at(settings).amplitude(omega.ravel()[mine])
     return amplitude.reshape(omega.shape)
 
 
-def _require_known(case: Case, fidelity: str) -> None:
+def _require_known(model: Model) -> None:
     """ValueError for what a grid cannot take: a gap that changes along a sweep, harmonics, another solver."""
-    scene = case.scene_of(fidelity)
+    scene, fidelity = model.scene(), model.fidelity
     found = ["a gap that drifts"] if scene.stop is not None and scene.stop.drift is not None else []
     found += ["a gap that wears"] if scene.stop is not None and scene.stop.wear is not None else []
     found += ["a drive of several harmonics"] if scene.harmonics else []
-    solver = case.fidelities[fidelity].solver
-    found += [f'the solver "{solver}"'] if solver != "flight" else []
+    found += [f'the solver "{fidelity.solver}"'] if fidelity.solver != "flight" else []
     if found:
-        raise ValueError(f"fidelity {fidelity}: a map cannot take {' or '.join(found)}")
+        raise ValueError(f"fidelity {fidelity.name}: a map cannot take {' or '.join(found)}")
 
 
 def _objects(systems: Sequence[ImpactSystem]) -> NDArray[np.object_]:

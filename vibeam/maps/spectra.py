@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import FREQUENCY
-from vibeam.casefile.case_model import narrowed
 from vibeam.flight.trajectory import simulate
 from vibeam.maps.axes import Axis
 from vibeam.maps.points import GridPoints, grid_points
@@ -45,8 +44,7 @@ def spectra_along(result: MapResult, fidelity: str, way: int) -> list[LineSpectr
     chosen = np.unique(np.linspace(0, count - 1, min(count, LINES)).round().astype(int))
     line = (Axis(axis.key, axis.values),)
     given = None if axis.key == FREQUENCY else result.plan.frequency
-    text = narrowed(result.case, fidelity)
-    points = grid_points(text, str(result.case.path), fidelity, line, given, np.zeros(1, int))
+    points = grid_points(result.case.model(fidelity), line, given, np.zeros(1, int))
     return [_spectrum(result, points, response.way(response.ways[way]), int(at)) for at in chosen]
 
 

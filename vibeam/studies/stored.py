@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vibeam.case.faults import CaseError, Fault
-from vibeam.casefile.tables.table import toml_text
 from vibeam.runs.store.errors import StoreError
 from vibeam.runs.stored_result import StoredResult, read_result
 
@@ -65,9 +63,7 @@ def _parsed(text: str, results: Path) -> tuple[Case, list[str]]:
             raise StoreError(
                 f"{results}: its case needs files of its own folder: name it with --case\n{wrong}"
             ) from None
-    tables = tomllib.loads(text)
-    tables["reference"] = {name: value for name, value in tables["reference"].items() if name not in names}
-    return parse(toml_text(tables), place, IN_SI), names
+    return parse(text, place, IN_SI | {f"reference.{name}": None for name in names}), names
 
 
 def _of_reference(fault: Fault) -> bool:

@@ -21,7 +21,7 @@ from typer.testing import CliRunner
 
 import vibeam
 from vibeam.case.faults import CaseError
-from vibeam.casefile.read import parse, validate
+from vibeam.casefile.read import parse
 from vibeam.casefile.tables.table import key, table
 from vibeam.cli.main import app
 from vibeam.report.influence import bars, left_alone, lines, sentences, taken_away, verdict
@@ -79,12 +79,12 @@ def by_name(study: InfluenceStudy) -> dict[str, Any]:
 def test_every_effect_that_a_case_names_is_found() -> None:
     every = BEAM.replace('gap = "0 mm"', 'gap = "0 mm"\nposition = "130 mm"') + ADDED + CLAMP + GRAVITY + TORSION
     every = every.replace("elements = 36", "elements = 36\nmassless = true") + PLATFORM + FIDELITY.replace("4", "2")
-    declared, _ = validate(every, RIG, {})
+    declared = parse(every, RIG).keys.declared
     names = {"beam.massless", "mass.rotary_inertia", "mass.rigid_half_width", "stop.position"}
     assert set(effects_of(declared)) == names | {"added_mass", "clamp", "gravity", "torsion", "platform"}
-    absent, _ = validate(every, RIG, {"beam.massless": False, "clamp": None, "stop.position": None})
+    absent = parse(every, RIG, {"beam.massless": False, "clamp": None, "stop.position": None}).keys.declared
     assert set(effects_of(absent)) == set(effects_of(declared)) - {"beam.massless", "clamp", "stop.position"}
-    twice, _ = validate(BEAM + ADDED + ADDED + FIDELITY, RIG, {})
+    twice = parse(BEAM + ADDED + ADDED + FIDELITY, RIG).keys.declared
     assert {"added_mass.0", "added_mass.1"} < set(effects_of(twice))
 
 

@@ -12,9 +12,7 @@ from stand_in import curve
 
 import vibeam
 from vibeam.case.plans import FigurePlan, Uncertain
-from vibeam.casefile.case_model import CaseModel, narrowed
 from vibeam.casefile.read import parse
-from vibeam.maps.variation import varied
 from vibeam.report import uncertainty as report
 from vibeam.report.uncertainty_figure import bands
 from vibeam.studies.uncertainty.mean_of_peak import _models
@@ -203,8 +201,10 @@ def test_a_scene_of_other_values_is_that_of_the_case_read_anew(name):
     keys = ("mass.mass", "beam.damping_ratio", "added_mass.0.mass", "stop.gap", "drive.amplitude", "beam.thickness")
     values = (0.21, 0.03, 0.003, 0.011, 3e-5, 0.0031)
     case = parse(text)
-    quick = CaseModel.of(case, name).at(dict(zip(keys, values, strict=True))).scene()
-    slow = varied(narrowed(case, name), "case.toml", name, tuple(zip(keys, values, strict=True))).scene_of(name)
+    settings = dict(zip(keys, values, strict=True))
+    quick = case.model(name).at(settings).scene()
+    own = {f'fidelity.own.set."{key}"': value for key, value in settings.items()}
+    slow = case.with_keys(settings if name == "sdof" else own).scene_of(name)
     assert quick == slow
     assert quick != case.scene_of(name)
 

@@ -87,7 +87,7 @@ def _second(case: SimpleNamespace, metres: str) -> Iterator[Complaint]:
 
 def _least_drift(stop: SimpleNamespace, grid: SimpleNamespace | tuple[float, ...] | None) -> float:
     """The least drift from the first to the last of the sweep's frequencies; 0 where either could not be read."""
-    ends = (grid.from_, grid.to) if isinstance(grid, SimpleNamespace) else grid or (None,)
+    ends = grid or (None,) if grid is None or isinstance(grid, tuple) else (grid.from_, grid.to)
     given = stop.drift_frequency or ()
     if None in ends or not given or len(given) != len(stop.drift or ()):
         return 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path as File
 from types import SimpleNamespace
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
@@ -23,10 +23,14 @@ from vibeam.casefile.tables.table import (
     Frequency,
     Periods,
     Table,
+    content,
     key,
 )
 from vibeam.solvers import SOLVERS
 from vibeam_reductions.declaration import PARAMETERS, REDUCTIONS, ReductionDeclaration
+
+if TYPE_CHECKING:
+    from vibeam.case.fidelity import Fidelity
 
 EXAMPLES = {"boundary": '["contact"]', "frequency": '"… Hz"', "periods": "50", "inner_product": '"mass"'}
 
@@ -41,7 +45,7 @@ def plan_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:
 
 
 def _grid(grid: SimpleNamespace | tuple[float, ...] | None) -> Iterator[Complaint]:
-    if not isinstance(grid, SimpleNamespace) or grid.from_ is None or grid.to is None:
+    if grid is None or isinstance(grid, tuple) or grid.from_ is None or grid.to is None:
         return
     path = ("sweep", "frequency")
     if grid.from_ > grid.to:
@@ -169,3 +173,20 @@ class _OneMode(Table):
 
 class SdofFidelityTable(_Solution, _OneMode):
     """A fidelity of the single degree of freedom, which is one mode already; the table may be empty."""
+
+
+APPLIED = frozenset({"set", "without"})  # of a fidelity: part of its scene already
+
+
+def fidelity_of(name: str, table: Any) -> Fidelity:
+    """Record of a fidelity; of its reduction's keys those that are written."""
+    from vibeam.case.fidelity import Fidelity
+
+    taken = {key: getattr(table, key) for key in REDUCTIONS[table.reduction].takes}
+    return Fidelity(
+        name,
+        changes=table.set or {},
+        without=table.without or (),
+        parameters={key: value for key, value in taken.items() if value is not None},
+        **content(table, without={*APPLIED, *PARAMETERS}),
+    )

@@ -15,11 +15,9 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS
-from vibeam.casefile.case_model import narrowed
 from vibeam.figures.page import PAGE, plain
 from vibeam.figures.style import COLOURS
 from vibeam.maps.boundaries import boundaries_over
-from vibeam.maps.variation import Settings, varied
 from vibeam.observe.periodicity import classes
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.report.maps.axes import Panel, ShownAxis, cells, edges, panels, quantity_label, shown_axis
@@ -29,6 +27,7 @@ from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.case.model import Model
     from vibeam.case.plans import AxisPlan
     from vibeam.maps.run import MapResult
     from vibeam.system.impact_system import ImpactSystem
@@ -47,7 +46,7 @@ class DrawnBoundary:
 
 
 def boundaries_of(
-    case: Case, fidelity: str, axes: Sequence[AxisPlan], outer: Settings
+    case: Case, fidelity: str, axes: Sequence[AxisPlan], outer: Sequence[tuple[str, float]]
 ) -> tuple[list[DrawnBoundary], str]:
     """Boundaries over the last two of ``axes``, the others as in ``outer``; or why there are none.
 
@@ -56,39 +55,30 @@ def boundaries_of(
     upward, across = axes[-2:]
     if across.key != FREQUENCY or upward.key not in (GAP, *LEVELS):
         return [], "no exact boundaries: they are known over frequency and drive or gap"
-    text = narrowed(case, fidelity)
-
-    def at(*settings: tuple[str, float]) -> Case:
-        return varied(text, str(case.path), fidelity, (*outer, *settings))
-
-    system = at().system(fidelity)
+    own = case.model(fidelity).at(dict(outer))
+    system = own.system()
     if system.beyond_plain:
         return [], f"no exact boundaries of {fidelity}: no closed form knows {' or '.join(system.beyond_plain)}"
     omega = 2 * np.pi * _grid(across.values)
     if upward.key != GAP:
-        return _over_level(at((upward.key, 1.0)), fidelity, system, omega, np.sort(upward.values))
-    own = at()
-    low, high = (at((GAP, value)).system(fidelity).gap for value in (min(upward.values), max(upward.values)))
+        return _over_level(own.at({upward.key: 1.0}), system, omega, np.sort(upward.values))
+    low, high = (own.at({GAP: value}).system().gap for value in (min(upward.values), max(upward.values)))
     gaps, slope = np.linspace(low, high, len(_grid(upward.values))), np.ptp(upward.values) / (high - low)
-    if not np.all(own.amplitude_of(fidelity, omega)):
+    if not np.all(own.amplitude(omega)):
         return [], "no exact boundaries: a drive above 0 is needed"
-    found = boundaries_over(system, "gap", omega, gaps, low, lambda at_: np.asarray(own.amplitude_of(fidelity, at_)))
+    found = boundaries_over(system, "gap", omega, gaps, low, lambda at_: np.asarray(own.amplitude(at_)))
     return [
         DrawnBoundary(each.kind, each.frequency, min(upward.values) + slope * (each.value - low)) for each in found
     ], ""
 
 
-def _over_level(
-    unit: Case, fidelity: str, system: ImpactSystem, omega: Array, levels: Array
-) -> tuple[list[DrawnBoundary], str]:
-    """Boundaries over frequency and a level of the drive, ``unit``: the case with a level of 1."""
+def _over_level(unit: Model, system: ImpactSystem, omega: Array, levels: Array) -> tuple[list[DrawnBoundary], str]:
+    """Boundaries over frequency and a level of the drive, ``unit``: the model with a level of 1."""
     known = levels[levels > 0]
-    if len(known) < 2 or not np.all(unit.amplitude_of(fidelity, omega)):
+    if len(known) < 2 or not np.all(unit.amplitude(omega)):
         return [], "no exact boundaries: a range of drives above 0 is needed"
     rows = np.linspace(known[0], known[-1], len(_grid(levels)))
-    found = boundaries_over(
-        system, "amplitude", omega, rows, system.gap, lambda at: np.asarray(unit.amplitude_of(fidelity, at))
-    )
+    found = boundaries_over(system, "amplitude", omega, rows, system.gap, lambda at: np.asarray(unit.amplitude(at)))
     return [DrawnBoundary(each.kind, each.frequency, each.value) for each in found], ""
 
 

@@ -71,8 +71,7 @@ def next_points(case: Case, problem: Problem, minimum: Minimum) -> tuple[NextPoi
 
 def _variants(problem: Problem, minimum: Minimum, group: Points) -> Iterator[tuple[dict[str, float], Forward]]:
     forward, values = problem.forward[group.fidelity], problem.values(minimum.x)
-    drive = forward.model.tables.drive
-    names = [name for name in LEVELS if isinstance(getattr(drive, name, None), float)]
+    names = [name for name in LEVELS if isinstance(forward.model.value(f"drive.{name}"), float)]
     largest = float(np.max(np.abs(problem.measured))) if group.quantity != "impact_velocity" else 0.0
     shift = float(f"{largest / 4:.1g}") if largest > 0 else 0.0
     gap = _current(forward, values, "stop.gap")
@@ -90,7 +89,7 @@ def _current(forward: Forward, values: Array, key: str) -> float:
     for k, each in enumerate(forward.keys):
         if each.key == key and forward.changed[k]:
             return float(values[k])
-    return forward.model.value(key)
+    return float(forward.model.value(key))
 
 
 def _moved(forward: Forward, key: str, value: float, values: Array) -> Forward:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.faults import CaseError
-from vibeam.casefile.read import parse
 from vibeam.studies.fit.estimate import Minimum, Scan, best, met, settled
 from vibeam.studies.fit.problem import Problem
 from vibeam_reductions.declaration import REDUCTIONS
@@ -50,8 +49,7 @@ def alternatives(case: Case, problem: Problem, minimum: Minimum) -> tuple[Altern
     found = []
     for called, settings in _changes(case, problem):
         try:
-            other = replace(parse(case.text, case.path, settings), references=case.references)
-            made = Problem.of(replace(other, fit=case.fit))
+            made = Problem.of(replace(case.with_keys(settings), fit=case.fit))
         except (CaseError, ValueError):
             continue
         scan = Scan.of(made)
@@ -63,12 +61,12 @@ def alternatives(case: Case, problem: Problem, minimum: Minimum) -> tuple[Altern
 
 def _changes(case: Case, problem: Problem) -> Iterator[tuple[str, dict[str, Any]]]:
     """What is changed, in words, and the settings: conventions of numbers that are held, and the number of modes."""
-    tables = next(iter(problem.forward.values())).model.tables
+    model = next(iter(problem.forward.values())).model
     estimated = [each.key for each in problem.keys]
     for number, words in (("gap", ("contact", "sensor")), ("restitution", ("contact", "first mode"))):
         key = "gap_at" if number == "gap" else "restitution_of"
-        now = getattr(tables.stop, key, None)
-        if now in words and f"stop.{number}" not in estimated and getattr(tables.stop, number):
+        now = model.value(f"stop.{key}")
+        if now in words and f"stop.{number}" not in estimated and model.value(f"stop.{number}"):
             other = words[1 - words.index(now)]
             yield f'stop.{key} = "{other}"', {f"stop.{key}": other}
     for name in problem.forward:

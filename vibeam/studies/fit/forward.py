@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.fidelity import system
-from vibeam.casefile.case_model import CaseModel
 from vibeam.periodic.modal_sums import fault
 from vibeam.periodic.tangents import ModalData
 from vibeam.system.impact_system import ImpactSystem
@@ -18,6 +17,7 @@ from vibeam_models.base_motion import drive_amplitude
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.case.model import Model
     from vibeam.case.plans import FitKey
 
 
@@ -31,7 +31,7 @@ class Forward:
     ``changed``: False for a key that the fidelity sets itself. ``offsets``: added to the values of the keys.
     """
 
-    model: CaseModel
+    model: Model
     keys: tuple[FitKey, ...]
     changed: tuple[bool, ...]
     output: str
@@ -40,7 +40,7 @@ class Forward:
     @classmethod
     def of(cls, case: Case, name: str, keys: Sequence[FitKey]) -> Forward:
         """Forward model of one fidelity; ValueError for one whose motions have no closed form."""
-        model = CaseModel.of(case, name)
+        model = case.model(name)
         changed = tuple(each.key not in model.fidelity.changes for each in keys)
         found = cls(model, tuple(keys), changed, case.sweep.output, (0.0,) * len(keys))
         _refuse(case, name, found.system(np.array([each.start for each in keys])))
@@ -51,7 +51,7 @@ class Forward:
         low, high = (np.array([getattr(each, end) for each in self.keys]) for end in ("low", "high"))
         return np.asarray(low + x * (high - low))
 
-    def at(self, values: Array) -> CaseModel:
+    def at(self, values: Array) -> Model:
         """Model at values (P,) of the keys, SI."""
         rows = zip(self.keys, values, self.offsets, self.changed, strict=True)
         return self.model.at({each.key: float(value + offset) for each, value, offset, changed in rows if changed})

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import sqrt
 from typing import TYPE_CHECKING
@@ -184,10 +184,7 @@ def _points(problem: Problem, minimum: Minimum, judgement: Judgement) -> Iterato
 
 def fitted_case(study: FitStudy) -> Case:
     """The case with the estimated values in place of its own; keys that are not determined keep theirs."""
-    from vibeam.casefile.read import parse
-
-    settings = {row.key: row.value for row in study.rows if row.determined}
-    return replace(parse(study.case.text, study.case.path, settings), references=study.case.references)
+    return study.case.with_keys({row.key: row.value for row in study.rows if row.determined})
 
 
 __all__ = ["LEVEL", "FitRow", "FitStudy", "FittedPoint", "fit", "fitted_case"]

@@ -10,15 +10,12 @@ every evaluation is a case of its own: what a fidelity sets itself stays. Where 
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibeam.case.faults import suggest
-from vibeam.casefile.read import parse
-from vibeam.casefile.toml import key_parts
 from vibeam.runs.result import Result
 from vibeam.studies.identification.estimates import Identification, estimates, spread_of
 from vibeam.studies.regression.readings import read
@@ -75,8 +72,7 @@ def _frequencies(case: Case, settings: dict[str, float], used: Sequence[Measured
 
     ValueError where these make no case, or there is no such mode.
     """
-    changed = parse(case.text, case.path, settings)
-    result, found = Result(changed, {}), []
+    result, found = Result(case.with_keys(settings), {}), []
     for each in used:
         reading = read(each, result, "up")
         if reading.fault:
@@ -111,15 +107,12 @@ def _distinct(keys: Sequence[str]) -> Sequence[str]:
 
 def _value(case: Case, key: str) -> float:
     """Value of a key that the case gives; ValueError where it gives none above 0."""
-    place: Any = tomllib.loads(case.text)
-    try:
-        for part in key_parts(key):
-            place = place[int(part)] if isinstance(place, list) else place[part]
-    except (KeyError, IndexError, TypeError, ValueError):
-        raise ValueError(f"{key} is not in the case: give it a value to start from") from None
-    if isinstance(place, bool) or not isinstance(place, int | float) or not place > 0:
-        raise ValueError(f"{key} = {place!r} is no number above 0 to start from")
-    return float(place)
+    found = case.keys.value(key)
+    if found is None:
+        raise ValueError(f"{key} is not in the case: give it a value to start from")
+    if isinstance(found, bool) or not isinstance(found, int | float) or not found > 0:
+        raise ValueError(f"{key} = {found!r} is no number above 0 to start from")
+    return float(found)
 
 
 def unit_of(key: str) -> str:

@@ -7,7 +7,6 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import inf
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,9 +14,8 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from vibeam.case.case import Case
-from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.read import parse, validate
-from vibeam.casefile.tables.table import content, note, toml_text
+from vibeam.casefile.read import case_of
+from vibeam.casefile.tables.table import content, note
 from vibeam.casefile.validation import fields_of, is_repeated, physics_keys
 from vibeam_models.arrays import Array
 from vibeam_models.beam import structure_of
@@ -84,15 +82,14 @@ SAME = 1e-9  # relative tolerance for two models' modes to be the same
 
 @dataclass(frozen=True)
 class Subsets:
-    """Subsets of the effects of one fidelity, over the frequencies of the case's ``[influence]``.
+    """Subsets of the effects of one fidelity: of the case ``whole`` over the frequencies of its ``[influence]``.
 
     ``own_modes``: number of the fidelity's modes that an effect adds to the others (torsion does).
     ``companions``: keys beside an effect that are meaningless without it. ``modes``: the fidelity's number of modes,
     None where its reduction sets it.
     """
 
-    text: str
-    path: Path
+    whole: Case
     fidelity: str
     effects: tuple[str, ...]
     own_modes: dict[str, int]
@@ -111,12 +108,12 @@ class Subsets:
         lost = sum(self.own_modes.get(name, 0) for name in away)
         if self.modes is not None and away:
             settings[self._modes_key] = self._modes_without(settings, max(self.modes - lost, 1))
-        return parse(self.text, self.path, settings)
+        return self.whole.with_keys(settings)
 
     def _modes_without(self, settings: dict[str, Any], wanted: int) -> int:
         """Number of modes wanted, or that of the model where it has fewer."""
-        declared, _ = validate(self.text, self.path, settings | {self._modes_key: 1})
-        return min(wanted, KINDS[declared.kind].most_modes_of(declared, self.path.parent)[0])
+        other = self.whole.with_keys(settings | {self._modes_key: 1})
+        return min(wanted, other.model(self.fidelity).most_modes)
 
     @property
     def _modes_key(self) -> str:
@@ -128,19 +125,19 @@ def subsets(case: Case) -> Subsets:
     if case.scene.given_mode is not None:
         raise ValueError("a single degree of freedom by itself has no effects: influence needs a beam")
     name = case.influence.fidelity or finest(case)
-    declared, changed = validate(case.text, case.path, {})
-    own: Any = changed.get(name, declared)
+    model: Any = case.model(name)
+    own = model.tables
     effects = effects_of(own)
     if not effects:
         raise ValueError(f"fidelity {name!r} names no effect: vibeam keys lists those there are, each marked 'effect'")
-    table: Any = declared.fidelity[name]
+    table = own.fidelity[name]
     alone = {
         "fidelity": {name: table.model_copy(update={"set": None, "without": None})},
         "sweep": own.sweep.model_copy(update=_reduced(case)),
     }
-    text = toml_text({"units": "SI"} | content(own.model_copy(update=alone), "numbers"))
+    whole = case_of({"units": "SI"} | content(own.model_copy(update=alone), "numbers"), case.path, {})
     beside = {effect: companions(own, effect) for effect in effects}
-    found = Subsets(text, case.path, name, effects, {}, beside, table.modes)
+    found = Subsets(whole, name, effects, {}, beside, table.modes)
     return replace(found, own_modes=_own_modes(found))
 
 

@@ -74,17 +74,13 @@ class Driving:
     @classmethod
     def of(cls, case: Case, fidelity: str) -> Driving:
         """Drive of one fidelity of a case."""
-        from vibeam.casefile.case_model import narrowed
-        from vibeam.maps.variation import varied
-
         scene: Any = case.scene_of(fidelity)
         base = scene.base
         key = next(name for name in LEVELS if getattr(base, name) is not None)
         own = getattr(base, key)
         if isinstance(own, tuple):
             return cls(None, 1.0, lambda omega: case.amplitude_of(fidelity, omega))
-        unit = varied(narrowed(case, fidelity), str(case.path), fidelity, ((f"drive.{key}", 1.0),))
-        return cls(key, own, lambda omega: unit.amplitude_of(fidelity, omega))
+        return cls(key, own, case.model(fidelity).at({f"drive.{key}": 1.0}).amplitude)
 
     def amplitude(self, omega: Array) -> Array:
         """Amplitude of the drive as it is, at ``omega`` (points,) rad/s."""

@@ -10,8 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.fidelity import gap_drift, gap_wear, system
-from vibeam.casefile.case_model import CaseModel, narrowed
-from vibeam.maps.variation import varied
 from vibeam.runs.parallel import heartbeat, run_parallel
 from vibeam.runs.sweep import sweep
 from vibeam.system.response import FrequencyResponse, complete
@@ -22,6 +20,7 @@ if TYPE_CHECKING:
     from threading import Event
 
     from vibeam.case.case import Case
+    from vibeam.case.model import Model
     from vibeam.case.plans import Uncertain
 
 
@@ -103,14 +102,13 @@ class Sampler:
         ``tell``: hears every few seconds how many are there.
         """
         for extreme in (inputs.min(axis=0), inputs.max(axis=0)):
-            settings = tuple(zip(self.keys, map(float, extreme), strict=True))
-            varied(narrowed(self.case, fidelity), str(self.case.path), fidelity, settings)
+            self.case.model(fidelity).at(dict(zip(self.keys, extreme, strict=True))).checked()
         return self._gathered(fidelity, self.keys, inputs, tell)
 
     def _gathered(
         self, fidelity: str, keys: Sequence[str], inputs: Array, tell: Callable[[str], None] | None = None
     ) -> Responses:
-        model = CaseModel.of(self.case, fidelity)
+        model = self.case.model(fidelity)
         rows: list[tuple[Array, Array]] = [(np.empty(0), np.empty(0))] * len(inputs)
 
         def one(index: int, stop: Event) -> None:
@@ -121,14 +119,14 @@ class Sampler:
         amplitudes, numbers = (np.stack(each) for each in zip(*rows, strict=True))
         return Responses(fidelity, inputs, amplitudes, *numbers.T)
 
-    def _row(self, model: CaseModel) -> tuple[Array, Array]:
+    def _row(self, model: Model) -> tuple[Array, Array]:
         begin = thread_time()
         response = self._swept(model)
         top, changes = response.peak, _changes(response)
         numbers = (top.amplitude, top.frequency, _jump(response), *changes, thread_time() - begin)
         return np.where(complete(response), response.amplitude, np.nan), np.array(numbers)
 
-    def _swept(self, model: CaseModel) -> FrequencyResponse:
+    def _swept(self, model: Model) -> FrequencyResponse:
         fidelity, plan, coarse = model.fidelity, self.case.sweep, self.coarse
         scene = model.scene()
         omega = np.sort(2 * np.pi * plan.frequency)[:: coarse.every if coarse else 1]

@@ -17,7 +17,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.fidelity import system
-from vibeam.casefile.case_model import CaseModel
 from vibeam.periodic.modal_sums import fault
 from vibeam.periodic.orbit_derivatives import struck
 from vibeam.periodic.output_derivatives import without_contact
@@ -29,6 +28,7 @@ from vibeam_models.base_motion import drive_amplitude
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.case.model import Model
 
 
 SAMPLES = 64  # a drive period
@@ -45,7 +45,7 @@ class ClosedForm:
 
     def __call__(self, fidelity: str, inputs: Array) -> Responses:
         """Responses to inputs (m, d); NaN where a system has no closed form."""
-        model = CaseModel.of(self.case, fidelity)
+        model = self.case.model(fidelity)
         omega = np.sort(2 * np.pi * self.case.sweep.frequency)[:: self.every]
         amplitude, seconds = np.full((len(inputs), len(omega)), np.nan), np.zeros(len(inputs))
         for number, values in enumerate(inputs):
@@ -56,7 +56,7 @@ class ClosedForm:
             seconds[number] = thread_time() - begin
         return Responses.of_amplitude(fidelity, inputs, omega / (2 * np.pi), amplitude, seconds)
 
-    def _data(self, model: CaseModel, omega: Array) -> ModalData | None:
+    def _data(self, model: Model, omega: Array) -> ModalData | None:
         """Modal data of a sample's system; None where it has no closed form."""
         scene = model.scene()
         made = system(scene, model.fidelity)

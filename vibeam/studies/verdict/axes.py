@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -10,10 +9,6 @@ import numpy as np
 
 from vibeam.case.faults import CaseError
 from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS, RESTITUTION
-from vibeam.casefile.field_lists import OneOrSeveral
-from vibeam.casefile.fields import Entry, Quantity
-from vibeam.casefile.quantities import to_si
-from vibeam.casefile.validation import declaration, entry_of, fields_of, table_of
 from vibeam.studies.stability.axes import NAMES, WIDE, frequencies, second_name, swing
 from vibeam_models.arrays import Array
 
@@ -50,58 +45,46 @@ def second_axis(
     case: Case, key: str, low: str | float | None, high: str | float | None, points: int, system: ImpactSystem
 ) -> VerdictAxis:
     """Values of ``key`` from ``low`` to ``high`` (with unit); None: around the case's own, for gap and drive alone."""
-    entry, own = _entry(case, key), _own(case, key)
+    unit, own = _unit(case, key), _own(case, key)
     usual = _usual(case, key, own, system)
     ends = []
     for flag, given, default in (("--from", low, usual[0]), ("--to", high, usual[1])):
         if given is None and np.isnan(default):
             raise ValueError(f"{flag}: missing, for {key} has no usual range: write {flag} with its unit")
-        ends.append(default if given is None else _value(flag, given, entry))
+        ends.append(default if given is None else _value(case, flag, given, key))
     if not ends[0] < ends[1]:
         raise ValueError(f"--from, --to: {key} must ascend, not go from {ends[0]:.4g} to {ends[1]:.4g}")
-    unit = entry.kind.unit if isinstance(entry, Quantity) else ""
     return VerdictAxis(key, _name(case, key), unit, np.linspace(ends[0], ends[1], points), own)
 
 
 def _drive_key(case: Case) -> str:
-    table = tomllib.loads(case.text).get("drive", {})
     order = sorted(LEVELS, key=lambda key: key == "drive.gain")  # a gain beside a voltage is no level of its own
-    found = [key for key in order if key.removeprefix("drive.") in table]
+    found = [key for key in order if case.keys.value(key) is not None]
     if not found:
         raise ValueError("--over: the case has no drive that could vary: name a key of it")
     return found[0]
 
 
-def _entry(case: Case, key: str) -> Entry:
-    """What reads the values of a key; ValueError where the case can have no such number."""
-    model: Any = declaration(tomllib.loads(case.text))
-    *tables, last = key.split(".")
-    for name in tables:
-        field = fields_of(model).get(name) if model is not None else None
-        model = None if field is None else table_of(field)
-    field = None if model is None else fields_of(model).get(last)
-    entry = None if field is None else entry_of(field)
-    entry = entry.each if isinstance(entry, OneOrSeveral) else entry
-    if entry is None:
-        raise ValueError(f"--over: {key!r} is no key of the case that holds a number: vibeam keys lists them")
-    return entry
-
-
-def _value(flag: str, given: str | float, entry: Entry) -> float:
+def _unit(case: Case, key: str) -> str:
     try:
-        return float(to_si(given, entry.kind)) if isinstance(entry, Quantity) else float(given)
+        return case.keys.unit(key)
+    except ValueError as fault:
+        raise ValueError(f"--over: {fault}") from None
+
+
+def _value(case: Case, flag: str, given: str | float, key: str) -> float:
+    try:
+        return case.keys.number(key, given)
     except ValueError as fault:
         raise ValueError(f"{flag}: {fault}") from None
 
 
 def _own(case: Case, key: str) -> float:
-    tables: Any = tomllib.loads(case.text)
-    for name in key.split("."):
-        tables = tables.get(name) if isinstance(tables, dict) else None
-    if isinstance(tables, list) and key in LEVELS:
+    own = case.keys.value(key)
+    if isinstance(own, tuple) and key in LEVELS:
         told = "is a list over frequency, which has no one level to vary: write one number, or vibeam stability"
         raise CaseError([case.fault(*key.split("."), message=told)])
-    return float(tables) if isinstance(tables, int | float) else float("nan")
+    return float(own) if isinstance(own, int | float) else float("nan")
 
 
 def _usual(case: Case, key: str, own: float, system: ImpactSystem) -> tuple[float, float]:

@@ -68,7 +68,7 @@ def _point(case: Case, name: str, key: str, hertz: float, value: float) -> GridP
         case, name, {key: [value], FREQUENCY: [hertz]}, quantities=("amplitude",), direction="up"
     )  # fmt: skip
     axes = (Axis(key, (value,)), Axis(FREQUENCY, (hertz,)))
-    return grid_points(grid.text, grid.path, name, axes, None, np.zeros(1, dtype=np.int64))
+    return grid_points(grid.model, axes, None, np.zeros(1, dtype=np.int64))
 
 
 def system_at(points: GridPoints, place: int) -> tuple[ImpactSystem, Drive]:

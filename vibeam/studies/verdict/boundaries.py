@@ -8,16 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from vibeam.case.grid_keys import GAP, LEVELS
-from vibeam.casefile.case_model import narrowed
 from vibeam.maps.boundaries import boundaries_over
 from vibeam.maps.points import GridPoints
-from vibeam.maps.variation import varied
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import boundaries
 from vibeam.studies.stability.rows import NAMES
@@ -74,17 +71,17 @@ def _over_plane(case: Case, name: str, points: GridPoints, axis: VerdictAxis) ->
 
 def _rows(case: Case, name: str, points: GridPoints, axis: VerdictAxis, width: float) -> Iterator[ExactBoundary]:
     """``width``: Hz by which a boundary may move from row to row."""
-    text = narrowed(case, name)
+    model = case.model(name)
     known = dict[tuple[Kind, int], list[list[float]]]()
     for row in range(len(axis.values)):
         system = points.systems[int(points.which[row, 0])]
         if points.restitution is not None:
             system = replace(system, restitution=float(points.restitution[row, 0]))
         omega, gap = points.omega[row], float(points.gap[row, 0])
-        own = varied(text, str(case.path), name, ((axis.key, float(axis.values[row])),))
+        own = model.at({axis.key: float(axis.values[row])})
         found = boundaries(
             system, 1.0, (float(omega.min()), float(omega.max())), 1, gap=gap, points=PLACES, kinds=tuple(NAMES),
-            per_level=partial(own.amplitude_of, name),
+            per_level=own.amplitude,
         )  # fmt: skip
         for each in found:
             rows = known.setdefault((each.kind, each.branch), [[] for _ in axis.values])

@@ -75,7 +75,7 @@ def plane_of(case: Case, name: str, axis: VerdictAxis, frequency: Array, quantit
     """The plane of a model; errors as in ``vibeam.evaluate``."""
     axes = {axis.key: axis.values, FREQUENCY: frequency}
     grid = grid_of(case, name, axes, quantities=(quantity, *READ), direction="both", lanes=True)
-    points = grid_points(grid.text, grid.path, name, grid.axes, grid.frequency, np.arange(len(axis.values)))
+    points = grid_points(grid.model, grid.axes, grid.frequency, np.arange(len(axis.values)))
     return Plane(grid, f"verdict {key_of(case, grid)}", points)
 
 
@@ -146,7 +146,7 @@ class _Work:
 
     def _computed(self, block: Block) -> Values:
         grid, lines = block.grid, np.arange(block.first, block.last)
-        points = grid_points(grid.text, grid.path, grid.fidelity, grid.axes, grid.frequency, lines)
+        points = grid_points(grid.model, grid.axes, grid.frequency, lines)
         swept = {name: np.moveaxis(values, 1, 0) for name, values in evaluate_block(block, threads=1).items()}
         found = judged(self.case.sweep, points, swept, self.quantity)
         return {name: np.moveaxis(values, 0, 1) for name, values in found.items()}
