@@ -6,18 +6,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from math import inf
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Beam, Damping
-from vibeam_models.hermite import HermiteElements, hermite_elements
+from vibeam_models.elements import BeamElements, hermite_elements
 from vibeam_models.structure import Structure
-
-if TYPE_CHECKING:
-    from vibeam_models.timoshenko import TimoshenkoElements
 
 GIVES_WAY = 0.25  # share of a uniform element within which a uniform node gives way to an inserted one
 SAME = 1e-9  # share of the length within which two inserted nodes are one
@@ -54,11 +50,11 @@ class BeamSpace:
     ``elements``: on their mesh; ``constraint`` (dofs, size): dofs = constraint @ x, x the free coordinates.
     """
 
-    elements: HermiteElements | TimoshenkoElements
+    elements: BeamElements
     constraint: Array
 
     @classmethod
-    def held(cls, elements: HermiteElements | TimoshenkoElements, fixed: Iterable[int]) -> BeamSpace:
+    def held(cls, elements: BeamElements, fixed: Iterable[int]) -> BeamSpace:
         """The space of ``elements`` with the degrees of freedom ``fixed`` held."""
         return _held(elements, tuple(sorted(fixed)))
 
@@ -126,7 +122,7 @@ class BeamSpace:
 
 
 @lru_cache(maxsize=MESHES)
-def _held(elements: HermiteElements | TimoshenkoElements, fixed: tuple[int, ...]) -> BeamSpace:
+def _held(elements: BeamElements, fixed: tuple[int, ...]) -> BeamSpace:
     return BeamSpace(elements, np.delete(np.eye(elements.count), fixed, axis=1))
 
 
@@ -164,7 +160,7 @@ def _bare_beam(beam: Beam, inserted: tuple[float, ...]) -> tuple[Structure, Beam
     return _sprung(structure, space, beam), space
 
 
-def _elements(beam: Beam, places: Array) -> HermiteElements | TimoshenkoElements:
+def _elements(beam: Beam, places: Array) -> BeamElements:
     """Elements by the beam's theory."""
     if not beam.shear:
         return hermite_elements(places)

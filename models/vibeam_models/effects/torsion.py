@@ -11,6 +11,7 @@ import numpy as np
 from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import Beam
 from vibeam_models.beams.shapes import Rectangle
+from vibeam_models.elements import assembled, basis_of
 from vibeam_models.keys import quantity
 from vibeam_models.scene import Effect, Scene
 from vibeam_models.space import BeamSpace
@@ -112,18 +113,14 @@ class StVenantTorsion:
         return wider, space.widened(count)
 
     def _twist(self, nodes: Array) -> tuple[Array, Array, Array]:
-        """Inertia, stiffness and the row of the contact's angle, quadratic elements on the same nodes."""
-        from skfem import Basis, BilinearForm, ElementLineP2, MeshLine
-        from skfem.helpers import dot, grad
-
-        basis = Basis(MeshLine(nodes), ElementLineP2(), intorder=4)
-        places = basis.doflocs[0]
-        free = self._elimination(places)
-        inertia = BilinearForm(lambda u, v, _: u * v).assemble(basis).toarray() * self.inertia_per_length
-        stiffness = BilinearForm(lambda u, v, _: dot(grad(u), grad(v))).assemble(basis).toarray() * self.rigidity
-        at_mass = self._row(basis, self.mass_at) @ free
+        """Inertia, stiffness and the row of the contact's angle, quadratic elements of scikit-fem on the same nodes."""
+        basis = basis_of(nodes, "ElementLineP2", order=4)
+        free = self._elimination(basis.doflocs[0])
+        inertia = assembled(basis, lambda u, v, _: u * v) * self.inertia_per_length
+        stiffness = assembled(basis, lambda u, v, _: u.grad[0] * v.grad[0]) * self.rigidity
+        at_mass = _row(basis, self.mass_at) @ free
         mass = free.T @ inertia @ free + self.polar_inertia * np.outer(at_mass, at_mass)
-        return _symmetric(mass), _symmetric(free.T @ stiffness @ free), self._row(basis, self.contact_at) @ free
+        return _symmetric(mass), _symmetric(free.T @ stiffness @ free), _row(basis, self.contact_at) @ free
 
     @property
     def rigidity(self) -> float:
@@ -153,8 +150,10 @@ class StVenantTorsion:
         gone = (places == 0) | (within & (np.arange(len(places)) != first) & (self.rigid_half_width > 0))
         return np.asarray(full[:, ~gone])
 
-    def _row(self, basis: Any, x: float) -> Array:
-        return np.asarray(basis.probes(np.array([[x]])).toarray()[0])
+
+def _row(basis: Any, x: float) -> Array:
+    """Row that reads the angle at ``x`` m."""
+    return np.asarray(basis.probes(np.array([[x]])).toarray()[0])
 
 
 def torsion_constant(width: float, thickness: float) -> float:
