@@ -25,12 +25,12 @@ import numpy as np
 
 import vibeam
 from vibeam.flight.solver import FlightSolver
-from vibeam.solvers.averaging.solver import AveragingSolver
+from vibeam.solvers.averaging import AveragingSolver
 from vibeam.solvers.integration.direct import DirectSolver
 from vibeam.solvers.integration.ivanov import IvanovSolver
 from vibeam.solvers.integration.moreau import MoreauSolver
 from vibeam.solvers.integration.zhuravlev import ZhuravlevSolver
-from vibeam.solvers.mapping.solver import MappingSolver
+from vibeam.solvers.mapping import MappingSolver
 
 RESULT = Path(__file__).parent / "results" / "paper_methods.json"
 AMPLITUDE = 0.5e-3

@@ -22,9 +22,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 import vibeam
-from vibeam.solvers.mapping.impact_map import Impact, ImpactMap, Orbit, fixed_points, impact_map
-from vibeam.solvers.mapping.stability import Form, Invariants, flight_invariants, orbit_invariants
-from vibeam.solvers.one_mode.oscillator import Oscillator
+from vibeam.solvers.impact_map import FixedPoint, Impact, ImpactMap, fixed_points, impact_map
+from vibeam.solvers.mapping import Form, Invariants, flight_invariants, orbit_invariants
+from vibeam.solvers.one_mode import Oscillator
 
 RESULT = Path(__file__).parent / "results" / "printed_stability.json"
 BETA, DRIVE = 0.015, 0.5e-3
@@ -80,13 +80,13 @@ def by_differences(model: Oscillator, omega: float) -> float:
     return float(min(np.linalg.eigvals(jacobian).real))
 
 
-def slope(flights: ImpactMap, orbit: Orbit, by: tuple[float, float]) -> Any:
+def slope(flights: ImpactMap, orbit: FixedPoint, by: tuple[float, float]) -> Any:
     """Change of the next impact with a change of this one, over twice the step."""
     ends = [flights.next(Impact(orbit.time + s * by[0], orbit.velocity + s * by[1])) for s in (1, -1)]
     return np.subtract(*((end.time, end.velocity) for end in ends)) / (2 * STEP)
 
 
-def orbit_at(model: Oscillator, omega: float) -> Orbit:
+def orbit_at(model: Oscillator, omega: float) -> FixedPoint:
     """One-impact orbit of one drive period with the harder impact."""
     return fixed_points(model, omega)[0]
 
@@ -104,7 +104,7 @@ def read(model: Oscillator) -> dict[str, float]:
 
 def simplified(model: Oscillator, omega: float, impact: Impact) -> Invariants:
     """Eq. 35–37 as printed, of one impact of any motion, with n = 1."""
-    orbit = Orbit(model, omega, 1, impact.time % (2 * pi / omega), impact.velocity, np.zeros(2))
+    orbit = FixedPoint(model, omega, 1, impact.time % (2 * pi / omega), impact.velocity, np.zeros(2))
     return orbit_invariants(orbit, "printed 35-37")
 
 

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 import vibeam
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.solvers.mapping.impact_map import fixed_points
-from vibeam.solvers.one_mode.oscillator import Oscillator
+from vibeam.solvers.impact_map import fixed_points
+from vibeam.solvers.one_mode import Oscillator
 from vibeam_models.laws.compliant import Hertz, LinearStop
 
 STILL = vibeam.Drive(0.0, 0.0)

@@ -12,7 +12,7 @@ from vibeam.batches.response import Plan, Record
 from vibeam.batches.tasks import is_compiled, run_points, run_task, tasks_of
 from vibeam.runs.parallel import run_parallel
 from vibeam.runs.sweep import HELD, LONGEST
-from vibeam.solvers.warm_up import warm_up_once
+from vibeam.solvers.steady import warm_up_once
 from vibeam_models.arguments import count, refuse
 
 if TYPE_CHECKING:

@@ -107,7 +107,7 @@ def restitutions(scene: AnyScene, fidelity: Fidelity) -> tuple[float, float]:
     """
     if scene.given_mode is not None:
         return scene.held[1], scene.held[1]
-    from vibeam.observe.apparent_restitution import first_mode_restitution
+    from vibeam.observe.restitution import first_mode_restitution
 
     still = system(scene.without("platform", "shaker"), fidelity)
     if still.law is not None:

@@ -10,7 +10,7 @@ import numpy as np
 from vibeam.case.faults import CaseError, as_shown_in_message
 from vibeam.case.reference_files import ReferenceForm, factor, fault_in, file_fault
 from vibeam.case.reference_record import Point, given
-from vibeam.exchange.curves.columns import SHOWN, Column, Columns, HeadError, Wanted
+from vibeam.exchange.curves.columns import SHOWN, Columns, CurveColumn, HeadError, WantedColumn
 from vibeam.exchange.curves.read import read_columns
 from vibeam.exchange.curves.text import TextForm
 from vibeam.exchange.files import FormatError
@@ -47,16 +47,16 @@ def _told(wrong: FormatError, quantity: str, form: ReferenceForm, quote: bool) -
     return wrong.message.replace("value = ", f"{quantity} = ") if quote else ANONYMOUS
 
 
-def _wanted(quantity: str, form: ReferenceForm) -> dict[str, Wanted]:
+def _wanted(quantity: str, form: ReferenceForm) -> dict[str, WantedColumn]:
     """Columns by role: those that the case names, or the usual heads."""
     columns = dict(form.columns)
     found = {
-        "frequency": Wanted(_names(columns, "frequency", FREQUENCY_HEADS)),
-        "value": Wanted(_names(columns, quantity, (quantity,))),
+        "frequency": WantedColumn(_names(columns, "frequency", FREQUENCY_HEADS)),
+        "value": WantedColumn(_names(columns, quantity, (quantity,))),
     }
     for role, words in (("uncertainty", False), ("direction", True), ("period", True)):
         if role in columns or role != "period":
-            found[role] = Wanted(_names(columns, role, (role,)), needed=role in columns, words=words)
+            found[role] = WantedColumn(_names(columns, role, (role,)), needed=role in columns, words=words)
     return found
 
 
@@ -84,7 +84,7 @@ def _points(found: Columns, quantity: str, form: ReferenceForm) -> list[Point]:
     return points
 
 
-def _in_si(column: Column, role: str, wanted: str, said: str | None, scale_unit: str) -> Array:
+def _in_si(column: CurveColumn, role: str, wanted: str, said: str | None, scale_unit: str) -> Array:
     """Values of a column in SI; the case's unit goes before the file's."""
     unit = column.unit if said is None else said
     try:
@@ -93,7 +93,9 @@ def _in_si(column: Column, role: str, wanted: str, said: str | None, scale_unit:
         raise FormatError(f'column {column.head!r}: {fault}; say it in the case: units = {{ {role} = "…" }}') from None
 
 
-def _uncertainty(column: Column | None, of: Column, value: Array, quantity: str, form: ReferenceForm) -> Array:
+def _uncertainty(
+    column: CurveColumn | None, of: CurveColumn, value: Array, quantity: str, form: ReferenceForm
+) -> Array:
     """Standard uncertainties before the scale: in the unit of the value, its own, or a percentage of the value."""
     if column is None:
         return np.full(len(value), np.nan)
@@ -103,7 +105,7 @@ def _uncertainty(column: Column | None, of: Column, value: Array, quantity: str,
     return np.abs(_in_si(column, "uncertainty", form.unit, unit or form.units.get(quantity, of.unit), form.scale_unit))
 
 
-def _way(column: Column | None, row: int, line: int) -> str | None:
+def _way(column: CurveColumn | None, row: int, line: int) -> str | None:
     if column is None or not column.words[row]:
         return None
     word = column.words[row].casefold()
@@ -112,7 +114,7 @@ def _way(column: Column | None, row: int, line: int) -> str | None:
     return WAYS[word]
 
 
-def _period(column: Column | None, row: int, line: int) -> int | None:
+def _period(column: CurveColumn | None, row: int, line: int) -> int | None:
     try:
         return None if column is None else period_of(column.words[row].removesuffix(".0"))
     except ValueError as fault:

@@ -11,8 +11,7 @@ from pathlib import Path
 
 from vibeam.case.faults import CaseError, Fault
 from vibeam.case.units import unit_size
-from vibeam.exchange.files import LARGEST_TEXT, FormatError, reason, state_of
-from vibeam.exchange.text import numbered
+from vibeam.exchange.files import LARGEST_TEXT, FormatError, numbered, reason, state_of
 
 LONGEST = 100_000  # characters of a line
 LINES = 2_100_000  # one for each direction of the longest sweep, and comments

@@ -169,8 +169,7 @@ def _chain(case: AnyCase) -> Chain | None:
     table = case.measurement
     if table is None:
         return None
-    from vibeam.observe.low_pass import LowPass
-    from vibeam.observe.measuring_chain import Chain
+    from vibeam.observe.measuring_chain import Chain, LowPass
 
     low_pass: LowPass | None = None
     if table.low_pass is not None:

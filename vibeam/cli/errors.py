@@ -15,7 +15,7 @@ from typing import TypeVar
 import typer
 
 from vibeam.cli.streams import STOPPED, WRONG, discard_stdout, reader_gone, say
-from vibeam.exchange.stdout import STDOUT
+from vibeam.exchange.whole_files import STDOUT
 
 MIB = 2**20
 OWN, EACH = 400 * MIB, 48 * MIB  # of a small run, and of each thread of OpenBLAS in both libraries

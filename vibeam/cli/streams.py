@@ -13,7 +13,7 @@ from typing import NoReturn
 from unicodedata import normalize
 
 from vibeam.case.faults import printable
-from vibeam.exchange.stdout import naming_stdout
+from vibeam.exchange.whole_files import naming_stdout
 
 WRONG, STOPPED = 2, 130
 LEGIBLE = "vibeam.legible"  # name of the error handler below

@@ -7,6 +7,9 @@ Analytical and Experimental Modal Analysis, UC-SDRL, 1999, §3).
 
 from __future__ import annotations
 
+import contextlib
+import io
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -19,7 +22,7 @@ from vibeam.exchange.files import LARGEST_TEXT, FormatError, State, reason, stat
 from vibeam.exchange.matrices.entries import Label
 from vibeam_models.arrays import Array
 
-MISSING = "pyuff reads it, and is not installed: pip install 'vibeam[lab]', or write frequencies and shapes in the case"
+MISSING = "pyuff reads it, and is not installed: pip install 'vibeam[lab]', or "
 NORMAL, COMPLEX = 2, (3, 7)  # analysis types
 SI = 1  # code of the units data set, 164
 TWISTED = 0.1  # share of a complex shape that is out of phase, up to which it is taken as real
@@ -42,7 +45,7 @@ def read_modes(path: Path) -> FileModes:
 
 @lru_cache(maxsize=8)
 def _read(path: Path, state: State) -> FileModes:
-    sets = _sets(path)
+    sets = data_sets(path, "write frequencies and shapes in the case")
     for each in sets:
         if each["type"] == 164 and each["units_code"] != SI:
             raise FormatError(f"its units have the code {each['units_code']}: export it in SI (code {SI})")
@@ -59,13 +62,16 @@ def _read(path: Path, state: State) -> FileModes:
     )
 
 
-def _sets(path: Path) -> list[dict[str, Any]]:
+def data_sets(path: Path, cure: str) -> list[dict[str, Any]]:
+    """Data sets of a file; FormatError, with the ``cure`` where pyuff is not installed."""
     try:
         import pyuff
     except ImportError:
-        raise FormatError(MISSING) from None
+        raise FormatError(MISSING + cure) from None
     try:
-        found: Any = pyuff.UFF(str(path)).read_sets()
+        with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            found: Any = pyuff.UFF(str(path)).read_sets()
     except Exception as error:  # whatever the reader makes of another file, it is not one of these
         raise FormatError(f"is no universal file that can be read: {reason(error)}") from None
     return found if isinstance(found, list) else [found]

@@ -18,17 +18,17 @@ from vibeam_models.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class VtuPiece:
     """Chain of ``points`` (k, 3) in m, joined by lines unless it is one point, with ``data`` (k,) or (k, 3) at each."""
 
     points: Array
     data: Mapping[str, Array]
 
 
-Step = tuple[float, Mapping[str, Piece]]  # time, and the pieces by name
+Step = tuple[float, Mapping[str, VtuPiece]]  # time, and the pieces by name
 
 
-def write_vtu(piece: Piece, path: Path) -> None:
+def write_vtu(piece: VtuPiece, path: Path) -> None:
     """Write one piece to a VTU file; OSError as of ``write_whole``."""
     import meshio
 

@@ -1,12 +1,13 @@
-"""Atomic writing of files."""
+"""Atomic writing of files; files with a seal, by which damage is known before anything of the content is read."""
 
 from __future__ import annotations
 
 import errno
 import os
 import stat
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager, suppress
+from hashlib import sha256
 from pathlib import Path
 
 Fill = Callable[[int], None]  # writes the content of a new file, by its descriptor
@@ -94,3 +95,61 @@ def _called(mode: int) -> str:
     if stat.S_ISFIFO(mode):
         return "a pipe"
     return "a socket" if stat.S_ISSOCK(mode) else "a device"
+
+
+STDOUT = "stdout"  # in place of a file's name
+
+
+@contextmanager
+def naming_stdout() -> Iterator[None]:
+    """Context of what is printed on stdout: an OSError names that, as it names a file."""
+    try:
+        yield
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, STDOUT) from None
+
+
+PIECE = 1 << 20  # bytes that are digested at once
+LENGTH = len("\nsha256 \n") + 64
+
+
+def write_sealed(path: Path, content: bytes, of: str = "") -> None:
+    """Replace the file at ``path`` by ``content``, sealed as what it is ``of``; errors as ``write_whole``."""
+    fill_sealed(path, lambda handle: write_at(handle, 0, content), of)
+
+
+def fill_sealed(path: Path, fill: Fill, of: str = "") -> None:
+    """Replace the file at ``path`` by what ``fill`` writes, sealed; errors as ``fill_whole``."""
+
+    def sealed(handle: int) -> None:
+        fill(handle)
+        size = os.fstat(handle).st_size
+        write_at(handle, size, _seal(_pieces(handle, size), of))
+
+    fill_whole(path, sealed)
+
+
+def read_sealed(path: Path, of: str = "") -> bytes | None:
+    """Content of a sealed file without its seal; None where that does not fit. OSError where it cannot be read."""
+    content = path.read_bytes()
+    whole, said = content[:-LENGTH], content[-LENGTH:]
+    return whole if said == _seal([whole], of) else None
+
+
+def is_sealed(path: Path, of: str = "") -> bool:
+    """Test whether the seal of a file of any size fits. OSError where it cannot be read."""
+    with path.open("rb") as file:
+        size = os.fstat(file.fileno()).st_size - LENGTH
+        return size >= 0 and os.pread(file.fileno(), LENGTH, size) == _seal(_pieces(file.fileno(), size), of)
+
+
+def _seal(pieces: Iterable[bytes], of: str) -> bytes:
+    found = sha256(of.encode())
+    for piece in pieces:
+        found.update(piece)
+    return f"\nsha256 {found.hexdigest()}\n".encode()
+
+
+def _pieces(handle: int, size: int) -> Iterator[bytes]:
+    """The first ``size`` bytes of an open file."""
+    return (os.pread(handle, min(PIECE, size - at), at) for at in range(0, size, PIECE))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.exchange.vtu import Piece, Step, centre_line
+from vibeam.exchange.vtu import Step, VtuPiece, centre_line
 from vibeam.figures.sheet import Sheet
 from vibeam_models.arrays import Array
 
@@ -25,14 +25,14 @@ def steps_of(sheets: Sequence[Sheet]) -> list[Step]:
     """
     known = [sheet for sheet in sheets if not sheet.fault]
     times = np.unique(np.concatenate([np.empty(0), *(sheet["time"] for sheet in known)]))
-    found: dict[float, dict[str, Piece]] = {float(time): {} for time in times}
+    found: dict[float, dict[str, VtuPiece]] = {float(time): {} for time in times}
     for sheet in known:
         for frame, time in enumerate(sheet["time"]):
             found[float(time)] |= _pieces(sheet, frame, len(known) > 1)
     return list(found.items())
 
 
-def _pieces(sheet: Sheet, frame: int, named: bool) -> Mapping[str, Piece]:
+def _pieces(sheet: Sheet, frame: int, named: bool) -> Mapping[str, VtuPiece]:
     prefix = f"{sheet.fidelity} " if named else ""
     made = {f"{prefix}beam": _beam(sheet, "beam", frame, sheet["beam_position"], 0.0)}
     if "met" in sheet.columns:
@@ -42,7 +42,7 @@ def _pieces(sheet: Sheet, frame: int, named: bool) -> Mapping[str, Piece]:
     return made | {f"{prefix}{name}": piece for name, piece in _stops(sheet, frame).items()}
 
 
-def _beam(sheet: Sheet, name: str, frame: int, places: Array, lift: float) -> Piece:
+def _beam(sheet: Sheet, name: str, frame: int, places: Array, lift: float) -> VtuPiece:
     deflection, slope, velocity = (sheet[f"{name}_{what}"][frame] for what in ("deflection", "slope", "velocity"))
     nothing = np.zeros_like(places)
     data = {
@@ -51,16 +51,16 @@ def _beam(sheet: Sheet, name: str, frame: int, places: Array, lift: float) -> Pi
         "thickness": sheet[f"{name}_height"],
         "impact": nothing,
     }
-    return Piece(np.column_stack((places, nothing, nothing)), data)
+    return VtuPiece(np.column_stack((places, nothing, nothing)), data)
 
 
-def _stops(sheet: Sheet, frame: int) -> dict[str, Piece]:
+def _stops(sheet: Sheet, frame: int) -> dict[str, VtuPiece]:
     struck = _struck(sheet, frame)
     heights = sheet["stop_height"] + (sheet["met"][frame] if "met" in sheet.columns else 0.0)
     places = sheet["stop_position"]
     nothing = np.zeros(1)
     return {
-        "stop" if index == 0 else f"stop {index + 1}": Piece(
+        "stop" if index == 0 else f"stop {index + 1}": VtuPiece(
             np.array([[places[index], 0.0, 0.0]]),
             {
                 **centre_line(nothing, 0.0, heights[index : index + 1], nothing),

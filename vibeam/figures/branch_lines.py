@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 
 from vibeam.figures.axes import mark_failed
 from vibeam.figures.style import Look, line
-from vibeam.observe.branches import MotionClass, Piece, pieces
+from vibeam.observe.branches import BranchPiece, MotionClass, pieces
 from vibeam.system.response import FrequencyResponse
 from vibeam_models.arrays import Array
 
@@ -36,5 +36,5 @@ def draw_branch(
     return found
 
 
-def _explained(piece: Piece) -> object:
+def _explained(piece: BranchPiece) -> object:
     return ALONE if piece.kind is MotionClass.PERIOD_ONE and len(piece) == 1 else piece.kind

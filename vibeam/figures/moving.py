@@ -34,7 +34,7 @@ NO_FFMPEG = 'mp4 needs ffmpeg, which is not found: install it (apt install ffmpe
 
 @dataclass(frozen=True)
 class Moving:
-    """What moves in a figure: ``turn(k)`` sets the ``artists`` to frame k of ``count``, the first after the last."""
+    """Moving parts of a figure: ``turn(k)`` sets the ``artists`` to frame k of ``count``, the first after the last."""
 
     count: int
     turn: Callable[[int], None]

@@ -8,7 +8,7 @@ from vibeam.figures.quantity_names import named_of
 from vibeam_models.outputs import DISPLACEMENT
 
 if TYPE_CHECKING:
-    from vibeam.figures.units import Units
+    from vibeam.figures.units import DisplayUnits
 
 
 OUTPUTS = ("contact", "sensor", "tip", "platform")
@@ -19,7 +19,7 @@ def with_unit(what: str, unit: str) -> str:
     return f"{what} ({unit})" if unit else what
 
 
-def motion_of(output: str, quantity: str, units: Units) -> str:
+def motion_of(output: str, quantity: str, units: DisplayUnits) -> str:
     """Label ``sensor displacement (mm)``; for a model without dimensions ``displacement`` alone: it has one output."""
     unit = units.speed if quantity.startswith("velocity") else units.length
     if units.quantity != DISPLACEMENT.name:
@@ -29,7 +29,7 @@ def motion_of(output: str, quantity: str, units: Units) -> str:
     return with_unit(f"{whose}{quantity}", unit)
 
 
-def amplitude_of(output: str, units: Units) -> str:
+def amplitude_of(output: str, units: DisplayUnits) -> str:
     """Label of the amplitude in frequency responses."""
     if units.quantity != DISPLACEMENT.name:
         return with_unit(f"{units.quantity} amplitude, {output}, ½(max − min)", units.length)
@@ -37,6 +37,6 @@ def amplitude_of(output: str, units: Units) -> str:
     return with_unit(f"amplitude{whose}{',' if whose else ''} ½(max − min)", units.length)
 
 
-def frequency_label(units: Units) -> str:
+def frequency_label(units: DisplayUnits) -> str:
     """Label of the drive frequency in its unit, or over the natural one."""
     return f"drive frequency Ω/2π ({units.frequency})" if units.frequency else "drive frequency Ω/ω"

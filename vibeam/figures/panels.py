@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from vibeam.case.case import Case
     from vibeam.case.plans import ShowPlan
-    from vibeam.figures.units import Units
+    from vibeam.figures.units import DisplayUnits
 
 
 def means(sheets: Sequence[Sheet], column: str) -> tuple[Array, Array, Array]:
@@ -49,7 +49,7 @@ def drawn(axes: Axes, sheets: Sequence[Sheet], column: str, factor: float, acros
     return True
 
 
-def across_frequency(axes: Axes, units: Units) -> None:
+def across_frequency(axes: Axes, units: DisplayUnits) -> None:
     """Label the frequency axis."""
     axes.set_xlabel(frequency_label(units))
 
@@ -58,7 +58,7 @@ STOP = "stop"  # legend entry of the stop
 FAR = 3.0  # distance, in largest displacements, beyond which a stop is not drawn
 
 
-def titled(axes: Axes, units: Units, frequency: float) -> None:
+def titled(axes: Axes, units: DisplayUnits, frequency: float) -> None:
     """Title a panel with its frequency (Hz)."""
     number = f"{frequency * units.frequency_factor:.5g}"
     axes.set_title(f"{number} {units.frequency}" if units.frequency else f"Ω/ω = {number}")

@@ -15,7 +15,7 @@ RATES = {
 
 
 def named_of(text: str, quantity: str) -> str:
-    """What is said of ``displacement`` and ``velocity``, of another quantity and its rate."""
+    """Text about ``displacement`` and ``velocity``, made one about another quantity and its rate."""
     if quantity == DISPLACEMENT.name:
         return text
     return text.replace("velocity", RATES[quantity]).replace("displacement", quantity)

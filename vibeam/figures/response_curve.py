@@ -32,7 +32,7 @@ from vibeam.figures.style import (
     looks_of,
     name_of,
 )
-from vibeam.figures.units import Units, units_for
+from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.observe.branches import MotionClass, motion_pieces, pieces
 from vibeam.system.number_text import percent
 from vibeam.system.response import Ended, FrequencyResponse, complete, modes_of, periodic
@@ -110,7 +110,7 @@ def _grid(count: int, result: Comparison) -> tuple[Figure, Any]:
 class _Panel:
     """One fidelity on its axes; ``drawn``: entries for the legend, ``row``: that of its failed marks."""
 
-    def __init__(self, axes: Axes, units: Units, look: Look, result: Comparison, name: str, row: int) -> None:
+    def __init__(self, axes: Axes, units: DisplayUnits, look: Look, result: Comparison, name: str, row: int) -> None:
         self.axes, self.units, self.look, self.result, self.name, self.row = axes, units, look, result, name, row
         self.drawn: set[object] = set()
         self.reasons: set[str] = set()
@@ -222,7 +222,7 @@ def grazing(system: ImpactSystem, output: str) -> float:
     return float(left * abs(system.output(output)[0] / system.contact[0]))
 
 
-def _label(figure: Figure, grid: Any, result: Comparison, units: Units, note: str) -> None:
+def _label(figure: Figure, grid: Any, result: Comparison, units: DisplayUnits, note: str) -> None:
     columns = grid.shape[1]
     for axes in [axes for axes in grid.flat if axes.axison][-columns:]:
         axes.set_xlabel(frequency_label(units))
@@ -232,7 +232,7 @@ def _label(figure: Figure, grid: Any, result: Comparison, units: Units, note: st
 
 
 def _shows(result: Comparison) -> str:
-    """What the figure shows, and what its fidelities hold in common."""
+    """Caption: the response, and what its fidelities hold in common."""
     label, _, other = result.held.partition("\n")
     return "\n".join(filter(None, [f"frequency response, {label}".removesuffix(", "), other]))
 

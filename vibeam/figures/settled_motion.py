@@ -14,9 +14,9 @@ from vibeam.case.fidelity import gap_drift
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.flight.trajectory import Trajectory, simulate
-from vibeam.observe.measuring_chain import Chain, Record, measure
+from vibeam.observe.measuring_chain import Chain, MeasuredRecord, measure
 from vibeam.observe.motion import impacts_within, last_periods
-from vibeam.observe.portrait import phase_portrait
+from vibeam.observe.phase_plane import phase_portrait
 from vibeam.solvers import SOLVERS
 from vibeam.solvers import solver as solver_named
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -188,7 +188,7 @@ class MeasuredWindow:
     """
 
     path: Trajectory
-    record: Record
+    record: MeasuredRecord
     begin: float
     end: float
     chain: Chain
@@ -199,10 +199,12 @@ class MeasuredWindow:
         return self.chain.low_pass.delay() if self.chain.low_pass else 0.0
 
     @property
-    def window(self) -> Record:
+    def window(self) -> MeasuredRecord:
         """Samples of the window alone."""
         inside = (self.record.time >= self.begin) & (self.record.time <= self.end)
-        return Record(*(rows[inside] for rows in (self.record.time, self.record.displacement, self.record.velocity)))
+        return MeasuredRecord(
+            *(rows[inside] for rows in (self.record.time, self.record.displacement, self.record.velocity))
+        )
 
     @property
     def hits(self) -> Array:

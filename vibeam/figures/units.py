@@ -40,7 +40,7 @@ PREFIXES: Mapping[str, tuple[Steps, Steps]] = {
 
 
 @dataclass(frozen=True)
-class Units:
+class DisplayUnits:
     """Factors from SI (or the case's own unit) to the displayed unit, and its name (empty: no unit).
 
     ``length`` and ``speed`` are of an output and its rate, ``quantity`` is what it reads.
@@ -74,12 +74,12 @@ class Units:
         return f"{low}–{high}"
 
 
-METRIC = Units("mm", 1e3, "Hz", 1.0)
+METRIC = DisplayUnits("mm", 1e3, "Hz", 1.0)
 
 
 def units_of(
     case: Case, length: float = float("nan"), speed: float = float("nan"), quantity: str = "displacement"
-) -> Units:
+) -> DisplayUnits:
     """Units by the sweep's frequencies, the largest ``length`` (m) and ``speed`` (m/s) to be shown; NaN: mm, mm/s.
 
     Of another ``quantity`` than a displacement these are its and its rate's.
@@ -88,11 +88,11 @@ def units_of(
     """
     own = case.scene.natural_unit
     if own is not None:
-        return Units("", 1.0, "", 2 * pi / own, "", 1 / own)
+        return DisplayUnits("", 1.0, "", 2 * pi / own, "", 1 / own)
     frequency = prefixed(FREQUENCIES, float(np.max(case.sweep.frequency, initial=0.0)), usual=-1)
     steps, rates = PREFIXES[quantity]
     own_units, speeds = prefixed(steps, length, _usual(steps)), prefixed(rates, speed, _usual(rates))
-    return Units(*own_units, *frequency, *speeds, quantity)
+    return DisplayUnits(*own_units, *frequency, *speeds, quantity)
 
 
 def _usual(steps: Steps) -> int:
@@ -100,7 +100,7 @@ def _usual(steps: Steps) -> int:
     return 0 if steps is ACCELERATIONS else min(1, len(steps) - 1)
 
 
-def units_for(result: Comparison, output: str | None = None) -> Units:
+def units_for(result: Comparison, output: str | None = None) -> DisplayUnits:
     """Units of all figures and tables of a result: by its largest amplitude and the corresponding speed.
 
     ``output``: which is shown, None: the sweep's; of another quantity than that of the sweep's the sizes are not known.

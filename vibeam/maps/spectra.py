@@ -13,7 +13,7 @@ from vibeam.case.grid_keys import FREQUENCY
 from vibeam.flight.trajectory import simulate
 from vibeam.maps.axes import Axis
 from vibeam.maps.points import GridPoints, grid_points
-from vibeam.observe.spectrum import spectrum_of
+from vibeam.observe.harmonics import spectrum_of
 from vibeam.system.ended import Ended
 from vibeam.system.state import State
 from vibeam_models.arrays import Array

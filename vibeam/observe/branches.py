@@ -1,4 +1,4 @@
-"""Pieces of a branch for drawing: cut at changes of the kind of motion and at jumps."""
+"""Pieces of a branch: cut at changes of the class of motion and at jumps."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class MotionClass(Enum):
 
 
 @dataclass(frozen=True)
-class Piece:
+class BranchPiece:
     """Neighbouring points of one class on one branch, as the range of their indices."""
 
     kind: MotionClass
@@ -67,7 +67,7 @@ def motion_pieces(curves: MotionCurves, quantity: str = "amplitude") -> Iterator
                 yield MotionPiece(stable, curves.frequency[joined], values[joined, branch])
 
 
-def pieces(response: FrequencyResponse, values: Array | None = None) -> Iterator[Piece]:
+def pieces(response: FrequencyResponse, values: Array | None = None) -> Iterator[BranchPiece]:
     """Branch cut where the period changes, or where the amplitude jumps or ``values`` (points,), drawn in its place."""
     if not len(response):
         return
@@ -77,7 +77,7 @@ def pieces(response: FrequencyResponse, values: Array | None = None) -> Iterator
         cut |= jumps(each, period, response.impacts_per_period)
     ends = [0, *(np.flatnonzero(cut) + 1).tolist(), len(response)]
     for begin, end in pairwise(ends):
-        yield Piece(_kind(int(period[begin])), slice(begin, end))
+        yield BranchPiece(_kind(int(period[begin])), slice(begin, end))
 
 
 def jumps(values: Array, period: NDArray[np.int64], impacts: Array) -> NDArray[np.bool_]:

@@ -1,4 +1,4 @@
-"""Harmonics and subharmonics of a motion (paper Fig. 20)."""
+"""Harmonics and subharmonics of a motion (paper Fig. 20), spectra of sampled signals, the modes' shares in a motion."""
 
 from __future__ import annotations
 
@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.observe.motion import Path, last_periods
-from vibeam.observe.quadrature import integral
+from vibeam.observe.motion import Path, integral, last_periods
 from vibeam_models.arrays import Array, Complex
 
 
@@ -94,3 +93,106 @@ def _orders(highest: int, subdivision: int) -> Array:
     if highest < 1 or subdivision < 1:
         raise ValueError(f"highest {highest} and subdivision {subdivision} must be ≥ 1")
     return np.arange(highest * subdivision + 1) / subdivision
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """One-sided, at ``frequency`` (m,) Hz, of a signal in unit u.
+
+    ``amplitude`` (m,) u: a sine on a line reads its peak value there. ``density`` (m,) u²/Hz: its integral is the mean
+    square. ``resolution``: the window's equivalent noise bandwidth, Hz.
+    """
+
+    frequency: Array
+    amplitude: Array
+    density: Array
+    resolution: float
+
+
+def spectrum_of(
+    time: ArrayLike, values: ArrayLike, *, window: str = "hann", segment: float | None = None, mean: bool = False
+) -> Spectrum:
+    """Spectrum of evenly sampled values (m,); Welch's mean over half-overlapping segments of ``segment`` seconds.
+
+    ``window``: any name that scipy.signal knows; ``segment`` None: all at once. The mean is taken off unless ``mean``.
+    ValueError for samples that are not evenly spaced or a segment that is longer than all of them.
+    """
+    from scipy import signal
+
+    t, x = np.asarray(time, dtype=float), np.asarray(values, dtype=float)
+    rate = sampling_rate(t)
+    count = len(t) if segment is None else round(segment * rate)
+    if not 2 <= count <= len(t):
+        raise ValueError(f"segment: {segment} s is not between 2 samples and all of the {len(t)} there are")
+    shape = signal.get_window(window, count)
+    common = {"fs": rate, "window": shape, "nperseg": count, "detrend": False if mean else "constant"}
+    frequency, power = signal.welch(x, scaling="spectrum", **common)
+    density = signal.welch(x, scaling="density", **common)[1]
+    sine = np.where((frequency > 0) & (frequency < rate / 2 * (1 - 1e-12)), 2.0, 1.0)
+    resolution = rate * float(np.sum(shape**2) / np.sum(shape) ** 2)
+    return Spectrum(frequency, np.sqrt(sine * power), density, resolution)
+
+
+def sampling_rate(time: Array) -> float:
+    """Samples a second of evenly spaced times (m,); ValueError where they are not even."""
+    steps = np.diff(time)
+    if time.ndim != 1 or not len(steps) or not np.all(np.isfinite(steps)):
+        raise ValueError("time: must be two or more finite times")
+    step = float(time[-1] - time[0]) / len(steps)
+    if not (step > 0 and np.max(np.abs(steps - step)) <= 1e-6 * step):
+        raise ValueError("time: must be evenly spaced")
+    return 1 / step
+
+
+@dataclass(frozen=True)
+class Participation:
+    """Shares of the modes (n,), and the absolute values behind them.
+
+    ``energy``: time-mean ½(η'² + ω²η²), J, and ``energy_share`` of their sum. ``displacement`` and ``velocity``: rms of
+    each mode's part at the sensor (m, m/s; displacement about its mean), and ``…_share``: of the sum of their squares,
+    so that shares add up to 1 whatever the modes' correlation. ``impulse_share``: c_i²/S, the part of an impulse's
+    velocity change at the contact that mode i takes.
+    """
+
+    frequency: Array
+    energy: Array
+    energy_share: Array
+    displacement: Array
+    displacement_share: Array
+    velocity: Array
+    velocity_share: Array
+    impulse_share: Array
+
+
+def modal_participation(path: Path, output: str = "sensor", *, periods: int) -> Participation:
+    """Participation of every mode over the last ``periods`` drive periods, integrated to round-off.
+
+    ValueError for more periods than available, KeyError for an unknown output.
+    """
+    begin, end = last_periods(path, periods)
+    system, row = path.system, path.system.output(output)
+    means = integral(path, begin, end, lambda t: _moments(path.modes_at(t))) / (end - begin)
+    middle, square, speed = means
+    spread = np.maximum(square - middle**2, 0.0)
+    energy = (speed + system.omega**2 * square) / 2
+    return Participation(
+        system.omega / (2 * np.pi),
+        energy,
+        shares(energy),
+        np.abs(row) * np.sqrt(spread),
+        shares(row**2 * spread),
+        np.abs(row) * np.sqrt(speed),
+        shares(row**2 * speed),
+        shares(system.contact**2),
+    )
+
+
+def _moments(values: Array) -> Array:
+    """Moments η, η², η'² (m, 3, n) of modal values (m, 2, n)."""
+    return np.stack([values[:, 0], values[:, 0] ** 2, values[:, 1] ** 2], axis=1)
+
+
+def shares(parts: Array) -> Array:
+    """Shares of the sum; NaN where all parts are 0."""
+    total = float(np.sum(parts))
+    return parts / total if total > 0 else np.full(len(parts), np.nan)

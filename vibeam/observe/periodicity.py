@@ -1,4 +1,4 @@
-"""Period of a motion in drive periods, and its contact with the stop."""
+"""Period of a motion in drive periods, its contact with the stop, and its class in a map."""
 
 from __future__ import annotations
 

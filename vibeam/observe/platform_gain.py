@@ -14,7 +14,7 @@ Constant = Literal["force", "velocity"]
 
 
 @dataclass(frozen=True)
-class Platform:
+class PlatformDynamics:
     """Mass (kg), natural frequency (Hz) and damping ratio of a platform on springs; ValueError where out of range."""
 
     mass: float
@@ -34,7 +34,9 @@ class Platform:
         return np.asarray(filter_.base_per_input(2 * np.pi * np.asarray(frequency, dtype=float)))
 
 
-def base_per_volt(platform: Platform, frequency: ArrayLike, per_volt: float, constant: Constant = "force") -> Complex:
+def base_per_volt(
+    platform: PlatformDynamics, frequency: ArrayLike, per_volt: float, constant: Constant = "force"
+) -> Complex:
     """Complex base displacement over voltage at frequencies in Hz, m/V: its modulus is the gain, its angle the phase.
 
     ``constant``: the quantity that the shaker holds per volt, a force (``per_volt`` in N/V, current drive) or
@@ -47,7 +49,7 @@ def base_per_volt(platform: Platform, frequency: ArrayLike, per_volt: float, con
     raise ValueError(f"constant: {constant!r} is none of {', '.join(get_args(Constant))}")
 
 
-def gain_ratio(platform: Platform, frequency: float, reference: float, constant: Constant = "force") -> float:
+def gain_ratio(platform: PlatformDynamics, frequency: float, reference: float, constant: Constant = "force") -> float:
     """|base over voltage| at ``frequency`` over that at ``reference``, both Hz."""
     pair = np.abs(base_per_volt(platform, [frequency, reference], 1.0, constant))
     return float(pair[0] / pair[1])

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.figures.units import METRIC, Units
+from vibeam.figures.units import METRIC, DisplayUnits
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
 from vibeam.runs.comparison.differences import both_peaks
@@ -51,7 +51,7 @@ def _why(study: AccuracyChoice, row: Chosen) -> str:
     return WAYS[row.solver] if row.fidelity == study.finest else f"near enough there; {WAYS[row.solver]}"
 
 
-def sentences(study: AccuracyChoice, units: Units = METRIC) -> Iterator[str]:
+def sentences(study: AccuracyChoice, units: DisplayUnits = METRIC) -> Iterator[str]:
     """Sentences on the claimed accuracy, its verification and the cost."""
     loose = sum(int(np.count_nonzero(curve.statistical)) for curve in study.curves.values())
     if loose:
@@ -80,7 +80,7 @@ def limits(study: AccuracyChoice, comparisons: Sequence[HeldComparison]) -> Iter
             )
 
 
-def _verified(study: AccuracyChoice, units: Units) -> Iterator[str]:
+def _verified(study: AccuracyChoice, units: DisplayUnits) -> Iterator[str]:
     missed, count = len(study.missed), len(study.verified)
     steady = [each.error for each in study.verified if not each.statistical]
     worst = f", at worst {percent(max(steady))} off where the motion repeats" if steady else ""

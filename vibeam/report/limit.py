@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from math import isfinite
 from typing import TYPE_CHECKING
 
-from vibeam.figures.units import METRIC, Units
+from vibeam.figures.units import METRIC, DisplayUnits
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
 from vibeam.system.number_text import percent
@@ -19,7 +19,7 @@ LOOSE = 0.1  # share of a limit beyond which its uncertainty is no number to rel
 MORE = "its values are not settled over these numbers of modes, more may settle them (--modes)"
 
 
-def limits(rows: Sequence[LimitRow], units: Units = METRIC) -> ReportTable:
+def limits(rows: Sequence[LimitRow], units: DisplayUnits = METRIC) -> ReportTable:
     """Table of every quantity over the numbers of modes, its limit and the rate at which it gets there."""
     counts = rows[0].counts if rows else ()
     heads = [f"N = {counts[0]}|", *(f"{count}|" for count in counts[1:])] if counts else []
@@ -38,8 +38,8 @@ def limits(rows: Sequence[LimitRow], units: Units = METRIC) -> ReportTable:
     return table
 
 
-def _settings(rows: Sequence[LimitRow], units: Units) -> str:
-    """What the values are of."""
+def _settings(rows: Sequence[LimitRow], units: DisplayUnits) -> str:
+    """Motion and collision that the values are of."""
     frequencies = {row.frequency for row in rows if isfinite(row.frequency)}
     speeds = {row.speed for row in rows if isfinite(row.speed)}
     motion = [f"exact motion at {units.frequencies(each)}, one impact a period" for each in frequencies]
@@ -47,7 +47,7 @@ def _settings(rows: Sequence[LimitRow], units: Units) -> str:
     return "; ".join([*motion, *collision]) + "\n"
 
 
-def _cells(row: LimitRow, units: Units) -> Iterator[str]:
+def _cells(row: LimitRow, units: DisplayUnits) -> Iterator[str]:
     for value in (*row.values, row.limit):
         yield shown(value, row.unit, units)
     yield f"{row.rate:.1f}" if isfinite(row.rate) else "–"
@@ -55,7 +55,7 @@ def _cells(row: LimitRow, units: Units) -> Iterator[str]:
     yield str(row.by_contact_time or "–")
 
 
-def shown(value: float, unit: str, units: Units) -> str:
+def shown(value: float, unit: str, units: DisplayUnits) -> str:
     """A value to four digits, with its unit."""
     if not isfinite(value):
         return "–"

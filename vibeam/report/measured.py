@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import isfinite
 
-from vibeam.figures.units import METRIC, Units
+from vibeam.figures.units import METRIC, DisplayUnits
 from vibeam.report.table_widths import ReportTable
 from vibeam.studies.regression.measured import MeasuredRow
 from vibeam.system.number_text import percent
@@ -15,7 +15,7 @@ ARROWS = {"up": " ↑", "down": " ↓"}
 WITHIN = {True: "yes", False: "no", None: "not given"}
 
 
-def measurements(rows: Iterable[MeasuredRow], units: Units = METRIC) -> ReportTable:
+def measurements(rows: Iterable[MeasuredRow], units: DisplayUnits = METRIC) -> ReportTable:
     """Table of measured numbers: the model's, their difference, whether it is within the scatter."""
     table = ReportTable("Measured", 1)
     table.add("measured", "fidelity", "quantity", "at|", "measured|", "scatter|", "model|", "difference|")
@@ -37,7 +37,7 @@ def _quantity(row: MeasuredRow) -> str:
     return f"{row.quantity}{number}{against}{ARROWS.get(row.direction, '')}"
 
 
-def _amount(row: MeasuredRow, value: float, units: Units) -> str:
+def _amount(row: MeasuredRow, value: float, units: DisplayUnits) -> str:
     """Number in the unit of the table's others; a relative difference as a percentage."""
     if row.against is not None:
         return percent(value)
@@ -48,7 +48,7 @@ def _amount(row: MeasuredRow, value: float, units: Units) -> str:
     return f"{value:.4g} {unit}".strip() if isfinite(value) else "–"
 
 
-def _difference(row: MeasuredRow, units: Units) -> str:
+def _difference(row: MeasuredRow, units: DisplayUnits) -> str:
     if not isfinite(row.difference):
         return "–"
     sign = "+" if row.difference >= 0 else "-"

@@ -127,7 +127,7 @@ def _cells(row: Losses) -> list[str]:
 
 
 def claim(study: ReductionStudy) -> str:
-    """What the recommendation claims, over which points, or why there is none."""
+    """Claim of the recommendation and the points it is over, or why there is none."""
     said, whole = study.claim, f"all {study.claim.modes} modes"
     if said.refused:
         return f"No number of coordinates is recommended for {whole}: {said.refused}."
@@ -143,7 +143,7 @@ def claim(study: ReductionStudy) -> str:
 
 
 def sentences(study: ReductionStudy) -> list[str]:
-    """What was asked of the losses, and the limits of the answers."""
+    """Sentences: the question about the losses, and the limits of the answers."""
     units = units_of(study.case)
     low, high = (units.frequencies(end) for end in study.band)
     time = "not known: an impulse stands for it" if not isfinite(study.contact_time) else f"{study.contact_time:.4g} s"
@@ -217,7 +217,7 @@ def reduction_figure(study: ReductionStudy) -> Figure:
 
 
 def _panels(study: ReductionStudy) -> dict[str, str]:
-    """What is drawn: the response where known; where R is held at the contact, what mode 1 sees in place of statics."""
+    """Panels: the response where known; where R is held at the contact, what mode 1 sees in place of statics."""
     panels = dict(PANELS)
     panels.pop("loss" if any(row.response.known for row in study.rows) else "response")
     if any(row.restitution > ROUND_OFF for row in study.rows):

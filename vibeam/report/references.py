@@ -17,7 +17,7 @@ from vibeam.figures.axes import from_zero
 from vibeam.figures.outputs import frequency_label, with_unit
 from vibeam.figures.page import blank_page, legend, plain, titled, write_page
 from vibeam.figures.style import COLOURS, shade
-from vibeam.figures.units import Units, units_of
+from vibeam.figures.units import DisplayUnits, units_of
 from vibeam.studies.regression.references import COVERAGE, Match, matched, pieces_of
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def references_figure(case: Case, rows: Sequence[CheckRow], at: Mapping[str, Bra
 
 
 def _panel(
-    axes: Axes, reference: Reference, row: CheckRow, of: tuple[Branches, Units], drawn: dict[str, Line2D]
+    axes: Axes, reference: Reference, row: CheckRow, of: tuple[Branches, DisplayUnits], drawn: dict[str, Line2D]
 ) -> None:
     branches, units = of
     factor, unit = _unit(reference, units)
@@ -89,7 +89,7 @@ def _panel(
         from_zero(axes)
 
 
-def _unit(reference: Reference, units: Units) -> tuple[float, str]:
+def _unit(reference: Reference, units: DisplayUnits) -> tuple[float, str]:
     """Factor and unit of a quantity's axis."""
     if reference.quantity == "impact_velocity":
         return units.speed_factor, units.speed
@@ -97,7 +97,7 @@ def _unit(reference: Reference, units: Units) -> tuple[float, str]:
     return (1.0, "") if plainly else (units.length_factor, units.length)
 
 
-def _moved(axes: Axes, reference: Reference, row: CheckRow, of: tuple[Branches, Units, float]) -> None:
+def _moved(axes: Axes, reference: Reference, row: CheckRow, of: tuple[Branches, DisplayUnits, float]) -> None:
     assert row.registration is not None
     branches, units, factor = of
     over = units.frequency_factor / (1 + row.registration.shift)

@@ -1,4 +1,4 @@
-"""What a run says: headlines, tables and sentences, the same on the terminal and on the page."""
+"""Report of a run: headlines, tables and sentences, the same on the terminal and on the page."""
 
 from __future__ import annotations
 

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, cast
 from rich.console import Console
 from rich.text import Text
 
-from vibeam.exchange.stdout import naming_stdout
-from vibeam.figures.units import METRIC, Units
+from vibeam.exchange.whole_files import naming_stdout
+from vibeam.figures.units import METRIC, DisplayUnits
 from vibeam.report.measured import measurements
 from vibeam.report.table_widths import ReportTable, fitted, needed
 from vibeam.system.number_text import FREQUENCIES, percent, prefixed, signed, without_round_off
@@ -58,7 +58,7 @@ def _print(console: Console, table: ReportTable) -> None:
 
 
 def responses(
-    summaries: Sequence[Summary], units: Units = METRIC, estimates: EstimateTexts | None = None
+    summaries: Sequence[Summary], units: DisplayUnits = METRIC, estimates: EstimateTexts | None = None
 ) -> ReportTable:
     """Table of every fidelity's peak and period-1 range.
 
@@ -87,7 +87,7 @@ def responses(
     return table
 
 
-def _peak_frequency(row: Summary, units: Units) -> str:
+def _peak_frequency(row: Summary, units: DisplayUnits) -> str:
     return plain(units.frequencies(row.peak.frequency)) + ARROWS.get(row.peak.direction, "")
 
 
@@ -146,14 +146,16 @@ def _off(row: Summary, compared: Sequence[HeldComparison], finest: str) -> tuple
     return *_distance(row, finest), *[""] * (2 * bool(compared))
 
 
-def verdicts(rows: Sequence[CheckRow], measured: Sequence[MeasuredRow], units: Units = METRIC) -> list[ReportTable]:
+def verdicts(
+    rows: Sequence[CheckRow], measured: Sequence[MeasuredRow], units: DisplayUnits = METRIC
+) -> list[ReportTable]:
     """Tables of references, of regression values and of measured numbers, those that there are."""
     kinds = {"reference": "reference", "regression value": "regression value", "measured": "measured curve"}
     found = [checks(own, units, kinds[kind]) for kind in kinds if (own := [row for row in rows if row.kind == kind])]
     return [*found, measurements(measured, units)] if measured else found
 
 
-def checks(rows: Iterable[CheckRow], units: Units = METRIC, kind: str = "reference") -> ReportTable:
+def checks(rows: Iterable[CheckRow], units: DisplayUnits = METRIC, kind: str = "reference") -> ReportTable:
     """Table of the references (or regression values): passed or missed, by how much and where."""
     names = ("", kind, "fidelity", "quantity", "points|", "worst|", "at|", "allowed|", "why")
     table = blank(f"{kind.capitalize()}s", *names, heads=2)
@@ -188,7 +190,7 @@ def identified(found: Identification) -> ReportTable:
     return table
 
 
-def crossings(rows: Sequence[Crossing], own: str, units: Units = METRIC) -> ReportTable:
+def crossings(rows: Sequence[Crossing], own: str, units: DisplayUnits = METRIC) -> ReportTable:
     """Table of the boundaries along the case's own frequency range."""
     table = blank(f"Boundaries at the case's own {own}", "fidelity", "boundary", "motion", "at|", "velocity|", heads=2)
     table.add("multipliers|")

@@ -13,7 +13,7 @@ from vibeam.case.case import quantity_of
 from vibeam.case.plans import FigurePlan
 from vibeam.figures.files import paths_of
 from vibeam.figures.page import write_page
-from vibeam.figures.units import Units, units_of
+from vibeam.figures.units import DisplayUnits, units_of
 from vibeam.report.output import write_rows
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, plain
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from vibeam.studies.uncertainty.study import UncertaintyStudy
 
 
-def units_in(study: UncertaintyStudy) -> Units:
+def units_in(study: UncertaintyStudy) -> DisplayUnits:
     """Units by the largest amplitude."""
     output = quantity_of(study.case, study.case.sweep.output).name
     return units_of(study.case, float(np.nanmax(study.finest.bands, initial=0.0)), quantity=output)
@@ -107,7 +107,7 @@ def changes(study: UncertaintyStudy) -> ReportTable | None:
     return table if table.rows else None
 
 
-def _spread(each: Spread, units: Units, way: str, mean: bool = False) -> Iterator[str]:
+def _spread(each: Spread, units: DisplayUnits, way: str, mean: bool = False) -> Iterator[str]:
     show = getattr(units, way)
     yield plain(show(each.nominal))
     if mean:
@@ -200,7 +200,7 @@ def _told_apart(study: UncertaintyStudy) -> Iterator[str]:
 
 
 def record(study: UncertaintyStudy) -> dict[str, Any]:
-    """What the study found, as JSON takes it."""
+    """Content for JSON."""
     return {
         "inputs": study.uncertain, "samples": study.samples, "seed": study.seed, "frequency": study.frequency,
         "fidelities": study.rows, "sensitivity": study.over_frequency, "sensitivity_of_peak": study.of_peak,

@@ -10,7 +10,7 @@ from vibeam.case.plans import FigurePlan
 from vibeam.figures.outputs import amplitude_of, frequency_label
 from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import look, looks_of, name_of
-from vibeam.figures.units import Units
+from vibeam.figures.units import DisplayUnits
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from vibeam.studies.uncertainty.study import UncertaintyStudy
 
 
-def bands(study: UncertaintyStudy, units: Units, plan: FigurePlan) -> Figure:
+def bands(study: UncertaintyStudy, units: DisplayUnits, plan: FigurePlan) -> Figure:
     """Bands on the curve of each fidelity above the total indices of the finest one's amplitude."""
     figure = blank_page((7.0, 6.0), plan)
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
@@ -42,7 +42,7 @@ def bands(study: UncertaintyStudy, units: Units, plan: FigurePlan) -> Figure:
     return figure
 
 
-def _draw_bands(study: UncertaintyStudy, axes: Axes, units: Units) -> None:
+def _draw_bands(study: UncertaintyStudy, axes: Axes, units: DisplayUnits) -> None:
     frequency = study.frequency * units.frequency_factor
     own = looks_of(study.case, [row.fidelity for row in study.rows])
     for row in study.rows:

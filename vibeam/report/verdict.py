@@ -72,7 +72,7 @@ def sentences(found: Verdict) -> Iterator[str]:
 
 
 def quantity_of(found: Verdict) -> str:
-    """What the accuracy is of."""
+    """Quantity that the accuracy is of."""
     return "reach at the contact" if found.quantity == "reach" else f"amplitude at the {found.case.sweep.output}"
 
 

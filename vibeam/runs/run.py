@@ -24,7 +24,7 @@ from vibeam.runs.store.reuse import Wanted
 from vibeam.runs.store.store import Store
 from vibeam.runs.systems import ModelProperties, Systems, properties_of
 from vibeam.solvers import SOLVERS
-from vibeam.solvers.warm_up import warm_up
+from vibeam.solvers.steady import warm_up
 from vibeam.system.response import Branches
 
 if TYPE_CHECKING:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from vibeam.solvers import SOLVERS, require_readable
 from vibeam.solvers import solver as solver_named
-from vibeam.solvers.warm_up import warm_up_once
+from vibeam.solvers.steady import warm_up_once
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Branches, FrequencyResponse, join
 from vibeam.system.state import State

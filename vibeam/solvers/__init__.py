@@ -37,14 +37,14 @@ SOLVERS = Registry(
     ),
     SolverDeclaration(
         "averaging",
-        "vibeam.solvers.averaging.solver:AveragingSolver",
+        "vibeam.solvers.averaging:AveragingSolver",
         stationary=True,
         motion="samples",
         curves=True,
         settings=CostSettings(options={"paper": {"damping": "paper"}, "log": {"damping": "log"}}),
         marker=("v", 5.0),
     ),
-    SolverDeclaration("mapping", "vibeam.solvers.mapping.solver:MappingSolver", stationary=True, marker=("X", 5.5)),
+    SolverDeclaration("mapping", "vibeam.solvers.mapping:MappingSolver", stationary=True, marker=("X", 5.5)),
     SolverDeclaration(
         "direct",
         "vibeam.solvers.integration.direct:DirectSolver",

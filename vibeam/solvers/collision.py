@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from vibeam.flight.trajectory import simulate
-from vibeam.observe.collision import Collision, collision_of
+from vibeam.observe.restitution import Collision, collision_of
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.laws.compliant import CompliantStop

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.exchange.matrices.write import Arrays, write_arrays
+from vibeam.exchange.matrices.declaration import Arrays, write_arrays
 from vibeam_models.beam import structure_of
 
 if TYPE_CHECKING:

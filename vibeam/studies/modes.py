@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.beam_field import BeamField, Fields, fields, with_points
-from vibeam.exchange.vtu import Piece, Step, centre_line, write_series, write_vtu
+from vibeam.exchange.vtu import Step, VtuPiece, centre_line, write_series, write_vtu
 from vibeam_models.arguments import whole
 from vibeam_models.arrays import Array
 from vibeam_models.beam import structure_of
@@ -152,7 +152,7 @@ def write_shapes(table: ModeTable, path: Path) -> None:
         name = f"mode {row.number:02} ({row.frequency:.4g} Hz)"
         drawn = _fields(table, "beam", index)
         data |= {name: drawn["displacement"], f"{name}, rotation": drawn["rotation"]}
-    write_vtu(Piece(_line(beam), data), path)
+    write_vtu(VtuPiece(_line(beam), data), path)
 
 
 def shape_steps(table: ModeTable) -> list[Step]:
@@ -168,7 +168,7 @@ def shape_steps(table: ModeTable) -> list[Step]:
                 "frequency": np.full(count, row.frequency),
                 "damping_ratio": np.full(count, row.damping_ratio),
             }
-            pieces[name] = Piece(_line(beam), data)
+            pieces[name] = VtuPiece(_line(beam), data)
         steps.append((float(row.number), pieces))
     return steps
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibeam.solvers.integration.samples import Motion
+from vibeam.solvers.integration.samples import SampledMotion
 from vibeam_models.arrays import Array
 
 
@@ -14,7 +14,7 @@ from vibeam_models.arrays import Array
 class SampledPath:
     """Cubics through the displacements and velocities of a sampled ``motion``, which has both sides of its impacts."""
 
-    motion: Motion
+    motion: SampledMotion
 
     def at(self, times: Array) -> Array:
         """Modal displacements and velocities (k, 2, n) at times (k,) of the motion, just after an impact."""

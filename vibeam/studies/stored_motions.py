@@ -17,12 +17,10 @@ import numpy as np
 from vibeam.case.beam_field import stop_places
 from vibeam.case.fidelity import gap_drift, system
 from vibeam.flight.trajectory import simulate
+from vibeam.observe.harmonics import modal_participation, spectrum_of
+from vibeam.observe.harmonics import shares as energy_shares
 from vibeam.observe.motion import impacts_within
-from vibeam.observe.participation import modal_participation
-from vibeam.observe.participation import shares as energy_shares
-from vibeam.observe.poincare import stroboscopic_section
-from vibeam.observe.portrait import phase_portrait
-from vibeam.observe.spectrum import spectrum_of
+from vibeam.observe.phase_plane import phase_portrait, stroboscopic_section
 from vibeam.solvers import SOLVERS, solver
 from vibeam.solvers.harmonic_point import several_of
 from vibeam.studies.sampled_path import SampledPath

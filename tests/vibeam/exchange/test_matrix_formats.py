@@ -10,8 +10,7 @@ from scipy.io import mmwrite, savemat
 from scipy.sparse import csc_array, save_npz
 
 from vibeam.exchange.files import FormatError
-from vibeam.exchange.matrices.declaration import read_matrix
-from vibeam.exchange.matrices.write import write_arrays
+from vibeam.exchange.matrices.declaration import read_matrix, write_arrays
 
 K = np.array([[9000.5, -4000.25, 0.0], [-4000.25, 4000.25, -1 / 3], [0.0, -1 / 3, 7e-5]])
 

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 
 import vibeam
 from vibeam.casefile.read import parse
-from vibeam.exchange.vtu import Piece, write_series
+from vibeam.exchange.vtu import VtuPiece, write_series
 from vibeam.report.figures import write_shown
 from vibeam.studies.modes import mode_table, write_shapes
 
@@ -152,7 +152,7 @@ def test_a_stop_stands_where_the_beam_touches_it(tmp_path: Path) -> None:
 
 
 def test_a_piece_that_stays_is_one_file_and_the_collection_is_xml(tmp_path: Path) -> None:
-    still = Piece(np.zeros((1, 3)), {"a b": np.ones(1)})
+    still = VtuPiece(np.zeros((1, 3)), {"a b": np.ones(1)})
     path = tmp_path / "folder é" / "x.pvd"
     path.parent.mkdir()
     write_series([(0.0, {'stop <1> "x"': still}), (0.5, {'stop <1> "x"': still})], path, "note -> it")

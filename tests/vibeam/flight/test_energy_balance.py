@@ -20,7 +20,7 @@ from vibeam.case.fidelity import system as system_of
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.trajectory import Trajectory
-from vibeam.observe.quadrature import integral
+from vibeam.observe.motion import integral
 from vibeam_models.base import Base
 from vibeam_models.base_motion import drive_amplitude, moving_platform
 from vibeam_models.beam import assemble

@@ -7,7 +7,7 @@ import pytest
 from observed import OMEGA, SIZE, rectified_sine, resting, settled
 
 import vibeam
-from vibeam.observe.quadrature import integral
+from vibeam.observe.motion import integral
 
 observe = vibeam.observe
 

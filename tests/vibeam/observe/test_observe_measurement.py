@@ -8,7 +8,7 @@ from observed import OMEGA, SIZE, rectified_sine, settled
 from scipy import signal
 
 import vibeam
-from vibeam.observe.low_pass import filtered
+from vibeam.observe.measuring_chain import filtered
 from vibeam_models.laws.compliant import LinearStop
 
 observe = vibeam.observe
@@ -133,11 +133,11 @@ def test_faults_of_a_chain_come_all_at_once() -> None:
 
 
 def test_the_platform_filters_as_its_formula_says() -> None:
-    platform = observe.Platform(mass=5.0, frequency=3.25)
+    platform = observe.PlatformDynamics(mass=5.0, frequency=3.25)
     assert observe.gain_ratio(platform, 15.5, 7.6) == pytest.approx((7.6**2 - 3.25**2) / (15.5**2 - 3.25**2))
     assert observe.gain_ratio(platform, 15.5, 7.6) == pytest.approx(0.2055, abs=5e-5)  # PHYSICS §4
     assert observe.gain_ratio(platform, 15.5, 7.6, "velocity") == pytest.approx(0.490, abs=5e-4)
-    damped = observe.Platform(mass=2.0, frequency=3.0, damping_ratio=0.1)
+    damped = observe.PlatformDynamics(mass=2.0, frequency=3.0, damping_ratio=0.1)
     at_resonance = observe.base_per_volt(damped, 3.0, 7.0)
     assert np.angle(at_resonance) == pytest.approx(-np.pi / 2)
     assert abs(at_resonance) == pytest.approx(7.0 / (2.0 * 2 * 0.1 * (2 * np.pi * 3) ** 2))

@@ -8,7 +8,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from vibeam.observe.low_pass import LowPass, filtered
+from vibeam.observe.measuring_chain import LowPass, filtered
 from vibeam.periodic.orbit_derivatives import struck
 from vibeam.periodic.output_derivatives import QUANTITIES, of_orbits, without_contact
 from vibeam.periodic.output_signals import SampledOutput

@@ -19,7 +19,7 @@ import pytest
 import xarray
 from stand_in import point, same
 
-from vibeam.exchange.heap import SIGNATURE, heaps_are_whole
+from vibeam.exchange.hdf5 import SIGNATURE, heaps_are_whole
 from vibeam.runs.store import file as store_file
 from vibeam.runs.store.branch import Branch
 from vibeam.runs.store.disk import NO_LINKS, Disk

@@ -11,11 +11,10 @@ from scipy.optimize import minimize_scalar
 
 import vibeam
 from vibeam.flight.solver import FlightSolver
-from vibeam.solvers.averaging.slow_flow import Damping, SlowFlow, Stationary
-from vibeam.solvers.averaging.solver import AveragingSolver, averaged_motion, averaging, slow_flow
-from vibeam.solvers.mapping.impact_map import Orbit, fixed_points
-from vibeam.solvers.one_mode.oscillator import Oscillator, oscillator
-from vibeam.solvers.one_mode.stationary import NOTHING_FOUND
+from vibeam.solvers.averaging import AveragingSolver, averaged_motion, averaging, slow_flow
+from vibeam.solvers.impact_map import FixedPoint, fixed_points
+from vibeam.solvers.one_mode import NOTHING_FOUND, Oscillator, oscillator
+from vibeam.solvers.slow_flow import Damping, SlowFlow, Stationary
 from vibeam.system.response import Ended
 
 NOMINAL = Oscillator(0.015, 0.5e-3, 0.0, 0.9)
@@ -28,7 +27,7 @@ def system(model: Oscillator, **more: Any) -> vibeam.ImpactSystem:
     )
 
 
-def exact(model: Oscillator, omega: float, periods: int = 1) -> Orbit:
+def exact(model: Oscillator, omega: float, periods: int = 1) -> FixedPoint:
     return fixed_points(model, omega, periods)[0]
 
 

@@ -13,11 +13,9 @@ from scipy.linalg import expm
 import vibeam
 import vibeam.solvers
 from vibeam.flight.solver import FlightSolver
-from vibeam.solvers.mapping.impact_map import Impact, ImpactMap, fixed_points, flight_solver, impact_map
-from vibeam.solvers.mapping.solver import MappingSolver
-from vibeam.solvers.mapping.stability import FORMS, Form, flight_invariants, orbit_invariants, verdicts
-from vibeam.solvers.one_mode.oscillator import Oscillator
-from vibeam.solvers.one_mode.stationary import NOTHING_FOUND
+from vibeam.solvers.impact_map import Impact, ImpactMap, fixed_points, flight_solver, impact_map
+from vibeam.solvers.mapping import FORMS, Form, MappingSolver, flight_invariants, orbit_invariants, verdicts
+from vibeam.solvers.one_mode import NOTHING_FOUND, Oscillator
 from vibeam.system.response import Branches, Ended
 
 NOMINAL = Oscillator(0.015, 0.5e-3, 0.0, 0.9)

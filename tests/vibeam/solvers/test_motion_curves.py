@@ -23,7 +23,7 @@ from vibeam.observe.branches import motion_pieces
 from vibeam.periodic.orbit import orbits
 from vibeam.periodic.states import carried
 from vibeam.solvers import SOLVERS
-from vibeam.solvers.averaging.solver import AveragingSolver
+from vibeam.solvers.averaging import AveragingSolver
 from vibeam.solvers.orbit import OrbitSolver
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.motion_curves import MotionCurves

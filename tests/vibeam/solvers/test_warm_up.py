@@ -20,7 +20,7 @@ from vibeam.flight.engine import compilation
 from vibeam.flight.engine.compilation import KERNELS, announce
 from vibeam.flight.solver import FlightSolver
 from vibeam.runs.accuracy import study as accuracy_study
-from vibeam.solvers import warm_up
+from vibeam.solvers import steady as warm_up
 from vibeam.studies.cost.study import cost
 from vibeam.studies.influence import study as influence_study
 

@@ -28,7 +28,7 @@ from vibeam.casefile.tables.table import (
 )
 from vibeam.figures import FIGURES, KEYS, LIMITS, OF_OUTPUT
 from vibeam.figures.declaration import FigureKind
-from vibeam.observe.low_pass import FAMILIES, HIGHEST_ORDER
+from vibeam.observe.measuring_chain import FAMILIES, HIGHEST_ORDER
 from vibeam.solvers import SOLVERS
 
 

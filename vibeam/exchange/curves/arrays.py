@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import Column, Columns, Wanted, missing, split_head
+from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn, missing, split_head
 from vibeam.exchange.files import FormatError, reason
 from vibeam.exchange.hdf5 import contents, opened, text_at, values_of
 from vibeam.exchange.mat import Variable, variables
@@ -18,7 +18,7 @@ from vibeam_models.arrays import Array
 Read = Callable[[], tuple[Any, str]]  # an array and its unit
 
 
-def read_matlab(path: Path, wanted: Mapping[str, Wanted]) -> Columns:
+def read_matlab(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     """The variables wanted of a .mat file, by scipy up to version 7, by h5py of version 7.3; FormatError as ``of``."""
     import h5py
 
@@ -58,7 +58,7 @@ def _flat(held: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]
             yield above + name, value
 
 
-def read_hdf5(path: Path, wanted: Mapping[str, Wanted]) -> Columns:
+def read_hdf5(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     """The datasets wanted, by their paths; their attributes ``units`` or ``unit`` are their units."""
     import h5py
 
@@ -90,7 +90,7 @@ def _plain(value: Any) -> Any:
     return array
 
 
-def of(variables: Mapping[str, Read], wanted: Mapping[str, Wanted]) -> Columns:
+def of(variables: Mapping[str, Read], wanted: Mapping[str, WantedColumn]) -> Columns:
     """Columns of variables with their units; FormatError where one is missing, no numbers, or of another length.
 
     Those alone that are wanted are read.
@@ -112,7 +112,7 @@ def of(variables: Mapping[str, Read], wanted: Mapping[str, Wanted]) -> Columns:
     return Columns(columns, tuple(range(1, next(iter(lengths.values())) + 1)))
 
 
-def _place(names: list[str], wanted: Wanted) -> tuple[int, str, int | None] | None:
+def _place(names: list[str], wanted: WantedColumn) -> tuple[int, str, int | None] | None:
     """Index, name and column of the variable wanted: by its path, by its last part, or as ``name:2``."""
     last = [name.replace(".", "/").rpartition("/")[2] for name in names]
     for text in wanted.names:
@@ -131,7 +131,7 @@ def _place(names: list[str], wanted: Wanted) -> tuple[int, str, int | None] | No
     return None
 
 
-def _column(name: str, unit: str, value: Any, column: int | None, wanted: Wanted) -> Column:
+def _column(name: str, unit: str, value: Any, column: int | None, wanted: WantedColumn) -> CurveColumn:
     array = np.asarray(value)
     if column is not None:
         if array.ndim != 2 or not 0 < column <= array.shape[1]:
@@ -142,8 +142,8 @@ def _column(name: str, unit: str, value: Any, column: int | None, wanted: Wanted
     array = array.reshape(-1)
     if wanted.words:
         words = tuple(each.decode() if isinstance(each, bytes) else str(each).strip() for each in array)
-        return Column(name, "", np.full(len(words), np.nan), words)
-    return Column(name, unit, _numbers(name, array))
+        return CurveColumn(name, "", np.full(len(words), np.nan), words)
+    return CurveColumn(name, unit, _numbers(name, array))
 
 
 def _numbers(name: str, array: Any) -> Array:

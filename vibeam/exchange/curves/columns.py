@@ -21,7 +21,7 @@ class HeadError(FormatError):
 
 
 @dataclass(frozen=True)
-class Wanted:
+class WantedColumn:
     """Column that is wanted: its head or number from 1 (any of ``names``), whether ``needed``, whether of ``words``."""
 
     names: tuple[str | int, ...]
@@ -30,7 +30,7 @@ class Wanted:
 
 
 @dataclass(frozen=True, eq=False)
-class Column:
+class CurveColumn:
     """Column that was found: its head, its unit (empty: not said), its values, NaN where empty; or its ``words``."""
 
     head: str
@@ -43,7 +43,7 @@ class Column:
 class Columns:
     """Columns by role, of equal length, and the line or row of each entry."""
 
-    columns: Mapping[str, Column]
+    columns: Mapping[str, CurveColumn]
     lines: tuple[int, ...]
 
 
@@ -64,7 +64,7 @@ def split_head(head: str) -> tuple[str, str]:
     return head.strip(), ""
 
 
-def find(heads: Sequence[str], wanted: Wanted) -> int | None:
+def find(heads: Sequence[str], wanted: WantedColumn) -> int | None:
     """Place of the head that is wanted, by its whole text or its name without unit; FormatError where it is twice."""
     for name in wanted.names:
         if isinstance(name, int):
@@ -91,8 +91,10 @@ def short(text: str) -> str:
     return repr(text if len(text) <= 50 else f"{text[:48]} …")
 
 
-def missing(heads: Iterable[str], wanted: Mapping[str, Wanted], found: Mapping[str, int | None]) -> HeadError | None:
-    """What to say of columns that are needed and not there."""
+def missing(
+    heads: Iterable[str], wanted: Mapping[str, WantedColumn], found: Mapping[str, int | None]
+) -> HeadError | None:
+    """Message about columns that are needed and not there; None where all are."""
     absent = [role for role, each in wanted.items() if each.needed and found.get(role) is None]
     if not absent:
         return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from vibeam.exchange.curves.columns import Columns, Wanted
+from vibeam.exchange.curves.columns import Columns, WantedColumn
 from vibeam.exchange.curves.text import TextForm
 from vibeam.exchange.files import LARGEST_TEXT, state_of
 
@@ -16,7 +16,7 @@ BINARY = {
 UNIVERSAL = (".uff", ".unv", ".uf", ".58")
 
 
-def read_columns(path: Path, wanted: Mapping[str, Wanted], form: TextForm | None = None) -> Columns:
+def read_columns(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None = None) -> Columns:
     """The columns wanted of a file, by role; FormatError names what is wrong, where, and the cure."""
     state_of(path, LARGEST_TEXT)
     ending = path.suffix.lower()
@@ -35,5 +35,5 @@ def read_columns(path: Path, wanted: Mapping[str, Wanted], form: TextForm | None
 
 
 def is_text(path: Path) -> bool:
-    """Whether a file is read as text, by its ending."""
+    """True where a file is read as text, by its ending."""
     return path.suffix.lower() not in (*BINARY, *UNIVERSAL)

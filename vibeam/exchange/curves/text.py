@@ -11,10 +11,18 @@ from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import Column, Columns, HeadError, Wanted, find, missing, short, split_head
+from vibeam.exchange.curves.columns import (
+    Columns,
+    CurveColumn,
+    HeadError,
+    WantedColumn,
+    find,
+    missing,
+    short,
+    split_head,
+)
 from vibeam.exchange.curves.numbers import LONGEST, decimal_sign, number
-from vibeam.exchange.files import FormatError
-from vibeam.exchange.text import lines_of, text_of
+from vibeam.exchange.files import FormatError, lines_of, text_of
 
 SEPARATORS = (";", "\t", ",", "|", " ")
 LONGEST_HEAD = 500  # lines before the table begins
@@ -26,13 +34,13 @@ Row = tuple[int, list[str]]  # line, cells
 
 @dataclass(frozen=True)
 class TextForm:
-    """How a text file is written; empty: found out from the file."""
+    """Form of a text file; empty: found out from the file."""
 
     separator: str = ""
     decimal: str = ""
 
 
-def read(path: Path, wanted: Mapping[str, Wanted], form: TextForm | None = None) -> Columns:
+def read(path: Path, wanted: Mapping[str, WantedColumn], form: TextForm | None = None) -> Columns:
     """The columns wanted; FormatError, with the line, where one is missing or a cell is no number."""
     form = form or TextForm()
     lines = list(lines_of(text_of(path), LONGEST_LINE, LINES))
@@ -52,9 +60,9 @@ def read(path: Path, wanted: Mapping[str, Wanted], form: TextForm | None = None)
         name, unit = split_head(heads[column])
         own = [(line, cells[column]) for line, cells in kept]
         if wanted[role].words:
-            columns[role] = Column(name, "", np.full(len(own), np.nan), tuple(cell.strip() for _, cell in own))
+            columns[role] = CurveColumn(name, "", np.full(len(own), np.nan), tuple(cell.strip() for _, cell in own))
         else:
-            columns[role] = Column(name, units.get(role, unit), np.array([number(each, decimal) for each in own]))
+            columns[role] = CurveColumn(name, units.get(role, unit), np.array([number(each, decimal) for each in own]))
     return Columns(columns, tuple(line for line, _ in kept))
 
 
@@ -68,7 +76,9 @@ def split(line: str, separator: str) -> list[str]:
         raise FormatError(f"is no line of a table: {error}") from None
 
 
-def _head(lines: list[tuple[int, str]], wanted: Mapping[str, Wanted], form: TextForm) -> tuple[int, list[str], str]:
+def _head(
+    lines: list[tuple[int, str]], wanted: Mapping[str, WantedColumn], form: TextForm
+) -> tuple[int, list[str], str]:
     """Index of the first line below the heads, the heads, the separator between them."""
     if all(isinstance(name, int) for each in wanted.values() for name in each.names if each.needed):
         return _without_head(lines, wanted, form)
@@ -98,7 +108,9 @@ def _heads_of(line: int, text: str, separator: str) -> list[str]:
     return re.split(r"\s+(?![\[(])", shown.strip()) if separator == " " else _cells_of(line, shown, separator)
 
 
-def _no_heads(lines: list[tuple[int, str]], wanted: Mapping[str, Wanted], separators: tuple[str, ...]) -> HeadError:
+def _no_heads(
+    lines: list[tuple[int, str]], wanted: Mapping[str, WantedColumn], separators: tuple[str, ...]
+) -> HeadError:
     """The message for a file whose heads are other ones: those of the line that looks most like heads."""
     likely, line = list[str](), None
     for count, text in _first(lines):
@@ -128,7 +140,7 @@ def _trimmed(cells: list[str]) -> list[str]:
 
 
 def _without_head(
-    lines: list[tuple[int, str]], wanted: Mapping[str, Wanted], form: TextForm
+    lines: list[tuple[int, str]], wanted: Mapping[str, WantedColumn], form: TextForm
 ) -> tuple[int, list[str], str]:
     """As ``_head`` of a file whose columns are told by number: numbers begin where all of these are numbers."""
     needed = [name for each in wanted.values() if each.needed for name in each.names if isinstance(name, int)]
@@ -173,7 +185,7 @@ def _of_rows(line: int, text: str, count: int, separator: str) -> str:
 
 
 def _units_line(
-    rows: list[Row], places: Mapping[str, int], wanted: Mapping[str, Wanted]
+    rows: list[Row], places: Mapping[str, int], wanted: Mapping[str, WantedColumn]
 ) -> tuple[dict[str, str], list[Row]]:
     """Units from a line of their own below the heads, and the rows after it."""
     if not rows or not _FREQUENCY_UNIT.fullmatch(rows[0][1][places["frequency"]].strip()):

@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.curves.columns import Column, Columns, Wanted
-from vibeam.exchange.files import FormatError, reason
+from vibeam.exchange.curves.columns import Columns, CurveColumn, WantedColumn
+from vibeam.exchange.files import FormatError
+from vibeam.exchange.uff import SI, data_sets
 
-MISSING = "pyuff reads it, and is not installed: pip install 'vibeam[lab]', or export the curve as CSV"
 FREQUENCY = 18  # specific data type of an abscissa in Hz
-SI = 1  # code of the units data set, 164
 UNITS = {8: "m", 11: "m/s", 12: "m/s^2"}  # specific data types of an ordinate
 AXES = {1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
 
 
-def read(path: Path, wanted: Mapping[str, Wanted]) -> Columns:
+def read(path: Path, wanted: Mapping[str, WantedColumn]) -> Columns:
     """Frequency and modulus of one data set 58, the one that ``wanted["value"]`` numbers where there are several."""
-    sets = _sets(path)
+    sets = data_sets(path, "export the curve as CSV")
     units = [each for each in sets if each["type"] == 164]
     if units and units[0]["units_code"] != SI:
         raise FormatError(f"its units have the code {units[0]['units_code']}: export it in SI (code {SI})")
@@ -38,25 +34,14 @@ def read(path: Path, wanted: Mapping[str, Wanted]) -> Columns:
     values = np.abs(ordinate) if np.iscomplexobj(ordinate) else np.asarray(ordinate, dtype=float)
     if not (np.isfinite(frequency).all() and np.isfinite(values).all()):
         raise FormatError("its data set 58 has entries that are no numbers: blanks are missing between numbers?")
-    columns = {"frequency": Column("abscissa", "Hz", frequency), "value": Column(_called(one), _unit(one), values)}
+    columns = {
+        "frequency": CurveColumn("abscissa", "Hz", frequency),
+        "value": CurveColumn(_called(one), _unit(one), values),
+    }
     return Columns(columns, tuple(range(1, len(frequency) + 1)))
 
 
-def _sets(path: Path) -> list[dict[str, Any]]:
-    try:
-        import pyuff
-    except ImportError:
-        raise FormatError(MISSING) from None
-    try:
-        with contextlib.redirect_stdout(io.StringIO()), warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            found: Any = pyuff.UFF(str(path)).read_sets()
-    except Exception as error:  # whatever the reader makes of another file, it is not one of these
-        raise FormatError(f"is no universal file that can be read: {reason(error)}") from None
-    return found if isinstance(found, list) else [found]
-
-
-def _chosen(curves: list[dict[str, Any]], wanted: Wanted) -> int:
+def _chosen(curves: list[dict[str, Any]], wanted: WantedColumn) -> int:
     if not curves:
         raise FormatError("has no curve: a data set 58 is needed")
     if isinstance(wanted.names[0], int):

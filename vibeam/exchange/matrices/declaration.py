@@ -1,14 +1,20 @@
-"""The formats of matrices: how a file is told to be of one, and what reads it."""
+"""Formats of matrices: their endings and beginnings, their readers; and arrays written in one that is read again."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from io import BytesIO
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from vibeam.exchange.files import FormatError, State, reason, require_coordinates, state_of
 from vibeam.exchange.matrices.entries import FileMatrix
+from vibeam.exchange.whole_files import write_whole
 from vibeam_models.homes import loaded
 from vibeam_models.registry import Registry
 
@@ -34,14 +40,14 @@ _HOME = "vibeam.exchange.matrices"
 
 FORMATS = Registry(
     "format of matrices",
-    MatrixFormat("Matrix Market", (".mtx",), f"{_HOME}.matrix_market:read", b"%%MatrixMarket"),
-    MatrixFormat("Abaqus", (".mtx", ".inp"), f"{_HOME}.abaqus:read"),
-    MatrixFormat("NumPy", (".npy", ".npz"), f"{_HOME}.numpy_files:read"),
-    MatrixFormat("HDF5", (".h5", ".hdf5"), f"{_HOME}.hdf5:read"),
-    MatrixFormat("MATLAB 7.3", (".mat",), f"{_HOME}.hdf5:read", b"MATLAB 7.3"),
-    MatrixFormat("MATLAB", (".mat",), f"{_HOME}.matlab:read"),
-    MatrixFormat("Nastran", (".pch", ".bdf", ".dat", ".nas"), f"{_HOME}.nastran:read"),
-    MatrixFormat("text", (".txt", ".csv"), f"{_HOME}.text:read"),
+    MatrixFormat("Matrix Market", (".mtx",), f"{_HOME}.text:read_matrix_market", b"%%MatrixMarket"),
+    MatrixFormat("Abaqus", (".mtx", ".inp"), f"{_HOME}.text:read_abaqus"),
+    MatrixFormat("NumPy", (".npy", ".npz"), f"{_HOME}.binary:read_numpy"),
+    MatrixFormat("HDF5", (".h5", ".hdf5"), f"{_HOME}.binary:read_hdf5"),
+    MatrixFormat("MATLAB 7.3", (".mat",), f"{_HOME}.binary:read_hdf5", b"MATLAB 7.3"),
+    MatrixFormat("MATLAB", (".mat",), f"{_HOME}.binary:read_matlab"),
+    MatrixFormat("Nastran", (".pch", ".bdf", ".dat", ".nas"), f"{_HOME}.nastran:read_nastran"),
+    MatrixFormat("text", (".txt", ".csv"), f"{_HOME}.text:read_text"),
 )
 
 ENDINGS = tuple(dict.fromkeys(ending for each in FORMATS.values() for ending in each.endings))
@@ -86,7 +92,7 @@ def _format_of(path: Path) -> MatrixFormat:
 
 
 def chosen(names: list[str], name: str, wanted: str) -> str:
-    """Which of the ``names`` in a file is meant; FormatError names them where that is not plain."""
+    """Name, one of the ``names`` in a file, that is meant; FormatError names them where that is not plain."""
     if not names:
         raise FormatError("holds no matrix")
     some = ", ".join(names[:SHOWN]) + " …" * (len(names) > SHOWN)
@@ -97,3 +103,69 @@ def chosen(names: list[str], name: str, wanted: str) -> str:
     if wanted in names or len(names) == 1:
         return wanted if wanted in names else names[0]
     raise FormatError(f"holds {some}: say which by name, {{ file = …, name = {names[0]!r} }}")
+
+
+DIGITS = 17  # of a float, so that it is read as the same
+Arrays = Mapping[str, NDArray[np.float64]]
+
+
+def write_arrays(arrays: Arrays, path: Path) -> dict[str, tuple[Path, str]]:
+    """Write arrays to ``path`` (.npz, .h5, .mat), or, as .mtx or .npy, each to a file with its name: where each is.
+
+    (file, name in it, empty where it is alone). ValueError for another ending.
+    """
+    ending = path.suffix.lower()
+    if ending in _TOGETHER:
+        write_whole(path, _TOGETHER[ending](arrays))
+        return {name: (path, name) for name in arrays}
+    if ending not in _ALONE:
+        raise ValueError(f"{path}: matrices are written as {', '.join(WRITTEN)}")
+    files = {name: path.with_name(f"{path.stem}_{name}{ending}") for name in arrays}
+    for name, file in files.items():
+        write_whole(file, _ALONE[ending](arrays[name]))
+    return {name: (file, "") for name, file in files.items()}
+
+
+def _npz(arrays: Arrays) -> bytes:
+    made = BytesIO()
+    np.savez(made, **dict(arrays))  # type: ignore[arg-type]
+    return made.getvalue()
+
+
+def _mat(arrays: Arrays) -> bytes:
+    from scipy.io import savemat
+
+    made = BytesIO()
+    savemat(made, dict(arrays))
+    return made.getvalue()
+
+
+def _hdf5(arrays: Arrays) -> bytes:
+    import h5py
+
+    made = BytesIO()
+    with h5py.File(made, "w") as file:
+        for name, array in arrays.items():
+            file[name] = array
+    return made.getvalue()
+
+
+def _npy(array: Any) -> bytes:
+    made = BytesIO()
+    np.save(made, array)
+    return made.getvalue()
+
+
+def _mtx(array: Any) -> bytes:
+    from scipy.io import mmwrite
+    from scipy.sparse import coo_array
+
+    made = BytesIO()
+    matrix = np.atleast_2d(array)
+    mmwrite(made, coo_array(matrix) if matrix.shape[0] > 1 else matrix.T, precision=DIGITS)
+    return made.getvalue()
+
+
+_TOGETHER = {".npz": _npz, ".h5": _hdf5, ".hdf5": _hdf5, ".mat": _mat}
+_ALONE = {".mtx": _mtx, ".npy": _npy}
+WRITTEN = (*_TOGETHER, *_ALONE)

@@ -14,11 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
-from vibeam.exchange.files import FormatError
+from vibeam.exchange.files import FormatError, Line, lines_of, text_of
 from vibeam.exchange.matrices.declaration import chosen
 from vibeam.exchange.matrices.entries import FileMatrix, Label, labelled
 from vibeam.exchange.matrices.text import shown
-from vibeam.exchange.text import Line, lines_of, text_of
 
 SQUARE, SYMMETRIC = 1, 6  # IFO
 REAL = (1, 2)  # TIN: single, double precision
@@ -28,7 +27,7 @@ _REAL = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[ED]?([+-][0-9]+)|[ED
 Card = tuple[int, list[str]]  # line, fields
 
 
-def read(path: Path, name: str, wanted: str) -> FileMatrix:
+def read_nastran(path: Path, name: str, wanted: str) -> FileMatrix:
     """The matrix by that name; with none, the only one that begins with K, M or B (damping)."""
     cards: dict[str, list[Card]] = {}
     for number, fields in _cards(lines_of(text_of(path))):

@@ -1,23 +1,32 @@
-"""Numbers as text, one row of the array a line, between blanks or commas."""
+"""Matrices in text: rows of numbers, Abaqus' files, Matrix Market.
+
+Matrix Market (Boisvert, Pozo & Remington, The Matrix Market Exchange Formats, NISTIR 5935, 1996) is read here and not
+by scipy, whose reader ends the whole process at a file that is cut off within a number (1.17).
+
+Of Abaqus, from *MATRIX GENERATE and *MATRIX OUTPUT, a line is "row node, its degree of freedom, column node, its degree
+of freedom, value" (FORMAT=MATRIX INPUT, LABELS) or "row, column, value" (FORMAT=COORDINATE); of a symmetric matrix one
+half may stand for both (Abaqus Keywords Reference Guide, *MATRIX INPUT). Internal nodes have negative numbers. A degree
+of freedom that a boundary condition holds has 1e36 on the diagonal of the stiffness."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator
+from itertools import islice
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.exchange.files import FormatError, require_room
-from vibeam.exchange.matrices.entries import FileMatrix
-from vibeam.exchange.text import Line, lines_of, text_of
+from vibeam.exchange.files import FormatError, Line, lines_of, require_coordinates, require_room, text_of
+from vibeam.exchange.matrices.entries import FileMatrix, assembled, labelled, scattered
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 SHOWN = 40  # characters of a line in a message
 
 
-def read(path: Path, name: str, wanted: str) -> FileMatrix:
+def read_text(path: Path, name: str, wanted: str) -> FileMatrix:
     """The array of a file; ``#`` begins a comment."""
     require_no_name(name)
     text = text_of(path)
@@ -55,7 +64,7 @@ def table(rows: Callable[[], Iterable[Line]], width: int) -> NDArray[np.float64]
 
 
 def _fault(rows: Iterable[Line], width: int) -> FormatError:
-    """What is wrong with the first row that is none."""
+    """Fault of the first row that is none."""
     for number, line in rows:
         words = line.split(maxsplit=width)
         if len(words) != width:
@@ -73,3 +82,120 @@ def shown(text: str) -> str:
     """Text as a message shows it."""
     text = text.strip()
     return repr(text if len(text) <= SHOWN else f"{text[:SHOWN]} …")
+
+
+HELD = 1e35  # on the diagonal
+EXACT = 2.0**53  # up to which a double is any whole number
+
+
+def read_abaqus(path: Path, name: str, wanted: str) -> FileMatrix:
+    """The matrix of a file; lines that begin with * are keywords and comments."""
+    require_no_name(name)
+    entries = _entries(text_of(path))
+    places, values = entries[:, :-1].astype(np.int64), entries[:, -1]
+    if places.shape[1] == 2:
+        if places.min(initial=1) < 1:
+            raise FormatError("rows and columns are counted from 1")
+        found = FileMatrix(assembled(places[:, 0] - 1, places[:, 1] - 1, values))
+    else:
+        found = labelled(places[:, :2], places[:, 2:], values)
+    held = np.flatnonzero(found.matrix.diagonal() >= HELD)
+    return FileMatrix(found.matrix, found.labels, frozenset(held.tolist()))
+
+
+def _entries(text: str) -> np.ndarray:
+    """The numbers (entries, 3 or 5)."""
+
+    def rows() -> Iterator[Line]:
+        for number, line in lines_of(text):
+            if line.lstrip()[0] != "*":
+                yield number, line.replace(",", " ")
+
+    number, first = next(rows(), (0, ""))
+    if not first:
+        raise FormatError("holds no entries")
+    width = len(first.split(maxsplit=5))
+    if width not in (3, 5):
+        raise FormatError(
+            f'{width} numbers: an entry is "row node, dof, column node, dof, value", or "row, column, value"', number
+        )
+    found = table(rows, width)
+    wrong = ((found[:, :-1] % 1 != 0) | (np.abs(found[:, :-1]) > EXACT)).any(axis=1)
+    if wrong.any():
+        number = next(islice(rows(), int(wrong.argmax()), None))[0]
+        raise FormatError("nodes, degrees of freedom, rows and columns are whole numbers", number)
+    return found
+
+
+BANNER = "%%matrixmarket"
+LAYOUTS, FIELDS, SYMMETRIES = ("coordinate", "array"), ("real", "integer", "double"), ("general", "symmetric")
+Rows = Callable[[], Iterator[Line]]
+
+
+def read_matrix_market(path: Path, name: str, wanted: str) -> FileMatrix:
+    """The matrix of a file, in either layout, symmetric or general; a pattern or complex numbers are none."""
+    require_no_name(name)
+    text = text_of(path)
+    layout, symmetric = _head(next(lines_of(text), (1, ""))[1])
+
+    def data() -> Iterator[Line]:
+        return ((number, line) for number, line in lines_of(text) if not line.startswith("%"))
+
+    sizes = _sizes(next(data(), None), 3 if layout == "coordinate" else 2)
+    shape, made = (sizes[0], sizes[1]), _coordinate if layout == "coordinate" else _array
+    return FileMatrix(made(lambda: islice(data(), 1, None), shape, sizes[-1], symmetric))
+
+
+def _head(line: str) -> tuple[str, bool]:
+    """Layout, and whether one half stands for both."""
+    words = line[:200].lower().split()
+    if len(words) != 5 or words[:2] != [BANNER, "matrix"]:
+        raise FormatError("is no Matrix Market head, %%MatrixMarket matrix coordinate real general", 1)
+    for word, known in zip(words[2:], (LAYOUTS, FIELDS, SYMMETRIES), strict=True):
+        if word not in known:
+            raise FormatError(f"its matrix is {word[:SHOWN]}: {' or '.join(known)} is needed", 1)
+    return words[2], words[4] == "symmetric"
+
+
+def _sizes(line: Line | None, count: int) -> list[int]:
+    if line is None:
+        raise FormatError("has no line of sizes")
+    words = line[1].split(maxsplit=count)
+    if len(words) != count or not all(word.isascii() and word.isdigit() and len(word) < 16 for word in words):
+        raise FormatError(f"{shown(line[1])} are no sizes", line[0])
+    return [int(word) for word in words]
+
+
+def _coordinate(rows: Rows, shape: tuple[int, int], count: int, symmetric: bool) -> Any:
+    require_coordinates(*shape)
+    entries = table(rows, 3)
+    if len(entries) != count:
+        raise FormatError(f"has {len(entries)} entries, and its line of sizes says {count}: is it cut off?")
+    places = entries[:, :2]
+    wrong = ((places < 1) | (places > shape) | (places % 1 != 0)).any(axis=1)
+    if wrong.any():
+        number, line = next(islice(rows(), int(wrong.argmax()), None))
+        raise FormatError(f"{shown(line)} is outside the matrix, {shape[0]} × {shape[1]}", number)
+    row, column = (places.astype(np.int64) - 1).T
+    values = entries[:, 2]
+    if symmetric:
+        aside = row != column
+        row, column = np.append(row, column[aside]), np.append(column, row[aside])
+        values = np.append(values, values[aside])
+    return scattered(values, row, column, shape)
+
+
+def _array(rows: Rows, shape: tuple[int, int], _: int, symmetric: bool) -> Any:
+    """A full matrix, column by column; of a symmetric one from the diagonal down."""
+    require_room(shape)
+    count, columns = shape
+    wanted = count * (count + 1) // 2 if symmetric else count * columns
+    values = table(rows, 1).ravel()
+    if len(values) != wanted:
+        raise FormatError(f"has {len(values)} numbers, and its line of sizes says {wanted}: is it cut off?")
+    if not symmetric:
+        return values.reshape(columns, count).T.copy()
+    full = np.zeros((count, count))
+    lower = np.triu_indices(count)  # columns of the lower half are rows of the upper one
+    full[lower] = values
+    return full + np.triu(full, 1).T

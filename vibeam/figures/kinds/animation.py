@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
     from vibeam.case.case import Case
     from vibeam.figures.comparison import Comparison
-    from vibeam.figures.units import Units
+    from vibeam.figures.units import DisplayUnits
 
 
 WIDTH, HIGH, ROW, AROUND = 7.2, 3.7, 1.35, 1.4  # inches: of the page, of one beam's page, of a further beam, of titles
@@ -160,7 +160,7 @@ def _curve(axes: Axes, result: Comparison, plan: ShowPlan, loop: Loop) -> None:
     axes.set_ylabel("\n".join(filter(None, [motion_of(result.case.sweep.output, "amplitude", units), note])))
 
 
-def _response(axes: Axes, result: Comparison, name: str, look: Look, units: Units) -> None:
+def _response(axes: Axes, result: Comparison, name: str, look: Look, units: DisplayUnits) -> None:
     for direction, response in result[name].items():
         draw_branch(axes, response, direction, look, units.frequency_factor, units.length_factor)
 
@@ -186,7 +186,7 @@ def _history(axes: Axes, result: Comparison, plan: ShowPlan, loop: Loop) -> Line
 
 
 def _pace(loop: Loop, plan: ShowPlan) -> str:
-    """How much slower than the motion it is shown, to two digits."""
+    """Factor by which it is shown slower than the motion, to two digits."""
     slow = loop.each / FRAMES_A_SECOND * plan.frequency[0]
     times = float(f"{max(slow, 1 / slow):.2g}")
     number = f"{times:,.0f}".replace(",", " ") if times >= 10 else f"{times:g}"

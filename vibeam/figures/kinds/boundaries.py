@@ -17,7 +17,7 @@ from vibeam.figures.axes import from_zero, is_empty, say
 from vibeam.figures.panels import across_frequency, labelled
 from vibeam.figures.sheet import Column, Sheet
 from vibeam.figures.style import FEW, GAP, STABLE, UNSTABLE, Look, arrow, looks_of, name_of
-from vibeam.figures.units import Units, units_for
+from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.observe.branches import motion_pieces
 from vibeam.periodic.modal_sums import fault
 from vibeam.solvers.existence_limits import limits
@@ -73,7 +73,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     labelled(axes, CALLED[plan.quantity or ""], units.length)
 
 
-def _motions(axes: Axes, result: Comparison, name: str, quantity: str, look: Look, units: Units) -> None:
+def _motions(axes: Axes, result: Comparison, name: str, quantity: str, look: Look, units: DisplayUnits) -> None:
     """Draw what the limit is one of: the gap, or the reach of all known motions, else of the swept ones as dots."""
     if quantity == "largest_gap":
         height = abs(result.case.system(name).gap) * units.length_factor

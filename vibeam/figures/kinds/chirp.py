@@ -22,7 +22,7 @@ from vibeam.figures.outputs import amplitude_of
 from vibeam.figures.panels import across_frequency
 from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import looks_of, name_of
-from vibeam.figures.units import Units, units_for
+from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.solvers.chirp import Chirp, linear_chirp, swept
 from vibeam.system.number_text import percent
 from vibeam.system.response import Ended, FrequencyResponse
@@ -141,17 +141,17 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
 
 
 def _has_settled(result: Comparison, plan: ShowPlan, name: str) -> bool:
-    """Whether the sweep has points of this fidelity and output: within an accuracy it has one curve of no one's."""
+    """True where the sweep has points of this fidelity and output: within an accuracy it has one curve of no one's."""
     return name in set(result) and plan.output == result.case.sweep.output
 
 
-def _settled(axes: Axes, result: Comparison, name: str, look: Look, units: Units) -> None:
+def _settled(axes: Axes, result: Comparison, name: str, look: Look, units: DisplayUnits) -> None:
     axes.plot([], [], label=f"{name_of(result.case, name)}, settled", **look.keys())
     for direction, response in result[name].items():
         draw_branch(axes, response, direction, look, units.frequency_factor, units.length_factor)
 
 
-def _swept(axes: Axes, result: Comparison, plan: ShowPlan, sheet: Sheet, units: Units) -> None:
+def _swept(axes: Axes, result: Comparison, plan: ShowPlan, sheet: Sheet, units: DisplayUnits) -> None:
     case, colour = result.case, looks_of(result.case, plan.fidelities)[sheet.fidelity].colour
     direction = "up" if sheet["frequency"][-1] > sheet["frequency"][0] else "down"
     across, upward = sheet["frequency"] * units.frequency_factor, sheet["amplitude"] * units.length_factor
@@ -159,8 +159,8 @@ def _swept(axes: Axes, result: Comparison, plan: ShowPlan, sheet: Sheet, units: 
     axes.plot(across, upward, color=colour, linewidth=0.6, alpha=SWEPT[direction], zorder=4, label=label)
 
 
-def _beside(result: Comparison, plan: ShowPlan, sheet: Sheet, direction: str, units: Units) -> str:
-    """How far the peak of a chirp is from the settled one of the same way; empty where that was not swept."""
+def _beside(result: Comparison, plan: ShowPlan, sheet: Sheet, direction: str, units: DisplayUnits) -> str:
+    """Distance of a chirp's peak from the settled one of the same way, as text; empty where that was not swept."""
     if not _has_settled(result, plan, sheet.fidelity):
         return ""
     settled = dict(result[sheet.fidelity].items()).get(direction)

@@ -23,7 +23,7 @@ from vibeam.figures.panels import faults_at, mark_stop, sheets_at, titled
 from vibeam.figures.settled_motion import NoMotion, exact_columns, settled, sheet_each
 from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import Look, name_of
-from vibeam.figures.units import Units, units_for
+from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 
@@ -112,7 +112,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
         grid[row, 0].set_ylabel(motion_of("contact", "velocity", units))
 
 
-def _draw_one(panels: Any, sheet: Sheet, look: Look, units: Units, name: str) -> None:
+def _draw_one(panels: Any, sheet: Sheet, look: Look, units: DisplayUnits, name: str) -> None:
     turns, plain = sheet["time"] * sheet.frequency, look.keys(0.9)
     for kind, keys in (("", plain), ("unfolded_", {"color": look.colour, **TRANSFORMED})):
         place = sheet["unfolded" if kind else "displacement"] * units.length_factor

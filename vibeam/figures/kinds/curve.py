@@ -15,7 +15,7 @@ from vibeam.figures.branch_lines import draw_branch
 from vibeam.figures.panels import across_frequency, labelled
 from vibeam.figures.sheet import Sheet
 from vibeam.figures.style import KEY, LINES, looks_of, name_of
-from vibeam.figures.units import Units, units_for
+from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.observe.branches import MotionClass
 from vibeam.system.response import complete
 from vibeam_models.outputs import DISPLACEMENT
@@ -84,7 +84,7 @@ def caption(plan: ShowPlan) -> str:
     return OF_OUTPUT.get(name, CALLED.get(name, name)).split(" (")[0]
 
 
-def _called(name: str, output: str, units: Units) -> str:
+def _called(name: str, output: str, units: DisplayUnits) -> str:
     whose = f"{output} " if units.frequency else ""
     whose += f"{units.quantity} " if units.quantity != DISPLACEMENT.name else ""
     return f"{whose}{OF_OUTPUT[name]}" if name in OF_OUTPUT else CALLED[name]

@@ -23,10 +23,10 @@ from vibeam.figures.panels import labelled
 from vibeam.figures.settled_motion import chain_or_exact
 from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import Look, looks_of, name_of
-from vibeam.figures.units import Units, units_of
+from vibeam.figures.units import DisplayUnits, units_of
 from vibeam.flight.trajectory import simulate
-from vibeam.observe.measuring_chain import Record, measure
-from vibeam.observe.spectrum import spectrum_of
+from vibeam.observe.harmonics import spectrum_of
+from vibeam.observe.measuring_chain import MeasuredRecord, measure
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
@@ -76,7 +76,7 @@ def _columns(case: Case, name: str, plan: ShowPlan) -> Columns:
     }
 
 
-def _record(case: Case, name: str, plan: ShowPlan) -> tuple[Record, float]:
+def _record(case: Case, name: str, plan: ShowPlan) -> tuple[MeasuredRecord, float]:
     """Record of the free motion, and the natural frequency (Hz) of the mode that the output shows most."""
     system = case.system(name)
     shape = static_shape(system, system.contact)
@@ -96,7 +96,7 @@ def without_stop(system: ImpactSystem, place: Array, rest: Array) -> ImpactSyste
     return replace(system, gap=far, law=None, second_gap=None)
 
 
-def maxima(record: Record, natural: float) -> tuple[Array, Array]:
+def maxima(record: MeasuredRecord, natural: float) -> tuple[Array, Array]:
     """Times and heights of the maxima, one a natural period, by parabolas; ValueError for fewer than three."""
     from scipy.signal import find_peaks
 
@@ -147,7 +147,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     labelled(spectrum, "frequency", units.frequency, across=True)
 
 
-def _draw_one(motion: Axes, spectrum: Axes, sheet: Sheet, look: Look, units: Units, name: str) -> None:
+def _draw_one(motion: Axes, spectrum: Axes, sheet: Sheet, look: Look, units: DisplayUnits, name: str) -> None:
     time, factor = sheet["time"], units.length_factor
     motion.plot(time, sheet["displacement"] * factor, label=name, **look.keys(0.8))
     for side in (1.0, -1.0):

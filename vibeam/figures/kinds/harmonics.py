@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from vibeam.case.case import Case
     from vibeam.figures.comparison import Comparison
-    from vibeam.figures.units import Units
+    from vibeam.figures.units import DisplayUnits
 
 
 HIGHEST = 8
@@ -80,7 +80,9 @@ def _few(plan: ShowPlan) -> bool:
     return len(plan.frequency) <= FEW
 
 
-def _bar_panels(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...], units: Units) -> Any:
+def _bar_panels(
+    figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...], units: DisplayUnits
+) -> Any:
     """Draw a panel a frequency, bars side by side for the fidelities."""
     grid = figure.subplots(1, len(plan.frequency), sharey=True, squeeze=False)[0]
     width = 0.8 / len(plan.fidelities) / (plan.subdivision or 1)
@@ -95,7 +97,9 @@ def _bar_panels(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple
     return grid
 
 
-def _line_panels(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...], units: Units) -> Any:
+def _line_panels(
+    figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...], units: DisplayUnits
+) -> Any:
     """Draw a panel a fidelity, a line an order."""
     grid = figure.subplots(1, len(plan.fidelities), sharey=True, squeeze=False)[0]
     for axes, name in zip(grid, plan.fidelities, strict=True):
@@ -107,7 +111,7 @@ def _line_panels(figure: Figure, result: Comparison, plan: ShowPlan, shown: tupl
     return grid
 
 
-def _lines(axes: Axes, sheets: list[Sheet], units: Units) -> None:
+def _lines(axes: Axes, sheets: list[Sheet], units: DisplayUnits) -> None:
     """Draw each order where it is above round-off."""
     if not sheets:
         return

@@ -16,7 +16,7 @@ from vibeam.figures.panels import labelled
 from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import look, looks_of, name_of
 from vibeam.figures.units import units_for
-from vibeam.observe.collision import Collision
+from vibeam.observe.restitution import Collision
 from vibeam.solvers.collision import struck
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array

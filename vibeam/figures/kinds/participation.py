@@ -15,7 +15,7 @@ from vibeam.figures.settled_motion import exact_motion, settled, sheet_each
 from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import bar, name_of
 from vibeam.figures.units import units_for
-from vibeam.observe.participation import modal_participation
+from vibeam.observe.harmonics import modal_participation
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

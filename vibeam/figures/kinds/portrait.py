@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from vibeam.case.case import Case
     from vibeam.figures.comparison import Comparison
-    from vibeam.figures.units import Units
+    from vibeam.figures.units import DisplayUnits
 
 
 PERIODS = 16
@@ -53,7 +53,7 @@ def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet,
     grid[0].set_ylabel(motion_of(plan.output, "velocity", units))
 
 
-def _path(axes: Axes, sheet: Sheet, look: Look, units: Units, label: str) -> None:
+def _path(axes: Axes, sheet: Sheet, look: Look, units: DisplayUnits, label: str) -> None:
     displacement, velocity = sheet["displacement"] * units.length_factor, sheet["velocity"] * units.speed_factor
     before = np.searchsorted(sheet["time"], sheet["impact_time"] * (1 - ROUNDING))  # first of the two samples
     loops = _loops(sheet)

@@ -19,15 +19,15 @@ from vibeam.figures.settled_motion import MeasuredWindow, NoMotion, chain_or_exa
 from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import looks, name_of, nested
 from vibeam.figures.units import units_for
-from vibeam.observe.apparent_restitution import (
-    Restitution,
+from vibeam.observe.motion import impacts_within
+from vibeam.observe.restitution import (
+    ApparentRestitution,
     adjacent_restitution,
     extrapolated_restitution,
     extremum_restitution,
     mode_restitution,
     true_restitution,
 )
-from vibeam.observe.motion import impacts_within
 from vibeam.observe.slow_motion import further_modes, slow_part
 from vibeam_models.laws.compliant import CompliantStop
 
@@ -76,7 +76,7 @@ def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns
     return {"impact_time": Column(found.hits[:, 0] - found.begin, "s", "times of the impacts")} | columns
 
 
-def _readings(found: MeasuredWindow, period: float) -> dict[str, Restitution]:
+def _readings(found: MeasuredWindow, period: float) -> dict[str, ApparentRestitution]:
     """Readings of all impacts of the path: impacts outside the window still bound the stretches inside."""
     path, record = found.path, found.record
     hits = impacts_within(path, path.t_start, path.t_end)[:, 0]

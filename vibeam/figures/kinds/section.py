@@ -14,7 +14,7 @@ from vibeam.figures.settled_motion import NoMotion, Settled, exact_motion, settl
 from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import name_of
 from vibeam.figures.units import units_for
-from vibeam.observe.poincare import stroboscopic_section
+from vibeam.observe.phase_plane import stroboscopic_section
 from vibeam.system.response import Ended
 from vibeam.system.state import State
 from vibeam_models.arrays import Array

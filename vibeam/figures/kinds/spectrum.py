@@ -12,7 +12,7 @@ from vibeam.figures.settled_motion import chain_or_exact, measured_window, sheet
 from vibeam.figures.sheet import Column, Columns, Sheet
 from vibeam.figures.style import name_of
 from vibeam.figures.units import units_for
-from vibeam.observe.spectrum import spectrum_of
+from vibeam.observe.harmonics import spectrum_of
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:

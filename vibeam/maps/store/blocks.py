@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.exchange.sealed_files import read_sealed, write_sealed
+from vibeam.exchange.whole_files import read_sealed, write_sealed
 from vibeam.maps.block import Block, Values
 from vibeam.runs.keys import digest_of_code
 from vibeam.runs.store.errors import StoreError, unwritable

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.case import units_of_output
-from vibeam.exchange.sealed_files import fill_sealed, is_sealed
-from vibeam.exchange.whole_files import write_at
+from vibeam.exchange.whole_files import fill_sealed, is_sealed, write_at
 from vibeam.maps.axes import shape_of
 from vibeam.maps.block import DTYPES, Block, Grid, Values
 from vibeam.maps.evaluate import GridResponse

@@ -60,7 +60,7 @@ def shown_axis(case: Case, axis: AxisPlan) -> ShownAxis:
 
 
 @dataclass(frozen=True)
-class Panel:
+class MapPanel:
     """One panel: its place, title, row's name, what it shows of (``response``, ``way``), and the outer axis' value."""
 
     row: int
@@ -78,7 +78,7 @@ class Panel:
         return np.asarray(values if self.index is None else values[self.index])
 
 
-def panels(result: MapResult) -> Iterator[Panel]:
+def panels(result: MapResult) -> Iterator[MapPanel]:
     """Panels of a map: a row for each fidelity and way, a column for each value of the outer axis."""
     plan: MapPlan = result.plan
     outer = plan.axes[0] if len(plan.axes) == 3 else None
@@ -91,7 +91,7 @@ def panels(result: MapResult) -> Iterator[Panel]:
                 title = "" if shown is None or value is None else f"({LETTERS[column % 26]}) {shown.text(value)}"
                 held = () if outer is None or value is None else ((outer.key, value),)
                 at = None if outer is None else column
-                yield Panel(row, column, title, side, fidelity, way, held, at)
+                yield MapPanel(row, column, title, side, fidelity, way, held, at)
             row += 1
 
 

@@ -20,7 +20,7 @@ from vibeam.figures.style import COLOURS
 from vibeam.maps.boundaries import boundaries_over
 from vibeam.observe.periodicity import classes
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.report.maps.axes import Panel, ShownAxis, cells, edges, panels, quantity_label, shown_axis
+from vibeam.report.maps.axes import MapPanel, ShownAxis, cells, edges, panels, quantity_label, shown_axis
 from vibeam.report.stability import LOOKS
 from vibeam.studies.stability.rows import NAMES
 from vibeam_models.arrays import Array
@@ -103,7 +103,7 @@ def period(figure: Figure, result: MapResult, exact: bool) -> tuple[Handles, lis
     """Draw the class of the motion; ``exact``: with boundaries. Returns legend and notes."""
     seen: set[int] = set()
 
-    def draw(axes: Axes, panel: Panel, across: NDArray[Any], upward: NDArray[Any]) -> None:
+    def draw(axes: Axes, panel: MapPanel, across: NDArray[Any], upward: NDArray[Any]) -> None:
         response = result[panel.fidelity]
         found = cells(classes(*(panel.of(response, name) for name in ("period", "rest", "ended"))))
         seen.update(np.unique(found).tolist())
@@ -124,7 +124,7 @@ def values(figure: Figure, result: MapResult, exact: bool) -> tuple[Handles, lis
     norm = TwoSlopeNorm(0.0, low, high) if signed else Normalize(low, high)
     meshes: list[Any] = []
 
-    def draw(axes: Axes, panel: Panel, across: NDArray[Any], upward: NDArray[Any]) -> None:
+    def draw(axes: Axes, panel: MapPanel, across: NDArray[Any], upward: NDArray[Any]) -> None:
         shown = cells(panel.of(result[panel.fidelity], quantity)).astype(float)
         meshes.append(
             axes.pcolormesh(
@@ -139,7 +139,7 @@ def values(figure: Figure, result: MapResult, exact: bool) -> tuple[Handles, lis
 
 
 def _plane(
-    figure: Figure, result: MapResult, draw: Callable[[Axes, Panel, Any, Any], None], exact: bool
+    figure: Figure, result: MapResult, draw: Callable[[Axes, MapPanel, Any, Any], None], exact: bool
 ) -> tuple[Handles, list[str]]:
     """Draw every panel, its axes and, where asked for, the boundaries."""
     plan, shown = result.plan, list(panels(result))
@@ -172,7 +172,7 @@ def _plane(
 
 
 def _overlay(
-    axes: Axes, result: MapResult, panel: Panel, across: ShownAxis, upward: ShownAxis, lines: dict[Any, Line2D],
+    axes: Axes, result: MapResult, panel: MapPanel, across: ShownAxis, upward: ShownAxis, lines: dict[Any, Line2D],
     notes: dict[str, None],
 ) -> None:  # fmt: skip
     """Lay the exact boundaries over a panel."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from vibeam.figures.units import Units
+from vibeam.figures.units import DisplayUnits
 from vibeam.report.tables import blank
 from vibeam.system.number_text import percent
 
@@ -25,7 +25,7 @@ def shares(rows: Sequence[MapRow]) -> ReportTable:
     return table
 
 
-def motions(found: Sequence[Motion], units: Units) -> ReportTable:
+def motions(found: Sequence[Motion], units: DisplayUnits) -> ReportTable:
     """Table of the motions that starts lead to, the commonest of each fidelity first."""
     unit = f" ({units.length})" if units.length else ""
     table = blank(

@@ -16,7 +16,7 @@ from vibeam.case.reference_curves import reference_points
 from vibeam.figures.axes import NOT_FROM_ZERO, SLIGHT, TOP
 from vibeam.figures.response_curve import grazing_heights
 from vibeam.figures.style import DASH, DASHES, DOT, LINES, looks_of, name_of
-from vibeam.figures.units import Units, units_for
+from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.observe.branches import MotionClass, pieces
 from vibeam.runs.summary import compare
 from vibeam.studies.stored_motions import FRAMES, HARMONICS, StoredMotion, StoredMotions, held_at_zero, stations
@@ -66,7 +66,7 @@ class ChartQuantity:
     factor: float
 
 
-def chart_quantities(units: Units) -> list[ChartQuantity]:
+def chart_quantities(units: DisplayUnits) -> list[ChartQuantity]:
     """Quantities of the chart over frequency, the amplitude first."""
     length = units.length, units.length_factor
     return [
@@ -80,7 +80,7 @@ def chart_quantities(units: Units) -> list[ChartQuantity]:
     ]
 
 
-def _contact_speed(units: Units) -> tuple[str, float]:
+def _contact_speed(units: DisplayUnits) -> tuple[str, float]:
     """Unit of the contact's velocity, which is no output, and the factor to it."""
     return ("mm/s", 1e3) if units.frequency else ("", units.speed_factor)
 

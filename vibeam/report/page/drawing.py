@@ -25,7 +25,7 @@ LETTER, ROW = 6.6, 14.0  # px: mean width of a letter, height of a line of text
 
 
 @dataclass(frozen=True)
-class _Frame:
+class _SceneFrame:
     """Pixels of a place along the beam, and of a height."""
 
     length: float
@@ -76,7 +76,7 @@ def drawing(scene: AnyScene) -> str:
     """
     if not isinstance(scene, Scene):
         return ""
-    frame = _Frame(scene.beam.length)
+    frame = _SceneFrame(scene.beam.length)
     parts = [*_base(scene, frame), *_beam(scene.shaped_beam, frame), *_held(scene, frame), *_masses(scene, frame)]
     parts += [*_stop(scene, frame), *_sensors(scene, frame), *_drive(scene, frame)]
     labels = _apart(_labels(scene, frame))
@@ -97,7 +97,7 @@ def _spoken(scene: Scene) -> str:
     )
 
 
-def _beam(beam: Beam, frame: _Frame) -> Iterator[str]:
+def _beam(beam: Beam, frame: _SceneFrame) -> Iterator[str]:
     for piece in beam.stretches:
         x = np.linspace(piece.start, piece.end, POINTS)
         height = piece.section(x).height
@@ -109,7 +109,7 @@ def _beam(beam: Beam, frame: _Frame) -> Iterator[str]:
         yield f'<polygon class="beam{"" if known else " unknown"}" points="{" ".join(upper + lower)}"/>'
 
 
-def _held(scene: Scene, frame: _Frame) -> Iterator[str]:
+def _held(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
     for each in scene.shaped_beam.held:
         x = frame.x(each.position)
         if isinf(each.stiffness) and isinf(each.rotational_stiffness):
@@ -121,7 +121,7 @@ def _held(scene: Scene, frame: _Frame) -> Iterator[str]:
             yield _spring(x, AXIS + 3)
 
 
-def _masses(scene: Scene, frame: _Frame) -> Iterator[str]:
+def _masses(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
     zones = dict(scene.rigid_zones)
     for _, position in scene.weights:
         half = max(zones.get(position, 0.0) * frame.scale, 5.0)
@@ -129,7 +129,7 @@ def _masses(scene: Scene, frame: _Frame) -> Iterator[str]:
         yield f'<rect class="mass" x="{x - half:.1f}" y="{AXIS - 18}" width="{2 * half:.1f}" height="36" rx="2"/>'
 
 
-def _stop(scene: Scene, frame: _Frame) -> Iterator[str]:
+def _stop(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
     stop, x = scene.stop, frame.x(scene.stop.position)
     yield from _tip(x, AXIS - _reach(scene, stop.position, frame) - max(stop.gap, 0.0) * frame.scale, -1)
     if stop.second_gap is not None:
@@ -140,20 +140,20 @@ def _tip(x: float, y: float, way: int) -> Iterator[str]:
     yield f'<path class="stop" d="M{x:.1f} {y:.2f} l-7 {14 * way} v{16 * way} h14 v{-16 * way} z"/>'
 
 
-def _reach(scene: Scene, position: float, frame: _Frame) -> float:
+def _reach(scene: Scene, position: float, frame: _SceneFrame) -> float:
     """Pixels from the axis to the surface that the stop meets: of the mass where one is there."""
     zones = dict(scene.rigid_zones)
     near = (abs(position - at) <= max(zones.get(at, 0.0), 5 / frame.scale) for _, at in scene.weights)
     return 18.0 if any(near) else THIN
 
 
-def _sensors(scene: Scene, frame: _Frame) -> Iterator[str]:
+def _sensors(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
     for _, position in _outputs(scene):
         below = 24 + _lower(scene, position, frame)
         yield f'<path class="sensor" d="M{frame.x(position):.1f} {AXIS + below} v18 m-4 -12 l4 -6 l4 6"/>'
 
 
-def _lower(scene: Scene, position: float, frame: _Frame) -> float:
+def _lower(scene: Scene, position: float, frame: _SceneFrame) -> float:
     """Pixels by which a sensor gives way to the second stop."""
     met = scene.stop.second_gap is not None and abs(scene.stop.position - position) * frame.scale < 12
     return 10.0 if met else 0.0
@@ -163,7 +163,7 @@ def _outputs(scene: Scene) -> list[tuple[str, float]]:
     return [("sensor", scene.sensor.position), *((each.name, each.position) for each in scene.outputs)]
 
 
-def _labels(scene: Scene, frame: _Frame) -> Iterator[_Label]:
+def _labels(scene: Scene, frame: _SceneFrame) -> Iterator[_Label]:
     """Label of everything that is drawn, the masses' first: these have the least room."""
     stop, place = scene.stop, frame.x(scene.stop.position)
     arrows = [frame.x(position) for _, position in _outputs(scene)]
@@ -188,7 +188,7 @@ def _labels(scene: Scene, frame: _Frame) -> Iterator[_Label]:
         yield _Label(WIDTH / 2, AXIS + 104, words)
 
 
-def _base(scene: Scene, frame: _Frame) -> Iterator[str]:
+def _base(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
     if scene.platform is None:
         return
     yield f'<rect class="platform" x="{LEFT - 24}" y="{AXIS + 78}" width="{WIDTH - LEFT - RIGHT + 40}" height="12"/>'
@@ -196,7 +196,7 @@ def _base(scene: Scene, frame: _Frame) -> Iterator[str]:
     yield _spring(LEFT + 20, AXIS + 90, 20) + _spring(WIDTH - RIGHT, AXIS + 90, 20)
 
 
-def _drive(scene: Scene, frame: _Frame) -> Iterator[str]:
+def _drive(scene: Scene, frame: _SceneFrame) -> Iterator[str]:
     on = scene.base.on_beam
     if on is None:
         yield '<path class="drive" d="M22 95 v80 m-5 -72 l5 -8 l5 8 m-10 64 l5 8 l5 -8"/>'
@@ -204,7 +204,7 @@ def _drive(scene: Scene, frame: _Frame) -> Iterator[str]:
     yield f'<path class="drive" d="M{frame.x(on[0]):.1f} {AXIS + 60} v-34 m-5 8 l5 -8 l5 8"/>'
 
 
-def _ruler(frame: _Frame, y: float) -> Iterator[str]:
+def _ruler(frame: _SceneFrame, y: float) -> Iterator[str]:
     step = 10.0 ** np.floor(np.log10(frame.length))
     step = step / 2 if 2 * step > frame.length else step
     yield f'<path class="ruler" d="M{LEFT} {y} h{step * frame.scale:.2f} m0 -4 v8 M{LEFT} {y - 4} v8"/>'

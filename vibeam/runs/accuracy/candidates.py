@@ -175,7 +175,7 @@ def _impact_columns(velocity: Array, kind: int) -> dict[str, Any]:
 
 def _averaged(candidate: Candidate, which: Index) -> Evaluation:
     """Stable averaged motion; its error against its model is unknown."""
-    from vibeam.solvers.averaging.solver import AveragingSolver
+    from vibeam.solvers.averaging import AveragingSolver
 
     curves = AveragingSolver(candidate.known.system).curves(
         candidate.known.omega[which], candidate.known.amplitude[which], candidate.output
@@ -213,7 +213,7 @@ def candidates_of(name: str, known: ClosedForms, quantities: tuple[str, ...], ou
 
 
 def _averages(known: ClosedForms, quantities: Sequence[str]) -> bool:
-    from vibeam.solvers.averaging.solver import AveragingSolver
+    from vibeam.solvers.averaging import AveragingSolver
 
     if known.system.size > 1 or not set(quantities) <= set(AVERAGED):
         return False

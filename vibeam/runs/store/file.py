@@ -8,8 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vibeam.exchange.hdf5 import contents, is_own
-from vibeam.exchange.heap import heaps_are_whole
+from vibeam.exchange.hdf5 import contents, heaps_are_whole, is_own
 from vibeam.exchange.whole_files import regular
 from vibeam.runs.store.branch import Values, read_rows
 from vibeam.runs.store.content import FORMAT, OLDER, SIGNATURE, UNSIGNED, adapted, blank, format_of, is_ours

@@ -14,7 +14,7 @@ EXPLICIT = ("RK23", "RK45", "DOP853")
 
 
 @dataclass(frozen=True)
-class Settings:
+class IntegrationSettings:
     """scipy's ``method`` and ``rtol``; ``atol``: contact displacement, m; ``limit``: events a drive period."""
 
     method: str

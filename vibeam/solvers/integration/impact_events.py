@@ -25,10 +25,9 @@ from typing import Any
 import numpy as np
 
 from vibeam.flight.engine.threads import pause
-from vibeam.solvers.integration.adaptive import AdaptiveStepper
-from vibeam.solvers.integration.coordinates import Frame, Settings
-from vibeam.solvers.integration.samples import Outcome, Piece, turning_points
-from vibeam.solvers.integration.stepper import NO_MARKS, Watch, cycle, slack
+from vibeam.solvers.integration.coordinates import Frame, IntegrationSettings
+from vibeam.solvers.integration.samples import SampledPiece, SteppedOutcome, turning_points
+from vibeam.solvers.integration.stepper import NO_MARKS, AdaptiveStepper, Watch, cycle, slack
 from vibeam.system.impact_system import Drive
 from vibeam.system.response import Ended
 from vibeam.system.state import State
@@ -44,7 +43,7 @@ EVALUATIONS = 1_000_000  # of the right-hand side in a drive period: modes far t
 ONE_AT_A_TIME = Lock()  # before scipy 1.17, LSODA keeps its state in one place for all threads
 
 
-class _Endless(Exception):
+class TooManyEvaluations(Exception):
     """More evaluations than may be in a drive period."""
 
 
@@ -57,14 +56,14 @@ class EventSolver(AdaptiveStepper):
 
     def run(
         self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS
-    ) -> Outcome:
+    ) -> SteppedOutcome:
         """See ``Stepper.run``."""
         frame, y = self.enter(drive, state)
         event_run = EventRun(frame, y, self.settings, cycle(self.system, drive), start, end, watch, marks)
         with np.errstate(all="ignore"):
             ended = event_run.advance(slack(self.system, state.displacement) + self.settings.atol, state.resting)
         pose = event_run.frame.outward(event_run.y[:, None])[0]
-        return Outcome(
+        return SteppedOutcome(
             ended,
             event_run.t,
             State.reached(pose[0], pose[1], event_run.resting),
@@ -77,7 +76,7 @@ class EventRun:
     """Progress of one run: its present state and its counters."""
 
     def __init__(
-        self, frame: Frame, y: Array, settings: Settings, period: float, start: float, end: float,
+        self, frame: Frame, y: Array, settings: IntegrationSettings, period: float, start: float, end: float,
         watch: Watch | None, marks: Array,
     ) -> None:  # fmt: skip
         self.frame, self.y, self.settings, self.period = frame, y, settings, period
@@ -93,7 +92,7 @@ class EventRun:
         """Advance through flights, impacts and rests to the end; the start may lie ``allowed`` m beyond the stop."""
         try:
             return self._advanced(allowed, resting)
-        except _Endless:
+        except TooManyEvaluations:
             return Ended.UNRESOLVED
 
     def _advanced(self, allowed: float, resting: bool) -> Ended:
@@ -195,7 +194,7 @@ class EventRun:
         if turn > self.evaluated_turn:
             self.evaluated_turn, self.evaluated_before = turn, self.evaluations
         if self.evaluations - self.evaluated_before > EVALUATIONS:
-            raise _Endless
+            raise TooManyEvaluations
 
     def _missed_passage(self, times: Array, states: Array) -> tuple[float, float] | None:
         """Begin of the first step inside which the contact turns beyond the stop, and time of that turn."""
@@ -226,7 +225,7 @@ class EventRun:
         count = 1 if struck and speed > 0 else 0
         at = samples(times, self.marks)
         values = self.frame.outward(found.sol(at))
-        self.watch(Piece(at, values, np.full(count, self.t), np.full(count, speed), rest))
+        self.watch(SampledPiece(at, values, np.full(count, self.t), np.full(count, speed), rest))
 
 
 def samples(times: Array, marks: Array) -> Array:

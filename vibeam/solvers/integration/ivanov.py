@@ -30,20 +30,15 @@ import numpy as np
 
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.equilibrium import equilibrium
-from vibeam.solvers.integration.adaptive import AdaptiveStepper
 from vibeam.solvers.integration.coordinates import only_one_mode
-from vibeam.solvers.integration.impact_events import LONGEST, samples
-from vibeam.solvers.integration.samples import Outcome, Piece
-from vibeam.solvers.integration.stepper import NO_MARKS, Watch, cycle, slack
+from vibeam.solvers.integration.impact_events import LONGEST, TooManyEvaluations, samples
+from vibeam.solvers.integration.samples import SampledPiece, SteppedOutcome
+from vibeam.solvers.integration.stepper import NO_MARKS, AdaptiveStepper, Watch, cycle, slack
 from vibeam.solvers.integration.zhuravlev import Distance
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
-
-
-class _Endless(Exception):
-    """More evaluations in one drive period than ``limit``."""
 
 
 @dataclass
@@ -96,7 +91,7 @@ class IvanovCoordinates:
         if turn > self.turn:
             self.turn, self.before = turn, self.evaluations
         if self.evaluations - self.before > self.limit:
-            raise _Endless
+            raise TooManyEvaluations
 
     def outward(self, states: Array, side: float) -> tuple[Array, Array]:
         """x and x' (m,) of states (2, m) of one flight on the side ±1."""
@@ -123,7 +118,7 @@ class IvanovSolver(AdaptiveStepper):
 
     def run(
         self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS
-    ) -> Outcome:
+    ) -> SteppedOutcome:
         """See ``Stepper.run``."""
         from scipy.integrate import solve_ivp
 
@@ -131,9 +126,9 @@ class IvanovSolver(AdaptiveStepper):
         loss, period = (1 - restitution) / (1 + restitution), cycle(self.system, drive)
         coordinates = IvanovCoordinates(distance, loss, period, self.settings.limit, self.settings.atol)
         if distance.distance(state)[0] < -slack(self.system, state.displacement) - self.settings.atol:
-            return Outcome(Ended.PENETRATED, start, state, 0, 0)
+            return SteppedOutcome(Ended.PENETRATED, start, state, 0, 0)
         if end <= start:
-            return Outcome(Ended.COMPLETE, end, state, 0, 0)
+            return SteppedOutcome(Ended.COMPLETE, end, state, 0, 0)
         try:
             with np.errstate(all="ignore"):
                 found = solve_ivp(
@@ -141,7 +136,7 @@ class IvanovSolver(AdaptiveStepper):
                     rtol=self.settings.rtol, atol=self.settings.atol * distance.scale, max_step=LONGEST * period,
                     dense_output=watch is not None,
                 )  # fmt: skip
-        except _Endless:
+        except TooManyEvaluations:
             return self._stopped(Ended.EVENT_LIMIT, start, coordinates)
         if found.status < 0 or not np.all(np.isfinite(found.y[:, -1])):
             return self._stopped(Ended.NOT_FINITE, start, coordinates)
@@ -149,10 +144,10 @@ class IvanovSolver(AdaptiveStepper):
             _pass_on(coordinates, found, watch, marks)
         last = distance.modal(*coordinates.outward(found.y[:, -1:], side_of(found.y[:, -1])))[0]
         impacts = int(np.count_nonzero(np.diff(np.signbit(found.y[0]))))
-        return Outcome(Ended.COMPLETE, end, State(last[0], last[1]), impacts, coordinates.evaluations)
+        return SteppedOutcome(Ended.COMPLETE, end, State(last[0], last[1]), impacts, coordinates.evaluations)
 
-    def _stopped(self, ended: Ended, start: float, coordinates: IvanovCoordinates) -> Outcome:
-        return Outcome(ended, start, equilibrium(self.system), 0, coordinates.evaluations)
+    def _stopped(self, ended: Ended, start: float, coordinates: IvanovCoordinates) -> SteppedOutcome:
+        return SteppedOutcome(ended, start, equilibrium(self.system), 0, coordinates.evaluations)
 
 
 def side_of(y: Array) -> float:
@@ -176,7 +171,7 @@ def _pass_on(coordinates: IvanovCoordinates, found: Any, watch: Watch, marks: Ar
         struck = i < len(roots)
         speed = -slope[-1:] if struck else NO_MARKS
         when = at[-1:] if struck else NO_MARKS
-        watch(Piece(at, coordinates.of.modal(x, slope), when, speed, coordinates.resting(at, states)))
+        watch(SampledPiece(at, coordinates.of.modal(x, slope), when, speed, coordinates.resting(at, states)))
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:

@@ -25,7 +25,7 @@ import numpy as np
 from vibeam.flight.engine.entries import march
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.kernels import moreau_layout
-from vibeam.solvers.integration.samples import Outcome, Piece
+from vibeam.solvers.integration.samples import SampledPiece, SteppedOutcome
 from vibeam.solvers.integration.stepper import NO_MARKS, Stepper, Watch, cycle, onto_stop, slack
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
@@ -64,11 +64,11 @@ class MoreauSolver(Stepper):
 
     def run(
         self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS
-    ) -> Outcome:
+    ) -> SteppedOutcome:
         """See ``Stepper.run``; ``marks`` must be whole periods from ``start``. The returned state is off the stop."""
         system, longest = self.system, cycle(self.system, drive) / self.steps
         if float(system.contact @ state.displacement) - system.gap > slack(system, state.displacement):
-            return Outcome(Ended.PENETRATED, start, state, 0, 0)
+            return SteppedOutcome(Ended.PENETRATED, start, state, 0, 0)
         count = int(np.ceil((end - start) / longest - EDGE))
         pose, h = np.stack([state.displacement, state.velocity]), (end - start) / max(count, 1)
         march_on = _March(self, drive, pose, h, watch)
@@ -76,7 +76,7 @@ class MoreauSolver(Stepper):
             pause()
             march_on.chunk(start, first, min(self.steps, count - first))
         ended = Ended.COMPLETE if np.all(np.isfinite(pose)) else Ended.NOT_FINITE
-        return Outcome(ended, end, State.reached(onto_stop(system, pose[0]), pose[1]), march_on.impacts, count)
+        return SteppedOutcome(ended, end, State.reached(onto_stop(system, pose[0]), pose[1]), march_on.impacts, count)
 
 
 class _March:
@@ -104,11 +104,11 @@ class _March:
         if self.watch is not None:
             self.watch(self._piece(times, count))
 
-    def _piece(self, times: Array, count: int) -> Piece:
+    def _piece(self, times: Array, count: int) -> SampledPiece:
         strikes = self.strikes[: self.totals[moreau_layout.IMPACTS]]
         struck = times[strikes[:, 0].astype(int)] + self.h
         rest, smooth = float(self.totals[moreau_layout.HELD]) * self.h, self.pushed[:count] == 0.0
-        return Piece(times, self.samples[: count + 1].copy(), struck, strikes[:, 1].copy(), rest, smooth)
+        return SampledPiece(times, self.samples[: count + 1].copy(), struck, strikes[:, 1].copy(), rest, smooth)
 
 
 def moreau_rows(system: ImpactSystem, drive: Drive, h: float, theta: float) -> Array:

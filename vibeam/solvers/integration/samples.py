@@ -22,7 +22,7 @@ SLACK = 1e-9  # tolerance, as a share of a period, between a sample's time and t
 
 
 @dataclass(frozen=True)
-class Piece:
+class SampledPiece:
     """Stretch of motion: samples (m, 2, n) at ascending times (m,), the last one just before the impact that ends it.
 
     ``impact_times`` and ``impact_velocities`` (k,): the impacts in it; ``rest``: time at rest on the stop, s;
@@ -38,7 +38,7 @@ class Piece:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class SteppedOutcome:
     """Outcome of a run: reason, time (s) and state at the end; impacts and evaluations of the right-hand side."""
 
     ended: Ended
@@ -49,7 +49,7 @@ class Outcome:
 
 
 @dataclass(frozen=True)
-class Motion:
+class SampledMotion:
     """Sampled motion, SI units: ``times`` (m,), modal ``values`` (m, 2, n); at an impact one before, one after.
 
     ``impact_velocities`` (k,): contact velocities just before, positive toward the stop; ``rest``: time at rest on the
@@ -77,7 +77,7 @@ class Motion:
         return np.asarray(self.values[:, 1] @ self.system.output(output))
 
 
-class Reading:
+class SampledReading:
     """Accumulates the pieces of ``hold`` periods, in order (from time 0), to the quantities of a steady point."""
 
     def __init__(self, system: ImpactSystem, drive: Drive, output: str, hold: int, start: State) -> None:
@@ -88,7 +88,7 @@ class Reading:
         self.rest, self.energy = 0.0, np.zeros(system.size)
         self.velocities: list[float] = []
 
-    def add(self, piece: Piece) -> None:
+    def add(self, piece: SampledPiece) -> None:
         """Add one piece."""
         low, high = self._extremes(piece, self.row)
         self.low, self.high = min(self.low, low), max(self.high, high)
@@ -98,10 +98,10 @@ class Reading:
         self.rest += piece.rest
         self._strobe(piece)
 
-    def _extremes(self, piece: Piece, row: Array) -> tuple[float, float]:
+    def _extremes(self, piece: SampledPiece, row: Array) -> tuple[float, float]:
         return extremes(piece.times, piece.values[:, 0] @ row, piece.values[:, 1] @ row, piece.smooth)
 
-    def _strobe(self, piece: Piece) -> None:
+    def _strobe(self, piece: SampledPiece) -> None:
         slack = SLACK * self.marks[0]
         inside = self.marks[len(self.strobes) - 1 :]
         inside = inside[inside <= piece.times[-1] + slack]
@@ -149,7 +149,7 @@ def extremes(
     return (min(low, float(np.min(turns))), max(high, float(np.max(turns)))) if turns.size else (low, high)
 
 
-def energy(piece: Piece, omega: Array) -> Array:
+def energy(piece: SampledPiece, omega: Array) -> Array:
     """Energy integral ∫ ½(η'² + ω²η²) dt of each mode (n,) over a piece: Simpson's rule, midpoints from the cubics."""
     x, v, h = piece.values[:, 0], piece.values[:, 1], np.diff(piece.times)[:, None]
     ends = (v**2 + omega**2 * x**2) / 2

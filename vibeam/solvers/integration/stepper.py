@@ -1,4 +1,4 @@
-"""Base class of time-stepping solvers: steady points and motions from their ``run``."""
+"""Base classes of time-stepping solvers: steady points and motions from their ``run``; options of scipy's."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from collections.abc import Callable
 import numpy as np
 
 from vibeam.flight.equilibrium import equilibrium
-from vibeam.solvers.integration.samples import Motion, Outcome, Piece, Reading
+from vibeam.solvers.integration.coordinates import EXPLICIT, IntegrationSettings, chosen
+from vibeam.solvers.integration.samples import SampledMotion, SampledPiece, SampledReading, SteppedOutcome
 from vibeam.solvers.steady import SteadySolver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
 
-Watch = Callable[[Piece], None]
+Watch = Callable[[SampledPiece], None]
 BEYOND = 1e-9  # tolerance for a start beyond the stop, as a share of the contact displacement's size
 NO_MARKS = np.empty(0)
 
@@ -32,7 +33,7 @@ class Stepper(SteadySolver):
     @abstractmethod
     def run(
         self, drive: Drive, state: State, start: float, end: float, watch: Watch | None = None, marks: Array = NO_MARKS
-    ) -> Outcome:
+    ) -> SteppedOutcome:
         """Run from ``start`` to ``end`` (s); ``watch`` receives the motion in pieces, with a sample at all ``marks``.
 
         Without ``watch`` nothing is sampled.
@@ -48,7 +49,7 @@ class Stepper(SteadySolver):
         """As ``SteadySolver.point``: the last state, equilibrium where the point failed."""
         period = 2 * np.pi / drive.omega
         settled = self.run(drive, carried, 0.0, settle * period)
-        reading = Reading(self.system, drive, output, hold, settled.state)
+        reading = SampledReading(self.system, drive, output, hold, settled.state)
         outcomes = [settled]
         if settled.ended is Ended.COMPLETE:
             outcomes.append(self.run(drive, settled.state, 0.0, hold * period, reading.add, reading.marks))
@@ -61,7 +62,7 @@ class Stepper(SteadySolver):
         reading.write(response, index, self.repeats)
         return last.state
 
-    def motion(self, drive: Drive, state: State | None, t_start: float, t_end: float) -> Motion:
+    def motion(self, drive: Drive, state: State | None, t_start: float, t_end: float) -> SampledMotion:
         """Motion from ``t_start`` to ``t_end`` (s) at the solver's own samples; ``state`` None: static equilibrium.
 
         ValueError for times that do not ascend or a state of the wrong shape.
@@ -71,14 +72,14 @@ class Stepper(SteadySolver):
         begun = time.thread_time()
         first = first_state(self.system, state)
         pose = np.stack([first.displacement, first.velocity])[None]
-        pieces = [Piece(np.array([t_start]), pose, NO_MARKS, NO_MARKS)]
+        pieces = [SampledPiece(np.array([t_start]), pose, NO_MARKS, NO_MARKS)]
         outcome = self.run(drive, first, t_start, t_end, pieces.append)
         stats = {
             "impacts": outcome.impacts,
             "evaluations": outcome.evaluations,
             "cpu_seconds": time.thread_time() - begun,
         }
-        return Motion(
+        return SampledMotion(
             self.system,
             drive,
             np.concatenate([piece.times for piece in pieces]),
@@ -118,3 +119,42 @@ def cycle(system: ImpactSystem, drive: Drive) -> float:
     """Drive period in s, the slowest mode's without a drive."""
     rates = [drive.omega] if drive.omega > 0 else [*system.omega[system.omega > 0], np.inf]
     return float(2 * np.pi / min(rates)) if np.isfinite(min(rates)) else 1.0
+
+
+class AdaptiveStepper(Stepper):
+    """Base class of the solvers by scipy, whose steps follow tolerances."""
+
+    METHODS: tuple[str, ...] = EXPLICIT
+    LIMIT = 1000  #: of events or evaluations in a drive period
+    REPEATS = 10  #: tolerance between states a period apart, in units of rtol
+
+    def __init__(
+        self,
+        system: ImpactSystem,
+        slowest: float,
+        span: float = 0.0,
+        *,
+        method: str = "RK23",
+        rtol: float = 1e-4,
+        atol: float = 1e-8,
+        limit: int | None = None,
+        repeats: float | None = None,
+    ) -> None:
+        """``slowest`` and ``span`` are ignored.
+
+        ``method``: scipy's name, one of ``METHODS``; "RK23" is the paper's (Matlab's ode23). ``rtol``: a step's; no
+        step is longer than an eighth of the drive period.
+        ``atol``: of the contact displacement, m; a mode's own is atol/√(Σ contact²), its velocity's ω times that. The
+        default is the paper's for displacements near 10⁻²: keep it near 10⁻⁶ of the amplitude. Flights that rise less
+        than it count as rest on the stop. ``limit``: events a drive period, None: ``LIMIT``. ``repeats``: how far
+        states a period apart may differ, as a share of the motion's size; None: ``REPEATS`` rtol, at least 1e-5
+        (settled runs repeat to about rtol). ValueError for others.
+        """
+        self.takes(system)
+        limit = self.LIMIT if limit is None else limit
+        self.system, self.settings = system, IntegrationSettings(chosen(method, self.METHODS), rtol, atol, limit)
+        self.repeats = max(1e-5, self.REPEATS * rtol) if repeats is None else repeats
+
+    @abstractmethod
+    def takes(self, system: ImpactSystem) -> None:
+        """Raise ValueError for a system that this solver cannot take."""

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.observe.apparent_restitution import first_mode_restitution
+from vibeam.observe.restitution import first_mode_restitution
 from vibeam.studies.fit.estimate import Minimum, probability
 from vibeam.studies.fit.judgement import Judgement, Pattern, doubled
 from vibeam.studies.fit.problem import MOTIONS, Problem

@@ -8,7 +8,7 @@ import numpy as np
 
 from vibeam.case.faults import CaseError
 from vibeam.case.reference_files import factor, fault_in
-from vibeam.exchange.curves.columns import Wanted
+from vibeam.exchange.curves.columns import WantedColumn
 from vibeam.exchange.curves.read import read_columns
 from vibeam.exchange.files import FormatError
 from vibeam_models.arrays import Array
@@ -26,9 +26,9 @@ def read_signal(
     ``x``, ``y``: heads of the columns, or their numbers from 1. CaseError with the place and the cure.
     """
     wanted = {
-        "frequency": Wanted((_head(x),) if x else USUAL[over]),
-        "value": Wanted((_head(y),) if y else VALUES),
-        "uncertainty": Wanted(("uncertainty", "u"), needed=False),
+        "frequency": WantedColumn((_head(x),) if x else USUAL[over]),
+        "value": WantedColumn((_head(y),) if y else VALUES),
+        "uncertainty": WantedColumn(("uncertainty", "u"), needed=False),
     }
     try:
         found = read_columns(path, wanted).columns

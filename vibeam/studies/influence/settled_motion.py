@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vibeam.case.fidelity import gap_drift
 from vibeam.flight.trajectory import Trajectory, simulate
-from vibeam.observe.apparent_restitution import extrapolated_restitution
+from vibeam.observe.restitution import extrapolated_restitution
 from vibeam.observe.ringing import fit_ringing
 from vibeam.observe.slow_motion import SlowPart, slow_part
 from vibeam.studies.influence.curve import Curve, Step

@@ -12,7 +12,7 @@ from vibeam.case.faults import CaseError
 from vibeam.periodic.orbit_map import OrbitMap, orbit_map
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.summary import ill_posed
-from vibeam.solvers.averaging.solver import slow_flow
+from vibeam.solvers.averaging import slow_flow
 from vibeam.studies.stability import axes
 from vibeam.studies.stability.axes import Axis, Driving
 from vibeam.studies.stability.rows import Crossing, CurvePoint, Share, crossings, curve_points, share

@@ -1,4 +1,8 @@
-"""Stability of the impact map: trace and determinant of its Jacobian, corrected and as printed (eq. 29–30, 35–37).
+"""Mapping solver: stable fixed points of the impact map, as in the paper's pointwise mapping (eq. 28–37).
+
+Fixed points follow in closed form, their stability from trace and determinant of the map's Jacobian; the map is not
+iterated, for that is the work of the flight solver. So all motions with one impact every n periods are found, and none
+with more impacts, chatter or chaos: such a point is NaN.
 
 A flight of duration τ from (t₀, q̇₊ = −R q̇₋⁰) to (t₁, q̇₋), with E(τ) the free flow and accelerations
 q̈₊ = F(t₀) − 2βq̇₊ − Δ, q̈₋ = F(t₁) − 2βq̇₋ − Δ: a start that is late by δt₀ and faster by δq̇₊ arrives at the undisturbed
@@ -37,8 +41,10 @@ from typing import Literal
 
 import numpy as np
 
-from vibeam.solvers.mapping.impact_map import Impact, ImpactMap, Orbit, fixed_points, flight_solver
-from vibeam.solvers.one_mode.oscillator import Oscillator
+from vibeam.solvers.impact_map import FixedPoint, Impact, ImpactMap, fixed_points, flight_solver
+from vibeam.solvers.one_mode import Oscillator, StationaryMotion, StationarySolver
+from vibeam.system.impact_system import ImpactSystem
+from vibeam_models.arguments import count, refuse
 
 Form = Literal["derived", "printed 29-30", "printed 35-37"]
 FORMS: tuple[Form, ...] = ("derived", "printed 29-30", "printed 35-37")
@@ -89,7 +95,7 @@ def flight_invariants(
     return Invariants(trace, -loss * exp(-2 * beta * tau) * after / before)
 
 
-def orbit_invariants(orbit: Orbit, form: Form = "derived") -> Invariants:
+def orbit_invariants(orbit: FixedPoint, form: Form = "derived") -> Invariants:
     """Invariants of the map at a fixed point, in a given form; ValueError for an unknown form."""
     check_form(form)
     model, duration, fixed = orbit.oscillator, orbit.duration, orbit.impact
@@ -109,10 +115,10 @@ def check_form(form: str) -> None:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class FormVerdict:
     """Stability verdict of the derived and of a printed form on one admissible orbit."""
 
-    orbit: Orbit
+    orbit: FixedPoint
     derived: Invariants
     printed: Invariants
 
@@ -124,16 +130,64 @@ class Verdict:
 
 def verdicts(
     model: Oscillator, omegas: Iterable[float], periods: int = 1, form: Form = "printed 35-37"
-) -> tuple[Verdict, ...]:
+) -> tuple[FormVerdict, ...]:
     """Verdicts on all admissible orbits of 1 … ``periods`` drive periods over Ω, in the order of ``omegas``."""
     grid = [float(omega) for omega in omegas]
     solver = flight_solver(model, min(grid, default=1.0))
     maps = (ImpactMap(model, omega, solver) for omega in grid)
     found = (orbit for flights in maps for orbit in admissible_orbits(flights, periods))
-    return tuple(Verdict(orbit, orbit_invariants(orbit), orbit_invariants(orbit, form)) for orbit in found)
+    return tuple(FormVerdict(orbit, orbit_invariants(orbit), orbit_invariants(orbit, form)) for orbit in found)
 
 
-def admissible_orbits(flights: ImpactMap, periods: int = 1) -> list[Orbit]:
+def admissible_orbits(flights: ImpactMap, periods: int = 1) -> list[FixedPoint]:
     """Admissible fixed points of 1 … ``periods`` drive periods at the map's Ω."""
     orbits = [o for n in range(1, periods + 1) for o in fixed_points(flights.oscillator, flights.omega, n)]
     return [orbit for orbit in orbits if orbit.admissible(flights)]
+
+
+HIGHEST = 16  # longest period in a response
+
+
+class MappingSolver(StationarySolver):
+    """Stable motions of one mode with one impact every n = 1 … ``periods`` drive periods, exact.
+
+    At each frequency the nearest to the carried state, motions without impacts included. ``form``: of the trace and
+    determinant that decide stability, so that the printed formulas' mistakes can be swept beside the corrected ones.
+    """
+
+    def __init__(
+        self,
+        system: ImpactSystem,
+        slowest: float = 0.0,
+        span: float = 0.0,
+        *,
+        periods: int = 1,
+        form: Form = "derived",
+        strikes_only: bool = False,
+    ) -> None:
+        """``periods``: 1 … 16; ``slowest``: the lowest drive frequency, rad/s (0: the mode's own frequency).
+
+        ValueError for more than one mode, no stiffness, a mode that is not underdamped, an unknown form.
+        """
+        super().__init__(system, strikes_only)
+        check_form(form)
+        faults: list[str] = []
+        periods = count("periods", periods, faults, least=1, most=HIGHEST)
+        refuse("", faults)
+        self.periods, self.form, self.slowest = periods, form, slowest / self.mode.omega or 1.0
+        self._flights = flight_solver(self.mode.oscillator(0.0), self.slowest)
+
+    def striking(self, model: Oscillator, omega: float) -> list[StationaryMotion]:
+        """Motions of the admissible orbits that are stable by this solver's form."""
+        orbits = admissible_orbits(ImpactMap(model, omega, self._flights), self.periods)
+        return [orbit_motion(orbit) for orbit in orbits if orbit_invariants(orbit, self.form).stable]
+
+
+def orbit_motion(orbit: FixedPoint) -> StationaryMotion:
+    """Stationary motion of an orbit."""
+    n, period = orbit.periods, 2 * np.pi / orbit.omega
+    since = (np.arange(n) + 1) * period - orbit.time
+    mean, square = orbit.means()
+    return StationaryMotion(
+        orbit.oscillator.gap, orbit.lowest(), orbit.place(since), mean, square, n, 1 / n, orbit.velocity
+    )

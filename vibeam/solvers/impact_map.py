@@ -23,7 +23,7 @@ from scipy.optimize import brentq
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.solver import FlightSolver
-from vibeam.solvers.one_mode.oscillator import Oscillator
+from vibeam.solvers.one_mode import Oscillator
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
@@ -96,7 +96,7 @@ def free_flow(model: Oscillator, time: ArrayLike) -> Array:
 
 
 @dataclass(frozen=True)
-class Orbit:
+class FixedPoint:
     """Periodic motion with one impact every ``periods`` drive periods: at time ``time`` with ``velocity`` q̇₋.
 
     ``free``: its free vibration (y, ẏ) just after the impact.
@@ -152,7 +152,7 @@ class Orbit:
         return np.linspace(0.0, self.duration, 2 * int(np.ceil(SAMPLES * turns / 2)) + 1)
 
 
-def fixed_points(model: Oscillator, omega: float, periods: int = 1) -> tuple[Orbit, ...]:
+def fixed_points(model: Oscillator, omega: float, periods: int = 1) -> tuple[FixedPoint, ...]:
     """Motions at Ω with one impact every ``periods`` = n drive periods, the hardest impact first: up to two.
 
     Not yet tested for admissibility or stability. None where the oscillator is undamped and nT a multiple of 2π.
@@ -171,7 +171,7 @@ def fixed_points(model: Oscillator, omega: float, periods: int = 1) -> tuple[Orb
     return tuple(_orbit(model, omega, periods, speed, np.array([a, b])) for speed in speeds if speed > 0)
 
 
-def _orbit(model: Oscillator, omega: float, periods: int, speed: float, unit: Array) -> Orbit:
+def _orbit(model: Oscillator, omega: float, periods: int, speed: float, unit: Array) -> FixedPoint:
     turned = complex(-(model.restitution + unit[1]) * speed / omega, model.gap - unit[0] * speed)
     time = float(np.angle(turned / model.harmonic(omega))) / omega
-    return Orbit(model, omega, periods, time % (2 * pi / omega), speed, unit * speed)
+    return FixedPoint(model, omega, periods, time % (2 * pi / omega), speed, unit * speed)

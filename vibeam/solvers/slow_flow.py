@@ -38,7 +38,7 @@ from typing import Literal
 
 import numpy as np
 
-from vibeam.solvers.one_mode.oscillator import Oscillator
+from vibeam.solvers.one_mode import Oscillator
 from vibeam_models.arguments import whole
 from vibeam_models.arrays import Array
 

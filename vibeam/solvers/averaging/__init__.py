@@ -1,1 +1,0 @@
-"""First-order averaging of a one-mode system."""

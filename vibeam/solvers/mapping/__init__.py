@@ -1,1 +1,0 @@
-"""Pointwise mapping from impact to impact of a one-mode system."""

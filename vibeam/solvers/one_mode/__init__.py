@@ -1,1 +1,0 @@
-"""One-mode system in the paper's variables, and solvers of its stationary motions."""
