@@ -22,8 +22,8 @@ from vibeam.batches.points import plain_points
 from vibeam.flight.disturbance.tangent import tangent_fault
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.kernels.thresholds import ELASTIC
-from vibeam.periodic.lyapunov import ALIGNED, BATCHES, lyapunov
-from vibeam.periodic.stroboscopic import GIVEN, NEAR, ROUND_OFF, STALLED
+from vibeam.periodic.lyapunov import ALIGNED, BATCHES, lyapunov, mean_exponents
+from vibeam.periodic.stroboscopic import GIVEN, NEAR, ROUND_OFF, STALLED, StroboscopicMap
 from vibeam.system.ended import Ended
 from vibeam.system.impact_system import Drive
 from vibeam.system.state import State
@@ -47,38 +47,44 @@ def exponent_faults(points: Points, periods: int) -> list[str]:
 
 
 def largest_exponents(points: Points, which: Whole, periods: int, record: Record) -> Array:
-    """Largest exponents (1/s) of the points ``which`` of plain systems, whose readings are in ``record``.
+    """Largest exponents (1/s) of the points ``which`` of plain systems in ``record``, and their errors: (2, points).
 
     NaN where a point failed; one whose motion fails only now is recorded as failed.
     """
-    found = np.full(len(which), np.nan)
+    found = np.full((2, len(which)), np.nan)
     done = record.values["ended"][which] == Ended.COMPLETE.code
     repeats = record.values["period"][which]
     alone = done.copy()
     for some, compute in ((done & (repeats != 0), _of_cycles), (done & (repeats == 0), _of_means)):
         if some.any():
-            found[some] = compute(points, which[some], periods, record)
-            alone[some] = np.isnan(found[some])
+            found[:, some] = compute(points, which[some], periods, record)
+            alone[some] = np.isnan(found[0, some])
     for at in np.flatnonzero(alone):
-        found[at] = largest_exponent(points, int(which[at]), periods, record)
+        found[:, at] = largest_exponent(points, int(which[at]), periods, record)
     return found
 
 
-def largest_exponent(points: Points, point: int, periods: int, record: Record) -> float:
-    """The largest exponent of one point by ``vibeam.lyapunov``; a motion that fails now is recorded as failed."""
+def largest_exponent(points: Points, point: int, periods: int, record: Record) -> tuple[float, float]:
+    """Largest exponent of one point by ``vibeam.lyapunov``, and its error; what fails now is recorded as failed."""
     pause()
     n, values = points.size, record.state[point]
     state = State(values[:n], values[n:], bool(record.resting[point]))
     drive = Drive(float(points.omega[point]), float(points.amplitude[point]))
     try:
-        return lyapunov(points.system(point), drive, state, settle=0, periods=periods, count=1).largest
+        system = points.system(point)
+        found = None
+        if record.values["period"][point] == 0:
+            found = mean_exponents(*StroboscopicMap(system, drive).in_flight(state), periods, 1)
+        if found is None or not found.largest > 0:
+            found = lyapunov(system, drive, state, settle=0, periods=periods, count=1)
+        return found.largest, float(found.errors[0])
     except ArithmeticError:
         record.values["ended"][point] = Ended.EVENT_LIMIT.code
-        return float("nan")
+        return float("nan"), float("nan")
 
 
 def _of_means(points: Points, which: Whole, periods: int, record: Record) -> Array:
-    """Means of motions that do not repeat; NaN for those that go alone."""
+    """Means of motions that do not repeat, and their errors by batches; NaN for those that go alone."""
     from vibeam.flight.points.disturbances import carry
 
     plain, elastic = _plain(points, which, record)
@@ -87,9 +93,13 @@ def _of_means(points: Points, which: Whole, periods: int, record: Record) -> Arr
     columns = (start / np.linalg.norm(start) / units).reshape(len(which), 1, 2, n)
     spans = np.full(len(which), ALIGNED + periods)
     carried = carry(plain, elastic, spans, columns, single=True)
-    with np.errstate(divide="ignore"):
-        found = np.log(carried.growth[:, ALIGNED:]).mean(axis=1) * points.omega[which] / (2 * np.pi)
-    return np.where(carried.known & (found > 0), found, _forgotten(points, which, carried.lost))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        logs = np.log(carried.growth[:, ALIGNED:])
+        parts = np.stack([part.mean(axis=1) for part in np.array_split(logs, BATCHES, axis=1)])
+        found = logs.mean(axis=1) * points.omega[which] / (2 * np.pi)
+        error = parts.std(axis=0, ddof=1) * points.omega[which] / (2 * np.pi * np.sqrt(BATCHES))
+    mean, lost = carried.known & (found > 0), _forgotten(points, which, carried.lost)
+    return np.where(mean, [found, error], [lost, np.where(np.isnan(lost), np.nan, 0.0)])
 
 
 def _forgotten(points: Points, which: Whole, lost: NDArray[np.bool_]) -> Array:
@@ -98,7 +108,7 @@ def _forgotten(points: Points, which: Whole, lost: NDArray[np.bool_]) -> Array:
 
 
 def _of_cycles(points: Points, which: Whole, periods: int, record: Record) -> Array:
-    """Exponents of motions that repeat, by their multipliers; NaN for those that go alone."""
+    """Exponents of motions that repeat, by their multipliers, without error; NaN for those that go alone."""
     from vibeam.flight.points.disturbances import carry
 
     plain, elastic = _plain(points, which, record)
@@ -135,7 +145,7 @@ def _of_cycles(points: Points, which: Whole, periods: int, record: Record) -> Ar
         todo = todo[ahead]
         if not len(todo):
             break
-    return found
+    return np.stack([found, np.zeros(m)])
 
 
 def _newton(matrix: Array, apart: Array) -> Array:

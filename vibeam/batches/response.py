@@ -40,6 +40,7 @@ class BatchResponse:
     resting: NDArray[np.bool_]  #: whether that state is in lasting contact with the stop
     strobes: Array  #: (…, k) the output at the end of the last k periods held, the latest last
     lyapunov: Array  #: largest Lyapunov exponent, 1/s, −∞ where every direction is lost (NaN where not asked for)
+    lyapunov_error: Array  #: its standard error, 0 where the motion repeats
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -90,7 +91,7 @@ class Record:
         self.values["ended"][:] = Ended.NOT_RUN.code
         self.state, self.resting = np.zeros((points, 2 * modes)), np.zeros(points, dtype=bool)
         self.strobes = np.full((points, strobes), np.nan)
-        self.lyapunov = np.full(points, np.nan)
+        self.exponents = np.full((2, points), np.nan)  # largest Lyapunov exponents and their standard errors
 
     def fill(
         self, which: NDArray[np.int64], response: FrequencyResponse, states: Array, resting: NDArray[np.bool_],
@@ -114,5 +115,5 @@ class Record:
     def response(self, shape: tuple[int, ...]) -> BatchResponse:
         """The batch in its shape."""
         every = self.values | {"state": self.state, "resting": self.resting, "strobes": self.strobes}
-        every["lyapunov"] = self.lyapunov
+        every["lyapunov"], every["lyapunov_error"] = self.exponents
         return BatchResponse(**{name: values.reshape((*shape, *values.shape[1:])) for name, values in every.items()})

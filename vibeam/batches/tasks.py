@@ -58,7 +58,7 @@ def run_task(points: Points, which: Whole, plan: Plan, record: Record) -> None:
     if plan.lyapunov:
         from vibeam.batches.exponents import largest_exponents
 
-        record.lyapunov[which] = largest_exponents(points, which, plan.lyapunov, record)
+        record.exponents[:, which] = largest_exponents(points, which, plan.lyapunov, record)
 
 
 def run_points(points: Points, which: NDArray[np.int64], plan: Plan, record: Record) -> None:
@@ -82,4 +82,4 @@ def _run(points: Points, point: int, system: ImpactSystem, plan: Plan, record: R
     if plan.lyapunov and response.ended[0] == Ended.COMPLETE.code:
         from vibeam.batches.exponents import largest_exponent
 
-        record.lyapunov[point] = largest_exponent(points, point, plan.lyapunov, record)
+        record.exponents[:, point] = largest_exponent(points, point, plan.lyapunov, record)

@@ -107,7 +107,7 @@ def lyapunov(
     cycle = section.cycle(start)
     if cycle is not None:
         return _of_cycle(section, cycle, wanted)
-    return _mean(section, start, periods, wanted)
+    return mean_exponents(section, start, periods, wanted)
 
 
 def _checked(
@@ -140,7 +140,8 @@ def _of_cycle(section: StroboscopicMap, cycle: Cycle, wanted: int) -> LyapunovSp
     )  # fmt: skip
 
 
-def _mean(section: StroboscopicMap, start: State, periods: int, wanted: int) -> LyapunovSpectrum:
+def mean_exponents(section: StroboscopicMap, start: State, periods: int, wanted: int) -> LyapunovSpectrum:
+    """The largest ``wanted`` exponents of a motion as means over ``periods``, whether it repeats or not."""
     walk, impacts, rests = _Walk(section, wanted), 0, 0
     for step in _pieces(ALIGNED):
         flown = section.flown(start, step)
@@ -190,10 +191,16 @@ class _Walk:
     def _step(self, matrix: Array, lost: int) -> None:
         left = min(self.frame.shape[1], len(self.ratio) - lost)
         self.logs[left:] = -np.inf
-        self.frame, upper = np.linalg.qr((matrix * self.ratio) @ self.frame)
+        grown = (matrix * self.ratio) @ self.frame
+        if grown.shape[1] == 1:
+            sizes = np.array([np.sqrt(np.vdot(grown, grown))])
+            self.frame = grown / (sizes if sizes[0] else 1.0)
+        else:
+            self.frame, upper = np.linalg.qr(grown)
+            sizes = np.abs(np.diag(upper))
         self.frame = self.frame[:, :left]
         with np.errstate(divide="ignore"):
-            self.logs[:left] += np.log(np.abs(np.diag(upper)))[:left]
+            self.logs[:left] += np.log(sizes[:left])
 
 
 def _events(flown: Flown) -> tuple[int, int]:

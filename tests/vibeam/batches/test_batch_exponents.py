@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.periodic.lyapunov import _mean
+from vibeam.periodic.lyapunov import mean_exponents
 from vibeam.periodic.stroboscopic import StroboscopicMap
 from vibeam.system.state import State
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
@@ -36,6 +36,7 @@ def test_of_period_1_they_are_those_of_the_multipliers_in_closed_form(
         expected = np.log(np.abs(orbit.multipliers[0])) * rate / (2 * np.pi)
         assert found.lyapunov[i] == pytest.approx(expected, abs=1e-9)
     assert len(np.unique(found.lyapunov)) == len(omega)
+    assert not found.lyapunov_error.any()
 
 
 def test_a_motion_that_has_not_settled_has_the_exponent_of_its_cycle() -> None:
@@ -57,8 +58,9 @@ def test_of_chaos_they_are_the_same_finite_time_means_as_those_of_matrices() -> 
         for i, rate in enumerate(omega):
             n = system.size
             state = State(found.state[i, :n], found.state[i, n:], bool(found.resting[i]))
-            one = _mean(StroboscopicMap(system, vibeam.Drive(rate, amplitude)), state, MEAN, 1)
+            one = mean_exponents(StroboscopicMap(system, vibeam.Drive(rate, amplitude)), state, MEAN, 1)
             assert found.lyapunov[i] == pytest.approx(one.largest, rel=1e-6)
+            assert found.lyapunov_error[i] == pytest.approx(one.errors[0], rel=0.02)  # batches of a period more or less
 
 
 def test_without_contact_it_is_the_damping_and_without_a_question_nothing() -> None:
@@ -90,6 +92,7 @@ def test_what_the_compiled_code_leaves_alone_is_that_of_lyapunov(
     one = vibeam.lyapunov(system, vibeam.Drive(omega, amplitude), state, settle=0, periods=MEAN, count=1)
     assert not np.isnan(one.largest)
     assert float(found.lyapunov) == pytest.approx(one.largest, rel=1e-9)
+    assert float(found.lyapunov_error) == pytest.approx(one.errors[0], rel=1e-9)
 
 
 def test_a_point_that_failed_has_none_and_neighbours_and_threads_change_no_bit() -> None:

@@ -15,7 +15,6 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam.cli.main import app
 from vibeam.maps.points import GridPoints
-from vibeam.periodic.largest_exponents import LargestExponents, largest_exponents
 from vibeam.studies.stability.axes import second_name
 from vibeam.studies.verdict import irregular, judgement
 from vibeam.studies.verdict.axes import keys_of
@@ -143,8 +142,8 @@ def test_one_mode_that_rests_is_not_chaotic(
     after = SimpleNamespace(displacement=np.zeros(modes), velocity=np.zeros(modes), resting=False)
     solver = SimpleNamespace(system=system, steady=lambda *_: (read, after))
     monkeypatch.setattr(irregular, "exact_solver", lambda *_: solver)
-    positive = LargestExponents(np.array([1.0]), np.array([0.1]))
-    monkeypatch.setattr(irregular, "largest_exponents", lambda *_: positive)
+    positive = SimpleNamespace(lyapunov=np.array([1.0]), lyapunov_error=np.array([0.1]))
+    monkeypatch.setattr(irregular, "batch", lambda *_, **__: positive)
     one, blank = np.ones((1, 1)), np.zeros((1, 1, 1))
     points = GridPoints((system,), np.zeros((1, 1), dtype=int), one, one, one, None, {})
     found = dict.fromkeys(("amplitude", "period", "ended", "resting", "cpu_seconds"), blank)
@@ -214,30 +213,6 @@ def test_what_does_not_vary_has_no_correlation() -> None:
 def test_places_are_joined_from_row_to_row() -> None:
     rows = [[1.0, 5.0], [1.1, 5.2], [1.2], [1.3, 9.0]]
     assert joined(rows, 0.5) == [[(0, 5.0), (1, 5.2)], [(0, 1.0), (1, 1.1), (2, 1.2), (3, 1.3)], [(3, 9.0)]]
-
-
-THREE = vibeam.ImpactSystem.from_modes(
-    [1.0, 2.6, 7.1], [0.02, 0.05, 1.3], [1.0, 0.6, -0.4], [1.0, 0.3, 0.1], gap=0.3, restitution=0.7
-)
-
-
-@pytest.mark.parametrize(
-    "system",
-    [
-        THREE,
-        replace(THREE, gap=0.0, restitution=0.3, static=np.array([1.5, 0.0, 0.0])),
-        replace(THREE, second_gap=2.5),
-    ],
-    ids=["impacts", "rests", "two stops"],
-)
-def test_many_exponents_at_once_are_those_of_each(system: vibeam.ImpactSystem) -> None:
-    drives = [vibeam.Drive(omega, 1.0) for omega in (1.3, 2.05, 3.9)]
-    states = [vibeam.simulate(system, drive, 300 * 2 * np.pi / drive.omega).state for drive in drives]
-    many = largest_exponents([system] * 3, drives, states, 300)
-    for drive, state, exponent, error in zip(drives, states, many.exponents, many.errors, strict=True):
-        one = vibeam.lyapunov(system, drive, state, settle=0, count=1)
-        if one.period:
-            assert abs(exponent - one.largest) < 0.02 * abs(one.largest) + 5 * error
 
 
 @pytest.mark.parametrize(

@@ -129,14 +129,8 @@ class TangentMaps:
         """How many directions are lost, at least, in segment i and at its end."""
         if self.trace[i, layout.WHAT] == layout.RESTING or self.trace[i, layout.END] in (layout.CHATTER, layout.STUCK):
             return LOST_AT_REST
-        hard = not isinstance(self.system.law, LinearStop)
-        speed = self.trace[i, layout.BEFORE]
-        return int(
-            hard
-            and self.trace[i, layout.END] == layout.IMPACT
-            and speed > 0
-            and rebound(self.system, speed[None])[0] == 0
-        )
+        struck = self.trace[i, layout.END] == layout.IMPACT and self.trace[i, layout.BEFORE] > 0
+        return int(struck and not isinstance(self.system.law, LinearStop) and self._restitution[i] == 0)
 
     def kept(self, i: int) -> Array:
         """Basis (2n, 2n − lost) of the disturbances that are left after segment i and its end."""
@@ -152,19 +146,28 @@ class TangentMaps:
         """The stop struck or touched: 0 the first, 1 the second."""
         return int(self.trace[i, regime_layout.AT_SIDE]) if self.trace.shape[1] > regime_layout.AT_SIDE else 0
 
-    def before(self, i: int) -> Array:
-        """The pose (2, n) just before the event that ends segment i."""
-        pose, row = self.ends[i].copy(), stop_of(self.system, self.side(i)).row
-        pose[1] += row * ((self.trace[i, layout.BEFORE] - row @ pose[1]) / (row @ row))
-        return np.asarray(pose)
-
     def acceleration(self, i: int) -> float:
         """The contact's acceleration towards the stop just before the event that ends segment i."""
-        system, pose = self.system, self.before(i)
-        phase = self.drive.omega * (self.trace[i, layout.AT_CLOCK] + self.trace[i, layout.DURATION])
-        push = system.load * (self.drive.omega**2 * self.drive.amplitude * np.sin(phase)) + system.static
-        free = push - self._damped(pose[1]) - system.omega**2 * pose[0]
-        return float(stop_of(system, self.side(i)).row @ free)
+        return float(self._accelerations[i])
+
+    @cached_property
+    def _rows(self) -> Array:
+        """Row of the stop of each segment, (m, n)."""
+        sides = [self.side(i) for i in range(len(self))] if self.system.second_gap is not None else [0] * len(self)
+        stops = [stop_of(self.system, side).row for side in range(max(sides, default=0) + 1)]
+        return np.array(stops)[sides]
+
+    @cached_property
+    def _accelerations(self) -> Array:
+        """Accelerations of the contact towards its stop at the ends of the segments, (m,)."""
+        system, trace, rows = self.system, self.trace, self._rows
+        velocity = (
+            self.ends[:, 1]
+            + rows * ((trace[:, layout.BEFORE] - _dots(rows, self.ends[:, 1])) / _dots(rows, rows))[:, None]
+        )
+        phase = self.drive.omega * (trace[:, layout.AT_CLOCK] + trace[:, layout.DURATION])
+        push = np.outer(self.drive.omega**2 * self.drive.amplitude * np.sin(phase), system.load) + system.static
+        return _dots(rows, push - self._damped(velocity) - system.omega**2 * self.ends[:, 0])
 
     def projection(self) -> Array:
         """Displacement and velocity of the contact point taken out."""
@@ -175,13 +178,15 @@ class TangentMaps:
     def _damped(self, velocity: Array) -> Array:
         if self.system.coupling is None:
             return np.asarray(2 * self.system.zeta * self.system.omega * velocity)
-        return np.asarray(self.system.coupling @ velocity)
+        return np.asarray((self.system.coupling @ velocity[..., None])[..., 0])
 
     def _free(self, i: int, duration: float, parts: int) -> Array:
         if self.system.coupling is not None:
             return _exponential(state_matrix(self.system) * duration)
         p, i = (self._flights, i) if parts == 1 else (propagators(self.system, np.array([duration])), 0)
-        return np.asarray(np.block([[np.diag(p.p00[i]), np.diag(p.p01[i])], [np.diag(p.p10[i]), np.diag(p.p11[i])]]))
+        matrix, mode = np.zeros((2, self.system.size, 2, self.system.size)), np.arange(self.system.size)
+        matrix[:, mode, :, mode] = np.array([[p.p00[i], p.p01[i]], [p.p10[i], p.p11[i]]]).transpose(2, 0, 1)
+        return matrix.reshape(2 * self.system.size, -1)
 
     @cached_property
     def _flights(self) -> Pair:
@@ -207,17 +212,35 @@ class TangentMaps:
         matrix[n:, :n] -= law.damping * np.outer(row, row)
         return matrix
 
+    @cached_property
+    def _speeds(self) -> Array:
+        """Speeds of the impacts that end the segments, (m,); 1 where none does."""
+        speeds = self.trace[:, layout.BEFORE]
+        return np.where(speeds > 0, speeds, 1.0)
+
+    @cached_property
+    def _restitution(self) -> Array:
+        return np.asarray(rebound(self.system, self._speeds) / self._speeds)
+
+    @cached_property
+    def _shares(self) -> Array:
+        """(1 + R)/S, (1 + ρ')/S and a/v of the impacts that end the segments, (3, m)."""
+        turned, struck = 1 + self._restitution, 1 + rebound_slope(self.system, self._speeds)
+        mobility = _dots(self._rows, self._rows)
+        return np.array([turned / mobility, struck / mobility, self._accelerations / self._speeds])
+
     def _saltation(self, i: int) -> Array:
-        n, row, speed = self.system.size, stop_of(self.system, self.side(i)).row, self.trace[i, layout.BEFORE]
-        mobility = float(row @ row)
-        turned = (1 + float(rebound(self.system, speed[None])[0]) / speed) / mobility
-        struck = (1 + float(rebound_slope(self.system, speed[None])[0])) / mobility
-        matrix = np.eye(2 * n)
-        matrix[:n, :n] -= turned * np.outer(row, row)
-        matrix[n:, n:] -= struck * np.outer(row, row)
-        lean = self.acceleration(i) / speed
+        n, row, (turned, struck, lean) = self.system.size, self._rows[i], self._shares[:, i].tolist()
+        matrix, square = np.eye(2 * n), np.outer(row, row)
+        matrix[:n, :n] -= turned * square
+        matrix[n:, n:] -= struck * square
         matrix[n:, :n] = np.outer(turned * self._damped(row) + struck * lean * row, row)
         return matrix
+
+
+def _dots(rows: Array, others: Array) -> Array:
+    """Scalar products of rows, (m,)."""
+    return np.asarray((rows[:, None, :] @ others[:, :, None])[:, 0, 0])
 
 
 def state_matrix(system: ImpactSystem) -> Array:

@@ -13,17 +13,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.batches.batch import batch
 from vibeam.batches.points import changed
 from vibeam.flight.disturbance.tangent import tangent_fault
 from vibeam.flight.engine.threads import pause
-from vibeam.flight.event_driven import EventDrivenSolver
 from vibeam.flight.exact import exact_solver
 from vibeam.maps.block import Values
 from vibeam.maps.points import GridPoints
-from vibeam.periodic.largest_exponents import largest_exponents
 from vibeam.runs.accuracy.candidates import reading_of
 from vibeam.studies.verdict.motions import CHAOTIC, FAILED, IRREGULAR
-from vibeam.system.impact_system import Drive
 from vibeam.system.response import Ended
 from vibeam.system.state import State
 
@@ -113,22 +111,19 @@ class _Plane:
 
     def _judge(self, places: list[Place]) -> None:
         """Tell chaos from other motions that do not repeat, by the sign of the largest Lyapunov exponent."""
+        points = self.points
         for periods, margin in STAGES[self.one_mode :]:
-            solvers = [self._solver(at) for at in places]
-            plain = all(isinstance(each, EventDrivenSolver) for each in solvers)
-            found = largest_exponents(
-                [each.system for each in solvers], [self._drive(at) for at in places],
-                [self._state(at) for at in places], periods, solvers if plain else None,
+            at = tuple(np.transpose(places))
+            found = batch(
+                np.array(points.systems)[points.which[at[1:]]], points.omega[at[1:]], points.amplitude[at[1:]],
+                gap=points.gap[at[1:]], restitution=None if points.restitution is None else points.restitution[at[1:]],
+                state=self.state[at], settle=0, hold=self.plan.hold, lyapunov=periods, threads=1,
             )  # fmt: skip
-            signs = found.signs(margin)
-            for at, exponent, sign in zip(places, found.exponents, signs, strict=True):
-                self.exponent[at], self.kind[at] = exponent, CHAOTIC if sign > 0 else IRREGULAR
-            places = [at for at, sign in zip(places, signs, strict=True) if sign == 0]
+            exponent, sure = found.lyapunov, margin * found.lyapunov_error
+            self.exponent[at], self.kind[at] = exponent, np.where(exponent > sure, CHAOTIC, IRREGULAR)
+            places = [place for place, near in zip(places, ~(np.abs(exponent) > sure), strict=True) if near]
             if not places:
                 return
-
-    def _drive(self, at: Place) -> Drive:
-        return Drive(float(self.points.omega[at[1:]]), float(self.points.amplitude[at[1:]]))
 
     def _state(self, at: Place) -> State:
         values, n = self.state[at], self.points.systems[0].size
