@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam_models.arrays import Array
-from vibeam_models.base import Base
+from vibeam_models.base import POWERS, Base, is_constant, level
 from vibeam_models.scene import AnyScene, RigScene
 
 if TYPE_CHECKING:
@@ -84,36 +84,6 @@ def _gain(alone: PlatformFilter, omega: Array | float) -> Array:
 
 def _damping(platform: Platform) -> float:
     return 2 * platform.damping_ratio * sqrt(platform.spring * platform.mass)
-
-
-#: what a drive may be said by, without voltage, and the power of Ω by which B is less
-POWERS = {"amplitude": 0, "velocity": 1, "acceleration": 2, "force": 2, "moment": 2}
-NEAR = 1e-9  # share of a table's ends by which a frequency may lie outside and still be that end, rounded
-
-
-def level(base: Base, name: str, omega: Array) -> float | Array | None:
-    """The amplitude ``name`` of a drive at ``omega`` (rad/s): as given, or of its table one each, linear between.
-
-    ValueError for a frequency outside the table.
-    """
-    given = getattr(base, name)
-    if not isinstance(given, tuple):
-        return None if given is None else float(given)
-    table, frequency = np.array(base.frequency or ()), np.asarray(omega, dtype=float) / (2 * np.pi)
-    if table.shape != (len(given),):
-        raise ValueError(f"drive: {len(given)} values of {name} for {len(table)} frequencies")
-    for outside in frequency[(frequency < table[0] * (1 - NEAR)) | (frequency > table[-1] * (1 + NEAR))]:
-        raise ValueError(
-            f"drive: {outside:.6g} Hz is outside its table of {table[0]:g} … {table[-1]:g} Hz: lengthen the table"
-        )
-    return np.interp(frequency, table, given)
-
-
-def is_constant(base: Base) -> bool:
-    """Test whether B is the same at every frequency, platforms aside: a displacement, or a voltage and a gain."""
-    return base.frequency is None and not any(
-        getattr(base, name) is not None for name, power in POWERS.items() if power
-    )
 
 
 def base_amplitude(scene: AnyScene) -> float:

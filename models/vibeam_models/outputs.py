@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class OutputQuantity:
-    """What an output is of the deflection w(x, t): so many derivatives along the beam and in time.
+    """Quantity that an output is of the deflection w(x, t): so many derivatives along the beam and in time.
 
     ``name``: as ``quantity`` of a case has it; ``unit``: SI, as results files have it, and that of its rate.
     """
@@ -61,7 +61,7 @@ class Output:
 
     @property
     def kind(self) -> OutputQuantity:
-        """What it reads."""
+        """Quantity that it reads."""
         return OUTPUT_QUANTITIES[self.quantity]
 
     def row(self, space: BeamSpace, beam: Beam) -> Array:

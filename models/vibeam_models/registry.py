@@ -1,9 +1,14 @@
-"""A registry: declarations by name, the package's own first, and those that a program adds to them."""
+"""Registry: declarations by name, each imported where it is first asked for, so that an absent one costs nothing."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Protocol, TypeVar
+from dataclasses import dataclass
+from importlib import import_module
+from types import TracebackType
+from typing import Any, Protocol, TypeVar
+
+from vibeam_models.keys import Key
 
 
 class Named(Protocol):
@@ -19,7 +24,10 @@ Declared = TypeVar("Declared", bound=Named)
 
 
 class Registry(Mapping[str, Declared]):
-    """Declarations of one kind ("solver", "reduction"), by name; a live view for all who read it."""
+    """Declarations of one kind ("solver", "reduction"): the package's own by name, then those that a program adds.
+
+    A live view for all who read it.
+    """
 
     def __init__(self, kind: str, *own: Declared) -> None:
         self.kind = kind
@@ -50,3 +58,51 @@ class Registry(Mapping[str, Declared]):
 
     def __len__(self) -> int:
         return len(self._own) + len(self._added)
+
+
+@dataclass(frozen=True)
+class Home:
+    """By which ``name`` a case file has a declaration, and where it is: ``"module:Class"``, or the class.
+
+    What must be known without importing it stands here: ``repeated``, its table is a list of tables; ``on``:
+    ``"beam"``, or ``"base"`` for what the beam stands on; ``key``: its declaration where it is one key of a table.
+    """
+
+    name: str
+    place: str | type[Any]
+    repeated: bool = False
+    on: str = "beam"
+    key: Key | None = None
+
+    def load(self) -> Any:
+        """The declaration."""
+        return loaded(self.place)
+
+
+def loaded(place: Any) -> Any:
+    """The object itself, or that which ``"module:name"``, or ``"module"`` alone, says."""
+    if not isinstance(place, str):
+        return place
+    module, _, name = place.partition(":")
+    return getattr(import_module(module), name) if name else import_module(module)
+
+
+class Registration:
+    """An entry added to a registry, which can be taken out again, at the latest where a ``with`` block ends."""
+
+    def __init__(self, registry: Registry[Home], home: Home) -> None:
+        self.registry, self.name = registry, home.name
+        registry.add(home)
+
+    def remove(self) -> None:
+        """Take the entry out; nothing happens where it is out already."""
+        if self.name in self.registry:
+            self.registry.remove(self.name)
+
+    def __enter__(self) -> Registration:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.remove()

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class AnyScene(ABC):
-    """What every kind of scene says of itself, so that nobody need ask which kind it is."""
+    """Scene of any kind: what each says of itself, so that nobody need ask which kind it is."""
 
     stop: Stop | None
     outputs: tuple[Output, ...] = ()
@@ -36,7 +36,7 @@ class AnyScene(ABC):
     @property
     @abstractmethod
     def held(self) -> tuple[str, float]:
-        """Whose coefficient of restitution the scene gives (empty: there is one mode alone), and its value."""
+        """Owner of the coefficient of restitution that the scene gives (empty: its one mode), and its value."""
 
     @property
     def natural_unit(self) -> float | None:
@@ -50,7 +50,7 @@ class AnyScene(ABC):
 
     @property
     def no_beam(self) -> str:
-        """Why there is no beam to speak of, as the end of a sentence; empty where there is one."""
+        """Reason that there is no beam to speak of, as the end of a sentence; empty where there is one."""
         return ""
 
     @property
@@ -139,7 +139,7 @@ class Effect:
 
     @property
     def carried_by(self) -> str:
-        """Which beam it is of: ``"beam"``, or the ``"opposite"`` one."""
+        """Beam that it is of: ``"beam"``, or the ``"opposite"`` one."""
         return "beam"
 
     def carrier(self, beam: Beam) -> Beam:
@@ -163,7 +163,7 @@ class Effect:
 
 @dataclass(frozen=True)
 class OnEitherBeam(Effect):
-    """What may be on the opposite beam too: ``on`` says which."""
+    """Effect that may be on the opposite beam too: ``on`` says which."""
 
     _: KW_ONLY
     on: Literal["beam", "opposite"] = word(("beam", "opposite"), "which beam it is of", "opposite", "beam")

@@ -107,7 +107,7 @@ def _lanczos(
 
 
 def _missing(K: Any, M: Any, squared: Array, count: int) -> int:
-    """How many modes more there are than were found, below the widest gap at or after the last one asked for."""
+    """Number of modes that were not found, below the widest gap at or after the last one asked for."""
     spread = np.diff(squared[count - 1 :])
     last = count + int(np.argmax(spread))
     below = factor(K - (squared[last - 1] + squared[last]) / 2 * M)

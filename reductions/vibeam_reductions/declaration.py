@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any
 
-from vibeam_models.registry import Registry
+from vibeam_models.registry import Registry, loaded
 from vibeam_models.structure import Structure
 from vibeam_reductions.projection import Reduction
 
@@ -36,15 +35,8 @@ class ReductionDeclaration:
 
     def make(self, structure: Structure, modes: int | None, **parameters: Any) -> Reduction:
         """The reduction of ``structure``; ValueError for more modes than it has."""
-        made: Reduction = _function(self.home)(structure, *([modes] if self.counts else []), **parameters)
+        made: Reduction = loaded(self.home)(structure, *([modes] if self.counts else []), **parameters)
         return made
-
-
-def _function(home: str | Callable[..., Reduction]) -> Callable[..., Any]:
-    if not isinstance(home, str):
-        return home
-    module, name = home.split(":")
-    return getattr(import_module(module), name)  # type: ignore[no-any-return]
 
 
 def _counting(name: str, meaning: str, **more: Any) -> ReductionDeclaration:

@@ -8,10 +8,9 @@ import pytest
 
 from tests.models import closed_forms
 from tests.models.bench import STEEL
-from vibeam_models.beams.beam import Beam
+from vibeam_models.beams.beam import PAIRS, Beam, Support
 from vibeam_models.beams.shapes import General, HollowRectangle, ISection, Rectangle, Round, Tube
 from vibeam_models.beams.stretch import Material, Plate, Stretch
-from vibeam_models.beams.support import PAIRS, Support
 from vibeam_models.space import bare_beam
 
 STIFF = STEEL.material

@@ -10,7 +10,7 @@ from scipy.linalg import eigh
 from tests.models.bench import POINT_MASS, STEEL
 from vibeam_models.beam import assemble, assemble_with_space
 from vibeam_models.effects.added_mass import AddedMass
-from vibeam_models.effects.beam_keys import Ends
+from vibeam_models.effects.beam_keys import BeamEnds
 from vibeam_models.effects.further_stop import FurtherStop
 from vibeam_models.effects.gravity import Gravity
 from vibeam_models.effects.massless_beam import MasslessBeam
@@ -20,7 +20,7 @@ from vibeam_models.effects.rigid_zone import RigidZone
 from vibeam_models.effects.rotary_inertia import RotaryInertia
 from vibeam_models.effects.section import Section
 from vibeam_models.effects.sprung_clamp import Clamp
-from vibeam_models.effects.support import Support
+from vibeam_models.effects.support import FurtherSupport
 from vibeam_models.effects.torsion import Torsion
 from vibeam_models.scene import Mass
 from vibeam_models.space import bare_beam
@@ -39,8 +39,8 @@ NAMED = {
     "massless_beam": replace(PLAIN, effects=(MasslessBeam(),)),
     "section": replace(PLAIN, effects=(Section(0.0, 0.05, thickness=2e-3),)),
     "plate": replace(PLAIN, effects=(BondedPlate(0.0, 0.05, 0.02, 1e-3, 0.01),)),
-    "support": replace(PLAIN, effects=(Support(0.05),)),
-    "beam_keys": replace(PLAIN, effects=(Ends("clamped-pinned"),)),
+    "support": replace(PLAIN, effects=(FurtherSupport(0.05),)),
+    "beam_keys": replace(PLAIN, effects=(BeamEnds("clamped-pinned"),)),
     "further_stop": replace(PLAIN, effects=(FurtherStop(0.17, 1e-3, 0.7),)),
     "opposite": replace(PLAIN, effects=(Opposite(0.1),)),
 }
@@ -159,8 +159,8 @@ DECLARED = {
     "massless_beam": {"named": "MasslessBeam", "effects_of_scene": "(MasslessBeam(),)"},
     "section": {"named": "Section", "effects_of_scene": "(Section(0.0, 0.05, thickness=2e-3),)"},
     "plate": {"named": "BondedPlate", "effects_of_scene": "(BondedPlate(0.0, 0.05, 0.02, 1e-3, 0.01),)"},
-    "support": {"named": "Support", "effects_of_scene": "(Support(0.05),)"},
-    "beam_keys": {"named": "Ends", "effects_of_scene": "(Ends('clamped-pinned'),)"},
+    "support": {"named": "FurtherSupport", "effects_of_scene": "(FurtherSupport(0.05),)"},
+    "beam_keys": {"named": "BeamEnds", "effects_of_scene": "(BeamEnds('clamped-pinned'),)"},
     "further_stop": {"named": "FurtherStop", "effects_of_scene": "(FurtherStop(0.17, 1e-3, 0.7),)"},
     "opposite": {"named": "Opposite", "effects_of_scene": "(Opposite(0.1),)"},
 }

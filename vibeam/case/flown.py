@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam_models.homes import loaded
+from vibeam_models.registry import loaded
 
 if TYPE_CHECKING:
     from vibeam.system.impact_system import ImpactSystem

@@ -8,8 +8,7 @@ from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
 from vibeam.case.faults import Complaint, KeyPath
-from vibeam_models.homes import loaded
-from vibeam_models.registry import Registry
+from vibeam_models.registry import Registry, loaded
 
 if TYPE_CHECKING:
     from vibeam_models.scene import AnyScene

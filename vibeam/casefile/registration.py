@@ -12,10 +12,10 @@ from vibeam.casefile.tables.stop import law_keys, stop_table
 from vibeam.casefile.tables.table import NAME, declared_entry
 from vibeam.casefile.validation import fields_of, keys_of, table_of
 from vibeam_models.effects import EFFECTS
-from vibeam_models.homes import Home, Registration
 from vibeam_models.keys import Key
 from vibeam_models.keys import keys_of as declared_keys
 from vibeam_models.laws import LAWS, ContactLaw
+from vibeam_models.registry import Home, Registration
 from vibeam_models.scene import Effect
 
 

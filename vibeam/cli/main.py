@@ -24,7 +24,7 @@ from vibeam.cli.commands.study import study
 from vibeam.cli.errors import UsageError, mistakes
 from vibeam.cli.streams import put, standard_streams
 from vibeam.studies.declaration import STUDIES
-from vibeam_models.homes import loaded
+from vibeam_models.registry import loaded
 
 
 def import_extension(name: str) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from vibeam.figures import FIGURES
 from vibeam.figures.quantity_names import named_of
 from vibeam_models.arrays import Array
 from vibeam_models.outputs import DISPLACEMENT
+from vibeam_models.registry import loaded
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -56,8 +56,7 @@ class Sheet:
 
 def module_of(plan: ShowPlan) -> Any:
     """Module of the plan's kind."""
-    home = FIGURES[plan.kind].home
-    return import_module(home) if isinstance(home, str) else home
+    return loaded(FIGURES[plan.kind].home)
 
 
 def sheets(case: Case, plan: ShowPlan) -> tuple[Sheet, ...]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from inspect import Parameter, signature
 from typing import Any, Literal
 
-from vibeam_models.homes import loaded
+from vibeam_models.registry import loaded
 
 GIVEN = ("system", "slowest", "span")  # arguments of every solver
 

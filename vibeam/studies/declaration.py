@@ -6,8 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from vibeam_models.homes import loaded
-from vibeam_models.registry import Registry
+from vibeam_models.registry import Registry, loaded
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case

@@ -269,7 +269,8 @@ def _gap_row(scene: Scene, gap: float, exact: _FirstMode) -> DerivedParameter:
 
 
 def _drive_rows(scene: Scene, paper: SdofModel, exact: _FirstMode) -> list[DerivedParameter]:
-    from vibeam_models.base_motion import base_amplitude, is_constant
+    from vibeam_models.base import is_constant
+    from vibeam_models.base_motion import base_amplitude
 
     span, why, gain = scene.beam.length, "massless beam, point mass", scene.base.gain
     if scene.platform is not None:

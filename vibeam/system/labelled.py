@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from vibeam.system.ended import Ended
 from vibeam.system.quantities import LAYOUT, METRES, VELOCITIES_KEPT, OutputUnits, unit_of
+from vibeam_models.registry import loaded
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -39,7 +39,7 @@ Branch = tuple[dict[str, str], Values]  # labels of a branch, such as fidelity a
 def optional(name: str, what: str) -> Any:
     """Import an optional package that only ``what`` needs; ImportError with the cure where it is not installed."""
     try:
-        return import_module(name)
+        return loaded(name)
     except ImportError as missing:
         raise ImportError(f"{what} needs the package {name}: pip install {name}", name=name) from missing
 

@@ -1,1 +1,1 @@
-"""What a beam is, as data: its sections and their shapes, stretches, bonded plates, supports."""
+"""Beams as data: sections and their shapes, stretches, bonded plates, supports."""

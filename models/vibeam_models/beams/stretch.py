@@ -54,7 +54,7 @@ class Plate:
         return self.mass_per_length * (self.end - self.start)
 
     def rigidity(self, height: Any, axial: Any) -> Any:
-        """What it adds to EI (N m²) of a beam of ``height`` m with EA = ``axial`` N, their strains linear across both.
+        """Addition to EI (N m²) of a beam of ``height`` m with EA = ``axial`` N, their strains linear across both.
 
         Parallel axes about the common neutral axis: with e = (h + t)/2 from the beam's axis to the plate's, one plate
         adds E'I' + EA E'A'/(EA + E'A') e², one on each side 2(E'I' + E'A' e²).
@@ -82,7 +82,7 @@ class Stretch:
 
     @property
     def uniform(self) -> bool:
-        """Whether its section is the same all along."""
+        """True where its section is the same all along."""
         return self.far is None
 
     def section(self, x: Array) -> Shape:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from vibeam_models.beams.support import PAIRS
-from vibeam_models.homes import Home
+from vibeam_models.beams.beam import PAIRS
 from vibeam_models.keys import Key
-from vibeam_models.registry import Registry
+from vibeam_models.registry import Home, Registry
 
 #: by the case file's table, or its key in another table, in the order in which they are applied
 EFFECTS: Registry[Home] = Registry(
     "effect",
     Home(
         "beam.ends",
-        "vibeam_models.effects.beam_keys:Ends",
+        "vibeam_models.effects.beam_keys:BeamEnds",
         key=Key(
             "how the ends are held, at x = 0 and at the full length; absent = clamped-free",
             "clamped-pinned",
@@ -39,7 +38,7 @@ EFFECTS: Registry[Home] = Registry(
     ),
     Home("section", "vibeam_models.effects.section:Section", repeated=True),
     Home("plate", "vibeam_models.effects.plate:BondedPlate", repeated=True),
-    Home("support", "vibeam_models.effects.support:Support", repeated=True),
+    Home("support", "vibeam_models.effects.support:FurtherSupport", repeated=True),
     Home("clamp", "vibeam_models.effects.sprung_clamp:Clamp"),
     Home("added_mass", "vibeam_models.effects.added_mass:AddedMass", repeated=True),
     Home(

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from vibeam_models.beams.rules import beam_of, place_faults
+from vibeam_models.beams.tables import beam_of, place_faults
 from vibeam_models.keys import quantity
 from vibeam_models.scene import OnEitherBeam, Scene
 from vibeam_models.structure import Structure, with_inertia

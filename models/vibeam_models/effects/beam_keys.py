@@ -1,4 +1,4 @@
-"""What a key of [beam] changes in the beam itself: its ends, mass that it carries all along, its theory."""
+"""Keys of [beam] that change the beam itself: its ends, mass that it carries all along, its theory."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from vibeam_models.beams.rules import rigid_body_faults
+from vibeam_models.beams.tables import rigid_body_faults
 from vibeam_models.scene import Effect
 
 if TYPE_CHECKING:
@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Ends(Effect):
-    """How both ends are held, at x = 0 and at the full length, one of ``vibeam_models.beams.support.PAIRS``."""
+class BeamEnds(Effect):
+    """Ends of the beam, at x = 0 and at the full length: how they are held, one of ``beams.beam.PAIRS``."""
 
     ends: str
 
@@ -42,7 +42,7 @@ class AddedMassPerLength(Effect):
     shapes_beam: ClassVar[bool] = True
 
     def carrier(self, beam: Beam) -> Beam:
-        """The beam with it."""
+        """The beam with this mass."""
         return replace(beam, added_mass_per_length=self.added_mass_per_length)
 
 

@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from vibeam_models.arrays import Array
-from vibeam_models.beams.dimensions import dimension, shape_of
-from vibeam_models.beams.rules import rigid_body_faults
+from vibeam_models.beams.beam import CANTILEVER, PAIRS
 from vibeam_models.beams.shapes import SHAPES, unsuited
-from vibeam_models.beams.support import CANTILEVER, PAIRS
+from vibeam_models.beams.tables import dimension, rigid_body_faults, shape_of
 from vibeam_models.keys import keys_of, quantity, word
 from vibeam_models.scene import Effect, Scene
 from vibeam_models.structure import Structure

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from vibeam_models.beams.rules import NO_OPPOSITE, beam_of, stretch_faults
 from vibeam_models.beams.stretch import Plate
+from vibeam_models.beams.tables import NO_OPPOSITE, beam_of, stretch_faults
 from vibeam_models.keys import Key, declared, quantity, word
 from vibeam_models.scene import OnEitherBeam
 

@@ -6,10 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from vibeam_models.beams.dimensions import dimension, shape_of
-from vibeam_models.beams.rules import NO_OPPOSITE, beam_of, stretch_faults
 from vibeam_models.beams.shapes import SHAPES, unsuited
 from vibeam_models.beams.stretch import Material, Stretch
+from vibeam_models.beams.tables import NO_OPPOSITE, beam_of, dimension, shape_of, stretch_faults
 from vibeam_models.keys import keys_of, quantity, word
 from vibeam_models.scene import OnEitherBeam
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from vibeam_models.beams.support import Support
+from vibeam_models.beams.beam import Support
 from vibeam_models.keys import quantity
 from vibeam_models.scene import Effect
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from vibeam_models.beams import support
-from vibeam_models.beams.rules import place_faults
+from vibeam_models.beams.beam import Support, stiffnesses
+from vibeam_models.beams.tables import place_faults
 from vibeam_models.keys import quantity
 from vibeam_models.scene import OnEitherBeam
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Support(OnEitherBeam):
+class FurtherSupport(OnEitherBeam):
     """A support anywhere on the beam, one table for each; without a stiffness it does not yield."""
 
     position: float = quantity("m", "distance from x = 0", "90 mm", least=0)
@@ -39,5 +39,4 @@ class Support(OnEitherBeam):
 
     def carrier(self, beam: Beam) -> Beam:
         """The beam with this support."""
-        held = support.Support(self.position, *support.stiffnesses(self))
-        return replace(beam, supports=(*beam.supports, held))
+        return replace(beam, supports=(*beam.supports, Support(self.position, *stiffnesses(self))))

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from vibeam_models.homes import Home
-from vibeam_models.registry import Registry
+from vibeam_models.registry import Home, Registry
 
 if TYPE_CHECKING:
     from vibeam_models.laws.compliant import CompliantStop

@@ -12,8 +12,8 @@ import vibeam
 from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
 from vibeam_models.beam import assemble
+from vibeam_models.beams.beam import Support
 from vibeam_models.beams.shapes import SHAPES, Rectangle, Round, Tube
-from vibeam_models.beams.support import Support
 from vibeam_models.laws import LAWS
 from vibeam_models.space import bare_beam
 

@@ -27,8 +27,8 @@ from vibeam.casefile.tables.sweep import FidelityTable, SdofFidelityTable, SdofS
 from vibeam.casefile.tables.table import ACCURATE, Ratio, Table, Within, key, table
 from vibeam.casefile.unit_systems import UNIT_SYSTEMS
 from vibeam_models.effects import EFFECTS
-from vibeam_models.homes import Home
 from vibeam_models.laws import LAWS
+from vibeam_models.registry import Home
 
 
 def sdof_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:

@@ -15,8 +15,8 @@ from pydantic_core.core_schema import ValidationInfo
 from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile.tables.table import Table, declared_key, table
 from vibeam_models.effects import EFFECTS, keys_in, tables
-from vibeam_models.homes import Home
 from vibeam_models.keys import defaults_of, keys_of
+from vibeam_models.registry import Home
 from vibeam_models.scene import Effect
 
 

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from vibeam.case.faults import Complaint, KeyPath
-from vibeam_models.beams.support import CANTILEVER, ENDS
+from vibeam_models.beams.beam import CANTILEVER, ENDS
 
 SAME = 1e-6  # share of the length within which two places are one
 ROUND_OFF = 1e-9  # share of the length within which two nodes are one

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from vibeam.exchange.files import FormatError, State, reason, require_coordinates, state_of
 from vibeam.exchange.matrices.entries import FileMatrix
 from vibeam.exchange.whole_files import write_whole
-from vibeam_models.homes import loaded
-from vibeam_models.registry import Registry
+from vibeam_models.registry import Registry, loaded
 
 HEAD = 512  # bytes by which a format is told where the ending does not
 SHOWN = 12  # names in a message

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,6 +9,7 @@ from matplotlib.figure import Figure
 
 from vibeam.figures.page import blank_page, legend, titled, write_page
 from vibeam.report.maps.axes import quantity_label
+from vibeam_models.registry import loaded
 
 if TYPE_CHECKING:
     from vibeam.maps.run import MapResult
@@ -44,7 +44,7 @@ def map_figure(result: MapResult) -> Figure:
 
 def _figure(result: MapResult, exact: bool, notes: list[str]) -> Figure:
     home, name = HOMES[result.plan.picture]
-    module = import_module(f"vibeam.report.maps.{home}")
+    module = loaded(f"vibeam.report.maps.{home}")
     figure = blank_page(module.size_of(result), result.case.figure)
     handles, said = getattr(module, name)(figure, result, exact)
     notes += said

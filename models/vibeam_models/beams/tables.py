@@ -1,12 +1,30 @@
-"""Rules that tables of a case share which say what is on a beam: which beam, and where on it."""
+"""Tables of a case that say what is on a beam: dimensions that they may leave out, the beam they are of, its places."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from vibeam_models.beams.support import Support, end_supports, holds, stiffnesses
+from vibeam_models.beams.beam import Support, end_supports, holds, stiffnesses
+from vibeam_models.beams.shapes import SHAPES, Shape
+from vibeam_models.keys import declared, keys_of
+
+
+def dimension(kind: str, name: str, end: str = "") -> Any:
+    """One dimension of a shape, the beam's own where it is absent; ``end``: that at the stretch's end."""
+    key = keys_of(SHAPES[kind])[name]
+    meaning = f"{name} at the end of the stretch, to which it tapers; absent = as at its start" if end else key.meaning
+    return declared(replace(key, meaning=meaning, written=False), None)
+
+
+def shape_of(table: Any, own: Shape) -> Shape:
+    """The shape that a table says by its ``shape`` and dimensions; what is absent is that of ``own``."""
+    kind = type(own) if table.shape is None else SHAPES[table.shape]
+    inherited = {each.name: getattr(own, each.name) for each in fields(own)} if isinstance(own, kind) else {}
+    given = {name: getattr(table, name, None) for name in keys_of(kind)}
+    return kind(**inherited | {name: value for name, value in given.items() if value is not None})
+
 
 NO_OPPOSITE = ("on", 'there is no opposite beam: add [opposite], or write on = "beam"')
 
@@ -28,7 +46,7 @@ def place_faults(table: Any, case: Any) -> Iterator[tuple[str, str]]:
 
 
 def length_of(table: Any, carrier: Any) -> str:
-    """What a message says of the length of the beam that a table is of."""
+    """Length of the beam that a table is of, for a message."""
     return f"{'beam' if table.on != 'opposite' else 'opposite'}.length is {carrier.length:g} m"
 
 
