@@ -40,7 +40,8 @@ def stamp(results: Path, case: Case) -> str:
     """Digest of all that the figures of a case are drawn from: results, case, references, the code that draws."""
     digest = sha256(f"matplotlib {version('matplotlib')}\n{case.text}\n".encode())
     references = {reference.file for reference in case.references.values() if reference.curve is None}
-    sources = [*Path(__file__).parent.rglob("*.py"), *(Path(__file__).parents[1] / "report").glob("*.py")]
+    house = Path(__file__).parents[1]
+    sources = [*(house / "figures").rglob("*.py"), *(house / "report").glob("*.py"), house / "observe" / "branches.py"]
     for file in [results, *sorted(references), *sorted(sources)]:
         digest.update(file.read_bytes())
     return f"vibeam:{digest.hexdigest()}"

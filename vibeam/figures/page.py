@@ -17,9 +17,7 @@ from matplotlib.figure import Figure
 from vibeam.case.plans import FigurePlan
 from vibeam.exchange.whole_files import write_whole
 from vibeam.figures.files import metadata
-from vibeam.figures.fonts import set_fonts
-from vibeam.figures.tick_labels import set_plain_labels
-from vibeam.figures.ticks import thin_out
+from vibeam.figures.lettering import set_fonts, set_plain_labels, thin_out
 
 PAGE: Any = {
     "font.size": 8.0,

@@ -14,10 +14,9 @@ from matplotlib.lines import Line2D
 
 from vibeam.case.case import quantity_of
 from vibeam.case.reference_curves import reference_points
-from vibeam.figures.axes import is_empty, say, start_upward
-from vibeam.figures.branch_lines import ALONE, draw_branch
-from vibeam.figures.outputs import amplitude_of, frequency_label
 from vibeam.figures.page import PAGE, blank_page, legend, plain, titled, write_page
+from vibeam.figures.panels import is_empty, say, start_upward
+from vibeam.figures.response import ALONE, draw_branch
 from vibeam.figures.style import (
     DOT,
     GAP,
@@ -32,16 +31,15 @@ from vibeam.figures.style import (
     looks_of,
     name_of,
 )
-from vibeam.figures.units import DisplayUnits, units_for
+from vibeam.figures.units import DisplayUnits, amplitude_of, frequency_label, units_for
 from vibeam.observe.branches import MotionClass, motion_pieces, pieces
 from vibeam.system.number_text import percent
-from vibeam.system.response import Ended, FrequencyResponse, complete, modes_of, periodic
+from vibeam.system.response import Branches, Ended, FrequencyResponse, complete, modes_of, periodic
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
-    from vibeam.figures.comparison import Comparison
+    from vibeam.figures.sheet import Comparison
     from vibeam.system.impact_system import ImpactSystem
-    from vibeam.system.response import Branches
 
 
 TOGETHER = 3  # largest number of fidelities in one panel …

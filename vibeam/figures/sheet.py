@@ -1,4 +1,4 @@
-"""Sheets: the numbers of a figure."""
+"""Sheets, the numbers of a figure; the data of a run for its figures, whoever holds them."""
 
 from __future__ import annotations
 
@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.case import quantity_of
+from vibeam.case.case import Case, quantity_of
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import FIGURES
-from vibeam.figures.quantity_names import named_of
 from vibeam_models.arrays import Array
 from vibeam_models.outputs import DISPLACEMENT
 from vibeam_models.registry import loaded
@@ -20,6 +19,27 @@ from vibeam_models.registry import loaded
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.system.impact_system import ImpactSystem
+from collections.abc import Iterator, ValuesView
+from typing import TYPE_CHECKING, Protocol
+
+if TYPE_CHECKING:
+    from vibeam.system.response import Branches
+
+#: what the rate of an output's quantity is called
+RATES = {
+    "displacement": "velocity",
+    "velocity": "acceleration",
+    "acceleration": "jerk",
+    "slope": "rate",
+    "strain": "rate",
+}
+
+
+def named_of(text: str, quantity: str) -> str:
+    """Text about ``displacement`` and ``velocity``, made one about another quantity and its rate."""
+    if quantity == DISPLACEMENT.name:
+        return text
+    return text.replace("velocity", RATES[quantity]).replace("displacement", quantity)
 
 
 @dataclass(frozen=True)
@@ -95,3 +115,53 @@ def _computed(case: Case, plan: ShowPlan, fidelity: str) -> Sheet:
     """First sheet of a fidelity, computed once for all numbers that are read off it."""
     found: Sheet = module_of(plan).sheets(case, fidelity, plan)[0]
     return found
+
+
+class WithinAccuracy(Protocol):
+    """Curve within an accuracy of the finest fidelity."""
+
+    @property
+    def within(self) -> float:
+        """Allowed relative error."""
+        ...
+
+    @property
+    def finest(self) -> str:
+        """Reference fidelity of the error."""
+        ...
+
+
+class Comparison(Protocol):
+    """Branches of every fidelity by name, as a mapping, with the figures' further data."""
+
+    @property
+    def case(self) -> Case:
+        """Case of the run."""
+        ...
+
+    @property
+    def accuracy(self) -> WithinAccuracy | None:
+        """Accuracy of the one curve, where the case asks for one."""
+        ...
+
+    @property
+    def finest(self) -> Mapping[str, str]:
+        """Finest fidelity of the same physics for each fidelity."""
+        ...
+
+    @property
+    def held(self) -> str:
+        """Restitution held equal in the fidelities, and what the other choice gives; empty without a comparison."""
+        ...
+
+    @property
+    def shown(self) -> Mapping[str, tuple[Sheet, ...]]:
+        """Numbers of the figures that the case asks for."""
+        ...
+
+    def __getitem__(self, fidelity: str, /) -> Branches: ...
+    def __iter__(self) -> Iterator[str]: ...
+    def __len__(self) -> int: ...
+    def values(self) -> ValuesView[Branches]:
+        """Branches in the case's order."""
+        ...

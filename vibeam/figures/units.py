@@ -1,42 +1,16 @@
-"""Display units of a case: a prefix that suits the size of its numbers, or nondimensional as in the paper."""
+"""Display units of a case, by the size of its numbers or nondimensional as in the paper; labels of axes."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite, pi
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.case import quantity_of
-from vibeam.system.number_text import (
-    ACCELERATIONS,
-    ANGLES,
-    FREQUENCIES,
-    JERKS,
-    LENGTHS,
-    SPEEDS,
-    STRAINING,
-    STRAINS,
-    TURNING,
-    Steps,
-    prefixed,
-)
-
-if TYPE_CHECKING:
-    from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
-
-
-#: prefixes of an output's quantity and of its rate
-PREFIXES: Mapping[str, tuple[Steps, Steps]] = {
-    "displacement": (LENGTHS, SPEEDS),
-    "velocity": (SPEEDS, ACCELERATIONS),
-    "acceleration": (ACCELERATIONS, JERKS),
-    "slope": (ANGLES, TURNING),
-    "strain": (STRAINS, STRAINING),
-}
+from vibeam.case.case import Case, quantity_of
+from vibeam.figures.sheet import Comparison, named_of
+from vibeam.system.number_text import ACCELERATIONS, FREQUENCIES, OF_QUANTITY, Steps, prefixed
+from vibeam_models.outputs import DISPLACEMENT
 
 
 @dataclass(frozen=True)
@@ -90,7 +64,7 @@ def units_of(
     if own is not None:
         return DisplayUnits("", 1.0, "", 2 * pi / own, "", 1 / own)
     frequency = prefixed(FREQUENCIES, float(np.max(case.sweep.frequency, initial=0.0)), usual=-1)
-    steps, rates = PREFIXES[quantity]
+    steps, rates = OF_QUANTITY[quantity]
     own_units, speeds = prefixed(steps, length, _usual(steps)), prefixed(rates, speed, _usual(rates))
     return DisplayUnits(*own_units, *frequency, *speeds, quantity)
 
@@ -124,3 +98,34 @@ def _largest(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float
 
 def _with_unit(value: float, unit: str) -> str:
     return f"{value:.4g} {unit}".strip() if isfinite(value) else "–"
+
+
+OUTPUTS = ("contact", "sensor", "tip", "platform")
+
+
+def with_unit(what: str, unit: str) -> str:
+    """Quantity with its unit in brackets, where it has one."""
+    return f"{what} ({unit})" if unit else what
+
+
+def motion_of(output: str, quantity: str, units: DisplayUnits) -> str:
+    """Label ``sensor displacement (mm)``; for a model without dimensions ``displacement`` alone: it has one output."""
+    unit = units.speed if quantity.startswith("velocity") else units.length
+    if units.quantity != DISPLACEMENT.name:
+        what = f"{units.quantity} amplitude" if quantity == "amplitude" else named_of(quantity, units.quantity)
+        return with_unit(f"{output}:\n{what}", unit)
+    whose = f"{output} " if units.frequency and output in OUTPUTS else ""
+    return with_unit(f"{whose}{quantity}", unit)
+
+
+def amplitude_of(output: str, units: DisplayUnits) -> str:
+    """Label of the amplitude in frequency responses."""
+    if units.quantity != DISPLACEMENT.name:
+        return with_unit(f"{units.quantity} amplitude, {output}, ½(max − min)", units.length)
+    whose = f" at the {output}" if units.frequency and output in OUTPUTS else ""
+    return with_unit(f"amplitude{whose}{',' if whose else ''} ½(max − min)", units.length)
+
+
+def frequency_label(units: DisplayUnits) -> str:
+    """Label of the drive frequency in its unit, or over the natural one."""
+    return f"drive frequency Ω/2π ({units.frequency})" if units.frequency else "drive frequency Ω/ω"

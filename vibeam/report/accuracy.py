@@ -10,12 +10,11 @@ import numpy as np
 from vibeam.figures.units import METRIC, DisplayUnits
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
-from vibeam.runs.comparison.differences import both_peaks
+from vibeam.runs.comparison.differences import HeldComparison, both_peaks
 from vibeam.system.number_text import percent, signed
 
 if TYPE_CHECKING:
     from vibeam.runs.accuracy.study import AccuracyChoice, Chosen
-    from vibeam.runs.comparison.differences import HeldComparison
 
 
 MOST = 5  # points listed one by one

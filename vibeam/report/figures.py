@@ -6,20 +6,16 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from vibeam.case.case import quantity_of
+from vibeam.case.case import Case, quantity_of
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import FIGURES
 from vibeam.figures.files import all_current, figure_files, paths_of, shown_paths, stamp
-from vibeam.figures.quantity_names import named_of
-from vibeam.figures.sheet import module_of
+from vibeam.figures.sheet import Comparison, module_of, named_of
 from vibeam.runs.result import Result
 from vibeam.system.response import Branches, FrequencyResponse
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
 
 
 def write_figures(result: Comparison, path: Path) -> list[Path]:
@@ -67,9 +63,8 @@ def figure(result: Comparison, plan: ShowPlan) -> Figure:
 
 def _composed(result: Comparison, plan: ShowPlan) -> tuple[Figure, Any]:
     """Figure of one table, and what the kind's ``draw`` returns."""
-    from vibeam.figures.axes import say
     from vibeam.figures.page import blank_page, legend, titled
-    from vibeam.figures.panels import name_faults
+    from vibeam.figures.panels import name_faults, say
 
     made = blank_page(_size(plan), result.case.figure)
     shown = result.shown.get(plan.name, ())

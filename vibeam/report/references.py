@@ -13,17 +13,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from vibeam.case.reference_curves import reference_points
-from vibeam.figures.axes import from_zero
-from vibeam.figures.outputs import frequency_label, with_unit
 from vibeam.figures.page import blank_page, legend, plain, titled, write_page
+from vibeam.figures.panels import from_zero
 from vibeam.figures.style import COLOURS, shade
-from vibeam.figures.units import DisplayUnits, units_of
-from vibeam.studies.regression.references import COVERAGE, Match, matched, pieces_of
+from vibeam.figures.units import DisplayUnits, frequency_label, units_of, with_unit
+from vibeam.studies.regression.references import COVERAGE, CheckRow, Match, matched, pieces_of
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import Reference
-    from vibeam.studies.regression.references import CheckRow
     from vibeam.system.response import Branches
 
 POINT: dict[str, Any] = {

@@ -15,11 +15,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from vibeam.figures.axes import say
-from vibeam.figures.outputs import frequency_label, with_unit
 from vibeam.figures.page import PAGE, blank_page, legend, plain, titled, write_page
+from vibeam.figures.panels import say
 from vibeam.figures.style import name_of
-from vibeam.figures.units import units_of
+from vibeam.figures.units import frequency_label, units_of, with_unit
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.contours import BoundaryCurve
 from vibeam.periodic.orbit_map import OrbitMap

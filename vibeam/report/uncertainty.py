@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.case import quantity_of
-from vibeam.case.plans import FigurePlan
+from vibeam.case.plans import FigurePlan, Uncertain
 from vibeam.figures.files import paths_of
 from vibeam.figures.page import write_page
 from vibeam.figures.units import DisplayUnits, units_of
@@ -22,7 +22,6 @@ from vibeam.studies.identification.modes import unit_of
 from vibeam.system.number_text import in_prefix, percent
 
 if TYPE_CHECKING:
-    from vibeam.case.plans import Uncertain
     from vibeam.studies.uncertainty.statistics import Spread
     from vibeam.studies.uncertainty.study import UncertaintyStudy
 

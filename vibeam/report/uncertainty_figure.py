@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.plans import FigurePlan
-from vibeam.figures.outputs import amplitude_of, frequency_label
 from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import look, looks_of, name_of
-from vibeam.figures.units import DisplayUnits
+from vibeam.figures.units import DisplayUnits, amplitude_of, frequency_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -15,10 +15,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from vibeam.figures.outputs import frequency_label, with_unit
 from vibeam.figures.page import PAGE, blank_page, legend, plain, titled, write_page
 from vibeam.figures.style import name_of
-from vibeam.figures.units import units_of
+from vibeam.figures.units import frequency_label, units_of, with_unit
 from vibeam.report.stability import LOOKS, OWN
 from vibeam.report.verdict import key_unit, quantity_of
 from vibeam.studies.stability.rows import NAMES

@@ -16,9 +16,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
+from vibeam.figures.lettering import power_of_ten
 from vibeam.figures.page import blank_page, legend, titled, write_page
 from vibeam.figures.style import COLOURS, KEY, looks, name_of, shade
-from vibeam.figures.tick_labels import power_of_ten
 from vibeam.solvers import SOLVERS
 
 if TYPE_CHECKING:

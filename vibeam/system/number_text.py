@@ -19,6 +19,15 @@ MASSES: Steps = ((1.0, "kg", 1.0), (1e-3, "g", 1e3), (0.0, "mg", 1e6))
 TIMES: Steps = ((1.0, "s", 1.0), (1e-4, "ms", 1e3), (0.0, "µs", 1e6))
 MODULI: Steps = ((1e9, "GPa", 1e-9), (1e6, "MPa", 1e-6), (0.0, "Pa", 1.0))
 
+#: prefixes of an output's quantity and of its rate
+OF_QUANTITY: Mapping[str, tuple[Steps, Steps]] = {
+    "displacement": (LENGTHS, SPEEDS),
+    "velocity": (SPEEDS, ACCELERATIONS),
+    "acceleration": (ACCELERATIONS, JERKS),
+    "slope": (ANGLES, TURNING),
+    "strain": (STRAINS, STRAINING),
+}
+
 #: prefixes of a key's SI unit
 OF_UNIT: Mapping[str, Steps] = {
     "m": LENGTHS, "m/s": SPEEDS, "m/s^2": ACCELERATIONS, "rad": ANGLES, "Hz": FREQUENCIES, "kg": MASSES, "s": TIMES,

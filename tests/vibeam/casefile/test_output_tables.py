@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.figures.outputs import amplitude_of, motion_of
-from vibeam.figures.units import units_for
+from vibeam.figures.units import amplitude_of, motion_of, units_for
 
 CASES = Path(__file__).parents[3] / "cases"
 

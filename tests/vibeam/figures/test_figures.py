@@ -21,11 +21,11 @@ from vibeam.case.faults import CaseError
 from vibeam.case.plans import FigurePlan
 from vibeam.casefile.read import parse
 from vibeam.figures import RINGING, SHARES, page
-from vibeam.figures.axes import decades, from_zero
+from vibeam.figures.lettering import crowded_axes, thin_out
+from vibeam.figures.panels import decades, from_zero
 from vibeam.figures.response_curve import frc, write_frc
 from vibeam.figures.sheet import Column, Sheet
 from vibeam.figures.style import COLOURS, looks_of
-from vibeam.figures.ticks import crowded_axes, thin_out
 from vibeam.figures.units import units_for, units_of
 from vibeam.report.figures import figure, write_shown
 from vibeam.runs.result import Result

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import pytest
 from matplotlib.figure import Figure
 
-from vibeam.figures import fonts
+from vibeam.figures import lettering
 
 LETTERS = frozenset(map(ord, "挡块"))
 
@@ -18,24 +18,26 @@ def titled() -> Iterator[Figure]:
     figure = Figure()
     figure.suptitle("挡块 Δ")
     figure.subplots().set_title("η ≥ 1,\nβ")
-    fonts._others.cache_clear()
+    lettering._others.cache_clear()
     yield figure
-    fonts._others.cache_clear()
+    lettering._others.cache_clear()
 
 
 def test_letters_that_no_font_has_are_escaped(titled: Figure, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(fonts, "fontManager", SimpleNamespace(ttflist=[]))
-    fonts.set_fonts(titled)
+    monkeypatch.setattr(lettering, "fontManager", SimpleNamespace(ttflist=[]))
+    lettering.set_fonts(titled)
     assert [text.get_text() for text in titled.texts] == [r"\u6321\u5757 Δ"]
     assert titled.axes[0].get_title() == "η ≥ 1,\nβ"
     titled.draw_without_rendering()  # no warning of a missing glyph
 
 
 def test_a_font_that_has_them_is_taken(titled: Figure, monkeypatch: pytest.MonkeyPatch) -> None:
-    own, found = fonts._letters, [each for each in fonts.fontManager.ttflist if each.name == "cmr10"]
-    monkeypatch.setattr(fonts, "_letters", lambda file: own(file) | (LETTERS if "cmr10" in file else frozenset()))
-    monkeypatch.setattr(fonts, "fontManager", SimpleNamespace(ttflist=found))
-    fonts.set_fonts(titled)
+    own, found = lettering._letters_of, [each for each in lettering.fontManager.ttflist if each.name == "cmr10"]
+    monkeypatch.setattr(
+        lettering, "_letters_of", lambda file: own(file) | (LETTERS if "cmr10" in file else frozenset())
+    )
+    monkeypatch.setattr(lettering, "fontManager", SimpleNamespace(ttflist=found))
+    lettering.set_fonts(titled)
     (title,) = titled.texts
     assert title.get_text() == "挡块 Δ"
     assert list(title.get_fontfamily())[1:] == ["cmr10"]

@@ -12,8 +12,8 @@ import pytest
 import vibeam
 from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
-from vibeam.figures.kinds.decay import highest_line
 from vibeam.figures.sheet import Sheet
+from vibeam.observe.decay import highest_line
 from vibeam.report.figures import figure
 
 CASES = Path(__file__).parents[3] / "cases"

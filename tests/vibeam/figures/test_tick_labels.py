@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from vibeam.figures.tick_labels import power_of_ten, set_plain_labels
+from vibeam.figures.lettering import power_of_ten, set_plain_labels
 
 DIGITS = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789")
 

@@ -12,17 +12,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.axes import is_empty, say, start_upward
 from vibeam.figures.beam_panel import BeamPanel, scale_of
-from vibeam.figures.branch_lines import draw_branch
 from vibeam.figures.loop import LONGEST, loop_columns
 from vibeam.figures.moving import FRAMES_A_SECOND, Moving
-from vibeam.figures.outputs import frequency_label, motion_of, with_unit
 from vibeam.figures.page import plain
+from vibeam.figures.panels import is_empty, say, start_upward
+from vibeam.figures.response import draw_branch
 from vibeam.figures.settled_motion import sheet_each
-from vibeam.figures.sheet import Sheet
+from vibeam.figures.sheet import Comparison, Sheet
 from vibeam.figures.style import Look, looks_of, name_of
-from vibeam.figures.units import units_for
+from vibeam.figures.units import DisplayUnits, frequency_label, motion_of, units_for, with_unit
 from vibeam.system.number_text import FREQUENCIES, LENGTHS, prefixed
 from vibeam_models.arrays import Array
 
@@ -32,8 +31,6 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
-    from vibeam.figures.units import DisplayUnits
 
 
 WIDTH, HIGH, ROW, AROUND = 7.2, 3.7, 1.35, 1.4  # inches: of the page, of one beam's page, of a further beam, of titles
@@ -196,6 +193,6 @@ def _pace(loop: Loop, plan: ShowPlan) -> str:
 def write(path: Path, plan: ShowPlan, shown: tuple[Sheet, ...], mark: str | None) -> None:
     """Write the loops as a VTU series: ``path`` is its PVD file."""
     from vibeam.exchange.vtu import write_series
-    from vibeam.figures.beam_series import steps_of
+    from vibeam.figures.loop import steps_of
 
     write_series(steps_of(shown), path, mark or "")

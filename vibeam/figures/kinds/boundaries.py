@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.axes import from_zero, is_empty, say
-from vibeam.figures.panels import across_frequency, labelled
-from vibeam.figures.sheet import Column, Sheet
+from vibeam.figures.panels import across_frequency, from_zero, is_empty, labelled, say
+from vibeam.figures.sheet import Column, Comparison, Sheet
 from vibeam.figures.style import FEW, GAP, STABLE, UNSTABLE, Look, arrow, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.observe.branches import motion_pieces
@@ -28,7 +27,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
 
 
 CURE = "name other fidelities, or leave the table away"

@@ -16,13 +16,11 @@ from numpy.typing import ArrayLike
 
 from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.axes import is_empty, say, start_upward
-from vibeam.figures.branch_lines import draw_branch
-from vibeam.figures.outputs import amplitude_of
-from vibeam.figures.panels import across_frequency
-from vibeam.figures.sheet import Column, Columns, Sheet
-from vibeam.figures.style import looks_of, name_of
-from vibeam.figures.units import DisplayUnits, units_for
+from vibeam.figures.panels import across_frequency, is_empty, say, start_upward
+from vibeam.figures.response import draw_branch
+from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
+from vibeam.figures.style import Look, looks_of, name_of
+from vibeam.figures.units import DisplayUnits, amplitude_of, units_for
 from vibeam.solvers.chirp import Chirp, linear_chirp, swept
 from vibeam.system.number_text import percent
 from vibeam.system.response import Ended, FrequencyResponse
@@ -33,8 +31,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
-    from vibeam.figures.style import Look
 
 
 SWEPT = {"up": 0.9, "down": 0.5}  # opacity of the line of a chirp

@@ -18,12 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.outputs import motion_of
 from vibeam.figures.panels import faults_at, mark_stop, sheets_at, titled
 from vibeam.figures.settled_motion import NoMotion, exact_columns, settled, sheet_each
-from vibeam.figures.sheet import Column, Columns, Sheet
+from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
 from vibeam.figures.style import Look, name_of
-from vibeam.figures.units import DisplayUnits, units_for
+from vibeam.figures.units import DisplayUnits, motion_of, units_for
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
 
 
 PERIODS = 3

@@ -10,10 +10,9 @@ from matplotlib.ticker import MaxNLocator
 
 from vibeam.case.plans import ShowPlan
 from vibeam.case.response_quantities import values_of
-from vibeam.figures.axes import is_empty, say
-from vibeam.figures.branch_lines import draw_branch
-from vibeam.figures.panels import across_frequency, labelled
-from vibeam.figures.sheet import Sheet
+from vibeam.figures.panels import across_frequency, is_empty, labelled, say
+from vibeam.figures.response import draw_branch
+from vibeam.figures.sheet import Comparison, Sheet
 from vibeam.figures.style import KEY, LINES, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.observe.branches import MotionClass
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
 
 
 LENGTHS = ("amplitude", "reach", "output_reach", "maximum", "minimum")

@@ -1,10 +1,7 @@
 """Figure kind ``decay``: free motion without drive and stop, from rest in a static deflection (paper Fig. 30a–b).
 
 The beam is drawn aside at the contact until the output is by ``start`` beside its place at rest, from which
-displacements are counted, and let go. What is read is what the paper reads: the damping ratio off the envelope, here
-the slope of the logarithms of the maxima over time, and the frequency off the times of the maxima and off the highest
-line of the spectrum, refined by a parabola through its neighbours. Both slopes are weighted by the maxima's heights, so
-that noise on the low ones counts for as much as it is.
+displacements are counted, and let go. What is read off it is in ``observe.decay``.
 """
 
 from __future__ import annotations
@@ -13,19 +10,16 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
 from vibeam.case.response_quantities import static_shape
-from vibeam.figures.axes import decades, is_empty, say
-from vibeam.figures.outputs import motion_of
-from vibeam.figures.panels import labelled
+from vibeam.figures.panels import decades, is_empty, labelled, say
 from vibeam.figures.settled_motion import chain_or_exact
-from vibeam.figures.sheet import Column, Columns, Sheet
+from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
 from vibeam.figures.style import Look, looks_of, name_of
-from vibeam.figures.units import DisplayUnits, units_of
+from vibeam.figures.units import DisplayUnits, motion_of, units_of
 from vibeam.flight.trajectory import simulate
-from vibeam.observe.harmonics import spectrum_of
+from vibeam.observe.decay import free_decay
 from vibeam.observe.measuring_chain import MeasuredRecord, measure
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
@@ -36,13 +30,11 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
 
 
 PERIODS = 40  # of the mode that the output shows most
 SAMPLES = 256  # samples a natural period, of a motion that is not measured
 AWAY = 1e3  # gap, in contact displacements at the start, of a stop that is not there
-LEAST = 3  # maxima for an envelope
 LEAST_LINE = 1e-7  # smallest line shown, as a share of the largest displacement
 SHOWN = 4  # largest frequency shown, in multiples of the mode's
 
@@ -57,22 +49,16 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 
 def _columns(case: Case, name: str, plan: ShowPlan) -> Columns:
     record, natural = _record(case, name, plan)
-    time, height = maxima(record, natural)
-    slope, level = np.polyfit(time, np.log(height), 1, w=height)
-    turns = np.round((time - time[0]) * natural)
-    rate = 2 * np.pi / float(np.polyfit(turns, time, 1, w=height)[0])
-    spectrum = spectrum_of(record.time, record.displacement)
+    found = free_decay(record, natural)
     return {
         "time": Column(record.time, "s", "time since the release"),
         "displacement": Column(record.displacement, "q", "displacement of the output from its place at rest"),
-        "envelope": Column(np.exp(level + slope * record.time), "q", "fitted envelope"),
-        "line": Column(spectrum.frequency, "Hz", "frequency of the line"),
-        "displacement_line": Column(spectrum.amplitude, "q", "amplitude of the displacement"),
-        "decay_frequency": Column(np.array([rate / (2 * np.pi)]), "Hz", "frequency by the maxima"),
-        "decay_damping": Column(np.array([-slope / np.hypot(slope, rate)]), "1", "damping ratio by the envelope"),
-        "spectrum_frequency": Column(
-            np.array([highest_line(spectrum.frequency, spectrum.amplitude)]), "Hz", "frequency of the highest line"
-        ),
+        "envelope": Column(found.envelope, "q", "fitted envelope"),
+        "line": Column(found.spectrum.frequency, "Hz", "frequency of the line"),
+        "displacement_line": Column(found.spectrum.amplitude, "q", "amplitude of the displacement"),
+        "decay_frequency": Column(np.array([found.frequency]), "Hz", "frequency by the maxima"),
+        "decay_damping": Column(np.array([found.damping_ratio]), "1", "damping ratio by the envelope"),
+        "spectrum_frequency": Column(np.array([found.line]), "Hz", "frequency of the highest line"),
     }
 
 
@@ -94,34 +80,6 @@ def without_stop(system: ImpactSystem, place: Array, rest: Array) -> ImpactSyste
     """System whose stop is out of reach of a free motion from ``place`` beside its place at ``rest``."""
     far = AWAY * float(np.abs(system.contact) @ (np.abs(place) + np.abs(rest)))
     return replace(system, gap=far, law=None, second_gap=None)
-
-
-def maxima(record: MeasuredRecord, natural: float) -> tuple[Array, Array]:
-    """Times and heights of the maxima, one a natural period, by parabolas; ValueError for fewer than three."""
-    from scipy.signal import find_peaks
-
-    x = record.displacement
-    top = find_peaks(x, distance=max(1, round(0.6 * record.rate / natural)))[0]
-    top = top[x[top] > 0]
-    if len(top) < LEAST:
-        raise ValueError(f"{len(top)} maxima are too few for an envelope: show more periods")
-    shift, height = _vertex(x, top)
-    return record.time[top] + shift / record.rate, height
-
-
-def highest_line(frequency: Array, amplitude: Array) -> float:
-    """Frequency of the highest line, refined by a parabola through the logarithms of its neighbours."""
-    top = 1 + int(np.argmax(amplitude[1:-1]))
-    shift, _ = _vertex(np.log(np.maximum(amplitude, 1e-300)), np.array([top]))
-    return float(frequency[top] + shift[0] * (frequency[1] - frequency[0]))
-
-
-def _vertex(values: Array, at: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Place (in steps from ``at``) and height of the vertex of the parabola through three neighbours."""
-    left, middle, right = values[at - 1], values[at], values[at + 1]
-    bend = left - 2 * middle + right
-    shift = (left - right) / (2 * bend)
-    return shift, middle - (left - right) * shift / 4
 
 
 def size(plan: ShowPlan) -> tuple[float, float]:

@@ -11,15 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.axes import decades, is_empty, say
-from vibeam.figures.outputs import motion_of
 from vibeam.figures.page import plain
-from vibeam.figures.panels import across_frequency, faults_at, labelled, sheets_at, titled
+from vibeam.figures.panels import across_frequency, decades, faults_at, is_empty, labelled, say, sheets_at, titled
 from vibeam.figures.settled_motion import exact_motion, settled, sheet_each
-from vibeam.figures.sheet import Column, Columns, Sheet
+from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
 from vibeam.figures.style import bar, name_of
 from vibeam.figures.style import look as style
-from vibeam.figures.units import units_for
+from vibeam.figures.units import DisplayUnits, motion_of, units_for
 from vibeam.observe.harmonics import harmonic_amplitudes
 
 if TYPE_CHECKING:
@@ -27,8 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
-    from vibeam.figures.units import DisplayUnits
 
 
 HIGHEST = 8

@@ -8,18 +8,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.outputs import motion_of
 from vibeam.figures.panels import faults_at, mark_stop, sheets_at, titled
 from vibeam.figures.settled_motion import motion_columns, sheet_each
-from vibeam.figures.sheet import Sheet
+from vibeam.figures.sheet import Comparison, Sheet
 from vibeam.figures.style import name_of
-from vibeam.figures.units import units_for
+from vibeam.figures.units import motion_of, units_for
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
 
 
 PERIODS = 4

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.axes import is_empty, say
-from vibeam.figures.panels import labelled
-from vibeam.figures.sheet import Column, Columns, Sheet
+from vibeam.figures.panels import is_empty, labelled, say
+from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
 from vibeam.figures.style import look, looks_of, name_of
 from vibeam.figures.units import units_for
 from vibeam.observe.restitution import Collision
@@ -26,7 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
 
 
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.page import plain
-from vibeam.figures.sheet import Column, Sheet
+from vibeam.figures.sheet import Column, Comparison, Sheet
 from vibeam.figures.style import name_of
 from vibeam.figures.units import units_for
 from vibeam.system.number_text import percent
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
 
 
 MOST = 12  # largest number of modes drawn; the numbers are of all

@@ -9,10 +9,9 @@ from matplotlib.ticker import MaxNLocator
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import SHARES
-from vibeam.figures.axes import decades
-from vibeam.figures.panels import faults_at, labelled, sheets_at, titled
+from vibeam.figures.panels import decades, faults_at, labelled, sheets_at, titled
 from vibeam.figures.settled_motion import exact_motion, settled, sheet_each
-from vibeam.figures.sheet import Column, Columns, Sheet
+from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
 from vibeam.figures.style import bar, name_of
 from vibeam.figures.units import units_for
 from vibeam.observe.harmonics import modal_participation
@@ -21,7 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
 
 
 PERIODS = 16

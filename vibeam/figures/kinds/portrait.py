@@ -10,20 +10,17 @@ from matplotlib.collections import LineCollection
 from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.outputs import motion_of
 from vibeam.figures.panels import faults_at, mark_stop, sheets_at, titled
 from vibeam.figures.settled_motion import motion_columns, sheet_each
-from vibeam.figures.sheet import Sheet
+from vibeam.figures.sheet import Comparison, Sheet
 from vibeam.figures.style import Look, name_of
-from vibeam.figures.units import units_for
+from vibeam.figures.units import DisplayUnits, motion_of, units_for
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
-    from vibeam.figures.units import DisplayUnits
 
 
 PERIODS = 16

@@ -12,11 +12,10 @@ import numpy as np
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import RESTITUTIONS
-from vibeam.figures.axes import is_empty, say
 from vibeam.figures.page import plain
-from vibeam.figures.panels import across_frequency, drawn, labelled
+from vibeam.figures.panels import across_frequency, drawn, is_empty, labelled, say
 from vibeam.figures.settled_motion import MeasuredWindow, NoMotion, chain_or_exact, measured_window, sheet_each
-from vibeam.figures.sheet import Column, Columns, Sheet
+from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
 from vibeam.figures.style import looks, name_of, nested
 from vibeam.figures.units import units_for
 from vibeam.observe.motion import impacts_within
@@ -35,7 +34,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
 
 
 PERIODS = 12

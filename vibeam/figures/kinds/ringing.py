@@ -12,13 +12,21 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.axes import from_zero, is_empty, say
-from vibeam.figures.outputs import motion_of
-from vibeam.figures.panels import across_frequency, drawn, faults_at, labelled, sheets_at, titled
+from vibeam.figures.panels import (
+    across_frequency,
+    drawn,
+    faults_at,
+    from_zero,
+    is_empty,
+    labelled,
+    say,
+    sheets_at,
+    titled,
+)
 from vibeam.figures.settled_motion import MeasuredWindow, NoMotion, chain_or_exact, measured_window, sheet_each
-from vibeam.figures.sheet import Column, Columns, Sheet
+from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
 from vibeam.figures.style import looks_of, name_of
-from vibeam.figures.units import units_for
+from vibeam.figures.units import motion_of, units_for
 from vibeam.observe.ringing import REACH, CountedPeaks, count_peaks, fast_part, fit_ringing, peaks_of
 from vibeam.observe.slow_motion import SlowPart, slow_part
 from vibeam_models.arrays import Array
@@ -27,7 +35,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
 
 
 PERIODS = 12

@@ -7,13 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.axes import around
-from vibeam.figures.outputs import motion_of
-from vibeam.figures.panels import faults_at, sheets_at, titled
+from vibeam.figures.panels import around, faults_at, sheets_at, titled
 from vibeam.figures.settled_motion import NoMotion, Settled, exact_motion, settled, sheet_each
-from vibeam.figures.sheet import Column, Columns, Sheet
+from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
 from vibeam.figures.style import name_of
-from vibeam.figures.units import units_for
+from vibeam.figures.units import motion_of, units_for
 from vibeam.observe.phase_plane import stroboscopic_section
 from vibeam.system.response import Ended
 from vibeam.system.state import State
@@ -23,7 +21,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
 
 
 PERIODS = 500

@@ -5,13 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.axes import decades
-from vibeam.figures.outputs import motion_of
-from vibeam.figures.panels import faults_at, labelled, sheets_at, titled
+from vibeam.figures.panels import decades, faults_at, labelled, sheets_at, titled
 from vibeam.figures.settled_motion import chain_or_exact, measured_window, sheet_each
-from vibeam.figures.sheet import Column, Columns, Sheet
+from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
 from vibeam.figures.style import name_of
-from vibeam.figures.units import units_for
+from vibeam.figures.units import motion_of, units_for
 from vibeam.observe.harmonics import spectrum_of
 from vibeam_models.arrays import Array
 
@@ -19,7 +17,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from vibeam.case.case import Case
-    from vibeam.figures.comparison import Comparison
 
 
 PERIODS = 64

@@ -9,18 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.case import units_of_output
+from vibeam.case.case import Case, units_of_output
 from vibeam.case.grid_keys import FREQUENCY
-from vibeam.figures.outputs import frequency_label, with_unit
 from vibeam.figures.page import plain
 from vibeam.figures.style import name_of
-from vibeam.figures.units import units_of
+from vibeam.figures.units import frequency_label, units_of, with_unit
 from vibeam.studies.stability.axes import NAMES
 from vibeam.system.number_text import shown_unit
 from vibeam.system.quantities import LAYOUT, unit_of
 
 if TYPE_CHECKING:
-    from vibeam.case.case import Case
     from vibeam.case.plans import AxisPlan, MapPlan
     from vibeam.maps.evaluate import GridResponse
     from vibeam.maps.run import MapResult

@@ -9,10 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from vibeam.figures.outputs import motion_of
 from vibeam.figures.page import plain
 from vibeam.figures.style import COLOURS, name_of, shade
-from vibeam.figures.units import units_of
+from vibeam.figures.units import motion_of, units_of
 from vibeam.maps.closed_form import ClosedForm, closed_form_strobes
 from vibeam.report.maps.axes import shown_axis
 

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from vibeam.figures.outputs import amplitude_of
 from vibeam.figures.page import plain
 from vibeam.figures.style import COLOURS, name_of
-from vibeam.figures.units import units_of
+from vibeam.figures.units import amplitude_of, units_of
 from vibeam.maps.spectra import LineSpectrum, spectra_along
 from vibeam.report.maps.axes import shown_axis
 

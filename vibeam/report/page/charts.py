@@ -13,12 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from vibeam.case.faults import CaseError
 from vibeam.case.reference_curves import reference_points
-from vibeam.figures.axes import NOT_FROM_ZERO, SLIGHT, TOP
+from vibeam.figures.panels import NOT_FROM_ZERO, SLIGHT, TOP
 from vibeam.figures.response_curve import grazing_heights
 from vibeam.figures.style import DASH, DASHES, DOT, LINES, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, units_for
 from vibeam.observe.branches import MotionClass, pieces
-from vibeam.runs.summary import compare
+from vibeam.runs.summary import Summary, compare
 from vibeam.studies.stored_motions import FRAMES, HARMONICS, StoredMotion, StoredMotions, held_at_zero, stations
 from vibeam.system.response import Ended, FrequencyResponse, complete
 from vibeam_models.arrays import Array
@@ -26,7 +26,6 @@ from vibeam_models.arrays import Array
 if TYPE_CHECKING:
     from vibeam.runs.result import Result
     from vibeam.runs.stored_result import StoredResult
-    from vibeam.runs.summary import Summary
 
 
 STEPS = 65535  # of an array's range

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam_models.scene import Scene
+from vibeam_models.scene import AnyScene, Scene
 
 if TYPE_CHECKING:
     from vibeam_models.beams.beam import Beam
-    from vibeam_models.scene import AnyScene
 
 
 WIDTH, HEIGHT = 960, 250  # px of the drawing
