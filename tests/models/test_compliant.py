@@ -17,7 +17,8 @@ from vibeam_models.laws.compliant import (
     hunt_crossley_product,
     linear_restitution,
 )
-from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
+from vibeam_models.laws.mechanics import StopLaw
+from vibeam_models.laws.restitution import PlasticRestitution, Restitution, TableRestitution, ViscousRestitution
 
 MASS, SPEED = 0.2, 0.35
 
@@ -105,6 +106,41 @@ def test_formulas_of_restitution() -> None:
     viscous = ViscousRestitution(0.5, 0.2)
     assert viscous.at(1.0) == pytest.approx(0.5)
     assert (viscous.at(0.0), viscous.at(100.0)) == (1, 0)
+    assert ViscousRestitution.matched(0.8, 0.1).at(0.1) == pytest.approx(0.8, rel=1e-15)
+
+
+RIGID = [
+    Restitution(0.7), TableRestitution((0.05, 0.3, 2.0), (0.9, 0.6, 0.5)), TableRestitution((0.0, 1.0), (0.3, 0.8)),
+    PlasticRestitution(0.7, 0.2), ViscousRestitution(0.6), ViscousRestitution(2.0, 0.5),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("law", RIGID)
+def test_many_impacts_at_once_are_those_one_by_one(law: StopLaw) -> None:
+    speeds = np.concatenate([[0.0, 0.05, 0.3, 1.0, 2.0], np.geomspace(1e-9, 1e3, 200)])
+    np.testing.assert_allclose(law.rebound(speeds), [law.at(v) * v for v in speeds], rtol=1e-14)
+    low, high = law.coefficients_up_to(speeds)
+    seen = np.array([law.at(v) for v in speeds])
+    assert np.all((seen <= high) & ((low <= seen) | (low == 1)))  # least 1 where nothing is known
+    inside, step = speeds[(speeds > 1e-3) & (speeds < 0.29)], 1e-6
+    slope = (law.rebound(inside + step) - law.rebound(inside - step)) / (2 * step)
+    np.testing.assert_allclose(law.rebound_slope(inside), slope, rtol=1e-5, atol=1e-6)
+
+
+def test_a_capability_that_a_law_lacks_is_refused_by_its_name() -> None:
+    asked = {
+        lambda: LinearStop(1.0).at(1.0): '"linear" has no coefficient of restitution',
+        lambda: Hertz(1.0).rebound_slope(np.ones(1)): '"hertz" has no derivative',
+        lambda: Restitution(0.5).force(np.ones(1), np.ones(1)): '"restitution" has no contact force',
+        lambda: ViscousRestitution(0.1).balance(1.0, 1.0): '"viscous restitution" has no static contact force',
+        lambda: Hertz(1.0).in_series(1.0): 'the law "hertz" in series with a spring has no closed form',
+        lambda: Restitution(0.5).in_series(1.0): "its mobility is infinite",
+        lambda: LinearStop(1.0, 1.0).in_series(1.0): "a damper behind a contact without mass",
+    }
+    for call, said in asked.items():
+        with pytest.raises(ValueError, match=said):
+            call()
+    assert LinearStop(2.0).in_series(0.5) == LinearStop(1.0)
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from vibeam_models.beams.shapes import Rectangle
 from vibeam_models.effects.added_mass import AddedMass
 from vibeam_models.effects.opposite import Opposite
 from vibeam_models.effects.section import Section
-from vibeam_models.laws.leaf_spring import LeafSpring
+from vibeam_models.laws.yielding import LeafSpring
 
 BARE = replace(POINT_MASS, mass=None)
 EI = STEEL.bending_stiffness

@@ -74,6 +74,39 @@ def test_no_string_names_a_room_above(tmp_path: Path) -> None:
     assert upward_names(tmp_path / "a.py", "vibeam.cli") == []
 
 
+LAWS = {
+    node.name
+    for path in (ROOT / "models" / "vibeam_models" / "laws").glob("*.py")
+    for node in ast.parse(path.read_text("utf-8")).body
+    if isinstance(node, ast.ClassDef)
+}
+
+
+def tells_laws_apart(path: Path) -> list[str]:
+    """Tests of a contact law's class in a file, in place of a capability that the law declares."""
+    found: list[ast.expr] = []
+    for node in ast.walk(ast.parse(path.read_text("utf-8"))):
+        if isinstance(node, ast.Call) and ast.unparse(node.func) in ("isinstance", "issubclass"):
+            found.append(node.args[1])
+        elif isinstance(node, ast.MatchClass):
+            found.append(node.cls)
+    named = ({getattr(each, "id", getattr(each, "attr", "")) for each in ast.walk(node)} for node in found)
+    return sorted(name for names in named for name in names & LAWS)
+
+
+def test_a_law_is_asked_for_its_capabilities_and_not_for_its_class(tmp_path: Path) -> None:
+    assert {"StopLaw", "LinearStop", "HuntCrossley", "TableRestitution", "ContactLaw"} <= LAWS
+    files = [path for package in PACKAGES if package.name != "vibeam_models" for path in package.rglob("*.py")]
+    assert len(files) > 200
+    assert {str(path): names for path in files if (names := tells_laws_apart(path))} == {}
+    own = tmp_path / "a.py"
+    for line in ("isinstance(x.law, LinearStop | int)", "issubclass(kind, laws.StopLaw)", "LinearStop(1.0)"):
+        own.write_text(line)
+        assert bool(tells_laws_apart(own)) is line.startswith("is")
+    own.write_text("match law:\n    case LinearStop():\n        pass\n")
+    assert tells_laws_apart(own) == ["LinearStop"]
+
+
 @pytest.mark.parametrize("upward", [None, "import vibeam.runs.sweep"])
 def test_imports_run_one_way_down(upward: str | None, tmp_path: Path) -> None:
     """The contracts in pyproject.toml hold, and an import upward breaks them."""

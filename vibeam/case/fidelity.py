@@ -149,9 +149,7 @@ def _at_its_stop(scene: RigScene, small: Structure, static: float) -> ImpactSyst
     elif scene.stop.restitution_of != "contact":
         built = _seen_by_first_mode(built)
     if small.contact_flexibility:
-        from vibeam_models.laws.series import in_series
-
-        built = replace(built, law=in_series(built.law, small.contact_flexibility))
+        built = replace(built, law=built.contact_law.in_series(small.contact_flexibility))
     if scene.platform is None or scene.platform.coupling == "one-way":
         return built
     from vibeam_models.base_motion import moving_platform

@@ -45,7 +45,7 @@ def register_effect(effect: type[Effect], repeated: bool = False) -> Registratio
 def register_law(law: type[ContactLaw]) -> Registration:
     """Make a contact law known by ``law = "NAME"`` in ``[stop]``, where its fields are keys; as ``register_effect``.
 
-    A key that other laws have must be declared as theirs is (``vibeam_models.laws.keys``).
+    A key that other laws have must be declared as theirs is (``vibeam_models.laws``).
     """
     faults = list(_kind_faults(law, ContactLaw))
     if not faults:

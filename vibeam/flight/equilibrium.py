@@ -7,7 +7,6 @@ import numpy as np
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
-from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
 LOST = 1e-14  # share of the gap by which the contact may miss the stop that it rests on
 SMALLEST = 1e-150  # rad/s
@@ -74,11 +73,11 @@ def equilibrium_with_law(system: ImpactSystem) -> State:
         beyond = float(row @ free) - gap
         if beyond <= 0:
             continue
-        if not isinstance(system.law, LinearStop | HuntCrossley):
+        if not system.contact_law.yields:
             found = equilibrium(replaced(system, gap, row))
             return State(found.displacement, found.velocity, True)
         give = np.where(system.omega > 0, row / np.where(system.omega > 0, system.omega, 1.0) ** 2, 0.0)
-        force = balance(system.law, beyond, float(row @ give))
+        force = system.contact_law.balance(beyond, float(row @ give))
         return State(free - give * force, np.zeros(system.size))
     return State(free, np.zeros(system.size))
 
@@ -126,17 +125,3 @@ def replaced(system: ImpactSystem, gap: float, row: Array | None = None) -> Impa
 
     contact = system.contact if row is None else row
     return replace(system, gap=gap, contact=contact, law=None, coupling=None, second_gap=None)
-
-
-def balance(law: LinearStop | HuntCrossley, beyond: float, give: float) -> float:
-    """The force F with F = k d^p and d = beyond − give F: ``beyond`` m into the stop without it, ``give`` m/N."""
-    if isinstance(law, LinearStop):
-        return law.stiffness * beyond / (1 + law.stiffness * give)
-    low, high = 0.0, beyond
-    for _ in range(200):
-        middle = (low + high) / 2
-        if middle in (low, high):
-            break
-        excess = middle + give * law.stiffness * middle**law.exponent - beyond
-        low, high = (low, middle) if excess > 0 else (middle, high)
-    return float(law.stiffness * high**law.exponent)

@@ -46,4 +46,4 @@ def warm_up_motion(system: ImpactSystem, drive: Drive) -> None:
 
 def kind_of(system: ImpactSystem) -> tuple[Hashable, ...]:
     """What the system has beyond plain modes: it decides which code runs."""
-    return type(system.law).__name__, system.coupling is None, system.second_gap is None, system.further is None
+    return system.contact_law.name, system.coupling is None, system.second_gap is None, system.further is None

@@ -16,7 +16,6 @@ from vibeam.flight.linear.packing import slowest_rate
 from vibeam.flight.linear.regimes import plan
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
-from vibeam_models.laws.compliant import HuntCrossley
 
 
 class RegimeSolver(EventDrivenSolver):
@@ -61,9 +60,9 @@ class RegimeSolver(EventDrivenSolver):
         wanted = None if output is None else self.system.derivative(output)
         if wanted is None:
             return super()._watch(output)
-        if isinstance(self.system.law, HuntCrossley):
+        if self.system.contact_law.integrated:
             said = f"output {output!r}: the {wanted.called} in a contact that is integrated is not read"
-            raise ValueError(f"{said}, {self.system.law.name!r}: take a linear stop, or one with a restitution")
+            raise ValueError(f"{said}, {self.system.contact_law.name!r}: take a linear stop, or one with a restitution")
         for regime in self._regimes():
             set_derivative(regime, wanted)
         return np.array(wanted.row)

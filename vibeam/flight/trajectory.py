@@ -21,8 +21,6 @@ from vibeam.system.state import State
 from vibeam.system.time_derivative import TimeDerivative
 from vibeam_models.arguments import count, counted, floats, number, refuse, require
 from vibeam_models.arrays import Array
-from vibeam_models.laws.compliant import CompliantStop
-from vibeam_models.laws.restitution import ViscousRestitution
 
 if TYPE_CHECKING:
     from vibeam.flight.event_driven import EventDrivenSolver, Segments
@@ -69,11 +67,10 @@ def _endless(path: Trajectory) -> bool:
 
     With 1 − R ~ v^b the times 2v/a between impacts add up to a finite time for b < 1 alone: then it would have ended.
     """
-    law, speeds = path.system.law, path.impact_velocities[-LAST:]
-    if isinstance(law, CompliantStop) or (isinstance(law, ViscousRestitution) and law.exponent < 1):
+    law, speeds = path.system.contact_law, path.impact_velocities[-LAST:]
+    if law.yields or law.converges or len(speeds) < LAST or speeds[-1] >= speeds[0]:
         return False
-    at = (lambda velocity: path.system.restitution) if law is None else law.at
-    return len(speeds) == LAST and speeds[-1] < speeds[0] and at(0.0) == 1 and 1 - at(float(speeds[0])) <= FADING
+    return law.at(0.0) == 1 and 1 - law.at(float(speeds[0])) <= FADING
 
 
 def _pressed(path: Trajectory) -> bool:

@@ -130,9 +130,7 @@ def _back_on_stop(points: GridPoints, column: int, before: BatchResponse | None)
 
 def _yields(points: GridPoints) -> bool:
     """Test whether a stop yields, so that a contact may lie beyond it."""
-    from vibeam_models.laws.compliant import CompliantStop
-
-    return any(isinstance(system.law, CompliantStop) for system in points.systems)
+    return any(system.contact_law.yields for system in points.systems)
 
 
 def _apart(grid: Grid, points: GridPoints, first: int, threads: int | None) -> Values:

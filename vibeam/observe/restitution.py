@@ -21,7 +21,6 @@ from vibeam.observe.motion import Path, impacts_within, modes_around_impacts
 from vibeam.observe.slow_motion import SlowPart, solved
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
-from vibeam_models.laws.compliant import CompliantStop
 
 
 @dataclass(frozen=True)
@@ -46,7 +45,7 @@ class ApparentRestitution:
 
 
 def _instants(path: Path) -> Array:
-    if isinstance(path.system.law, CompliantStop):
+    if path.system.contact_law.yields:
         raise ValueError("a stop that yields has no instant of impact: path.contacts has what happens at it")
     return impacts_within(path, path.t_start, path.t_end)
 

@@ -19,7 +19,6 @@ from vibeam.system.response import Branches, FrequencyResponse, join
 from vibeam.system.state import State
 from vibeam_models.arguments import count, floats, number, refuse, require
 from vibeam_models.arrays import Array
-from vibeam_models.laws.compliant import CompliantStop
 
 if TYPE_CHECKING:
     from vibeam.solvers.several_harmonics import Shares
@@ -191,7 +190,7 @@ def _drifting(
 
 def _onto_stop(system: ImpactSystem, state: State) -> State:
     """State admissible to a hard stop; one that rested on the stop before it moved moves along."""
-    if isinstance(system.law, CompliantStop):
+    if system.contact_law.yields:
         return state
     beyond = float(system.contact @ state.displacement) - system.gap
     if beyond <= 0 and not state.resting:

@@ -14,7 +14,6 @@ from vibeam.flight.trajectory import simulate
 from vibeam.observe.restitution import Collision, collision_of
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
-from vibeam_models.laws.compliant import CompliantStop
 
 TURN = 0.25  # periods of the mode until it turns: what touches the stop before belongs to the one collision
 
@@ -29,4 +28,4 @@ def struck(system: ImpactSystem, speed: float) -> Collision:
     alone = replace(system, gap=0.0, static=still, second_gap=None)
     omega = float(system.omega[mode])
     path = simulate(alone, Drive(omega, 0.0), TURN * 2 * np.pi / omega, State(still, rate))
-    return collision_of(path, path.contacts if isinstance(system.law, CompliantStop) else None, mode)
+    return collision_of(path, path.contacts if system.contact_law.yields else None, mode)

@@ -34,7 +34,6 @@ from vibeam.system.quantities import VELOCITIES_KEPT
 from vibeam.system.response import Ended, FrequencyResponse, join
 from vibeam.system.state import State
 from vibeam_models.arrays import Array, Complex
-from vibeam_models.laws.compliant import CompliantStop
 
 
 class ModeEnergies:
@@ -43,7 +42,7 @@ class ModeEnergies:
     def __init__(self, several: SeveralHarmonics, solver_name: str, slowest: float, options: Mapping[str, Any]) -> None:
         self.several, self.many = several, len(several.harmonics)
         self.exact = SOLVERS[solver_name].motion == "exact"
-        self.yields = several.plain.law is not None and isinstance(several.plain.law, CompliantStop)
+        self.yields = several.plain.contact_law.yields
         nothing, own = np.zeros(self.many), several.system
         self.listening = replace(
             own,

@@ -121,17 +121,17 @@ def _check_contact(contact: Array, faults: list[str]) -> None:
 
 
 def _law(system: Any, faults: list[str]) -> tuple[Any, Any]:
-    """Check the contact law and the coefficient of restitution; a ``Restitution`` law stands for its coefficient."""
+    """Check the contact law and the coefficient of restitution; a constant one stands for its coefficient."""
     if system.law is None:
         return None, system.restitution
-    from vibeam_models.laws.compliant import CompliantStop
-    from vibeam_models.laws.restitution import Restitution, VelocityRestitution
+    from vibeam_models.laws.mechanics import stop_law
 
-    if isinstance(system.law, Restitution):
-        return None, system.law.coefficient
-    if not isinstance(system.law, VelocityRestitution | CompliantStop):
+    law = stop_law(system.law)
+    if law is None:
         faults.append(f"law: {shown(system.law)} is no contact law of vibeam_models.laws")
-    return system.law, system.restitution
+    elif law.constant is not None:
+        return None, law.constant
+    return law, system.restitution
 
 
 def _coupling(given: Any, n: int, faults: list[str]) -> Array | None:

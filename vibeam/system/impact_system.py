@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,8 +17,7 @@ from vibeam_models.arguments import counted, number, read_only, refuse, require
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
-    from vibeam_models.laws.compliant import CompliantStop
-    from vibeam_models.laws.restitution import Restitution, VelocityRestitution
+    from vibeam_models.laws.mechanics import StopLaw
     from vibeam_models.structure import Structure
 
 
@@ -70,7 +70,7 @@ class ImpactSystem:
     gap: float
     restitution: float
     outputs: Mapping[str, Array] = field(default_factory=dict)
-    law: VelocityRestitution | CompliantStop | None = None
+    law: StopLaw | None = None
     coupling: Array | None = None
     second_gap: float | None = None
     derivatives: Mapping[str, TimeDerivative] = field(default_factory=dict)
@@ -88,6 +88,13 @@ class ImpactSystem:
         second += "" if self.further is None else f", {counted(len(self.further), 'further contact')}"
         stop, outputs = f"gap={self.gap:g}{second}, {law}{coupled}", ", ".join([*self.outputs, *self.derivatives])
         return f"ImpactSystem({counted(self.size, 'mode')}, omega {rates} rad/s, {stop}, outputs {outputs or 'none'})"
+
+    @cached_property
+    def contact_law(self) -> StopLaw:
+        """What happens at the stop: ``law``, or one coefficient of restitution."""
+        from vibeam_models.laws.restitution import Restitution
+
+        return Restitution(self.restitution) if self.law is None else self.law
 
     @property
     def beyond_plain(self) -> tuple[str, ...]:
@@ -149,7 +156,7 @@ class ImpactSystem:
         restitution: float = 1.0,
         outputs: Mapping[str, ArrayLike] | None = None,
         static: ArrayLike | None = None,
-        law: Restitution | VelocityRestitution | CompliantStop | None = None,
+        law: StopLaw | None = None,
         coupling: ArrayLike | None = None,
         second_gap: float | None = None,
         derivatives: Mapping[str, TimeDerivative] | None = None,
@@ -189,7 +196,7 @@ class ImpactSystem:
         *,
         gap: float,
         restitution: float = 1.0,
-        law: Restitution | VelocityRestitution | CompliantStop | None = None,
+        law: StopLaw | None = None,
         second_gap: float | None = None,
         further: Mapping[str, tuple[float, float]] | None = None,
     ) -> ImpactSystem:
@@ -214,9 +221,9 @@ class ImpactSystem:
         Trajectory(0 … 2 s, 1 mode, 10 impacts, 0 rests, COMPLETE)
         """
         if structure.contact_flexibility:
-            from vibeam_models.laws.series import in_series
+            from vibeam_models.laws.restitution import Restitution
 
-            law = in_series(law, structure.contact_flexibility)
+            law = (law or Restitution(1.0)).in_series(structure.contact_flexibility)
         modes = structure.modes()
         damping = modes.shapes.T @ structure.C @ modes.shapes
         couples = _off_diagonal(damping) > DIAGONAL or _damps_rigid_mode(modes.omega, damping)

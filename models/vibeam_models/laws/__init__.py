@@ -1,4 +1,8 @@
-"""Contact laws: the mechanics of restitution laws and compliant stops, and their declarations, one a file."""
+"""Contact laws: the registry, what a declaration says of its law, and the keys of ``[stop]`` that several laws share.
+
+Declarations are in ``rigid`` and ``yielding``; the mechanics that they give the solvers in ``restitution`` and
+``compliant``, with what a law can be asked for in ``mechanics``.
+"""
 
 from __future__ import annotations
 
@@ -7,24 +11,74 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from vibeam_models.keys import Key
 from vibeam_models.registry import Home, Registry
 
 if TYPE_CHECKING:
-    from vibeam_models.laws.compliant import CompliantStop
-    from vibeam_models.laws.restitution import VelocityRestitution
+    from vibeam_models.laws.mechanics import StopLaw
 
 #: by ``law`` of a case's stop
 LAWS: Registry[Home] = Registry(
     "contact law",
-    Home("restitution", "vibeam_models.laws.constant_restitution:ConstantRestitution"),
-    Home("velocity restitution", "vibeam_models.laws.velocity_restitution:VelocityDependent"),
-    Home("linear", "vibeam_models.laws.linear:Linear"),
-    Home("leaf spring", "vibeam_models.laws.leaf_spring:LeafSpring"),
-    Home("hertz", "vibeam_models.laws.hertz:Elastic"),
-    Home("hunt-crossley", "vibeam_models.laws.hertz:Damped"),
+    Home("restitution", "vibeam_models.laws.rigid:ConstantRestitution"),
+    Home("velocity restitution", "vibeam_models.laws.rigid:VelocityDependent"),
+    Home("viscous restitution", "vibeam_models.laws.rigid:Viscous"),
+    Home("linear", "vibeam_models.laws.yielding:Linear"),
+    Home("leaf spring", "vibeam_models.laws.yielding:LeafSpring"),
+    Home("hertz", "vibeam_models.laws.yielding:Elastic"),
+    Home("hunt-crossley", "vibeam_models.laws.yielding:Damped"),
 )
 
 CONSTANT = "restitution"  # the law of a stop that names none
+
+RESTITUTION = Key(
+    "speed after over speed before an impact",
+    0.72,
+    least=0,
+    most=1,
+    plain=("speed after over speed before an impact", 0.9, ""),
+)
+
+HERTZ_STIFFNESS = Key(
+    "of laws hertz and hunt-crossley: force over penetration^exponent, in N/m^exponent",
+    1e9,
+    above=0,
+    written=False,
+    missing="N/m^exponent",
+    plain=(
+        "of hertz and hunt-crossley, force over mass and penetration^exponent",
+        1e4,
+        "force over mass and penetration^exponent",
+    ),
+)
+
+EXPONENT = Key(
+    "of the penetration, absent = 1.5; in velocity restitution the n of R = R0 (v/v0)^-n, absent = 0.25; in viscous "
+    "restitution the b of R = 1 - (1 - R0) (v/v0)^b, absent = 0.2",
+    1.5,
+    above=0,
+    written=False,
+    plain=(
+        "of the penetration, absent = 1.5; of the velocity in R = R0 (v/v0)^-n, absent = 0.25, or in "
+        "R = 1 - (1 - R0) (v/v0)^b, absent = 0.2",
+        1.5,
+        "",
+    ),
+)
+
+VELOCITY = Key(
+    "of impact, v0, at which the restitution holds; for laws hunt-crossley, velocity and viscous restitution",
+    "0.1 m/s",
+    "m/s",
+    above=0,
+    written=False,
+    missing="at which the restitution holds",
+    plain=(
+        "at which the restitution holds, for hunt-crossley, velocity and viscous restitution",
+        0.01,
+        "at which the restitution holds",
+    ),
+)
 
 
 def declarations() -> dict[str, type[ContactLaw]]:
@@ -37,11 +91,13 @@ class ContactLaw(ABC):
     """A law by its keys in ``[stop]``: those fields without default are needed, the others may be absent.
 
     ``compliant``: the stop yields; else it is rigid and the velocity after an impact follows from that before it.
+    ``integrated``: its contacts have no closed form, so that no velocity or acceleration is read in them.
     ``form``: what a message adds where the law has several forms.
     """
 
     name: ClassVar[str]
     compliant: ClassVar[bool] = False
+    integrated: ClassVar[bool] = False
     form: ClassVar[str] = ""
 
     @classmethod
@@ -60,5 +116,5 @@ class ContactLaw(ABC):
         yield from ()
 
     @abstractmethod
-    def contact(self, mobility: float) -> VelocityRestitution | CompliantStop | None:
-        """Law for the solvers in a model of contact ``mobility`` S = w M⁻¹ wᵀ (1/kg); None: the plain R alone."""
+    def contact(self, mobility: float) -> StopLaw:
+        """Mechanics for the solvers in a model of contact ``mobility`` S = w M⁻¹ wᵀ (1/kg)."""

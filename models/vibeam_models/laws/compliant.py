@@ -10,11 +10,15 @@ from dataclasses import dataclass
 from math import acos, acosh, exp, inf, log1p, sinh, sqrt
 from typing import ClassVar
 
+import numpy as np
+
 from vibeam_models.arguments import number, real, refuse
+from vibeam_models.arrays import Array
+from vibeam_models.laws.mechanics import KernelNumbers, Spring, StopLaw, without_mass
 
 
 @dataclass(frozen=True)
-class LinearStop:
+class LinearStop(StopLaw):
     """F = k d + c d′ while that is positive and d > 0: ``stiffness`` k > 0 in N/m, ``damping`` c ≥ 0 in N s/m.
 
     With damping the force vanishes before d does: the contact ends there, without adhesion. ValueError otherwise.
@@ -23,7 +27,8 @@ class LinearStop:
     stiffness: float
     damping: float = 0.0
 
-    name: ClassVar[str] = "linear"  #: as ``law`` of a case's stop has it
+    name: ClassVar[str] = "linear"
+    yields: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         faults: list[str] = []
@@ -41,6 +46,29 @@ class LinearStop:
         stiff, heavy = number("stiffness", stiffness, faults, above=0.0), number("mass", mass, faults, above=0.0)
         refuse("stop", faults)
         return cls(stiff, 2 * contact_damping_ratio(restitution) * sqrt(stiff * heavy))
+
+    @property
+    def spring(self) -> Spring:
+        """Stiffness k and damping c."""
+        return Spring(self.stiffness, self.damping)
+
+    def kernel_numbers(self) -> KernelNumbers:
+        """Numbers k and c."""
+        return KernelNumbers("linear", {"stiffness": self.stiffness, "damping": self.damping})
+
+    def force(self, depth: Array, rate: Array) -> Array:
+        """max(0, k d + c d′)."""
+        return np.maximum(self.stiffness * depth + self.damping * rate, 0.0)
+
+    def balance(self, beyond: float, give: float) -> float:
+        """k beyond/(1 + k give)."""
+        return self.stiffness * beyond / (1 + self.stiffness * give)
+
+    def in_series(self, flexibility: float) -> LinearStop:
+        """See ``StopLaw.in_series``; ValueError where it is damped."""
+        if self.damping:
+            raise without_mass("a damper behind a contact without mass makes a state of the first order")
+        return LinearStop(self.stiffness / (1 + self.stiffness * flexibility))
 
     def damping_ratio(self, mass: float) -> float:
         """ζ = c / 2√(km) of a free ``mass`` (kg) in contact."""
@@ -85,7 +113,7 @@ def contact_damping_ratio(restitution: float) -> float:
 
 
 @dataclass(frozen=True)
-class HuntCrossley:
+class HuntCrossley(StopLaw):
     """F = k d^p (1 + a d′): ``stiffness`` k > 0 in N/m^p, ``damping`` a ≥ 0 in s/m, ``exponent`` p ≥ 1 (3/2: a sphere).
 
     a = 0 is Hertz's law. ValueError otherwise.
@@ -94,6 +122,9 @@ class HuntCrossley:
     stiffness: float
     damping: float = 0.0
     exponent: float = 1.5
+
+    yields: ClassVar[bool] = True
+    integrated: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         faults: list[str] = []
@@ -104,8 +135,28 @@ class HuntCrossley:
 
     @property
     def name(self) -> str:
-        """As ``law`` of a case's stop has it."""
+        """By its damping: ``"hertz"`` without."""
         return "hunt-crossley" if self.damping else "hertz"
+
+    def kernel_numbers(self) -> KernelNumbers:
+        """Numbers k, a and p."""
+        values = {"exponent": self.exponent, "stiffness": self.stiffness, "damping": self.damping}
+        return KernelNumbers("hunt-crossley", values)
+
+    def force(self, depth: Array, rate: Array) -> Array:
+        """max(0, k d^p (1 + a d′))."""
+        return np.maximum(self.stiffness * depth**self.exponent * (1 + self.damping * rate), 0.0)
+
+    def balance(self, beyond: float, give: float) -> float:
+        """F = k d^p, d = beyond − give F, bisected."""
+        low, high = 0.0, beyond
+        for _ in range(200):
+            middle = (low + high) / 2
+            if middle in (low, high):
+                break
+            excess = middle + give * self.stiffness * middle**self.exponent - beyond
+            low, high = (low, middle) if excess > 0 else (middle, high)
+        return float(self.stiffness * high**self.exponent)
 
     @classmethod
     def matched(cls, stiffness: float, restitution: float, velocity: float, exponent: float = 1.5) -> HuntCrossley:
@@ -160,6 +211,3 @@ def _bisected(function: Callable[[float], float], low: float, high: float) -> fl
             break
         low, high = (middle, high) if function(middle) > 0 else (low, middle)
     return (low + high) / 2
-
-
-CompliantStop = LinearStop | HuntCrossley

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import exp, pi
 from pathlib import Path
 from typing import ClassVar
@@ -18,24 +18,45 @@ from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.studies.influence.study import influence
 from vibeam_models.keys import declared, quantity
-from vibeam_models.laws import LAWS, ContactLaw
+from vibeam_models.laws import LAWS, RESTITUTION, ContactLaw
 from vibeam_models.laws.compliant import LinearStop
-from vibeam_models.laws.keys import RESTITUTION
+from vibeam_models.laws.mechanics import StopLaw
 from vibeam_models.laws.restitution import TableRestitution
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
 
 @dataclass(frozen=True)
+class Fading(StopLaw):
+    """R = e^{−v/v₀}, a function of Python that no kernel knows."""
+
+    decay: float
+    name: ClassVar[str] = "fading"
+
+    def at(self, velocity):
+        return exp(-velocity / self.decay)
+
+
+@dataclass(frozen=True)
+class Untabled(ContactLaw):
+    """R = e^{−v/v₀}, as it is."""
+
+    fading_speed: float = quantity("m/s", "v0 of the fading law", "0.5 m/s", above=0, written=False)
+    name: ClassVar[str] = "fading"
+
+    def contact(self, mobility):
+        return Fading(self.fading_speed)
+
+
+@dataclass(frozen=True)
 class Exponential(ContactLaw):
-    """R = e^{−v/v₀}, as a table."""
+    """R = e^{−v/v₀}, as a table, which the kernels know."""
 
     decay: float = quantity("m/s", "v0 of the exponential law", "0.5 m/s", above=0, written=False)
     name: ClassVar[str] = "exponential"
 
     def contact(self, mobility):
-        speeds = np.linspace(0.0, 5 * self.decay, 50)
-        return TableRestitution(tuple(speeds), tuple(exp(-v / self.decay) for v in speeds))
+        return TableRestitution.through(Fading(self.decay).at, np.linspace(0.0, 5 * self.decay, 50))
 
 
 @dataclass(frozen=True)
@@ -75,6 +96,39 @@ def test_laws_of_ones_own_run_from_a_case_file(tmp_path: Path) -> None:
         assert '"exponential"' in told
     with pytest.raises(CaseError, match="is not one of"):
         vibeam.load(tmp_path / "own.toml")
+
+
+def test_a_law_of_new_mechanics_works_where_its_capabilities_are_enough() -> None:
+    """R(v) by Python is integrated as the table of it is flown; exact flight refuses it by its name, with the cure."""
+    own = RIG.replace("STOP", 'law = "fading"\nfading_speed = "0.4 m/s"')
+    with vibeam.register_law(Untabled), vibeam.register_law(Exponential):
+        assert np.all(vibeam.run(parse(own + 'solver = "direct"\n'))["two"].up.impacts > 0)
+        asked = {"omega": [95.0], "amplitude": 1e-4, "settle": 5, "hold": 2}
+        fine = {"solver": "direct", "options": {"method": "DOP853", "rtol": 1e-10}}
+        system = parse(own).system("two")
+        tabled = replace(system, law=TableRestitution.through(system.law.at, np.linspace(0.0, 1.0, 2001)))
+        found, flown = vibeam.sweep(system, **asked, **fine), vibeam.sweep(tabled, **asked)
+        np.testing.assert_allclose(found.amplitude, flown.amplitude, rtol=1e-4)
+        said = 'the contact law "fading" has no formula in the kernels of exact flight: let its contact give'
+        with pytest.raises(CaseError, match=f"fidelity.two: {said}"):
+            vibeam.run(parse(own))
+        with pytest.raises(ValueError, match=said):
+            vibeam.simulate(system, vibeam.Drive(95.0, 1e-4), 0.1)
+        with pytest.raises(ValueError, match='"fading" has no derivative'):
+            system.contact_law.rebound_slope(np.ones(1))
+
+
+def test_a_stop_of_ones_own_goes_wherever_its_spring_does() -> None:
+    """Certificate, exponents, static equilibrium: all by the closed form that the linear stop declares."""
+    with vibeam.register_law(Brief):
+        case = parse(RIG.replace("STOP", 'law = "brief"\ncontact_time = "2 ms"\nrestitution = 0.7'))
+        system, drive = case.system("two"), vibeam.Drive(2 * pi * 15, 1e-4)
+        path = vibeam.simulate(system, drive, 1.0, certify=True)
+        assert path.certificate.complete
+        assert len(path.contacts)
+        assert np.all(np.isfinite(vibeam.lyapunov(system, drive, settle=20, periods=20).exponents))
+        pressed = vibeam.simulate(replace(system, gap=-1e-4), vibeam.Drive(drive.omega, 0.0), 0.01)
+        assert pressed.outcome is vibeam.Outcome.SETTLED_ON_STOP
 
 
 def test_influence_takes_a_law_of_ones_own_away_with_its_keys() -> None:

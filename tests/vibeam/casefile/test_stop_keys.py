@@ -11,7 +11,7 @@ import vibeam
 from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
-from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution
+from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
 
 RIG = """units = "SI"
 [beam]
@@ -78,6 +78,9 @@ def test_every_law_is_built() -> None:
     assert plastic == PlasticRestitution(0.6, 0.1)
     table = made('law = "velocity restitution"\nspeeds = ["10 mm/s", "0.1 m/s"]\nrestitutions = [0.8, 0.6]').law
     assert table == TableRestitution((0.01, 0.1), (0.8, 0.6))
+    viscous = 'law = "viscous restitution"\nrestitution = 0.8\nvelocity = "0.1 m/s"'
+    assert made(viscous).law == ViscousRestitution.matched(0.8, 0.1, 0.2)
+    assert made(viscous + "\nexponent = 0.5").law == ViscousRestitution.matched(0.8, 0.1, 0.5)
     assert made('restitution = 0.72\nsecond_gap = "1 mm"').second_gap == pytest.approx(1e-3)
 
 
@@ -111,6 +114,15 @@ def test_every_law_is_built() -> None:
 )
 def test_what_does_not_go_together_is_said_at_its_key(stop: str, said: str) -> None:
     assert said in faults(stop)
+
+
+def test_a_case_flies_viscous_restitution_as_direct_integration_finds_it() -> None:
+    case = parse(RIG.replace("STOP", 'law = "viscous restitution"\nrestitution = 0.8\nvelocity = "0.1 m/s"'))
+    assert np.all(vibeam.run(case)["two"].up.impacts > 0)
+    asked = {"omega": [2 * np.pi * 15], "amplitude": 1e-4, "settle": 5, "hold": 2}
+    fine = {"solver": "direct", "options": {"method": "DOP853", "rtol": 1e-10}}
+    flown, direct = (vibeam.sweep(case.system("two"), **asked, **how) for how in ({}, fine))
+    np.testing.assert_allclose(flown.amplitude, direct.amplitude, rtol=1e-4)
 
 
 def test_a_gap_that_drifts_is_another_gap_at_each_frequency() -> None:

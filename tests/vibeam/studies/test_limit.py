@@ -27,8 +27,7 @@ from vibeam.studies.limit.sequences import (
     with_law,
 )
 from vibeam.studies.limit.study import LimitRow, _row, limit
-from vibeam_models.laws.hertz import Elastic
-from vibeam_models.laws.linear import Linear
+from vibeam_models.laws.yielding import Elastic, Linear
 
 CASES = Path(__file__).parents[3] / "cases"
 NEUTRAL = CASES / "dtu_neutral.toml"

@@ -15,10 +15,10 @@ from vibeam.casefile.tables.table import NAME, OUTPUTS, Table, key
 from vibeam.figures import OF_OUTPUT
 from vibeam.figures.declaration import FigureKind
 from vibeam.solvers import SOLVERS
+from vibeam_models.laws import CONSTANT, LAWS
 from vibeam_models.outputs import DISPLACEMENT, OUTPUT_QUANTITIES, OutputQuantity
 
 RESERVED = (*OUTPUTS, "opposite", "opposite_tip")
-INTEGRATED = ("hertz", "hunt-crossley")  # contact laws during whose contacts derivatives are not read
 
 
 @dataclass(frozen=True)
@@ -152,6 +152,6 @@ def _swept(case: SimpleNamespace, path: KeyPath, output: str | None) -> Iterator
         if fidelity.solver is not None and not SOLVERS[fidelity.solver].derivatives:
             said = f'"{fidelity.solver}" reads no {wanted.name}, which sweep.output "{output}" is'
             yield ("fidelity", name, "solver"), f"{said}: write {able}"
-    if case.stop.law in INTEGRATED:
+    if LAWS[case.stop.law or CONSTANT].load().integrated:
         said = f'the {wanted.name} in the contacts of stop.law = "{case.stop.law}" is not read'
         yield path, f'{said}: take another output, or law = "linear"'

@@ -26,8 +26,7 @@ from vibeam.casefile.tables.table import (
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.solvers import SOLVERS
 from vibeam_models.keys import Key, defaults_of, keys_of
-from vibeam_models.laws import CONSTANT, LAWS, ContactLaw, declarations
-from vibeam_models.laws.keys import RESTITUTION
+from vibeam_models.laws import CONSTANT, LAWS, RESTITUTION, ContactLaw, declarations
 from vibeam_models.registry import Home
 from vibeam_models.stop import Stop
 

@@ -28,7 +28,6 @@ from vibeam.observe.restitution import (
     true_restitution,
 )
 from vibeam.observe.slow_motion import further_modes, slow_part
-from vibeam_models.laws.compliant import CompliantStop
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -61,7 +60,7 @@ def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
 def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     chain = chain_or_exact(case, name, SAMPLES * frequency)
     found = measured_window(case, name, frequency, plan, plan.periods or PERIODS, chain)
-    if isinstance(found.path.system.law, CompliantStop):
+    if found.path.system.contact_law.yields:
         raise NoMotion("a stop that yields has no instant of impact to read restitution at")
     if not len(found.hits):
         raise NoMotion("no impacts: there is no restitution to read")

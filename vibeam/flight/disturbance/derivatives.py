@@ -21,7 +21,6 @@ from vibeam.flight.linear.regimes import damper_of
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.time_derivative import TimeDerivative
 from vibeam_models.arrays import Array
-from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
 FREE, HELD, PUSHED = range(3)  # regimes
 HIGHEST = 3  # derivative of a signal
@@ -113,12 +112,12 @@ class Derivatives:
 
     def _push(self, j: int, stop: Stop) -> Sum:
         """Derivative j of k d + b d'."""
-        law = self.system.law
-        assert isinstance(law, LinearStop)
+        spring = self.system.contact_law.spring
+        assert spring is not None
         deep, rate = self.known[j].times(stop.row), self.known[j + 1].times(stop.row)
         if j == 0:
             deep = Sum(deep.value - stop.gap, deep.size + abs(stop.gap))
-        return deep.scaled(law.stiffness).plus(rate.scaled(law.damping))
+        return deep.scaled(spring.stiffness).plus(rate.scaled(spring.damping))
 
 
 def exact(values: Array) -> Sum:
@@ -165,13 +164,13 @@ def _modal(system: ImpactSystem, drive: Drive, rows: Array, clocks: Array, poses
 def _in_regime(
     system: ImpactSystem, drive: Drive, kind: float, side: int, poses: Array, clocks: Array, order: int
 ) -> Array:
-    if kind == regime_layout.CONTACT and isinstance(system.law, HuntCrossley):
+    law = system.contact_law
+    if kind == regime_layout.CONTACT and law.integrated:
         if order > 2:
-            raise ValueError(f"the jerk in a contact that is integrated, {system.law.name!r}, is not read")
+            raise ValueError(f"the jerk in a contact that is integrated, {law.name!r}, is not read")
         row, gap = stop_of(system, side)
         deep, rate = np.maximum(poses[:, 0] @ row - gap, 0.0), poses[:, 1] @ row
-        force = system.law.stiffness * deep**system.law.exponent * (1 + system.law.damping * rate)
         free = Derivatives(system, drive, FREE, side, poses, clocks).known[order].value
-        return np.asarray(free - np.maximum(force, 0.0)[:, None] * row)
+        return np.asarray(free - law.force(deep, rate)[:, None] * row)
     regime = HELD if kind == layout.RESTING else PUSHED if kind == regime_layout.CONTACT else FREE
     return Derivatives(system, drive, regime, side, poses, clocks).known[order].value

@@ -30,9 +30,7 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.linear.propagator import Pair, propagators
 from vibeam.flight.linear.regimes import damper_of
-from vibeam.flight.rebound import rebound, rebound_slope
 from vibeam_models.arrays import Array
-from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
 if TYPE_CHECKING:
     from vibeam.flight.event_driven import Segments
@@ -71,8 +69,9 @@ def tangent_fault(system: ImpactSystem) -> str:
     """Reason why the tangent maps of a system's motions are not known; empty where they are."""
     if system.further is not None:
         return "several contacts: an impact of one may release another, and the saltation of that is not known here"
-    if isinstance(system.law, HuntCrossley):
-        return f'the contact law "{system.law.name}": its contact is integrated, and disturbances are not carried along'
+    law = system.contact_law
+    if law.integrated:
+        return f'the contact law "{law.name}": its contact is integrated, and disturbances are not carried along'
     return ""
 
 
@@ -123,14 +122,14 @@ class TangentMaps:
             return self.projection()
         if end != layout.IMPACT or not self.trace[i, layout.BEFORE] > 0:
             return None
-        return self._entry(i) if isinstance(self.system.law, LinearStop) else self._saltation(i)
+        return self._entry(i) if self.system.contact_law.yields else self._saltation(i)
 
     def lost(self, i: int) -> int:
         """How many directions are lost, at least, in segment i and at its end."""
         if self.trace[i, layout.WHAT] == layout.RESTING or self.trace[i, layout.END] in (layout.CHATTER, layout.STUCK):
             return LOST_AT_REST
         struck = self.trace[i, layout.END] == layout.IMPACT and self.trace[i, layout.BEFORE] > 0
-        return int(struck and not isinstance(self.system.law, LinearStop) and self._restitution[i] == 0)
+        return int(struck and not self.system.contact_law.yields and self._restitution[i] == 0)
 
     def kept(self, i: int) -> Array:
         """Basis (2n, 2n − lost) of the disturbances that are left after segment i and its end."""
@@ -198,18 +197,18 @@ class TangentMaps:
 
     def _pushed(self, side: int) -> Array:
         """State matrix while a linear stop pushes."""
-        law, n, row = self.system.law, self.system.size, stop_of(self.system, side).row
-        assert isinstance(law, LinearStop)
+        spring, n, row = self.system.contact_law.spring, self.system.size, stop_of(self.system, side).row
+        assert spring is not None
         matrix = state_matrix(self.system)
-        matrix[n:, :n] -= law.stiffness * np.outer(row, row)
-        matrix[n:, n:] -= law.damping * np.outer(row, row)
+        matrix[n:, :n] -= spring.stiffness * np.outer(row, row)
+        matrix[n:, n:] -= spring.damping * np.outer(row, row)
         return matrix
 
     def _entry(self, i: int) -> Array:
-        law, n, row = self.system.law, self.system.size, stop_of(self.system, self.side(i)).row
-        assert isinstance(law, LinearStop)
+        spring, n, row = self.system.contact_law.spring, self.system.size, stop_of(self.system, self.side(i)).row
+        assert spring is not None
         matrix = np.eye(2 * n)
-        matrix[n:, :n] -= law.damping * np.outer(row, row)
+        matrix[n:, :n] -= spring.damping * np.outer(row, row)
         return matrix
 
     @cached_property
@@ -220,12 +219,12 @@ class TangentMaps:
 
     @cached_property
     def _restitution(self) -> Array:
-        return np.asarray(rebound(self.system, self._speeds) / self._speeds)
+        return np.asarray(self.system.contact_law.rebound(self._speeds) / self._speeds)
 
     @cached_property
     def _shares(self) -> Array:
         """(1 + R)/S, (1 + ρ')/S and a/v of the impacts that end the segments, (3, m)."""
-        turned, struck = 1 + self._restitution, 1 + rebound_slope(self.system, self._speeds)
+        turned, struck = 1 + self._restitution, 1 + self.system.contact_law.rebound_slope(self._speeds)
         mobility = _dots(self._rows, self._rows)
         return np.array([turned / mobility, struck / mobility, self._accelerations / self._speeds])
 

@@ -17,8 +17,23 @@ from vibeam.flight.linear.packing import top_level, yields
 from vibeam.flight.linear.panel_tables import rates
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
-from vibeam_models.laws.compliant import HuntCrossley, LinearStop
-from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
+from vibeam_models.laws.mechanics import Spring
+
+FORMULAS = {  # by ``KernelNumbers.formula``: family and curve of the kernels
+    "constant": (regime_layout.IMPULSIVE, regime_layout.CONSTANT),
+    "table": (regime_layout.IMPULSIVE, regime_layout.TABLE),
+    "plastic": (regime_layout.IMPULSIVE, regime_layout.PLASTIC),
+    "viscous": (regime_layout.IMPULSIVE, regime_layout.VISCOUS),
+    "linear": (regime_layout.LINEAR, regime_layout.CONSTANT),
+    "hunt-crossley": (regime_layout.CURVED, regime_layout.CONSTANT),
+}
+NUMBERS = {
+    "stiffness": regime_layout.STIFFNESS,
+    "damping": regime_layout.DAMPING,
+    "exponent": regime_layout.EXPONENT,
+    "coefficient": regime_layout.COEFFICIENT,
+    "velocity": regime_layout.VELOCITY,
+}
 
 
 def damper_of(system: ImpactSystem) -> Array:
@@ -48,52 +63,25 @@ def plan(system: ImpactSystem, slowest: float) -> RegimeEngine:
 
 
 def law_of(system: ImpactSystem) -> tuple[Array, Array]:
-    """The law's numbers, and the table R(v) where it is one."""
-    numbers, law = np.zeros(regime_layout.LAW_ROWS), system.law
-    numbers[regime_layout.COEFFICIENT], numbers[regime_layout.MOBILITY] = (
-        system.restitution,
-        float(system.contact @ system.contact),
-    )
-    curve = np.zeros((3, 0))
-    if isinstance(law, TableRestitution):
-        numbers[regime_layout.CURVE], curve = (
-            regime_layout.TABLE,
-            np.array([law.speeds, law.coefficients, law.slopes()]),
-        )
-    elif isinstance(law, PlasticRestitution):
-        numbers[regime_layout.CURVE] = regime_layout.PLASTIC
-        numbers[regime_layout.COEFFICIENT], numbers[regime_layout.VELOCITY], numbers[regime_layout.EXPONENT] = (
-            law.coefficient,
-            law.velocity,
-            law.exponent,
-        )
-    elif isinstance(law, ViscousRestitution):
-        numbers[regime_layout.CURVE], numbers[regime_layout.COEFFICIENT], numbers[regime_layout.EXPONENT] = (
-            regime_layout.VISCOUS,
-            law.factor,
-            law.exponent,
-        )
-    elif isinstance(law, LinearStop):
-        numbers[regime_layout.FAMILY], numbers[regime_layout.STIFFNESS], numbers[regime_layout.DAMPING] = (
-            regime_layout.LINEAR,
-            law.stiffness,
-            law.damping,
-        )
-    elif isinstance(law, HuntCrossley):
-        numbers[regime_layout.FAMILY], numbers[regime_layout.EXPONENT] = regime_layout.CURVED, law.exponent
-        numbers[regime_layout.STIFFNESS], numbers[regime_layout.DAMPING] = law.stiffness, law.damping
-    return numbers, curve
+    """The law's numbers, and the table R(v) where it is one; ValueError where the kernels have no formula of it."""
+    found, numbers = system.contact_law.kernel_numbers(), np.zeros(regime_layout.LAW_ROWS)
+    numbers[regime_layout.COEFFICIENT] = system.restitution
+    numbers[regime_layout.MOBILITY] = float(system.contact @ system.contact)
+    numbers[regime_layout.FAMILY], numbers[regime_layout.CURVE] = FORMULAS[found.formula]
+    for name, value in found.values.items():
+        numbers[NUMBERS[name]] = value
+    return numbers, np.zeros((3, 0)) if found.table is None else found.table
 
 
 def _at_stop(system: ImpactSystem, side: int, contact: Array, gaps: Array, top: int) -> Regime:
     """The regime of a contact with one stop: held by it, or pushed by a linear one."""
-    law, linear = system.law, Linear(system.omega**2, damper_of(system), contact[side])
-    if isinstance(law, LinearStop):
-        linear = replace(linear, stiffness=law.stiffness, damping=law.damping)
-        pushed = system.static + contact[side] * (law.stiffness * gaps[side])
+    law, linear = system.contact_law, Linear(system.omega**2, damper_of(system), contact[side])
+    if law.spring is not None:
+        linear = replace(linear, stiffness=law.spring.stiffness, damping=law.spring.damping)
+        pushed = system.static + contact[side] * (law.spring.stiffness * gaps[side])
         found = free_regime(linear, pushed, system.load, top)
-        return with_signals(found, [*_gaps(contact, gaps, found.held), *_forces(law, contact, gaps)])
-    if isinstance(law, HuntCrossley):  # integrated: nothing linear to know of it
+        return with_signals(found, [*_gaps(contact, gaps, found.held), *_forces(law.spring, contact, gaps)])
+    if law.integrated:  # integrated: nothing linear to know of it
         return _free(system, linear, contact, gaps, top)
     found, force = held_regime(replace(linear, stiffness=inf), system.static, system.load, gaps[side], top)
     return with_signals(found, [*_gaps(contact, gaps, found.held), force, force])
@@ -102,11 +90,12 @@ def _at_stop(system: ImpactSystem, side: int, contact: Array, gaps: Array, top: 
 def _free(system: ImpactSystem, linear: Linear, contact: Array, gaps: Array, top: int) -> Regime:
     """The regime of free flight; beside the gaps the forces with which linear stops would push where they are."""
     found = free_regime(linear, system.static, system.load, top)
-    forces = _forces(system.law, contact, gaps) if isinstance(system.law, LinearStop) else []
+    spring = system.contact_law.spring
+    forces = [] if spring is None else _forces(spring, contact, gaps)
     return with_signals(found, [*_gaps(contact, gaps, found.held), *forces])
 
 
-def _forces(law: LinearStop, contact: Array, gaps: Array) -> list[SignalRow]:
+def _forces(law: Spring, contact: Array, gaps: Array) -> list[SignalRow]:
     """The forces of both linear stops as signals."""
     return [
         SignalRow(law.stiffness * w, law.damping * w, -law.stiffness * (gap if np.isfinite(gap) else 0.0))

@@ -41,7 +41,6 @@ from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.proof.chatter_tail import tails_of
 from vibeam.flight.proof.watched import Motion, motion_of, watch_list
 from vibeam_models.arrays import Array
-from vibeam_models.laws.compliant import HuntCrossley
 
 if TYPE_CHECKING:
     from vibeam.flight.event_driven import EventDrivenSolver, Segments
@@ -104,9 +103,9 @@ class Certificate:
         return tuple(sorted(found, key=lambda stretch: stretch.begin))
 
     def _integrated(self) -> list[Stretch]:
-        law = self.system.law
+        law = self.system.contact_law
         which = np.flatnonzero((self.kinds == regime_layout.CONTACT) & (self.durations > 0))
-        if not isinstance(law, HuntCrossley) or not len(which):
+        if not law.integrated or not len(which):
             return []
         first = which[np.diff(which, prepend=-2) > 1]
         last = which[np.diff(which, append=which[-1] + 2) > 1]

@@ -28,10 +28,7 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.flight.proof.errors import endless, responses
 from vibeam.flight.proof.watched import Motion
-from vibeam.flight.rebound import rebound
-from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
-from vibeam_models.laws.restitution import TableRestitution, ViscousRestitution
 
 ROOM = 2.0  # times the first estimate: what T and P are assumed to be at most
 MARGIN = 1e-9  # for the rounding of all this
@@ -77,19 +74,14 @@ def tails_of(motion: Motion) -> Array:
 
 def _bounds(motion: Motion, side: int, which: NDArray[np.int64]) -> tuple[Array, Array]:
     start, system = _after_impact(motion, side, which), motion.system
+    law = system.contact_law
     mobility = float(system.contact @ system.contact)
     with np.errstate(all="ignore"):
-        if isinstance(system.law, ViscousRestitution):
-            share = system.law.factor * (1 - system.law.exponent) * start.speed**system.law.exponent
-        else:
-            share = 1 - _coefficients(system, start.speed)[1]
+        share = law.accumulation_loss(start.speed)
         time = ROOM * 2 * start.speed / (start.pull * share)
         change = ROOM * 2 * start.speed / share  # S P
         kept = _range(motion, start, time, change / np.sqrt(mobility))
-        if isinstance(system.law, ViscousRestitution):
-            least, most, changed = _viscous(system.law, start, kept)
-        else:
-            least, most, changed = _geometric(start, kept, *_coefficients(system, start.speed))
+        least, most, changed = law.accumulation(start.speed, kept.least, kept.most, kept.jerk)
         sure = (kept.least > 0) & (share > 0) & (most < time) & (changed < change)
         sure &= (least > 0) & (start.doubt < DOUBTFUL)
         doubt = MARGIN + start.doubt
@@ -99,7 +91,7 @@ def _bounds(motion: Motion, side: int, which: NDArray[np.int64]) -> tuple[Array,
 def _after_impact(motion: Motion, side: int, which: NDArray[np.int64]) -> _Start:
     """Taken back from the rest that follows, whose contact velocity was taken out by the least impulse."""
     system, drive, row = motion.system, motion.drive, stop_of(motion.system, side).row
-    speed = rebound(system, motion.trace[which, layout.BEFORE])
+    speed = system.contact_law.rebound(motion.trace[which, layout.BEFORE])
     poses = motion.poses[which + 1].copy()
     poses[:, 1] -= speed[:, None] * (row / float(row @ row))
     found = Derivatives(system, drive, FREE, side, poses, motion.trace[which + 1, layout.AT_CLOCK])
@@ -127,32 +119,3 @@ def _range(motion: Motion, start: _Start, time: Array, pushed: Array) -> _Range:
     rate = float(np.max(system.omega)) + float(np.sum(np.abs(damper)))
     shift = start.jerk * time + fourth * time**2 / 2 + sway
     return _Range(start.pull - shift, start.pull + shift, start.jerk + fourth * time + 2 * rate * sway)
-
-
-def _coefficients(system: ImpactSystem, speeds: Array) -> tuple[Array, Array]:
-    """Least and largest R at velocities up to twice ``speeds``."""
-    law, ones = system.law, np.ones(len(speeds))
-    if law is None:
-        return system.restitution * ones, system.restitution * ones
-    if not isinstance(law, TableRestitution):
-        return ones, ones
-    last = np.minimum(np.searchsorted(law.speeds, 2 * speeds), len(law.speeds) - 1)
-    values = np.array(law.coefficients)
-    return np.minimum.accumulate(values)[last], np.maximum.accumulate(values)[last]
-
-
-def _geometric(start: _Start, kept: _Range, least: Array, most: Array) -> tuple[Array, Array, Array]:
-    """Bounds of T, and of S P, with R between ``least`` and ``most``."""
-    ratio = np.sqrt(kept.most / kept.least)
-    loss = np.where((most * ratio < 1) & (ratio < 2), 1 - most * ratio, np.nan)
-    shortest = 2 * start.speed / kept.most / (1 - least / ratio)
-    return shortest, 2 * start.speed / kept.least / loss, (1 + most) * start.speed * ratio / loss
-
-
-def _viscous(law: ViscousRestitution, start: _Start, kept: _Range) -> tuple[Array, Array, Array]:
-    """The same with R = 1 − κv^b."""
-    b, u, theta = law.exponent, start.speed, kept.jerk / kept.least**2
-    weaker, stronger = law.factor - theta * u ** (1 - b), law.factor + theta * u ** (1 - b)
-    whole = np.where((weaker > 0) & (stronger * u**b < 1) & (theta * u < 1), u ** (1 - b) / (1 - b), np.nan)
-    least, most = (1 - stronger * u**b) ** b * whole / stronger, whole / weaker
-    return 2 * least / kept.most, 2 * most / kept.least, 2 * most * (1 + theta * u)

@@ -44,7 +44,6 @@ if TYPE_CHECKING:
 from numpy.typing import NDArray
 
 from vibeam.flight.linear.regimes import damper_of
-from vibeam.flight.rebound import rebound
 from vibeam.observe.motion import Path
 
 PLACES = 512  # at which the force is read off over a rest
@@ -59,7 +58,7 @@ def left_out_of(path: ExactMotion) -> Array:
     """(m, 3): when each endless accumulation was taken as rest, s; W₀; most that W is until that rest's end, J."""
     trace = path.segments.trace
     which = np.flatnonzero(endless(trace))
-    energy = rebound(path.system, trace[which, layout.BEFORE]) ** 2 / (
+    energy = path.system.contact_law.rebound(trace[which, layout.BEFORE]) ** 2 / (
         2 * float(path.system.contact @ path.system.contact)
     )
     rises = np.array([_rise(path, int(i) + 1) for i in which])

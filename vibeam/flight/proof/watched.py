@@ -18,10 +18,8 @@ from vibeam.flight.disturbance.derivatives import HELD, PUSHED, Derivatives, Sto
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.pieces import NEGATIVE, TASK_COLUMNS
 from vibeam.flight.kernels.regimes import layout as regime_layout
-from vibeam.flight.rebound import rebound
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array, Flags
-from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 
 ROUND_OFF = 64 * float(np.finfo(float).eps)  # share of the parts of a sum below which it is none
 
@@ -39,7 +37,7 @@ class Motion(NamedTuple):
     @property
     def yields(self) -> bool:
         """Whether the stops yield."""
-        return isinstance(self.system.law, LinearStop | HuntCrossley)
+        return self.system.contact_law.yields
 
     @property
     def lasting(self) -> Flags:
@@ -49,8 +47,8 @@ class Motion(NamedTuple):
 
 def motion_of(system: ImpactSystem, drive: Drive, trace: Array, poses: Array) -> Motion:
     """The segments of a trace with what each is in."""
-    kinds, law = trace[:, layout.WHAT].copy(), system.law
-    if isinstance(law, LinearStop) and law.damping > 0:
+    kinds, spring = trace[:, layout.WHAT].copy(), system.contact_law.spring
+    if spring is not None and spring.damping > 0:
         let_go = (trace[:-1, layout.WHAT] == regime_layout.CONTACT) & (trace[:-1, layout.END] == layout.RELEASE)
         kinds[1:][let_go & (trace[1:, layout.WHAT] == layout.FREE)] = regime_layout.INSIDE
     sides = trace[:, regime_layout.AT_SIDE] if trace.shape[1] > layout.TRACE_COLUMNS else np.zeros(len(trace))
@@ -62,7 +60,7 @@ def watch_list(motion: Motion) -> Array:
     every = [np.zeros((0, TASK_COLUMNS))]
     for side in range(1 if motion.system.second_gap is None else 2):
         every += [_gaps(motion, side), _forces(motion, side, layout.RESTING)]
-        if isinstance(motion.system.law, LinearStop):
+        if motion.system.contact_law.spring:
             every += [_forces(motion, side, regime_layout.CONTACT), *_retreats(motion, side)]
     found = [rows for rows in every if len(rows)]
     if len(found) < 2:
@@ -91,10 +89,9 @@ def _forces(motion: Motion, side: int, kind: float) -> Array:
     which = np.flatnonzero(motion.lasting & (motion.kinds == kind) & (motion.sides == side))
     if not len(which):
         return np.zeros((0, TASK_COLUMNS))
-    law, ended = motion.system.law, _ended_before(motion)[which]
-    vanished = (ended == regime_layout.PASS) | (
-        (ended == layout.IMPACT) & isinstance(law, LinearStop) & (getattr(law, "damping", 0) == 0)
-    )
+    spring, ended = motion.system.contact_law.spring, _ended_before(motion)[which]
+    undamped = spring is not None and spring.damping == 0
+    vanished = (ended == regime_layout.PASS) | ((ended == layout.IMPACT) & undamped)
     found = _derivatives(motion, HELD if kind == layout.RESTING else PUSHED, side, which).force(side)
     starts = _leading(found, 1.0, vanished & (kind == regime_layout.CONTACT))
     return _rows(which, layout.FORCE_SIGNAL + side, starts, motion.trace[which, layout.END] == layout.RELEASE)
@@ -151,7 +148,7 @@ def _openings(motion: Motion, side: int, which: NDArray[np.int64]) -> tuple[Arra
     struck = ~np.bool_(motion.yields) & (ended == layout.IMPACT) & (motion.sides[before] == side)
     after = -motion.poses[which, 1] @ stop.row
     thrown = after > (ROUND_OFF * (np.abs(motion.poses[which, 1]) @ np.abs(stop.row)) if motion.yields else 0)
-    after[struck] = rebound(system, trace[before[struck], layout.BEFORE])
+    after[struck] = system.contact_law.rebound(trace[before[struck], layout.BEFORE])
     thrown[struck] = after[struck] > 0
     known = left | _on_stop(stop, motion.poses[which])
     thrown &= known & (motion.yields | (ended != layout.RELEASE) | (which == 0))

@@ -11,15 +11,14 @@ from vibeam.solvers.integration.impact_events import EventSolver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
-from vibeam_models.laws.compliant import HuntCrossley, LinearStop
-from vibeam_models.laws.restitution import VelocityRestitution
+from vibeam_models.laws.mechanics import StopLaw
 
 
 @dataclass(frozen=True)
 class ModalFrame:
     """y = (η, η'): η'' = f = load Ω²B sin Ωt + static − 2ζωη' − ω²η in flight, f − c (c·f)/S at rest on the stop.
 
-    ``damping``: 2ζω (n,), or (n, n) where it couples the modes; ``law``: R(v) in place of ``restitution``, or None.
+    ``damping``: 2ζω (n,), or (n, n) where it couples the modes; ``law``: R(v).
     """
 
     stiffness: Array
@@ -28,11 +27,10 @@ class ModalFrame:
     force: Array
     static: Array
     gap: float
-    restitution: float
+    law: StopLaw
     drive: float
     mobility: float
     scale: Array
-    law: VelocityRestitution | None = None
 
     @classmethod
     def of(cls, system: ImpactSystem, drive: Drive) -> ModalFrame:
@@ -46,11 +44,10 @@ class ModalFrame:
             system.load * (drive.omega**2 * drive.amplitude),
             system.static,
             system.gap,
-            system.restitution,
+            system.contact_law,
             drive.omega,
             mobility,
             np.concatenate([np.ones_like(rates), rates]) / np.sqrt(mobility),
-            None if isinstance(system.law, LinearStop | HuntCrossley) else system.law,
         )
 
     def outward(self, states: Array) -> Array:
@@ -97,7 +94,7 @@ class ModalFrame:
 
     def strike(self, y: Array) -> tuple[Frame, Array]:
         """See ``Frame.strike``: η'⁺ = η'⁻ + c p with p = −(1+R) v⁻/S."""
-        return self, self._kick(y, self.restitution if self.law is None else self.law.at(float(self.approach(y))))
+        return self, self._kick(y, self.law.at(float(self.approach(y))))
 
     def _kick(self, y: Array, restitution: float) -> Array:
         n = len(self.contact)
@@ -115,7 +112,7 @@ class DirectSolver(EventSolver):
 
     def takes(self, system: ImpactSystem) -> None:
         """See ``EventSolver.takes``: accepts R(v) and coupled damping, rejects a yielding stop and a second stop."""
-        if system.second_gap is not None or isinstance(system.law, LinearStop | HuntCrossley):
+        if system.second_gap is not None or system.contact_law.yields:
             system.require_plain("solver 'direct'")
 
     def enter(self, drive: Drive, state: State) -> tuple[Frame, Array]:

@@ -23,8 +23,7 @@ from vibeam.studies.limit.sequences import (
     with_restitution,
 )
 from vibeam_models.laws import ContactLaw
-from vibeam_models.laws.hertz import Elastic
-from vibeam_models.laws.linear import Linear
+from vibeam_models.laws.yielding import Elastic, Linear
 from vibeam_models.scene import RigScene
 
 if TYPE_CHECKING:

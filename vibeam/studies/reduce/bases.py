@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from vibeam.case.fidelity import Fidelity, parameters_of
-from vibeam_models.laws.series import in_series
+from vibeam_models.laws.restitution import Restitution
 from vibeam_reductions.declaration import REDUCTIONS, ReductionDeclaration
 from vibeam_reductions.projection import Reduction
 
@@ -74,7 +74,7 @@ def _refusal(case: Case, declared: ReductionDeclaration) -> str:
         return ""
     try:
         law = case.scene.stop.law
-        in_series(None if law is None else law.contact(1.0), 1.0)
+        (Restitution(1.0) if law is None else law.contact(1.0)).in_series(1.0)
     except ValueError as refusal:
         return str(refusal).rpartition(": write")[0]
     return ""

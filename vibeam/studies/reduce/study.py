@@ -17,7 +17,6 @@ from vibeam.studies.reduce.transfer import ModalForm, TransferErrors, TransferSt
 from vibeam.studies.reduce.transfer import contact_time as time_in_contact
 from vibeam_models.arguments import whole
 from vibeam_models.beam import structure_of
-from vibeam_models.laws.compliant import LinearStop
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -156,11 +155,11 @@ def _reference(structure: Structure) -> tuple[Structure, tuple[str, ...]]:
 def _pulse(case: Case, form: ModalForm, asked: float | None) -> ContactPulse | None:
     scene: Any = case.scene
     declared = scene.stop.law
-    law = None if declared is None else declared.contact(form.structure.mobility(form.structure.contact))
-    stiffness = law.stiffness if isinstance(law, LinearStop) else np.inf
+    law = None if declared is None else declared.contact(form.structure.mobility(form.structure.contact)).spring
+    stiffness = np.inf if law is None else law.stiffness
     if asked is not None:
         return ContactPulse(asked, stiffness)
-    return ContactPulse(time_in_contact(form, law), stiffness) if isinstance(law, LinearStop) else None
+    return None if law is None else ContactPulse(time_in_contact(form, law), stiffness)
 
 
 def _notes(case: Case, pulse: ContactPulse | None) -> list[str]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from vibeam_models.arrays import Array, Complex
-from vibeam_models.laws.compliant import LinearStop
+from vibeam_models.laws.mechanics import Spring
 from vibeam_models.structure import Structure
 from vibeam_reductions.projection import Reduction
 
@@ -156,7 +156,7 @@ def _row(form: ModalForm, name: str) -> Array:
     return form.row(form.structure.contact if name == "contact" else form.structure.outputs[name])
 
 
-def contact_time(form: ModalForm, law: LinearStop) -> float:
+def contact_time(form: ModalForm, law: Spring) -> float:
     """Contact time in s of a linear stop on a structure, without the stop's damping.
 
     With the spring k at the contact row c the modes are those of diag(ω²) + k cᵀc; the share of mode i's energy that

@@ -1,4 +1,4 @@
-"""Declaration of a restitution that falls with the velocity: by a power, or by a table."""
+"""Declarations of the laws of a rigid stop: one coefficient of restitution, or R(v) by a power, a table, viscosity."""
 
 from __future__ import annotations
 
@@ -7,9 +7,28 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from vibeam_models.keys import declared, quantity
-from vibeam_models.laws import ContactLaw
-from vibeam_models.laws.keys import EXPONENT, RESTITUTION, VELOCITY
-from vibeam_models.laws.restitution import VELOCITY_RESTITUTION, PlasticRestitution, TableRestitution
+from vibeam_models.laws import EXPONENT, RESTITUTION, VELOCITY, ContactLaw
+from vibeam_models.laws.restitution import (
+    VELOCITY_RESTITUTION,
+    VISCOUS_RESTITUTION,
+    PlasticRestitution,
+    Restitution,
+    TableRestitution,
+    ViscousRestitution,
+)
+
+
+@dataclass(frozen=True)
+class ConstantRestitution(ContactLaw):
+    """v⁺ = −R v⁻: the system's own coefficient, so that the solvers need no law beside it."""
+
+    restitution: float = declared(RESTITUTION)
+
+    name: ClassVar[str] = "restitution"
+
+    def contact(self, mobility: float) -> Restitution:
+        """R alone."""
+        return Restitution(self.restitution)
 
 
 @dataclass(frozen=True)
@@ -34,12 +53,12 @@ class VelocityDependent(ContactLaw):
 
     @classmethod
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
-        """As ``ContactLaw.faults``: nothing that could fall."""
+        """Nothing that could fall."""
         if stop.restitution == 0:
             yield "restitution", "0 leaves nothing to fall with the velocity: write a number above 0"
 
     def contact(self, mobility: float) -> PlasticRestitution:
-        """As ``ContactLaw.contact``."""
+        """The power, n = ¼ where it is not said."""
         return PlasticRestitution(self.restitution, self.velocity, 0.25 if self.exponent is None else self.exponent)
 
 
@@ -75,12 +94,28 @@ class Tabled(ContactLaw):
 
     @classmethod
     def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
-        """As ``ContactLaw.faults``: columns of unlike length, a table of one point."""
+        """Columns of unlike length, a table of one point."""
         if stop.speeds and stop.restitutions and len(stop.speeds) != len(stop.restitutions):
             yield "restitutions", f"{len(stop.restitutions)} numbers for {len(stop.speeds)} speeds"
         elif stop.speeds and len(stop.speeds) < 2:
             yield "speeds", "one speed makes no table: write two or more"
 
     def contact(self, mobility: float) -> TableRestitution:
-        """As ``ContactLaw.contact``."""
+        """The table."""
         return TableRestitution(self.speeds, self.restitutions)
+
+
+@dataclass(frozen=True)
+class Viscous(ContactLaw):
+    """R = 1 − (1 − R₀)(v/v₀)^b, viscoelastic: the slower the impact, the less is lost; b = ⅕ for spheres."""
+
+    restitution: float = declared(RESTITUTION)
+    velocity: float = declared(VELOCITY)
+    exponent: float | None = declared(EXPONENT, None)
+
+    name: ClassVar[str] = VISCOUS_RESTITUTION
+
+    def contact(self, mobility: float) -> ViscousRestitution:
+        """Law of Kuwabara & Kono (1987)."""
+        power = 0.2 if self.exponent is None else self.exponent
+        return ViscousRestitution.matched(self.restitution, self.velocity, power)

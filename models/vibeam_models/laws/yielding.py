@@ -1,0 +1,136 @@
+"""Declarations of the laws of a stop that yields: linear, a leaf spring, Hertz's, Hunt and Crossley's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from vibeam_models.keys import declared, quantity
+from vibeam_models.laws import EXPONENT, HERTZ_STIFFNESS, RESTITUTION, VELOCITY, ContactLaw
+from vibeam_models.laws.compliant import Hertz, HuntCrossley, LinearStop
+
+
+@dataclass(frozen=True)
+class Linear(ContactLaw):
+    """F = k d + c d′, the damping as given or from the restitution of a free mass 1/S."""
+
+    stiffness: float = quantity(
+        "N/m",
+        "of law linear: force over penetration",
+        "1e6 N/m",
+        above=0,
+        written=False,
+        missing="force over penetration",
+        plain=("of a linear stop: force over mass and penetration", 400, "force over mass and penetration"),
+    )
+    damping: float | None = quantity(
+        "N s/m",
+        "of law linear: force over velocity; absent = what gives the restitution to a free mass 1/S, S the contact's "
+        "mobility",
+        "10 N s/m",
+        None,
+        least=0,
+        written=False,
+        plain=("of a linear stop, force over mass and velocity; absent = what gives the restitution", 2.5, ""),
+    )
+    restitution: float | None = declared(RESTITUTION, None)
+
+    name: ClassVar[str] = "linear"
+    compliant: ClassVar[bool] = True
+
+    @classmethod
+    def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
+        """The loss, said once."""
+        if (stop.damping is None) == (stop.restitution is None):
+            said = "is not said" if stop.damping is None else "is said twice"
+            yield "damping", f"the loss of the linear stop {said}: write damping, or restitution"
+        if stop.restitution == 0:
+            yield "restitution", f'0 is more than law = "{cls.name}" can lose: write a number above 0'
+
+    def contact(self, mobility: float) -> LinearStop:
+        """The stop with the damping, or with what gives a free mass 1/S the restitution."""
+        if self.damping is not None:
+            return LinearStop(self.stiffness, self.damping)
+        return LinearStop.matched(self.stiffness, 1.0 if self.restitution is None else self.restitution, 1 / mobility)
+
+
+@dataclass(frozen=True)
+class LeafSpring(ContactLaw):
+    """The linear stop of stiffness 3EI/l³ = E b t³/4l³, static: its own modes must lie far above the drive."""
+
+    leaf_length: float = quantity("m", "of law leaf spring: free length", "57 mm", above=0, written=False)
+    leaf_width: float = quantity("m", "of law leaf spring", "40 mm", above=0, written=False)
+    leaf_thickness: float = quantity("m", "of law leaf spring, along the motion", "1 mm", above=0, written=False)
+    leaf_modulus: float = quantity("Pa", "of law leaf spring: modulus of elasticity", "210 GPa", above=0, written=False)
+    damping: float | None = declared(Linear.__dataclass_fields__["damping"].metadata["key"], None)
+    restitution: float | None = declared(RESTITUTION, None)
+
+    name: ClassVar[str] = "leaf spring"
+    compliant: ClassVar[bool] = True
+
+    @classmethod
+    def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
+        """The loss, said once."""
+        yield from Linear.faults(stop)
+
+    @property
+    def stiffness(self) -> float:
+        """E b t³/4l³ in N/m."""
+        return self.leaf_modulus * self.leaf_width * self.leaf_thickness**3 / (4 * self.leaf_length**3)
+
+    def contact(self, mobility: float) -> LinearStop:
+        """The linear stop of that stiffness."""
+        return Linear(self.stiffness, self.damping, self.restitution).contact(mobility)
+
+
+def _soft(stop: Any) -> Iterator[tuple[str, str]]:
+    if stop.exponent is not None and stop.exponent < 1:
+        yield "exponent", f"{stop.exponent:g} is below 1: the stop would be infinitely stiff at first touch"
+
+
+@dataclass(frozen=True)
+class Elastic(ContactLaw):
+    """F = k d^p."""
+
+    hertz_stiffness: float = declared(HERTZ_STIFFNESS)
+    exponent: float | None = declared(EXPONENT, None)
+
+    name: ClassVar[str] = "hertz"
+    compliant: ClassVar[bool] = True
+    integrated: ClassVar[bool] = True
+
+    @classmethod
+    def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
+        """An exponent below 1."""
+        yield from _soft(stop)
+
+    def contact(self, mobility: float) -> HuntCrossley:
+        """Hertz's law, p = 3/2 where it is not said."""
+        return Hertz(self.hertz_stiffness, 1.5 if self.exponent is None else self.exponent)
+
+
+@dataclass(frozen=True)
+class Damped(ContactLaw):
+    """F = k d^p (1 + a d′), a from the restitution at one velocity."""
+
+    hertz_stiffness: float = declared(HERTZ_STIFFNESS)
+    restitution: float = declared(RESTITUTION)
+    velocity: float = declared(VELOCITY)
+    exponent: float | None = declared(EXPONENT, None)
+
+    name: ClassVar[str] = "hunt-crossley"
+    compliant: ClassVar[bool] = True
+    integrated: ClassVar[bool] = True
+
+    @classmethod
+    def faults(cls, stop: Any) -> Iterator[tuple[str, str]]:
+        """A loss that no damping gives, an exponent below 1."""
+        if stop.restitution == 0:
+            yield "restitution", f'0 is more than law = "{cls.name}" can lose: write a number above 0'
+        yield from _soft(stop)
+
+    def contact(self, mobility: float) -> HuntCrossley:
+        """Law with the damping that gives the restitution at that velocity."""
+        power = 1.5 if self.exponent is None else self.exponent
+        return HuntCrossley.matched(self.hertz_stiffness, self.restitution, self.velocity, power)
