@@ -95,6 +95,13 @@ class SparseStructure(Structure):
         load, static, contact = (row @ basis for row in (self.load, self.static, self.contact))
         return SparseStructure(M, 0 * M, K, load, static, contact), basis
 
+    def ritz_stiffness(self, basis: Array, forces: Array) -> Array:
+        """As ``Structure.ritz_stiffness``, each entry from the force of the softer of its two shapes."""
+        product = basis.T @ forces
+        stiffness = np.diag(product)
+        lower = np.where(stiffness[None, :] <= stiffness[:, None], product, product.T)
+        return np.asarray((lower + lower.T) / 2)
+
     def congruent(self, name: str, basis: Array) -> Array:
         """As ``Structure.congruent``, C with the damping by modal ratios."""
         product = basis.T @ (getattr(self, name) @ basis)

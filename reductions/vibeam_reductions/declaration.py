@@ -39,22 +39,25 @@ class ReductionDeclaration:
         return made
 
 
-def _counting(name: str, meaning: str, **more: Any) -> ReductionDeclaration:
-    return ReductionDeclaration(name, f"vibeam_reductions.{name}:{name}", meaning, counts=True, **more)
+def _counting(chapter: str, name: str, meaning: str, **more: Any) -> ReductionDeclaration:
+    return ReductionDeclaration(name, f"vibeam_reductions.{chapter}:{name}", meaning, counts=True, **more)
 
 
 REDUCTIONS = Registry(
     "reduction",
-    ReductionDeclaration("static_mode", "vibeam_reductions.static_mode:static_mode", "the static deflection alone"),
-    _counting("modal", "so many modes"),
-    ReductionDeclaration("full", "vibeam_reductions.modal:full", "all of the finite elements"),
-    _counting("static_shapes", "static deflections under loads at contact, base, masses, sensors"),
-    _counting("static_correction", "modes, and what they leave out under the loads"),
-    _counting("residual_flexibility", "modes, and the flexibility that they leave out at the contact"),
-    _counting("massless_boundary", "the same without the mass of that flexibility", massless=True),
-    _counting("craig_bampton", "modes with the boundary held, and its constraint modes", takes=("boundary",)),
-    _counting("krylov", "transfer functions matched about a frequency", takes=("frequency",)),
+    ReductionDeclaration("static_mode", "vibeam_reductions.static_shapes:static_mode", "the static deflection alone"),
+    _counting("modes", "modal", "so many modes"),
+    ReductionDeclaration("full", "vibeam_reductions.modes:full", "all of the finite elements"),
+    _counting("static_shapes", "static_shapes", "static deflections under loads at contact, base, masses, sensors"),
+    _counting("modes", "static_correction", "modes, and what they leave out under the loads"),
+    _counting("modes", "residual_flexibility", "modes, and the flexibility that they leave out at the contact"),
+    _counting("modes", "massless_boundary", "the same without the mass of that flexibility", massless=True),
     _counting(
+        "static_shapes", "craig_bampton", "modes with the boundary held, and its constraint modes", takes=("boundary",)
+    ),
+    _counting("subspaces", "krylov", "transfer functions matched about a frequency", takes=("frequency",)),
+    _counting(
+        "subspaces",
         "pod",
         "what a flight of the full model consists of",
         takes=("frequency", "periods", "inner_product"),

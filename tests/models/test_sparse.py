@@ -9,8 +9,8 @@ from vibeam_models.damping import damped
 from vibeam_models.sparse import SparseStructure
 from vibeam_models.sparse_modes import factor, lowest_modes
 from vibeam_models.structure import Structure
-from vibeam_reductions.modal import full, modal
-from vibeam_reductions.static_mode import static_mode
+from vibeam_reductions.modes import full, modal
+from vibeam_reductions.static_shapes import static_mode
 
 STIFFNESS, MASS = 1e4, 0.3  # N/m of each spring of the net, kg of each knot
 

@@ -18,15 +18,10 @@ from vibeam_models.effects.opposite import Opposite
 from vibeam_models.effects.torsion import Torsion
 from vibeam_models.laws.compliant import Hertz, LinearStop
 from vibeam_models.structure import Structure
-from vibeam_reductions.craig_bampton import boundary_rows, craig_bampton
-from vibeam_reductions.krylov import krylov
-from vibeam_reductions.massless_boundary import massless_boundary
-from vibeam_reductions.modal import modal
-from vibeam_reductions.pod import Snapshots, pod
+from vibeam_reductions.modes import massless_boundary, modal, residual_flexibility, static_correction
 from vibeam_reductions.projection import Reduction
-from vibeam_reductions.residual_flexibility import residual_flexibility
-from vibeam_reductions.static_correction import static_correction
-from vibeam_reductions.static_shapes import static_shapes
+from vibeam_reductions.static_shapes import boundary_rows, craig_bampton, static_shapes
+from vibeam_reductions.subspaces import Snapshots, krylov, pod
 
 COARSE = replace(RIG, beam=replace(STEEL, elements=4))
 SCENES = {

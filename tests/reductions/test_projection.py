@@ -4,9 +4,9 @@ from scipy.linalg import null_space
 
 from tests.models.bench import RIG
 from vibeam_models.beam import assemble
-from vibeam_reductions.modal import full, modal
+from vibeam_reductions.modes import full, modal
 from vibeam_reductions.projection import projection
-from vibeam_reductions.static_mode import static_mode
+from vibeam_reductions.static_shapes import static_mode
 
 
 @pytest.fixture(scope="module")

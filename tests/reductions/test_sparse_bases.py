@@ -41,7 +41,7 @@ def _refused(*_: Any, **__: Any) -> None:
 
 
 def test_pod_of_a_sparse_structure_is_refused(sparse: SparseStructure) -> None:
-    from vibeam_reductions.pod import Snapshots, pod
+    from vibeam_reductions.subspaces import Snapshots, pod
 
     with pytest.raises(ValueError, match="the shapes of 143 modes"):
         pod(sparse, 2, Snapshots(np.ones((3, 2)), np.ones((3, 2))))

@@ -13,7 +13,7 @@ from vibeam_models.registry import loaded
 if TYPE_CHECKING:
     from vibeam.system.impact_system import ImpactSystem
     from vibeam_models.scene import RigScene
-    from vibeam_reductions.pod import Snapshots
+    from vibeam_reductions.subspaces import Snapshots
 
 FLIGHT = "vibeam.flight.snapshots:modal_snapshots"
 PERIODS = 50
@@ -41,7 +41,7 @@ def with_snapshots(
 def _flown(scene: RigScene, frequency: float, periods: int, full: Callable[[RigScene], ImpactSystem]) -> Snapshots:
     from vibeam.system.impact_system import Drive
     from vibeam_models.base_motion import drive_amplitude
-    from vibeam_reductions.pod import Snapshots
+    from vibeam_reductions.subspaces import Snapshots
 
     omega = 2 * np.pi * frequency
     amplitude = float(np.ravel(drive_amplitude(scene, np.array([omega])))[0])

@@ -51,7 +51,7 @@ def _made(
 
 def static_at_contact(structure: Structure) -> float:
     """Deflection of the static mode at the contact, 1 at the sensor; NaN of a free body, which has none."""
-    from vibeam_reductions.static_mode import static_shape
+    from vibeam_reductions.static_shapes import static_shape
 
     try:
         return float((structure.contact @ static_shape(structure))[0])

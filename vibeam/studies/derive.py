@@ -163,7 +163,7 @@ def _first_mode(scene: Scene) -> _FirstMode:
     import numpy as np
 
     from vibeam_models.beam import assemble_with_space
-    from vibeam_reductions.static_mode import static_mode
+    from vibeam_reductions.static_shapes import static_mode
 
     structure, space = assemble_with_space(replace(scene, base=Base()))  # the base factor is of a base that moves
     modes = structure.modes()

@@ -31,7 +31,7 @@ from vibeam_models.effects.massless_beam import MasslessBeam
 from vibeam_models.effects.platform import Platform, PlatformFilter, Shaker
 from vibeam_models.effects.sprung_clamp import Clamp
 from vibeam_models.effects.torsion import Torsion
-from vibeam_reductions.static_mode import static_mode
+from vibeam_reductions.static_shapes import static_mode
 
 ROOT = Path(__file__).parents[3]
 CLAMP = '[clamp]\nstiffness = "500 N m/rad"\n'

@@ -25,7 +25,7 @@ from vibeam_models.beams.beam import Damping
 from vibeam_models.laws.compliant import LinearStop
 from vibeam_models.structure import Structure
 from vibeam_reductions.declaration import REDUCTIONS
-from vibeam_reductions.modal import modal
+from vibeam_reductions.modes import modal
 from vibeam_reductions.projection import projection
 
 CASES = Path(__file__).parents[3] / "cases"

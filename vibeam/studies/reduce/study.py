@@ -145,7 +145,7 @@ def _reference(structure: Structure) -> tuple[Structure, tuple[str, ...]]:
 
     if not isinstance(structure, SparseStructure):
         return structure, ()
-    from vibeam_reductions.static_correction import static_correction
+    from vibeam_reductions.modes import static_correction
 
     count = min(REFERENCE, structure.size // 3)
     note = f"{structure.size} coordinates, sparse: {count} modes with static correction stand for the full model"

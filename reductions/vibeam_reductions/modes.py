@@ -1,0 +1,94 @@
+"""Natural modes as a basis, alone or with what they leave out of static deflections: residual attachment modes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from vibeam_models.arrays import Array
+from vibeam_models.structure import Modes, Structure, in_coordinates
+from vibeam_reductions.projection import Reduction, check_count, projection
+from vibeam_reductions.static_shapes import StaticShapes, loads_of, static_shapes_under
+
+
+def modal(structure: Structure, n: int) -> Reduction:
+    """The structure in its lowest ``n`` undamped modes, mass-normalised: M = I, K = diag(ω²).
+
+    ValueError unless 1 ≤ n ≤ size.
+    """
+    if not 1 <= n <= structure.size:
+        raise ValueError(f"modes: {n}, this structure has 1 to {structure.size}")
+    modes = structure.modes(n)
+    exact = in_coordinates(structure, modes.shapes, M=np.eye(n), K=np.diag(modes.omega**2))
+    return Reduction(modes.shapes, exact, structure)
+
+
+def full(structure: Structure) -> Reduction:
+    """The structure in all of its modes: another form, the same motion."""
+    return modal(structure, structure.size)
+
+
+def modes_and_residuals(structure: Structure, n: int, loads: Mapping[str, Array]) -> Reduction:
+    """The structure in its lowest modes and one residual attachment mode a load, ``n`` in all.
+
+    The residuals are M- and K-orthogonal to the modes, which stay exact. A load that the modes carry wholly has none;
+    a further mode is taken in its place.
+    """
+    count = min(len(loads), n)
+    while True:
+        modes, residuals = _split(structure, n - count, loads)
+        if len(residuals) >= count:
+            break
+        count = len(residuals)
+    stiffness = np.concatenate([modes.omega**2, residuals.stiffness[:count]])
+    basis = np.column_stack([modes.shapes, residuals.shapes[:, :count]])
+    return projection(structure, basis, K=np.diag(stiffness))
+
+
+def _split(structure: Structure, count: int, loads: Mapping[str, Array]) -> tuple[Modes, StaticShapes]:
+    if not count:
+        none = Modes(np.zeros(0), np.zeros((structure.size, 0)))
+        return none, static_shapes_under(structure, loads)
+    modes = structure.modes(count)
+    return modes, static_shapes_under(structure, loads, modes)
+
+
+def residual_flexibility(structure: Structure, n: int) -> Reduction:
+    """The structure in its lowest n − 1 modes and the residual attachment mode of the contact, with its mass.
+
+    The modes stay exact and the contact's static flexibility is kept whole: the last coordinate has the flexibility
+    wK⁻¹wᵀ − Σc²/ω² that the modes leave out, c = wφ. It keeps its own mass ψᵀMψ (Rubin, AIAA J. 13, 1975), so that the
+    mobility is finite and a coefficient of restitution has a meaning; MacNeal's form (Comput. Struct. 1, 1971), without
+    it, is ``massless_boundary``. ValueError unless 1 ≤ n ≤ size, and for a free body.
+    """
+    check_count(structure, n)
+    return modes_and_residuals(structure, n, {"contact": structure.contact})
+
+
+def static_correction(structure: Structure, n: int) -> Reduction:
+    """The structure in its lowest modes and the residual deflections under contact, drive and constant load, n in all.
+
+    What the mode acceleration method adds to a response afterwards is here a coordinate of its own (Dickens, Nakagawa &
+    Wittbrodt, Comput. Struct. 62, 1997). ValueError where n is less than the number of loads or more than the size,
+    and for a free body.
+    """
+    loads = loads_of(structure, outputs=False)
+    independent = {name: loads[name] for name in static_shapes_under(structure, loads).names}
+    check_count(structure, n, len(independent), f": its loads are {', '.join(independent)}")
+    return modes_and_residuals(structure, n, independent)
+
+
+def massless_boundary(structure: Structure, n: int) -> Reduction:
+    """The structure in its lowest ``n`` modes, and at the contact the flexibility that they leave out, without mass.
+
+    MacNeal's residual flexibility g = wK⁻¹wᵀ − Σc²/ω² has no inertia: the contact's coordinate u = Σcη + g f follows
+    the contact force f at once and is eliminated; g is ``contact_flexibility`` of the reduced structure, in series with
+    the stop (MacNeal 1971; Monjaraz-Tec, Gross & Krack, Comput. Struct. 260, 2022, arXiv:2111.07693). It takes no
+    coordinate and brings no high frequency. It is for a stop that yields: an impulse would move a contact without mass
+    at an infinite velocity. ValueError unless 1 ≤ n ≤ size, and for a free body.
+    """
+    kept = modal(structure, n)
+    residual = static_shapes_under(structure, {"contact": structure.contact}, structure.modes(n))
+    flexibility = float((structure.contact @ residual.shapes) ** 2 @ (1 / residual.stiffness)) if len(residual) else 0.0
+    return Reduction(kept.basis, kept.structure.with_(contact_flexibility=flexibility), structure)
