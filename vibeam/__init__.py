@@ -1,7 +1,7 @@
 """vibeam: how much model does a vibro-impact beam need?
 
-The public names, loaded when first used: ``import vibeam`` itself loads no scipy, matplotlib, numba or pint, nor
-anything that the interpreter has not loaded before it runs a module. They are listed in ``__init__.pyi``.
+The public names, loaded when first used: ``import vibeam`` itself loads no scipy, matplotlib or numba, nor anything
+that the interpreter has not loaded before it runs a module. They are listed in ``__init__.pyi``.
 """
 
 from __future__ import annotations

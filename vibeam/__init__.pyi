@@ -4,13 +4,13 @@ from vibeam import observe as observe
 from vibeam.batches.batch import batch as batch
 from vibeam.batches.response import BatchResponse as BatchResponse
 from vibeam.case.case import Case as Case
-from vibeam.case.faults import CaseError as CaseError
-from vibeam.case.reference_curves import read_curve as read_curve
-from vibeam.case.reference_files import ReferenceForm as ReferenceForm
-from vibeam.case.reference_record import ReferenceCurve as ReferenceCurve
 from vibeam.casefile.read import load as load
 from vibeam.casefile.registration import register_effect as register_effect
 from vibeam.casefile.registration import register_law as register_law
+from vibeam.exchange.curves.record import ReferenceCurve as ReferenceCurve
+from vibeam.exchange.curves.record import ReferenceForm as ReferenceForm
+from vibeam.exchange.curves.reference import read_curve as read_curve
+from vibeam.exchange.faults import CaseError as CaseError
 from vibeam.figures import register_figure as register_figure
 from vibeam.figures.declaration import FigureKind as FigureKind
 from vibeam.flight.trajectory import Outcome as Outcome

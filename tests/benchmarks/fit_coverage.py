@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 import vibeam
-from vibeam.case.reference_record import ReferenceCurve
+from vibeam.exchange.curves.record import ReferenceCurve
 from vibeam.studies.fit.estimate import Scan, estimate
 from vibeam.studies.fit.problem import Problem
 from vibeam.studies.fit.profile import LEVEL, misfit_at

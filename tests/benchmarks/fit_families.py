@@ -20,8 +20,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import vibeam
-from vibeam.case.reference_record import ReferenceCurve
 from vibeam.casefile.read import parse
+from vibeam.exchange.curves.record import ReferenceCurve
 
 SETTLE, HOLD = 300, 32  # drive periods
 

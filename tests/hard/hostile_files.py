@@ -22,10 +22,10 @@ from mutations import LINES
 from verdict import Verdict
 from workers import Stage
 
-from vibeam.case.faults import CaseError
-from vibeam.case.reference_curves import read_curve
-from vibeam.case.reference_files import ReferenceForm
 from vibeam.casefile.read import parse
+from vibeam.exchange.curves.record import ReferenceForm
+from vibeam.exchange.curves.reference import read_curve
+from vibeam.exchange.faults import CaseError
 from vibeam_models.beam import structure_of
 
 TEXT = (".csv", ".mtx", ".inp", ".pch")

@@ -16,8 +16,8 @@ from verdict import Verdict
 from workers import Stage
 
 from vibeam.case.case import Case
-from vibeam.case.faults import CaseError
 from vibeam.cli.main import main
+from vibeam.exchange.faults import CaseError
 from vibeam.runs.store.file import read
 from vibeam.system.ended import Ended as Reason
 

@@ -19,8 +19,8 @@ from workers import Stage
 
 import vibeam
 from vibeam.case.case import Case
-from vibeam.case.faults import OVERRIDE, CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import OVERRIDE, CaseError
 from vibeam.studies.regression.references import require_readable
 
 NAMED = 0.2  # share of the mutants, of cases that name files, that are of these

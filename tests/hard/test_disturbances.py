@@ -22,7 +22,7 @@ import scarce
 from commands import BEAM, FORMULA, difference, fault_of_completion, fault_of_message, undisturbed, vibeam, write_case
 from limited import GIB, Limits, run_limited
 
-from vibeam.case.faults import CaseError, Fault
+from vibeam.exchange.faults import CaseError, Fault
 
 SEED = 2
 

@@ -17,7 +17,7 @@ PACKAGES = {
     "vibeam_reductions": (ROOT / "reductions" / "vibeam_reductions", {"vibeam_models"}),
     "vibeam": (ROOT / "vibeam", {"vibeam_models", "vibeam_reductions"}),
 }
-HEAVY = ("scipy", "matplotlib", "numba", "pint", "skfem", "h5py", "meshio")
+HEAVY = ("scipy", "matplotlib", "numba", "skfem", "h5py", "meshio")
 
 
 def imported(path: Path) -> set[str]:

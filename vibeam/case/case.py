@@ -10,16 +10,15 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.faults import CaseError, Complaint, Fault
 from vibeam.case.plans import AccuracyPlan, CostPlan, FigurePlan, FitPlan, InfluencePlan, Reference, SweepPlan
+from vibeam.exchange.faults import CaseError, Complaint, Fault
 from vibeam.system.quantities import PLAIN, OutputUnits
 from vibeam_models.outputs import DISPLACEMENT, OutputQuantity
 
 if TYPE_CHECKING:
-    from vibeam.case.fidelity import Fidelity
-    from vibeam.case.model import Model
+    from vibeam.case.fidelity import Fidelity, Model
     from vibeam.case.plans import Expectation, MapPlan, Measured, ShowPlan, Uncertain
-    from vibeam.case.reference_record import ReferenceCurve
+    from vibeam.exchange.curves.record import ReferenceCurve
     from vibeam.observe.measuring_chain import Chain
     from vibeam.system.impact_system import ImpactSystem
     from vibeam_models.scene import AnyScene

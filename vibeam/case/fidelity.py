@@ -1,27 +1,27 @@
-"""Fidelity: reduction of a scene, and the impact system built from it."""
+"""Fidelity: reduction of a scene, the impact system built from it, and that as a function of the case's keys."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import isnan
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from vibeam.case.reduced_structure import reduced_structure
+from vibeam.case.reduced_structure import Flight, reduced_structure, with_snapshots
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.time_derivative import TimeDerivative
 from vibeam_reductions.declaration import REDUCTIONS
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
+    from vibeam_models.arrays import Array
     from vibeam_models.scene import AnyScene, RigScene
     from vibeam_models.sdof import SdofScene
     from vibeam_models.structure import Structure
-
-    Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Fidelity:
 
     ``parameters``: of the reduction, by name, as its declaration ``takes`` them.
     ``changes``: physics keys of its own, applied to its scene already; ``without``: keys left out. ``label``:
-    its name in figures, None for ``name``.
+    its name in figures, None for ``name``. ``flight``: by which a reduction that is made of one flies the full model.
 
     ValueError for an unknown reduction, or ``modes`` missing, below 1 or given to another reduction.
     """
@@ -44,6 +44,7 @@ class Fidelity:
     without: tuple[str, ...] = ()
     label: str | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
+    flight: Flight | None = field(default=None, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         if self.reduction not in REDUCTIONS:
@@ -170,16 +171,16 @@ def parameters_of(scene: RigScene, fidelity: Fidelity) -> Mapping[str, Any]:
     """Parameters of a reduction, with the flight of the full model that some are made of."""
     if not REDUCTIONS[fidelity.reduction].flown:
         return fidelity.parameters
-    from vibeam.case.flown import with_snapshots
-
-    return with_snapshots(scene, fidelity.parameters, _full)
+    if fidelity.flight is None:
+        raise ValueError(f"fidelity {fidelity.name!r}: reduction {fidelity.reduction!r} is made of a flight: give one")
+    return with_snapshots(scene, fidelity.parameters, _full, fidelity.flight)
 
 
 def _full(scene: RigScene) -> ImpactSystem:
     return system(scene, Fidelity("full", "full"))
 
 
-def gap_drift(scene: AnyScene, omega: ArrayLike) -> NDArray[np.float64] | None:
+def gap_drift(scene: AnyScene, omega: ArrayLike) -> Array | None:
     """Added gap at the contact at drive frequencies ``omega`` (rad/s), m; None where the gap is constant.
 
     Held constant beyond the first and the last frequency of the table.
@@ -206,3 +207,46 @@ def _seen_by_first_mode(built: ImpactSystem) -> ImpactSystem:
 
     mobility = float(np.sum(built.contact**2))
     return replace(built, restitution=contact_restitution(built.restitution, float(built.contact[0]), mobility))
+
+
+class Model(ABC):
+    """Model of one fidelity of a case; ``at`` gives it with other values of keys."""
+
+    @abstractmethod
+    def at(self, values: Mapping[str, float]) -> Self:
+        """Model with keys at other values, SI; they win over what the fidelity sets, not over what it leaves out.
+
+        CaseError for a key that the case cannot have, or a value that it may not have by itself.
+        """
+
+    @abstractmethod
+    def checked(self) -> Self:
+        """The same model; CaseError where the rules between the keys of the rig refuse it."""
+
+    @abstractmethod
+    def value(self, key: str) -> Any:
+        """Value of a key, SI; None where the case has none."""
+
+    @property
+    @abstractmethod
+    def fidelity(self) -> Fidelity:
+        """Fidelity, with the number of modes that a key gave it."""
+
+    @property
+    @abstractmethod
+    def most_modes(self) -> int:
+        """Largest number of modes that the structure has; 0 where that is not known."""
+
+    @abstractmethod
+    def scene(self) -> AnyScene:
+        """Scene; ValueError for an impossible one."""
+
+    def system(self) -> ImpactSystem:
+        """Impact system; ValueError for an impossible one."""
+        return system(self.scene(), self.fidelity)
+
+    def amplitude(self, omega: Array) -> float | Array:
+        """Drive amplitude at ``omega`` (rad/s): one for all, or one each where it depends on that."""
+        from vibeam_models.base_motion import drive_amplitude
+
+        return drive_amplitude(self.scene(), omega)

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.reference_files import ReferenceForm
+from vibeam.exchange.curves.record import ReferenceForm
 
 if TYPE_CHECKING:
-    from vibeam.case.reference_record import ReferenceCurve
+    from vibeam.exchange.curves.record import Point, ReferenceCurve
 
 Direction = Literal["up", "down", "both"]
 
@@ -98,6 +98,22 @@ class Reference:
     measured: bool = False
     source: str = ""
     curve: ReferenceCurve | None = None
+
+    def read(self) -> ReferenceCurve:
+        """Curve of all points, given or in the file; CaseError where that cannot be read."""
+        from vibeam.exchange.curves.reference import read_curve
+
+        if self.curve is not None:
+            return self.curve
+        curve = read_curve(self.file, self.quantity, self.form, quote=self.quote)
+        if self.direction == "both":
+            return curve
+        known = tuple(replace(each, direction=each.direction or self.direction) for each in curve.points)
+        return replace(curve, points=known)
+
+    def points(self) -> list[Point]:
+        """Points on the branches compared; CaseError as ``read``."""
+        return self.read().along(("up", "down") if self.direction == "both" else (self.direction,))
 
 
 @dataclass(frozen=True)

@@ -1,16 +1,27 @@
-"""Reduced structure of a scene, kept for the next case with the same one: gap, law, size of the drive are no part."""
+"""Reduced structure of a scene, kept for the next case with the same one; the flight that some reductions are made of.
+
+Gap, law and size of the drive are no part of it.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import lru_cache
 from math import nan
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from vibeam_models.arrays import Array
 from vibeam_models.beam import structure_of
 from vibeam_models.scene import RigScene
 from vibeam_models.structure import Structure
 from vibeam_reductions.declaration import REDUCTIONS, ReductionDeclaration
+
+if TYPE_CHECKING:
+    from vibeam.system.impact_system import ImpactSystem
+    from vibeam_models.scene import RigScene
+    from vibeam_reductions.subspaces import Snapshots
 
 KEPT = 64  # reduced structures
 FEW = 8  # structures before their reduction, each for all of its fidelities
@@ -62,3 +73,39 @@ def static_at_contact(structure: Structure) -> float:
 @lru_cache(maxsize=FEW)
 def _kept_structure(scene: RigScene) -> Structure:
     return structure_of(scene)
+
+
+PERIODS = 50  # of a flight
+FLIGHTS = 8
+Flight = Callable[..., tuple[Array, Array]]  # (system, drive, periods) to displacements and velocities
+
+
+def with_snapshots(
+    scene: RigScene, parameters: Mapping[str, Any], full: Callable[[RigScene], ImpactSystem], flight: Flight
+) -> Mapping[str, Any]:
+    """Parameters of a reduction, with the ``snapshots`` of a flight in place of its frequency and periods.
+
+    ``full``: the scene's full model, which ``flight`` flies. ValueError on a platform, whose own motion is none of the
+    beam's modes.
+    """
+    if scene.platform is not None:
+        raise ValueError(
+            "pod: its flight is over a base that moves as prescribed, and this rig has a platform: "
+            'write reduction = "residual_flexibility"'
+        )
+    given = dict(parameters)
+    snapshots = _flown(scene, given.pop("frequency"), given.pop("periods", PERIODS), full, flight)
+    return given | {"snapshots": snapshots}
+
+
+@lru_cache(maxsize=FLIGHTS)
+def _flown(
+    scene: RigScene, frequency: float, periods: int, full: Callable[[RigScene], ImpactSystem], flight: Flight
+) -> Snapshots:
+    from vibeam.system.impact_system import Drive
+    from vibeam_models.base_motion import drive_amplitude
+    from vibeam_reductions.subspaces import Snapshots
+
+    omega = 2 * np.pi * frequency
+    amplitude = float(np.ravel(drive_amplitude(scene, np.array([omega])))[0])
+    return Snapshots(*flight(full(scene), Drive(omega, amplitude), periods))

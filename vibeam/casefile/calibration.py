@@ -10,7 +10,6 @@ from collections.abc import Iterator, Mapping
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-from vibeam.case.faults import Complaint, as_shown_in_message
 from vibeam.case.plans import FitKey, FitPlan
 from vibeam.casefile.fidelity_changes import field_at
 from vibeam.casefile.field_lists import OneOrSeveral, Several
@@ -21,6 +20,7 @@ from vibeam.casefile.tables.studies import FitTable
 from vibeam.casefile.tables.table import not_there
 from vibeam.casefile.uncertain import number_of, value_at
 from vibeam.casefile.validation import entry_of, units_of
+from vibeam.exchange.faults import Complaint, as_shown_in_message
 
 if TYPE_CHECKING:
     from vibeam.casefile.tables.cases import AnyCase

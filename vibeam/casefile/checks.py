@@ -13,7 +13,6 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from vibeam.case.faults import OVERRIDE, CaseError, Complaint, Fault, KeyPath, shortened
 from vibeam.casefile.calibration import absent_checks, chosen_checks, fit_checks, fit_in_si
 from vibeam.casefile.fidelity_changes import FidelityCase, variants
 from vibeam.casefile.kinds import KINDS
@@ -33,6 +32,7 @@ from vibeam.casefile.tables.table import name_checks
 from vibeam.casefile.uncertain import uncertain_checks, uncertain_in_si
 from vibeam.casefile.unit_systems import UNIT_SYSTEMS
 from vibeam.casefile.validation import complaints, declaration, read, readable_case
+from vibeam.exchange.faults import OVERRIDE, CaseError, Complaint, Fault, KeyPath, shortened
 
 
 def rig_checks(case: Any, folder: File) -> Iterator[Complaint]:

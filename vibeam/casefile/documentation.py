@@ -11,13 +11,13 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 from pydantic.json_schema import models_json_schema
 
-from vibeam.case.faults import as_shown_in_message, suggest, suggestion
 from vibeam.casefile.fields import Entry
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.tables.cases import beam_case
 from vibeam.casefile.tables.table import NOTES
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.casefile.validation import entry_of, fields_of, is_repeated, table_of
+from vibeam.exchange.faults import as_shown_in_message, suggest, suggestion
 
 _WITH = re.compile(r" with \[\w+\]$")  # what marks a table in the reference that is another beside [sdof], say
 

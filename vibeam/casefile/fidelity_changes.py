@@ -13,7 +13,6 @@ from typing import Any
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam.casefile.field_tables import flat
 from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.toml import key_parts
@@ -29,6 +28,7 @@ from vibeam.casefile.validation import (
     table_of,
     units_of,
 )
+from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
 
 OWN = ("set", "without")
 Validate = Callable[[dict[str, Any]], tuple[Any, list[Complaint]]]

@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
-from vibeam.case.faults import as_shown_in_message
 from vibeam.casefile.fields import Entry, EntryInUnits, Quantity, Word
 from vibeam.casefile.unit_systems import SI, UnitSystem
+from vibeam.exchange.faults import as_shown_in_message
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,12 @@ from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 from pydantic_core.core_schema import ValidationInfo
 
-from vibeam.case.faults import as_shown_in_message
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import Entry, EntryInUnits
 from vibeam.casefile.toml import key_parts
 from vibeam.casefile.toml_writing import name_of
 from vibeam.casefile.unit_systems import UnitSystem
+from vibeam.exchange.faults import as_shown_in_message
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from vibeam.case.faults import OVERRIDE, CaseError, Complaint, Fault
-from vibeam.case.model import Model
+from vibeam.case.fidelity import Model
 from vibeam.casefile.checks import rig_checks
 from vibeam.casefile.fidelity_changes import field_at
 from vibeam.casefile.field_lists import OneOrSeveral, Several
@@ -24,6 +23,7 @@ from vibeam.casefile.uncertain import value_at
 from vibeam.casefile.unit_systems import SI
 from vibeam.casefile.validation import SHARED, complaints, entry_of, fields_of, physics_keys
 from vibeam.casefile.validation import read as read_tables
+from vibeam.exchange.faults import OVERRIDE, CaseError, Complaint, Fault
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
 
-from vibeam.case.faults import Complaint, KeyPath
+from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.registry import Registry, loaded
 
 if TYPE_CHECKING:

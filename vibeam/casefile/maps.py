@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message
 from vibeam.case.grid_keys import DISPLACEMENT, FREQUENCY, STARTS, axis_faults
 from vibeam.case.plans import AxisPlan, MapPlan, SweepPlan
 from vibeam.casefile import quantities as units
@@ -30,6 +29,7 @@ from vibeam.casefile.tables.maps import (
 from vibeam.casefile.tables.table import MOST_ELEMENTS, Frequency, named_fidelity
 from vibeam.casefile.unit_systems import SI, UnitSystem
 from vibeam.casefile.validation import SHARED, entry_of, physics_keys, units_of
+from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message
 
 if TYPE_CHECKING:
     from vibeam.casefile.tables.cases import AnyCase

@@ -12,11 +12,11 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.case.faults import Complaint
 from vibeam.casefile.coordinates import Coordinates
 from vibeam.casefile.matrix_faults import damping_faults, entry_faults, mass_faults, stiffness_faults
 from vibeam.casefile.row_fields import file_name
 from vibeam.casefile.unit_systems import UNIT_SYSTEMS, UnitSystem
+from vibeam.exchange.faults import Complaint
 from vibeam.exchange.files import FormatError, digest_of
 from vibeam.exchange.matrices.declaration import read_matrix
 from vibeam.exchange.matrices.entries import FileMatrix, Label, in_labels

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.case.faults import Complaint
 from vibeam.casefile.coordinates import SHOWN
 from vibeam.casefile.row_fields import DIRECTIONS, file_name
+from vibeam.exchange.faults import Complaint
 from vibeam.exchange.files import FormatError, digest_of
 from vibeam.exchange.uff import FileModes, read_modes
 from vibeam_models.arrays import Array

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.case.faults import KeyPath, as_shown_in_message
 from vibeam.casefile.tables.cases import beam_case
 from vibeam.casefile.toml import LONG_KEY, TOO_DEEP, key_parts, too_deep
 from vibeam.casefile.validation import lists_of
+from vibeam.exchange.faults import KeyPath, as_shown_in_message
 
 _INDEX = re.compile("[0-9]{1,9}")
 

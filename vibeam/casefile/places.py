@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from vibeam.case.faults import OVERRIDE, Complaint, Fault, KeyPath, shortened
 from vibeam.casefile.toml_writing import name_of
+from vibeam.exchange.faults import OVERRIDE, Complaint, Fault, KeyPath, shortened
 
 MAP = "map"
 

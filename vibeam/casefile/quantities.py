@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from decimal import Decimal, DecimalException
 from typing import Any
 
-from vibeam.case.faults import as_shown_in_message, suggest
-from vibeam.case.units import unit_size
 from vibeam.casefile.unit_systems import SI, UnitSystem
+from vibeam.exchange.faults import as_shown_in_message, suggest
+from vibeam.exchange.units import unit_size
 
 
 @dataclass(frozen=True)

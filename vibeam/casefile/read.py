@@ -9,7 +9,6 @@ from pathlib import Path as File
 from typing import Any
 
 from vibeam.case.case import Case
-from vibeam.case.faults import CaseError, Fault, KeyPath
 from vibeam.case.plans import CostPlan, FigurePlan, InfluencePlan
 from vibeam.casefile.build import (
     _accuracy,
@@ -33,6 +32,7 @@ from vibeam.casefile.tables.sweep import fidelity_of
 from vibeam.casefile.tables.table import content, digest, toml_text
 from vibeam.casefile.toml import parsed
 from vibeam.casefile.uncertain import uncertain_inputs
+from vibeam.exchange.faults import CaseError, Fault, KeyPath
 
 
 def load(path: str | PathLike[str] | Mapping[str, Any], set: Mapping[str, Any] | None = None) -> Case:

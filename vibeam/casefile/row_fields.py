@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from vibeam.case.faults import as_shown_in_message, suggest
 from vibeam.casefile.fields import Entry
+from vibeam.exchange.faults import as_shown_in_message, suggest
 from vibeam_models.arguments import real
 
 DIRECTIONS = {"x": 1, "y": 2, "z": 3, "rx": 4, "ry": 5, "rz": 6}

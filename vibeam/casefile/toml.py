@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path as File
 from typing import Any
 
-from vibeam.case.faults import CaseError, Fault, KeyPath
+from vibeam.exchange.faults import CaseError, Fault, KeyPath
 
 _BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
 _KEY = re.compile(r"""(?:[ \t]*(?:[A-Za-z0-9_-]+|"(?:[^"\\\n]|\\.)*"|'[^'\n]*')[ \t]*\.?)+""")

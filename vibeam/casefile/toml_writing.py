@@ -7,8 +7,8 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
-from vibeam.case.faults import KeyPath
 from vibeam.casefile.toml import key_parts, value_spans
+from vibeam.exchange.faults import KeyPath
 
 
 def with_values(text: str, values: Mapping[str, str]) -> str:

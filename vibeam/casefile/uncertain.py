@@ -6,7 +6,6 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from vibeam.case.faults import Complaint, as_shown_in_message
 from vibeam.case.plans import Uncertain
 from vibeam.casefile.fidelity_changes import field_at
 from vibeam.casefile.field_lists import OneOrSeveral, Several
@@ -15,6 +14,7 @@ from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import RATIO, to_si, with_unit
 from vibeam.casefile.toml import key_parts
 from vibeam.casefile.validation import entry_of, units_of
+from vibeam.exchange.faults import Complaint, as_shown_in_message
 
 if TYPE_CHECKING:
     from types import SimpleNamespace

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 
-from vibeam.case.units import LENGTH, MASS, TIME
+from vibeam.exchange.units import LENGTH, MASS, TIME
 
 
 @dataclass(frozen=True)

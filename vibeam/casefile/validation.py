@@ -9,7 +9,6 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from vibeam.case.faults import KNOWN, Complaint, KeyPath, as_shown_in_message, suggest, suggestion
 from vibeam.casefile.field_tables import TableOr
 from vibeam.casefile.fields import Entry
 from vibeam.casefile.kinds import KINDS, kind_of
@@ -18,6 +17,7 @@ from vibeam.casefile.tables.effects import EffectTable
 from vibeam.casefile.tables.table import CALLED, note
 from vibeam.casefile.toml_writing import name_of, to_fill_in, to_toml
 from vibeam.casefile.unit_systems import SI, UNIT_SYSTEMS, UnitSystem
+from vibeam.exchange.faults import KNOWN, Complaint, KeyPath, as_shown_in_message, suggest, suggestion
 from vibeam_models.effects import tables as effect_tables
 
 

@@ -63,7 +63,7 @@ def mistakes() -> Iterator[None]:
     """Context that turns a user's mistakes into a message on stderr and an exit code; a defect keeps its traceback."""
     if short := refusal():
         _stop(short, WRONG)
-    from vibeam.case.faults import CaseError
+    from vibeam.exchange.faults import CaseError
     from vibeam.flight.engine.loading import KernelsUnavailable
     from vibeam.runs.store.errors import StoreError
 
@@ -90,7 +90,7 @@ def mistakes() -> Iterator[None]:
 
 def of_case(case: Path, make: Callable[[], Made]) -> Made:
     """Call ``make``; turn its refusal of the case (for example one without a beam) into a usage error."""
-    from vibeam.case.faults import CaseError
+    from vibeam.exchange.faults import CaseError
 
     try:
         return make()

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from typing import NoReturn
 from unicodedata import normalize
 
-from vibeam.case.faults import printable
+from vibeam.exchange.faults import printable
 from vibeam.exchange.whole_files import naming_stdout
 
 WRONG, STOPPED = 2, 130

@@ -53,6 +53,15 @@ def state_of(path: Path, largest: int = LARGEST) -> State:
     return found.st_mtime_ns, found.st_size
 
 
+def file_fault(path: Path) -> str | None:
+    """Reason why a path cannot be read as text or a measured curve, or None; it is not opened."""
+    try:
+        state_of(path, LARGEST_TEXT)
+    except FormatError as fault:
+        return fault.message
+    return None
+
+
 def require_room(shape: Sequence[int], itemsize: int = 8) -> None:
     """FormatError for an array that is too large to be read, before it is."""
     shown = " × ".join(map(str, shape)) or "1"

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import EngFormatter
 
-from vibeam.case.faults import suggest
+from vibeam.exchange.faults import suggest
 from vibeam.figures.panels import mark_failed
 from vibeam.figures.style import COLOURS, DOT, KEY, LINES, Look, line, shade
 from vibeam.observe.branches import BranchPiece, MotionClass, pieces

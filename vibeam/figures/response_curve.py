@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from vibeam.case.case import quantity_of
-from vibeam.case.reference_curves import reference_points
 from vibeam.figures.page import PAGE, blank_page, legend, plain, titled, write_page
 from vibeam.figures.panels import is_empty, say, start_upward
 from vibeam.figures.response import ALONE, draw_branch
@@ -178,7 +177,7 @@ class _Panel:
     def _references(self) -> None:
         for reference in self.result.case.references.values():
             if reference.fidelity == self.name and reference.quantity == "amplitude":
-                points = [(point.frequency, point.value) for point in reference_points(reference)]
+                points = [(point.frequency, point.value) for point in reference.points()]
                 frequency, value = np.array(points, dtype=float).reshape(-1, 2).T  # None becomes NaN: not drawn
                 self.drawn.add("reference")
                 every = ceil(len(points) / REFERENCES_SHOWN)  # too many marks would hide the curve

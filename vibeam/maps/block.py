@@ -18,7 +18,7 @@ from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.batches.response import BatchResponse
-    from vibeam.case.model import Model
+    from vibeam.case.fidelity import Model
 
 
 Values = dict[str, NDArray[Any]]

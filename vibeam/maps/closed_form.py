@@ -23,7 +23,7 @@ from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.case.model import Model
+    from vibeam.case.fidelity import Model
     from vibeam.case.plans import MapPlan
 
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.case.faults import CaseError, Fault
 from vibeam.case.grid_keys import FREQUENCY, STARTS, axis_faults
+from vibeam.exchange.faults import CaseError, Fault
 from vibeam.maps.axes import Axis, shape_of
 from vibeam.maps.block import QUANTITIES, Block, Grid, Values, Way, evaluate_block
 from vibeam.maps.points import Starts
@@ -18,7 +18,7 @@ from vibeam_models.arguments import floats
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.case.model import Model
+    from vibeam.case.fidelity import Model
 
 Run = Literal["up", "down", "both", "apart"]
 WAYS: Mapping[Run, tuple[Way, ...]] = {"up": ("up",), "down": ("down",), "both": ("up", "down"), "apart": ()}

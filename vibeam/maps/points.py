@@ -15,7 +15,7 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
-    from vibeam.case.model import Model
+    from vibeam.case.fidelity import Model
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.reference_curves import RECORDED
-from vibeam.case.reference_record import COLUMNS, QUANTITIES
+from vibeam.exchange.curves.record import COLUMNS, QUANTITIES
+from vibeam.exchange.curves.reference import RECORDED
 from vibeam.runs.store.provenance import provenance
 from vibeam.system.response import complete
 

@@ -12,7 +12,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from vibeam.case.reference_curves import reference_points
 from vibeam.figures.page import blank_page, legend, plain, titled, write_page
 from vibeam.figures.panels import from_zero
 from vibeam.figures.style import COLOURS, shade
@@ -64,7 +63,7 @@ def _panel(
 ) -> None:
     branches, units = of
     factor, unit = _unit(reference, units)
-    matches = list(matched(reference, reference_points(reference), branches))
+    matches = list(matched(reference, reference.points(), branches))
     for direction, _ in branches.items():
         look: dict[str, Any] = {"color": shade(COLOURS[0], direction), "linewidth": 1.2 if direction == "up" else 2.4}
         drawn[f"model, {direction}"] = Line2D([], [], **look)

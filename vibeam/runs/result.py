@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vibeam.case.case import units_of_output
-from vibeam.case.faults import suggest
 from vibeam.case.held import held_of
+from vibeam.exchange.faults import suggest
 from vibeam.runs.comparison.differences import both_peaks
 from vibeam.runs.overview import Overview, overview_of
 from vibeam.system.public_names import handed_in

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.faults import CaseError, Fault
+from vibeam.exchange.faults import CaseError, Fault
 from vibeam.runs.first_modes import closed_frequency, gap_at_rest, open_frequencies
 
 if TYPE_CHECKING:

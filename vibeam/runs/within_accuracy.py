@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.faults import CaseError
 from vibeam.case.fidelity import gap_drift, gap_wear
+from vibeam.exchange.faults import CaseError
 from vibeam.runs.accuracy.study import AccuracyChoice, study
 from vibeam.runs.store.accuracy import HOME
 from vibeam.runs.store.branch import Branch

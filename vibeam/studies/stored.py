@@ -6,7 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from vibeam.case.faults import CaseError, Fault
+from vibeam.exchange.faults import CaseError, Fault
 from vibeam.runs.store.errors import StoreError
 from vibeam.runs.stored_result import StoredResult, read_result
 

@@ -10,7 +10,6 @@ from stand_in import SI
 
 import vibeam
 from vibeam.case.case import Case
-from vibeam.case.reference_curves import reference_points
 from vibeam.studies.regression import expectations as expect
 from vibeam.studies.regression.measured import compare
 from vibeam.studies.regression.references import check
@@ -31,7 +30,7 @@ def shortened(file: Path, **more: object) -> Case:
     if not case.references:
         return expecting(case, **more)
     first = next(iter(case.references.values()))
-    there = sorted({p.frequency for p in reference_points(first) if p.value is not None})
+    there = sorted({p.frequency for p in first.points() if p.value is not None})
     count = 5 if file.stem in JUMPING else 3
     few = [there[round(i)] for i in np.linspace(0, len(there) - 1, count)]
     return vibeam.load(file, set=SI | {"sweep.frequency": few} | more)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from tests.vibeam.casefile.test_case_faults import RIG as TEXT
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 from vibeam.figures.kinds import modal
 from vibeam.runs.run import run
 from vibeam.studies.derive import derive

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 from vibeam_models.beam import assemble
 from vibeam_models.beams.beam import Support
 from vibeam_models.beams.shapes import SHAPES, Rectangle, Round, Tube

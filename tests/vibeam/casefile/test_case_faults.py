@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from stand_in import one_mode
 
 import vibeam
-from vibeam.case.faults import CaseError, Fault, printable
 from vibeam.casefile.read import parse
 from vibeam.casefile.rigs import RIGS
 from vibeam.casefile.template import template
 from vibeam.casefile.toml_writing import to_toml
+from vibeam.exchange.faults import CaseError, Fault, printable
 from vibeam.solvers import SOLVERS as DECLARED
 from vibeam_reductions.declaration import REDUCTIONS
 

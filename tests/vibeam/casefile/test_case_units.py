@@ -2,8 +2,8 @@
 
 import pytest
 
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 
 WITH_UNITS = """
 [beam]

@@ -8,10 +8,10 @@ from typing import Any
 
 import pytest
 
-from vibeam.case.faults import CaseError
 from vibeam.casefile.calibration import keys_chosen
 from vibeam.casefile.read import parse
 from vibeam.casefile.uncertain import value_at
+from vibeam.exchange.faults import CaseError
 
 CASES = Path(__file__).parents[3] / "cases"
 RIG = """[beam]

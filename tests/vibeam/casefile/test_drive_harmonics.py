@@ -12,8 +12,8 @@ import pytest
 from stand_in import RIG, one_mode
 
 import vibeam
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 
 TEXT = RIG.read_text(encoding="utf-8").split("[fidelity")[0] + '[fidelity.beam]\nreduction = "modal"\nmodes = 2\n'
 HARMONICS = {

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from tests.vibeam.casefile.test_beam_keys import PLAIN
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 from vibeam.studies.derive import derive
 from vibeam.studies.influence.subsets import subsets
 from vibeam_models.beam import assemble

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.case.faults import CaseError
 from vibeam.casefile.rigs import FRAME_FILES
+from vibeam.exchange.faults import CaseError
 
 MODES = """\
 [modes]

@@ -12,8 +12,8 @@ from observed import NEUTRAL
 
 import vibeam
 from vibeam.case.case import Case
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 
 COUNTING = {
     "static_shapes": {"modes": 3},

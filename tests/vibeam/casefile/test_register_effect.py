@@ -12,9 +12,9 @@ from test_stop_keys import RIG
 from typer.testing import CliRunner
 
 import vibeam
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
+from vibeam.exchange.faults import CaseError
 from vibeam.studies.influence.study import influence
 from vibeam_models.beam import assemble_with_space
 from vibeam_models.effects import EFFECTS

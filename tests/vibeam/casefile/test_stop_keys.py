@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution, ViscousRestitution
 

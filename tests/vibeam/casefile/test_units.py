@@ -1,8 +1,6 @@
 """Quantities: what they are in SI, and what is said of those that are none."""
 
 import math
-import subprocess
-import sys
 from contextlib import suppress
 from decimal import Decimal
 
@@ -12,6 +10,7 @@ from hypothesis import strategies as st
 
 from vibeam.casefile import quantities as units
 from vibeam.casefile.quantities import UnitError, to_si
+from vibeam.exchange.units import unit_size
 
 
 @pytest.mark.parametrize(
@@ -126,10 +125,23 @@ def test_anything_like_a_unit_is_a_finite_number_or_a_unit_error(text):
     test_any_text_is_a_finite_number_or_a_unit_error.hypothesis.inner_test(text)
 
 
-def test_pint_is_loaded_for_uncommon_units_alone():
-    code = (
-        "import sys; from vibeam.casefile import quantities as units; "
-        "units.to_si(1.0, units.LENGTH); units.to_si('1 mm', units.LENGTH);"
-        "assert 'pint' not in sys.modules; units.to_si('1 in', units.LENGTH); assert 'pint' in sys.modules"
-    )
-    subprocess.run([sys.executable, "-c", code], check=True, env={"PYTHONPATH": ":".join(sys.path)})
+def test_units_are_what_their_definitions_say():
+    """SI brochure, 9th ed., tables 4, 7 and 8; inch of 1959; an angle is a dimension, so that Hz is a turn a second."""
+    turn = Decimal("6.283185307179586476925286766559")
+    for unit, factor, same in (
+        ("N", 1, "kg m/s^2"), ("Pa", 1, "N/m²"), ("GPa", 10**9, "newton / meter ** 2"), ("N/mm", 1000, "N m^-1"),
+        ("A", 1, "N m/s/V"), ("ohm", 1, "V/A"), ("mH", Decimal("1e-3"), "ohm s"), ("t", 1000, "kilograms"),
+        ("Hz", turn, "rad/s"), ("rpm", 1, "rev/min"), ("deg", 1 / Decimal(360), "turn"), ("min", 60, "s"),
+        ("in", Decimal("25.4"), "mm"), ("µm", Decimal("1e-4"), "cm"), ("um", 1, "micrometre"), ("Mm", 10**15, "nm"),
+        ("g/cm^3", 1000, "kg/m^3"),
+        ("mm^4", Decimal("1e-12"), "m·m·m*m"), ("1/s^2", 1, "1 / s s^-1 s^2 / s ** 3 * s"),
+        ("%", Decimal("0.01"), "m/m"), ("meters", 1, "m"), ("1/V", 1, "volt⁻¹"),
+    ):  # fmt: skip
+        (size, dimension), (other, of) = unit_size(unit), unit_size(same)
+        assert dimension == of, unit
+        assert size == pytest.approx(factor * other, rel=Decimal("1e-26")), unit
+
+
+def test_anything_else_is_no_unit():
+    wrong = ["", "1", "1/", "m//s", "parsec", "m^0", "m^", "m^12", "m s ", " m", "2/m", "m2", "1m", "Ns", "cc", "kkg"]
+    assert [unit for unit in wrong if unit_size(unit) is not None] == []

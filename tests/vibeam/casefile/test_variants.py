@@ -12,8 +12,8 @@ from stand_in import one_mode
 
 import vibeam
 from vibeam.case.case import Case
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 from vibeam_models.effects.added_mass import AddedMass
 from vibeam_models.scene import Scene
 from vibeam_models.sdof import SdofScene

@@ -11,8 +11,8 @@ import pytest
 from stand_in import SDOF
 from typer.testing import CliRunner
 
-from vibeam.case.reference_curves import read_curve
 from vibeam.cli.main import app
+from vibeam.exchange.curves.reference import read_curve
 
 TABLE = '[reference.sdof_before]\nfile = "references/rig_sdof.csv"\nfidelity = "sdof"\nquantity = "amplitude"\n'
 

@@ -17,9 +17,9 @@ from stand_in import curve, one_mode, plain, system
 
 import vibeam
 from vibeam.case.case import Case
-from vibeam.case.faults import CaseError
 from vibeam.case.plans import FigurePlan
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 from vibeam.figures import RINGING, SHARES, page
 from vibeam.figures.lettering import crowded_axes, thin_out
 from vibeam.figures.panels import decades, from_zero

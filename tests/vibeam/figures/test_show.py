@@ -12,8 +12,8 @@ from stand_in import one_mode
 
 import vibeam
 from vibeam.case.case import Case
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 from vibeam.figures import FIGURES
 from vibeam.figures.kinds.boundaries import limits
 from vibeam.report.figures import figure, write_shown

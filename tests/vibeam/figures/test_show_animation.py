@@ -15,9 +15,9 @@ from typer.testing import CliRunner
 
 import vibeam
 from vibeam.case.beam_field import field_system, fields
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
+from vibeam.exchange.faults import CaseError
 from vibeam.figures.moving import pictures
 from vibeam.figures.sheet import Sheet
 from vibeam.report.figures import _composed, write_shown

@@ -8,8 +8,8 @@ from figures import SDOF, beam, forced, free
 from stand_in import SI
 
 import vibeam
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 from vibeam.figures import FIGURES, READ
 from vibeam.figures.sheet import module_of
 from vibeam.solvers import SOLVERS

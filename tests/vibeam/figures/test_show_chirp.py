@@ -13,8 +13,8 @@ from scipy.integrate import solve_ivp
 from stand_in import SI
 
 import vibeam
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 from vibeam.figures.sheet import Sheet
 from vibeam.report.figures import figure
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 from vibeam.figures.sheet import Sheet
 from vibeam.observe.decay import highest_line
 from vibeam.report.figures import figure

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import without_accuracy
+from vibeam.exchange.faults import CaseError
 from vibeam.flight.kernels import layout
 from vibeam.flight.solver import FlightSolver
 from vibeam.periodic.states import carried

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from stand_in import SDOF, case, curve
 
-from vibeam.case.faults import CaseError, printable
 from vibeam.case.fidelity import restitutions
 from vibeam.case.plans import Reference
-from vibeam.case.reference_curves import read_reference, reference_points
 from vibeam.casefile.read import load, parse
+from vibeam.exchange.curves.reference import read_curve
+from vibeam.exchange.faults import CaseError, printable
 from vibeam.runs.result import Result
 from vibeam.runs.summary import compare
 from vibeam.studies.regression.references import CheckRow, check
@@ -223,7 +223,7 @@ def test_a_reference_that_cannot_be_read_says_so(tmp_path: Path) -> None:
     }.items():
         path = tmp_path / name
         with pytest.raises(CaseError) as caught:
-            read_reference(path, "amplitude")
+            read_curve(path, "amplitude").along(("up", "down"))
         assert str(caught.value) == printable(f"{path}{message}")
 
 
@@ -231,7 +231,7 @@ def test_a_reference_that_cannot_be_read_says_so(tmp_path: Path) -> None:
 def test_a_reference_without_a_heading_is_one_fault(tmp_path: Path, text: str) -> None:
     (tmp_path / "a.csv").write_text(text, encoding="utf-8")
     with pytest.raises(CaseError) as caught:
-        read_reference(tmp_path / "a.csv", "reach")
+        read_curve(tmp_path / "a.csv", "reach").along(("up", "down"))
     assert len(caught.value.faults) == 1
     assert "does not begin with the names of its columns: write frequency_hz,direction,reach" in str(caught.value)
 
@@ -239,7 +239,7 @@ def test_a_reference_without_a_heading_is_one_fault(tmp_path: Path, text: str) -
 def test_a_table_of_a_spreadsheet_is_read(tmp_path: Path) -> None:
     text = 'frequency_hz, "direction", amplitude\n"14", "up", 1e-3\n'
     (tmp_path / "a.csv").write_text(text.replace(", ", ","), encoding="utf-8-sig", newline="\r\n")
-    (point,) = read_reference(tmp_path / "a.csv", "amplitude")
+    (point,) = read_curve(tmp_path / "a.csv", "amplitude").along(("up", "down"))
     assert (point.frequency, point.direction, point.value) == (14.0, "up", 1e-3)
 
 
@@ -249,7 +249,7 @@ def test_a_reference_is_named_by_its_shorter_path(tmp_path: Path, monkeypatch: p
     for folder, name in ((tmp_path, "a.csv"), (tmp_path / "rig", "../a.csv"), (Path("/"), str(tmp_path / "a.csv")[1:])):
         monkeypatch.chdir(folder)
         with pytest.raises(CaseError) as caught:
-            read_reference(tmp_path / "a.csv", "amplitude")
+            read_curve(tmp_path / "a.csv", "amplitude").along(("up", "down"))
         assert str(caught.value).startswith(f"{name}:3: ")
 
 
@@ -260,16 +260,16 @@ def test_what_a_file_outside_the_case_s_folder_holds_is_not_shown(tmp_path: Path
     table = '[reference.exact]\nfile = "../a.csv"\nfidelity = "sdof"\nquantity = "amplitude"\ntolerance = 1\n'
     reference = parse(SDOF + table, tmp_path / "rig" / "case.toml").references["exact"]
     with pytest.raises(CaseError, match=r"a\.csv:[13]: ") as caught:
-        reference_points(reference)
+        reference.points()
     assert "secret" not in str(caught.value)
     with pytest.raises(CaseError, match="secret" if "," in text else "names of its columns"):
-        reference_points(replace(reference, quote=True))
+        replace(reference, quote=True).points()
 
 
 def test_every_reference_in_the_repository_can_be_read() -> None:
     folder = Path(__file__).parents[3] / "cases" / "references"
     for path in sorted(folder.glob("*.csv")):
-        assert read_reference(path, "amplitude")
+        assert read_curve(path, "amplitude").along(("up", "down"))
 
 
 def test_restitutions_of_the_contact_and_of_mode_1() -> None:

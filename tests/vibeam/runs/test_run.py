@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from stand_in import SDOF, Solver, case, same, system
 
-from vibeam.case.faults import CaseError, Fault
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError, Fault
 from vibeam.flight.engine.threads import Stopped
 from vibeam.runs import fidelity_sweep
 from vibeam.runs.parallel import run_parallel

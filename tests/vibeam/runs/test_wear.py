@@ -11,8 +11,8 @@ import pytest
 from stand_in import one_mode
 
 import vibeam
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 from vibeam.system.response import Branches, FrequencyResponse
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import PlasticRestitution, TableRestitution

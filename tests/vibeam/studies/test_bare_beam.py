@@ -13,10 +13,10 @@ from typer.testing import CliRunner
 
 import vibeam
 from vibeam.case.case import Case
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
 from vibeam.casefile.template import template
 from vibeam.cli.main import app
+from vibeam.exchange.faults import CaseError
 from vibeam.report.tables import modal
 from vibeam.runs.result import Result
 from vibeam.runs.summary import ill_posed, remarks

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from stand_in import curve, one_mode
 
-from vibeam.case.faults import CaseError
 from vibeam.case.plans import Expectation
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 from vibeam.runs.result import Result
 from vibeam.studies.regression.expectations import check
 from vibeam.studies.regression.references import CheckRow

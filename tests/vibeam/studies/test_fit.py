@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.case.reference_record import ReferenceCurve
+from vibeam.exchange.curves.record import ReferenceCurve
 from vibeam.studies.fit.estimate import settled
 from vibeam.studies.fit.problem import Problem
 from vibeam.studies.fit.profile import LEVEL, misfit_at, profile

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.case.reference_record import ReferenceCurve
 from vibeam.casefile.read import parse
+from vibeam.exchange.curves.record import ReferenceCurve
 from vibeam.studies.fit.estimate import best, settled
 from vibeam.studies.fit.forward import Forward
 from vibeam.studies.fit.problem import NO_CONTACT, Problem

@@ -20,10 +20,10 @@ from stand_in import HELD_AT_CONTACT, RIG, SDOF, point, same
 from typer.testing import CliRunner
 
 import vibeam
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
 from vibeam.casefile.tables.table import key, table
 from vibeam.cli.main import app
+from vibeam.exchange.faults import CaseError
 from vibeam.report.influence import bars, left_alone, lines, sentences, taken_away, verdict
 from vibeam.report.tables import print_table
 from vibeam.studies.influence.curve import Curve, Step, ends, refined_peak, swept

@@ -12,8 +12,8 @@ import pytest
 from rich.console import Console
 from stand_in import curve, one_mode
 
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 from vibeam.report.measured import measurements
 from vibeam.report.output import to_json
 from vibeam.runs.result import Result

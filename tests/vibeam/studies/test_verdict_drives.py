@@ -10,8 +10,8 @@ from stand_in import RIG, one_mode
 
 import vibeam
 from vibeam.case.case import Case
-from vibeam.case.faults import CaseError
 from vibeam.casefile.read import parse
+from vibeam.exchange.faults import CaseError
 from vibeam.studies.verdict.axes import second_axis
 from vibeam.studies.verdict.boundaries import exact_boundaries
 from vibeam.studies.verdict.planes import plane_of

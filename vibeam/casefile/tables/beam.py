@@ -7,7 +7,6 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import POSITIVE, Count, Quantity, Range, Word
@@ -17,6 +16,7 @@ from vibeam.casefile.tables.held_places import held_checks
 from vibeam.casefile.tables.outputs import output_checks
 from vibeam.casefile.tables.table import MOST_ELEMENTS, Length, Place, Ratio, Table, declared_key, key, table
 from vibeam.casefile.toml_writing import to_fill_in
+from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.beams.shapes import SHAPES, unsuited
 from vibeam_models.keys import defaults_of, keys_of
 

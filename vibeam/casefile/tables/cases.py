@@ -8,7 +8,6 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Each
 from vibeam.casefile.field_tables import Settings
@@ -26,6 +25,7 @@ from vibeam.casefile.tables.studies import CostTable, FitTable, InfluenceTable
 from vibeam.casefile.tables.sweep import FidelityTable, SdofFidelityTable, SdofSweepTable, SweepTable
 from vibeam.casefile.tables.table import ACCURATE, Ratio, Table, Within, key, table
 from vibeam.casefile.unit_systems import UNIT_SYSTEMS
+from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.effects import EFFECTS
 from vibeam_models.laws import LAWS
 from vibeam_models.registry import Home

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from vibeam.case.faults import Complaint
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import OneOrSeveral, Several
 from vibeam.casefile.fields import NOT_NEGATIVE, POSITIVE, Quantity
 from vibeam.casefile.tables.harmonics import ORDERS, PHASES, SHARES, Orders, Phases, Shares
 from vibeam.casefile.tables.table import Frequency, Place, Ratio, Table, key
+from vibeam.exchange.faults import Complaint
 
 MOTIONS = ("amplitude", "velocity", "acceleration")  # of the base
 LOADS = ("force", "moment")

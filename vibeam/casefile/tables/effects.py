@@ -12,8 +12,8 @@ from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, TypeAdap
 from pydantic_core import CoreSchema, core_schema
 from pydantic_core.core_schema import ValidationInfo
 
-from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile.tables.table import Table, declared_key, table
+from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.effects import EFFECTS, keys_in, tables
 from vibeam_models.keys import defaults_of, keys_of
 from vibeam_models.registry import Home

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, shortened, suggest
 from vibeam.case.plans import Direction, Measured
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import ANY, POSITIVE, Quantity, Text, Word
@@ -23,6 +22,7 @@ from vibeam.casefile.tables.table import (
     key,
     named_fidelity,
 )
+from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, shortened, suggest
 from vibeam.figures import FIGURES, LIMITS, OF_OUTPUT, READ
 
 

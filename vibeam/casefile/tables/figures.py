@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Annotated
 
-from vibeam.case.faults import Complaint, KeyPath
 from vibeam.case.plans import FigurePlan
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Each, Names, Several
@@ -26,6 +25,7 @@ from vibeam.casefile.tables.table import (
     key,
     named_fidelity,
 )
+from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.figures import FIGURES, KEYS, LIMITS, OF_OUTPUT
 from vibeam.figures.declaration import FigureKind
 from vibeam.observe.measuring_chain import FAMILIES, HIGHEST_ORDER

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam.casefile.fields import Text
 from vibeam.casefile.tables.drive import MOTIONS, DriveTable, drive_checks, list_checks
 from vibeam.casefile.tables.effects import effect_checks, platform_output
@@ -14,6 +13,7 @@ from vibeam.casefile.tables.figures import ShowTable
 from vibeam.casefile.tables.stop import stop_table
 from vibeam.casefile.tables.sweep import SweepTable
 from vibeam.casefile.tables.table import NAME, Table, key, less
+from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
 
 OWN = ("sensor", "contact", "platform")  # outputs that no row of one's own is called
 OF_BEAM = ("gain", "moment", "at")  # keys of a beam's drive

@@ -7,7 +7,7 @@ from itertools import combinations, pairwise
 from types import SimpleNamespace
 from typing import Any
 
-from vibeam.case.faults import Complaint, KeyPath
+from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.beams.beam import CANTILEVER, ENDS
 
 SAME = 1e-6  # share of the length within which two places are one

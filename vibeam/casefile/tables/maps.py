@@ -9,13 +9,13 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message
 from vibeam.case.grid_keys import STARTS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Each, Names
 from vibeam.casefile.fields import POSITIVE, Count, Entry, Flag, Quantity, Text, Word
 from vibeam.casefile.tables.outputs import OutputName
 from vibeam.casefile.tables.table import MOST_POINTS, Frequency, Periods, Table, key
+from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message
 
 RUNS = ("up", "down", "both", "apart")
 

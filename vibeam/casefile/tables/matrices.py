@@ -7,7 +7,6 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import POSITIVE, Quantity, Word
 from vibeam.casefile.quantities import MASS
@@ -17,6 +16,7 @@ from vibeam.casefile.tables.given import given_output, given_rules
 from vibeam.casefile.tables.table import Ratio, Table, key
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.casefile.unit_systems import UNIT_SYSTEMS
+from vibeam.exchange.faults import Complaint, KeyPath
 
 _SYSTEMS = " or ".join(map(to_toml, UNIT_SYSTEMS))
 FULL = 3000  # coordinates up to which all modes can be had

@@ -7,13 +7,13 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import POSITIVE, Quantity, Text
 from vibeam.casefile.quantities import MASS
 from vibeam.casefile.row_fields import Shape, Shapes
 from vibeam.casefile.tables.given import given_output, given_rules
 from vibeam.casefile.tables.table import Frequency, Ratio, Table, key
+from vibeam.exchange.faults import Complaint, KeyPath
 
 
 def modes_rules(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:

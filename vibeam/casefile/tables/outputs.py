@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggestion
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import NOT_NEGATIVE, Flag, Quantity, Text, Word
 from vibeam.casefile.tables.effects import platform_output
 from vibeam.casefile.tables.table import NAME, OUTPUTS, Table, key
+from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggestion
 from vibeam.figures import OF_OUTPUT
 from vibeam.figures.declaration import FigureKind
 from vibeam.solvers import SOLVERS

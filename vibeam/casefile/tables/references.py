@@ -8,10 +8,7 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated, Any, cast
 
-from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam.case.plans import Direction, Reference
-from vibeam.case.reference_files import ROLES, ReferenceForm, file_fault, known_unit
-from vibeam.case.reference_record import QUANTITIES as OF_CURVES
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import ANY, NUMBER_WITH_UNIT, POSITIVE, Entry, Flag, Quantity, Text, Word
@@ -19,6 +16,10 @@ from vibeam.casefile.quantities import RATIO
 from vibeam.casefile.tables.expectations import swept_checks
 from vibeam.casefile.tables.readings import Amount, AmountEntry, si_unit
 from vibeam.casefile.tables.table import DIRECTIONS, QUANTITIES, Frequency, Table, key, named_fidelity
+from vibeam.exchange.curves.record import QUANTITIES as OF_CURVES
+from vibeam.exchange.curves.record import ROLES, ReferenceForm, known_unit
+from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
+from vibeam.exchange.files import file_fault
 
 NAMES = (ROLES[0], *OF_CURVES, *ROLES[1:])
 

@@ -9,7 +9,6 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from vibeam.case.faults import Complaint, as_shown_in_message
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Quantity, Word
 from vibeam.casefile.kinds import KINDS
@@ -24,6 +23,7 @@ from vibeam.casefile.tables.table import (
     table,
 )
 from vibeam.casefile.toml_writing import to_fill_in
+from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.solvers import SOLVERS
 from vibeam_models.keys import Key, defaults_of, keys_of
 from vibeam_models.laws import CONSTANT, LAWS, RESTITUTION, ContactLaw, declarations

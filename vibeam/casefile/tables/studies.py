@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from vibeam.case.faults import Complaint, as_shown_in_message
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Each, Several
 from vibeam.casefile.field_tables import Settings
@@ -22,6 +21,7 @@ from vibeam.casefile.tables.table import (
     named_fidelity,
     not_there,
 )
+from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.solvers import SOLVERS
 
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
-from vibeam.case.faults import Complaint, KeyPath
 from vibeam.casefile.field_lists import Names, Several
 from vibeam.casefile.field_tables import Options, Settings, TableOr
 from vibeam.casefile.fields import NOT_NEGATIVE, Count, Quantity, Text, Word
@@ -26,11 +25,13 @@ from vibeam.casefile.tables.table import (
     content,
     key,
 )
+from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.solvers import SOLVERS
 from vibeam_reductions.declaration import PARAMETERS, REDUCTIONS, ReductionDeclaration
 
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity
+    from vibeam.case.reduced_structure import Flight
 
 EXAMPLES = {"boundary": '["contact"]', "frequency": '"… Hz"', "periods": "50", "inner_product": '"mass"'}
 
@@ -182,11 +183,19 @@ def fidelity_of(name: str, table: Any) -> Fidelity:
     """Record of a fidelity; of its reduction's keys those that are written."""
     from vibeam.case.fidelity import Fidelity
 
-    taken = {key: getattr(table, key) for key in REDUCTIONS[table.reduction].takes}
+    reduction = REDUCTIONS[table.reduction]
+    taken = {key: getattr(table, key) for key in reduction.takes}
     return Fidelity(
         name,
+        flight=_flight() if reduction.flown else None,
         changes=table.set or {},
         without=table.without or (),
         parameters={key: value for key, value in taken.items() if value is not None},
         **content(table, without={*APPLIED, *PARAMETERS}),
     )
+
+
+def _flight() -> Flight:
+    from vibeam.flight.snapshots import modal_snapshots
+
+    return modal_snapshots

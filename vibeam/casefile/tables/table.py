@@ -13,10 +13,10 @@ from typing import Annotated, Any
 from pydantic import BaseModel, ConfigDict, Field, create_model
 from pydantic.fields import FieldInfo
 
-from vibeam.case.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam.casefile import quantities as units
 from vibeam.casefile.field_lists import Several
 from vibeam.casefile.fields import NOT_NEGATIVE, POSITIVE, Count, Entry, Flag, Quantity, Range, Word
+from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam_models.keys import Key
 
 Plain = tuple[str, Any]  # meaning and example of a key where the case is nondimensional

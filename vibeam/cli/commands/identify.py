@@ -64,7 +64,7 @@ def identify(
 def _of_signal(
     file: Path, of: str | None, columns: tuple[str | None, str | None], drive: str, level: float, of_case_too: bool
 ) -> Identification:
-    from vibeam.case.faults import suggest
+    from vibeam.exchange.faults import suggest
     from vibeam.studies.identification.decay import identify_decay
     from vibeam.studies.identification.response import identify_response, identify_spectrum
     from vibeam.studies.identification.signals import read_signal

@@ -72,7 +72,7 @@ def map(
 
 
 def _names(case: Case, only: list[str] | None) -> list[str]:
-    from vibeam.case.faults import suggest
+    from vibeam.exchange.faults import suggest
 
     if not case.maps:
         raise UsageError(f"{case.path}: the case has no map: add a table [map.NAME] (vibeam keys map)")

@@ -27,9 +27,9 @@ def new(
     as_json: AsJson = False,
 ) -> None:
     """Write a case to start from, every key explained; never over a file that is there."""
-    from vibeam.case.faults import suggest
     from vibeam.casefile.rigs import RIGS
     from vibeam.casefile.template import template
+    from vibeam.exchange.faults import suggest
 
     if rig not in RIGS:
         raise UsageError(f"--rig {rig}: no such rig; {suggest(rig, RIGS)}")

@@ -35,8 +35,8 @@ def record(
     loaded = load(case, set_)
     from dataclasses import replace
 
-    from vibeam.case.faults import suggest
     from vibeam.casefile.read import without_accuracy
+    from vibeam.exchange.faults import suggest
     from vibeam.exchange.whole_files import write_whole
     from vibeam.report.record import record as recorded
 

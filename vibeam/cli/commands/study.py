@@ -15,7 +15,7 @@ Name = Annotated[str, typer.Argument(metavar="NAME", help="The study's name.", s
 
 def study(name: Name, case: CaseFile, set_: Overrides = None, as_json: AsJson = False, out: TableFile = None) -> None:
     """Run a registered study of a case (see --load)."""
-    from vibeam.case.faults import suggest
+    from vibeam.exchange.faults import suggest
     from vibeam.studies.declaration import STUDIES
 
     registered = [each for each, declared in STUDIES.items() if not declared.own_command]

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.case.faults import CaseError
-from vibeam.case.reference_curves import reference_points
+from vibeam.exchange.faults import CaseError
 from vibeam.figures.panels import NOT_FROM_ZERO, SLIGHT, TOP
 from vibeam.figures.response_curve import grazing_heights
 from vibeam.figures.style import DASH, DASHES, DOT, LINES, looks_of, name_of
@@ -182,7 +181,7 @@ def _curve(name: str, way: str, response: FrequencyResponse, quantities: list[Ch
 def _references(result: Result) -> Iterator[dict[str, Any]]:
     for reference in result.case.references.values():
         try:
-            points = [each for each in reference_points(reference) if each.value is not None]
+            points = [each for each in reference.points() if each.value is not None]
         except CaseError:
             continue
         yield {

@@ -148,7 +148,7 @@ def _checks(result: Result, left_out: tuple[str, ...]) -> Checks:
         return Checks([], why="The case names no reference to check against and no measured number.")
     if result.accuracy is not None:
         return Checks([], why="Checked by vibeam check, which runs each fidelity by itself.")
-    from vibeam.case.faults import CaseError
+    from vibeam.exchange.faults import CaseError
     from vibeam.figures.units import units_of
     from vibeam.report.tables import verdicts
     from vibeam.studies.regression.check import check, compare_measured

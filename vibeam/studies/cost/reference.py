@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.reference_curves import SAME_FREQUENCY, reference_points
+from vibeam.exchange.curves.record import SAME_FREQUENCY
 from vibeam.flight.engine.threads import Clock, OutOfTime
 from vibeam.studies.cost.errors import Errors, errors
 from vibeam.studies.cost.measure import Measured, Plan, measure
@@ -98,7 +98,7 @@ def given(case: Case, frequency: Array) -> FrequencyResponse:
 
 def curve(case: Case) -> dict[float, tuple[float, int]]:
     """Amplitude and period (1 where not given) over frequency (Hz) of the case's reference file, first branch."""
-    points = reference_points(case.references[case.cost.reference or ""])
+    points = case.references[case.cost.reference or ""].points()
     direction = points[0].direction if points else "up"
     given_points = [point for point in points if point.direction == direction and point.value is not None]
     return {p.frequency: (p.value or 0.0, 1 if p.period is None else p.period) for p in given_points}

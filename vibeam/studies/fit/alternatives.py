@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.faults import CaseError
+from vibeam.exchange.faults import CaseError
 from vibeam.studies.fit.estimate import Minimum, Scan, best, met, settled
 from vibeam.studies.fit.problem import Problem
 from vibeam_reductions.declaration import REDUCTIONS

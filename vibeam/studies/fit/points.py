@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.faults import CaseError
-from vibeam.case.reference_curves import read_curve, reference_curve
+from vibeam.exchange.curves.reference import read_curve
+from vibeam.exchange.faults import CaseError
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ def points_of(case: Case) -> tuple[list[Points], list[str]]:
 
 def _of_reference(case: Case, name: str) -> tuple[list[Points], list[str]]:
     reference = case.references[name]
-    curve = reference_curve(reference)
+    curve = reference.read()
     if curve.recorded:
         raise ValueError(f"reference.{name}: it was recorded from a model of ours, which is no measurement")
     points = [each for each in curve.points if each.value is not None]

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.faults import suggest
+from vibeam.exchange.faults import suggest
 from vibeam.runs.result import Result
 from vibeam.studies.identification.estimates import Identification, estimates, spread_of
 from vibeam.studies.regression.readings import read

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from vibeam.case.faults import CaseError
-from vibeam.case.reference_files import factor, fault_in
 from vibeam.exchange.curves.columns import WantedColumn
 from vibeam.exchange.curves.read import read_columns
+from vibeam.exchange.curves.record import factor
+from vibeam.exchange.faults import CaseError, fault_in
 from vibeam.exchange.files import FormatError
 from vibeam_models.arrays import Array
 

@@ -82,7 +82,7 @@ def _coordinates(scene: Any) -> int:
 
 def _reason(refusal: ValueError) -> str:
     """Reason of a refusal, without the file name before each fault."""
-    from vibeam.case.faults import CaseError
+    from vibeam.exchange.faults import CaseError
 
     if isinstance(refusal, CaseError):
         return "; ".join(f"{fault.key}: {fault.message}" for fault in refusal.faults)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.reference_curves import SAME_FREQUENCY, reference_points
+from vibeam.exchange.curves.record import SAME_FREQUENCY
 from vibeam.studies.regression import expectations as expect
 from vibeam.studies.regression import measured, references
 from vibeam_models.arrays import Array
@@ -42,7 +42,7 @@ def at_references(case: Case, result: Result, *, partial: bool = False) -> dict[
 def _off_grid(case: Case, name: str, result: Result, partial: bool) -> Array:
     """Frequencies of a reference inside the grid's ends, and not in it."""
     grid = np.sort(case.sweep.frequency)
-    there = np.unique([point.frequency for point in reference_points(case.references[name])])
+    there = np.unique([point.frequency for point in case.references[name].points()])
     near = np.clip(np.searchsorted(grid, there), 1, len(grid) - 1) if len(grid) > 1 else np.zeros(len(there), int)
     distance = np.minimum(np.abs(grid[near] - there), np.abs(grid[near - 1] - there))
     off = distance > SAME_FREQUENCY * there

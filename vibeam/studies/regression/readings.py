@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.plans import Reading
-from vibeam.case.reference_curves import SAME_FREQUENCY
 from vibeam.case.response_quantities import values_of
+from vibeam.exchange.curves.record import SAME_FREQUENCY
 from vibeam.figures import FIGURES, LIMITS
 from vibeam.system.response import Ended, FrequencyResponse
 

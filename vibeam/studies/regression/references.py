@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.faults import CaseError, Fault
-from vibeam.case.reference_curves import SAME_FREQUENCY, reference_curve
+from vibeam.exchange.curves.record import SAME_FREQUENCY
+from vibeam.exchange.faults import CaseError, Fault
 from vibeam.studies.regression.registration import Registration, register
 from vibeam.system.response import Ended, FrequencyResponse
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import Reference
-    from vibeam.case.reference_record import Point
+    from vibeam.exchange.curves.record import Point
     from vibeam.runs.result import Result
     from vibeam.studies.regression.registration import Piece
     from vibeam.system.response import Branches
@@ -86,7 +86,7 @@ def require_readable(case: Case) -> None:
     faults: list[Fault] = []
     for reference in case.references.values():
         try:
-            reference_curve(reference)
+            reference.read()
         except CaseError as wrong:
             faults += wrong.faults
     if faults:
@@ -94,7 +94,7 @@ def require_readable(case: Case) -> None:
 
 
 def _check(reference: Reference, branches: Branches, partial: bool) -> CheckRow:
-    curve = reference_curve(reference)
+    curve = reference.read()
     points = curve.along(("up", "down") if reference.direction == "both" else (reference.direction,))
     matches = list(matched(reference, points, branches))
     worst = max(matches, key=lambda match: (match.excess, match.difference), default=None)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.case.case import require_one_harmonic
-from vibeam.case.faults import CaseError
+from vibeam.exchange.faults import CaseError
 from vibeam.periodic.orbit_map import OrbitMap, orbit_map
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.summary import ill_posed

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from threading import Event
 
     from vibeam.case.case import Case
-    from vibeam.case.model import Model
+    from vibeam.case.fidelity import Model
     from vibeam.case.plans import Uncertain
 
 

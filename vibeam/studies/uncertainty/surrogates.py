@@ -28,7 +28,7 @@ from vibeam_models.base_motion import drive_amplitude
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.case.model import Model
+    from vibeam.case.fidelity import Model
 
 
 SAMPLES = 64  # a drive period

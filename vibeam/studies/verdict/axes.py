@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.faults import CaseError
 from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS, RESTITUTION
+from vibeam.exchange.faults import CaseError
 from vibeam.studies.stability.axes import NAMES, WIDE, frequencies, second_name, swing
 from vibeam_models.arrays import Array
 

@@ -1,60 +1,32 @@
-"""Reading of reference curves: of vibeam's own form here, of other forms by ``reference_columns``."""
+"""Reading of reference curves: of vibeam's own form here, of other forms by ``foreign``."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import csv
+from collections.abc import Iterator
 from dataclasses import replace
 from math import isfinite
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from vibeam.case.faults import CaseError, Fault, as_shown_in_message, suggest
-from vibeam.case.reference_columns import NO_COLUMNS, heading_of, period_of, read_points
-from vibeam.case.reference_files import ReferenceForm, cells_of, fault_in
-from vibeam.case.reference_record import COLUMNS, Point, ReferenceCurve
+from vibeam.exchange.curves.foreign import NO_COLUMNS, heading_of, period_of, read_points
 from vibeam.exchange.curves.read import is_text
+from vibeam.exchange.curves.record import COLUMNS, Point, ReferenceCurve, ReferenceForm
+from vibeam.exchange.faults import CaseError, Fault, as_shown_in_message, fault_in, suggest
+from vibeam.exchange.files import LARGEST_TEXT, FormatError, numbered, reason, state_of
 
-if TYPE_CHECKING:
-    from vibeam.case.plans import Reference
-
-SAME_FREQUENCY = 1e-9  # relative tolerance
+LONGEST = 100_000  # characters of a line
+LINES = 2_100_000  # one for each direction of the longest sweep, and comments
 RECORDED = "# Regression values: recorded by vibeam"  # first line of a file that ``vibeam record`` wrote
-
-
-def reference_points(reference: Reference) -> list[Point]:
-    """Points of a case's reference on its branches; CaseError where its file cannot be read."""
-    return reference_curve(reference).along(("up", "down") if reference.direction == "both" else (reference.direction,))
-
-
-def reference_curve(reference: Reference) -> ReferenceCurve:
-    """Curve of a case's reference; CaseError where its file cannot be read."""
-    if reference.curve is not None:
-        return reference.curve
-    curve = read_curve(reference.file, reference.quantity, reference.form, quote=reference.quote)
-    if reference.direction == "both":
-        return curve
-    known = tuple(replace(each, direction=each.direction or reference.direction) for each in curve.points)
-    return replace(curve, points=known)
-
-
-def read_reference(
-    path: Path, quantity: str, directions: Collection[str] = ("up", "down"), *, quote: bool = True,
-    form: ReferenceForm | None = None,
-) -> list[Point]:  # fmt: skip
-    """Read the points of a reference file for ``quantity`` on given branches; CaseError names its faults.
-
-    ``quote``: whether messages may quote the file's content, not only the line number.
-    """
-    return read_curve(path, quantity, form, quote=quote).along(directions)
 
 
 def read_curve(
     path: str | PathLike[str], quantity: str = "amplitude", form: ReferenceForm | None = None, *, quote: bool = True
 ) -> ReferenceCurve:
-    """Read a reference file, of vibeam's own form or of any other; CaseError and ``quote`` as ``read_reference``.
+    """Read a reference file, of vibeam's own form or of any other; CaseError names its faults.
 
-    ``form``: columns, units, scale; absent: vibeam's own form, or the usual heads and plain units.
+    ``form``: columns, units, scale; absent: vibeam's own form, or the usual heads and plain units. ``quote``: whether
+    messages may quote the file's content, not only the line number.
     """
     form, path = form or ReferenceForm(), Path(path)
     if form.own and (head := _own_head(path, quantity)):
@@ -63,6 +35,25 @@ def read_curve(
         points = read_points(path, quantity, form, quote)
     treated = tuple(_treated(point, form) for point in points if _inside(point, form))
     return ReferenceCurve(quantity, treated, str(path), _is_recorded(path))
+
+
+def cells_of(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Line number and cells of every line but empty ones and comments; CaseError where the file is unreadable."""
+    number = 0
+    try:
+        state_of(path, LARGEST_TEXT)
+        with path.open(encoding="utf-8-sig") as file:
+            for number, line in numbered(file, LONGEST, LINES):
+                if line.strip() and not line.startswith("#"):
+                    yield number, [cell.strip() for cell in next(csv.reader([line]))]
+    except FormatError as fault:
+        raise CaseError([fault_in(path, fault.line, fault.message)]) from None
+    except UnicodeDecodeError:
+        raise CaseError([fault_in(path, None, "cannot be read: it is not UTF-8 text")]) from None
+    except OSError as error:
+        raise CaseError([fault_in(path, None, f"cannot be read: {reason(error)}")]) from None
+    except csv.Error as error:
+        raise CaseError([fault_in(path, number, f"is no line of a table: {error}")]) from None
 
 
 def _treated(point: Point, form: ReferenceForm) -> Point:

@@ -1,15 +1,17 @@
-"""Reference curve as a record: points over frequency, from arrays or from a file."""
+"""Reference curve as a record: points over frequency; the form of the file that gives them, with its units."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from decimal import Decimal
 from math import isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.faults import suggest
+from vibeam.exchange.faults import suggest
+from vibeam.exchange.units import unit_size
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
 
 
 QUANTITIES = ("amplitude", "maximum", "minimum", "reach", "impacts_per_period", "impact_velocity", "period")
+SAME_FREQUENCY = 1e-9  # relative tolerance
 COLUMNS = ("frequency_hz", "direction", *QUANTITIES)
 
 
@@ -102,3 +105,74 @@ class ReferenceCurve:
 def given(number: float) -> float | None:
     """Number, None where it is NaN or ∞."""
     return number if isfinite(number) else None
+
+
+GRAVITY = 9.80665  # m/s² of a unit g of acceleration
+ROLES = ("frequency", "direction", "period", "uncertainty")  # columns besides that of the quantity
+
+
+@dataclass(frozen=True)
+class ReferenceForm:
+    """Columns of a reference file and their treatment: value = ``scale`` · column + ``offset``, in ``unit``.
+
+    ``columns``: head, or number from 1, of each role: ``frequency``, the quantity's name, ``uncertainty``,
+    ``direction``, ``period``. ``units`` of the roles go before what heads say; a column without one is in SI.
+    ``unit``: the SI unit of the quantity, ``"1"`` in a case without units. ``scale_unit``: unit of the scale, such as
+    ``mm/V``. ``window``: frequencies (Hz) kept. ``uncertainty``: standard uncertainty (one standard deviation) of every
+    value, ``relative`` to it or in ``unit``. Empty ``separator`` or ``decimal``: found out from the file.
+    """
+
+    columns: Mapping[str, str | int] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    unit: str = ""
+    scale: float = 1.0
+    scale_unit: str = ""
+    offset: float = 0.0
+    window: tuple[float, float] | None = None
+    uncertainty: float | None = None
+    relative: bool = False
+    separator: str = ""
+    decimal: str = ""
+
+    @property
+    def own(self) -> bool:
+        """Whether a file may be of vibeam's own form: no columns, units or signs are said."""
+        return not (self.columns or self.units or self.separator or self.decimal or self.scale_unit)
+
+
+def factor(unit: str, wanted: str, scale_unit: str = "") -> float:
+    """Factor from a column's unit, times ``scale_unit``, to the SI unit ``wanted``; ValueError where they do not suit.
+
+    A column without a unit is in ``wanted``; with a scale in volts.
+    """
+    if unit in ("g", "gn") and wanted == "m/s^2":
+        return GRAVITY
+    size, dimension = _sized(unit.replace("μ", "µ") if unit else "V" if "V" in scale_unit else "")
+    if not unit and not scale_unit:
+        return 1.0
+    more, further = _sized(scale_unit)
+    aim, target = _sized(wanted)
+    product = _times(dimension, further)
+    if product != target:
+        by = f" times the scale's {scale_unit!r}" if scale_unit else ""
+        raise ValueError(f"the unit {unit!r}{by} is not one of {wanted or 'a plain number'}")
+    return float(size * more / aim)
+
+
+def _sized(unit: str) -> tuple[Decimal, dict[str, float]]:
+    if unit in ("", "1", "-"):
+        return Decimal(1), {}
+    found = unit_size(unit)
+    if found is None:
+        raise ValueError(f"the unit {unit!r} is not known")
+    return found
+
+
+def _times(one: Mapping[str, float], other: Mapping[str, float]) -> dict[str, float]:
+    powers = {name: one.get(name, 0.0) + other.get(name, 0.0) for name in {*one, *other}}
+    return {name: power for name, power in powers.items() if power}
+
+
+def known_unit(unit: str) -> bool:
+    """Test whether a unit is known, ``%`` and a plain number (``1``) among them."""
+    return unit in ("1", "%", "g") or unit_size(unit.replace("μ", "µ")) is not None

@@ -1,10 +1,12 @@
-"""Faults in a case: every fault with its line, all reported together."""
+"""Faults in a case and the files that it names: every fault with its line, all reported together."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
+from os.path import relpath
+from pathlib import Path
 
 OVERRIDE = "--set"  # in place of a file name, for a fault in an override
 
@@ -30,6 +32,19 @@ class Fault:
     def order(self) -> tuple[bool, int, str]:
         """Sort key: by line, overrides last."""
         return self.file == OVERRIDE, self.line or 0, self.key
+
+
+def fault_in(path: Path, line: int | None, message: str, column: str = "") -> Fault:
+    """Fault in a file, named by the shorter of its paths."""
+    return Fault(shortest(path), line, column, message)
+
+
+def shortest(path: Path) -> str:
+    """Path from the working directory where that is shorter, else unchanged."""
+    try:
+        return min(str(path), relpath(path), key=len)
+    except (OSError, ValueError):  # the working directory does not exist
+        return str(path)
 
 
 SHOWN = 50  # faults in the text of an error

@@ -1,4 +1,4 @@
-"""Reference points from files of others: columns by their heads, values in SI."""
+"""Reference points from files of other programs: columns by their heads, values in SI."""
 
 from __future__ import annotations
 
@@ -7,13 +7,12 @@ from re import fullmatch
 
 import numpy as np
 
-from vibeam.case.faults import CaseError, as_shown_in_message
-from vibeam.case.reference_files import ReferenceForm, factor, fault_in, file_fault
-from vibeam.case.reference_record import Point, given
 from vibeam.exchange.curves.columns import SHOWN, Columns, CurveColumn, HeadError, WantedColumn
 from vibeam.exchange.curves.read import read_columns
+from vibeam.exchange.curves.record import Point, ReferenceForm, factor, given
 from vibeam.exchange.curves.text import TextForm
-from vibeam.exchange.files import FormatError
+from vibeam.exchange.faults import CaseError, as_shown_in_message, fault_in
+from vibeam.exchange.files import FormatError, file_fault
 from vibeam_models.arrays import Array
 
 NO_COLUMNS = "does not begin with the names of its columns: write {}"
