@@ -65,14 +65,14 @@ from vibeam.studies.stored import read as read
 from vibeam.studies.uncertainty.study import uncertainty as uncertainty
 from vibeam.studies.verdict.study import Verdict as Verdict
 from vibeam.studies.verdict.study import verdict as verdict
-from vibeam.system.contact import Contact as Contact
 from vibeam.system.impact_system import Drive as Drive
 from vibeam.system.impact_system import ImpactSystem as ImpactSystem
+from vibeam.system.quantities import Ended as Ended
 from vibeam.system.response import Branches as Branches
-from vibeam.system.response import Ended as Ended
 from vibeam.system.response import FrequencyResponse as FrequencyResponse
+from vibeam.system.rows import Contact as Contact
+from vibeam.system.rows import TimeDerivative as TimeDerivative
 from vibeam.system.state import State as State
-from vibeam.system.time_derivative import TimeDerivative as TimeDerivative
 from vibeam_models.structure import Structure as Structure
 from vibeam_reductions.declaration import ReductionDeclaration as ReductionDeclaration
 from vibeam_reductions.declaration import register_reduction as register_reduction

@@ -19,7 +19,7 @@ from vibeam.case.case import Case
 from vibeam.cli.main import main
 from vibeam.exchange.faults import CaseError
 from vibeam.runs.store.file import read
-from vibeam.system.ended import Ended as Reason
+from vibeam.system.quantities import Ended as Reason
 
 
 def judge(seed: int, number: int, stage: Stage) -> Verdict:

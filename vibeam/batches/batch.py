@@ -1,4 +1,7 @@
-"""Batch of steady points: arrays of systems, drives and starts in, arrays of results out."""
+"""Batch of steady points: arrays of systems, drives and starts in, arrays of results out.
+
+Plain systems go task by task by the compiled kernels alone, any other point by the solver that a sweep takes.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +10,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.batches.points import Points, Systems, points_of
-from vibeam.batches.response import Plan, Record
-from vibeam.batches.tasks import is_compiled, run_points, run_task, tasks_of
+from vibeam.batches.points import BatchPoints, Systems, plain_points, points_of
+from vibeam.batches.response import BatchPlan, BatchRecord
+from vibeam.flight.engine.threads import pause
+from vibeam.flight.kernels.thresholds import ELASTIC, PANEL
+from vibeam.flight.points.points import SIDE_BY_SIDE, PointSettings, compute
 from vibeam.runs.parallel import run_parallel
 from vibeam.runs.sweep import HELD, LONGEST
+from vibeam.solvers import solver
 from vibeam.solvers.steady import warm_up_once
+from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.quantities import Ended
+from vibeam.system.state import State
 from vibeam_models.arguments import count, refuse
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,7 +31,9 @@ if TYPE_CHECKING:
 
     from vibeam.batches.response import BatchResponse
 
-TASK = 64  # points of one task of a thread
+Whole = NDArray[np.int64]
+ALONE = 64  # points of one task of a thread, where each goes by itself
+MOST, LEAST = 1024, 256  # points of one compiled task at most, and at least where there are as many
 
 
 def batch(
@@ -62,11 +74,11 @@ def batch(
     points = points_of(systems, omega, amplitude, gap, restitution, damping, state)
     plan = _plan(points, settle, hold, output, strobes, bool(lanes), lyapunov)
     workers = None if threads is None else _count("threads", threads, least=1)
-    record, compiled = Record(len(points.base), points.size, plan.strobes), is_compiled(points, plan.output)
+    record, compiled = BatchRecord(len(points.base), points.size, plan.strobes), is_compiled(points, plan.output)
     tasks = [(run_task, which) for which in tasks_of(points, np.flatnonzero(compiled))]
     tasks += [(run_points, which) for which in _one_by_one(points, np.flatnonzero(~compiled), plan)]
 
-    def task(item: tuple[Callable[..., None], NDArray[np.int64]], stop: Event) -> None:
+    def task(item: tuple[Callable[..., None], Whole], stop: Event) -> None:
         item[0](points, item[1], plan, record)
 
     if workers == 1 or len(tasks) == 1:
@@ -77,18 +89,18 @@ def batch(
     return record.response(points.shape)
 
 
-def _one_by_one(points: Points, which: NDArray[np.int64], plan: Plan) -> list[NDArray[np.int64]]:
+def _one_by_one(points: BatchPoints, which: Whole, plan: BatchPlan) -> list[Whole]:
     """Points that no kernel takes as a whole, in tasks, those of one system together."""
     for i in np.unique(points.base[which]):
         warm_up_once("flight", points.bases[i], float(points.omega[0]), float(points.amplitude[0]), plan.output, {})
     keys = (points.omega, points.restitution, points.damping, points.gap, points.base)
     which = which[np.lexsort([each[which] for each in keys])]
-    return [which[first : first + TASK] for first in range(0, len(which), TASK)]
+    return [which[first : first + ALONE] for first in range(0, len(which), ALONE)]
 
 
 def _plan(
-    points: Points, settle: int, hold: int, output: str | None, strobes: int, lanes: bool, lyapunov: int
-) -> Plan:  # fmt: skip
+    points: BatchPoints, settle: int, hold: int, output: str | None, strobes: int, lanes: bool, lyapunov: int
+) -> BatchPlan:  # fmt: skip
     faults: list[str] = []
     settle = count("settle", settle, faults, most=LONGEST)
     hold = count("hold", hold, faults, least=1, most=HELD // points.size)
@@ -103,7 +115,7 @@ def _plan(
 
         faults += exponent_faults(points, periods)
     refuse("batch", faults)
-    return Plan(settle, hold, name, lanes, strobes, periods)
+    return BatchPlan(settle, hold, name, lanes, strobes, periods)
 
 
 def _count(name: str, value: int, least: int) -> int:
@@ -111,3 +123,68 @@ def _count(name: str, value: int, least: int) -> int:
     found = count(name, value, faults, least=least)
     refuse("batch", faults)
     return found
+
+
+def is_compiled(points: BatchPoints, output: str) -> NDArray[np.bool_]:
+    """Mask of the points that the kernels take: those of plain systems, read as displacements."""
+    plain = [not base.beyond_plain and base.derivative(output) is None for base in points.bases]
+    return np.array(plain)[points.base]
+
+
+def tasks_of(points: BatchPoints, which: Whole) -> list[Whole]:
+    """The points ``which`` in tasks of what is packed alike, neighbours side by side."""
+    level = np.floor(np.log2(PANEL / points.omega[which]))  # of the longest panels: see ``linear.packing.top_level``
+    elastic = 1.0 - points.restitution[which] < ELASTIC
+    order = np.lexsort((points.omega[which], points.damping[which], points.base[which], level, elastic))
+    which, kind = which[order], np.stack([level, elastic])[:, order]
+    found = []
+    for part in np.split(which, np.flatnonzero(np.any(np.diff(kind), axis=0)) + 1):
+        found += _portions(part)
+    return sorted(found, key=len, reverse=True)
+
+
+def _portions(part: Whole) -> list[Whole]:
+    """Large tasks, which cost little beside their points, then smaller ones, so that all threads end about together."""
+    found = []
+    while len(part):
+        size = min(MOST, max(LEAST, len(part) // 3))
+        found.append(part[:size])
+        part = part[size:]
+    return found
+
+
+def run_task(points: BatchPoints, which: Whole, plan: BatchPlan, record: BatchRecord) -> None:
+    """Compute the points ``which`` and keep them in ``record``."""
+    elastic = bool(1.0 - points.restitution[which[0]] < ELASTIC)
+    most = SIDE_BY_SIDE if plan.lanes else 0
+    settings = PointSettings(plan.settle, plan.hold, plan.output, plan.strobes, elastic, most)
+    for some, results in compute(plain_points(points, which), settings):
+        record.fill(which[some], results.response, results.states, results.resting, results.strobes)
+    if plan.lyapunov:
+        from vibeam.batches.exponents import largest_exponents
+
+        record.exponents[:, which] = largest_exponents(points, which, plan.lyapunov, record)
+
+
+def run_points(points: BatchPoints, which: Whole, plan: BatchPlan, record: BatchRecord) -> None:
+    """Compute the points ``which`` and note each in ``record``: what a sweep of one frequency gives, to the bit."""
+    made: dict[tuple[float, ...], ImpactSystem] = {}
+    for point in which.tolist():
+        pause()
+        key = (points.base[point], points.gap[point], points.restitution[point], points.damping[point])
+        if key not in made:
+            made = {key: points.system(point)}
+        _run(points, point, made[key], plan, record)
+
+
+def _run(points: BatchPoints, point: int, system: ImpactSystem, plan: BatchPlan, record: BatchRecord) -> None:
+    omega, states, strobes = float(points.omega[point]), list[State](), list[Array]()
+    response, after = solver("flight", system, omega).steady(
+        np.array([omega]), float(points.amplitude[point]), points.start(point), plan.settle, plan.hold, plan.output,
+        states=states, strobes=strobes,
+    )  # fmt: skip
+    record.note(point, response, after, plan.strobed(system, strobes[0]))
+    if plan.lyapunov and response.ended[0] == Ended.COMPLETE.code:
+        from vibeam.batches.exponents import largest_exponent
+
+        record.exponents[:, point] = largest_exponent(points, point, plan.lyapunov, record)

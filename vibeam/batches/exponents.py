@@ -24,14 +24,14 @@ from vibeam.flight.engine.threads import pause
 from vibeam.flight.kernels.thresholds import ELASTIC
 from vibeam.periodic.lyapunov import ALIGNED, BATCHES, lyapunov, mean_exponents
 from vibeam.periodic.stroboscopic import GIVEN, NEAR, ROUND_OFF, STALLED, StroboscopicMap
-from vibeam.system.ended import Ended
 from vibeam.system.impact_system import Drive
+from vibeam.system.quantities import Ended
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
-    from vibeam.batches.points import Points
-    from vibeam.batches.response import Record
+    from vibeam.batches.points import BatchPoints
+    from vibeam.batches.response import BatchRecord
     from vibeam.flight.points.points import PlainPoints
 
 
@@ -39,14 +39,14 @@ Whole = NDArray[np.int64]
 NEWTON = 8  # steps, before a point goes alone
 
 
-def exponent_faults(points: Points, periods: int) -> list[str]:
+def exponent_faults(points: BatchPoints, periods: int) -> list[str]:
     """Reasons why exponents of these points cannot be had as means over ``periods``."""
     found = [] if periods >= BATCHES else [f"lyapunov: {periods} must be at least {BATCHES} drive periods, or 0"]
     reasons = {tangent_fault(base): None for base in points.bases}
     return found + [f"lyapunov: not known for {reason}" for reason in reasons if reason]
 
 
-def largest_exponents(points: Points, which: Whole, periods: int, record: Record) -> Array:
+def largest_exponents(points: BatchPoints, which: Whole, periods: int, record: BatchRecord) -> Array:
     """Largest exponents (1/s) of the points ``which`` of plain systems in ``record``, and their errors: (2, points).
 
     NaN where a point failed; one whose motion fails only now is recorded as failed.
@@ -64,7 +64,7 @@ def largest_exponents(points: Points, which: Whole, periods: int, record: Record
     return found
 
 
-def largest_exponent(points: Points, point: int, periods: int, record: Record) -> tuple[float, float]:
+def largest_exponent(points: BatchPoints, point: int, periods: int, record: BatchRecord) -> tuple[float, float]:
     """Largest exponent of one point by ``vibeam.lyapunov``, and its error; what fails now is recorded as failed."""
     pause()
     n, values = points.size, record.state[point]
@@ -83,7 +83,7 @@ def largest_exponent(points: Points, point: int, periods: int, record: Record) -
         return float("nan"), float("nan")
 
 
-def _of_means(points: Points, which: Whole, periods: int, record: Record) -> Array:
+def _of_means(points: BatchPoints, which: Whole, periods: int, record: BatchRecord) -> Array:
     """Means of motions that do not repeat, and their errors by batches; NaN for those that go alone."""
     from vibeam.flight.points.disturbances import carry
 
@@ -102,12 +102,12 @@ def _of_means(points: Points, which: Whole, periods: int, record: Record) -> Arr
     return np.where(mean, [found, error], [lost, np.where(np.isnan(lost), np.nan, 0.0)])
 
 
-def _forgotten(points: Points, which: Whole, lost: NDArray[np.bool_]) -> Array:
+def _forgotten(points: BatchPoints, which: Whole, lost: NDArray[np.bool_]) -> Array:
     """−∞ for one mode that has rested or whose impacts have come to an end: there both directions are lost."""
     return np.where(lost & (points.size == 1) & (points.restitution[which] > 0), -np.inf, np.nan)
 
 
-def _of_cycles(points: Points, which: Whole, periods: int, record: Record) -> Array:
+def _of_cycles(points: BatchPoints, which: Whole, periods: int, record: BatchRecord) -> Array:
     """Exponents of motions that repeat, by their multipliers, without error; NaN for those that go alone."""
     from vibeam.flight.points.disturbances import carry
 
@@ -164,13 +164,13 @@ def _largest(matrix: Array, which: NDArray[np.bool_]) -> Array:
     return found
 
 
-def _units(points: Points, which: Whole) -> Array:
-    """What displacements and velocities (m, 2n) are multiplied by to be in units of velocity."""
+def _units(points: BatchPoints, which: Whole) -> Array:
+    """Factors (m, 2n) that bring displacements and velocities to units of velocity."""
     own = np.array([base.omega for base in points.bases])[points.base[which]]
     return np.concatenate([np.where(own > 0, own, points.omega[which][:, None]), np.ones_like(own)], axis=1)
 
 
-def _plain(points: Points, which: Whole, record: Record) -> tuple[PlainPoints, bool]:
+def _plain(points: BatchPoints, which: Whole, record: BatchRecord) -> tuple[PlainPoints, bool]:
     """The points from the states in which they ended, and whether their impacts are all but elastic."""
     found = replace(
         plain_points(points, which),

@@ -23,7 +23,7 @@ Systems = ImpactSystem | Sequence[ImpactSystem] | NDArray[np.object_]
 
 
 @dataclass(frozen=True)
-class Points:
+class BatchPoints:
     """The points of a batch, (m,) each, in C order of its shape."""
 
     shape: tuple[int, ...]
@@ -43,7 +43,7 @@ class Points:
         return self.bases[0].size
 
     def start(self, point: int) -> State | None:
-        """Where a point starts; None: at equilibrium."""
+        """Start of a point; None: at equilibrium."""
         if self.state is None:
             return None
         n, values = self.size, self.state[point]
@@ -77,7 +77,7 @@ def points_of(
     restitution: ArrayLike | None,
     damping: ArrayLike | None,
     state: ArrayLike | BatchResponse | None,
-) -> Points:
+) -> BatchPoints:
     """Broadcast the arguments of ``vibeam.batch``; ValueError names every one that is wrong."""
     faults: list[str] = []
     bases, base = _distinct(systems, faults)
@@ -101,7 +101,7 @@ def points_of(
         values, resting = starts
         flat["state"] = np.broadcast_to(values, (*shape, values.shape[-1])).reshape(len(base), -1)
         flat["resting"] = np.broadcast_to(resting, shape).ravel()
-    return Points(shape=shape, bases=bases, base=base, **flat)
+    return BatchPoints(shape=shape, bases=bases, base=base, **flat)
 
 
 def _distinct(systems: Any, faults: list[str]) -> tuple[tuple[ImpactSystem, ...], NDArray[np.int64]]:
@@ -175,7 +175,7 @@ def _starts(state: Any, n: int, faults: list[str]) -> tuple[Array, NDArray[np.bo
     return values, np.broadcast_to(resting, values.shape[:-1])
 
 
-def plain_points(points: Points, which: NDArray[np.int64]) -> PlainPoints:
+def plain_points(points: BatchPoints, which: NDArray[np.int64]) -> PlainPoints:
     """The points ``which``, their distinct dampings as systems."""
     kinds, system = np.unique(np.stack([points.base[which], points.damping[which]]), axis=1, return_inverse=True)
     bases = [points.bases[int(base)] for base in kinds[0]]

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.system.ended import Ended
 from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.quantities import Ended
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
 from vibeam_models.arguments import counted
@@ -62,8 +62,8 @@ WHOLE = ("period", "ended", "impacts")
 
 
 @dataclass(frozen=True)
-class Plan:
-    """What every point of a batch goes through."""
+class BatchPlan:
+    """Course of every point of a batch: settling, hold, and what is read off."""
 
     settle: int  # drive periods
     hold: int
@@ -80,8 +80,8 @@ class Plan:
         )
 
 
-class Record:
-    """What each of m points came to."""
+class BatchRecord:
+    """Results of m points, under way."""
 
     def __init__(self, points: int, modes: int, strobes: int) -> None:
         self.values: dict[str, NDArray[Any]] = {

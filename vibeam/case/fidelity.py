@@ -12,7 +12,7 @@ import numpy as np
 
 from vibeam.case.reduced_structure import Flight, reduced_structure, with_snapshots
 from vibeam.system.impact_system import ImpactSystem
-from vibeam.system.time_derivative import TimeDerivative
+from vibeam.system.rows import TimeDerivative
 from vibeam_reductions.declaration import REDUCTIONS
 
 if TYPE_CHECKING:

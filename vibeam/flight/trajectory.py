@@ -17,8 +17,8 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
+from vibeam.system.rows import TimeDerivative
 from vibeam.system.state import State
-from vibeam.system.time_derivative import TimeDerivative
 from vibeam_models.arguments import count, counted, floats, number, refuse, require
 from vibeam_models.arrays import Array
 

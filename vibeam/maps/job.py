@@ -20,7 +20,7 @@ from vibeam.maps.result import MapResult
 from vibeam.maps.store.blocks import Manifest, read_block
 from vibeam.maps.store.gathered import SHOWN, Source, steps_of
 from vibeam.runs.store.errors import StoreError
-from vibeam.system.ended import Ended
+from vibeam.system.quantities import Ended
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case

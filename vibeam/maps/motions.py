@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import STARTS
-from vibeam.system.ended import Ended
+from vibeam.system.quantities import Ended
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:

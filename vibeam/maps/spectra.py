@@ -14,7 +14,7 @@ from vibeam.flight.trajectory import simulate
 from vibeam.maps.axes import Axis
 from vibeam.maps.points import GridPoints, grid_points
 from vibeam.observe.harmonics import spectrum_of
-from vibeam.system.ended import Ended
+from vibeam.system.quantities import Ended
 from vibeam.system.state import State
 from vibeam_models.arrays import Array
 

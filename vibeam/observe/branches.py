@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.system.motion_curves import MotionCurves
+from vibeam.system.curves import MotionCurves
 from vibeam.system.response import FrequencyResponse, complete
 from vibeam_models.arrays import Array
 

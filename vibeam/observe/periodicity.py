@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.observe.motion import Path, drive_period, impacts_within, last_periods
-from vibeam.system.ended import Ended
+from vibeam.system.quantities import Ended
 from vibeam_models.arrays import Array
 
 

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.fidelity import Fidelity
     from vibeam.runs.store.store import Store
+    from vibeam.system.curves import MotionCurves
     from vibeam.system.impact_system import ImpactSystem
-    from vibeam.system.motion_curves import MotionCurves
     from vibeam.system.state import State
 
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from vibeam.runs.comparison.differences import HeldComparison
     from vibeam.runs.estimate.records import FidelityEstimate
     from vibeam.runs.systems import ModelProperties
-    from vibeam.system.motion_curves import MotionCurves
+    from vibeam.system.curves import MotionCurves
     from vibeam.system.quantities import OutputUnits
 
 

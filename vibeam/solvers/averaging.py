@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 from vibeam.solvers.integration.samples import SampledMotion
 from vibeam.solvers.one_mode import NOTHING_FOUND, OneMode, Oscillator, StationaryMotion, StationarySolver, nearest
 from vibeam.solvers.slow_flow import Damping, SlowFlow, Stationary, law_faults
+from vibeam.system.curves import MotionCurves
 from vibeam.system.impact_system import Drive, ImpactSystem
-from vibeam.system.motion_curves import MotionCurves
 from vibeam.system.response import Ended
 from vibeam.system.state import State
 from vibeam_models.arrays import Array

@@ -14,8 +14,8 @@ from vibeam.periodic.orbit import Orbit, orbits
 from vibeam.periodic.orbit_curve import checked
 from vibeam.periodic.states import phasors
 from vibeam.solvers.steady import SteadySolver
+from vibeam.system.curves import MotionCurves
 from vibeam.system.impact_system import Drive, ImpactSystem
-from vibeam.system.motion_curves import MotionCurves
 from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
 from vibeam.system.state import State
 from vibeam_models.arrays import Array

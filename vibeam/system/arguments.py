@@ -41,7 +41,7 @@ def checked(system: Any) -> dict[str, Any]:
 
 def _further(given: Any, law: Any, n: int, faults: list[str]) -> tuple[Any, ...] | None:
     """Check the further contacts; none are None."""
-    from vibeam.system.contact import Contact
+    from vibeam.system.rows import Contact
 
     found = tuple(given) if isinstance(given, Sequence) else (given,)
     for each in found:
@@ -67,7 +67,7 @@ def _outputs(given: Any, faults: list[str]) -> dict[str, Array | None]:
 
 
 def _check_derivatives(given: Any, outputs: Mapping[str, Any], n: int, faults: list[str]) -> None:
-    from vibeam.system.time_derivative import TimeDerivative
+    from vibeam.system.rows import TimeDerivative
 
     if not isinstance(given, Mapping):
         faults.append(f"derivatives: {shown(given)} must be a mapping from names to TimeDerivative")

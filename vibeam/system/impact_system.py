@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from vibeam.system.arguments import checked
-from vibeam.system.contact import Contact
-from vibeam.system.time_derivative import TimeDerivative
+from vibeam.system.rows import Contact, TimeDerivative
 from vibeam_models.arguments import counted, number, read_only, refuse, require
 from vibeam_models.arrays import Array
 

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.system.ended import Ended
-from vibeam.system.quantities import LAYOUT, METRES, VELOCITIES_KEPT, OutputUnits, unit_of
+from vibeam.system.quantities import LAYOUT, METRES, VELOCITIES_KEPT, Ended, OutputUnits, unit_of
 from vibeam_models.registry import loaded
 
 if TYPE_CHECKING:

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.system.difference import Difference as Difference
-from vibeam.system.difference import Peak as Peak
-from vibeam.system.ended import Ended as Ended
+from vibeam.system.curves import Difference as Difference
+from vibeam.system.curves import Peak as Peak
 from vibeam.system.public_names import handed_in
 from vibeam.system.quantities import VELOCITIES_KEPT as VELOCITIES_KEPT
+from vibeam.system.quantities import Ended as Ended
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array, Flags
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
     from xarray import Dataset
 
-    from vibeam.system.motion_curves import MotionCurves
+    from vibeam.system.curves import MotionCurves
 
 
 SINGLE = (  # one number a point, NaN where unknown

@@ -12,7 +12,7 @@ import vibeam
 from vibeam.maps.closed_form import ClosedForm, closed_form_strobes
 from vibeam.maps.evaluate import GridResponse
 from vibeam.maps.motions import READ, counted, label
-from vibeam.system.ended import Ended
+from vibeam.system.quantities import Ended
 
 
 def response(axes: dict[str, Any], **values: Any) -> GridResponse:

@@ -20,7 +20,7 @@ from vibeam.maps.grids import grids_of, key_of, lines_of_block
 from vibeam.maps.job import partial_response
 from vibeam.maps.store.blocks import block_path, read_block, write_block
 from vibeam.maps.store.gathered import finished, steps_of
-from vibeam.system.ended import Ended
+from vibeam.system.quantities import Ended
 
 AXES = [
     {"key": "stop.gap", "values": [0.0, 5e-5, 1e-4]},

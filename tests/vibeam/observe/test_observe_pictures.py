@@ -8,7 +8,7 @@ from observed import OMEGA, SIZE, rectified_sine, settled
 
 import vibeam
 from vibeam.observe.periodicity import Class, classes
-from vibeam.system.ended import Ended
+from vibeam.system.quantities import Ended
 
 observe = vibeam.observe
 

@@ -22,7 +22,7 @@ from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.report.maps.axes import panels, shown_axis
 from vibeam.report.maps.page import map_figure
 from vibeam.report.maps.plane import boundaries_of
-from vibeam.system.ended import Ended
+from vibeam.system.quantities import Ended
 
 RIG = Path("cases/dtu_loose.toml").absolute()
 

@@ -24,8 +24,8 @@ from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate, Fidel
 from vibeam.runs.estimate.summary import estimate_texts
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Branches, FrequencyResponse
+from vibeam.system.rows import TimeDerivative
 from vibeam.system.state import StatesAfter
-from vibeam.system.time_derivative import TimeDerivative
 
 ROOT = Path(__file__).parents[3]
 

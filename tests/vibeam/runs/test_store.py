@@ -29,7 +29,7 @@ from vibeam.runs.store.layout import STATES
 from vibeam.runs.store.provenance import read_provenance
 from vibeam.runs.store.reuse import Wanted
 from vibeam.runs.store.store import Store
-from vibeam.system.motion_curves import MotionCurves
+from vibeam.system.curves import MotionCurves
 from vibeam.system.quantities import PLAIN
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State

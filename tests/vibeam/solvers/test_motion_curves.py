@@ -25,8 +25,8 @@ from vibeam.periodic.states import carried
 from vibeam.solvers import SOLVERS
 from vibeam.solvers.averaging import AveragingSolver
 from vibeam.solvers.orbit import OrbitSolver
+from vibeam.system.curves import MotionCurves
 from vibeam.system.impact_system import ImpactSystem
-from vibeam.system.motion_curves import MotionCurves
 from vibeam.system.state import State
 
 GRID = '{ from = "1.6 rad/s", to = "2.8 rad/s", points = 13 }'

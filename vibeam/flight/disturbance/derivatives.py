@@ -19,7 +19,7 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.system.impact_system import Drive, ImpactSystem
-from vibeam.system.time_derivative import TimeDerivative
+from vibeam.system.rows import TimeDerivative
 from vibeam_models.arrays import Array
 
 FREE, HELD, PUSHED = range(3)  # regimes

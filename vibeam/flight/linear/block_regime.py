@@ -12,7 +12,7 @@ from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.linear.blocks import pair_constants, planes
 from vibeam.flight.linear.eigenpairs import Linear
 from vibeam.flight.linear.panel_tables import rates, regime
-from vibeam.system.time_derivative import TimeDerivative
+from vibeam.system.rows import TimeDerivative
 from vibeam_models.arrays import Array
 
 FURTHEST = 128  # binary orders by which the unit of time is moved at most

@@ -11,7 +11,7 @@ from vibeam.flight.several.held import HeldRegime, Unfollowed
 from vibeam.flight.several.motion import HELD, ContactFlights, ContactMotion
 from vibeam.flight.several.state import Pull
 from vibeam.system.impact_system import Drive, ImpactSystem
-from vibeam.system.time_derivative import TimeDerivative
+from vibeam.system.rows import TimeDerivative
 from vibeam_models.arrays import Array
 
 SAME, REPEATS = 1e-14, 1e-5  # shares of the motion's size: see ``kernels.steady_point``

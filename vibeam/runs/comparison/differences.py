@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from math import isfinite
 
 from vibeam.case.held import Held
-from vibeam.system.difference import NAN, Difference
+from vibeam.system.curves import NAN, Difference
 from vibeam.system.number_text import percent, signed
 
 

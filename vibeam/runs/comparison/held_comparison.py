@@ -16,7 +16,7 @@ from vibeam.case.held import held_of, other_choice, with_other_choice
 from vibeam.runs.comparison.closed_curve import ClosedCurve, closed_curve
 from vibeam.runs.comparison.differences import BothChoices, HeldComparison, OwnLimit
 from vibeam.runs.comparison.limit import Limit, limit
-from vibeam.system.difference import NAN, Difference
+from vibeam.system.curves import NAN, Difference
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Branches, periodic
 from vibeam_models.arrays import Array

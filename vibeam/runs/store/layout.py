@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.runs.store.checksum import CHECKSUM
-from vibeam.system.motion_curves import BRANCHES, MotionCurves
+from vibeam.system.curves import BRANCHES, MotionCurves
 from vibeam.system.quantities import LAYOUT, OutputUnits, Quantity, unit_of
 from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
 from vibeam_models.arrays import Array

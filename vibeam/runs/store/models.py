@@ -16,7 +16,7 @@ from vibeam.runs.comparison.differences import BothChoices, HeldComparison, OwnL
 from vibeam.runs.store.checksum import sign, verify
 from vibeam.runs.store.layout import fixed
 from vibeam.runs.systems import ModelProperties
-from vibeam.system.difference import Difference
+from vibeam.system.curves import Difference
 
 if TYPE_CHECKING:
     import h5py

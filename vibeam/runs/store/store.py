@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from vibeam.runs.comparison.differences import HeldComparison
     from vibeam.runs.estimate.records import FidelityEstimate
     from vibeam.runs.store.disk import Disk, Image
-    from vibeam.system.motion_curves import MotionCurves
+    from vibeam.system.curves import MotionCurves
     from vibeam.system.quantities import OutputUnits
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.runs.sweep import sweep
-from vibeam.system.ended import Ended
+from vibeam.system.quantities import Ended
 from vibeam.system.response import Branches, FrequencyResponse
 from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array
