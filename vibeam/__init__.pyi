@@ -23,7 +23,7 @@ from vibeam.maps.run import MapResult as MapResult
 from vibeam.maps.run import run_map as run_map
 from vibeam.periodic.bifurcation_functions import Kind as Kind
 from vibeam.periodic.boundaries import boundaries as boundaries
-from vibeam.periodic.continuation import follow as follow
+from vibeam.periodic.boundaries import follow as follow
 from vibeam.periodic.lyapunov import LyapunovSpectrum as LyapunovSpectrum
 from vibeam.periodic.lyapunov import lyapunov as lyapunov
 from vibeam.periodic.orbit import Orbit as Orbit

@@ -25,7 +25,7 @@ from typing import Any
 import psutil  # type: ignore[import-untyped]
 
 import vibeam
-from vibeam.maps import grids
+from vibeam.maps import evaluate as grids
 from vibeam.maps.cluster import Cluster, connected
 
 HERE = Path(__file__).parent

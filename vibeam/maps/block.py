@@ -12,8 +12,17 @@ from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import DISPLACEMENT, STARTS, VELOCITY
 from vibeam.flight.engine.threads import pause
-from vibeam.maps.axes import Axis, lines_of, shape_of, values_at
-from vibeam.maps.points import GridPoints, Starts, grid_points, random_starts, start_states
+from vibeam.maps.points import (
+    Axis,
+    GridPoints,
+    Starts,
+    grid_points,
+    lines_of,
+    random_starts,
+    shape_of,
+    start_states,
+    values_at,
+)
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:

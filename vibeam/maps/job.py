@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.plans import MapPlan
-from vibeam.maps.axes import shape_of
 from vibeam.maps.block import DTYPES, Block, Grid, Values
-from vibeam.maps.evaluate import GridResponse
-from vibeam.maps.grids import blocks_of
+from vibeam.maps.evaluate import GridResponse, blocks_of
+from vibeam.maps.points import shape_of
 from vibeam.maps.result import MapResult
 from vibeam.maps.store.blocks import Manifest, read_block
 from vibeam.maps.store.gathered import SHOWN, Source, steps_of

@@ -14,7 +14,7 @@ from vibeam.exchange.whole_files import regular
 from vibeam.flight.engine.threads import Stopped
 from vibeam.maps.block import Block
 from vibeam.maps.cluster import Cluster, evaluate_here
-from vibeam.maps.grids import grids_of, key_of, lines_of_block, plan_of
+from vibeam.maps.evaluate import grids_of, key_of, lines_of_block, plan_of
 from vibeam.maps.job import Job, name_of, points_of
 from vibeam.maps.result import MapResult
 from vibeam.maps.store.blocks import discard, opened, write_block

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from vibeam.case.grid_keys import FREQUENCY
 from vibeam.flight.trajectory import simulate
-from vibeam.maps.axes import Axis
-from vibeam.maps.points import GridPoints, grid_points
+from vibeam.maps.points import Axis, GridPoints, grid_points
 from vibeam.observe.harmonics import spectrum_of
 from vibeam.system.quantities import Ended
 from vibeam.system.state import State

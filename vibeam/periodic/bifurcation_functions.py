@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from vibeam.periodic.clearance import least_minimum
-from vibeam.periodic.gap import Flights
-from vibeam.periodic.impulse_balance import Roots, balance
-from vibeam.periodic.modal_sums import Sums, sums
+from vibeam.periodic.gap import SpanGap
+from vibeam.periodic.modal_sums import Roots, Sums, balance, sums
 from vibeam.periodic.multipliers import multipliers, real_crossing
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
@@ -87,7 +86,7 @@ def clearances(system: ImpactSystem, points: MotionsAt, branch: int, ceiling: fl
     """
     striking = np.flatnonzero((points.roots.impulse[:, branch] < 0) & np.isfinite(points.roots.phase[:, branch]))
     size = np.abs(points.total.unit * points.amplitude) + np.abs(points.gap)
-    flights = Flights.of(system, points.total, points.roots, points.amplitude, branch).chosen(striking)
+    flights = SpanGap.of(system, points.total, points.roots, points.amplitude, branch).chosen(striking)
     result = np.full(len(size), np.nan)
     result[striking] = np.minimum(least_minimum(flights, ceiling * size[striking]).value / size[striking], ceiling)
     return result

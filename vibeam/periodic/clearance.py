@@ -24,7 +24,7 @@ STEPS = 60
 
 
 class Flown(Protocol):
-    """Flights from impact to impact: ``Flights``, or the parts of a motion with several impacts."""
+    """Flights from impact to impact: ``SpanGap`` or ``TrainGap``."""
 
     @property
     def omega(self) -> Array:

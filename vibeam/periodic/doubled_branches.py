@@ -20,9 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.periodic.train_birth import birth_ahead, twice
 from vibeam.periodic.train_boundaries import ENDS, Stretch, root_on, stepped
-from vibeam.periodic.train_branch import Branch
+from vibeam.periodic.train_branch import Branch, birth_ahead, twice
 from vibeam.periodic.train_orbits import multipliers_of
 from vibeam.periodic.trains import Train
 from vibeam_models.arrays import Array, Complex

@@ -1,6 +1,6 @@
-"""Gap between two impacts as a function of time, with a bound on its fourth derivative.
+"""Gap between two impacts as a function of time, with a bound on its fourth derivative: one impact a span, or several.
 
-At τ after an impact, with H e^{iφ} = y + ix (φ the drive phase at the impact) and G of ``modal_sums``,
+Of motions with one, at τ after it, with H e^{iφ} = y + ix (φ the drive phase at the impact) and G of ``modal_sums``,
 
     d(τ) = Δ − u(τ) = x (1 − cos Ωτ) − y sin Ωτ − p (G(τ) − G(0)),
 
@@ -11,6 +11,7 @@ one by one.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -18,8 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.flight.linear.propagator import pair, pairs
-from vibeam.periodic.impulse_balance import Roots
-from vibeam.periodic.modal_sums import Sums, green
+from vibeam.periodic.modal_sums import Roots, Sums, green
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, Index
 
@@ -37,8 +37,11 @@ class Gap(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Flights:
-    """Flights of several motions of one system, each (motions,): drive, span, the drive's part y + ix, impulse."""
+class SpanGap:
+    """Gap of several motions of one system with one impact a span, each (motions,).
+
+    Drive, span, the drive's part y + ix of the contact, impulse.
+    """
 
     system: ImpactSystem
     omega: Array
@@ -48,8 +51,8 @@ class Flights:
     start: Array  # g(0) and g'(0⁺) of every mode (n, 2, motions)
 
     @classmethod
-    def of(cls, system: ImpactSystem, total: Sums, roots: Roots, amplitude: Array, branch: int) -> Flights:
-        """Flights of one branch."""
+    def of(cls, system: ImpactSystem, total: Sums, roots: Roots, amplitude: Array, branch: int) -> SpanGap:
+        """Gap of one branch."""
         pairs = zip(system.omega, system.zeta, strict=True)
         start = np.array([green(natural, zeta * natural, pair(natural, zeta, total.span)) for natural, zeta in pairs])
         part = total.unit * amplitude * np.exp(1j * roots.phase[:, branch])
@@ -58,24 +61,17 @@ class Flights:
     def __len__(self) -> int:
         return len(self.omega)
 
-    def chosen(self, which: Index) -> Flights:
-        """Flights at the indices ``which``."""
+    def chosen(self, which: Index) -> SpanGap:
+        """Motions at the indices ``which``."""
         omega, span, part, impulse = self.omega[which], self.span[which], self.part[which], self.impulse[which]
-        return Flights(self.system, omega, span, part, impulse, self.start[:, :, which])
+        return SpanGap(self.system, omega, span, part, impulse, self.start[:, :, which])
 
     def gap(self, which: Index, times: Array) -> Gap:
         """Gap of the motions ``which`` (m,) at ``times`` (m,) after the impact, 0 ≤ τ ≤ span."""
         omega, part, impulse = self.omega[which], self.part[which], self.impulse[which]
-        turned = part * np.exp(1j * omega * times)
-        versine = 2 * np.sin(omega * times / 2) ** 2
-        drive = part.imag * versine - part.real * np.sin(omega * times)
-        g = self._green(which, times)
-        return Gap(
-            drive - impulse * g.value,
-            -omega * turned.real - impulse * g.slope,
-            omega**2 * turned.imag - impulse * g.bend,
-            np.abs(part) * omega**4 + np.abs(impulse) * g.fourth,
-        )
+        driven, free = _driven(omega, part, times), self._green(which, times)
+        signed = (-impulse, -impulse, -impulse, np.abs(impulse))
+        return Gap(*(one + sign * other for one, sign, other in zip(driven, signed, free, strict=True)))
 
     def _green(self, which: Index, times: Array) -> Gap:
         """Green's function G − G(0), G', G'' and the bound on G''''."""
@@ -92,6 +88,14 @@ class Flights:
             mode = _mode(natural, zeta, self.start[i][:, which], times, self.span[which])
             total += system.contact[i] ** 2 * np.stack(mode)
         return Gap(*total)
+
+
+def _driven(omega: Array, part: NDArray[np.complex128], times: Array) -> Gap:
+    """The drive's part of the gap."""
+    turned = part * np.exp(1j * omega * times)
+    versine = 2 * np.sin(omega * times / 2) ** 2
+    drive = part.imag * versine - part.real * np.sin(omega * times)
+    return Gap(drive, -omega * turned.real, omega**2 * turned.imag, np.abs(part) * omega**4)
 
 
 def _swinging(natural: Array, zeta: Array, start: Array, times: Array) -> Gap:
@@ -127,3 +131,46 @@ def _two_decays(natural: float, sigma: float, zeta: float, times: Array, span: A
     slow = natural * natural / fast
     parts = [rate**4 * np.exp(-rate * times) / -np.expm1(-rate * span) for rate in (slow, fast)]
     return np.asarray((parts[0] + parts[1]) / (fast - slow))
+
+
+@dataclass(frozen=True)
+class TrainGap:
+    """Gap of flights from impact to impact (m,): drive, duration, the drive's part of the contact just after it.
+
+    ``free`` (m, 2, n): free part of each mode's displacement and velocity, without the response to drive and load.
+    """
+
+    system: ImpactSystem
+    omega: Array
+    span: Array
+    part: NDArray[np.complex128]
+    free: Array
+
+    def __len__(self) -> int:
+        return len(self.omega)
+
+    def gap(self, which: Index, times: Array) -> Gap:
+        """Gap d of the flights ``which`` (k,) at ``times`` (k,) after their first impact."""
+        omega, part = self.omega[which], self.part[which]
+        total: Iterable[Array] = _driven(omega, part, times)
+        for i in np.flatnonzero(self.system.contact):
+            natural, zeta = float(self.system.omega[i]), float(self.system.zeta[i])
+            weight = float(self.system.contact[i])
+            mode = _free_mode(natural, zeta, self.free[which, 0, i], self.free[which, 1, i], times)
+            signed = (-weight, -weight, -weight, abs(weight))
+            total = [sum_ + sign * row for sum_, sign, row in zip(total, signed, mode, strict=True)]
+        return Gap(*total)
+
+
+def _free_mode(natural: float, zeta: float, x: Array, y: Array, times: Array) -> Gap:
+    """Free mode with stiffness: η − η(0), η', η'' and the bound on η''''."""
+    sigma, p = zeta * natural, pair(natural, zeta, times)
+    value, slope = p.p01 * y - p.rise * x, p.p10 * x + p.p11 * y
+    bend, fourth = _derivatives(natural, sigma, x, value, slope)
+    if zeta > APART:
+        fast = sigma + natural * np.sqrt((zeta - 1) * (zeta + 1))
+        slow = natural * natural / fast
+        sizes = np.abs(fast * x + y) / (fast - slow), np.abs(slow * x + y) / (fast - slow)
+        bounds = [size * rate**4 * np.exp(-rate * times) for size, rate in zip(sizes, (slow, fast), strict=True)]
+        fourth = bounds[0] + bounds[1]
+    return Gap(value, slope, bend, fourth)

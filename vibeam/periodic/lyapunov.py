@@ -23,8 +23,7 @@ import numpy as np
 from vibeam.flight.disturbance.tangent import TangentMaps
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.kernels import layout
-from vibeam.periodic.cycle_multipliers import DECAY
-from vibeam.periodic.stroboscopic import Cycle, Flown, StroboscopicMap
+from vibeam.periodic.stroboscopic import DECAY, Cycle, Flown, StroboscopicMap
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arguments import count as counted

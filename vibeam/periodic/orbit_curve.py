@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.periodic.impulse_balance import Roots, balance
-from vibeam.periodic.modal_sums import Sums, fault, sums
+from vibeam.periodic.modal_sums import Roots, Sums, balance, fault, sums
 from vibeam.periodic.multipliers import multipliers, real_crossing
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arguments import count, floats, refuse, require

@@ -25,8 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibeam.periodic.green_derivatives import Green, Poles, green_at
-from vibeam.periodic.tangents import ModalData, Tangents
+from vibeam.periodic.tangents import Green, ModalData, Poles, Tangents, green_at
 from vibeam_models.arrays import Array, Complex
 
 

@@ -16,8 +16,7 @@ from scipy.optimize import brentq
 
 from vibeam.periodic.bifurcation_functions import NAMES, Kind
 from vibeam.periodic.boundaries import JUMP
-from vibeam.periodic.train_birth import birth_ahead, inward, point_before, shares_before
-from vibeam.periodic.train_branch import Branch, Setting
+from vibeam.periodic.train_branch import Branch, Setting, birth_ahead, inward, point_before, shares_before
 from vibeam.periodic.train_orbits import TrainOrbit, multipliers_of
 from vibeam_models.arrays import Array, Complex
 

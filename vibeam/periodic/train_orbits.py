@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from vibeam.periodic.admissibility import AdmissibilityCheck
 from vibeam.periodic.modal_sums import offsets, resonant
 from vibeam.periodic.multipliers import monodromy
+from vibeam.periodic.orbit import AdmissibilityCheck
 from vibeam.periodic.orbit_curve import checked
-from vibeam.periodic.states import carried, phasors
-from vibeam.periodic.trains import Train, lags, newton
+from vibeam.periodic.trains import Train, carried, lags, newton, phasors
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arrays import Array, Complex

@@ -8,11 +8,10 @@ from dataclasses import fields, replace
 import numpy as np
 
 from vibeam.flight.equilibrium import equilibrium
-from vibeam.periodic.admissibility import AdmissibilityCheck
 from vibeam.periodic.modal_sums import offsets, resonant
-from vibeam.periodic.orbit import Orbit, orbits
+from vibeam.periodic.orbit import AdmissibilityCheck, Orbit, orbits
 from vibeam.periodic.orbit_curve import checked
-from vibeam.periodic.states import phasors
+from vibeam.periodic.trains import phasors
 from vibeam.solvers.steady import SteadySolver
 from vibeam.system.curves import MotionCurves
 from vibeam.system.impact_system import Drive, ImpactSystem

@@ -14,10 +14,10 @@ from stand_in import SI
 
 import vibeam
 from vibeam.maps import run as running
-from vibeam.maps.axes import Axis
 from vibeam.maps.block import Block, evaluate_block
-from vibeam.maps.grids import grids_of, key_of, lines_of_block
+from vibeam.maps.evaluate import grids_of, key_of, lines_of_block
 from vibeam.maps.job import partial_response
+from vibeam.maps.points import Axis
 from vibeam.maps.store.blocks import block_path, read_block, write_block
 from vibeam.maps.store.gathered import finished, steps_of
 from vibeam.system.quantities import Ended

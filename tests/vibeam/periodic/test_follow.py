@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.periodic.boundaries import Boundary, boundaries
-from vibeam.periodic.continuation import follow
+from vibeam.periodic.boundaries import Boundary, boundaries, follow
 from vibeam.system.impact_system import ImpactSystem
 
 BETA, R, B = 0.015, 0.9, 0.5e-3

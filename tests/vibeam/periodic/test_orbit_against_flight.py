@@ -16,7 +16,7 @@ import vibeam
 from vibeam.flight.solver import FlightSolver
 from vibeam.periodic.orbit import Orbit, orbits
 from vibeam.periodic.orbit_curve import orbit_curve
-from vibeam.periodic.states import carried
+from vibeam.periodic.trains import carried
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 

@@ -10,8 +10,7 @@ import pytest
 
 import vibeam
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.periodic.boundaries import Boundary, boundaries, on_nodes
-from vibeam.periodic.continuation import follow
+from vibeam.periodic.boundaries import Boundary, boundaries, follow, on_nodes
 from vibeam.periodic.orbit import orbits
 from vibeam.system.impact_system import Drive, ImpactSystem
 

@@ -10,8 +10,7 @@ import pytest
 
 from vibeam.observe.measuring_chain import LowPass, filtered
 from vibeam.periodic.orbit_derivatives import struck
-from vibeam.periodic.output_derivatives import QUANTITIES, of_orbits, without_contact
-from vibeam.periodic.output_signals import SampledOutput
+from vibeam.periodic.output_signals import QUANTITIES, SampledOutput, of_orbits, without_contact
 from vibeam.periodic.tangents import ModalData, Tangents
 
 OMEGA = np.array([95.0])

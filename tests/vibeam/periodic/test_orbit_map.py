@@ -12,8 +12,7 @@ import pytest
 
 import vibeam
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.periodic.boundaries import boundaries
-from vibeam.periodic.continuation import follow
+from vibeam.periodic.boundaries import boundaries, follow
 from vibeam.periodic.contours import BoundaryCurve
 from vibeam.periodic.modal_sums import sums
 from vibeam.periodic.orbit import orbits

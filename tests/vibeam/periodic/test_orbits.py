@@ -12,13 +12,11 @@ from scipy.optimize import brentq
 
 import vibeam
 from vibeam.flight.linear.propagator import pair, pairs, propagators
-from vibeam.periodic.admissibility import AdmissibilityCheck
-from vibeam.periodic.impulse_balance import balance
-from vibeam.periodic.modal_sums import sums
+from vibeam.periodic.modal_sums import balance, sums
 from vibeam.periodic.multipliers import largest, monodromy, multipliers
-from vibeam.periodic.orbit import Orbit, orbits
+from vibeam.periodic.orbit import AdmissibilityCheck, Orbit, orbits
 from vibeam.periodic.orbit_curve import orbit_curve
-from vibeam.periodic.states import carried, state_after
+from vibeam.periodic.trains import carried, state_after
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
 

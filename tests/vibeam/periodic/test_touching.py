@@ -11,9 +11,9 @@ import pytest
 from vibeam.periodic.bifurcation_functions import Kind, clearances, motions
 from vibeam.periodic.boundaries import Boundary, boundaries
 from vibeam.periodic.clearance import least_minimum
-from vibeam.periodic.gap import Flights
+from vibeam.periodic.gap import SpanGap
 from vibeam.periodic.orbit import Orbit, orbits
-from vibeam.periodic.states import carried
+from vibeam.periodic.trains import carried
 from vibeam.system.impact_system import Drive, ImpactSystem
 
 NOMINAL = ImpactSystem.from_modes([1.0], 0.015, 1.0, 1.0, restitution=0.9)
@@ -44,7 +44,7 @@ MANY = some()
 def certified(orbit: Orbit, ceiling: float = np.inf) -> tuple[float, float]:
     points = points_of(orbit)
     branch = int(np.nanargmin(np.abs(points.roots.impulse[0] - orbit.impulse)))
-    flights = Flights.of(orbit.system, points.total, points.roots, points.amplitude, branch)
+    flights = SpanGap.of(orbit.system, points.total, points.roots, points.amplitude, branch)
     found = least_minimum(flights, np.array([ceiling]))
     return float(found.value[0]), float(found.time[0])
 

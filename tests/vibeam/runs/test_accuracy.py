@@ -13,7 +13,7 @@ from vibeam.casefile.read import without_accuracy
 from vibeam.exchange.faults import CaseError
 from vibeam.flight.kernels import layout
 from vibeam.flight.solver import FlightSolver
-from vibeam.periodic.states import carried
+from vibeam.periodic.trains import carried
 from vibeam.runs.accuracy.candidates import EXACT, candidates_of, distance, rows
 from vibeam.runs.accuracy.choice import BranchChoice, _verdict
 from vibeam.runs.accuracy.closed_forms import FREE, HARDER, ClosedForms

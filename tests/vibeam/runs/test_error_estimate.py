@@ -14,9 +14,8 @@ from support.random_beams import RandomBeam, random_beam
 from vibeam.case.fidelity import Fidelity, system
 from vibeam.flight.solver import FlightSolver
 from vibeam.periodic.bifurcation_functions import motions
-from vibeam.periodic.nearby_orbits import nearby_orbits
 from vibeam.periodic.orbit import orbits
-from vibeam.periodic.predicted_response import Found, predicted
+from vibeam.periodic.predicted_response import Found, nearby_orbits, predicted
 from vibeam.periodic.train_sums import Trains
 from vibeam.runs.estimate.error import estimate_error
 from vibeam.runs.estimate.of_case import estimates

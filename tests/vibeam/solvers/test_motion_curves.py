@@ -21,7 +21,7 @@ from vibeam.cli.main import app
 from vibeam.figures.response_curve import write_frc
 from vibeam.observe.branches import motion_pieces
 from vibeam.periodic.orbit import orbits
-from vibeam.periodic.states import carried
+from vibeam.periodic.trains import carried
 from vibeam.solvers import SOLVERS
 from vibeam.solvers.averaging import AveragingSolver
 from vibeam.solvers.orbit import OrbitSolver

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from vibeam.case.case import units_of_output
 from vibeam.exchange.whole_files import fill_sealed, is_sealed, write_at
-from vibeam.maps.axes import shape_of
 from vibeam.maps.block import DTYPES, Block, Grid, Values
 from vibeam.maps.evaluate import GridResponse
+from vibeam.maps.points import shape_of
 from vibeam.maps.store.structure import Structure, without_values
 from vibeam.runs.store.content import SIGNATURE
 from vibeam.runs.store.errors import StoreError, reason, unwritable

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS
 from vibeam.figures.page import PAGE, plain
 from vibeam.figures.style import COLOURS
-from vibeam.maps.boundaries import boundaries_over
+from vibeam.maps.closed_form import boundaries_over
 from vibeam.observe.periodicity import classes
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.report.maps.axes import MapPanel, ShownAxis, cells, edges, panels, quantity_label, shown_axis

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.periodic.admissibility import AdmissibilityCheck
 from vibeam.periodic.bifurcation_functions import motions
-from vibeam.periodic.nearby_orbits import nearby_orbits
+from vibeam.periodic.orbit import AdmissibilityCheck
+from vibeam.periodic.predicted_response import nearby_orbits
 from vibeam.periodic.train_sums import Trains
 from vibeam.runs.estimate.records import Basis
 from vibeam.system.impact_system import Drive, ImpactSystem

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.periodic.output_derivatives import Value, of_orbits, without_contact
+from vibeam.periodic.output_signals import Value, of_orbits, without_contact
 from vibeam.periodic.tangents import ModalData, Tangents
 from vibeam.studies.fit.forward import Forward
 from vibeam.studies.fit.points import Points, points_of

@@ -19,8 +19,7 @@ import numpy as np
 from vibeam.case.fidelity import system
 from vibeam.periodic.modal_sums import fault
 from vibeam.periodic.orbit_derivatives import struck
-from vibeam.periodic.output_derivatives import without_contact
-from vibeam.periodic.output_signals import SampledOutput
+from vibeam.periodic.output_signals import SampledOutput, without_contact
 from vibeam.periodic.tangents import ModalData, Tangents
 from vibeam.studies.uncertainty.samples import Responses
 from vibeam_models.arrays import Array

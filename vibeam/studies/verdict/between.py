@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 
 from vibeam.batches.points import changed
 from vibeam.case.grid_keys import FREQUENCY, GAP, LEVELS
-from vibeam.maps.axes import Axis
 from vibeam.maps.evaluate import grid_of
-from vibeam.maps.points import GridPoints, grid_points
+from vibeam.maps.points import Axis, GridPoints, grid_points
 from vibeam.periodic.modal_sums import sums
 from vibeam.periodic.orbit import Orbit, orbits
 from vibeam.studies.verdict.judgement import cheapest, doubtful

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from vibeam.case.grid_keys import GAP, LEVELS
-from vibeam.maps.boundaries import boundaries_over
+from vibeam.maps.closed_form import boundaries_over
 from vibeam.maps.points import GridPoints
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.periodic.boundaries import boundaries

@@ -15,8 +15,7 @@ from vibeam.case.grid_keys import FREQUENCY
 from vibeam.exchange.whole_files import regular
 from vibeam.flight.engine.threads import Stopped
 from vibeam.maps.block import Block, Grid, Values, evaluate_block
-from vibeam.maps.evaluate import grid_of
-from vibeam.maps.grids import blocks_of, key_of
+from vibeam.maps.evaluate import blocks_of, grid_of, key_of
 from vibeam.maps.points import GridPoints, grid_points
 from vibeam.maps.store.blocks import discard, opened, read_block, write_block
 from vibeam.runs.parallel import heartbeat, run_parallel
