@@ -219,6 +219,35 @@ def in_coordinates(structure: Structure, basis: Array, **known: Array) -> Struct
     )
 
 
+def side_by_side(one: Structure, two: Structure, contact: Array) -> Structure:
+    """Both structures as one, the coordinates of ``one`` first; ``contact`` (n₁ + n₂,): the row of what they share.
+
+    Outputs and their units are those of ``one``, then those of ``two``.
+    """
+    ahead, beyond = np.zeros(one.size), np.zeros(two.size)
+    ours = {name: np.concatenate([row, beyond]) for name, row in one.outputs.items()}
+    theirs = {name: np.concatenate([ahead, row]) for name, row in two.outputs.items()}
+    return Structure(
+        M=_blocks(one.M, two.M),
+        C=_blocks(one.C, two.C),
+        K=_blocks(one.K, two.K),
+        load=np.concatenate([one.load, two.load]),
+        static=np.concatenate([one.static, two.static]),
+        contact=contact,
+        outputs=ours | theirs,
+        units={**one.units, **two.units},
+        attached=(
+            *(np.concatenate([row, beyond]) for row in one.attached),
+            *(np.concatenate([ahead, row]) for row in two.attached),
+        ),
+    )
+
+
+def _blocks(one: Array, two: Array) -> Array:
+    empty = np.zeros((len(one), len(two)))
+    return np.block([[one, empty], [empty.T, two]])
+
+
 def congruent(matrix: Array, basis: Array) -> Array:
     """BᵀAB (fewer, fewer) of a symmetric matrix, symmetric to the bit."""
     if not matrix.any():  # no damping yet

@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from vibeam_models.arrays import Array
 from vibeam_models.beams.beam import CANTILEVER, PAIRS
 from vibeam_models.beams.shapes import SHAPES, unsuited
 from vibeam_models.beams.tables import dimension, rigid_body_faults, shape_of
 from vibeam_models.keys import keys_of, quantity, word
 from vibeam_models.scene import Effect, Scene
-from vibeam_models.structure import Structure
+from vibeam_models.structure import Structure, side_by_side
 
 if TYPE_CHECKING:
     from vibeam_models.beams.beam import Beam
@@ -81,24 +80,10 @@ class Opposite(Effect):
         Further outputs, m: ``"opposite"``, the second beam's displacement at the contact, and ``"opposite_tip"``.
         """
         other, at = self.other_beam(scene)
-        met = at.row(self.position) + self.arm * at.row(self.position, 1)
-        ours, theirs = np.zeros(structure.size), np.zeros(other.size)
-        outputs = {name: _joined(row, theirs) for name, row in structure.outputs.items()}
-        outputs |= {"opposite": _joined(ours, met), "opposite_tip": _joined(ours, other.outputs["tip"])}
-        both = Structure(
-            M=_beside(structure.M, other.M),
-            C=_beside(structure.C, other.C),
-            K=_beside(structure.K, other.K),
-            load=_joined(structure.load, other.load),
-            static=_joined(structure.static, other.static),
-            contact=_joined(structure.contact, -met),
-            outputs=outputs,
-            units=dict(structure.units) | {"opposite": "m", "opposite_tip": "m"},
-            attached=(
-                *(_joined(row, theirs) for row in structure.attached),
-                *(_joined(ours, row) for row in other.attached),
-            ),
-        )
+        meeting = at.row(self.position) + self.arm * at.row(self.position, 1)
+        outputs = {"opposite": meeting, "opposite_tip": other.outputs["tip"]}
+        other = other.with_(outputs=outputs, units=dict.fromkeys(outputs, "m"))
+        both = side_by_side(structure, other, np.concatenate([structure.contact, -meeting]))
         return both, space.widened(other.size)
 
     def other_beam(self, scene: Scene) -> tuple[Structure, BeamSpace]:
@@ -113,12 +98,3 @@ class Opposite(Effect):
         for effect in effects:
             structure, space = effect.apply(structure, space, scene)
         return structure, space
-
-
-def _beside(one: Array, two: Array) -> Array:
-    empty = np.zeros((len(one), len(two)))
-    return np.block([[one, empty], [empty.T, two]])
-
-
-def _joined(one: Array, two: Array) -> Array:
-    return np.concatenate([one, two])

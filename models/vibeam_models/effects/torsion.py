@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -15,7 +15,7 @@ from vibeam_models.elements import assembled, basis_of
 from vibeam_models.keys import quantity
 from vibeam_models.scene import Effect, Scene
 from vibeam_models.space import BeamSpace
-from vibeam_models.structure import Structure
+from vibeam_models.structure import Structure, side_by_side
 
 TERMS = 40  # of the series, where tanh is 1 and the rest of Σ n⁻⁵ is below 10⁻⁹
 
@@ -97,30 +97,22 @@ class StVenantTorsion:
 
     def apply(self, structure: Structure, space: BeamSpace) -> tuple[Structure, BeamSpace]:
         """The structure and, uncoupled but for the contact's row w + eθ, the twist of the beam held at x = 0."""
-        mass, stiffness, angle = self._twist(space.nodes)
-        count = len(mass)
-        wider = Structure(
-            M=_beside(structure.M, mass),
-            C=_beside(structure.C, np.zeros((count, count))),
-            K=_beside(structure.K, stiffness),
-            load=_longer(structure.load, np.zeros(count)),
-            static=_longer(structure.static, np.zeros(count)),
-            contact=_longer(structure.contact, self.eccentricity * angle),
-            outputs=_all_longer(structure.outputs, count),
-            units=structure.units,
-            attached=tuple(_longer(row, np.zeros(count)) for row in structure.attached),
-        )
-        return wider, space.widened(count)
+        twist = self._twist(space.nodes)
+        contact = np.concatenate([structure.contact, self.eccentricity * twist.contact])
+        return side_by_side(structure, twist, contact), space.widened(twist.size)
 
-    def _twist(self, nodes: Array) -> tuple[Array, Array, Array]:
-        """Inertia, stiffness and the row of the contact's angle, quadratic elements of scikit-fem on the same nodes."""
+    def _twist(self, nodes: Array) -> Structure:
+        """The twist alone, quadratic elements of scikit-fem on the same nodes; the contact row reads its angle."""
         basis = basis_of(nodes, "ElementLineP2", order=4)
         free = self._elimination(basis.doflocs[0])
         inertia = assembled(basis, lambda u, v, _: u * v) * self.inertia_per_length
         stiffness = assembled(basis, lambda u, v, _: u.grad[0] * v.grad[0]) * self.rigidity
         at_mass = _row(basis, self.mass_at) @ free
         mass = free.T @ inertia @ free + self.polar_inertia * np.outer(at_mass, at_mass)
-        return _symmetric(mass), _symmetric(free.T @ stiffness @ free), _row(basis, self.contact_at) @ free
+        none, angle = np.zeros(len(mass)), _row(basis, self.contact_at) @ free
+        return Structure(
+            _symmetric(mass), np.zeros_like(mass), _symmetric(free.T @ stiffness @ free), none, none, angle
+        )
 
     @property
     def rigidity(self) -> float:
@@ -162,19 +154,6 @@ def torsion_constant(width: float, thickness: float) -> float:
     n = np.arange(1, 2 * TERMS, 2)
     series = float(np.sum(np.tanh(n * np.pi * b / (2 * t)) / n**5.0))
     return b * t**3 / 3 * (1 - 192 * t / (np.pi**5 * b) * series)
-
-
-def _beside(one: Array, two: Array) -> Array:
-    empty = np.zeros((len(one), len(two)))
-    return np.block([[one, empty], [empty.T, two]])
-
-
-def _longer(row: Array, more: Array) -> Array:
-    return np.concatenate([row, more])
-
-
-def _all_longer(rows: Mapping[str, Array], count: int) -> dict[str, Array]:
-    return {name: _longer(row, np.zeros(count)) for name, row in rows.items()}
 
 
 def _symmetric(matrix: Array) -> Array:
