@@ -27,9 +27,7 @@ import numpy as np
 
 import vibeam
 from vibeam.case.fidelity import Fidelity, system
-from vibeam.flight.solver import FlightSolver
-from vibeam.runs.accuracy.closed_forms import KINDS
-from vibeam.runs.comparison.closed_curve import amplitudes
+from vibeam.runs.closed_motions import closed_amplitudes
 from vibeam.runs.comparison.limit import limit
 from vibeam.system.impact_system import ImpactSystem
 
@@ -55,7 +53,7 @@ def curves(case: Any, made: ImpactSystem) -> Any:
     """Amplitudes (points, kinds) of the stable closed-form motions."""
     omega = 2 * np.pi * np.sort(case.sweep.frequency)
     base = np.broadcast_to(np.asarray(case.amplitude(omega), dtype=float), omega.shape)
-    return amplitudes(FlightSolver(made, float(omega[0])), omega, base, case.sweep.output, KINDS)
+    return closed_amplitudes(made, omega, base, case.sweep.output)
 
 
 def rows_of(name: str, choice: str) -> list[Row]:

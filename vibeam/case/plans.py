@@ -190,7 +190,7 @@ class FitPlan:
 
 @dataclass(frozen=True)
 class AccuracyPlan:
-    """Plan of ``accuracy``: relative error ``within`` of the finest fidelity's ``quantities``."""
+    """Plan of ``accuracy``: relative error ``within`` of the ``quantities`` against the full model."""
 
     within: float
     quantities: tuple[str, ...] = ("amplitude",)

@@ -20,7 +20,7 @@ class FigureKind:
     by which one of them is chosen (none: their mean is meant). ``exact``:
     True where the motion must be exact between events. ``derivatives``: it shows outputs that are velocities or
     accelerations too. ``transient``: True where no settled motion will do. ``swept``: True where it is drawn of each
-    fidelity's own sweep, which a case with an accuracy does not run.
+    fidelity's own sweep; with an accuracy those beyond the one chosen have none.
     ``one_harmonic``: True where it knows a drive of one harmonic alone. ``formats``: of one that moves, in place of the
     case's: ``draw`` then returns its ``Moving``, and other formats than pictures are by ``write(path, plan, sheets,
     mark)``. ``of_beam``: True where it draws the beam itself. ``refuses``: True where it cannot show all systems:

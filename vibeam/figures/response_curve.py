@@ -32,7 +32,6 @@ from vibeam.figures.style import (
 )
 from vibeam.figures.units import DisplayUnits, amplitude_of, frequency_label, units_for
 from vibeam.observe.branches import MotionClass, motion_pieces, pieces
-from vibeam.system.number_text import percent
 from vibeam.system.response import Branches, Ended, FrequencyResponse, complete, modes_of, periodic
 from vibeam_models.arrays import Array
 
@@ -115,10 +114,7 @@ class _Panel:
     @property
     def label(self) -> str:
         """Name of the fidelity and its size."""
-        study, case = self.result.accuracy, self.result.case
-        if study is not None:
-            return f"within {percent(study.within)} of {name_of(case, study.finest)}"
-        modes, shown = modes_of(self.result[self.name]), name_of(case, self.name)
+        modes, shown = modes_of(self.result[self.name]), name_of(self.result.case, self.name)
         return shown if shown != self.name else f"{shown} ({modes} mode{'s' * (modes > 1)})"
 
     @property
@@ -206,10 +202,10 @@ def _dots(row: int, shared: int) -> tuple[float, tuple[float, float]]:
 
 def grazing_heights(result: Comparison) -> Iterator[tuple[str, float]]:
     """Amplitude of every fidelity's grazing; none of rates, where it depends on the frequency."""
-    case, study = result.case, result.accuracy
+    case = result.case
     if not quantity_of(case, case.sweep.output).rate:
         for name in result:
-            yield name, grazing(case.system(name if study is None else study.finest), case.sweep.output)
+            yield name, grazing(case.system(name), case.sweep.output)
 
 
 def grazing(system: ImpactSystem, output: str) -> float:

@@ -117,31 +117,12 @@ def _computed(case: Case, plan: ShowPlan, fidelity: str) -> Sheet:
     return found
 
 
-class WithinAccuracy(Protocol):
-    """Curve within an accuracy of the finest fidelity."""
-
-    @property
-    def within(self) -> float:
-        """Allowed relative error."""
-        ...
-
-    @property
-    def finest(self) -> str:
-        """Reference fidelity of the error."""
-        ...
-
-
 class Comparison(Protocol):
     """Branches of every fidelity by name, as a mapping, with the figures' further data."""
 
     @property
     def case(self) -> Case:
         """Case of the run."""
-        ...
-
-    @property
-    def accuracy(self) -> WithinAccuracy | None:
-        """Accuracy of the one curve, where the case asks for one."""
         ...
 
     @property

@@ -22,6 +22,11 @@ if TYPE_CHECKING:
     from vibeam.system.state import State
 
 
+def reading_of(quantity: str) -> int:
+    """Level of detail in which a steady point must be read off for a ``quantity``: the amplitude, or the reach too."""
+    return layout.REACH_TOO if quantity == "reach" else layout.OUTPUT_ALONE
+
+
 class FlightSolver(EventDrivenSolver):
     """One system, packed once for drives of ``slowest`` rad/s and more; its methods take a state and give one back."""
 

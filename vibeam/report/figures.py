@@ -68,8 +68,8 @@ def _composed(result: Comparison, plan: ShowPlan) -> tuple[Figure, Any]:
 
     made = blank_page(_size(plan), result.case.figure)
     shown = result.shown.get(plan.name, ())
-    if FIGURES[plan.kind].swept and result.accuracy is not None:
-        say(made.subplots(), "of each fidelity's own sweep, and accuracy makes one curve of all")
+    if FIGURES[plan.kind].swept and (spared := [name for name in plan.fidelities if name not in set(result)]):
+        say(made.subplots(), f"{', '.join(spared)}: not swept, since a fidelity that costs less is within the accuracy")
         moving = None
     else:
         moving = module_of(plan).draw(made, result, plan, shown)

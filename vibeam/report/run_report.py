@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from vibeam.figures.units import units_for
-from vibeam.report import accuracy, tables
+from vibeam.report import tables
 from vibeam.runs.comparison.differences import headline, notes
 from vibeam.runs.estimate.summary import estimate_texts
 from vibeam.runs.summary import compare, remarks
@@ -27,13 +27,9 @@ class RunReport:
 
 def run_report(result: Result) -> RunReport:
     """Report of a result; its errors are estimated and its comparisons made as far as it has them."""
-    rows, units, compared, study = compare(result), units_for(result), result.comparisons, result.accuracy
+    rows, units, compared = compare(result), units_for(result), result.comparisons
+    choice = () if result.accuracy is None else result.accuracy.sentences()
     estimated = estimate_texts(result.estimates)
     below = [*(line for each in compared for line in notes(each)), *estimated.sentences, *remarks(result)]
-    shown = [tables.responses(rows, units, estimated)]
-    if study is None:
-        shown.append(tables.costs(rows, compared))
-    else:
-        shown.append(accuracy.choices(study))
-        below = [*accuracy.sentences(study, units), *accuracy.limits(study, compared), *below]
-    return RunReport(list(map(headline, compared)), shown, below)
+    shown = [tables.responses(rows, units, estimated), tables.costs(rows, compared)]
+    return RunReport([*choice, *map(headline, compared)], shown, below)

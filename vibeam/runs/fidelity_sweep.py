@@ -69,7 +69,7 @@ def _part(response: FrequencyResponse, points: slice) -> FrequencyResponse:
     return FrequencyResponse(**{field.name: getattr(response, field.name)[points] for field in fields(response)})
 
 
-class Count:
+class PointCount:
     """Counter of the points done of all fidelities, with a progress callback."""
 
     def __init__(self, branches: Iterable[StoredBranch], progress: Progress) -> None:
@@ -85,6 +85,11 @@ class Count:
         with self._lock:
             self.done += points
             self._progress(self.done, self.total)
+
+    def end(self) -> None:
+        """Count no points that are not needed any more."""
+        self.total = self.done
+        self._progress(self.done, self.total)
 
 
 @dataclass(frozen=True)
@@ -107,11 +112,16 @@ class Job:
         return any(kept.done < len(kept.response) for _, kept in self.branches)
 
     @property
+    def found(self) -> int:
+        """Number of points that were stored already."""
+        return sum(kept.done for _, kept in self.branches)
+
+    @property
     def after(self) -> dict[str, StatesAfter]:
         """States after the points of each branch, as far as they are known."""
         return {branch.direction: kept.after for branch, kept in self.branches}
 
-    def gathered(self, curves: MotionCurves | None) -> Branches:
+    def gathered(self, curves: MotionCurves | None = None) -> Branches:
         """Responses of all branches."""
         return Branches(**{branch.direction: kept.response for branch, kept in self.branches}, curves=curves)
 
@@ -129,7 +139,7 @@ def _nothing(branch: Branch) -> StoredBranch:
     return StoredBranch(FrequencyResponse.empty(branch.frequency, modes), 0, None, StatesAfter.unknown(points, modes))
 
 
-def sweep_branches(case: Case, job: Job, store: Store | None, count: Count, stop: Event) -> None:
+def sweep_branches(case: Case, job: Job, store: Store | None, count: PointCount, stop: Event) -> None:
     """Sweep all branches of one fidelity, the state carried from each to the next."""
     carried: State | None = None
     struck = 0

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from vibeam.case.case import Case
     from vibeam.figures.sheet import Sheet
-    from vibeam.runs.accuracy.study import AccuracyChoice
+    from vibeam.runs.accuracy import AccuracyChoice
     from vibeam.runs.comparison.differences import HeldComparison
     from vibeam.runs.estimate.records import FidelityEstimate
     from vibeam.runs.systems import ModelProperties
@@ -34,8 +34,6 @@ def finest_of(result: Result, beside: str | None = None) -> str:
 
     A member of a family of curves (other gaps, other R) is no reference for another one's accuracy.
     """
-    if result.accuracy is not None:
-        return next(iter(result))
     own = result.case.fidelities
     alike = [name for name in result if beside is None or own[name].changes == own[beside].changes]
     return max(alike, key=lambda name: modes_of(result[name]))
@@ -49,11 +47,11 @@ def output_units(case: Case) -> OutputUnits:
 class Result(Mapping[str, Branches]):
     """Result of a run: ``result[fidelity].up.amplitude``; ``found`` points of ``total`` were in the file already.
 
-    ``shown``: the numbers of the case's [show.NAME] tables, by name. ``accuracy``: the choice of models for the case's
-    accuracy and its verification; the one entry is then ``result["accuracy"]``. ``comparisons``: under both choices of
-    the restitution held, one for each finest fidelity, where the run was asked for them; ``estimates``: then also the
-    error of each fidelity against the full model of its scene, estimated along its exact orbits. ``models``: properties
-    of the fidelities' models, where they are known already.
+    ``shown``: the numbers of the case's [show.NAME] tables, by name. ``accuracy``: the fidelity chosen for the case's
+    accuracy; those that cost more were not swept. ``comparisons``: under both choices of the restitution held, one for
+    each finest fidelity, where the run was asked for them; ``estimates``: then also the error of each fidelity against
+    the full model of its scene, estimated along its exact orbits. ``models``: properties of the fidelities' models,
+    where they are known already.
     """
 
     def __init__(
@@ -63,7 +61,6 @@ class Result(Mapping[str, Branches]):
         path: Path | None = None,
         found: int = 0,
         shown: Mapping[str, tuple[Sheet, ...]] | None = None,
-        accuracy: AccuracyChoice | None = None,
         comparisons: Sequence[HeldComparison] = (),
         models: Mapping[str, ModelProperties] | None = None,
     ) -> None:
@@ -71,7 +68,7 @@ class Result(Mapping[str, Branches]):
         self.path = path
         self.found = found
         self.shown = dict(shown or {})
-        self.accuracy = accuracy
+        self.accuracy: AccuracyChoice | None = None
         self.comparisons = tuple(comparisons)
         self.estimates: dict[str, FidelityEstimate] = {}
         self._branches = dict(branches)
@@ -96,18 +93,16 @@ class Result(Mapping[str, Branches]):
     def held(self) -> str:
         """What its comparisons hold fixed and, where known, the peaks with the other choice; empty without any."""
         compared = [name for name, finest in self.finest.items() if name != finest]
-        compared = compared if self.accuracy is None else [self.accuracy.finest]
         labels = dict.fromkeys(held_of(self.case.scene_of(name)).label for name in compared)
         return "\n".join(filter(None, [", ".join(labels), *map(both_peaks, self.comparisons)]))
 
     def restitutions(self, fidelity: str) -> tuple[float, float]:
-        """Restitution R of the contact and R₁ of mode 1 in one fidelity, in an accuracy's choice in the finest."""
+        """Restitution R of the contact and R₁ of mode 1 in one fidelity."""
         from vibeam.case.fidelity import restitutions
 
-        name = fidelity if self.accuracy is None else self.accuracy.finest
-        known = self._models.get(name)
+        known = self._models.get(fidelity)
         if known is None:
-            return restitutions(self.case.scene_of(name), self.case.fidelities[name])
+            return restitutions(self.case.scene_of(fidelity), self.case.fidelities[fidelity])
         return known.restitution, known.first_mode_restitution
 
     @property

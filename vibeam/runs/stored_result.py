@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.runs.accuracy import accuracy_choice, by_cost
 from vibeam.runs.result import Result
-from vibeam.runs.store.accuracy import HOME, read_study
 from vibeam.runs.store.branch import Values, points_of, read_rows
-from vibeam.runs.store.checksum import CHECKSUM, verify
+from vibeam.runs.store.checksum import verify
 from vibeam.runs.store.content import FORMAT, format_of, whole_case
 from vibeam.runs.store.errors import StoreError, reading
 from vibeam.runs.store.estimates import ESTIMATES, read_estimates
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     import h5py
 
     from vibeam.case.case import Case
-    from vibeam.runs.accuracy.study import AccuracyChoice
 
 
 @dataclass(frozen=True)
@@ -68,9 +67,16 @@ def read_result(path: str | Path, parse: Callable[[str], Case]) -> StoredResult:
 
 
 def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
-    rows = {at: read_rows(stored[at[0]][at[1]]) for at in branch_names(stored) if _named(case, at[0])}
+    rows = {at: read_rows(stored[at[0]][at[1]]) for at in branch_names(stored) if at[0] in case.fidelities}
+    models = {name: properties for name, (_, properties) in read_models(stored).items()}
+    estimates, choice = read_estimates(stored) if ESTIMATES in stored else {}, None
+    if case.accuracy is not None and estimates:
+        names = by_cost(case, {name: each.modes for name, each in models.items()})
+        choice = accuracy_choice(case, names, estimates)
+        estimates = {each.fidelity: estimates[each.fidelity] for each in choice.swept}
+        rows = {at: values for at, values in rows.items() if at[0] in estimates}
     branches = {name: _branches(stored, name, rows) for name in dict.fromkeys(name for name, _ in rows)}
-    ordered = {name: branches[name] for name in (*case.fidelities, HOME) if name in branches}
+    ordered = {name: branches[name] for name in case.fidelities if name in branches}
     shown = {name: sheets for name, plan in case.shows.items() if (sheets := read_sheets(stored, plan)) is not None}
     result = Result(
         case,
@@ -78,20 +84,14 @@ def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
         path,
         sum(points_of(stored[one][way]) for one, way in rows),
         shown,
-        _study(stored, branches),
         read_comparisons(stored) if COMPARISON in stored else (),
-        {name: properties for name, (_, properties) in read_models(stored).items()},
+        models,
     )
-    result.estimates = read_estimates(stored) if ESTIMATES in stored else {}
+    result.estimates, result.accuracy = estimates, choice
     provenance = read_provenance(stored["provenance"])
     states = {at: _states(values) for at, values in rows.items()}
     numbers = stored["case/text"][()].decode()
     return StoredResult(result, states, provenance, result.total - result.found, numbers)
-
-
-def _named(case: Case, name: str) -> bool:
-    """Test whether the case has the fidelity of a branch: an older run may have left others."""
-    return name in case.fidelities if case.accuracy is None else name == HOME
 
 
 def _branches(stored: h5py.File, name: str, rows: Mapping[tuple[str, str], Values]) -> Branches:
@@ -105,13 +105,6 @@ def _branches(stored: h5py.File, name: str, rows: Mapping[tuple[str, str], Value
 
 def _response(values: Values) -> FrequencyResponse:
     return FrequencyResponse(**{name: values[name] for name in LAYOUT})
-
-
-def _study(stored: h5py.File, branches: Mapping[str, Branches]) -> AccuracyChoice | None:
-    if HOME not in branches or CHECKSUM not in stored[HOME].attrs:
-        return None
-    verify(stored[HOME])
-    return read_study(stored[HOME], dict(branches[HOME].items()))
 
 
 def _states(values: Values) -> tuple[State | None, ...]:

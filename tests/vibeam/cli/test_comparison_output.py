@@ -25,10 +25,10 @@ TURNS = (
 )
 
 
-def vibeam_run(*words: str) -> Any:
+def vibeam_run(*words: str, code: int = 0) -> Any:
     settings = [word for each in SHORT for word in ("--set", each)]
     result = CliRunner().invoke(app, ["run", str(RIG), *settings, *words])
-    assert result.exit_code == 0, result.output
+    assert result.exit_code == code, result.output
     return result
 
 
@@ -84,8 +84,13 @@ tolerance = "50 %"
     assert "Held" not in result.stdout
 
 
-def test_an_accuracy_says_that_its_reference_is_further_from_its_own_limit() -> None:
-    lines = vibeam_run("--set", "accuracy=1 %").stdout.splitlines()
-    assert lines[0] == TURNS
-    assert any(line.startswith("1 % is asked of beam, whose own limit is further away: +6") for line in lines)
-    assert any(line.startswith("R₁ held instead: sdof -10.5 %") for line in lines)
+def test_an_accuracy_says_which_fidelity_is_taken_with_its_estimate_and_the_others_with_theirs() -> None:
+    lines = vibeam_run("--set", "accuracy=6 %").stdout.splitlines()
+    assert lines[0].startswith("Taken is beam, 5.")
+    assert lines[0].endswith("the cheapest fidelity within 6 % of the full model (64 modes) in amplitude.")
+    assert lines[1].startswith("Refused: sdof, 41.")
+    assert TURNS in lines
+    assert any(line.startswith("beam is off its own limit by +6") for line in lines)  # the full model is off it too
+    refused = vibeam_run("--set", "accuracy=1 %", code=2)
+    assert "the nearest is beam, 5." in refused.stderr
+    assert "add a fidelity with more modes, or allow more than 5." in refused.stderr

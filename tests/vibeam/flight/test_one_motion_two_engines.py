@@ -10,6 +10,7 @@ from vibeam.flight.event_driven import EventDrivenSolver
 from vibeam.flight.kernels import layout
 from vibeam.flight.regime_solver import RegimeSolver
 from vibeam.flight.solver import FlightSolver
+from vibeam.system.state import State
 
 TURNS = 6
 
@@ -73,3 +74,33 @@ def test_a_start_on_the_stop_makes_no_impacts_of_round_off(made: type[EventDrive
     times, speeds = impacts(made(beam(), 2 * np.pi * 14), vibeam.Drive(2 * np.pi * 14, 8.660311939459456e-05), 100)  # type: ignore[call-arg]
     assert times[0] > 0.1
     assert speeds.min() > 1e-6 * speeds.max()
+
+
+@pytest.mark.parametrize("reading", [layout.OUTPUT_ALONE, layout.REACH_TOO])
+def test_what_is_read_lightly_is_read_well_and_the_rest_not_at_all(reading: int) -> None:
+    flight, grid, base = FlightSolver(beam(), 80.0), 2 * np.pi * np.linspace(14, 17, 3), 8.660311939459456e-05
+    full, end = flight.steady(grid, base, None, 20, 10, "contact")
+    states: list[State] = []
+    light, after = flight.steady(grid, base, None, 20, 10, "contact", reading, states)
+    np.testing.assert_array_equal(after.velocity, end.velocity)
+    np.testing.assert_array_equal(light.impact_velocity, full.impact_velocity)
+    assert len(states) == 3
+    assert light.amplitude == pytest.approx(full.amplitude, rel=3e-6)
+    assert np.isnan(light.mode_energy).all()
+    assert np.isnan(light.reach).all() == (reading == layout.OUTPUT_ALONE)
+    if reading == layout.REACH_TOO:
+        assert light.reach == pytest.approx(full.reach, rel=3e-6)
+
+
+@pytest.mark.parametrize("reading", [layout.OUTPUT_ALONE, layout.EVERYTHING])
+def test_rounds_are_flights_of_one_period(reading: int) -> None:
+    flight, grid = FlightSolver(beam(), 80.0), 2 * np.pi * np.linspace(14, 17, 7)
+    base, states = np.full(7, 8.660311939459456e-05), np.random.default_rng(4).normal(0, 1e-5, (7, 2, 2))
+    states[:, 0] -= 1e-4  # off the stop
+    found, after = flight.rounds(grid, base, states, "contact", reading)
+    for i, (omega, both) in enumerate(zip(grid, states, strict=True)):
+        one, end = flight.steady([omega], base[i], State(*both), 0, 1, "contact", reading)
+        np.testing.assert_array_equal(after[i], [end.displacement, end.velocity])
+        for name in ("amplitude", "maximum", "minimum", "reach", "mode_energy", "impacts", "ended"):
+            np.testing.assert_array_equal(getattr(found, name)[i], getattr(one, name)[0])
+    assert found.impacts.sum() > 0

@@ -299,27 +299,3 @@ def test_an_estimate_says_over_which_points_with_impacts_it_holds(
 
 def empty() -> FrequencyResponse:
     return FrequencyResponse.empty(np.array([14.5, 15.0, 15.5]), 8)
-
-
-def test_a_curve_within_an_accuracy_has_an_estimate_point_by_point(tmp_path: Path) -> None:
-    points = {
-        "units": "SI",
-        "sweep.frequency": np.linspace(14.5, 16, 25).tolist(),
-        "sweep.settle": 150,
-        "sweep.hold": 10,
-    }
-    case = vibeam.load(ROOT / "cases" / "dtu_neutral.toml", set=points | {"accuracy": "3 %", "beam.elements": 12})
-    result = vibeam.run(case, tmp_path / "it.h5", show=False, compare=True)
-    assert result.accuracy is not None
-    curve, found = result.accuracy.curves["up"], result.estimates["accuracy"].branches["up"]
-    assert len(set(curve.fidelity)) > 1
-    full = system(case.scene, Fidelity("full", "full"))
-    flown = vibeam.sweep(
-        full, omega=2 * np.pi * case.sweep.frequency, amplitude=case.base_amplitude, settle=300, output="sensor"
-    )
-    true = np.abs(curve.response.amplitude / flown.amplitude - 1)
-    assert found.known.sum() > 15
-    assert np.all(found.amplitude_bound[found.known] >= true[found.known])
-    assert np.all(found.amplitude_bound[found.known] <= 2 * true[found.known] + 1e-4)
-    kept = vibeam.run(case, tmp_path / "it.h5", show=False, compare=True).estimates["accuracy"].branches["up"]
-    assert np.array_equal(kept.amplitude_bound, found.amplitude_bound, equal_nan=True)

@@ -19,7 +19,6 @@ from vibeam.flight import exact as warm_up_motion
 from vibeam.flight.engine import compilation
 from vibeam.flight.engine.compilation import KERNELS, announce
 from vibeam.flight.solver import FlightSolver
-from vibeam.runs.accuracy import study as accuracy_study
 from vibeam.solvers import steady as warm_up
 from vibeam.studies.cost.study import cost
 from vibeam.studies.influence import study as influence_study
@@ -100,11 +99,12 @@ def test_studies_are_warm(clock: SlowFirst) -> None:
 
 
 def test_an_accuracy_is_warm(clock: SlowFirst) -> None:
-    case = parse(RIG.read_text(encoding="utf-8").split("[reference")[0], set={"sweep.frequency.points": 3})
-    study = accuracy_study.study(case, 0.01, checks=1)
-    assert study.cpu_seconds < 1
-    assert study.finest_seconds < 1
-    assert all(each.cpu_seconds < 1 for each in study.chosen)
+    case = parse(
+        RIG.read_text(encoding="utf-8").split("[reference")[0], set={"sweep.frequency.points": 3, "accuracy": "5 %"}
+    )
+    found = vibeam.run(case, show=False)
+    assert list(found) == ["sdof", "two_modes"]
+    assert all(response.cpu_seconds.max() < 1 for branches in found.values() for _, response in branches.items())
 
 
 def test_an_influence_is_warm(clock: SlowFirst) -> None:

@@ -93,18 +93,18 @@ class AnyCase(Table):
         **ASIDE,
     )
     accuracy: Annotated[float | None, Within] = key(
-        "relative error allowed, of the finest fidelity's: vibeam run then takes what is cheapest, place by place",
+        "relative error allowed, against the full model: vibeam run then takes the cheapest fidelity within it",
         "1 %",
         None,
         written=False,
-        physics=False,
+        **ASIDE,
     )
     accuracy_of: Annotated[tuple[str, ...] | None, Each(Word(ACCURATE))] = key(
         "the quantities that this holds for; absent = the amplitude alone",
         ["amplitude", "reach"],
         None,
         written=False,
-        physics=False,
+        **ASIDE,
     )
 
 

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.case.held import held_of, other_choice, with_other_choice
-from vibeam.runs.comparison.closed_curve import ClosedCurve, closed_curve
+from vibeam.runs.closed_motions import ClosedCurve, closed_curve, without_closed_forms
 from vibeam.runs.comparison.differences import BothChoices, HeldComparison, OwnLimit
 from vibeam.runs.comparison.limit import Limit, limit
 from vibeam.system.curves import NAN, Difference
@@ -84,8 +83,6 @@ def _excluded(model: ComparedModel) -> str:
         return "a single degree of freedom given directly has no more modes"
     if model.system.beyond_plain:
         return f"no closed-form motions with {_as_written(model, ' or '.join(model.system.beyond_plain))}"
-    if model.scene.platform is not None and model.scene.platform.coupling == "two-way":
-        return "no closed-form motions on a platform that is pushed back"
     return model.why
 
 
@@ -195,16 +192,12 @@ def _peak_fault(model: ComparedModel, closed: Closed) -> str:
     return f"the peak of {model.name} is not that of an exact motion with one impact a drive period"
 
 
-MOVING = "the gap changes along the sweep, which no closed form follows"
-SEVERAL = "no closed-form motions under several harmonics"
-
-
 def comparisons(
     case: Case, finest: Mapping[str, str], systems: Mapping[str, ImpactSystem], branches: Mapping[str, Branches]
 ) -> tuple[HeldComparison, ...]:
     """Compare every fidelity with its ``finest``; those compared with none are left out, and cost nothing.
 
-    ``branches``: of the fidelities that were run, empty where only the chosen points of an accuracy were.
+    ``branches``: of the fidelities that were run.
     """
     models = {name: compared_model(case, name, systems[name], branches.get(name)) for name in finest}
     groups = {top: [models[n] for n in finest if finest[n] == top != n] for top in dict.fromkeys(finest.values())}
@@ -217,6 +210,6 @@ def compared_model(
     """Model of one fidelity over the case's sweep, with the branches of its run; ``like``: whose scene it has."""
     omega, scene = 2 * np.pi * np.sort(case.sweep.frequency), case.scene_of(like or name)
     base = np.broadcast_to(np.asarray(case.amplitude_of(like or name, omega), dtype=float), omega.shape)
-    moves = gap_wear(scene) is not None or gap_drift(scene, omega) is not None
-    why = SEVERAL if scene.harmonics else MOVING if moves else ""
-    return ComparedModel(name, scene, system, omega, base, case.sweep.output, branches, why)
+    return ComparedModel(
+        name, scene, system, omega, base, case.sweep.output, branches, without_closed_forms(scene, omega)
+    )  # fmt: skip

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.periodic.modal_sums import fault, resonant
+from vibeam.periodic.modal_sums import resonant
 from vibeam.periodic.predicted_response import Found, PredictedResponse, predicted, predicted_free
 from vibeam.periodic.train_sums import Trains
+from vibeam.runs.closed_motions import unsuited
 from vibeam.runs.estimate.motions import SweptMotions, swept_motions
 from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate
 from vibeam.system.impact_system import ImpactSystem
@@ -48,15 +49,6 @@ def estimate_error(
     names = (*QUANTITIES, *(f"{name}_bound" for name in QUANTITIES), "correction")
     rows = dict(zip(names, (*made.signed, *made.bounds), strict=True))
     return ErrorEstimate(frequency=response.frequency.copy(), basis=made.basis, **rows)
-
-
-def unsuited(system: ImpactSystem) -> str:
-    """Reason why a system has no closed-form motions; empty where it has."""
-    if np.any(system.omega == 0):
-        return "it has a mode without stiffness"
-    if system.beyond_plain:
-        return f"no closed-form motions with {' or '.join(system.beyond_plain)}"
-    return fault(system)
 
 
 def _distinct(trains: Trains) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

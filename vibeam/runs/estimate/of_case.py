@@ -9,34 +9,34 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.fidelity import Fidelity, gap_drift, gap_wear, system
-from vibeam.runs.comparison.held_comparison import MOVING, SEVERAL
-from vibeam.runs.estimate.error import estimate_error, unsuited
+from vibeam.case.fidelity import Fidelity, system
+from vibeam.runs.closed_motions import unsuited, without_closed_forms
+from vibeam.runs.estimate.error import estimate_error
 from vibeam.runs.estimate.flown import FullSweep, Motion, without_another_motion
 from vibeam.runs.estimate.records import ErrorEstimate, FidelityEstimate
 from vibeam.system.impact_system import ImpactSystem
-from vibeam.system.response import FrequencyResponse, join
+from vibeam.system.response import join
 from vibeam.system.state import StatesAfter
+from vibeam_models.arrays import Array
 from vibeam_models.beam import structure_of
 from vibeam_models.scene import AnyScene, RigScene
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.runs.accuracy.study import Curve
     from vibeam.system.response import Branches
 
 
 LARGEST = 1500  # coordinates of a structure all of whose modes are computed
 
 
-def full_model(scene: AnyScene) -> ImpactSystem:
-    """Impact system with all modes of a scene; ValueError says why there is none with closed-form motions."""
+def full_model(scene: AnyScene, omega: Array) -> ImpactSystem:
+    """Impact system with all modes of a scene; ValueError says why it has no closed-form motions over ``omega``."""
+    if why := without_closed_forms(scene, omega):
+        raise ValueError(why)
     if scene.given_mode is not None or not isinstance(scene, RigScene):
         raise ValueError("a single degree of freedom given directly has no fuller model")
     if not scene.all_modes:
         raise ValueError("the case gives a few modes, and no structure that has more")
-    if scene.platform is not None and scene.platform.coupling == "two-way":
-        raise ValueError("no closed-form motions on a platform that is pushed back")
     if scene.stop.law is not None:
         raise ValueError(f'no closed-form motions with the contact law "{scene.stop.law.name}"')
     if (size := structure_of(scene).size) > LARGEST:
@@ -59,7 +59,7 @@ def estimates(
     for names in _scenes(case, branches):
         begun = time.thread_time()
         try:
-            full = _full(case, names[0])
+            full = full_model(case.scene_of(names[0]), 2 * np.pi * case.sweep.frequency)
         except ValueError as refusal:
             found |= dict.fromkeys(names, FidelityEstimate(0, {}, str(refusal)))
             continue
@@ -79,16 +79,6 @@ def _scenes(case: Case, names: Iterable[str]) -> list[list[str]]:
         own = case.fidelities[name]
         groups.setdefault(repr((own.changes, own.without)), []).append(name)
     return list(groups.values())
-
-
-def _full(case: Case, name: str) -> ImpactSystem:
-    """Full model of a fidelity's scene; ValueError says why there is no estimate against that."""
-    scene, omega = case.scene_of(name), 2 * np.pi * case.sweep.frequency
-    if scene.harmonics:
-        raise ValueError(SEVERAL)
-    if gap_wear(scene) is not None or gap_drift(scene, omega) is not None:
-        raise ValueError(MOVING)
-    return full_model(scene)
 
 
 def _estimate(
@@ -159,38 +149,3 @@ def _flown(case: Case, name: str, full: ImpactSystem, expected: Mapping[str, Seq
         way: sweep.branch(grid, np.broadcast_to(case.amplitude_of(name, grid), grid.shape), expected[way])
         for way, grid in grids.items()
     }
-
-
-def estimate_of_choice(
-    case: Case, systems: Mapping[str, ImpactSystem], curves: Mapping[str, Curve]
-) -> FidelityEstimate:  # fmt: skip
-    """Estimate the error of a curve within an accuracy, each point with the model that gave it; see ``estimates``."""
-    begun, chosen = time.thread_time(), {name for curve in curves.values() for name in curve.fidelity}
-    try:
-        models = {name: (systems[name], _full(case, name)) for name in sorted(chosen)}
-    except ValueError as refusal:
-        return FidelityEstimate(0, {}, str(refusal))
-    if why := next(filter(None, (unsuited(system) for system, _ in models.values())), ""):
-        return FidelityEstimate(0, {}, why)
-    found = {way: _of_curve(case, models, curve) for way, curve in curves.items()}
-    for names in _scenes(case, sorted(chosen)):
-        own = {way: np.isin(curve.fidelity, names) for way, curve in curves.items()}
-        expected = {way: Motion.predicted(curve.response, found[way]).only(own[way]) for way, curve in curves.items()}
-        flown = _flown(case, names[0], models[names[0]][1], {way: [each] for way, each in expected.items()})
-        found = {way: without_another_motion(each, expected[way], flown[way]) for way, each in found.items()}
-    size = max(full.size for _, full in models.values())
-    return FidelityEstimate(size, found, cpu_seconds=time.thread_time() - begun)
-
-
-def _of_curve(case: Case, models: Mapping[str, tuple[ImpactSystem, ImpactSystem]], curve: Curve) -> ErrorEstimate:
-    """Estimates along one curve, put together from those of each model's points."""
-    names, parts, places = np.array(curve.fidelity), [], []
-    for name in dict.fromkeys(curve.fidelity):
-        which = np.flatnonzero(names == name)
-        values = {f.name: getattr(curve.response, f.name)[which] for f in fields(FrequencyResponse)}
-        amplitude = np.broadcast_to(case.amplitude_of(name, 2 * np.pi * values["frequency"]), len(which))
-        parts.append(estimate_error(FrequencyResponse(**values), *models[name], amplitude, case.sweep.output))
-        places.append(which)
-    order = np.argsort(np.concatenate(places))
-    rows = {f.name: np.concatenate([getattr(part, f.name) for part in parts])[order] for f in fields(ErrorEstimate)}
-    return ErrorEstimate(**rows)

@@ -1,4 +1,4 @@
-"""Access to an open results file from several threads: branches, curves, a study, figure data."""
+"""Access to an open results file from several threads: branches, curves, figure data."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from vibeam.runs.store.branch import Branch, StoredBranch, count_points, read_branch, rows_of, write_rows
-from vibeam.runs.store.checksum import CHECKSUM, sign, verify
+from vibeam.runs.store.checksum import sign, verify
 from vibeam.runs.store.errors import StoreError, reading
 from vibeam.runs.store.estimates import ESTIMATES, key_of_estimates, read_estimates, write_estimates
 from vibeam.runs.store.figures import HOME, read_sheets, write_sheets
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
     from vibeam.case.plans import ShowPlan
     from vibeam.figures.sheet import Sheet
-    from vibeam.runs.accuracy.study import AccuracyChoice
     from vibeam.runs.comparison.differences import HeldComparison
     from vibeam.runs.estimate.records import FidelityEstimate
     from vibeam.runs.store.disk import Disk, Image
@@ -161,27 +160,6 @@ class Store:
         if before != now:  # as text: NaN is not itself
             with self._restructuring() as file:
                 write_models(file, models)
-
-    def study(self, branches: Sequence[Branch]) -> AccuracyChoice | None:
-        """Study whose ``branches`` the file holds, None where it is incomplete."""
-        from vibeam.runs.store.accuracy import HOME as group
-        from vibeam.runs.store.accuracy import read_study
-
-        kept = {branch.direction: self.restore(branch) for branch in branches}
-        with self._reading(f"/{group}") as file:
-            if CHECKSUM not in file[group].attrs or any(part.done < len(part.response) for part in kept.values()):
-                return None
-            verify(file[group])
-            return read_study(file[group], {direction: part.response for direction, part in kept.items()})
-
-    def write_study(self, study: AccuracyChoice) -> None:
-        """Write a study beside its branches, after these."""
-        from vibeam.runs.store.accuracy import HOME as group
-        from vibeam.runs.store.accuracy import write_study
-
-        with self._restructuring() as file:
-            write_study(file[group], study)
-            sign(file[group])
 
     def shown(self, plan: ShowPlan) -> tuple[Sheet, ...] | None:
         """Stored data of ``plan``, None where they must be computed."""

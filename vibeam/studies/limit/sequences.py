@@ -22,9 +22,8 @@ from typing import Any, Literal
 import numpy as np
 
 from vibeam.case.fidelity import Fidelity, system
-from vibeam.periodic.bifurcation_functions import motions
-from vibeam.periodic.predicted_response import Found, PredictedResponse, predicted
-from vibeam.periodic.train_sums import Trains
+from vibeam.periodic.predicted_response import Found, PredictedResponse
+from vibeam.runs.closed_motions import HARDER, SOFTER, closed_motion
 from vibeam.runs.comparison.limit import LEAST_SHARE, RESOLVED
 from vibeam.solvers.collision import struck
 from vibeam.system.impact_system import ImpactSystem
@@ -103,14 +102,8 @@ def _of(there: Sequence[PredictedResponse | None], read: Callable[[PredictedResp
 def exact_motion(model: ImpactSystem, omega: float, base: float, output: str) -> PredictedResponse | None:
     """Stable exact motion with one impact a drive period, clear of the stop in between; None where there is none."""
     drive, amplitude = np.array([omega]), np.array([base])
-    roots = motions(model, 1, drive, amplitude, np.array([model.gap])).roots
-    for branch in (0, 1):
-        phase, impulse = roots.phase[:, branch, None], roots.impulse[:, branch, None]
-        if impulse[0, 0] < 0 and np.isfinite(phase[0, 0]):
-            there = predicted(model, Trains(phase, impulse, drive, amplitude, 1), output)
-            if there.found[0] == Found.ORBIT.code:
-                return there
-    return None
+    there = (closed_motion(model, drive, amplitude, output, kind) for kind in (HARDER, SOFTER))
+    return next((each for each in there if each.found[0] == Found.ORBIT.code), None)
 
 
 def moving_law(found: Sequence[ImpactSystem]) -> str:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from vibeam.case.fidelity import gap_drift
 from vibeam.casefile.quantities import UnitError, dimension, to_si
+from vibeam.runs.closed_motions import unsuited, without_closed_forms
 from vibeam.studies.limit.sequences import (
     ModeSequence,
     ObservedLimit,
@@ -93,8 +93,8 @@ def limit(
 def _of_coefficient(case: Case, scene: RigScene, counts: Sequence[int], at: float) -> Iterable[LimitRow]:
     """Rows with R and with R₁ held."""
     omega = 2 * np.pi * at
-    if scene.harmonics or gap_drift(scene, np.array([omega])) is not None:
-        raise ValueError("no closed-form motions under several harmonics, or with a gap that drifts")
+    if why := without_closed_forms(scene, np.array([omega])):
+        raise ValueError(why)
     base = float(np.ravel(case.amplitude_of(next(iter(case.fidelities)), np.array([omega])))[0])
     for held, label in HELD.items():
         own, text = with_restitution(scene, held), label.format(scene.stop.usual_restitution)
@@ -103,8 +103,8 @@ def _of_coefficient(case: Case, scene: RigScene, counts: Sequence[int], at: floa
         except ValueError as refusal:
             yield _refused(text, counts, str(refusal))
             continue
-        if beyond := next((each.beyond_plain for each in found if each.beyond_plain), ()):
-            raise ValueError(f"no closed-form motions with {' or '.join(beyond)}")
+        if why := next(filter(None, map(unsuited, found)), ""):
+            raise ValueError(why)
         for sequence in of_restitution(found, held, omega, base, case.sweep.output):
             yield _row(text, counts, sequence, frequency=at if sequence.unit != "1" else nan)
 

@@ -17,11 +17,7 @@ import numpy as np
 
 from vibeam.case.fidelity import gap_drift, gap_wear, system_of
 from vibeam.case.reduced_structure import static_at_contact
-from vibeam.flight.solver import FlightSolver
-from vibeam.runs.accuracy.closed_forms import FREE, KINDS
-from vibeam.runs.comparison.closed_curve import amplitudes
-from vibeam.runs.comparison.held_comparison import MOVING, SEVERAL
-from vibeam.runs.estimate.error import unsuited
+from vibeam.runs.closed_motions import FREE, KINDS, closed_amplitudes, unsuited, without_closed_forms
 from vibeam.runs.estimate.of_case import LARGEST
 from vibeam.runs.sweep import march
 from vibeam.system.response import periodic
@@ -216,13 +212,8 @@ class FullResponse:
     def no_closed_forms(self) -> str:
         """Why there are no closed forms; empty where there are."""
         scene: Any = self.case.scene
-        if scene.harmonics:
-            return SEVERAL
-        if gap_wear(scene) is not None or gap_drift(scene, self._omega) is not None:
-            return MOVING
-        if scene.platform is not None and scene.platform.coupling == "two-way":
-            return "no closed-form motions on a platform that is pushed back"
-        return f"{self.full.size} modes are too many" if self.full.size > LARGEST else unsuited(self.full)
+        many = f"{self.full.size} modes are too many" if self.full.size > LARGEST else ""
+        return without_closed_forms(scene, self._omega) or many or unsuited(self.full)
 
     @cached_property
     def closed(self) -> Amplitudes:
@@ -274,8 +265,7 @@ class FullResponse:
 
     def _in_closed_form(self, system: ImpactSystem) -> Amplitudes:
         base = np.broadcast_to(np.asarray(self.case.amplitude(self._omega), dtype=float), self._omega.shape)
-        flight = FlightSolver(system, float(self._omega.min()))
-        values = amplitudes(flight, self._omega, base, self.case.sweep.output, KINDS)
+        values = closed_amplitudes(system, self._omega, base, self.case.sweep.output)
         return Amplitudes(np.arange(len(values)), self.case.sweep.frequency, values, len(values))
 
     def _flown(self, system: ImpactSystem, which: Index, goes_on: Callable[[Amplitudes], bool]) -> Amplitudes:

@@ -56,7 +56,11 @@ def _swept(case: Case, fidelity: str, further: Array) -> Branches:
 
     grid = np.union1d(case.sweep.frequency, further)
     own = replace(
-        case, sweep=replace(case.sweep, frequency=grid), fidelities={fidelity: case.fidelities[fidelity]}, shows={}
+        case,
+        sweep=replace(case.sweep, frequency=grid),
+        fidelities={fidelity: case.fidelities[fidelity]},
+        shows={},
+        accuracy=None,
     )
     return run(own, show=False)[fidelity]
 

@@ -18,9 +18,9 @@ from vibeam.batches.points import changed
 from vibeam.flight.disturbance.tangent import tangent_fault
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.exact import exact_solver
+from vibeam.flight.solver import reading_of
 from vibeam.maps.block import Values
 from vibeam.maps.points import GridPoints
-from vibeam.runs.accuracy.candidates import reading_of
 from vibeam.studies.verdict.motions import CHAOTIC, FAILED, IRREGULAR
 from vibeam.system.response import Ended
 from vibeam.system.state import State
@@ -95,7 +95,7 @@ class _Plane:
         omegas = np.full(READINGS - 1, self.points.omega[at[1:]])
         response, after = self._solver(at).steady(
             omegas, float(self.points.amplitude[at[1:]]), self._state(at), 0, self.plan.hold, self.plan.output,
-            reading_of([self.quantity]),
+            reading_of(self.quantity),
         )  # fmt: skip
         if np.any(response.ended != Ended.COMPLETE.code):
             self.kind[at] = FAILED
