@@ -48,7 +48,6 @@ from vibeam.studies.cost.study import cost as cost
 from vibeam.studies.declaration import StudyDeclaration as StudyDeclaration
 from vibeam.studies.declaration import register_study as register_study
 from vibeam.studies.derive import derive as derive
-from vibeam.studies.export_matrices import export_matrices as export_matrices
 from vibeam.studies.fit.study import fit as fit
 from vibeam.studies.identification.decay import identify_decay as identify_decay
 from vibeam.studies.identification.modes import identify_keys as identify_keys
@@ -56,6 +55,7 @@ from vibeam.studies.identification.response import identify_response as identify
 from vibeam.studies.identification.response import identify_spectrum as identify_spectrum
 from vibeam.studies.influence.study import influence as influence
 from vibeam.studies.limit.study import limit as limit
+from vibeam.studies.modes import export_matrices as export_matrices
 from vibeam.studies.modes import modes as modes
 from vibeam.studies.reduce.study import reduce as reduce
 from vibeam.studies.regression.check import check as check

@@ -163,7 +163,6 @@ def _scale(study: FitStudy, name: str) -> tuple[float, str]:
 
 def _response(study: FitStudy, name: str, axes: Axes) -> dict[str, Any]:
     from vibeam.figures.style import COLOURS
-    from vibeam.studies.fit.curves import branch
 
     points = [each for each in study.points if each.reference == name]
     factor, label = _scale(study, name)
@@ -173,7 +172,7 @@ def _response(study: FitStudy, name: str, axes: Axes) -> dict[str, Any]:
     for number, motion in enumerate(dict.fromkeys(each.motion for each in points if not each.left_out)):
         own = [each.frequency for each in points if each.motion == motion]
         part = grid[(grid >= min(own)) & (grid <= max(own))]
-        best, error = branch(study.problem, study.minimum, name, motion, part)
+        best, error = study.branch(name, motion, part)
         low, high = best - 1.96 * error, best + 1.96 * error
         colour = COLOURS[number]
         handles["95 % band"] = axes.fill_between(

@@ -23,7 +23,7 @@ from vibeam.runs.comparison.differences import both_peaks, notes
 from vibeam.system.number_text import signed
 
 if TYPE_CHECKING:
-    from vibeam.studies.influence.quantities import Change, Quantity
+    from vibeam.studies.influence.curve import Change, Quantity
     from vibeam.studies.influence.study import EffectRow, InfluenceStudy, Variant
 
 

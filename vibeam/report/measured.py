@@ -7,7 +7,7 @@ from math import isfinite
 
 from vibeam.figures.units import METRIC, DisplayUnits
 from vibeam.report.table_widths import ReportTable
-from vibeam.studies.regression.measured import MeasuredRow
+from vibeam.studies.regression.readings import MeasuredRow
 from vibeam.system.number_text import percent
 
 NAN = float("nan")

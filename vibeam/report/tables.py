@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from vibeam.studies.derive import DerivedParameter
     from vibeam.studies.identification.estimates import Identification
     from vibeam.studies.modes import ModeTable
-    from vibeam.studies.regression.measured import MeasuredRow
+    from vibeam.studies.regression.readings import MeasuredRow
     from vibeam.studies.regression.references import CheckRow
     from vibeam.studies.stability.rows import Crossing
 

@@ -13,7 +13,7 @@ from vibeam.studies.verdict.judgement import DIFFERENCES
 from vibeam.system.number_text import shown_unit, signed
 
 if TYPE_CHECKING:
-    from vibeam.studies.verdict.rows import FidelityRow
+    from vibeam.studies.verdict.judgement import FidelityRow
     from vibeam.studies.verdict.study import Verdict
 
 

@@ -23,7 +23,7 @@ from vibeam.solvers import SOLVERS
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.studies.cost.errors import Errors
+    from vibeam.studies.cost.reference import Errors
     from vibeam.studies.cost.row import RunRow
     from vibeam.studies.cost.study import CostStudy
 

@@ -10,8 +10,8 @@ from stand_in import SI
 
 import vibeam
 from vibeam.case.case import Case
-from vibeam.studies.regression import expectations as expect
-from vibeam.studies.regression.measured import compare
+from vibeam.studies.regression import check as expect
+from vibeam.studies.regression.readings import compare
 from vibeam.studies.regression.references import check
 from vibeam.system.response import Ended
 

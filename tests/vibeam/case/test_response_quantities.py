@@ -11,7 +11,7 @@ import vibeam
 from vibeam.case.response_quantities import touching, values_of
 from vibeam.casefile.read import parse
 from vibeam.report.figures import figure
-from vibeam.studies.regression import expectations
+from vibeam.studies.regression import check as expectations
 from vibeam.system.impact_system import ImpactSystem
 
 CASES = Path(__file__).parents[3] / "cases"

@@ -16,7 +16,7 @@ from vibeam.casefile.read import parse
 from vibeam.casefile.rigs import FRAME_FILES
 from vibeam.runs.closed_motions import closed_curve
 from vibeam.runs.comparison.limit import limit
-from vibeam.studies.export_matrices import export_matrices
+from vibeam.studies.modes import export_matrices
 from vibeam_models.beam import structure_of
 
 RIG = Path(__file__).parents[3] / "cases" / "dtu_neutral.toml"

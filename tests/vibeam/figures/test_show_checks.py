@@ -13,7 +13,7 @@ from vibeam.exchange.faults import CaseError
 from vibeam.figures import FIGURES, READ
 from vibeam.figures.sheet import module_of
 from vibeam.solvers import SOLVERS
-from vibeam.studies.regression import expectations as expect
+from vibeam.studies.regression import check as expect
 
 HARMONICS = '[show.it]\nkind = "harmonics"'
 EXPECT = '[expect.it]\nfidelity = "sdof"\nvalue = {value}\ntolerance = "0.1 %"\n'

@@ -11,7 +11,7 @@ from stand_in import SDOF, curve
 import vibeam
 from vibeam.casefile.read import parse
 from vibeam.solvers import SOLVERS
-from vibeam.studies.cost.settings import series_of
+from vibeam.studies.cost.measure import series_of
 
 
 class Still:

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stand_in import curve
 
-from vibeam.studies.cost.errors import Errors, errors, sample_distance
 from vibeam.studies.cost.measure import AperiodicSample, Measured, Plan
+from vibeam.studies.cost.reference import Errors, errors, sample_distance
 from vibeam.studies.cost.row import front
 from vibeam.studies.cost.trajectories import ComparedPath, distance, hausdorff, matched
 from vibeam.system.impact_system import Drive

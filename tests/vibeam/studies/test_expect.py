@@ -10,7 +10,7 @@ from vibeam.case.plans import Expectation
 from vibeam.casefile.read import parse
 from vibeam.exchange.faults import CaseError
 from vibeam.runs.result import Result
-from vibeam.studies.regression.expectations import check
+from vibeam.studies.regression.check import check_expectations as check
 from vibeam.studies.regression.references import CheckRow
 from vibeam.system.response import Branches, Ended
 

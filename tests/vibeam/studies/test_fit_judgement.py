@@ -12,8 +12,8 @@ import vibeam
 from vibeam.casefile.read import parse
 from vibeam.exchange.curves.record import ReferenceCurve
 from vibeam.studies.fit.estimate import best, settled
-from vibeam.studies.fit.forward import Forward
 from vibeam.studies.fit.problem import NO_CONTACT, Problem
+from vibeam.studies.fit.surface import Forward
 
 CASES = Path(__file__).parents[3] / "cases"
 

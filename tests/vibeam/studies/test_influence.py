@@ -26,9 +26,8 @@ from vibeam.cli.main import app
 from vibeam.exchange.faults import CaseError
 from vibeam.report.influence import bars, left_alone, lines, sentences, taken_away, verdict
 from vibeam.report.tables import print_table
-from vibeam.studies.influence.curve import Curve, Step, ends, refined_peak, swept
-from vibeam.studies.influence.quantities import Quantity, Value, change, quantities
-from vibeam.studies.influence.settled_motion import observed_ringing
+from vibeam.studies.influence.curve import Curve, Quantity, Step, Value, change, ends, quantities, refined_peak, swept
+from vibeam.studies.influence.model import observed_ringing
 from vibeam.studies.influence.study import InfluenceStudy, influence
 from vibeam.studies.influence.subsets import effects_of, is_effect, smallest, subsets
 from vibeam.system.impact_system import Drive

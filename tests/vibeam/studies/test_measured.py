@@ -17,8 +17,8 @@ from vibeam.exchange.faults import CaseError
 from vibeam.report.measured import measurements
 from vibeam.report.output import to_json
 from vibeam.runs.result import Result
-from vibeam.studies.regression.expectations import check
-from vibeam.studies.regression.measured import MeasuredRow, compare
+from vibeam.studies.regression.check import check_expectations as check
+from vibeam.studies.regression.readings import MeasuredRow, compare
 from vibeam.system.response import Branches
 
 GRID = np.array([14.0, 15.0, 16.0])

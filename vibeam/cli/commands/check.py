@@ -62,7 +62,7 @@ def check(
     from vibeam.figures.units import units_of
     from vibeam.runs.summary import remarks
     from vibeam.studies.regression.check import at_references, compare_measured
-    from vibeam.studies.regression.expectations import check as expectations
+    from vibeam.studies.regression.check import check_expectations as expectations
     from vibeam.studies.regression.references import check as of_references
     from vibeam.studies.regression.references import require_readable
 

@@ -66,8 +66,8 @@ def _of_signal(
 ) -> Identification:
     from vibeam.exchange.faults import suggest
     from vibeam.studies.identification.decay import identify_decay
+    from vibeam.studies.identification.estimates import read_signal
     from vibeam.studies.identification.response import identify_response, identify_spectrum
-    from vibeam.studies.identification.signals import read_signal
 
     if of_case_too:
         raise UsageError(f"{file}: --key, --measured and --set are of a case (.toml)")

@@ -55,7 +55,7 @@ def modes(
 def export(case: Case, out: str) -> None:
     """Write the matrices of the whole model, and say which table reads them."""
     from vibeam.exchange.matrices.declaration import WRITTEN
-    from vibeam.studies.export_matrices import export_matrices
+    from vibeam.studies.modes import export_matrices
 
     path = output_path(out, f"{case.path.stem}.npz", WRITTEN, "a file of matrices")
     say(f"wrote {path}; to read it as a case:\n{of_case(case.path, lambda: export_matrices(case, path))}")

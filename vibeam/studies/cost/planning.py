@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.runs.models import Model
-from vibeam.studies.cost.measure import Plan, measure
+from vibeam.studies.cost.measure import Plan, Series, Setting, measure
 from vibeam.studies.cost.reference import FLIGHT, curve
-from vibeam.studies.cost.settings import Series, Setting
 from vibeam.system.impact_system import Drive
 from vibeam_models.arrays import Array
 

@@ -12,9 +12,8 @@ import numpy as np
 from vibeam.flight.engine.threads import Clock
 from vibeam.runs.models import Model
 from vibeam.studies.cost.error_split import Part, part, shares
-from vibeam.studies.cost.errors import Errors, errors
-from vibeam.studies.cost.measure import Measured, Plan
-from vibeam.studies.cost.settings import Setting
+from vibeam.studies.cost.measure import Measured, Plan, Setting
+from vibeam.studies.cost.reference import Errors, errors
 from vibeam.system.response import Ended, complete
 
 

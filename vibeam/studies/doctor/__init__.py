@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from vibeam.studies.doctor.finding import Finding, State
+from vibeam.studies.doctor.machine import Finding, State
 
 __all__ = ["Finding", "State", "examine"]
 

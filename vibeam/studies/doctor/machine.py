@@ -1,4 +1,4 @@
-"""Platform, processor, cores, environment variables, and the folders for caches and configuration."""
+"""Findings of the check of an installation; platform, processor, environment variables, folders for caches."""
 
 from __future__ import annotations
 
@@ -7,9 +7,37 @@ import platform
 import shutil
 import tempfile
 from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import Path
 
-from vibeam.studies.doctor.finding import Finding, State
+
+class State(StrEnum):
+    """State of what was examined."""
+
+    GOOD = "ok"
+    FAULT = "fault"
+    ABSENT = "absent"  # optional, and not there
+    NOTE = "note"  # works, and may be better
+    FACT = "fact"  # nothing to judge
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What was found of ``name`` in a ``topic``; ``cure``: what helps, where something does."""
+
+    topic: str
+    name: str
+    state: State
+    value: str
+    cure: str = ""
+
+    def __str__(self) -> str:
+        """As one line."""
+        head = {State.FAULT: "FAULT", State.FACT: ""}.get(self.state, self.state.value)
+        said = f"{head:6}  {self.name}: {self.value}"
+        return f"{said}; {self.cure}" if self.cure else said
+
 
 MACHINE, PLACES = "machine", "places"
 

@@ -11,7 +11,7 @@ from importlib import import_module
 from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
 
-from vibeam.studies.doctor.finding import Finding, State
+from vibeam.studies.doctor.machine import Finding, State
 
 TOPIC = "packages"
 LEAST_PYTHON = (3, 11)

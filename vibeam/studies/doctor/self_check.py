@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.studies.doctor.finding import Finding, State
+from vibeam.studies.doctor.machine import Finding, State
 
 if TYPE_CHECKING:
     from vibeam.system.state import State as Motion

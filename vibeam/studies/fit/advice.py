@@ -16,10 +16,10 @@ import numpy as np
 
 from vibeam.studies.fit.estimate import Minimum
 from vibeam.studies.fit.explanation import actual
-from vibeam.studies.fit.forward import Forward
 from vibeam.studies.fit.points import Points
-from vibeam.studies.fit.problem import MOTIONS, ROUGH, Problem, value_of
+from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
 from vibeam.studies.fit.profile import LEVEL
+from vibeam.studies.fit.surface import Forward
 from vibeam.studies.identification.modes import unit_of
 from vibeam.system.number_text import with_unit
 from vibeam_models.arrays import Array
@@ -32,7 +32,6 @@ LEVELS = ("voltage", "amplitude", "velocity", "acceleration", "force")
 FACTORS = (0.5, 1.0, 2.0)  # of the drive
 MOST = 25  # frequencies
 BEST = 5  # candidates told
-NEAR = 0.01  # half-width of the box of the modal data, share of the bounds
 
 
 @dataclass(frozen=True)
@@ -108,10 +107,8 @@ def _candidates(
 ) -> Iterator[NextPoint]:  # fmt: skip
     (group, frequency), (settings, forward), (spread, target) = where, variant, known
     asked = replace(group.at(frequency), periods=1)
-    own = replace(problem, groups=(asked,), forward={group.fidelity: forward})
-    middle = np.clip(minimum.x, NEAR, 1 - NEAR)
     try:
-        own = own.within(middle - NEAR, middle + NEAR, ROUGH)
+        own = problem.only(asked, forward).about(minimum.x)
         _, beyond = own.motions(minimum.x)
         allowed = actual(own, minimum.x, beyond)
         data, tangents = own.surfaces[group.fidelity].with_tangents(minimum.x)

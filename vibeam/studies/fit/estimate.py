@@ -19,10 +19,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.studies.fit.explanation import SCALE, Explanation, costs, explained, nearest, robust
-from vibeam.studies.fit.flown import Rows, flown_losses, flown_rows
-from vibeam.studies.fit.other_motions import UNTOLD, OtherMotion
-from vibeam.studies.fit.problem import IMPOSSIBLE, LEFT, NO_CONTACT, Problem
+from vibeam.studies.fit.explanation import Explanation, costs, explained, nearest
+from vibeam.studies.fit.flown import UNTOLD, OtherMotion, Rows, flown_losses, flown_rows
+from vibeam.studies.fit.problem import IMPOSSIBLE, LEFT, NO_CONTACT, SCALE, Problem, robust
 from vibeam.studies.fit.surface import quasi_random
 from vibeam_models.arrays import Array, Index
 
@@ -269,8 +268,7 @@ def refined(problem: Problem, minimum: Minimum, dropped: tuple[int, ...] = ()) -
     """The problem with surfaces about a minimum that the model itself confirms, and the minimum by these."""
     half = np.clip(NEARBY * np.sqrt(np.diag(minimum.covariance)), 1e-4, 0.5)
     for _ in range(SMALLER):
-        middle = np.clip(minimum.x, half, 1 - half)
-        own = problem.within(middle - half, middle + half, SURE)
+        own = problem.about(minimum.x, half, SURE)
         x, _ = minimise(own, minimum.x, minimum.chosen)
         off = own.residuals(x, minimum.chosen, own.exact(x))[0] - own.residuals(x, minimum.chosen)[0]
         if np.abs(off).max() < CONFIRMED:

@@ -18,9 +18,9 @@ from vibeam.periodic.bifurcation_functions import clearances
 from vibeam.periodic.bifurcation_functions import motions as motions_at
 from vibeam.periodic.orbit_curve import stability
 from vibeam.periodic.tangents import ModalData
-from vibeam.studies.fit.other_motions import OtherMotion, other_motions
+from vibeam.studies.fit.flown import OtherMotion, other_motions
 from vibeam.studies.fit.points import Points
-from vibeam.studies.fit.problem import IMPOSSIBLE, LEFT, NO_CONTACT, Problem, value_of
+from vibeam.studies.fit.problem import IMPOSSIBLE, LEFT, NO_CONTACT, Problem, robust, value_of
 from vibeam.studies.fit.surface import ModalSurface
 from vibeam_models.arrays import Array, Flags, Index
 
@@ -28,7 +28,6 @@ ROOTS = (0, 1)  # of the quadratic
 FURTHEST = 1.0  # ln(B*/B) up to which the drive beyond the fold is taken
 FAR = 4.0  # residual from which on another motion is looked for
 HANDICAP = 9.0  # of a motion that does not exist at this drive against one that does, in squared residuals
-SCALE = 3.0  # residual from which on Cauchy's loss grows slowly
 
 
 @dataclass(frozen=True)
@@ -47,11 +46,6 @@ class Explanation:
     def loss(self) -> float:
         """Sum of Cauchy's loss over all points, those left out included."""
         return robust(self.cost)
-
-
-def robust(cost: Array) -> float:
-    """Cauchy's loss Σ s² ln(1 + r²/s²) of squared residuals: what is far off counts little more than what is off."""
-    return float(SCALE**2 * np.sum(np.log1p(np.minimum(cost, 1e300) / SCALE**2)))
 
 
 def costs(problem: Problem, value: Array, beyond: Array, factor: float = 1.0) -> Array:

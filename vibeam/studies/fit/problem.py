@@ -18,15 +18,13 @@ from numpy.typing import NDArray
 
 from vibeam.periodic.output_signals import Value, of_orbits, without_contact
 from vibeam.periodic.tangents import ModalData, Tangents
-from vibeam.studies.fit.forward import Forward
 from vibeam.studies.fit.points import Points, points_of
-from vibeam.studies.fit.surface import ModalSurface, surface_of
+from vibeam.studies.fit.surface import Forward, ModalSurface, surface_of
 from vibeam_models.arrays import Array, Index
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.plans import FitKey
-
 
 Models = Callable[[str], tuple[ModalData, Tangents]]  # of a fidelity, at all of its points
 MOTIONS = ("harder impact", "softer impact", "no contact", "left out")
@@ -34,7 +32,9 @@ NO_CONTACT, LEFT = 2, 3
 HARD = 3.0  # weight of a drive that is off by the relative uncertainty of a point
 HEAVIEST = 1e4
 IMPOSSIBLE = 1e9  # residual of values that make no system
+SCALE = 3.0  # residual from which on Cauchy's loss grows slowly
 ROUGH = 1e-5  # tolerance of the modal data over all bounds, where starts are looked for
+NEAR = 0.01  # half-width of a box about given keys, share of the bounds
 
 
 @dataclass(frozen=True)
@@ -73,6 +73,15 @@ class Problem:
             name: surface_of(each, self.omega_of(name), low, high, tolerance) for name, each in self.forward.items()
         }
         return replace(self, surfaces=found)
+
+    def about(self, x: Array, half: Array | float = NEAR, tolerance: float = ROUGH) -> Problem:
+        """The same problem with surfaces over a box of that half-width about shares x, inside the bounds."""
+        middle = np.clip(x, half, 1 - half)
+        return self.within(middle - half, middle + half, tolerance)
+
+    def only(self, group: Points, forward: Forward | None = None) -> Problem:
+        """The same problem of one group alone, by its fidelity's model or another one."""
+        return replace(self, groups=(group,), forward={group.fidelity: forward or self.forward[group.fidelity]})
 
     def omega_of(self, name: str) -> Array:
         """Drive frequencies of all points of a fidelity, rad/s."""
@@ -201,3 +210,8 @@ def value_of(group: Points, data: ModalData, tangents: Tangents, motion: int, sa
     if motion == NO_CONTACT:
         return without_contact(data, tangents, group.omega, group.quantity, group.gain)
     return of_orbits(data, tangents, group.omega, group.periods, motion, group.quantity, group.gain, samples)
+
+
+def robust(cost: Array) -> float:
+    """Cauchy's loss Σ s² ln(1 + r²/s²) of squared residuals: what is far off counts little more than what is off."""
+    return float(SCALE**2 * np.sum(np.log1p(np.minimum(cost, 1e300) / SCALE**2)))

@@ -12,10 +12,9 @@ import numpy as np
 
 from vibeam.studies.fit.advice import NextPoint, next_points
 from vibeam.studies.fit.advice import in_words as advice_in_words
-from vibeam.studies.fit.alternatives import alternatives, unit_factor
 from vibeam.studies.fit.estimate import Minimum, Scan, estimate, met, refined
-from vibeam.studies.fit.judgement import WIDEST, Judgement, patterns, without_outliers
-from vibeam.studies.fit.problem import MOTIONS, Problem
+from vibeam.studies.fit.judgement import WIDEST, Judgement, alternatives, patterns, unit_factor, without_outliers
+from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
 from vibeam.studies.fit.profile import LEVEL, Profile, contour_of, profile
 from vibeam.studies.fit.words import on_directions, on_misfit, on_ridges, ridges
 from vibeam_models.arrays import Array
@@ -94,6 +93,17 @@ class FitStudy:
     def contour(self) -> Array:
         """Contour (m, 2) of the pair, SI; empty without one."""
         return contour_of(self.problem, self.minimum, self.pair) if self.pair else np.empty((0, 2))
+
+    def branch(self, reference: str, motion: str, frequency: Array) -> tuple[Array, Array]:
+        """Quantity of a reference (points,) on one motion at ``frequency`` (points,) Hz, and its standard error.
+
+        The latter is linearised. NaN where there is no such motion.
+        """
+        x, group = self.minimum.x, next(each for each in self.problem.groups if each.reference == reference)
+        surface = self.problem.only(group.at(frequency)).about(x).surfaces[group.fidelity]
+        found = value_of(group.at(frequency), *surface.with_tangents(x), MOTIONS.index(motion))
+        error = np.sqrt(np.einsum("kp,kl,lp->p", found.by, self.minimum.covariance, found.by))
+        return np.where(found.beyond == 0, found.value, np.nan), error
 
 
 def fit(case: Case, tell: Callable[[str], None] | None = None, *, next_point: bool = False) -> FitStudy:

@@ -26,7 +26,7 @@ from vibeam.system.number_text import with_unit
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
-    from vibeam.studies.fit.forward import Forward
+    from vibeam.studies.fit.surface import Forward
 
 
 SMALL = 1e-3  # probability below which it is told as such; of less misfit than the uncertainty allows for

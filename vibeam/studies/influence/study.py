@@ -13,9 +13,8 @@ from vibeam.case.case import require_displacement
 from vibeam.runs.comparison.differences import HeldComparison
 from vibeam.runs.comparison.held_comparison import ComparedModel, compared_model, held_comparison
 from vibeam.solvers.steady import warm_up_once
-from vibeam.studies.influence.curve import swept
+from vibeam.studies.influence.curve import Change, Quantity, change, quantities, swept
 from vibeam.studies.influence.model import Model, model
-from vibeam.studies.influence.quantities import Change, Quantity, change, quantities
 from vibeam.studies.influence.subsets import Subsets, smallest, subsets
 
 if TYPE_CHECKING:

@@ -12,8 +12,7 @@ from vibeam.runs.parallel import EVERY, heartbeat
 from vibeam.runs.result import finest_of
 from vibeam.studies.uncertainty.mean_of_peak import PILOT, MeanPeak, mean_of_peak
 from vibeam.studies.uncertainty.samples import Responses, Sampler, inputs_of
-from vibeam.studies.uncertainty.statistics import LEVELS, Indices, Spread, indices, saltelli
-from vibeam.studies.uncertainty.validation import ErrorRow, error_rows
+from vibeam.studies.uncertainty.statistics import LEVELS, ErrorRow, Indices, Spread, error_rows, indices, saltelli
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:

@@ -22,8 +22,7 @@ from vibeam.runs.parallel import heartbeat, run_parallel
 from vibeam.runs.store.errors import unwritable
 from vibeam.runs.store.lock import locked
 from vibeam.studies.verdict.boundaries import ExactBoundary, exact_boundaries
-from vibeam.studies.verdict.irregular import judged
-from vibeam.studies.verdict.motions import Motions, motions
+from vibeam.studies.verdict.motions import Motions, judged, motions
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from vibeam.batches.batch import batch
 from vibeam.runs.parallel import run_parallel
 from vibeam.studies.verdict.between import labels_between, points_at
-from vibeam.studies.verdict.irregular import judged
 from vibeam.studies.verdict.judgement import cheapest, doubtful
-from vibeam.studies.verdict.motions import Motions, motions
+from vibeam.studies.verdict.motions import Motions, judged, motions
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
