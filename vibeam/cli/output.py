@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from vibeam.cli.streams import put, put_json, reader_gone, say
 
 if TYPE_CHECKING:
+    from vibeam.report.output import StudySheet
     from vibeam.report.table_widths import ReportTable
 
 
@@ -41,6 +42,12 @@ def print_result(
             reader_gone()
     for line in notes:
         put(str(line))
+
+
+def print_sheet(sheet: StudySheet, as_json: bool, files: Sequence[Path] = ()) -> None:
+    """Print a study: its data as JSON, or its tables and sentences, with the ``files`` written."""
+    data = {**sheet.data, "files": files} if files else sheet.data
+    print_result(data, as_json, lambda _: list(sheet.tables), [*sheet.sentences, *files], sheet.head)
 
 
 def write_table(rows: Any, out: Path | None) -> None:

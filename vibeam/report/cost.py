@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from itertools import groupby
 from math import isfinite
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
-from vibeam.figures.files import paths_of
-from vibeam.report.output import plain, write_rows
+from vibeam.report.output import StudySheet, plain
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, coefficient
-from vibeam.report.work_precision import write_work_precision
-from vibeam.runs.comparison.differences import notes
+from vibeam.report.work_precision import work_precision
+from vibeam.runs.comparison.differences import headline, notes
 from vibeam.system.number_text import percent, signed
 
 if TYPE_CHECKING:
@@ -26,18 +24,13 @@ if TYPE_CHECKING:
     from vibeam.studies.cost.study import CostStudy
 
 
-def write_files(study: CostStudy, folder: Path, stem: str, case: Case) -> list[Path]:
-    """Write ``STEM_cost.csv`` and the plot beside it, as the case says, into the folder; return their paths."""
-    table = folder / f"{stem}_cost.csv"
-    figures = paths_of(table, case.figure)
-    write_work_precision(study, case, *figures)
-    write_rows(_lines(study), table)
-    return [*figures, table]
-
-
-def _lines(study: CostStudy) -> list[dict[str, Any]]:
-    """Rows of the CSV file, one a run; nested values get names with a dot, as ``total.amplitude.rms``."""
-    return [dict(_flat(plain(row))) for row in study.rows]
+def sheet(study: CostStudy, case: Case) -> StudySheet:
+    """Sheet of a study of ``case``; as CSV a row a run, nested values by names with a dot: ``total.amplitude.rms``."""
+    said = list(sentences(study))
+    return StudySheet(
+        [runs(study), parts(study)], said, {"study": study}, [dict(_flat(plain(row))) for row in study.rows],
+        lambda: work_precision(study, case), [headline(study.comparison)], coarse=True,
+    )  # fmt: skip
 
 
 def _flat(value: Mapping[str, Any], above: str = "") -> list[tuple[str, Any]]:

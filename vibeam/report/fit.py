@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from pathlib import Path
+from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.report.output import write_csv
+from vibeam.report.output import StudySheet
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
 from vibeam.studies.fit.judgement import Judgement
@@ -22,6 +22,11 @@ if TYPE_CHECKING:
 
 CURVE = 121  # frequencies of a fitted branch
 PANEL_MOST = 4  # references with a panel
+
+
+def sheet(study: FitStudy) -> StudySheet:
+    """Sheet of a fit: its tables, sentences, keys as CSV, figure."""
+    return StudySheet(fit_tables(study), study.sentences, as_data(study), study.rows, partial(fit_figure, study))
 
 
 def fit_tables(study: FitStudy) -> list[ReportTable]:
@@ -92,14 +97,6 @@ def as_data(study: FitStudy) -> dict[str, Any]:
         "next": study.next,
         "sentences": study.sentences,
     }  # fmt: skip
-
-
-def write_fit(study: FitStudy, path: Path, figures: Iterable[Path]) -> None:
-    """Write the keys as CSV, and the figure; the format follows each path's ending."""
-    from vibeam.figures.page import write_page
-
-    write_csv(study.rows, path)
-    write_page(lambda: fit_figure(study), figures)
 
 
 def estimated_case(study: FitStudy) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import isfinite, isinf
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,13 +12,12 @@ from matplotlib.figure import Figure
 from rich.text import Text
 
 from vibeam.case.plans import FigurePlan
-from vibeam.figures.files import paths_of
-from vibeam.figures.page import blank_page, legend, titled, write_page
+from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import COLOURS
-from vibeam.report.output import write_rows
+from vibeam.report.output import StudySheet
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
-from vibeam.runs.comparison.differences import both_peaks, notes
+from vibeam.runs.comparison.differences import both_peaks, headline, notes
 from vibeam.system.number_text import signed
 
 if TYPE_CHECKING:
@@ -38,7 +36,18 @@ SHORT = {
 }
 
 SHOWN = {"m": ("mm", 1e3), "m/s": ("mm/s", 1e3), "Hz": ("Hz", 1.0), "1": ("", 1.0)}
+USUAL = FigurePlan()
+LEAST, MOST = 1e-3, 1e3  # changes over tolerance: larger ones are drawn at the ends
 MOVED = 0.005  # relative change above which a mode's frequency counts as changed
+
+
+def sheet(study: InfluenceStudy, plan: FigurePlan = USUAL) -> StudySheet:
+    """Sheet of a study; as CSV a row a model and quantity."""
+    said = list(sentences(study))
+    return StudySheet(
+        [taken_away(study), left_alone(study)], said, {"study": study, "sentences": said}, list(lines(study)),
+        lambda: bars(study, plan), [headline(study.comparison)], coarse=True,
+    )  # fmt: skip
 
 
 def taken_away(study: InfluenceStudy) -> ReportTable:
@@ -202,18 +211,6 @@ def verdict(study: InfluenceStudy) -> str:
 
 def _listed(names: list[str], last: str = "and") -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {last} {names[-1]}"
-
-
-USUAL = FigurePlan()
-LEAST, MOST = 1e-3, 1e3  # larger changes are drawn at the ends
-
-
-def write_files(study: InfluenceStudy, table: Path, plan: FigurePlan = USUAL) -> list[Path]:
-    """Write the table, and the plot beside it as ``plan`` says; return the paths of the plots and the table."""
-    figures = paths_of(table, plan)
-    write_page(lambda: bars(study, plan), figures, dots=160)
-    write_rows(list(lines(study)), table)
-    return [*figures, table]
 
 
 def lines(study: InfluenceStudy) -> Iterator[dict[str, Any]]:

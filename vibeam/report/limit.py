@@ -7,6 +7,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from vibeam.figures.units import METRIC, DisplayUnits
+from vibeam.report.output import StudySheet
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank
 from vibeam.system.number_text import percent
@@ -17,6 +18,11 @@ if TYPE_CHECKING:
 
 LOOSE = 0.1  # share of a limit beyond which its uncertainty is no number to rely on
 MORE = "its values are not settled over these numbers of modes, more may settle them (--modes)"
+
+
+def sheet(rows: Sequence[LimitRow], units: DisplayUnits = METRIC) -> StudySheet:
+    """Sheet of the limits, as CSV a row a quantity."""
+    return StudySheet([limits(rows, units)], list(sentences(rows)), {"limits": rows}, rows)
 
 
 def limits(rows: Sequence[LimitRow], units: DisplayUnits = METRIC) -> ReportTable:

@@ -1,19 +1,29 @@
-"""Results for other programs: JSON on stdout, CSV in a file."""
+"""Results of a command: JSON on stdout, CSV in a file; the sheet of a study, and its files."""
 
 from __future__ import annotations
 
 import csv
 import json
-from collections.abc import Mapping, Sequence
-from dataclasses import fields, is_dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, is_dataclass
 from io import StringIO
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from vibeam.case.plans import FigurePlan
 from vibeam.exchange.whole_files import write_whole
+from vibeam.figures.files import paths_of
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from vibeam.report.table_widths import ReportTable
+
+
+COARSE = 160  # dots an inch
 
 
 def to_json(value: Any) -> str:
@@ -53,3 +63,30 @@ def plain(value: Any) -> Any:
 def _names(kind: type[Any]) -> list[str]:
     properties = [name for name, member in vars(kind).items() if isinstance(member, property)]
     return [field.name for field in fields(kind)] + properties
+
+
+@dataclass(frozen=True)
+class StudySheet:
+    """``head`` above the ``tables``, ``sentences`` below; ``data`` for JSON.
+
+    ``rows`` of the CSV file: mappings, or records of one dataclass; ``draw`` makes the figure, a ``coarse`` one with
+    fewer dots an inch.
+    """
+
+    tables: Sequence[ReportTable]
+    sentences: Sequence[str]
+    data: Mapping[str, Any]
+    rows: Sequence[Any]
+    draw: Callable[[], Figure] | None = None
+    head: Sequence[str] = ()
+    coarse: bool = False
+
+    def write(self, table: Path, plan: FigurePlan) -> list[Path]:
+        """Write the rows to ``table``, and the figure beside it as ``plan`` says; return the files."""
+        figures = paths_of(table, plan) if self.draw is not None else []
+        if self.draw is not None:
+            from vibeam.figures.page import DOTS, write_page
+
+            write_page(self.draw, figures, dots=COARSE if self.coarse else DOTS)
+        write_rows([row if isinstance(row, Mapping) else plain(row) for row in self.rows], table)
+        return [table, *figures]

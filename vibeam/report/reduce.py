@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from math import ceil, floor, isfinite, log10, nan
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from rich.text import Text
 
 from vibeam.figures.units import units_of
-from vibeam.report.output import plain, write_rows
+from vibeam.report.output import StudySheet, plain
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, coefficient
 from vibeam.studies.reduce.losses import Losses
@@ -42,6 +41,14 @@ PANELS = {
 LARGEST = 10.0  # loss up to which the figure goes
 ROOM = 1.4  # beyond the first and the last decade
 ROUND_OFF = 1e-9  # below which a loss is not drawn: static stiffness is known to about 10⁻¹⁰
+
+
+def sheet(study: ReductionStudy) -> StudySheet:
+    """Sheet of a study: claim, tables, sentences, losses as CSV, their figure."""
+    return StudySheet(
+        reduction_tables(study), sentences(study), as_data(study), rows(study), lambda: reduction_figure(study),
+        [claim(study)],
+    )  # fmt: skip
 
 
 def reduction_tables(study: ReductionStudy) -> list[ReportTable]:
@@ -179,17 +186,10 @@ def _analysis(study: ReductionStudy, basis: str, place: str) -> dict[str, Any]:
     return {"basis_sizes": [*found], "mus": next(iter(found.values())).mus, **columns, **arrays}
 
 
-def write_losses(study: ReductionStudy, path: Path) -> None:
-    """Write the losses as CSV, the response's error in columns of its own."""
-    rows = [plain(row) for row in study.rows]
-    write_rows([row | {f"response_{name}": each for name, each in row.pop("response").items()} for row in rows], path)
-
-
-def write_reduction(study: ReductionStudy, paths: Iterable[Path]) -> None:
-    """Draw and write the figure; the format follows each path's ending."""
-    from vibeam.figures.page import write_page
-
-    write_page(lambda: reduction_figure(study), paths)
+def rows(study: ReductionStudy) -> list[dict[str, Any]]:
+    """Rows of the CSV file: the losses, the response's error in columns of its own."""
+    found = [plain(row) for row in study.rows]
+    return [row | {f"response_{name}": each for name, each in row.pop("response").items()} for row in found]
 
 
 def reduction_figure(study: ReductionStudy) -> Figure:

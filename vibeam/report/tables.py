@@ -13,7 +13,6 @@ from rich.text import Text
 
 from vibeam.exchange.whole_files import naming_stdout
 from vibeam.figures.units import METRIC, DisplayUnits
-from vibeam.report.measured import measurements
 from vibeam.report.table_widths import ReportTable, fitted, needed
 from vibeam.system.number_text import FREQUENCIES, percent, prefixed, signed, without_round_off
 
@@ -25,9 +24,6 @@ if TYPE_CHECKING:
     from vibeam.studies.derive import DerivedParameter
     from vibeam.studies.identification.estimates import Identification
     from vibeam.studies.modes import ModeTable
-    from vibeam.studies.regression.readings import MeasuredRow
-    from vibeam.studies.regression.references import CheckRow
-    from vibeam.studies.stability.rows import Crossing
 
 WIDEST = 160
 FEW_IMPACTS = 100  # so few tell nothing of what an impact costs
@@ -146,33 +142,6 @@ def _off(row: Summary, compared: Sequence[HeldComparison], finest: str) -> tuple
     return *_distance(row, finest), *[""] * (2 * bool(compared))
 
 
-def verdicts(
-    rows: Sequence[CheckRow], measured: Sequence[MeasuredRow], units: DisplayUnits = METRIC
-) -> list[ReportTable]:
-    """Tables of references, of regression values and of measured numbers, those that there are."""
-    kinds = {"reference": "reference", "regression value": "regression value", "measured": "measured curve"}
-    found = [checks(own, units, kinds[kind]) for kind in kinds if (own := [row for row in rows if row.kind == kind])]
-    return [*found, measurements(measured, units)] if measured else found
-
-
-def checks(rows: Iterable[CheckRow], units: DisplayUnits = METRIC, kind: str = "reference") -> ReportTable:
-    """Table of the references (or regression values): passed or missed, by how much and where."""
-    names = ("", kind, "fidelity", "quantity", "points|", "worst|", "at|", "allowed|", "why")
-    table = blank(f"{kind.capitalize()}s", *names, heads=2)
-    for row in rows:
-        mark = _verdict(row.passed)
-        points = str(row.points) if row.points == row.total else f"{row.points} of {row.total}"
-        numbers = (points, percent(row.worst), units.frequencies(row.frequency), percent(row.tolerance))
-        table.add_row(mark, row.reference, row.fidelity, row.quantity, *numbers, _why(row))
-    return table
-
-
-def _verdict(passed: bool | None) -> Text:
-    if passed is None:
-        return Text("compared")
-    return Text("passed", style="green") if passed else Text("missed", style="bold red")
-
-
 def identified(found: Identification) -> ReportTable:
     """Table of identified parameters: value and 95 % interval, a dash where the data do not fix it."""
     table = blank("Identified", "parameter", "value|", "95 % interval|", "±|", "unit")
@@ -187,20 +156,6 @@ def identified(found: Identification) -> ReportTable:
         ]
         unit = "" if row.unit == "1" else row.unit
         table.add_row(row.name, *(numbers if row.determined else ["not determined", "–", "–"]), unit)
-    return table
-
-
-def crossings(rows: Sequence[Crossing], own: str, units: DisplayUnits = METRIC) -> ReportTable:
-    """Table of the boundaries along the case's own frequency range."""
-    table = blank(f"Boundaries at the case's own {own}", "fidelity", "boundary", "motion", "at|", "velocity|", heads=2)
-    table.add("multipliers|")
-    table.caption = "of motions with one impact a span that keep clear of the stop between; velocity: of the impact"
-    for row in rows:
-        numbers = (
-            f"{row.frequency * units.frequency_factor:.10g} {units.frequency}".strip(),
-            units.speeds(row.velocity),
-        )
-        table.add_row(row.fidelity, row.boundary, row.motion, *numbers, row.multipliers)
     return table
 
 
@@ -283,9 +238,3 @@ def _distance(row: Summary, finest: str) -> tuple[str, str]:
 
 def _failed(row: Summary) -> Text:
     return Text(str(row.failed), style="bold red") if row.failed else Text("–")
-
-
-def _why(row: CheckRow) -> str:
-    if row.notes:
-        return "; ".join(row.notes)
-    return "off by more than allowed" if row.passed is False else ""

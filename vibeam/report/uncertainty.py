@@ -4,24 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import isfinite
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibeam.case.case import quantity_of
-from vibeam.case.plans import FigurePlan, Uncertain
-from vibeam.figures.files import paths_of
-from vibeam.figures.page import write_page
-from vibeam.figures.units import DisplayUnits, units_of
-from vibeam.report.output import write_rows
+from vibeam.case.plans import Uncertain
+from vibeam.figures.page import blank_page, legend, titled
+from vibeam.figures.style import look, looks_of, name_of
+from vibeam.figures.units import DisplayUnits, amplitude_of, frequency_label, units_of
+from vibeam.report.output import StudySheet
 from vibeam.report.table_widths import ReportTable
 from vibeam.report.tables import blank, plain
-from vibeam.report.uncertainty_figure import bands
 from vibeam.studies.identification.modes import unit_of
 from vibeam.system.number_text import in_prefix, percent
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from vibeam.studies.uncertainty.statistics import Spread
     from vibeam.studies.uncertainty.study import UncertaintyStudy
 
@@ -30,6 +31,17 @@ def units_in(study: UncertaintyStudy) -> DisplayUnits:
     """Units by the largest amplitude."""
     output = quantity_of(study.case, study.case.sweep.output).name
     return units_of(study.case, float(np.nanmax(study.finest.bands, initial=0.0)), quantity=output)
+
+
+def sheet(study: UncertaintyStudy) -> StudySheet:
+    """Sheet of a study: tables, sentences, bands as CSV, their figure."""
+    said = list(sentences(study))
+    data = {
+        "inputs": study.uncertain, "samples": study.samples, "seed": study.seed, "frequency": study.frequency,
+        "fidelities": study.rows, "sensitivity": study.over_frequency, "sensitivity_of_peak": study.of_peak,
+        "mean_peak": study.mean_peak, "errors": study.errors, "sentences": said,
+    }  # fmt: skip
+    return StudySheet(tables(study), said, data, list(rows(study)), lambda: bands(study, units_in(study)), coarse=True)
 
 
 def tables(study: UncertaintyStudy) -> list[ReportTable]:
@@ -198,26 +210,6 @@ def _told_apart(study: UncertaintyStudy) -> Iterator[str]:
         yield off + ("the form of the model shows." if size > 2 * spread else close)
 
 
-def record(study: UncertaintyStudy) -> dict[str, Any]:
-    """Content for JSON."""
-    return {
-        "inputs": study.uncertain, "samples": study.samples, "seed": study.seed, "frequency": study.frequency,
-        "fidelities": study.rows, "sensitivity": study.over_frequency, "sensitivity_of_peak": study.of_peak,
-        "mean_peak": study.mean_peak, "errors": study.errors,
-    }  # fmt: skip
-
-
-USUAL = FigurePlan()
-
-
-def write_files(study: UncertaintyStudy, table: Path, plan: FigurePlan = USUAL) -> list[Path]:
-    """Write the bands as CSV, and the figure beside it as ``plan`` says; return the paths."""
-    figures = paths_of(table, plan)
-    write_page(lambda: bands(study, units_in(study), plan), figures, dots=160)
-    write_rows(list(rows(study)), table)
-    return [*figures, table]
-
-
 def rows(study: UncertaintyStudy) -> Iterator[dict[str, Any]]:
     """Rows of every fidelity and frequency; indices in those of the finest; missing values are empty."""
     from vibeam.studies.uncertainty.statistics import LEVELS
@@ -231,3 +223,43 @@ def rows(study: UncertaintyStudy) -> Iterator[dict[str, Any]]:
                 found[f"first_order {each.key}"] = study.over_frequency.first[at, place] if last else np.nan
                 found[f"total {each.key}"] = study.over_frequency.total[at, place] if last else np.nan
             yield {name: "" if value != value else value for name, value in found.items()}
+
+
+def bands(study: UncertaintyStudy, units: DisplayUnits) -> Figure:
+    """Bands on the curve of each fidelity above the total indices of the finest one's amplitude."""
+    figure = blank_page((7.0, 6.0), study.case.figure)
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2, 1])
+    _draw_bands(study, upper, units)
+    frequency = study.frequency * units.frequency_factor
+    for place, each in enumerate(study.uncertain):
+        keys = look(len(study.rows) + place).keys(1.2)  # no colour of a fidelity
+        lower.plot(frequency, study.over_frequency.total[place], label=f"total index of {each.key}", **keys)
+    totals = study.over_frequency.total
+    low, high = (float(bound(totals[np.isfinite(totals)], initial=edge)) for bound, edge in ((np.min, 0), (np.max, 1)))
+    lower.set_ylim(low - 0.05 * (low < 0), high + 0.05)  # scatter of samples passes 0 and 1
+    lower.set_ylabel("share of the variance")
+    lower.set_xlabel(frequency_label(units))
+    caption = (
+        f"nine of ten (light) and half (dark) of {study.finest.samples} samples; dashed ends: of the other fidelities"
+    )
+    titled(figure, study.case.figure, study.case.title, caption)
+    handles = [each for axes in (upper, lower) for each in axes.get_legend_handles_labels()[0]]
+    legend(figure, handles, [str(each.get_label()) for each in handles])
+    return figure
+
+
+def _draw_bands(study: UncertaintyStudy, axes: Axes, units: DisplayUnits) -> None:
+    frequency = study.frequency * units.frequency_factor
+    own = looks_of(study.case, [row.fidelity for row in study.rows])
+    for row in study.rows:
+        edges, colour = row.bands * units.length_factor, own[row.fidelity].colour
+        label = name_of(study.case, row.fidelity)
+        if row is study.finest:
+            axes.fill_between(frequency, edges[0], edges[-1], color=colour, alpha=0.18, linewidth=0)
+            axes.fill_between(frequency, edges[1], edges[-2], color=colour, alpha=0.30, linewidth=0)
+        else:
+            for edge in (edges[0], edges[-1]):
+                axes.plot(frequency, edge, color=colour, linewidth=0.7, linestyle=(0, (3, 2)))
+        axes.plot(frequency, row.nominal * units.length_factor, label=label, **own[row.fidelity].keys(1.2))
+    axes.set_ylim(bottom=0)
+    axes.set_ylabel(amplitude_of(study.case.sweep.output, units))

@@ -7,7 +7,6 @@ of its own fidelity. Where the left-hand points of a colour form a column, the m
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, NullLocator
 
 from vibeam.figures.lettering import power_of_ten
-from vibeam.figures.page import blank_page, legend, titled, write_page
+from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import COLOURS, KEY, looks, name_of, shade
 from vibeam.solvers import SOLVERS
 
@@ -35,11 +34,6 @@ FLOOR = 1e-16  # position of an error of zero
 WIDEST, EDGE = 6.0, 50.0  # position of larger errors and of failures
 NAMED = {0: "100 %", -2: "1 %"}  # powers of ten that read better as plain numbers
 Pick = Callable[["RunRow"], "Errors"]
-
-
-def write_work_precision(study: CostStudy, case: Case, *paths: Path) -> None:
-    """Draw and write the plot; the format follows each path's ending (.png, .svg, .pdf)."""
-    write_page(lambda: work_precision(study, case), paths, dots=160)
 
 
 def work_precision(study: CostStudy, case: Case) -> Figure:

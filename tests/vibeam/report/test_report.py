@@ -19,6 +19,7 @@ from vibeam.figures.response_curve import frc, grazing, write_frc
 from vibeam.figures.units import METRIC, units_of
 from vibeam.observe.branches import MotionClass, jumps, pieces
 from vibeam.report import tables as table
+from vibeam.report.checks import checks
 from vibeam.report.limit import sentences as limit_sentences
 from vibeam.report.output import to_json, write_csv
 from vibeam.runs.result import Result
@@ -161,7 +162,7 @@ def test_tables_show_what_they_are_given(capsys: pytest.CaptureFixture[str]) -> 
     table.print_table(table.responses(summaries))
     table.print_table(table.costs(summaries))
     row = CheckRow("exact", "one", "amplitude", 3, 4, 0.0123, 15.2, 0.01, False, ("one is off",))
-    table.print_table(table.checks([row]))
+    table.print_table(checks([row]))
     table.print_table(table.keys(reference_table()))
     text = capsys.readouterr().out
     words = ("peak (mm)", "15.2 ↑", "14–17", "finest", "missed", "3 of 4", "1.23 %", "one is off", "youngs_modulus")

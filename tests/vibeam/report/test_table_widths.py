@@ -11,6 +11,7 @@ from stand_in import case, curve
 
 from vibeam.casefile.documentation import reference_table
 from vibeam.report import tables as table
+from vibeam.report.checks import checks
 from vibeam.report.table_widths import ReportTable, fitted
 from vibeam.runs.result import Result
 from vibeam.runs.summary import Summary, compare
@@ -33,7 +34,7 @@ MISSED = CheckRow("exact", "two_modes", "amplitude", 3, 4, 0.0123, 15.2, 0.01, F
 TABLES = {
     "responses": lambda: table.responses(SUMMARIES),
     "costs": lambda: table.costs(SUMMARIES),
-    "checks": lambda: table.checks([MISSED]),
+    "checks": lambda: checks([MISSED]),
     "keys": lambda: table.keys(reference_table()),
     "derivation": lambda: table.derivation(
         [DerivedParameter("mass, massless beam", "M_S", "kg", 0.41321, 0.40011, "point mass")]
@@ -82,10 +83,10 @@ def test_every_further_table_says_what_its_rows_are_about() -> None:
 
 def test_a_column_that_says_nothing_is_left_out() -> None:
     passed = replace(MISSED, passed=True, notes=())
-    headers = [[str(column.header) for column in fitted(table.checks(rows), 160)[0].columns] for rows in ([passed], [])]
+    headers = [[str(column.header) for column in fitted(checks(rows), 160)[0].columns] for rows in ([passed], [])]
     assert "why" not in headers[0]
     assert "why" in headers[1]  # of no rows at all the head is all there is
-    assert "why" in [str(column.header) for column in fitted(table.checks([passed, MISSED]), 160)[0].columns]
+    assert "why" in [str(column.header) for column in fitted(checks([passed, MISSED]), 160)[0].columns]
 
 
 def test_what_goes_into_a_file_is_in_one_piece(capsys: pytest.CaptureFixture[str]) -> None:

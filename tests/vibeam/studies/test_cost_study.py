@@ -16,7 +16,7 @@ import vibeam
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
 from vibeam.flight.engine.threads import OutOfTime
-from vibeam.report.cost import parts, runs, sentences, write_files
+from vibeam.report.cost import parts, runs, sentences, sheet
 from vibeam.report.work_precision import work_precision
 from vibeam.runs.models import finest, first_mode_restitution_of, models, with_first_mode_restitution
 from vibeam.runs.sweep import sweep
@@ -192,7 +192,7 @@ def test_a_run_that_fails_is_no_number_with_its_reason(monkeypatch: pytest.Monke
     edge = [x for each in axes.lines if each.get_marker() == "X" for x in each.get_xdata()]
     assert edge
     assert min(edge) > 10  # beyond an error of 1000 %, at the edge
-    write_files(study, tmp_path, "a", case)
+    sheet(study, case).write(tmp_path / "a_cost.csv", case.figure)
     assert "a number overflowed" in (tmp_path / "a_cost.csv").read_text(encoding="utf-8")
 
 

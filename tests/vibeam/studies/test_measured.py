@@ -14,7 +14,7 @@ from stand_in import curve, one_mode
 
 from vibeam.casefile.read import parse
 from vibeam.exchange.faults import CaseError
-from vibeam.report.measured import measurements
+from vibeam.report.checks import measurements
 from vibeam.report.output import to_json
 from vibeam.runs.result import Result
 from vibeam.studies.regression.check import check_expectations as check

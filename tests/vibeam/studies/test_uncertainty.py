@@ -11,10 +11,9 @@ from scipy.optimize import minimize
 from stand_in import curve
 
 import vibeam
-from vibeam.case.plans import FigurePlan, Uncertain
+from vibeam.case.plans import Uncertain
 from vibeam.casefile.read import parse
 from vibeam.report import uncertainty as report
-from vibeam.report.uncertainty_figure import bands
 from vibeam.studies.uncertainty.mean_of_peak import _models
 from vibeam.studies.uncertainty.multifidelity import Pilot, allocation, estimate
 from vibeam.studies.uncertainty.samples import Responses, Sampler, _changes, inputs_of
@@ -228,7 +227,7 @@ def test_inputs_are_shown_in_the_units_of_all_other_tables(study):
 def test_indices_beyond_1_lie_in_their_panel(study):
     over = study.over_frequency
     scattered = replace(study, over_frequency=replace(over, total=over.total * 0 + np.array([[1.3], [-0.2]])))
-    low, high = bands(scattered, report.units_in(study), FigurePlan()).axes[1].get_ylim()
+    low, high = report.bands(scattered, report.units_in(study)).axes[1].get_ylim()
     assert low < -0.2 < 1.3 < high
 
 
@@ -278,7 +277,7 @@ def test_tables_sentences_and_files(study, tmp_path):
     assert "Most of it comes from drive.amplitude" in text
     assert "multi-fidelity Monte Carlo" in text
     assert [len(table.rows) for table in report.tables(study)] == [2, 2, 2]  # no motion changes
-    files = report.write_files(study, tmp_path / "case.csv")
+    files = report.sheet(study).write(tmp_path / "case.csv", study.case.figure)
     assert {path.suffix for path in files} == {".png", ".svg", ".csv"}
     with (tmp_path / "case.csv").open() as file:
         rows = list(csv.DictReader(file))

@@ -60,6 +60,7 @@ def check(
     from vibeam.case.held import held_of
     from vibeam.casefile.read import without_accuracy
     from vibeam.figures.units import units_of
+    from vibeam.report.checks import verdicts
     from vibeam.runs.summary import remarks
     from vibeam.studies.regression.check import at_references, compare_measured
     from vibeam.studies.regression.check import check_expectations as expectations
@@ -76,7 +77,7 @@ def check(
     units = units_of(loaded)
     compared = any(each.against for each in loaded.expectations.values())
     print_result(
-        [*rows, *measured], as_json, lambda tables: tables.verdicts(rows, measured, units),
+        [*rows, *measured], as_json, lambda _: verdicts(rows, measured, units),
         [*_registrations(rows), *remarks(result)],
         [f"Held: {held_of(loaded.scene).label}."] if compared else [],
     )  # fmt: skip

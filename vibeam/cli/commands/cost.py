@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from vibeam.cli.arguments import AsJson, CaseFile, Overrides, folder, load, run_study
-from vibeam.cli.output import print_result
+from vibeam.cli.output import print_sheet
 
 
 def cost(
@@ -24,17 +24,10 @@ def cost(
 
     Every fidelity by every solver, and the sources of the error.
     """
-    from vibeam.report import cost as cost_table
-    from vibeam.report.cost import write_files
-    from vibeam.runs.comparison.differences import headline
+    from vibeam.report.cost import sheet
     from vibeam.studies.cost.study import cost as costs
 
     loaded = load(case, set_)
     place = folder(out or Path())
-    study = run_study(case, loaded, costs)
-    files = write_files(study, place, case.stem, loaded)
-    print_result(
-        {"study": study, "files": files}, as_json,
-        lambda tables: [cost_table.runs(study), cost_table.parts(study)], [*cost_table.sentences(study), *files],
-        [headline(study.comparison)],
-    )  # fmt: skip
+    found = sheet(run_study(case, loaded, costs), loaded)
+    print_sheet(found, as_json, found.write(place / f"{case.stem}_cost.csv", loaded.figure))

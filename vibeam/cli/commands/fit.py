@@ -9,7 +9,7 @@ import typer
 
 from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, run_study, table_path
 from vibeam.cli.errors import UsageError
-from vibeam.cli.output import print_result
+from vibeam.cli.output import print_sheet
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -35,8 +35,7 @@ def fit(
     Along branches of periodic motions: values, 95 % intervals, and what the curves cannot separate.
     """
     from vibeam.exchange.whole_files import write_whole
-    from vibeam.figures.files import paths_of
-    from vibeam.report.fit import as_data, estimated_case, fit_tables, write_fit
+    from vibeam.report.fit import estimated_case, sheet
     from vibeam.studies.fit.study import fit as fitted
 
     loaded = load(case, set_)
@@ -44,13 +43,12 @@ def fit(
     if write is not None:
         _require_new(loaded, write, set_)
     study = run_study(case, loaded, lambda own, tell: fitted(own, tell, next_point=next_))
-    figures = paths_of(path, loaded.figure)
-    write_fit(study, path, figures)
-    files = [path, *figures]
+    found = sheet(study)
+    files = found.write(path, loaded.figure)
     if write is not None:
         write_whole(write, run_study(case, loaded, lambda *_: estimated_case(study)).encode())
         files.append(write)
-    print_result(as_data(study) | {"files": files}, as_json, lambda _: fit_tables(study), [*study.sentences, *files])
+    print_sheet(found, as_json, files)
 
 
 def _require_new(case: Case, write: Path, set_: list[str] | None) -> None:

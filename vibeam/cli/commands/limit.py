@@ -8,7 +8,7 @@ import typer
 
 from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, table_path
 from vibeam.cli.errors import of_case
-from vibeam.cli.output import print_result
+from vibeam.cli.output import print_sheet
 
 
 def limit(
@@ -33,8 +33,7 @@ def limit(
     The limit and the rate are observed; where there is no limit it says why.
     """
     from vibeam.figures.units import units_of
-    from vibeam.report import limit as report
-    from vibeam.report import output
+    from vibeam.report.limit import sheet
     from vibeam.studies.limit.study import LimitRow, counts, laws_of, quantity
     from vibeam.studies.limit.study import limit as limits
 
@@ -45,9 +44,5 @@ def limit(
         at = None if frequency is None else quantity("--frequency", frequency, "Hz")
         return limits(loaded, counts(modes), at, quantity("--speed", speed, "m/s"), laws_of(linear, hertz))
 
-    rows = of_case(case, made)
-    if path is not None:
-        output.write_csv(rows, path)
-    units = units_of(loaded, speed=0.05)
-    notes = [*report.sentences(rows), *([] if path is None else [path])]
-    print_result({"limits": rows}, as_json, lambda tables: [report.limits(rows, units)], notes)
+    found = sheet(of_case(case, made), units_of(loaded, speed=0.05))
+    print_sheet(found, as_json, [] if path is None else found.write(path, loaded.figure))

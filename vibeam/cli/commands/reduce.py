@@ -8,7 +8,7 @@ import typer
 
 from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, table_path
 from vibeam.cli.errors import UsageError, of_case
-from vibeam.cli.output import print_result
+from vibeam.cli.output import print_sheet
 
 if TYPE_CHECKING:
     from vibeam.casefile.quantities import Dimension
@@ -41,8 +41,7 @@ def reduce(
     The n that is enough is recommended by the response over the sweep, flown where it is not known in closed form.
     """
     from vibeam.casefile import quantities as units
-    from vibeam.figures.files import paths_of
-    from vibeam.report.reduce import as_data, claim, reduction_tables, sentences, write_losses, write_reduction
+    from vibeam.report.reduce import sheet
     from vibeam.studies.reduce.study import WIDER
     from vibeam.studies.reduce.study import reduce as reduced
 
@@ -53,12 +52,8 @@ def reduce(
     time = None if contact_time is None else _number("--contact-time", contact_time, units.TIME)
     band = None if end is None and begin == 0 else (begin, end or WIDER * float(loaded.sweep.frequency.max()))
     study = of_case(case, lambda: reduced(loaded, within=share, band=band, contact_time=time, bases=basis, most=most))
-    figures = paths_of(path, loaded.figure)
-    write_reduction(study, figures)
-    write_losses(study, path)
-    files = [path, *figures]
-    data, notes = as_data(study) | {"files": files}, [*sentences(study), *files]
-    print_result(data, as_json, lambda _: reduction_tables(study), notes, [claim(study)])
+    found = sheet(study)
+    print_sheet(found, as_json, found.write(path, loaded.figure))
 
 
 def _number(option: str, text: str, kind: Dimension) -> float:

@@ -8,7 +8,7 @@ import typer
 
 from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, table_path
 from vibeam.cli.errors import of_case
-from vibeam.cli.output import print_result
+from vibeam.cli.output import print_sheet
 
 
 def stability(
@@ -30,22 +30,10 @@ def stability(
 
     The axes are frequency and gap or drive.
     """
-    from vibeam.figures.files import paths_of
-    from vibeam.figures.units import units_of
-    from vibeam.report import output
-    from vibeam.report.stability import write_stability
+    from vibeam.report.stability import sheet
     from vibeam.studies.stability.study import stability as mapped
 
     loaded = load(case, set_)
     path = table_path(loaded, out, "stability")
-    found = of_case(case, lambda: mapped(loaded, over, low, high, points, frequencies, periods, fidelity))
-    figures = paths_of(path, loaded.figure)
-    write_stability(found, *figures)
-    output.write_csv(found.points, path)
-    files = [path, *figures]
-    units = units_of(loaded, speed=max((each.velocity for each in found.crossings), default=0.0))
-    notes = found.notes
-    print_result(
-        {"crossings": found.crossings, "maps": found.shares, "remarks": notes, "files": files}, as_json,
-        lambda tables: [tables.crossings(found.crossings, found.axis.text(found.maps[0].own), units)], [*notes, *files],
-    )  # fmt: skip
+    found = sheet(of_case(case, lambda: mapped(loaded, over, low, high, points, frequencies, periods, fidelity)))
+    print_sheet(found, as_json, found.write(path, loaded.figure))

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from vibeam.cli.arguments import AsJson, CaseFile, Overrides, TableFile, load, run_study, table_path
-from vibeam.cli.output import print_result
+from vibeam.cli.output import print_sheet
 
 
 def uncertainty(
@@ -19,14 +19,10 @@ def uncertainty(
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of the samples.")] = 0,
 ) -> None:
     """Carry what [uncertain] says through the sweep: bands, sensitivity, errors side by side."""
-    from vibeam.report import uncertainty as report
+    from vibeam.report.uncertainty import sheet
     from vibeam.studies.uncertainty.study import uncertainty as study_of
 
     loaded = load(case, set_)
     path = table_path(loaded, out, "uncertainty")
-    study = run_study(case, loaded, lambda own, tell: study_of(own, tell, samples=samples, seed=seed))
-    files, sentences = report.write_files(study, path, loaded.figure), list(report.sentences(study))
-    print_result(
-        report.record(study) | {"sentences": sentences, "files": files}, as_json,
-        lambda tables: report.tables(study), [*sentences, *files],
-    )  # fmt: skip
+    found = sheet(run_study(case, loaded, lambda own, tell: study_of(own, tell, samples=samples, seed=seed)))
+    print_sheet(found, as_json, found.write(path, loaded.figure))

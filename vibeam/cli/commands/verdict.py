@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from vibeam.cli.arguments import AsJson, CaseFile, Fresh, Overrides, TableFile, load, run_study, table_path
-from vibeam.cli.output import print_result
+from vibeam.cli.output import print_sheet
 
 Over = Annotated[str, typer.Option("--over", help="frequency and gap, drive, restitution or any dotted key.")]
 
@@ -34,10 +34,7 @@ def verdict(
 
     The axes are frequency and another key of the case. Kinds: period, coexisting motions, chaos.
     """
-    from vibeam.figures.files import paths_of
-    from vibeam.report import output
-    from vibeam.report.verdict import sentences, table_of
-    from vibeam.report.verdict_figure import write_verdict
+    from vibeam.report.verdict import sheet
     from vibeam.studies.verdict.planes import kept_beside
     from vibeam.studies.verdict.study import verdict as judge
 
@@ -45,13 +42,6 @@ def verdict(
     path = table_path(loaded, out, "verdict")
     asked = over, low, high, points, frequencies, accuracy, quantity, fidelity, verify
     with kept_beside(path, fresh) as folder:
-        found = run_study(case, loaded, lambda own, tell: judge(own, *asked, tell, folder))
-        figures, words = paths_of(path, loaded.figure), list(sentences(found))
-        write_verdict(found, *figures)
-        output.write_csv(found.points, path)
-    files = [path, *figures]
-    print_result(
-        {"fidelities": found.rows, "shares": found.shares, "boundaries": found.boundaries, "sentences": words,
-         "files": files},
-        as_json, lambda tables: [table_of(found)], [*words, *files],
-    )  # fmt: skip
+        found = sheet(run_study(case, loaded, lambda own, tell: judge(own, *asked, tell, folder)))
+        files = found.write(path, loaded.figure)
+    print_sheet(found, as_json, files)

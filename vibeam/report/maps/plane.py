@@ -21,8 +21,7 @@ from vibeam.maps.closed_form import boundaries_over
 from vibeam.observe.periodicity import classes
 from vibeam.periodic.bifurcation_functions import Kind
 from vibeam.report.maps.axes import MapPanel, ShownAxis, cells, edges, panels, quantity_label, shown_axis
-from vibeam.report.stability import LOOKS
-from vibeam.studies.stability.rows import NAMES
+from vibeam.report.planes import BOUNDARIES, boundary_keys
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -147,7 +146,7 @@ def _plane(
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     across = shown_axis(result.case, plan.axes[-1])
     upward = shown_axis(result.case, plan.axes[-2]) if len(plan.axes) > 1 else None
-    lines: dict[Any, Line2D] = {}
+    lines: dict[Kind, None] = {}
     notes: dict[str, None] = {}
     for panel in shown:
         axes, response = grid[panel.row, panel.column], result[panel.fidelity]
@@ -168,11 +167,11 @@ def _plane(
         axes.set_xlabel(across.label)
     if upward is not None:
         figure.supylabel(upward.label, fontsize=PAGE["font.size"])
-    return list(lines.values()), list(notes)
+    return [key for kind in lines for key in boundary_keys([kind], 1.0, "exact: ")], list(notes)
 
 
 def _overlay(
-    axes: Axes, result: MapResult, panel: MapPanel, across: ShownAxis, upward: ShownAxis, lines: dict[Any, Line2D],
+    axes: Axes, result: MapResult, panel: MapPanel, across: ShownAxis, upward: ShownAxis, lines: dict[Kind, None],
     notes: dict[str, None],
 ) -> None:  # fmt: skip
     """Lay the exact boundaries over a panel."""
@@ -181,11 +180,9 @@ def _overlay(
     for each in found:
         axes.plot(
             each.across * across.factor, each.upward * upward.factor, linewidth=1.0, path_effects=[HALO],
-            **LOOKS[each.kind],
+            **BOUNDARIES[each.kind],
         )  # fmt: skip
-        lines.setdefault(
-            each.kind, Line2D([], [], linewidth=1.0, label=f"exact: {NAMES[each.kind]}", **LOOKS[each.kind])
-        )
+        lines.setdefault(each.kind)
     axes.set_xlim(limits[0])
     axes.set_ylim(limits[1])
     if why:

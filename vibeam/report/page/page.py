@@ -150,7 +150,7 @@ def _checks(result: Result, left_out: tuple[str, ...]) -> Checks:
         return Checks([], why="Checked by vibeam check, which runs each fidelity by itself.")
     from vibeam.exchange.faults import CaseError
     from vibeam.figures.units import units_of
-    from vibeam.report.tables import verdicts
+    from vibeam.report.checks import verdicts
     from vibeam.studies.regression.check import check, compare_measured
 
     try:

@@ -1,18 +1,48 @@
-"""Table of measured numbers beside the model's."""
+"""Tables of a check: references, regression values, measured numbers beside the model's."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import isfinite
+
+from rich.text import Text
 
 from vibeam.figures.units import METRIC, DisplayUnits
 from vibeam.report.table_widths import ReportTable
+from vibeam.report.tables import ARROWS, blank
 from vibeam.studies.regression.readings import MeasuredRow
+from vibeam.studies.regression.references import CheckRow
 from vibeam.system.number_text import percent
 
 NAN = float("nan")
-ARROWS = {"up": " ↑", "down": " ↓"}
 WITHIN = {True: "yes", False: "no", None: "not given"}
+
+
+def verdicts(
+    rows: Sequence[CheckRow], measured: Sequence[MeasuredRow], units: DisplayUnits = METRIC
+) -> list[ReportTable]:
+    """Tables of references, of regression values and of measured numbers, those that there are."""
+    kinds = {"reference": "reference", "regression value": "regression value", "measured": "measured curve"}
+    found = [checks(own, units, kinds[kind]) for kind in kinds if (own := [row for row in rows if row.kind == kind])]
+    return [*found, measurements(measured, units)] if measured else found
+
+
+def checks(rows: Iterable[CheckRow], units: DisplayUnits = METRIC, kind: str = "reference") -> ReportTable:
+    """Table of the references (or regression values): passed or missed, by how much and where."""
+    names = ("", kind, "fidelity", "quantity", "points|", "worst|", "at|", "allowed|", "why")
+    table = blank(f"{kind.capitalize()}s", *names, heads=2)
+    for row in rows:
+        mark = _verdict(row.passed)
+        points = str(row.points) if row.points == row.total else f"{row.points} of {row.total}"
+        numbers = (points, percent(row.worst), units.frequencies(row.frequency), percent(row.tolerance))
+        table.add_row(mark, row.reference, row.fidelity, row.quantity, *numbers, _why(row))
+    return table
+
+
+def _verdict(passed: bool | None) -> Text:
+    if passed is None:
+        return Text("compared")
+    return Text("passed", style="green") if passed else Text("missed", style="bold red")
 
 
 def measurements(rows: Iterable[MeasuredRow], units: DisplayUnits = METRIC) -> ReportTable:
@@ -54,3 +84,9 @@ def _difference(row: MeasuredRow, units: DisplayUnits) -> str:
     sign = "+" if row.difference >= 0 else "-"
     own = sign + _amount(row, abs(row.difference), units)
     return own if row.against or not row.value else f"{own} ({sign}{percent(abs(row.difference / row.value))})"
+
+
+def _why(row: CheckRow) -> str:
+    if row.notes:
+        return "; ".join(row.notes)
+    return "off by more than allowed" if row.passed is False else ""
