@@ -10,8 +10,7 @@ import numpy as np
 from vibeam_models.base import Base
 from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.beams.shapes import Rectangle
-from vibeam_models.effects.rigid_zone import RigidZone
-from vibeam_models.effects.rotary_inertia import RotaryInertia
+from vibeam_models.effects.masses import RigidZone, RotaryInertia
 from vibeam_models.scene import Effect, Mass, Scene, Sensor
 from vibeam_models.stop import Stop
 

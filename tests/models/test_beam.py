@@ -6,7 +6,7 @@ from scipy.linalg import eigh
 
 from tests.models.bench import POINT_MASS, RIG, STEEL, cantilever_omega, deflection, with_effects
 from vibeam_models.beam import assemble, assemble_with_space
-from vibeam_models.effects.added_mass import AddedMass
+from vibeam_models.effects.masses import AddedMass
 from vibeam_models.scene import Mass, Sensor
 from vibeam_models.space import bare_beam
 from vibeam_models.stop import Stop

@@ -14,7 +14,7 @@ from vibeam_models.base_motion import base_amplitude, drive_amplitude
 from vibeam_models.beam import assemble
 from vibeam_models.beams.beam import Damping
 from vibeam_models.effects.gravity import Gravity
-from vibeam_models.effects.massless_beam import MasslessBeam
+from vibeam_models.effects.masses import MasslessBeam
 from vibeam_models.scene import Mass, Sensor
 from vibeam_models.stop import Stop
 from vibeam_models.structure import Structure

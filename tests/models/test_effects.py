@@ -9,18 +9,12 @@ from scipy.linalg import eigh
 
 from tests.models.bench import POINT_MASS, STEEL
 from vibeam_models.beam import assemble, assemble_with_space
-from vibeam_models.effects.added_mass import AddedMass
-from vibeam_models.effects.beam_keys import BeamEnds
 from vibeam_models.effects.further_stop import FurtherStop
 from vibeam_models.effects.gravity import Gravity
-from vibeam_models.effects.massless_beam import MasslessBeam
+from vibeam_models.effects.masses import AddedMass, MasslessBeam, RigidZone, RotaryInertia
 from vibeam_models.effects.opposite import Opposite
-from vibeam_models.effects.plate import BondedPlate
-from vibeam_models.effects.rigid_zone import RigidZone
-from vibeam_models.effects.rotary_inertia import RotaryInertia
-from vibeam_models.effects.section import Section
-from vibeam_models.effects.sprung_clamp import Clamp
-from vibeam_models.effects.support import FurtherSupport
+from vibeam_models.effects.sections import BondedPlate, Section
+from vibeam_models.effects.supports import BeamEnds, Clamp, FurtherSupport
 from vibeam_models.effects.torsion import Torsion
 from vibeam_models.scene import Mass
 from vibeam_models.space import bare_beam
@@ -29,21 +23,16 @@ ROOT = Path(__file__).parents[2]
 LIGHT = replace(STEEL, density=7850e-9)
 EI = STEEL.bending_stiffness
 PLAIN = POINT_MASS
-NAMED = {
-    "added_mass": replace(PLAIN, effects=(AddedMass(0.0024, 0.09),)),
-    "rotary_inertia": replace(PLAIN, effects=(RotaryInertia(2.8e-5),)),
-    "rigid_zone": replace(PLAIN, effects=(RigidZone(0.0117),)),
-    "sprung_clamp": replace(PLAIN, effects=(Clamp(100.0),)),
-    "gravity": replace(PLAIN, effects=(Gravity("hanging"),)),
-    "torsion": replace(PLAIN, effects=(Torsion(1e-3, 2.8e-5, shear_modulus=80e9),)),
-    "massless_beam": replace(PLAIN, effects=(MasslessBeam(),)),
-    "section": replace(PLAIN, effects=(Section(0.0, 0.05, thickness=2e-3),)),
-    "plate": replace(PLAIN, effects=(BondedPlate(0.0, 0.05, 0.02, 1e-3, 0.01),)),
-    "support": replace(PLAIN, effects=(FurtherSupport(0.05),)),
-    "beam_keys": replace(PLAIN, effects=(BeamEnds("clamped-pinned"),)),
-    "further_stop": replace(PLAIN, effects=(FurtherStop(0.17, 1e-3, 0.7),)),
-    "opposite": replace(PLAIN, effects=(Opposite(0.1),)),
-}
+EACH = {
+    type(effect).__name__: effect
+    for effect in (
+        AddedMass(0.0024, 0.09), RotaryInertia(2.8e-5), RigidZone(0.0117), MasslessBeam(), Clamp(100.0),
+        FurtherSupport(0.05), BeamEnds("clamped-pinned"), Section(0.0, 0.05, thickness=2e-3),
+        BondedPlate(0.0, 0.05, 0.02, 1e-3, 0.01), FurtherStop(0.17, 1e-3, 0.7), Opposite(0.1), Gravity("hanging"),
+        Torsion(1e-3, 2.8e-5, shear_modulus=80e9),
+    )
+}  # fmt: skip
+NAMED = {name: replace(PLAIN, effects=(effect,)) for name, effect in EACH.items()}
 
 
 def end_flexibility(length):
@@ -81,12 +70,12 @@ def test_rigid_zone_on_a_nearly_massless_beam():
     """A flexible part of 120.3 mm carries a rigid one whose middle, 11.7 mm on, holds the mass."""
     arm = np.array([1.0, 0.0117])
     flexibility = arm @ end_flexibility(0.132 - 0.0117) @ arm
-    light = replace(NAMED["rigid_zone"], beam=LIGHT)
+    light = replace(NAMED["RigidZone"], beam=LIGHT)
     assert assemble(light).modes(1).omega[0] == pytest.approx((0.2 * flexibility) ** -0.5, rel=1e-7)
 
 
 def test_rigid_zone_is_the_limit_of_a_stiff_one_and_keeps_the_strips_mass():
-    rigid = assemble(NAMED["rigid_zone"])
+    rigid = assemble(NAMED["RigidZone"])
     soft = bare_beam(STEEL, [0.132, 0.132 - 0.0117, 0.132 + 0.0117])
 
     middles = (soft[1].nodes[1:] + soft[1].nodes[:-1]) / 2
@@ -99,7 +88,7 @@ def test_rigid_zone_is_the_limit_of_a_stiff_one_and_keeps_the_strips_mass():
 
 
 def test_inside_the_rigid_zone_the_deflection_is_linear():
-    structure, space = assemble_with_space(NAMED["rigid_zone"])
+    structure, space = assemble_with_space(NAMED["RigidZone"])
     shape = structure.modes(5).shapes
     slope = space.rows([0.1204, 0.127, 0.1333, 0.1436], 1) @ shape
     np.testing.assert_allclose(slope, np.broadcast_to(slope[0], slope.shape), rtol=1e-6)
@@ -127,7 +116,7 @@ def test_effects_change_the_numbers():
     plain = assemble(PLAIN).modes(2).omega
     for name, scene in NAMED.items():
         omega = assemble(scene).modes(2).omega
-        if name == "further_stop":  # a row more, no matrix is another one
+        if name == "FurtherStop":  # a row more, no matrix is another one
             assert set(assemble(scene).outputs) > set(assemble(PLAIN).outputs)
             continue
         assert np.max(np.abs(omega / plain[: len(omega)] - 1)) > 1e-3
@@ -149,30 +138,18 @@ arrays = [s.M, s.C, s.K, s.load, s.static, s.contact, *s.outputs.values()]
 loaded = [n for n in {effects} if sys.modules.get("vibeam_models.effects." + n) is not None]
 print(hashlib.sha256(b"".join(a.tobytes() for a in arrays)).hexdigest(), *loaded)
 """
-DECLARED = {
-    "added_mass": {"named": "AddedMass", "effects_of_scene": "(AddedMass(0.0024, 0.09),)"},
-    "rotary_inertia": {"named": "RotaryInertia", "effects_of_scene": "(RotaryInertia(2.8e-5),)"},
-    "rigid_zone": {"named": "RigidZone", "effects_of_scene": "(RigidZone(0.0117),)"},
-    "sprung_clamp": {"named": "Clamp", "effects_of_scene": "(Clamp(500.0),)"},
-    "gravity": {"named": "Gravity", "effects_of_scene": "(Gravity('hanging', 9.81),)"},
-    "torsion": {"named": "Torsion", "effects_of_scene": "(Torsion(1e-3, 2.8e-5, shear_modulus=80e9),)"},
-    "massless_beam": {"named": "MasslessBeam", "effects_of_scene": "(MasslessBeam(),)"},
-    "section": {"named": "Section", "effects_of_scene": "(Section(0.0, 0.05, thickness=2e-3),)"},
-    "plate": {"named": "BondedPlate", "effects_of_scene": "(BondedPlate(0.0, 0.05, 0.02, 1e-3, 0.01),)"},
-    "support": {"named": "FurtherSupport", "effects_of_scene": "(FurtherSupport(0.05),)"},
-    "beam_keys": {"named": "BeamEnds", "effects_of_scene": "(BeamEnds('clamped-pinned'),)"},
-    "further_stop": {"named": "FurtherStop", "effects_of_scene": "(FurtherStop(0.17, 1e-3, 0.7),)"},
-    "opposite": {"named": "Opposite", "effects_of_scene": "(Opposite(0.1),)"},
-}
-
-
 EFFECTS = sorted(file.stem for file in (ROOT / "models/vibeam_models/effects").glob("[a-z]*.py"))
 
 
-def program(blocked=(), effect="", **declared):
-    """What prints hash of every array, effects loaded …, where the ``blocked`` effects do not exist."""
-    given = {"effects_of_scene": "()", "named": "", **declared}
-    given["named"] = given["named"] and f"from vibeam_models.effects.{effect} import {given['named']}"
+def chapter(effect):
+    """File of an effect."""
+    return type(effect).__module__.rpartition(".")[2]
+
+
+def program(blocked=(), effect=None):
+    """What prints hash of every array, chapters loaded …, where the ``blocked`` chapters do not exist."""
+    named = f"from {type(effect).__module__} import {type(effect).__name__}" if effect else ""
+    given = {"named": named, "effects_of_scene": f"({effect!r},)" if effect else "()"}
     script = SCRIPT.format(effects=EFFECTS, blocked=sorted(blocked), **given)
     path = f"import sys; sys.path[:0] = [{str(ROOT / 'models')!r}]\n"
     return path + script
@@ -180,7 +157,7 @@ def program(blocked=(), effect="", **declared):
 
 EACH_APART = """
 import os, sys
-import numpy, scipy.linalg  # of which nothing here depends on what was loaded before
+import numpy, scipy.linalg, skfem  # of which nothing here depends on what was loaded before
 for program in {programs!r}:
     sys.stdout.flush()
     child = os.fork()
@@ -193,7 +170,7 @@ for program in {programs!r}:
 
 
 def built(programs):
-    """[hash of every array, effects loaded …] of each program, in a process where nothing of ours is loaded yet."""
+    """[hash of every array, chapters loaded …] of each program, in a process where nothing of ours is loaded yet."""
     script = EACH_APART.format(programs=programs)
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
     return [line.split() for line in done.stdout.splitlines()]
@@ -215,12 +192,12 @@ def test_absent_effects_cost_nothing(plain):
 
 
 def test_an_effect_is_loaded_alone_where_it_is_named(plain):
-    found = built([program(effect=effect, **DECLARED[effect]) for effect in DECLARED])
-    assert [loaded for _, *loaded in found] == [[effect] for effect in DECLARED]
+    found = built([program(effect=effect) for effect in EACH.values()])
+    assert [loaded for _, *loaded in found] == [[chapter(effect)] for effect in EACH.values()]
     assert plain[0] not in [digest for digest, *_ in found]
 
 
-@pytest.mark.parametrize("effect", DECLARED)
+@pytest.mark.parametrize("effect", EACH)
 def test_an_effect_used_before_leaves_no_trace(effect):
     before = assemble(PLAIN)
     assemble(NAMED[effect])

@@ -9,8 +9,7 @@ from tests.models.bench import POINT_MASS, STEEL
 from vibeam.case.fidelity import Fidelity, system
 from vibeam_models.beam import assemble, assemble_with_space
 from vibeam_models.beams.shapes import General, Round
-from vibeam_models.effects.plate import BondedPlate
-from vibeam_models.effects.section import Section
+from vibeam_models.effects.sections import BondedPlate, Section
 from vibeam_models.outputs import Output, surface_distance
 from vibeam_models.stop import Stop
 

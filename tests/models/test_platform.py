@@ -5,7 +5,7 @@ import pytest
 
 from tests.models.bench import RIG, STEEL, with_effects
 from vibeam_models.beam import assemble
-from vibeam_models.effects.added_mass import AddedMass
+from vibeam_models.effects.masses import AddedMass
 from vibeam_models.effects.platform import MovingPlatform, PlatformFilter
 from vibeam_models.space import bare_beam
 from vibeam_models.structure import Structure

@@ -6,7 +6,7 @@ import pytest
 from scipy.integrate import quad
 
 from tests.models.bench import POINT_MASS, RIG, STEEL, deflection, with_effects
-from vibeam_models.effects.added_mass import AddedMass
+from vibeam_models.effects.masses import AddedMass
 from vibeam_models.scene import Mass
 from vibeam_models.sdof import sdof_model
 from vibeam_models.static_shape import CantileverShape, FiniteElementShape

@@ -10,10 +10,9 @@ from scipy.optimize import brentq
 from tests.models.bench import RIG, STEEL, deflection, with_effects
 from tests.models.test_effects import EI, PLAIN, end_flexibility
 from vibeam_models.beam import assemble, assemble_with_space
-from vibeam_models.effects.added_mass import AddedMass
 from vibeam_models.effects.gravity import AxialGravity, Gravity, TransverseGravity
-from vibeam_models.effects.massless_beam import MasslessBeam
-from vibeam_models.effects.sprung_clamp import Clamp
+from vibeam_models.effects.masses import AddedMass, MasslessBeam
+from vibeam_models.effects.supports import Clamp
 from vibeam_models.effects.torsion import StVenantTorsion, Torsion, torsion_constant
 from vibeam_models.scene import Mass
 from vibeam_models.space import bare_beam

@@ -8,9 +8,9 @@ import pytest
 from tests.models.bench import POINT_MASS, STEEL, deflection, with_effects
 from vibeam_models.beam import assemble
 from vibeam_models.beams.shapes import Rectangle
-from vibeam_models.effects.added_mass import AddedMass
+from vibeam_models.effects.masses import AddedMass
 from vibeam_models.effects.opposite import Opposite
-from vibeam_models.effects.section import Section
+from vibeam_models.effects.sections import Section
 from vibeam_models.laws.yielding import LeafSpring
 
 BARE = replace(POINT_MASS, mass=None)

@@ -13,7 +13,7 @@ from tests.models.bench import RIG, STEEL, with_effects
 from vibeam.flight.snapshots import modal_snapshots
 from vibeam_models.beam import assemble
 from vibeam_models.beams.beam import Support
-from vibeam_models.effects.added_mass import AddedMass
+from vibeam_models.effects.masses import AddedMass
 from vibeam_models.effects.opposite import Opposite
 from vibeam_models.effects.torsion import Torsion
 from vibeam_models.laws.compliant import Hertz, LinearStop

@@ -1,4 +1,4 @@
-"""Optional effects, one a file, each declared once and imported only where a scene names it."""
+"""Optional effects by chapter, each declared once and imported only where a scene names it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ EFFECTS: Registry[Home] = Registry(
     "effect",
     Home(
         "beam.ends",
-        "vibeam_models.effects.beam_keys:BeamEnds",
+        "vibeam_models.effects.supports:BeamEnds",
         key=Key(
             "how the ends are held, at x = 0 and at the full length; absent = clamped-free",
             "clamped-pinned",
@@ -21,14 +21,14 @@ EFFECTS: Registry[Home] = Registry(
     ),
     Home(
         "beam.added_mass_per_length",
-        "vibeam_models.effects.beam_keys:AddedMassPerLength",
+        "vibeam_models.effects.sections:AddedMassPerLength",
         key=Key(
             "carried all along without stiffening: a fluid, a cladding", "0.2 kg/m", "kg/m", above=0, written=False
         ),
     ),
     Home(
         "beam.theory",
-        "vibeam_models.effects.beam_keys:Theory",
+        "vibeam_models.effects.sections:Theory",
         key=Key(
             "shear deformation and rotary inertia of the section; absent = Euler-Bernoulli",
             "timoshenko",
@@ -36,21 +36,21 @@ EFFECTS: Registry[Home] = Registry(
             written=False,
         ),
     ),
-    Home("section", "vibeam_models.effects.section:Section", repeated=True),
-    Home("plate", "vibeam_models.effects.plate:BondedPlate", repeated=True),
-    Home("support", "vibeam_models.effects.support:FurtherSupport", repeated=True),
-    Home("clamp", "vibeam_models.effects.sprung_clamp:Clamp"),
-    Home("added_mass", "vibeam_models.effects.added_mass:AddedMass", repeated=True),
+    Home("section", "vibeam_models.effects.sections:Section", repeated=True),
+    Home("plate", "vibeam_models.effects.sections:BondedPlate", repeated=True),
+    Home("support", "vibeam_models.effects.supports:FurtherSupport", repeated=True),
+    Home("clamp", "vibeam_models.effects.supports:Clamp"),
+    Home("added_mass", "vibeam_models.effects.masses:AddedMass", repeated=True),
     Home(
         "mass.rotary_inertia",
-        "vibeam_models.effects.rotary_inertia:RotaryInertia",
+        "vibeam_models.effects.masses:RotaryInertia",
         key=Key(
             "moment of inertia about the axis of bending; absent = a point mass", "2.988e-5 kg m^2", "kg m^2", above=0
         ),
     ),
     Home(
         "mass.rigid_half_width",
-        "vibeam_models.effects.rigid_zone:RigidZone",
+        "vibeam_models.effects.masses:RigidZone",
         key=Key("the beam is rigid this far on either side of the mass; absent = nowhere", "11.7 mm", "m", above=0),
     ),
     Home("further_stop", "vibeam_models.effects.further_stop:FurtherStop", repeated=True),
@@ -59,7 +59,7 @@ EFFECTS: Registry[Home] = Registry(
     Home("gravity", "vibeam_models.effects.gravity:Gravity"),
     Home(
         "beam.massless",
-        "vibeam_models.effects.massless_beam:MasslessBeam",
+        "vibeam_models.effects.masses:MasslessBeam",
         key=Key("the beam's own mass is neglected, as in the paper's m ≫ ρAL", True, flag=True, written=False),
     ),
     Home("platform", "vibeam_models.effects.platform:Platform", on="base"),

@@ -27,9 +27,9 @@ from vibeam_models.base import Base
 from vibeam_models.base_motion import drive_amplitude
 from vibeam_models.beam import assemble
 from vibeam_models.effects.gravity import Gravity
-from vibeam_models.effects.massless_beam import MasslessBeam
+from vibeam_models.effects.masses import MasslessBeam
 from vibeam_models.effects.platform import Platform, PlatformFilter, Shaker
-from vibeam_models.effects.sprung_clamp import Clamp
+from vibeam_models.effects.supports import Clamp
 from vibeam_models.effects.torsion import Torsion
 from vibeam_reductions.static_shapes import static_mode
 

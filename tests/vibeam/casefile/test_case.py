@@ -21,9 +21,7 @@ from vibeam.casefile.validation import entry_of, fields_of, table_of
 from vibeam_models.base import Base
 from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.beams.shapes import Rectangle
-from vibeam_models.effects.added_mass import AddedMass
-from vibeam_models.effects.rigid_zone import RigidZone
-from vibeam_models.effects.rotary_inertia import RotaryInertia
+from vibeam_models.effects.masses import AddedMass, RigidZone, RotaryInertia
 from vibeam_models.scene import Mass, Scene, Sensor
 from vibeam_models.sdof import SdofScene
 from vibeam_models.stop import Stop

@@ -14,7 +14,7 @@ import vibeam
 from vibeam.case.case import Case
 from vibeam.casefile.read import parse
 from vibeam.exchange.faults import CaseError
-from vibeam_models.effects.added_mass import AddedMass
+from vibeam_models.effects.masses import AddedMass
 from vibeam_models.scene import Scene
 from vibeam_models.sdof import SdofScene
 

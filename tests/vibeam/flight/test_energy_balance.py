@@ -24,11 +24,10 @@ from vibeam.observe.motion import integral
 from vibeam_models.base import Base
 from vibeam_models.base_motion import drive_amplitude, moving_platform
 from vibeam_models.beam import assemble
-from vibeam_models.effects.added_mass import AddedMass
 from vibeam_models.effects.gravity import Gravity
-from vibeam_models.effects.massless_beam import MasslessBeam
+from vibeam_models.effects.masses import AddedMass, MasslessBeam
 from vibeam_models.effects.platform import Platform, Shaker
-from vibeam_models.effects.sprung_clamp import Clamp
+from vibeam_models.effects.supports import Clamp
 from vibeam_models.effects.torsion import Torsion
 from vibeam_models.laws.compliant import LinearStop
 from vibeam_models.laws.restitution import TableRestitution

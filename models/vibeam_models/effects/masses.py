@@ -1,4 +1,4 @@
-"""The strip cannot bend where the mass is clamped to it."""
+"""Masses: attached ones with rotary inertia and rigid zones; the beam without mass of its own."""
 
 from __future__ import annotations
 
@@ -11,14 +11,83 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam_models.arrays import Array
-from vibeam_models.scene import Effect, Scene
-from vibeam_models.structure import Structure, in_coordinates
+from vibeam_models.beams.tables import beam_of, place_faults
+from vibeam_models.effects import LAST
+from vibeam_models.keys import quantity
+from vibeam_models.scene import Effect, OnEitherBeam, Scene
+from vibeam_models.structure import Structure, in_coordinates, with_inertia
 
 if TYPE_CHECKING:
+    from vibeam_models.beams.beam import Beam
     from vibeam_models.space import BeamSpace
 
 LEAST = 1e-3  # share of the length below which the zone changes nothing, but its elements' round-off does
 KEPT = 16  # eliminations, each of a space of its own
+
+
+@dataclass(frozen=True)
+class AddedMass(OnEitherBeam):
+    """A further mass, an accelerometer say; one table for each."""
+
+    mass: float = quantity("kg", "added mass", "2.4 g", above=0)
+    position: float = quantity("m", "distance from x = 0, in (0, length]", "90 mm", above=0)
+    rotary_inertia: float | None = quantity(
+        "kg m^2", "about the axis of bending; absent = a point mass", "1e-7 kg m^2", None, above=0, written=False
+    )
+    rigid_half_width: float | None = quantity(
+        "m", "the beam is rigid this far on either side of it; absent = nowhere", "5 mm", None, above=0, written=False
+    )
+
+    name: ClassVar[str] = "added_mass"
+    inertias: ClassVar[int] = 1
+
+    @classmethod
+    def faults(cls, table: Any, case: Any) -> Iterator[tuple[str, str]]:
+        """As ``Effect.faults``: a place beyond the tip, a rigid zone that reaches an end."""
+        yield from place_faults(table, case)
+        carrier, half = beam_of(table, case), table.rigid_half_width
+        if carrier is None or None in (half, carrier.length, table.position) or table.position > carrier.length:
+            return
+        if half >= min(table.position, carrier.length - table.position):
+            yield "rigid_half_width", f"{half:g} m reaches an end of the beam"
+
+    @property
+    def weights(self) -> tuple[tuple[float, float], ...]:
+        """As ``Effect.weights``."""
+        return ((self.mass, self.position),)
+
+    @property
+    def rigid_zones(self) -> tuple[tuple[float, float], ...]:
+        """As ``Effect.rigid_zones``."""
+        return ((self.position, self.rigid_half_width),) if self.rigid_half_width else ()
+
+    def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
+        """M + m wᵀw with w the deflection there, and its share −m wᵀ of the base-excitation load; J θᵀθ alike."""
+        structure = with_inertia(structure, space.row(self.position), self.mass, translation=1.0)
+        if self.rotary_inertia is not None:
+            structure = with_inertia(structure, space.row(self.position, 1), self.rotary_inertia, translation=0.0)
+        if self.rigid_half_width is None:
+            return structure, space
+
+        return RigidSegment(self.position, self.rigid_half_width).apply(structure, space)
+
+
+@dataclass(frozen=True)
+class RotaryInertia(Effect):
+    """Rotary inertia J of the attached mass, in kg m²."""
+
+    rotary_inertia: float
+
+    name: ClassVar[str] = "mass.rotary_inertia"
+    inertias: ClassVar[int] = 1
+
+    def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
+        """M + J θᵀθ with θ the slope at the mass; a translating base does not turn it, so the load stays."""
+        slope = space.row(scene.attached(self.name).position, 1)
+        return with_inertia(structure, slope, self.rotary_inertia, translation=0.0), space
+
+
+NOTHING = 1e-12  # share of the largest 1/ω² below which a shape carries no inertia; round-off leaves 10⁻¹⁶
 
 
 @dataclass(frozen=True)
@@ -116,3 +185,28 @@ def _eliminated(segment: RigidSegment, space: BeamSpace) -> tuple[Array, BeamSpa
     segment._check(space)
     basis = segment._elimination(space)
     return basis, space.constrained(basis)
+
+
+@dataclass(frozen=True)
+class MasslessBeam(Effect):
+    """The paper's m ≫ ρAL: as many coordinates as inertias."""
+
+    massless: bool = True
+
+    name: ClassVar[str] = LAST
+
+    def carrier(self, beam: Beam) -> Beam:
+        """As ``Effect.carrier``."""
+        return beam.massless()
+
+    def apply(self, structure: Structure, space: BeamSpace, scene: Scene) -> tuple[Structure, BeamSpace]:
+        """Static condensation: the shapes K⁻¹f under forces on the masses are all that can move. It comes last.
+
+        M φ = ω⁻² K φ has exactly these shapes for ω⁻² > 0, whatever the units of the coordinates.
+        """
+        from scipy.linalg import eigh
+
+        inverse, shapes = eigh(structure.M, structure.K)
+        kept = shapes[:, inverse > NOTHING * inverse[-1]][:, ::-1]
+        moving = kept / np.sqrt(np.sum(kept * (structure.M @ kept), axis=0))
+        return in_coordinates(structure, moving), space.constrained(moving)
