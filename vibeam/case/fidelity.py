@@ -158,12 +158,7 @@ def _at_its_stop(scene: RigScene, small: Structure, static: float) -> ImpactSyst
     # After the reduction, so that it carries the whole mass with the modes of the beam on a base held still.
     moved = moving_platform(scene.platform, scene.shaker, scene.moving_mass).under(bare)
     return ImpactSystem.from_structure(
-        moved,
-        gap=built.gap,
-        restitution=built.restitution,
-        law=built.law,
-        second_gap=built.second_gap,
-        further=further,
+        moved, gap=built.gap, restitution=built.restitution, law=built.law, second_gap=built.second_gap, further=further
     )
 
 

@@ -19,13 +19,7 @@ from vibeam.casefile.fields import Count, Entry, Quantity
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.overrides import override
 from vibeam.casefile.quantities import with_unit
-from vibeam.casefile.tables.maps import (
-    STROBES,
-    count_of,
-    direction_of,
-    picture_complaints,
-    random_complaints,
-)
+from vibeam.casefile.tables.maps import STROBES, count_of, direction_of, picture_complaints, random_complaints
 from vibeam.casefile.tables.table import MOST_ELEMENTS, Frequency, named_fidelity
 from vibeam.casefile.unit_systems import SI, UnitSystem
 from vibeam.casefile.validation import SHARED, entry_of, physics_keys, units_of

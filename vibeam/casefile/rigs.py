@@ -49,14 +49,14 @@ BEAM_FIDELITIES: Named = {
             "without": ["mass.rotary_inertia"],
             "label": "point mass",
         },
-    },
+    }
 }
 
 BEAM_OUTPUTS: Named = {
     "output": {
         "gauge": {"position": "5 mm", "quantity": "strain"},
         "accelerometer": {"position": "132 mm", "quantity": "acceleration"},
-    },
+    }
 }
 
 FRAME_FIDELITIES: Named = {
@@ -70,7 +70,7 @@ FRAME_FIDELITIES: Named = {
             "without": ["platform"],
             "label": "softer stop",
         },
-    },
+    }
 }
 
 TUBE_FIDELITIES: Named = {
@@ -85,7 +85,7 @@ TUBE_FIDELITIES: Named = {
             "without": ["beam.added_mass_per_length"],
             "label": "without water",
         },
-    },
+    }
 }
 
 TUBE = {
@@ -149,7 +149,7 @@ BARE_FIDELITIES: Named = {
             "without": ["added_mass"],
             "label": "more damping, no nut",
         },
-    },
+    }
 }
 
 FRAME = {

@@ -117,10 +117,7 @@ def _driven_platform(case: SimpleNamespace) -> Iterator[Complaint]:
         yield from _measured_motion(drive, ways)
     by_itself = case.shaker is not None or "force" in said
     if calibrated is None and not by_itself:
-        yield (
-            ("platform", "calibrated_at"),
-            'missing (where the drive\'s motion holds): write calibrated_at = "… Hz"',
-        )
+        yield (("platform", "calibrated_at"), 'missing (where the drive\'s motion holds): write calibrated_at = "… Hz"')
     elif calibrated is not None and by_itself:
         yield ("platform", "calibrated_at"), "goes with a base motion alone: a force or a shaker says the drive already"
 

@@ -94,10 +94,7 @@ class MapTable(Table):
 
     axes: tuple[AxisTable, ...] = key(
         "the last is swept and lies across, the one before upward, of one more each value has a panel",
-        [
-            {"key": "stop.gap", "values": ["0 mm", "0.1 mm"]},
-            {"key": "sweep.frequency", "values": ["15 Hz", "16 Hz"]},
-        ],
+        [{"key": "stop.gap", "values": ["0 mm", "0.1 mm"]}, {"key": "sweep.frequency", "values": ["15 Hz", "16 Hz"]}],
     )
     picture: Annotated[str, Word(PICTURES)] = key(
         "; ".join(f"{name}: {meaning}" for name, meaning in PICTURES.items()), "period", "period"

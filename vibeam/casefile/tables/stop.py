@@ -12,16 +12,7 @@ import numpy as np
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import Quantity, Word
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.tables.table import (
-    Place,
-    Table,
-    Unity,
-    declared_key,
-    key,
-    nondimensional,
-    plainly,
-    table,
-)
+from vibeam.casefile.tables.table import Place, Table, Unity, declared_key, key, nondimensional, plainly, table
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.solvers import SOLVERS
@@ -137,11 +128,7 @@ class _AtRest(Table):
         "whose it is: the contact's, or mode 1's (each fidelity's own is then derived)", "first mode", "contact"
     )
     position: Annotated[float | None, Place] = key(
-        "of the contact, from x = 0; absent = at the mass, if there is one",
-        "132 mm",
-        None,
-        written=False,
-        effect=True,
+        "of the contact, from x = 0; absent = at the mass, if there is one", "132 mm", None, written=False, effect=True
     )
 
 

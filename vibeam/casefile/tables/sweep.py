@@ -15,16 +15,7 @@ from vibeam.casefile.fields import NOT_NEGATIVE, Count, Quantity, Text, Word
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import FREQUENCY
 from vibeam.casefile.tables.outputs import OutputName
-from vibeam.casefile.tables.table import (
-    DIRECTIONS,
-    MOST_ELEMENTS,
-    MOST_POINTS,
-    Frequency,
-    Periods,
-    Table,
-    content,
-    key,
-)
+from vibeam.casefile.tables.table import DIRECTIONS, MOST_ELEMENTS, MOST_POINTS, Frequency, Periods, Table, content, key
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.solvers import SOLVERS
 from vibeam_reductions.declaration import PARAMETERS, REDUCTIONS, ReductionDeclaration
