@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from vibeam.case.plans import FitKey, FitPlan
 from vibeam.casefile.fidelity_changes import field_at
-from vibeam.casefile.field_lists import OneOrSeveral, Several
-from vibeam.casefile.fields import Count, Quantity
+from vibeam.casefile.fields import Count, OneOrSeveral, Quantity, Several
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import with_unit
 from vibeam.casefile.tables.studies import FitTable

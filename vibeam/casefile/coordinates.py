@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.casefile.row_fields import DIRECTIONS, file_name
+from vibeam.casefile.field_tables import DIRECTIONS, file_name
 from vibeam.exchange.files import FormatError
 from vibeam.exchange.matrices.declaration import read_matrix
 from vibeam.exchange.matrices.entries import Label

@@ -1,11 +1,12 @@
-"""Entries that hold one value: a quantity, a count, a flag, a word, a text."""
+"""Entries of the case file that hold one value, or several in a row: quantities, counts, flags, words, texts."""
 
 from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
@@ -16,33 +17,42 @@ from vibeam.casefile.quantities import FREQUENCY, RATIO, Dimension, to_si
 from vibeam.casefile.unit_systems import SI, UnitSystem
 from vibeam.exchange.faults import as_shown_in_message, suggestion
 
+JsonSchema = dict[str, Any]
+
 
 class Entry(ABC):
-    """The reading of one value: pydantic calls ``read`` with the units of the case, and keeps what it returns."""
+    """Reading of one value: pydantic calls ``read`` with the units of the case, and keeps what it returns."""
 
     @abstractmethod
-    def parse(self, value: Any) -> Any:
-        """The value in SI units; ValueError, whose text is the fault's message, if it is none."""
-
     def read(self, value: Any, units: UnitSystem | None) -> Any:
-        """As ``parse``, in a case whose numbers without a unit are in ``units``; None: they need one."""
-        return self.parse(value)
+        """Value in SI units; ValueError, whose text is the fault's message, if it is none.
+
+        ``units``: those of numbers without one; None: they need one.
+        """
 
     @abstractmethod
     def describe(self) -> str:
-        """Unit and range, for the reference table."""
+        """Unit and range, for the reference of keys."""
 
     @abstractmethod
-    def schema(self) -> dict[str, Any]:
-        """The JSON schema of what ``parse`` takes, as near as one can say it."""
+    def schema(self) -> JsonSchema:
+        """JSON schema of what is read, as near as one can say it."""
+
+    def parse(self, value: Any) -> Any:
+        """Value in SI units, in a case whose numbers are in these; errors as ``read``."""
+        return self.read(value, SI)
 
     def canonical(self, value: Any) -> Any:
-        """The parsed value as plain data of TOML and JSON."""
+        """Plain data of TOML and JSON that reads as the value."""
         return value
 
     def nondimensional(self) -> Entry:
-        """The same without a unit, for a case that has none; frequencies keep theirs."""
+        """Entry without a unit, for a case that has none; frequencies keep theirs."""
         return self
+
+    def refusal(self, value: Any, article: str = "") -> ValueError:
+        """Fault of a value that is none of this kind."""
+        return ValueError(f"must be {article}{self.describe()}, not {as_shown_in_message(value)}")
 
     def _validated(self, value: Any, info: ValidationInfo) -> Any:
         try:
@@ -54,20 +64,56 @@ class Entry(ABC):
         written = core_schema.plain_serializer_function_ser_schema(self.canonical)
         return core_schema.with_info_plain_validator_function(self._validated, serialization=written)
 
-    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> JsonSchema:
         return self.schema()
 
 
-class EntryInUnits(Entry):
-    """The reading of a value whose numbers may have a dimension: ``read`` says it, ``parse`` takes them as SI."""
+def _unchanged(value: Any) -> Any:
+    return value
 
-    def parse(self, value: Any) -> Any:
-        """As ``Entry.parse``."""
-        return self.read(value, SI)
 
-    @abstractmethod
+@dataclass(frozen=True, eq=False)
+class ValueEntry(Entry):
+    """Entry without units: ``reading`` gives the value of what is written, or None where that is none of the kind.
+
+    ``said`` and ``json``: its description and JSON schema; ``written``: its plain data.
+    """
+
+    reading: Callable[[Any], Any]
+    said: str
+    json: JsonSchema
+    written: Callable[[Any], Any] = _unchanged
+
     def read(self, value: Any, units: UnitSystem | None) -> Any:
         """As ``Entry.read``."""
+        found = self.reading(value)
+        if found is None:
+            raise self.refusal(value)
+        return found
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return self.said
+
+    def schema(self) -> JsonSchema:
+        """As ``Entry.schema``."""
+        return dict(self.json)
+
+    def canonical(self, value: Any) -> Any:
+        """As ``Entry.canonical``."""
+        return self.written(value)
+
+
+FLAG = ValueEntry(lambda value: value if isinstance(value, bool) else None, "true | false", {"type": "boolean"})
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, str):
+        raise ValueError(f"must be text in quotes, not {as_shown_in_message(value)}")
+    return value
+
+
+TEXT = ValueEntry(_text, "text", {"type": "string"})
 
 
 @dataclass(frozen=True)
@@ -111,7 +157,7 @@ NUMBER_WITH_UNIT = r"^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?(\s|[A
 
 
 @dataclass(frozen=True)
-class Quantity(EntryInUnits):
+class Quantity(Entry):
     """A number of one kind, in SI."""
 
     kind: Dimension
@@ -127,7 +173,7 @@ class Quantity(EntryInUnits):
         """As ``Entry.describe``."""
         return " ".join(filter(None, [self.kind.unit or "number", self.range.describe()]))
 
-    def schema(self) -> dict[str, Any]:
+    def schema(self) -> JsonSchema:
         """As ``Entry.schema``: a number in SI units, or text that begins with one."""
         text = {"type": "string", "pattern": NUMBER_WITH_UNIT}
         return {"anyOf": [{"type": "number"} | self.range.schema(), text]} if self.kind.bare else text
@@ -148,8 +194,8 @@ class Count(Entry):
     low: int
     high: int
 
-    def parse(self, value: Any) -> int:
-        """As ``Entry.parse``."""
+    def read(self, value: Any, units: UnitSystem | None = None) -> int:
+        """As ``Entry.read``."""
         if not isinstance(value, int) or isinstance(value, bool):
             raise ValueError(f"must be a whole number, not {as_shown_in_message(value)}")
         Range(self.low, self.high).check(value, value)
@@ -159,40 +205,21 @@ class Count(Entry):
         """As ``Entry.describe``."""
         return f"whole number {Range(self.low, self.high).describe()}"
 
-    def schema(self) -> dict[str, Any]:
+    def schema(self) -> JsonSchema:
         """As ``Entry.schema``."""
         return {"type": "integer", "minimum": self.low, "maximum": self.high}
 
 
 @dataclass(frozen=True)
-class Flag(Entry):
-    """Yes or no."""
-
-    def parse(self, value: Any) -> bool:
-        """As ``Entry.parse``."""
-        if not isinstance(value, bool):
-            raise ValueError(f"must be {self.describe()}, not {as_shown_in_message(value)}")
-        return value
-
-    def describe(self) -> str:
-        """As ``Entry.describe``."""
-        return "true | false"
-
-    def schema(self) -> dict[str, Any]:
-        """As ``Entry.schema``."""
-        return {"type": "boolean"}
-
-
-@dataclass(frozen=True)
 class Word(Entry):
-    """One of a few words."""
+    """One of a few words, those that are registered now."""
 
     words: Collection[str]
 
-    def parse(self, value: Any) -> str:
-        """As ``Entry.parse``."""
+    def read(self, value: Any, units: UnitSystem | None = None) -> str:
+        """As ``Entry.read``."""
         if not isinstance(value, str):
-            raise ValueError(f"must be one of {self.describe()}, not {as_shown_in_message(value)}")
+            raise self.refusal(value, "one of ")
         if value not in self.words:
             near = suggestion(value, self.words)
             meant = f"; did you mean {near!r}?" if near else ""
@@ -203,25 +230,126 @@ class Word(Entry):
         """As ``Entry.describe``."""
         return " | ".join(f'"{word}"' for word in self.words)
 
-    def schema(self) -> dict[str, Any]:
+    def schema(self) -> JsonSchema:
         """As ``Entry.schema``."""
         return {"enum": list(self.words)}
 
 
 @dataclass(frozen=True)
-class Text(Entry):
-    """Free text."""
+class Several(Entry):
+    """A list of at least one quantity; also one ``alone``, which then is a list of one, or a word instead."""
 
-    def parse(self, value: Any) -> str:
-        """As ``Entry.parse``."""
-        if not isinstance(value, str):
-            raise ValueError(f"must be text in quotes, not {as_shown_in_message(value)}")
-        return value
+    each: Quantity
+    alone: bool = False
+    words: tuple[str, ...] = ()
+    limit: int = 1_000_000
+    ascending: bool = False
+
+    def read(self, value: Any, units: UnitSystem | None) -> str | tuple[float, ...]:
+        """As ``Entry.read``: the word or the numbers."""
+        if isinstance(value, list):
+            return self._numbers(value, units)
+        if self.words and isinstance(value, str):
+            return Word(self.words).read(value)
+        if self.words or not self.alone:
+            raise self.refusal(value)
+        return (self.each.read(value, units),)
+
+    def _numbers(self, values: list[Any], units: UnitSystem | None) -> tuple[float, ...]:
+        if not 0 < len(values) <= self.limit:
+            raise ValueError(f"a list of {len(values)} numbers is outside [1, {self.limit}]")
+        numbers = tuple(_items(self.each, values, "number", units))
+        if self.ascending and any(one >= two for one, two in pairwise(numbers)):
+            raise ValueError("the list must ascend, each number once; the direction is said elsewhere")
+        return numbers
+
+    def nondimensional(self) -> Several:
+        """As ``Entry.nondimensional``."""
+        return replace(self, each=self.each.nondimensional())
 
     def describe(self) -> str:
         """As ``Entry.describe``."""
-        return "text"
+        one = [self.each.describe()] if self.alone else []
+        return " | ".join([*(f'"{word}"' for word in self.words), *one, f"list of {self.each.describe()}"])
 
-    def schema(self) -> dict[str, Any]:
+    def schema(self) -> JsonSchema:
         """As ``Entry.schema``."""
-        return {"type": "string"}
+        several = {"type": "array", "items": self.each.schema(), "minItems": 1, "maxItems": self.limit}
+        one = [self.each.schema()] if self.alone else []
+        words = [Word(self.words).schema()] if self.words else []
+        return {"anyOf": [*words, *one, several]} if words or one else several
+
+
+@dataclass(frozen=True)
+class OneOrSeveral(Entry):
+    """A quantity, or a list of at least one."""
+
+    each: Quantity
+
+    def read(self, value: Any, units: UnitSystem | None) -> Any:
+        """As ``Entry.read``: a number, or a tuple of numbers."""
+        return (Several(self.each) if isinstance(value, list) else self.each).read(value, units)
+
+    def nondimensional(self) -> OneOrSeveral:
+        """As ``Entry.nondimensional``."""
+        return OneOrSeveral(self.each.nondimensional())
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        return f"{self.each.describe()} | list of them"
+
+    def schema(self) -> JsonSchema:
+        """As ``Entry.schema``."""
+        return {"anyOf": [self.each.schema(), Several(self.each).schema()]}
+
+
+@dataclass(frozen=True)
+class Each(Entry):
+    """A list of at least one entry of a kind, each only once; also one ``alone``."""
+
+    of: Entry
+    alone: bool = False
+
+    def read(self, value: Any, units: UnitSystem | None = None) -> tuple[Any, ...]:
+        """As ``Entry.read``."""
+        if self.alone and isinstance(value, str):
+            return (self.of.parse(value),)
+        if not isinstance(value, list) or not value:
+            shown = "an empty list" if value == [] else as_shown_in_message(value)
+            raise ValueError(f"must be a {self.describe()}, not {shown}")
+        found = tuple(_items(self.of, value, "entry"))
+        if len(set(found)) < len(found):
+            raise ValueError("names one of its entries twice")
+        return found
+
+    def describe(self) -> str:
+        """As ``Entry.describe``."""
+        one = self.of.describe()
+        return f"{one} | list of them" if self.alone else f"list of {one}"
+
+    def schema(self) -> JsonSchema:
+        """As ``Entry.schema``."""
+        return {"type": "array", "items": self.of.schema(), "minItems": 1, "uniqueItems": True}
+
+
+def _items(entry: Entry, values: list[Any], called: str, units: UnitSystem | None = SI) -> Iterator[Any]:
+    for number, value in enumerate(values, 1):
+        try:
+            yield entry.read(value, units)
+        except ValueError as error:
+            raise ValueError(f"{called} {number} of the list: {error}") from None
+
+
+def names(what: str, alone: bool = False) -> ValueEntry:
+    """Entry of a list of names, each once; also one ``alone``."""
+
+    def read(value: Any) -> tuple[str, ...]:
+        value = [value] if alone and isinstance(value, str) else value
+        if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
+            raise ValueError(f"must be a list of {what}, not {as_shown_in_message(value)}")
+        if len(set(value)) < len(value):
+            raise ValueError("names one twice")
+        return tuple(value)
+
+    several = {"type": "array", "items": {"type": "string"}, "minItems": 1, "uniqueItems": True}
+    return ValueEntry(read, f"list of {what}", {"anyOf": [{"type": "string"}, several]} if alone else several)

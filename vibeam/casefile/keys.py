@@ -12,8 +12,7 @@ from pydantic import ValidationError
 from vibeam.case.fidelity import Model
 from vibeam.casefile.checks import rig_checks
 from vibeam.casefile.fidelity_changes import field_at
-from vibeam.casefile.field_lists import OneOrSeveral, Several
-from vibeam.casefile.fields import Count, Entry, Quantity
+from vibeam.casefile.fields import Count, Entry, OneOrSeveral, Quantity, Several
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.overrides import OverrideError, override
 from vibeam.casefile.tables.sweep import fidelity_of

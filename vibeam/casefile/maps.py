@@ -14,8 +14,7 @@ from vibeam.case.grid_keys import DISPLACEMENT, FREQUENCY, STARTS, axis_faults
 from vibeam.case.plans import AxisPlan, MapPlan, SweepPlan
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fidelity_changes import field_at
-from vibeam.casefile.field_lists import OneOrSeveral
-from vibeam.casefile.fields import Count, Entry, Quantity
+from vibeam.casefile.fields import Count, Entry, OneOrSeveral, Quantity
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.overrides import override
 from vibeam.casefile.quantities import with_unit

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from vibeam.casefile.coordinates import SHOWN
-from vibeam.casefile.row_fields import DIRECTIONS, file_name
+from vibeam.casefile.field_tables import DIRECTIONS, file_name
 from vibeam.exchange.faults import Complaint
 from vibeam.exchange.files import FormatError, digest_of
 from vibeam.exchange.uff import FileModes, read_modes

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from vibeam.case.plans import Uncertain
 from vibeam.casefile.fidelity_changes import field_at
-from vibeam.casefile.field_lists import OneOrSeveral, Several
-from vibeam.casefile.fields import Quantity, Range
+from vibeam.casefile.fields import OneOrSeveral, Quantity, Range, Several
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import RATIO, to_si, with_unit
 from vibeam.casefile.toml import key_parts

@@ -8,8 +8,7 @@ from types import SimpleNamespace
 from typing import Annotated, Any
 
 from vibeam.casefile import quantities as units
-from vibeam.casefile.field_lists import Several
-from vibeam.casefile.fields import POSITIVE, Count, Quantity, Range, Word
+from vibeam.casefile.fields import POSITIVE, Count, Quantity, Range, Several, Word
 from vibeam.casefile.tables.drive import drive_checks
 from vibeam.casefile.tables.effects import effect_checks, effects_in
 from vibeam.casefile.tables.held_places import held_checks

@@ -9,9 +9,8 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from vibeam.casefile import quantities as units
-from vibeam.casefile.field_lists import Each
-from vibeam.casefile.field_tables import Settings
-from vibeam.casefile.fields import POSITIVE, Quantity, Text, Word
+from vibeam.casefile.field_tables import settings
+from vibeam.casefile.fields import POSITIVE, TEXT, Each, Quantity, Word
 from vibeam.casefile.tables.beam import BeamTable, MassTable, SensorTable
 from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable, sdof_drive_checks
 from vibeam.casefile.tables.effects import effect_tables, with_effects
@@ -78,10 +77,10 @@ class AnyCase(Table):
         measured: Any
         chosen_by: Any
 
-    title: Annotated[str, Text()] = key(
+    title: Annotated[str, TEXT] = key(
         "what the case is; absent = the name of its file", "DTU impacting beam, neutral gap, 0.6 V", "", **ASIDE
     )
-    source: Annotated[str, Text()] = key(
+    source: Annotated[str, TEXT] = key(
         "where it comes from", "Rebouças, Santos & Thomsen 2018, Fig. 31(b)", "", **ASIDE
     )
     units: Annotated[str | None, Word(tuple(UNIT_SYSTEMS))] = key(
@@ -129,7 +128,7 @@ class _Checks(Table):
     reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False, **ASIDE)
     expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False, **ASIDE)
     measured: dict[str, MeasuredTable] = key("numbers that were measured", None, {}, written=False, **ASIDE)
-    chosen_by: Annotated[dict[str, Any] | None, Settings("[names]")] = key(
+    chosen_by: Annotated[dict[str, Any] | None, settings("[names]")] = key(
         "keys whose values measured numbers chose, by their names: calibrated by these, the model predicts the others",
         {"platform.mass": ["decay", "peak"]},
         None,
@@ -138,7 +137,7 @@ class _Checks(Table):
     )
     show: dict[str, ShowTable] = key("further figures", None, {}, written=False, **ASIDE)
     map: dict[str, MapTable] = key("maps over keys of the case", None, {}, written=False, **ASIDE)
-    uncertain: Annotated[dict[str, Any] | None, Settings()] = key(
+    uncertain: Annotated[dict[str, Any] | None, settings()] = key(
         "inputs that are uncertain: normal about the case's own value, or uniform in a range",
         {"mass.mass": "± 2 g", "stop.restitution": "0.6 … 0.8"},
         None,
@@ -161,10 +160,10 @@ class BeamCase(_Influence, _Checks, _Plan, _Rig, _Carrier, AnyCase):
 
 
 class _Single(Table):
-    title: Annotated[str, Text()] = key(
+    title: Annotated[str, TEXT] = key(
         "what the case is; absent = the name of its file", "single degree of freedom", "", **ASIDE
     )
-    source: Annotated[str, Text()] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "", **ASIDE)
+    source: Annotated[str, TEXT] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "", **ASIDE)
     sdof: SdofTable
 
     kind: ClassVar[str] = "sdof"

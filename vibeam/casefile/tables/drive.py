@@ -7,8 +7,7 @@ from types import SimpleNamespace
 from typing import Annotated, Any
 
 from vibeam.casefile import quantities as units
-from vibeam.casefile.field_lists import OneOrSeveral, Several
-from vibeam.casefile.fields import NOT_NEGATIVE, POSITIVE, Quantity
+from vibeam.casefile.fields import NOT_NEGATIVE, POSITIVE, OneOrSeveral, Quantity, Several
 from vibeam.casefile.tables.harmonics import ORDERS, PHASES, SHARES, Orders, Phases, Shares
 from vibeam.casefile.tables.table import Frequency, Place, Ratio, Table, key
 from vibeam.exchange.faults import Complaint

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from vibeam.case.plans import Direction, Measured
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import ANY, POSITIVE, Quantity, Text, Word
+from vibeam.casefile.fields import ANY, POSITIVE, TEXT, Quantity, Word
 from vibeam.casefile.tables.outputs import of_displacement
 from vibeam.casefile.tables.readings import Amount, AmountEntry, si_unit
 from vibeam.casefile.tables.table import (
@@ -89,7 +89,7 @@ def swept_checks(case: SimpleNamespace, path: KeyPath, way: str | None) -> Itera
 class ReadingTable(Table):
     """Where a number of the result is found."""
 
-    fidelity: Annotated[str, Text()] = key("the fidelity whose number it is", "sdof")
+    fidelity: Annotated[str, TEXT] = key("the fidelity whose number it is", "sdof")
     quantity: Annotated[str, Word((*QUANTITIES, *OF_OUTPUT, *EXTENTS, *LIMITS, *READ))] = key(
         "what is compared; of those after largest_gap: that of a figure, with show", "amplitude"
     )
@@ -98,7 +98,7 @@ class ReadingTable(Table):
         "15.3 Hz",
         None,
     )
-    show: Annotated[str | None, Text()] = key(
+    show: Annotated[str | None, TEXT] = key(
         "the [show.NAME] that the quantity is read off, its mean unless number chooses one",
         "ringing",
         None,
@@ -107,7 +107,7 @@ class ReadingTable(Table):
     number: Annotated[float | None, Ratio] = key(
         "number of the mode, or order of the harmonic, that is read off the figure of show", 2, None, written=False
     )
-    against: Annotated[str | None, Text()] = key(
+    against: Annotated[str | None, TEXT] = key(
         "another fidelity: the value is then the relative difference to it", "beam", None
     )
     direction: Annotated[str | None, Word(DIRECTIONS)] = key(
@@ -123,7 +123,7 @@ class ExpectTable(ReadingTable):
         "largest difference: relative to the value, or, with against or where the value is 0, of the number itself",
         "1 %",
     )
-    source: Annotated[str, Text()] = key(
+    source: Annotated[str, TEXT] = key(
         "who derived the value; absent = it is an earlier result of the model, a regression value",
         "closed form, Babitsky 1998",
         "",
@@ -144,7 +144,7 @@ class MeasuredTable(ReadingTable):
     scatter: Annotated[Amount | None, AmountEntry(POSITIVE)] = key(
         "scatter of the measurement, in its unit or as a percentage; absent = not given", "5 %", None
     )
-    source: Annotated[str, Text()] = key("figure, table or section that gives it", "Fig. 31(b)")
+    source: Annotated[str, TEXT] = key("figure, table or section that gives it", "Fig. 31(b)")
 
 
 def record(name: str, case: Any, swept: Direction, chose: tuple[str, ...]) -> Measured:

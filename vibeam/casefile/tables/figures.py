@@ -8,10 +8,9 @@ from typing import Annotated
 
 from vibeam.case.plans import FigurePlan
 from vibeam.casefile import quantities as units
-from vibeam.casefile.field_lists import Each, Names, Several
-from vibeam.casefile.fields import POSITIVE, Count, Flag, Quantity, Range, Word
+from vibeam.casefile.fields import FLAG, POSITIVE, Count, Each, Quantity, Range, Several, Word, names
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.tables.outputs import OutputName, shown_output
+from vibeam.casefile.tables.outputs import OUTPUT_NAME, shown_output
 from vibeam.casefile.tables.table import (
     DIRECTIONS,
     FORMATS,
@@ -130,7 +129,7 @@ class ShowTable(Table):
     kind: Annotated[str, Word(FIGURES)] = key(
         "; ".join(f"{name}: {kind.meaning}" for name, kind in FIGURES.items()), "portrait"
     )
-    fidelities: Annotated[tuple[str, ...] | None, Names("fidelities", alone=True)] = key(
+    fidelities: Annotated[tuple[str, ...] | None, names("fidelities", alone=True)] = key(
         "whose; absent = all", ["sdof"], None
     )
     frequency: Annotated[tuple[float, ...] | None, Several(Frequency, alone=True, limit=12)] = key(
@@ -143,7 +142,7 @@ class ShowTable(Table):
     quantity: Annotated[str | None, Word(QUANTITIES + OF_OUTPUT + LIMITS)] = key(
         "of a curve one of the response's, of boundaries one of the last two", "reach", None
     )
-    output: Annotated[str | None, OutputName()] = key(
+    output: Annotated[str | None, OUTPUT_NAME] = key(
         "the output that is shown; absent = the sweep's output", "contact", None, written=False
     )
     near: Annotated[float | None, Frequency] = key(
@@ -195,7 +194,7 @@ class FigureTable(Table):
     width: Annotated[float | None, Quantity(units.LENGTH, Range(0.04, 1.0))] = key(
         "of each figure; absent = by its number of panels", "140 mm", None, written=False
     )
-    title: Annotated[bool, Flag()] = key("whether it has a title", False, True, written=False)
+    title: Annotated[bool, FLAG] = key("whether it has a title", False, True, written=False)
 
 
 class MeasurementTable(Table):

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from vibeam.casefile.fields import Text
+from vibeam.casefile.fields import TEXT
 from vibeam.casefile.tables.drive import MOTIONS, DriveTable, drive_checks, list_checks
 from vibeam.casefile.tables.effects import effect_checks, platform_output
 from vibeam.casefile.tables.figures import ShowTable
@@ -89,7 +89,7 @@ def given_stop_table() -> type[Table]:
 class GivenSweepTable(SweepTable):
     """The sweep that every fidelity runs: drive frequencies and, at each, periods to settle and to hold."""
 
-    output: Annotated[str, Text()] = key(
+    output: Annotated[str, TEXT] = key(
         "whose displacement is read: sensor, contact, or one of outputs", "sensor", "sensor"
     )
 
@@ -97,6 +97,6 @@ class GivenSweepTable(SweepTable):
 class GivenShowTable(ShowTable):
     """A further figure beside the frequency-response curves, one table each."""
 
-    output: Annotated[str | None, Text()] = key(
+    output: Annotated[str | None, TEXT] = key(
         "whose motion is shown: sensor, contact, or one of outputs; absent = the sweep's", "sensor", None
     )

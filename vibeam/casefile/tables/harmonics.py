@@ -6,9 +6,8 @@ from collections.abc import Iterator
 from types import SimpleNamespace
 
 from vibeam.casefile import quantities as units
-from vibeam.casefile.field_lists import Each, Several
 from vibeam.casefile.field_tables import flat
-from vibeam.casefile.fields import Count, Quantity
+from vibeam.casefile.fields import Count, Each, Quantity, Several
 from vibeam.casefile.tables.table import Ratio
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.figures import FIGURES

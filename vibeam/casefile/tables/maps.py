@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Annotated, Any
 
@@ -11,11 +10,10 @@ from pydantic import Field
 
 from vibeam.case.grid_keys import STARTS
 from vibeam.casefile import quantities as units
-from vibeam.casefile.field_lists import Each, Names
-from vibeam.casefile.fields import POSITIVE, Count, Entry, Flag, Quantity, Text, Word
-from vibeam.casefile.tables.outputs import OutputName
+from vibeam.casefile.fields import FLAG, POSITIVE, TEXT, Count, Each, Quantity, ValueEntry, Word, names
+from vibeam.casefile.tables.outputs import OUTPUT_NAME
 from vibeam.casefile.tables.table import MOST_POINTS, Frequency, Periods, Table, key
-from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message
+from vibeam.exchange.faults import Complaint, KeyPath
 
 RUNS = ("up", "down", "both", "apart")
 
@@ -35,56 +33,33 @@ PICTURES = {
 STROBES = 32  # of a bifurcation diagram that does not say
 
 
-@dataclass(frozen=True)
-class Level(Entry):
-    """A value of whatever key the axis is of, read by that key's own rules later."""
-
-    def parse(self, value: Any) -> float | str:
-        """As ``Entry.parse``."""
-        if isinstance(value, bool) or not isinstance(value, int | float | str):
-            raise ValueError(f"must be {self.describe()}, not {as_shown_in_message(value)}")
-        return value
-
-    def describe(self) -> str:
-        """As ``Entry.describe``."""
-        return "value of the key"
-
-    def schema(self) -> dict[str, Any]:
-        """As ``Entry.schema``."""
-        return {"type": ["number", "string"]}
+def _level(value: Any) -> float | str | None:
+    return None if isinstance(value, bool) or not isinstance(value, int | float | str) else value
 
 
-@dataclass(frozen=True)
-class Levels(Entry):
-    """A list of values of whatever key the axis is of."""
+def _levels(value: Any) -> tuple[float | str, ...]:
+    if not isinstance(value, list) or not 0 < len(value) <= MOST_POINTS:
+        raise LEVELS.refusal(value, "a ")
+    return tuple(LEVEL.parse(each) for each in value)
 
-    def parse(self, value: Any) -> tuple[float | str, ...]:
-        """As ``Entry.parse``."""
-        if not isinstance(value, list) or not 0 < len(value) <= MOST_POINTS:
-            raise ValueError(f"must be a {self.describe()}, not {as_shown_in_message(value)}")
-        return tuple(Level().parse(each) for each in value)
 
-    def describe(self) -> str:
-        """As ``Entry.describe``."""
-        return "list of values of the key"
-
-    def schema(self) -> dict[str, Any]:
-        """As ``Entry.schema``."""
-        return {"type": "array", "items": Level().schema(), "minItems": 1}
+#: a value of whatever key an axis is of, read by that key's own rules later; a list of them
+LEVEL = ValueEntry(_level, "value of the key", {"type": ["number", "string"]})
+LEVELS = ValueEntry(_levels, "list of values of the key", {"type": "array", "items": LEVEL.schema(), "minItems": 1})
 
 
 class AxisTable(Table):
     """Axis of a map: a key of the case and its values."""
 
-    key_: Annotated[str, Text()] = Field(
+    key_: Annotated[str, TEXT] = Field(
         alias="key",
         description="a dotted key of the rig, sweep.frequency, fidelity.NAME.modes, start.displacement or .velocity",
         examples=["stop.gap"],
     )
-    from_: Annotated[Any, Level()] = Field(None, alias="from", description="first value", examples=["-0.1 mm"])
-    to: Annotated[Any, Level()] = key("last value, itself included", "0.1 mm", None)
+    from_: Annotated[Any, LEVEL] = Field(None, alias="from", description="first value", examples=["-0.1 mm"])
+    to: Annotated[Any, LEVEL] = key("last value, itself included", "0.1 mm", None)
     points: Annotated[int | None, Count(1, MOST_POINTS)] = key("how many, evenly spaced", 61, None)
-    values: Annotated[tuple[Any, ...] | None, Levels()] = key(
+    values: Annotated[tuple[Any, ...] | None, LEVELS] = key(
         "the values themselves, in place of from, to and points", ["-0.1 mm", "0 mm", "0.1 mm"], None, written=False
     )
 
@@ -99,7 +74,7 @@ class MapTable(Table):
     picture: Annotated[str, Word(PICTURES)] = key(
         "; ".join(f"{name}: {meaning}" for name, meaning in PICTURES.items()), "period", "period"
     )
-    fidelities: Annotated[tuple[str, ...] | None, Names("fidelities", alone=True)] = key(
+    fidelities: Annotated[tuple[str, ...] | None, names("fidelities", alone=True)] = key(
         "whose; absent = all", ["sdof"], None, written=False
     )
     direction: Annotated[str | None, Word(RUNS)] = key(
@@ -113,7 +88,7 @@ class MapTable(Table):
     )
     settle: Annotated[int | None, Periods] = key("drive periods left out; absent = the sweep's", 350, None)
     hold: Annotated[int | None, Count(1, MOST_POINTS)] = key("drive periods read; absent = the sweep's", 50, None)
-    output: Annotated[str | None, OutputName()] = key(
+    output: Annotated[str | None, OUTPUT_NAME] = key(
         "the output that is read; absent = the sweep's", "contact", None, written=False
     )
     quantities: Annotated[tuple[str, ...] | None, Each(Word(READ))] = key(
@@ -134,7 +109,7 @@ class MapTable(Table):
     spread: Annotated[float | None, Quantity(units.LENGTH, POSITIVE)] = key(
         "how far from 0 the contact starts at random, its velocity within Ω times that", "1 mm", None, written=False
     )
-    boundaries: Annotated[bool, Flag()] = key(
+    boundaries: Annotated[bool, FLAG] = key(
         "whether exact boundaries of motions with one impact a period are laid over, where there are any", False, True,
         written=False,
     )  # fmt: skip

@@ -7,10 +7,9 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from vibeam.casefile.field_lists import Several
-from vibeam.casefile.fields import POSITIVE, Quantity, Word
+from vibeam.casefile.field_tables import MATRIX_FILE, ROWS, row
+from vibeam.casefile.fields import POSITIVE, Quantity, Several, Word
 from vibeam.casefile.quantities import MASS
-from vibeam.casefile.row_fields import InFile, Row, Rows
 from vibeam.casefile.tables.beam import damping_checks
 from vibeam.casefile.tables.given import given_output, given_rules
 from vibeam.casefile.tables.table import Ratio, Table, key
@@ -71,9 +70,11 @@ class MatricesTable(Table):
     they may be said by node and direction.
     """
 
-    mass: Annotated[dict[str, str], InFile()] = key("file of M, and the matrix's name where it holds several", "M.mtx")
-    stiffness: Annotated[dict[str, str], InFile()] = key("file of K", "K.mtx")
-    damping_matrix: Annotated[dict[str, str] | None, InFile()] = key(
+    mass: Annotated[dict[str, str], MATRIX_FILE] = key(
+        "file of M, and the matrix's name where it holds several", "M.mtx"
+    )
+    stiffness: Annotated[dict[str, str], MATRIX_FILE] = key("file of K", "K.mtx")
+    damping_matrix: Annotated[dict[str, str] | None, MATRIX_FILE] = key(
         "file of C, instead of damping ratios", "C.mtx", None, written=False
     )
     damping_ratio: Annotated[tuple[float, ...] | None, Several(Ratio, alone=True)] = key(
@@ -88,15 +89,15 @@ class MatricesTable(Table):
     units: Annotated[str | None, Word(tuple(UNIT_SYSTEMS))] = key(
         "consistent units of the matrices: of length, force, time, mass; absent = those of the case", "SI", None
     )
-    contact: Annotated[Any, Row()] = key("what meets the stop, positive toward it", 2)
-    sensor: Annotated[Any, Row()] = key("the sensor of the displacement; absent = the contact", 1, None)
-    outputs: Annotated[dict[str, Any], Rows()] = key("further outputs, each a row", {"foot": 1}, {}, written=False)
-    base: Annotated[Any, Row(("all", "x", "y", "z"))] = key(
+    contact: Annotated[Any, row()] = key("what meets the stop, positive toward it", 2)
+    sensor: Annotated[Any, row()] = key("the sensor of the displacement; absent = the contact", 1, None)
+    outputs: Annotated[dict[str, Any], ROWS] = key("further outputs, each a row", {"foot": 1}, {}, written=False)
+    base: Annotated[Any, row(("all", "x", "y", "z"))] = key(
         "what each coordinate reads when the base moves by 1 unit of length, r of the load −M r; all = 1 in each",
         "all",
         None,
     )
-    force: Annotated[Any, Row()] = key("where drive.force acts, instead of a moving base", 2, None, written=False)
+    force: Annotated[Any, row()] = key("where drive.force acts, instead of a moving base", 2, None, written=False)
     moving_mass: Annotated[float | None, Quantity(MASS, POSITIVE)] = key(
         "that a platform carries; absent = rᵀM r", "3 kg", None, written=False
     )

@@ -7,10 +7,9 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated, Any
 
-from vibeam.casefile.field_lists import Several
-from vibeam.casefile.fields import POSITIVE, Quantity, Text
+from vibeam.casefile.field_tables import SHAPE, SHAPES
+from vibeam.casefile.fields import POSITIVE, TEXT, Quantity, Several
 from vibeam.casefile.quantities import MASS
-from vibeam.casefile.row_fields import Shape, Shapes
 from vibeam.casefile.tables.given import given_output, given_rules
 from vibeam.casefile.tables.table import Frequency, Ratio, Table, key
 from vibeam.exchange.faults import Complaint, KeyPath
@@ -54,7 +53,7 @@ class ModesTable(Table):
     file of modes (data set 55; needs pip install 'vibeam[lab]'), a node and its direction.
     """
 
-    file: Annotated[str | None, Text()] = key(
+    file: Annotated[str | None, TEXT] = key(
         "universal file with the modes; absent = they stand here", "rig.uff", None, written=False
     )
     frequency: Annotated[tuple[float, ...] | None, Several(Frequency, ascending=True)] = key(
@@ -69,19 +68,17 @@ class ModesTable(Table):
         None,
         written=False,
     )
-    contact: Annotated[Any, Shape()] = key(
-        "shapes where it meets the stop, positive toward it, kg^-½", [0.6755, 0.4586]
-    )
-    sensor: Annotated[Any, Shape()] = key("shapes at the sensor; absent = at the contact", [0.3972, -0.585], None)
-    outputs: Annotated[dict[str, Any], Shapes()] = key(
+    contact: Annotated[Any, SHAPE] = key("shapes where it meets the stop, positive toward it, kg^-½", [0.6755, 0.4586])
+    sensor: Annotated[Any, SHAPE] = key("shapes at the sensor; absent = at the contact", [0.3972, -0.585], None)
+    outputs: Annotated[dict[str, Any], SHAPES] = key(
         "further outputs, each shapes", {"foot": [0.3972, -0.585]}, {}, written=False
     )
-    base: Annotated[Any, Shape()] = key(
+    base: Annotated[Any, SHAPE] = key(
         "what a moving base does to each mode, its participation φᵀM r, kg^½ (vibeam modes calls it load)",
         [1.8077, -0.482],
         None,
     )
-    force: Annotated[Any, Shape()] = key(
+    force: Annotated[Any, SHAPE] = key(
         "shapes where drive.force acts, instead of a moving base", [0.6755, 0.4586], None, written=False
     )
     moving_mass: Annotated[float | None, Quantity(MASS, POSITIVE)] = key(

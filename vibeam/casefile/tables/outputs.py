@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Annotated, Any
 
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import NOT_NEGATIVE, Flag, Quantity, Text, Word
+from vibeam.casefile.fields import FLAG, NOT_NEGATIVE, TEXT, Quantity, ValueEntry, Word
 from vibeam.casefile.tables.effects import platform_output
 from vibeam.casefile.tables.table import NAME, OUTPUTS, Table, key
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggestion
@@ -21,17 +20,12 @@ from vibeam_models.outputs import DISPLACEMENT, OUTPUT_QUANTITIES, OutputQuantit
 RESERVED = (*OUTPUTS, "opposite", "opposite_tip")
 
 
-@dataclass(frozen=True)
-class OutputName(Text):
-    """The name of an output that every case of the kind has, or of one of its [output.NAME]."""
-
-    def describe(self) -> str:
-        """As ``Entry.describe``."""
-        return f"{Word(OUTPUTS).describe()} | one of [output.NAME]"
-
-    def schema(self) -> dict[str, Any]:
-        """As ``Entry.schema``: the words for completion, any text besides."""
-        return {"anyOf": [{"enum": list(OUTPUTS)}, {"type": "string"}]}
+#: name of an output that every case of the kind has (the words are for completion), or of one of its [output.NAME]
+OUTPUT_NAME = ValueEntry(
+    TEXT.parse,
+    f"{Word(OUTPUTS).describe()} | one of [output.NAME]",
+    {"anyOf": [{"enum": list(OUTPUTS)}, TEXT.schema()]},
+)
 
 
 class OutputTable(Table):
@@ -49,7 +43,7 @@ class OutputTable(Table):
         None,
         written=False,
     )
-    absolute: Annotated[bool | None, Flag()] = key(
+    absolute: Annotated[bool | None, FLAG] = key(
         "of an acceleration: with the base's added, as an accelerometer reads; absent = true", True, None, written=False
     )
 

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import NUMBER_WITH_UNIT, EntryInUnits, Range
+from vibeam.casefile.fields import NUMBER_WITH_UNIT, Entry, Range
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import Dimension
 from vibeam.casefile.tables.outputs import quantity_named
@@ -78,7 +78,7 @@ class Amount:
 
 
 @dataclass(frozen=True)
-class AmountEntry(EntryInUnits):
+class AmountEntry(Entry):
     """A number with any unit that a compared quantity may have, or a percentage; a plain number where it has none."""
 
     range: Range

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated, Any, cast
 
 from vibeam.case.plans import Direction, Reference
 from vibeam.casefile import quantities as units
-from vibeam.casefile.field_lists import Several
-from vibeam.casefile.fields import ANY, NUMBER_WITH_UNIT, POSITIVE, Entry, Flag, Quantity, Text, Word
+from vibeam.casefile.fields import (
+    ANY,
+    FLAG,
+    NUMBER_WITH_UNIT,
+    POSITIVE,
+    TEXT,
+    JsonSchema,
+    Quantity,
+    Several,
+    ValueEntry,
+    Word,
+)
 from vibeam.casefile.quantities import RATIO
 from vibeam.casefile.tables.expectations import swept_checks
 from vibeam.casefile.tables.readings import Amount, AmountEntry, si_unit
@@ -24,97 +33,63 @@ from vibeam.exchange.files import file_fault
 NAMES = (ROLES[0], *OF_CURVES, *ROLES[1:])
 
 
-@dataclass(frozen=True)
-class Heads(Entry):
-    """A table of columns: the head of each, or its number from 1."""
-
-    def parse(self, value: Any) -> dict[str, str | int]:
-        """As ``Entry.parse``."""
-        for name, head in _items(value, self).items():
-            if isinstance(head, bool) or not isinstance(head, str | int) or not head:
-                raise ValueError(
-                    f"{name}: must be a head in quotes or a column's number, not {as_shown_in_message(head)}"
-                )
-            if isinstance(head, int) and not 0 < head <= 10_000:
-                raise ValueError(f"{name}: columns are numbered from 1, not {as_shown_in_message(head)}")
-        return dict(value)
-
-    def describe(self) -> str:
-        """As ``Entry.describe``."""
-        return '{ frequency = "head", amplitude = 2 }'
-
-    def schema(self) -> dict[str, Any]:
-        """As ``Entry.schema``."""
-        return _schema({"anyOf": [{"type": "string"}, {"type": "integer", "minimum": 1}]})
-
-
-@dataclass(frozen=True)
-class Units(Entry):
-    """A table of the units of columns."""
-
-    def parse(self, value: Any) -> dict[str, str]:
-        """As ``Entry.parse``."""
-        for name, unit in _items(value, self).items():
-            if not isinstance(unit, str) or not known_unit(unit):
-                raise ValueError(f'{name}: {as_shown_in_message(unit)} is no unit that is known: write "mm"')
-        return dict(value)
-
-    def describe(self) -> str:
-        """As ``Entry.describe``."""
-        return '{ frequency = "Hz", amplitude = "mm" }'
-
-    def schema(self) -> dict[str, Any]:
-        """As ``Entry.schema``."""
-        return _schema({"type": "string"})
-
-
-def _items(value: Any, entry: Entry) -> dict[str, Any]:
+def _columns(value: Any, said: str) -> dict[str, Any]:
     if not isinstance(value, dict) or not value:
-        raise ValueError(f"must be {entry.describe()}, not {as_shown_in_message(value)}")
+        raise ValueError(f"must be {said}, not {as_shown_in_message(value)}")
     for name in value:
         if name not in NAMES:
             raise ValueError(f"{as_shown_in_message(name)} is no column of a reference; {suggest(name, NAMES)}")
-    return value
+    return dict(value)
 
 
-def _schema(each: dict[str, Any]) -> dict[str, Any]:
-    return {
-        "type": "object",
-        "properties": dict.fromkeys(NAMES, each),
-        "minProperties": 1,
-        "additionalProperties": False,
-    }
+def _of_columns(reading: Callable[[Any], Any], said: str, each: JsonSchema) -> ValueEntry:
+    own = {"properties": dict.fromkeys(NAMES, each), "minProperties": 1, "additionalProperties": False}
+    return ValueEntry(reading, said, {"type": "object"} | own)
 
 
-@dataclass(frozen=True)
-class Scale(Entry):
-    """A number other than 0, with a unit where it turns one quantity into another: ``"2 mm/V"``."""
+def _heads(value: Any) -> dict[str, str | int]:
+    found = _columns(value, HEADS.describe())
+    for name, head in found.items():
+        if isinstance(head, bool) or not isinstance(head, str | int) or not head:
+            raise ValueError(f"{name}: must be a head in quotes or a column's number, not {as_shown_in_message(head)}")
+        if isinstance(head, int) and not 0 < head <= 10_000:
+            raise ValueError(f"{name}: columns are numbered from 1, not {as_shown_in_message(head)}")
+    return found
 
-    def parse(self, value: Any) -> tuple[float, str]:
-        """As ``Entry.parse``: number and unit."""
-        text, unit = value, ""
-        if isinstance(value, str):
-            text, _, unit = value.strip().partition(" ")
-            unit = unit.strip().replace("μ", "µ")
-            if unit and not known_unit(unit):
-                raise ValueError(f'{as_shown_in_message(value)} has an unknown unit: write "2 mm/V"')
-        number = units.to_si(text, units.RATIO)
-        if not number:
-            raise ValueError("is 0: no value would be left")
-        return number, unit
 
-    def describe(self) -> str:
-        """As ``Entry.describe``."""
-        return "number ≠ 0 | mm/V …"
+def _units(value: Any) -> dict[str, str]:
+    found = _columns(value, COLUMN_UNITS.describe())
+    for name, unit in found.items():
+        if not isinstance(unit, str) or not known_unit(unit):
+            raise ValueError(f'{name}: {as_shown_in_message(unit)} is no unit that is known: write "mm"')
+    return found
 
-    def canonical(self, value: Any) -> Any:
-        """As ``Entry.canonical``."""
-        return value if not isinstance(value, tuple) else f"{value[0]!r} {value[1]}" if value[1] else value[0]
 
-    def schema(self) -> dict[str, Any]:
-        """As ``Entry.schema``."""
-        return {"anyOf": [{"type": "number"}, {"type": "string", "pattern": NUMBER_WITH_UNIT}]}
+def _scale(value: Any) -> tuple[float, str]:
+    text, unit = value, ""
+    if isinstance(value, str):
+        text, _, unit = value.strip().partition(" ")
+        unit = unit.strip().replace("μ", "µ")
+        if unit and not known_unit(unit):
+            raise ValueError(f'{as_shown_in_message(value)} has an unknown unit: write "2 mm/V"')
+    number = units.to_si(text, units.RATIO)
+    if not number:
+        raise ValueError("is 0: no value would be left")
+    return number, unit
 
+
+def _scale_written(value: Any) -> Any:
+    return value if not isinstance(value, tuple) else f"{value[0]!r} {value[1]}" if value[1] else value[0]
+
+
+#: head of each column, or its number from 1; the units of columns
+HEAD: JsonSchema = {"anyOf": [{"type": "string"}, {"type": "integer", "minimum": 1}]}
+HEADS = _of_columns(_heads, '{ frequency = "head", amplitude = 2 }', HEAD)
+COLUMN_UNITS = _of_columns(_units, '{ frequency = "Hz", amplitude = "mm" }', {"type": "string"})
+
+#: a number other than 0, with a unit where it turns one quantity into another
+NUMBER: JsonSchema = {"anyOf": [{"type": "number"}, {"type": "string", "pattern": NUMBER_WITH_UNIT}]}
+SCALE = ValueEntry(_scale, "number ≠ 0 | mm/V …", NUMBER, _scale_written)
 
 SIGNS = {"semicolon": ";", "comma": ",", "tab": "\t", "bar": "|", "blank": " "}
 
@@ -122,11 +97,11 @@ SIGNS = {"semicolon": ";", "comma": ",", "tab": "\t", "bar": "|", "blank": " "}
 class ReferenceTable(Table):
     """A curve that a fidelity is checked against, one table each."""
 
-    file: Annotated[str, Text()] = key(
+    file: Annotated[str, TEXT] = key(
         "from the case file's folder: CSV or other text, MATLAB (.mat), HDF5 (.h5), universal file (.uff, .unv)",
         "references/dtu_neutral_sdof.csv",
     )
-    fidelity: Annotated[str, Text()] = key("the fidelity that must meet it", "sdof")
+    fidelity: Annotated[str, TEXT] = key("the fidelity that must meet it", "sdof")
     quantity: Annotated[str, Word(QUANTITIES)] = key("the column compared", "amplitude")
     tolerance: Annotated[float | None, Quantity(RATIO, POSITIVE)] = key(
         "largest relative difference; may be absent where measured = true: then without a verdict", "0.0001 %", None
@@ -134,11 +109,11 @@ class ReferenceTable(Table):
     direction: Annotated[str | None, Word(DIRECTIONS)] = key(
         "the branches compared; absent = all that are swept", "both", None, written=False
     )
-    columns: Annotated[dict[str, Any] | None, Heads()] = key(
+    columns: Annotated[dict[str, Any] | None, HEADS] = key(
         "heads of the file's columns, or their numbers from 1; variables, datasets, number of the data set 58",
         {"frequency": "f [Hz]", "amplitude": "x [mm]", "uncertainty": "u [mm]"}, None, written=False,
     )  # fmt: skip
-    units: Annotated[dict[str, str] | None, Units()] = key(
+    units: Annotated[dict[str, str] | None, COLUMN_UNITS] = key(
         "units of columns whose heads do not say them; absent = SI", {"amplitude": "mm"}, None, written=False
     )
     separator: Annotated[str | None, Word(tuple(SIGNS))] = key(
@@ -147,7 +122,7 @@ class ReferenceTable(Table):
     decimal: Annotated[str | None, Word((".", ","))] = key(
         "decimal sign in text; absent = found out", ",", None, written=False
     )
-    scale: Annotated[tuple[float, str] | None, Scale()] = key(
+    scale: Annotated[tuple[float, str] | None, SCALE] = key(
         "factor of the values, with a unit where it is a sensor's", "2 mm/V", None, written=False
     )
     offset: Annotated[Amount | None, AmountEntry(ANY)] = key(
@@ -160,8 +135,8 @@ class ReferenceTable(Table):
         "standard uncertainty of every value, in its unit or as a percentage of it, where no column gives it", "2 %",
         None, written=False,
     )  # fmt: skip
-    measured: Annotated[bool, Flag()] = key("whether the curve was measured", True, False, written=False)
-    source: Annotated[str, Text()] = key("where the curve comes from", "Fig. 31(b)", "", written=False)
+    measured: Annotated[bool, FLAG] = key("whether the curve was measured", True, False, written=False)
+    source: Annotated[str, TEXT] = key("where the curve comes from", "Fig. 31(b)", "", written=False)
 
 
 def reference_checks(case: SimpleNamespace, folder: File) -> Iterator[Complaint]:

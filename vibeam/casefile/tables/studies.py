@@ -7,9 +7,8 @@ from types import SimpleNamespace
 from typing import Annotated, Any
 
 from vibeam.casefile import quantities as units
-from vibeam.casefile.field_lists import Each, Several
-from vibeam.casefile.field_tables import Settings
-from vibeam.casefile.fields import POSITIVE, Count, Quantity, Text, Word
+from vibeam.casefile.field_tables import settings
+from vibeam.casefile.fields import POSITIVE, TEXT, Count, Each, Quantity, Several, Word
 from vibeam.casefile.tables.table import (
     MOST_ELEMENTS,
     MOST_POINTS,
@@ -74,7 +73,7 @@ class CostTable(Table):
         None,
         written=False,
     )
-    reference: Annotated[str | None, Text()] = key(
+    reference: Annotated[str | None, TEXT] = key(
         "the [reference.NAME] whose amplitudes are the truth; absent = the finest fidelity",
         "exact",
         None,
@@ -87,7 +86,7 @@ class CostTable(Table):
 class InfluenceTable(Table):
     """Plan of vibeam influence; absent = the defaults."""
 
-    fidelity: Annotated[str | None, Text()] = key(
+    fidelity: Annotated[str | None, TEXT] = key(
         "whose effects are taken away; absent = the one with most modes", "beam", None, written=False
     )
     quantities: Annotated[tuple[str, ...], Each(Word(OF_INFLUENCE))] = key(
@@ -121,14 +120,14 @@ class InfluenceTable(Table):
 class FitTable(Table):
     """Plan of vibeam fit."""
 
-    keys: Annotated[dict[str, Any], Settings()] = key(
+    keys: Annotated[dict[str, Any], settings()] = key(
         "what is estimated: dotted keys of the case with [lowest, highest]",
         {"drive.gain": ["3e-4", "9e-4"], "stop.restitution": [0.5, 0.95]},
     )
-    references: Annotated[tuple[str, ...] | None, Each(Text())] = key(
+    references: Annotated[tuple[str, ...] | None, Each(TEXT)] = key(
         "the [reference.NAME] that it is estimated from; absent = all", ["laser"], None, written=False
     )
-    unstable: Annotated[tuple[str, ...] | None, Each(Text())] = key(
+    unstable: Annotated[tuple[str, ...] | None, Each(TEXT)] = key(
         "those of them measured by control-based continuation: their points may lie on unstable branches",
         ["controlled"], None, written=False,
     )  # fmt: skip

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
-from vibeam.casefile.field_lists import Names, Several
-from vibeam.casefile.field_tables import Options, Settings, TableOr
-from vibeam.casefile.fields import NOT_NEGATIVE, Count, Quantity, Text, Word
+from vibeam.casefile.field_tables import OPTIONS, TableOr, settings
+from vibeam.casefile.fields import NOT_NEGATIVE, TEXT, Count, Quantity, Several, Word, names
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import FREQUENCY
-from vibeam.casefile.tables.outputs import OutputName
+from vibeam.casefile.tables.outputs import OUTPUT_NAME
 from vibeam.casefile.tables.table import DIRECTIONS, MOST_ELEMENTS, MOST_POINTS, Frequency, Periods, Table, content, key
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.solvers import SOLVERS
@@ -96,7 +95,7 @@ class SweepTable(Table):
     direction: Annotated[str, Word(DIRECTIONS)] = key("which way the frequencies are run", "both", "both")
     settle: Annotated[int, Periods] = key("drive periods left out before the reading", 300)
     hold: Annotated[int, Count(1, MOST_POINTS)] = key("drive periods read", 50)
-    output: Annotated[str, OutputName()] = key("the output that is read", "sensor", "sensor")
+    output: Annotated[str, OUTPUT_NAME] = key("the output that is read", "sensor", "sensor")
 
 
 class _Reduction(Table):
@@ -107,7 +106,7 @@ class _Reduction(Table):
     modes: Annotated[int | None, Count(1, 2 * MOST_ELEMENTS)] = key(
         "how many modes, or coordinates of another reduction that counts them", 8, None
     )
-    boundary: Annotated[tuple[str, ...] | None, Names("names")] = key(
+    boundary: Annotated[tuple[str, ...] | None, names("names")] = key(
         "of craig_bampton: contact, masses, outputs by name; absent = contact, masses, sensor",
         ["contact", "sensor"],
         None,
@@ -129,22 +128,22 @@ class _Reduction(Table):
 
 class _Solution(Table):
     solver: Annotated[str, Word(SOLVERS)] = key("how its motion is found", "flight", "flight")
-    options: Annotated[dict[str, str | float], Options()] = key(
+    options: Annotated[dict[str, str | float], OPTIONS] = key(
         "of the solver, by name; absent = its own defaults", {"rtol": 1e-9}, {}, written=False
     )
-    set: Annotated[dict[str, Any] | None, Settings()] = key(
+    set: Annotated[dict[str, Any] | None, settings()] = key(
         "physics that is this fidelity's own: dotted keys and their values",
         {"stop.restitution": 0.6},
         None,
         written=False,
     )
-    without: Annotated[tuple[str, ...] | None, Names("dotted keys")] = key(
+    without: Annotated[tuple[str, ...] | None, names("dotted keys")] = key(
         "optional keys, or whole optional tables, of the physics that it leaves out",
         ["mass.rotary_inertia"],
         None,
         written=False,
     )
-    label: Annotated[str | None, Text()] = key(
+    label: Annotated[str | None, TEXT] = key(
         "its name in figures; absent = the name of its table", "8 modes", None, written=False, numbers=False
     )
 

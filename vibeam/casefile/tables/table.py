@@ -14,8 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, create_model
 from pydantic.fields import FieldInfo
 
 from vibeam.casefile import quantities as units
-from vibeam.casefile.field_lists import Several
-from vibeam.casefile.fields import NOT_NEGATIVE, POSITIVE, Count, Entry, Flag, Quantity, Range, Word
+from vibeam.casefile.fields import FLAG, NOT_NEGATIVE, POSITIVE, Count, Entry, Quantity, Range, Several, Word
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
 from vibeam_models.keys import Key
 
@@ -74,7 +73,7 @@ def table(name: str, meaning: str, *parts: type[Table] | dict[str, Any]) -> Any:
 def declared_entry(declared: Key) -> Entry:
     """Entry that reads a declared key."""
     if declared.flag:
-        return Flag()
+        return FLAG
     if declared.words:
         return Word(declared.words)
     low = declared.least if declared.above is None else declared.above
