@@ -37,13 +37,13 @@ from vibeam.report.figures import plot as plot
 from vibeam.runs.estimate.error import estimate_error as estimate_error
 from vibeam.runs.result import Result as Result
 from vibeam.runs.run import run as run
-from vibeam.runs.store.errors import StoreError as StoreError
 from vibeam.runs.sweep import sweep as sweep
 from vibeam.solvers import register_solver as register_solver
 from vibeam.solvers.declaration import CostSettings as CostSettings
 from vibeam.solvers.declaration import SolverDeclaration as SolverDeclaration
 from vibeam.solvers.several_harmonics import Harmonic as Harmonic
 from vibeam.solvers.several_harmonics import SeveralHarmonics as SeveralHarmonics
+from vibeam.store.errors import StoreError as StoreError
 from vibeam.studies.cost.study import cost as cost
 from vibeam.studies.declaration import StudyDeclaration as StudyDeclaration
 from vibeam.studies.declaration import register_study as register_study

@@ -1,4 +1,6 @@
-"""Damaged results files: the run says so in one message, or ends with the data of an undisturbed run.
+"""Damaged results: the run says so in one message, or ends with the data of an undisturbed run.
+
+Of half a run the file or one of the blocks beside it is damaged.
 
 Names and units for other programs are not data: vibeam does not read them back.
 """
@@ -19,8 +21,8 @@ from verdict import Verdict
 from workers import Stage
 
 from vibeam.cli.main import main
-from vibeam.runs.store.errors import StoreError
 from vibeam.runs.store.file import read
+from vibeam.store.errors import StoreError
 
 KINDS = ("cut", "bits", "byte", "zeros", "noise", "moved", "appended", "holed")
 
@@ -52,32 +54,36 @@ def damaged(content: bytes, kind: str, rng: np.random.Generator) -> bytes:
 
 
 @cache
-def half_done(name: str) -> bytes:
-    """The file of a run that was stopped: the first half of its points."""
+def half_done(name: str) -> dict[str, bytes]:
+    """Files of a run that was killed with some of its points, by name."""
     with tempfile.TemporaryDirectory() as where:
         folder, share = Path(where), 0.3
         write_case(name, folder)
         while not (folder / f"{name}.h5").exists() and share < 1:
             vibeam(["run", f"{name}.toml"], folder, kill=(share * undisturbed(name).seconds, 9))
             share += 0.1
-        return (folder / f"{name}.h5").read_bytes()
+        return {str(file.relative_to(folder)): file.read_bytes() for file in folder.glob(f"{name}.h5*/**/*.npz")} | {
+            f"{name}.h5": (folder / f"{name}.h5").read_bytes()
+        }
 
 
 def judge(seed: int, number: int, stage: Stage) -> Verdict:
     """One results file, whole or of half a run, damaged and then used."""
     rng = np.random.default_rng([seed, number])
     name, kind = str(rng.choice(list(DISTURBED))), KINDS[number % len(KINDS)]
-    content = half_done(name) if rng.random() < 0.4 else undisturbed(name).content
+    files = half_done(name) if rng.random() < 0.4 else {f"{name}.h5": undisturbed(name).content}
     verdict = Verdict()
     with tempfile.TemporaryDirectory() as where:
         folder = Path(where)
         write_case(name, folder)
-        file = folder / f"{name}.h5"
-        file.write_bytes(damaged(content, kind, rng))
+        file, harmed = folder / f"{name}.h5", str(rng.choice(sorted(files)))
+        for place, content in files.items():
+            (folder / place).parent.mkdir(exist_ok=True)
+            (folder / place).write_bytes(damaged(content, kind, rng) if place == harmed else content)
         stage(f"{name}, {kind}")
         ended = run_limited(lambda: _used(file), folder, Limits())
         fault = ended.fault(Limits()) or ("" if ended.code else _difference(file, name))
-        verdict.count(f"{kind}, exit {ended.code}")
+        verdict.count(f"{kind}, {'file' if harmed == file.name else 'block'}, exit {ended.code}")
         verdict.hold(not fault, f"{name}, {kind}: {fault}")
     return verdict
 

@@ -11,8 +11,8 @@ from commands import DISTURBED, fault_of_completion, fault_of_message, undisturb
 from verdict import Verdict
 from workers import Stage
 
-from vibeam.runs.store.errors import StoreError
 from vibeam.runs.store.file import read
+from vibeam.store.errors import StoreError
 
 SIGNALS = (signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 INTERRUPTED = 130

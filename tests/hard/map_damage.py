@@ -43,11 +43,11 @@ def computed(name: str, folder: Path, blocks: int | None = None) -> Path:
     case.write_text(text, encoding="utf-8")
     write, left = running.write_block, [blocks]
 
-    def ending(parts: Path, block: Block, *given: object) -> None:
+    def ending(path: Path, parts: Path, block: Block, *given: object) -> None:
         if left[0] == 0:
             raise Ended
         left[0] = None if left[0] is None else left[0] - 1
-        write(parts, block, *given)  # type: ignore[arg-type]
+        write(path, parts, block, *given)  # type: ignore[arg-type]
 
     kept = running.lines_of_block, running.write_block
     running.lines_of_block, running.write_block = (lambda case, grid: 2), ending

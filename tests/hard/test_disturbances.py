@@ -105,7 +105,7 @@ def test_a_run_that_lacks_something_says_so_and_goes_on() -> None:
 
 @pytest.mark.parametrize("number", range(len(damage.KINDS)))
 def test_a_damaged_file_is_refused_or_run_anew(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(damage, "half_done", lambda name: undisturbed(name).content)
+    monkeypatch.setattr(damage, "half_done", lambda name: {f"{name}.h5": undisturbed(name).content})
     assert damage.judge(SEED, number, nothing).findings == []
 
 

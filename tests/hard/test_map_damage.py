@@ -5,7 +5,7 @@ from __future__ import annotations
 import map_damage
 import pytest
 
-from vibeam.maps.store import gathered
+from vibeam.maps import gathered
 
 
 def nothing(stage: str) -> None:

@@ -65,7 +65,7 @@ def mistakes() -> Iterator[None]:
         _stop(short, WRONG)
     from vibeam.exchange.faults import CaseError
     from vibeam.flight.engine.loading import KernelsUnavailable
-    from vibeam.runs.store.errors import StoreError
+    from vibeam.store.errors import StoreError
 
     try:
         yield

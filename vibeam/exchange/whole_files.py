@@ -131,7 +131,11 @@ def fill_sealed(path: Path, fill: Fill, of: str = "") -> None:
 
 def read_sealed(path: Path, of: str = "") -> bytes | None:
     """Content of a sealed file without its seal; None where that does not fit. OSError where it cannot be read."""
-    content = path.read_bytes()
+    return unsealed(path.read_bytes(), of)
+
+
+def unsealed(content: bytes, of: str = "") -> bytes | None:
+    """Content of a sealed file, read whole, without its seal; None where that does not fit."""
     whole, said = content[:-LENGTH], content[-LENGTH:]
     return whole if said == _seal([whole], of) else None
 

@@ -18,7 +18,7 @@ from typing import Any
 
 from vibeam.flight.engine.threads import pause
 from vibeam.maps.block import Block, Values, evaluate_block
-from vibeam.runs.store.errors import reason
+from vibeam.store.errors import reason
 
 Evaluate = Callable[[Block], Values]
 WAIT = 15.0  # s for the scheduler and its first worker

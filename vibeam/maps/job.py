@@ -14,15 +14,41 @@ from numpy.typing import NDArray
 from vibeam.case.plans import MapPlan
 from vibeam.maps.block import DTYPES, Block, Grid, Values
 from vibeam.maps.evaluate import GridResponse, blocks_of
+from vibeam.maps.gathered import SHOWN, Source, steps_of
 from vibeam.maps.points import shape_of
 from vibeam.maps.result import MapResult
-from vibeam.maps.store.blocks import Manifest, read_block
-from vibeam.maps.store.gathered import SHOWN, Source, steps_of
-from vibeam.runs.store.errors import StoreError
+from vibeam.runs.keys import digest_of_code
+from vibeam.store import blocks as files
+from vibeam.store.errors import StoreError
+from vibeam.store.place import Place
 from vibeam.system.quantities import Ended
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+
+
+def block_path(folder: Path, block: Block) -> Path:
+    """File of a block."""
+    return files.block_path(folder, block.grid.fidelity, block.first)
+
+
+def write_block(path: Path, folder: Path, block: Block, key: str, values: Values) -> None:
+    """Write a block of a grid with that key; StoreError, naming ``path``, where the disk fails."""
+    files.write_block(path, block_path(folder, block), _identity(block, key), values)
+
+
+def read_block(folder: Path, block: Block, key: str) -> Values | None:
+    """Values of a block; None where it has no file, or one that is damaged or of another grid or code."""
+    return files.read_block(block_path(folder, block), _identity(block, key))
+
+
+def _identity(block: Block, key: str) -> str:
+    return f"{key} {block.first} {block.last} {digest_of_code()}"
+
+
+def manifest_of(folder: Path, keys: Mapping[str, str], sizes: Mapping[str, int]) -> files.Manifest:
+    """The manifest of the blocks of a map in ``folder``; StoreError where these are of another map or other code."""
+    return files.manifest(folder, files.Manifest(dict(keys), dict(sizes), digest_of_code()))
 
 
 ASIDE = ("state", "resting")  # shown by no picture of a map under way
@@ -62,25 +88,24 @@ def _blank(grid: Grid, name: str, lines: int, step: int) -> NDArray[Any]:
 
 
 @dataclass
-class Job:
+class MapJob:
     """Blocks of a map: all of them, and which are on disk."""
 
     case: Case
     plan: MapPlan
     grids: Mapping[str, Grid]
     keys: Mapping[str, str]
-    folder: Path
-    path: Path
+    place: Place
     blocks: list[Block] = field(default_factory=list)
     done: set[tuple[str, int]] = field(default_factory=set)
     found: int = 0
 
     @classmethod
     def begun(
-        cls, case: Case, plan: MapPlan, grids: Mapping[str, Grid], manifest: Manifest, folder: Path, path: Path
-    ) -> Job:  # fmt: skip
+        cls, case: Case, plan: MapPlan, grids: Mapping[str, Grid], manifest: files.Manifest, place: Place
+    ) -> MapJob:  # fmt: skip
         """All blocks; those that are there and whole are done."""
-        job = cls(case, plan, grids, manifest.keys, folder, path)
+        job = cls(case, plan, grids, manifest.keys, place)
         for name, grid in grids.items():
             job.blocks += blocks_of(grid, manifest.sizes[name])
         stored = [block for block in job.blocks if job.read(block) is not None]
@@ -100,7 +125,7 @@ class Job:
 
     def read(self, block: Block) -> Values | None:
         """Values of a block; None where it has no file, or one that is damaged."""
-        return read_block(self.folder, block, self.keys[block.grid.fidelity])
+        return read_block(self.place.folder, block, self.keys[block.grid.fidelity])
 
     def result(self) -> MapResult:
         """What is known now."""
@@ -112,7 +137,7 @@ class Job:
             for name, grid in self.grids.items()
         }  # fmt: skip
         total, done = points_of(self.blocks), points_of(there)
-        return MapResult(self.case, self.plan, known, total, self.found, done, self.path)
+        return MapResult(self.case, self.plan, known, total, self.found, done, self.place.path)
 
     def sources(self) -> list[Source]:
         """All blocks with their values, fidelity by fidelity; StoreError where one is damaged."""
@@ -125,7 +150,7 @@ class Job:
         for block in blocks:
             values = self.read(block)
             if values is None:
-                raise StoreError(f"{self.folder}: a block was damaged meanwhile: run again to compute it anew")
+                raise StoreError(f"{self.place.folder}: a block was damaged meanwhile: run again to compute it anew")
             yield block, values
 
 

@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from glob import escape
 from math import prod
 from pathlib import Path
 from threading import Lock
 from time import monotonic
 from typing import TYPE_CHECKING
 
-from vibeam.exchange.whole_files import regular
 from vibeam.flight.engine.threads import Stopped
 from vibeam.maps.block import Block
 from vibeam.maps.cluster import Cluster, evaluate_here
 from vibeam.maps.evaluate import grids_of, key_of, lines_of_block, plan_of
-from vibeam.maps.job import Job, name_of, points_of
+from vibeam.maps.gathered import finished, gather, is_ours, read_map
+from vibeam.maps.job import MapJob, manifest_of, name_of, points_of, write_block
 from vibeam.maps.result import MapResult
-from vibeam.maps.store.blocks import discard, opened, write_block
-from vibeam.maps.store.gathered import finished, gather, is_ours, read_map
 from vibeam.runs.parallel import run_parallel
-from vibeam.runs.store.errors import StoreError, unwritable
-from vibeam.runs.store.lock import locked
+from vibeam.store.blocks import discard
+from vibeam.store.errors import ELSEWHERE, StoreError, unwritable
+from vibeam.store.place import Place, locked
 
 if TYPE_CHECKING:
     from threading import Event
@@ -57,45 +55,34 @@ def run_map(
     plan, path = plan_of(case, name), Path(out)
     grids = grids_of(case, plan)
     keys = {fidelity: key_of(case, grid) for fidelity, grid in grids.items()}
-    try:
-        target = regular(path)
-    except OSError as fault:
-        raise StoreError(f"{path}: {fault.strerror}") from None
-    folder = target.with_name(f"{target.name}.parts")
-    with locked(path, target):
-        _tidy(target)
+    with locked(path) as place:
+        place.tidy(kin=place.target.stem)  # pictures of the map
         if fresh:
-            _remove(path, target, folder)
+            _remove(place)
         found = total = sum(grid.lines * prod(grid.shape) for grid in grids.values())
-        if not finished(target, keys):
-            manifest = opened(folder, keys, {name: lines_of_block(case, grid) for name, grid in grids.items()})
-            job = Job.begun(case, plan, grids, manifest, folder, path)
+        if not finished(place, keys):
+            sizes = {fidelity: lines_of_block(case, grid) for fidelity, grid in grids.items()}
+            job = MapJob.begun(case, plan, grids, manifest_of(place.folder, keys, sizes), place)
             _compute(job, progress, partial, workers, cluster)
             found = job.found
         elif progress:
             progress(total, total)
-        discard(folder)
-    return MapResult(case, plan, read_map(target, grids), total, found, total, path)
+        discard(place.folder)
+    return MapResult(case, plan, read_map(place.target, grids), total, found, total, path)
 
 
-def _tidy(target: Path) -> None:
-    """Delete what a run that was killed has left of files that it had begun, pictures of the map among them."""
-    for file in target.parent.glob(f".{escape(target.stem)}.*part"):
-        file.unlink(missing_ok=True)
-
-
-def _remove(path: Path, target: Path, folder: Path) -> None:
+def _remove(place: Place) -> None:
     try:
-        if target.exists() and not is_ours(target):
-            raise StoreError(f"{path}: is no file of a map: choose another --out, or delete it")
-        discard(folder)
-        target.unlink(missing_ok=True)
+        if place.target.exists() and not is_ours(place.target):
+            raise StoreError(f"{place.path}: is no file of a map: choose another --out, or delete it")
+        discard(place.folder)
+        place.target.unlink(missing_ok=True)
     except OSError as fault:
-        raise unwritable(path, fault, "choose another --out") from None
+        raise unwritable(place.path, fault, ELSEWHERE) from None
 
 
 def _compute(
-    job: Job,
+    job: MapJob,
     progress: Progress | None,
     partial: Callable[[MapResult], None] | None,
     workers: int | None,
@@ -112,10 +99,7 @@ def _compute(
         values = evaluate(block)
         if stop.is_set():
             raise Stopped
-        try:
-            write_block(job.folder, block, job.keys[block.grid.fidelity], values)
-        except OSError as fault:
-            raise unwritable(job.path, fault, "make room, then run again to go on") from None
+        write_block(job.place.path, job.place.folder, block, job.keys[block.grid.fidelity], values)
         with lock:
             job.done.add(name_of(block))
         if progress:
@@ -124,7 +108,7 @@ def _compute(
             watch.drawn(lambda: partial(job.result()))
 
     run_parallel(task, job.missing, workers if cluster is None else cluster.blocks)
-    gather(job.path, job.case, job.plan, job.keys, job.sources())
+    gather(job.place, job.case, job.plan, job.keys, job.sources())
 
 
 class _Watch:

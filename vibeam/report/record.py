@@ -10,7 +10,7 @@ import numpy as np
 
 from vibeam.exchange.curves.record import COLUMNS, QUANTITIES
 from vibeam.exchange.curves.reference import RECORDED
-from vibeam.runs.store.provenance import provenance
+from vibeam.store.provenance import provenance
 from vibeam.system.response import complete
 
 if TYPE_CHECKING:

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.flight.engine.threads import Stopped
-from vibeam.runs.store.branch import Branch, StoredBranch
+from vibeam.runs.store.branches import BranchPlan, StoredBranch
+from vibeam.runs.store.records import curves_of
 from vibeam.runs.sweep import march_blocks
 from vibeam.solvers import solver
 from vibeam.system.response import Branches, FrequencyResponse
@@ -21,7 +22,7 @@ from vibeam.system.state import StatesAfter
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.fidelity import Fidelity
-    from vibeam.runs.store.store import Store
+    from vibeam.runs.store.file import Store
     from vibeam.system.curves import MotionCurves
     from vibeam.system.impact_system import ImpactSystem
     from vibeam.system.state import State
@@ -34,7 +35,7 @@ Progress = Callable[[int, int], None]
 class Recorder:
     """Adds points to a branch's response, and writes them to the file every ``WRITE_EVERY`` seconds."""
 
-    def __init__(self, branch: Branch, kept: StoredBranch, store: Store | None) -> None:
+    def __init__(self, branch: BranchPlan, kept: StoredBranch, store: Store | None) -> None:
         self._branch, self._response, self._store = branch, kept.response, store
         self._after = kept.after
         self._done = self._written = kept.done
@@ -99,7 +100,7 @@ class Job:
     name: str
     systems: Mapping[str, ImpactSystem]
     fidelity: Fidelity
-    branches: tuple[tuple[Branch, StoredBranch], ...]
+    branches: tuple[tuple[BranchPlan, StoredBranch], ...]
 
     @property
     def system(self) -> ImpactSystem:
@@ -127,14 +128,14 @@ class Job:
 
 
 def job_of(
-    case: Case, name: str, systems: Mapping[str, ImpactSystem], branches: tuple[Branch, ...], store: Store | None
+    case: Case, name: str, systems: Mapping[str, ImpactSystem], branches: tuple[BranchPlan, ...], store: Store | None
 ) -> Job:
     """Job of the fidelity ``name``, with the stored points of its branches."""
     kept = tuple((branch, store.restore(branch) if store else _nothing(branch)) for branch in branches)
     return Job(name, systems, case.fidelities[name], kept)
 
 
-def _nothing(branch: Branch) -> StoredBranch:
+def _nothing(branch: BranchPlan) -> StoredBranch:
     points, modes = len(branch.frequency), branch.modes
     return StoredBranch(FrequencyResponse.empty(branch.frequency, modes), 0, None, StatesAfter.unknown(points, modes))
 
@@ -194,12 +195,12 @@ def _curves_key(case: Case, name: str) -> str:
 def known_curves(case: Case, job: Job, store: Store | None) -> MotionCurves:
     """All motions known to the fidelity's solver at the sweep's frequencies, from the file where stored."""
     key = _curves_key(case, job.name)
-    stored = store.curves(job.name, key) if store else None
+    stored = store.kept(curves_of(job.name, store.units), key) if store else None
     if stored is not None:
         return stored
     omega = 2 * np.pi * np.sort(case.sweep.frequency)
     made = solver(job.fidelity.solver, job.system, float(omega[0]), 0.0, **job.fidelity.options)
     found: MotionCurves = made.curves(omega, case.amplitude_of(job.name, omega), case.sweep.output)
     if store:
-        store.write_curves(job.name, key, found)
+        store.keep(curves_of(job.name, store.units), key, found)
     return found

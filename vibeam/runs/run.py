@@ -20,11 +20,11 @@ from vibeam.runs.keys import branch_key, comparison_key, model_key
 from vibeam.runs.overview import Overview, overview_of
 from vibeam.runs.parallel import run_parallel
 from vibeam.runs.result import Result, output_units
-from vibeam.runs.store.branch import Branch
-from vibeam.runs.store.file import Tell, opened
-from vibeam.runs.store.models import Keyed
-from vibeam.runs.store.reuse import Wanted
-from vibeam.runs.store.store import Store
+from vibeam.runs.store.adaptation import Requirements
+from vibeam.runs.store.branches import BranchPlan
+from vibeam.runs.store.figures import sheets_of
+from vibeam.runs.store.file import Store, Tell, opened
+from vibeam.runs.store.records import COMPARISONS, ESTIMATED, Keyed
 from vibeam.runs.systems import ModelProperties, Systems, properties_of
 from vibeam.solvers import SOLVERS
 from vibeam.solvers.steady import warm_up
@@ -116,7 +116,7 @@ def _known_estimates(case: Case, jobs: Sequence[Job], store: Store | None) -> di
         return {}
     names = [job.name for job in jobs]
     for count in range(1, 1 + len(list(takewhile(lambda job: not job.missing, jobs)))):
-        kept = store.estimates(_estimates_key(case, {job.name: job.gathered() for job in jobs[:count]}))
+        kept = store.kept(ESTIMATED, _estimates_key(case, {job.name: job.gathered() for job in jobs[:count]}))
         choice = accuracy_choice(case, names, kept) if kept else None
         if kept and choice and (choice.chosen or not choice.spared):
             return {each.fidelity: kept[each.fidelity] for each in choice.swept}
@@ -144,7 +144,7 @@ def _until_within(
     count.end()
     if store:
         swept = {job.name: job.gathered() for job in jobs[: len(found)]}
-        store.write_estimates(_estimates_key(case, swept), found)
+        store.keep(ESTIMATED, _estimates_key(case, swept), found)
     return found
 
 
@@ -164,7 +164,7 @@ def _keep_models(case: Case, models: Mapping[str, ModelProperties], store: Store
     """Keep the properties of all models in the file."""
     keys = {name: model_key(case, name) for name in models}
     if store and all(keys.values()):
-        store.write_models({name: (keys[name], properties) for name, properties in models.items()})
+        store.keep_models({name: (keys[name], properties) for name, properties in models.items()})
 
 
 def _compared(result: Result, systems: Mapping[str, ImpactSystem], store: Store | None) -> Result:
@@ -173,7 +173,7 @@ def _compared(result: Result, systems: Mapping[str, ImpactSystem], store: Store 
     if all(name == top for name, top in finest.items()):
         return result
     key = comparison_key(result.case, finest, result) if store else ""
-    stored = store.comparisons(key) if store else None
+    stored = store.kept(COMPARISONS, key) if store else None
     if stored is not None:
         result.comparisons = stored
         return result
@@ -181,7 +181,7 @@ def _compared(result: Result, systems: Mapping[str, ImpactSystem], store: Store 
 
     result.comparisons = comparisons(result.case, finest, systems, result)
     if store:
-        store.write_comparisons(key, result.comparisons)
+        store.keep(COMPARISONS, key, result.comparisons or None)
     return result
 
 
@@ -197,14 +197,14 @@ def _estimated(
 ) -> dict[str, FidelityEstimate]:  # fmt: skip
     """Errors of all fidelities against the full models of their scenes, estimated, which the file keeps."""
     key = _estimates_key(result.case, result) if store else ""
-    stored = store.estimates(key) if store else None
+    stored = store.kept(ESTIMATED, key) if store else None
     if stored is not None:
         return stored
     from vibeam.runs.estimate.of_case import estimates
 
     found = estimates(result.case, systems, result, after)
     if store:
-        store.write_estimates(key, found)
+        store.keep(ESTIMATED, key, found)
     return found
 
 
@@ -226,10 +226,11 @@ def _shown(case: Case, store: Store | None) -> dict[str, tuple[Sheet, ...]]:
     for name, plan in case.shows.items():
         from vibeam.figures.sheet import sheets
 
-        kept = store.shown(plan) if store else None
+        record = sheets_of(plan, units_of_output(case, plan.output))
+        kept = store.kept(record, plan.key) if store else None
         found[name] = sheets(case, plan) if kept is None else kept
         if store and kept is None:
-            store.show(plan, found[name], units_of_output(case, plan.output))
+            store.keep(record, plan.key, found[name])
     return found
 
 
@@ -237,7 +238,7 @@ def _shown(case: Case, store: Store | None) -> dict[str, tuple[Sheet, ...]]:
 class RunPlan:
     """Branches of every fidelity; properties of their ``models`` where the file has them of this case and code."""
 
-    branches: Mapping[str, tuple[Branch, ...]]
+    branches: Mapping[str, tuple[BranchPlan, ...]]
     models: Mapping[str, ModelProperties]
 
     @property
@@ -255,12 +256,12 @@ def _plan(case: Case, systems: Mapping[str, ImpactSystem], stored: Keyed) -> Run
     return RunPlan({name: _branches(case, name, modes) for name, modes in sizes.items()}, models)
 
 
-def _branches(case: Case, name: str, modes: int) -> tuple[Branch, ...]:
+def _branches(case: Case, name: str, modes: int) -> tuple[BranchPlan, ...]:
     up = np.sort(case.sweep.frequency)
     grids = {"up": up, "down": up[::-1].copy()}
     wanted = ("up", "down") if case.sweep.direction == "both" else (case.sweep.direction,)
     keys = {direction: branch_key(case.own[name], direction, up, after_up=len(wanted) > 1) for direction in wanted}
-    return tuple(Branch(name, direction, grids[direction], modes, keys[direction]) for direction in wanted)
+    return tuple(BranchPlan(name, direction, grids[direction], modes, keys[direction]) for direction in wanted)
 
 
 @dataclass(frozen=True)
@@ -278,9 +279,9 @@ class _Storage:
             yield None, _plan(case, systems, {})
             return
 
-        def wanted(stored: Keyed) -> Wanted:
+        def wanted(stored: Keyed) -> Requirements:
             branches = [each for several in _plan(case, systems, stored).branches.values() for each in several]
-            return Wanted(case.numbers, case.key, case.shared, branches, output_units(case), case.text)
+            return Requirements(case.numbers, case.key, case.shared, branches, output_units(case), case.text)
 
         with opened(self.path, wanted, fresh=self.fresh, tell=self.tell or _warn) as store:
             yield store, _plan(case, systems, store.models)

@@ -11,18 +11,23 @@ import numpy as np
 
 from vibeam.runs.accuracy import accuracy_choice, by_cost
 from vibeam.runs.result import Result
-from vibeam.runs.store.branch import Values, points_of, read_rows
-from vibeam.runs.store.checksum import verify
-from vibeam.runs.store.content import FORMAT, format_of, whole_case
-from vibeam.runs.store.errors import StoreError, reading
-from vibeam.runs.store.estimates import ESTIMATES, read_estimates
-from vibeam.runs.store.figures import read_sheets
+from vibeam.runs.store.adaptation import whole_case
+from vibeam.runs.store.branches import branch_names, points_of, read_rows
+from vibeam.runs.store.figures import sheets_of
 from vibeam.runs.store.file import opened_to_read
-from vibeam.runs.store.layout import read_curves
-from vibeam.runs.store.models import COMPARISON, read_comparisons, read_models
-from vibeam.runs.store.provenance import read_provenance
-from vibeam.runs.store.reuse import branch_names
-from vibeam.runs.store.store import CURVES
+from vibeam.runs.store.records import (
+    COMPARISON,
+    CURVES,
+    ESTIMATES,
+    kept,
+    read_comparisons,
+    read_curves,
+    read_estimates,
+    read_models,
+)
+from vibeam.store.blocks import Values
+from vibeam.store.errors import reading
+from vibeam.store.provenance import read_provenance
 from vibeam.system.quantities import LAYOUT
 from vibeam.system.response import Branches, FrequencyResponse
 from vibeam.system.state import State
@@ -53,15 +58,13 @@ class StoredResult:
 def read_result(path: str | Path, parse: Callable[[str], Case]) -> StoredResult:
     """Read a results file, complete or not; ``parse`` makes a case of its text.
 
-    StoreError where it is none, of an older format, or damaged; CaseError where its case cannot be built any more.
+    StoreError where it is none, or damaged; CaseError where its case cannot be built any more.
     """
     file = Path(path)
     with opened_to_read(file) as stored:
-        if format_of(stored) != FORMAT:
-            raise StoreError(f"{file}: is of an older format: vibeam run brings it to the present one")
         with reading(file, "/case"):
-            verify(stored["case"])
-        case = parse(whole_case(stored, file))
+            text = whole_case(stored)
+        case = parse(text)
         with reading(file, "its groups"):
             return _read(stored, file, case)
 
@@ -69,7 +72,7 @@ def read_result(path: str | Path, parse: Callable[[str], Case]) -> StoredResult:
 def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
     rows = {at: read_rows(stored[at[0]][at[1]]) for at in branch_names(stored) if at[0] in case.fidelities}
     models = {name: properties for name, (_, properties) in read_models(stored).items()}
-    estimates, choice = read_estimates(stored) if ESTIMATES in stored else {}, None
+    estimates, choice = read_estimates(stored[ESTIMATES]) if ESTIMATES in stored else {}, None
     if case.accuracy is not None and estimates:
         names = by_cost(case, {name: each.modes for name, each in models.items()})
         choice = accuracy_choice(case, names, estimates)
@@ -77,14 +80,14 @@ def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
         rows = {at: values for at, values in rows.items() if at[0] in estimates}
     branches = {name: _branches(stored, name, rows) for name in dict.fromkeys(name for name, _ in rows)}
     ordered = {name: branches[name] for name in case.fidelities if name in branches}
-    shown = {name: sheets for name, plan in case.shows.items() if (sheets := read_sheets(stored, plan)) is not None}
+    shown = {name: kept(stored, sheets_of(plan), plan.key) for name, plan in case.shows.items()}
     result = Result(
         case,
         ordered,
         path,
         sum(points_of(stored[one][way]) for one, way in rows),
-        shown,
-        read_comparisons(stored) if COMPARISON in stored else (),
+        {name: sheets for name, sheets in shown.items() if sheets is not None},
+        read_comparisons(stored[COMPARISON]) if COMPARISON in stored else (),
         models,
     )
     result.estimates, result.accuracy = estimates, choice
@@ -96,11 +99,8 @@ def _read(stored: h5py.File, path: Path, case: Case) -> StoredResult:
 
 def _branches(stored: h5py.File, name: str, rows: Mapping[tuple[str, str], Values]) -> Branches:
     ways = {way: _response(rows[name, way]) for way in ("up", "down") if (name, way) in rows}
-    place = f"{name}/{CURVES}"
-    if place not in stored:
-        return Branches(ways.get("up"), ways.get("down"))
-    verify(stored[place])
-    return Branches(ways.get("up"), ways.get("down"), read_curves(stored[place]))
+    curves = read_curves(stored[name][CURVES]) if CURVES in stored[name] else None
+    return Branches(ways.get("up"), ways.get("down"), curves)
 
 
 def _response(values: Values) -> FrequencyResponse:

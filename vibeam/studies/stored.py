@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from vibeam.exchange.faults import CaseError, Fault
-from vibeam.runs.store.errors import StoreError
 from vibeam.runs.stored_result import StoredResult, read_result
+from vibeam.store.errors import StoreError
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case

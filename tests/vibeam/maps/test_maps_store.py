@@ -16,10 +16,10 @@ import vibeam
 from vibeam.maps import run as running
 from vibeam.maps.block import Block, evaluate_block
 from vibeam.maps.evaluate import grids_of, key_of, lines_of_block
-from vibeam.maps.job import partial_response
+from vibeam.maps.gathered import finished, steps_of
+from vibeam.maps.job import block_path, partial_response, read_block, write_block
 from vibeam.maps.points import Axis
-from vibeam.maps.store.blocks import block_path, read_block, write_block
-from vibeam.maps.store.gathered import finished, steps_of
+from vibeam.store.place import place_of
 from vibeam.system.quantities import Ended
 
 AXES = [
@@ -92,10 +92,10 @@ def test_a_run_that_ended_goes_on_and_computes_nothing_twice(
     class Interrupted(Exception):
         pass
 
-    def ending(folder: Path, block: Block, key: str, values: Any) -> None:
+    def ending(path: Path, folder: Path, *given: Any) -> None:
         if len(list(folder.glob("*.npz"))) == 3:
             raise Interrupted
-        write_block(folder, block, key, values)
+        write_block(path, folder, *given)
 
     with monkeypatch.context() as patch:
         patch.setattr(running, "write_block", ending)
@@ -120,7 +120,7 @@ def test_a_damaged_block_is_computed_anew(tmp_path: Path) -> None:
     rig = case()
     grid = grids_of(rig, rig.maps["m"])["sdof"]
     key, block = key_of(rig, grid), Block(grid, 0, 2)
-    write_block(tmp_path, block, key, evaluate_block(block))
+    write_block(tmp_path, tmp_path, block, key, evaluate_block(block))
     assert read_block(tmp_path, block, key) is not None
     assert read_block(tmp_path, block, "another") is None
     assert read_block(tmp_path, Block(grid, 0, 3), key) is None
@@ -139,12 +139,12 @@ def test_a_damaged_map_is_told_whatever_byte_it_is(tmp_path: Path) -> None:
     vibeam.run_map(case(), "m", path)
     rig = case()
     whole, keys = path.read_bytes(), {"sdof": key_of(rig, grids_of(rig, rig.maps["m"])["sdof"])}
-    assert finished(path, keys)
+    assert finished(place_of(path), keys)
     flipped = [whole[:at] + bytes([whole[at] ^ 16]) + whole[at + 1 :] for at in range(0, len(whole), len(whole) // 60)]
     for content in (*flipped, whole[:-1], whole[:9], b"", whole + b"0", whole[:5000] + whole[5001:]):
         path.write_bytes(content)
         with pytest.raises(vibeam.StoreError, match=f"^{path}: (its digest does not fit|is no file of a map)"):
-            finished(path, keys)
+            finished(place_of(path), keys)
 
 
 def test_a_map_that_another_program_has_changed_is_not_taken_for_ours(tmp_path: Path) -> None:
@@ -223,7 +223,7 @@ def test_blocks_of_another_map_are_refused(tmp_path: Path, monkeypatch: pytest.M
     with pytest.raises(vibeam.StoreError, match="blocks of another map"):
         vibeam.run_map(case(hold=9), "m", tmp_path / "m.h5")
     with monkeypatch.context() as patch:
-        patch.setattr("vibeam.maps.store.blocks.digest_of_code", lambda: "other")
+        patch.setattr("vibeam.maps.job.digest_of_code", lambda: "other")
         with pytest.raises(vibeam.StoreError, match="another version of vibeam"):
             vibeam.run_map(case(), "m", tmp_path / "m.h5")
     manifest = tmp_path / "m.h5.parts" / "manifest"

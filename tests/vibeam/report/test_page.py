@@ -17,7 +17,7 @@ from vibeam.report.page import charts
 from vibeam.report.page.charts import as_json, packed
 from vibeam.report.page.drawing import LEFT, drawing
 from vibeam.report.page.page import page
-from vibeam.runs.store.errors import StoreError
+from vibeam.store.errors import StoreError
 from vibeam.studies.stored import stored
 
 HOSTILE = "</script><img src=x onerror=alert(1)> & {{ 7 * 7 }}"

@@ -6,9 +6,9 @@ import json
 from math import isnan, pi, sqrt
 from pathlib import Path
 
-import h5py
 import numpy as np
 import pytest
+from sealed import edited
 from stand_in import SDOF, one_mode
 from typer.testing import CliRunner
 
@@ -90,10 +90,10 @@ def test_it_is_told_before_a_sweep_and_kept_with_it(tmp_path: Path, monkeypatch:
     assert str(kept.result.overview) == str(vibeam.run(vibeam.load("a.toml")).overview)
 
 
-def test_a_file_of_before_has_its_models_made_anew(tmp_path: Path) -> None:
+def test_a_file_without_models_has_them_made_anew(tmp_path: Path) -> None:
     case = parse(SDOF)
     vibeam.run(case, tmp_path / "a.h5")
-    with h5py.File(tmp_path / "a.h5", "r+") as file:
+    with edited(tmp_path / "a.h5") as file:
         del file["models"]
     assert stored(tmp_path / "a.h5").result.overview is None
     assert vibeam.run(case, tmp_path / "a.h5").overview is not None

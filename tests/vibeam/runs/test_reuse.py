@@ -16,8 +16,8 @@ from vibeam.casefile.read import parse
 from vibeam.runs import fidelity_sweep
 from vibeam.runs.result import Result
 from vibeam.runs.run import run
-from vibeam.runs.store.errors import StoreError
 from vibeam.runs.store.file import read
+from vibeam.store.errors import StoreError
 
 GRID = np.linspace(14.0, 17.0, 8)
 LONGER = np.append(GRID, [17.5, 18.0])

@@ -19,7 +19,7 @@ from vibeam.runs import fidelity_sweep
 from vibeam.runs.parallel import run_parallel
 from vibeam.runs.result import Result
 from vibeam.runs.run import Interrupted, run
-from vibeam.runs.store.errors import StoreError
+from vibeam.store.errors import StoreError
 
 POINTS = 2 * 2 * 8  # fidelities, directions, frequencies
 

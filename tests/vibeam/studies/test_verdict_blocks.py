@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.maps.store.blocks import write_block
+from vibeam.maps.job import write_block
 from vibeam.studies.verdict import planes
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -58,10 +58,10 @@ def test_a_run_that_ended_goes_on_and_computes_nothing_twice(
     class Interrupted(Exception):
         pass
 
-    def ending(folder: Path, *given: Any) -> None:
+    def ending(path: Path, folder: Path, *given: Any) -> None:
         if len(list(folder.glob("*.npz"))) == 2:
             raise Interrupted
-        write_block(folder, *given)
+        write_block(path, folder, *given)
 
     undisturbed = vibeam.verdict(case, fidelities=TWO, **CHAOTIC)
     assert len(rows) == 4

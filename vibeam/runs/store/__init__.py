@@ -1,1 +1,1 @@
-"""Results on disk: one HDF5 file a run, written during the run, so that a stopped run can be resumed."""
+"""Results file of a case: what it holds, how it is adapted to a changed case."""

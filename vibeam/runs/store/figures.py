@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.sheet import Column, Sheet
-from vibeam.runs.store.checksum import CHECKSUM, sign, verify
-from vibeam.runs.store.layout import fixed
-from vibeam.system.quantities import OutputUnits, Quantity, unit_of
+from vibeam.runs.store.records import Record
+from vibeam.store.hdf5 import described, fixed, text_of
+from vibeam.system.quantities import METRES, OutputUnits, Quantity, unit_of
 
 if TYPE_CHECKING:
     import h5py
@@ -20,19 +19,20 @@ if TYPE_CHECKING:
 HOME = "show"
 
 
-def read_sheets(file: h5py.File, plan: ShowPlan) -> tuple[Sheet, ...] | None:
-    """Read the data of ``plan``; None without any, or for another plan; ValueError if damaged."""
-    group = file.get(f"{HOME}/{plan.name}")
-    if group is None or CHECKSUM not in group.attrs or group.attrs.get("key", b"") != plan.key.encode():
-        return None
-    verify(group)
-    return tuple(
-        _sheet(group[name][index]) for name in plan.fidelities if name in group for index in _order(group[name])
-    )
+def sheets_of(plan: ShowPlan, units: OutputUnits = METRES) -> Record[tuple[Sheet, ...]]:
+    """Record of the data of ``plan``; ``units``: of the output that it shows."""
 
+    def write(group: h5py.Group, sheets: tuple[Sheet, ...]) -> None:
+        group.attrs["kind"] = fixed(plan.kind)
+        for name in plan.fidelities:
+            for index, sheet in enumerate(each for each in sheets if each.fidelity == name):
+                _write(group.create_group(f"{name}/{index}"), sheet, units)
 
-def _order(group: h5py.Group) -> list[str]:
-    return sorted(group, key=int)
+    def read(group: h5py.Group) -> tuple[Sheet, ...]:
+        named = [name for name in plan.fidelities if name in group]
+        return tuple(_sheet(group[name][index]) for name in named for index in sorted(group[name], key=int))
+
+    return Record(f"{HOME}/{plan.name}", write, read)
 
 
 def _sheet(group: h5py.Group) -> Sheet:
@@ -40,33 +40,13 @@ def _sheet(group: h5py.Group) -> Sheet:
         name: Column(rows[()], rows.attrs["kind"].decode(), rows.attrs["long_name"]) for name, rows in group.items()
     }
     fidelity = group.parent.name.rsplit("/", 1)[-1]
-    return Sheet(fidelity, float(group.attrs["frequency"]), columns, group.attrs["fault"].decode().strip())
-
-
-def write_sheets(file: h5py.File, plan: ShowPlan, sheets: tuple[Sheet, ...], units: OutputUnits) -> None:
-    """Replace the stored data by ``sheets``; ``units``: of the output."""
-    place = f"{HOME}/{plan.name}"
-    if place in file:
-        del file[place]
-    group = file.create_group(place)
-    group.attrs["kind"] = fixed(plan.kind)
-    for name in plan.fidelities:
-        for index, sheet in enumerate(_of(sheets, name)):
-            _write(group.create_group(f"{name}/{index}"), sheet, units)
-    group.attrs["key"] = fixed(plan.key)
-    sign(group)
-
-
-def _of(sheets: tuple[Sheet, ...], name: str) -> Iterator[Sheet]:
-    return (sheet for sheet in sheets if sheet.fidelity == name)
+    return Sheet(fidelity, float(group.attrs["frequency"]), columns, text_of(group, "fault"))
 
 
 def _write(group: h5py.Group, sheet: Sheet, units: OutputUnits) -> None:
     group.attrs["frequency"] = np.float64(sheet.frequency)
-    group.attrs["fault"] = fixed(sheet.fault or " ")
+    group.attrs["fault"] = fixed(sheet.fault)
     for name, column in sheet.columns.items():
-        dataset = group.create_dataset(name, data=column.values)
-        dataset.attrs["kind"] = fixed(column.unit)
-        dataset.attrs["long_name"] = column.long_name
         kind: Any = column.unit
-        dataset.attrs["units"] = unit_of(Quantity(column.long_name, kind), units)
+        unit = unit_of(Quantity(column.long_name, kind), units)
+        described(group, name, column.values, column.long_name, unit).attrs["kind"] = fixed(column.unit)

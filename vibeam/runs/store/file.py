@@ -1,198 +1,236 @@
-"""Results file of a case: created, opened, adapted, or refused, also for links and data that are not its own."""
+"""Results file of a case: opened, written from several threads, read; with the blocks beside it, for its one writer.
+
+What is known of a run is the file and the blocks in ``OUT.h5.parts``, whoever asks: a run that goes on, or a reader.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import re
+import threading
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
+from types import TracebackType
 from typing import TYPE_CHECKING
 
-from vibeam.exchange.hdf5 import contents, heaps_are_whole, is_own
-from vibeam.exchange.whole_files import regular
-from vibeam.runs.store.branch import Values, read_rows
-from vibeam.runs.store.content import FORMAT, OLDER, SIGNATURE, UNSIGNED, adapted, blank, format_of, is_ours
-from vibeam.runs.store.disk import Disk, Image
-from vibeam.runs.store.errors import CURE, FAULTS, StoreError, damaged, reading, reason
-from vibeam.runs.store.lock import locked
-from vibeam.runs.store.models import MODELS, Keyed, read_models
-from vibeam.runs.store.reuse import Wanted, branch_names
-from vibeam.runs.store.store import Store
-from vibeam.system.quantities import LAYOUT
+from vibeam.exchange.whole_files import unsealed
+from vibeam.runs.store.adaptation import FORMAT, Requirements, adapted, blank
+from vibeam.runs.store.branches import (
+    BranchPlan,
+    StoredBranch,
+    branch_names,
+    join_blocks,
+    keep_block,
+    read_branch,
+    read_rows,
+    rows_of,
+    write_rows,
+)
+from vibeam.runs.store.records import Kept, Keyed, Record, keep, kept, read_models, write_models
+from vibeam.store.errors import CURE, FAULTS, StoreError, reading, reason, unopened
+from vibeam.store.hdf5 import SIGNATURE, content_of, in_memory, text_of
+from vibeam.store.place import Place, locked, place_of
+from vibeam.store.provenance import note_continued
+from vibeam.system.quantities import LAYOUT, OutputUnits
 from vibeam.system.response import FrequencyResponse
+from vibeam.system.state import State
 
 if TYPE_CHECKING:
     import h5py
 
-
-def refuse_foreign(file: h5py.File) -> None:
-    """Raise ValueError for a soft or external link, data outside the file or not stored contiguously; RuntimeError for
-    attributes that cannot be gone through.
-
-    An accepted file is no larger on reading than on disk, and reading it touches nothing else.
-    """
-    import h5py
-
-    for place, item, again in contents(file):
-        if item is None:
-            raise ValueError(f"/{place} is a link to another place")
-        if again:
-            raise ValueError(f"/{place} is linked twice")
-        h5py.h5a.iterate(item.id, _read)
-        if not isinstance(item, h5py.Group) and (not isinstance(item, h5py.Dataset) or not _plain(item)):
-            raise ValueError(f"/{place} holds no values of its own")
-
-
-def _read(name: bytes) -> None:
-    """An attribute whose record can be read."""
-
-
-def _plain(dataset: h5py.Dataset) -> bool:
-    """Test whether the values lie in the file contiguously."""
-    import h5py
-
-    contiguous = dataset.id.get_create_plist().get_layout() in (h5py.h5d.CONTIGUOUS, h5py.h5d.COMPACT)
-    return contiguous and is_own(dataset) and dataset.id.get_storage_size() == dataset.nbytes
-
-
+OURS = re.compile(rb"vibeam results \d")
+MOST = 100  # blocks beside a file, then they are gathered
 Tell = Callable[[str], None]
-Plan = Callable[[Keyed], Wanted]
+Plan = Callable[[Keyed], Requirements]
+
+
+class Store:
+    """Open results file, safe to write from several threads; made by ``opened``.
+
+    The first points of a session put the whole file in place, further ones are blocks beside it, which the end gathers.
+    ``file``: in memory; ``units``: of the output; ``models``: what the file had of its models when it was opened;
+    ``blocks``: number of those that it has in memory alone; ``new``: it was made here; ``fresh``: in place of another;
+    ``changed``: it says something else than on disk. Every method: StoreError where the file cannot be read or written.
+    """
+
+    def __init__(
+        self, place: Place, file: h5py.File, units: OutputUnits, models: Keyed, *,
+        blocks: int = 0, new: bool = False, fresh: bool = False, changed: bool = False,
+    ) -> None:  # fmt: skip
+        self._place, self._file = place, file
+        self._lock = threading.Lock()
+        self._blocks, self._new, self._fresh, self._changed = blocks, new, fresh, changed
+        self._begun = False
+        self._failure: StoreError | None = None
+        self.path, self.models, self.units = place.path, models, units
+
+    def __enter__(self) -> Store:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, fault: object, trace: TracebackType | None) -> None:
+        """Gather the blocks; where the run failed before its first point the file stays as it was."""
+        try:
+            if self._failure is None and (self._blocks or self._changed) and (self._begun or kind is None):
+                self._gather()
+        except StoreError:
+            if kind is None:  # else there is another message, and the blocks are there
+                raise
+        finally:
+            self._file.close()
+
+    @contextmanager
+    def _reading(self, where: str) -> Iterator[h5py.File]:
+        with self._lock, reading(self.path, where):
+            yield self._file
+
+    @contextmanager
+    def _writing(self) -> Iterator[h5py.File]:
+        """Context that refuses writes after a failed one, which would build on data not on the disk."""
+        with self._lock:
+            if self._failure is not None:
+                raise self._failure
+            try:
+                yield self._file
+            except StoreError as failure:
+                self._failure = failure
+                raise
+
+    def _gather(self) -> None:
+        """Put the whole file in place, and discard the blocks, which are in it."""
+        if not self._begun and not self._new:
+            note_continued(self._file["provenance"])
+        if not self._begun and self._fresh:
+            self._place.discard()  # of the old file, and of the same keys perhaps
+        elif not self._begun and self._new and self._place.target.exists():
+            raise StoreError(f"{self.path}: another program has made it meanwhile: choose another --out")
+        self._place.replace(content_of(self._file))
+        self._place.discard()
+        self._begun, self._changed, self._blocks = True, False, 0
+
+    def restore(self, branch: BranchPlan) -> StoredBranch:
+        """Stored part of one branch."""
+        with self._reading(f"/{branch.group}") as file:
+            return read_branch(file[branch.group], branch)
+
+    def write(self, branch: BranchPlan, start: int, block: FrequencyResponse, states: Sequence[State]) -> None:
+        """Put ``block`` at the points from ``start`` on, and the ``states`` after its last ones."""
+        with self._writing() as file:
+            group, rows = file[branch.group], rows_of(block, states)
+            write_rows(group, start, rows)
+            if not self._begun or self._blocks == MOST:
+                self._gather()
+            else:
+                keep_block(self.path, self._place.folder, group, start, rows)
+                self._blocks += 1
+
+    def kept(self, record: Record[Kept], key: str) -> Kept | None:
+        """The record stored for ``key``, of all that decides it; None without one."""
+        with self._reading(f"/{record.place}") as file:
+            return kept(file, record, key)
+
+    def keep(self, record: Record[Kept], key: str, value: Kept | None) -> None:
+        """Replace a record by ``value``, None: by nothing."""
+        with self._writing() as file:
+            keep(file, record, key, value)
+            self._gather()
+
+    def keep_models(self, models: Keyed) -> None:
+        """Replace the properties of all models, unless they are the same."""
+        before, now = ({name: repr(each) for name, each in some.items()} for some in (self.models, models))
+        if before != now:  # as text: NaN is not itself
+            with self._writing() as file:
+                write_models(file, models)
+                self._gather()
 
 
 @contextmanager
-def opened(path: Path, wanted: Plan, *, fresh: bool = False, tell: Tell = lambda line: None) -> Iterator[Store]:
-    """Open the results file of one case, created where there is none; locked against other processes.
+def opened(
+    path: Path, wanted: Plan, *, fresh: bool = False, tell: Tell = lambda line: None
+) -> Iterator[Store]:  # fmt: skip
+    """Open the results file of one case, made with its first point where there is none; locked against other processes.
 
     ``wanted``: what the case wants of it, called with what the file has of its models, before anything is changed.
     A file of a changed case keeps the branches whose numbers are the same; ``tell`` gets one line on that. ``fresh``:
     a new file replaces the old one with its first point. StoreError where ``path`` is something else,
-    belongs to another case, is damaged, locked or cannot be written. A file created here that gets no point is deleted
-    again.
+    belongs to another case, is damaged, locked or cannot be written.
     """
-    target = _regular(path)
-    with locked(path, target):
-        disk = Disk(path, target)
-        try:
-            with _begun(disk, wanted, target.exists(), fresh, tell) as begun:
-                yield from _used(begun, disk)
-        finally:
-            disk.close()
+    with locked(path) as place:
+        place.tidy()
+        if place.target.exists() and not fresh:
+            store = _continued(place, wanted, tell)
+        else:
+            if place.target.exists():
+                _refuse_others(path, _read(place, "r+b"))
+            needs = wanted({})
+            store = Store(place, blank(needs), needs.units, {}, new=True, fresh=fresh)
+        with store:
+            yield store
 
 
-@dataclass(frozen=True)
-class _Begun:
-    """Open file: ``new`` or not, ``made`` where there was none, ``changed`` so that it stays without points too."""
-
-    image: Image
-    file: h5py.File
-    wanted: Wanted
-    models: Keyed
-    new: bool
-    made: bool = False
-    changed: bool = False
-
-
-def _used(begun: _Begun, disk: Disk) -> Iterator[Store]:
-    store = Store(begun.file, begun.image, disk, begun.wanted.units, begun.models, noted=begun.new)
-    try:
-        yield store
-    finally:
-        if begun.made and not store.written:
-            disk.remove()
-    if begun.changed:
-        disk.settle()
-
-
-@contextmanager
-def _begun(disk: Disk, plan: Plan, exists: bool, fresh: bool, tell: Tell) -> Iterator[_Begun]:
-    import h5py
-
-    if exists and not fresh:
-        with _continued(disk, plan, tell) as begun:
-            yield begun
-        return
-    if exists and not is_ours(disk.read()):
-        raise no_result(disk.path)
-    wanted = plan({})
-    image = blank(wanted)
-    put = disk.stage if exists else disk.create
-    put(image.getvalue())
-    with h5py.File(image, "r+") as file:
-        yield _Begun(image, file, wanted, {}, new=True, made=not exists)
-
-
-@contextmanager
-def _continued(disk: Disk, plan: Plan, tell: Tell) -> Iterator[_Begun]:
-    image = Image(disk.read())
-    with _open(image, disk.path) as file:
-        with reading(disk.path, f"/{MODELS}"):
-            models = read_models(file)
-        wanted = plan(models)
-        line = adapted(file, disk.path, wanted)
-        if line is not None:
-            file.flush()
-            disk.stage(image.getvalue())
-            if line:
-                tell(f"{disk.path}: {line}")
-        yield _Begun(image, file, wanted, models, new=False, changed=line is not None)
+def _continued(place: Place, plan: Plan, tell: Tell) -> Store:
+    path = place.path
+    file = _open(place, _read(place, "r+b"))
+    with reading(path, "it"):
+        blocks = join_blocks(file, place.folder)
+        models = read_models(file)
+    wanted = plan(models)
+    with reading(path, "it"):
+        line = adapted(file, path, wanted)
+    if line:
+        tell(f"{path}: {line}")
+    return Store(place, file, wanted.units, models, blocks=blocks, changed=line is not None)
 
 
 @contextmanager
 def opened_to_read(path: Path) -> Iterator[h5py.File]:
-    """Open a copy in memory of a results file; StoreError where it is none, or is damaged."""
-    try:
-        content = _regular(path).read_bytes()
-    except OSError as fault:
-        raise StoreError(f"{path}: cannot be opened ({reason(fault)})") from None
-    if not is_ours(content):
+    """Open a copy in memory of a results file and its blocks; StoreError where it is none, or is damaged."""
+    place = place_of(path)
+    content = _read(place, "rb")
+    if not _is_ours(content):
         raise StoreError(f"{path}: is no results file: name one that vibeam run has written")
-    with _open(Image(content), path) as file:
+    with _open(place, content) as file:
+        with reading(path, "it"):
+            join_blocks(file, place.folder)
         yield file
 
 
 def read(path: Path) -> dict[tuple[str, str], FrequencyResponse]:
     """Read every branch of a results file, by fidelity and direction; points that were not run are NaN."""
     with opened_to_read(path) as file, reading(path, "its groups"):
-        rows = _unsigned_rows if format_of(file) == UNSIGNED else read_rows
-        found = {(fidelity, direction): rows(file[fidelity][direction]) for fidelity, direction in branch_names(file)}
+        found = {(fidelity, way): read_rows(file[fidelity][way]) for fidelity, way in branch_names(file)}
         return {at: FrequencyResponse(**{name: values[name] for name in LAYOUT}) for at, values in found.items()}
 
 
-def _unsigned_rows(group: h5py.Group) -> Values:
-    return {name: group[name][()] for name in LAYOUT}
-
-
-@contextmanager
-def _open(image: Image, path: Path) -> Iterator[h5py.File]:
-    import h5py
-
-    if image.read(len(SIGNATURE)) != SIGNATURE:  # h5py would take an empty file for a new one
-        raise no_result(path)
-    if not heaps_are_whole(image.getvalue()):
-        raise damaged(path, "it", ValueError("a heap of its texts is broken"))
+def _read(place: Place, mode: str) -> bytes:
     try:
-        file = h5py.File(image, "r+")
-    except FAULTS as fault:
-        raise damaged(path, "it", fault) from None
-    with file:
-        with reading(path, "it"):
-            known = format_of(file) in (FORMAT, *OLDER)
-        if not known:
-            raise no_result(path)
-        try:
-            refuse_foreign(file)
-        except FAULTS as fault:
-            raise StoreError(f"{path}: {reason(fault)}: vibeam writes no such file: {CURE}") from None
-        yield file
-
-
-def no_result(path: Path) -> StoreError:
-    """Error for a file that is no results file."""
-    return StoreError(f"{path}: is no vibeam result: choose another --out, or delete it")
-
-
-def _regular(path: Path) -> Path:
-    try:
-        return regular(path)
+        with place.target.open(mode) as file:
+            return bytes(file.read())
     except OSError as fault:
-        raise StoreError(f"{path}: {fault.strerror}") from None
+        raise unopened(place.path, fault) from None
+
+
+def _is_ours(content: bytes) -> bool:
+    """Test whether bytes are those of a results file, even a damaged one."""
+    return content.startswith(SIGNATURE) and OURS.search(content) is not None
+
+
+def _refuse_others(path: Path, content: bytes) -> None:
+    if not _is_ours(content):
+        raise StoreError(f"{path}: is no vibeam result: choose another --out, or delete it")
+
+
+def _open(place: Place, content: bytes) -> h5py.File:
+    """The file in memory; StoreError where it is not, to the bit, as it was written."""
+    _refuse_others(place.path, content)
+    whole = unsealed(content)
+    if whole is None:
+        said = "its digest does not fit: it is damaged, or was changed since"
+        raise StoreError(f"{place.path}: {said}: {CURE}")
+    try:
+        file = in_memory(whole)
+        known = text_of(file, "format") == FORMAT
+    except FAULTS as fault:
+        raise StoreError(f"{place.path}: it cannot be read ({reason(fault)}): {CURE}") from None
+    if not known:
+        raise StoreError(f"{place.path}: is no vibeam result of this version: {CURE}")
+    return file

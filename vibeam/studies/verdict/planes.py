@@ -12,15 +12,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.case.grid_keys import FREQUENCY
-from vibeam.exchange.whole_files import regular
 from vibeam.flight.engine.threads import Stopped
 from vibeam.maps.block import Block, Grid, Values, evaluate_block
 from vibeam.maps.evaluate import blocks_of, grid_of, key_of
+from vibeam.maps.job import manifest_of, read_block, write_block
 from vibeam.maps.points import GridPoints, grid_points
-from vibeam.maps.store.blocks import discard, opened, read_block, write_block
 from vibeam.runs.parallel import heartbeat, run_parallel
-from vibeam.runs.store.errors import unwritable
-from vibeam.runs.store.lock import locked
+from vibeam.store.blocks import discard
+from vibeam.store.place import locked
 from vibeam.studies.verdict.boundaries import ExactBoundary, exact_boundaries
 from vibeam.studies.verdict.motions import Motions, judged, motions
 from vibeam_models.arrays import Array
@@ -60,13 +59,11 @@ def kept_beside(path: Path, fresh: bool = False) -> Iterator[Path]:
 
     StoreError where another process has it.
     """
-    target = regular(path)
-    folder = target.with_name(f"{target.name}.parts")
-    with locked(path, target):
+    with locked(path) as place:
         if fresh:
-            discard(folder)
-        yield folder
-        discard(folder)
+            discard(place.folder)
+        yield place.folder
+        discard(place.folder)
 
 
 def plane_of(case: Case, name: str, axis: VerdictAxis, frequency: Array, quantity: str) -> Plane:
@@ -89,7 +86,7 @@ def computed(
     work = _Work(case, quantity, folder, tell)
     known: dict[str, list[ExactBoundary]] = {}
     if folder is not None:
-        opened(folder, {each.name: each.key for each in planes}, {each.name: each.size for each in planes})
+        manifest_of(folder, {each.name: each.key for each in planes}, {each.name: each.size for each in planes})
     tasks = list[Task]()
     for plane in sorted(planes, key=lambda plane: -plane.points.systems[0].size):
         mine = [work.task(plane, block) for block in blocks_of(plane.grid, plane.size)]
@@ -126,7 +123,8 @@ class _Work:
                 found = self._computed(block)
                 if stop.is_set():
                     raise Stopped
-                self._write(plane, block, found)
+                if self.folder is not None:
+                    write_block(self.folder, self.folder, block, plane.key, found)
             with self._lock:
                 self.known[plane.name, block.first] = found
                 if self.tell is not None:
@@ -148,14 +146,6 @@ class _Work:
         swept = {name: np.moveaxis(values, 1, 0) for name, values in evaluate_block(block, threads=1).items()}
         found = judged(self.case.sweep, points, swept, self.quantity)
         return {name: np.moveaxis(values, 0, 1) for name, values in found.items()}
-
-    def _write(self, plane: Plane, block: Block, found: Values) -> None:
-        if self.folder is None:
-            return
-        try:
-            write_block(self.folder, block, plane.key, found)
-        except OSError as fault:
-            raise unwritable(self.folder, fault, "make room, then run again to go on") from None
 
     def gathered(self, plane: Plane) -> Values:
         """All rows of a model, (ways, rows, columns, …)."""

@@ -1,4 +1,4 @@
-"""Provenance of a results file: what computed its numbers, and what continued it."""
+"""Provenance of a file: what computed its numbers, and what continued it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.flight.engine.entries import origin
-from vibeam.runs.store.checksum import CHECKSUM, is_sound, sign
 
 if TYPE_CHECKING:
     import h5py
@@ -30,26 +29,18 @@ def write_provenance(group: h5py.Group) -> None:
     """Write the provenance into a new file, with room for later continuations."""
     group.attrs.update(provenance())
     group.create_dataset("continued", data=np.zeros(SESSIONS, dtype=f"S{NOTE}")).make_scale()
-    sign(group)
 
 
 def note_continued(group: h5py.Group) -> None:
-    """Note a continuation in the next free slot (or the last), in place, so that nothing moves.
-
-    A damaged provenance stays without a checksum that fits.
-    """
-    notes, sound = group["continued"], is_sound(group)
+    """Note a continuation in the next free slot, or the last."""
+    notes = group["continued"]
     slot = min(int(np.count_nonzero(notes[()] != b"")), len(notes) - 1)
     notes[slot] = ", ".join(f"{name} {value}" for name, value in provenance().items()).encode()[:NOTE]
-    if sound:
-        sign(group)
 
 
 def read_provenance(group: h5py.Group) -> dict[str, str]:
-    """What computed the numbers, by name; of a damaged one, that it is."""
-    if not is_sound(group):
-        return {"damaged": "what computed these numbers is not known"}
-    return {name: str(value) for name, value in group.attrs.items() if name != CHECKSUM}
+    """What computed the numbers, by name."""
+    return {name: str(value) for name, value in group.attrs.items()}
 
 
 def _version(package: str) -> str:

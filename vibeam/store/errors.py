@@ -1,4 +1,4 @@
-"""Errors of results files: the fault and its cure."""
+"""Errors of stored files: the fault and its cure."""
 
 from __future__ import annotations
 
@@ -8,13 +8,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-# raised by h5py for damaged bytes
+# raised by h5py for content that is not as it was written
 FAULTS = (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError)
 CURE = "start over with --fresh, or delete it and run again"
+ELSEWHERE = "choose another --out"
+ANEW = f"{ELSEWHERE}, or start over with --fresh"
+ROOM = "make room, then run again to go on"
 
 
 class StoreError(ValueError):
-    """Unusable results file: the message names the file, the fault, and the cure."""
+    """Unusable file of results: the message names the file, the fault, and the cure."""
 
 
 @contextmanager
@@ -25,12 +28,12 @@ def reading(path: Path, where: str) -> Iterator[None]:
     except StoreError:
         raise
     except FAULTS as fault:
-        raise damaged(path, where, fault) from None
+        raise StoreError(f"{path}: {where} cannot be read ({reason(fault)}): the file is damaged: {CURE}") from None
 
 
-def damaged(path: Path, where: str, fault: BaseException) -> StoreError:
-    """Error for a damaged file."""
-    return StoreError(f"{path}: {where} cannot be read ({reason(fault)}): the file is damaged: {CURE}")
+def unopened(path: Path, fault: OSError) -> StoreError:
+    """Error for a file that cannot be opened."""
+    return StoreError(f"{path}: cannot be opened ({reason(fault)}): {ELSEWHERE}")
 
 
 def unwritable(path: Path, fault: OSError, cure: str) -> StoreError:

@@ -13,14 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.case.case import units_of_output
-from vibeam.exchange.whole_files import fill_sealed, is_sealed, write_at
+from vibeam.exchange.whole_files import is_sealed, write_at
 from vibeam.maps.block import DTYPES, Block, Grid, Values
 from vibeam.maps.evaluate import GridResponse
 from vibeam.maps.points import shape_of
-from vibeam.maps.store.structure import Structure, without_values
-from vibeam.runs.store.content import SIGNATURE
-from vibeam.runs.store.errors import StoreError, reason, unwritable
-from vibeam.runs.store.provenance import write_provenance
+from vibeam.store.errors import ANEW, StoreError, unopened
+from vibeam.store.hdf5 import SIGNATURE, SparseImage, scale, without_values
+from vibeam.store.place import Place
+from vibeam.store.provenance import write_provenance
 from vibeam.system.quantities import LAYOUT, Quantity, unit_of
 
 if TYPE_CHECKING:
@@ -63,29 +63,26 @@ class Source:
                     yield name, line * prod(rows.shape[2:]), rows[:, way]
 
 
-def gather(path: Path, case: Case, plan: MapPlan, keys: Mapping[str, str], sources: Sequence[Source]) -> None:
+def gather(place: Place, case: Case, plan: MapPlan, keys: Mapping[str, str], sources: Sequence[Source]) -> None:
     """Write the file of a map from its blocks, one in memory at a time; StoreError where the disk fails."""
     import h5py
 
-    structure = Structure()
-    with h5py.File(structure, "w") as file:
+    image = SparseImage()
+    with h5py.File(image, "w") as file:
         file.attrs.update({"format": FORMAT, "map": plan.name, "case": case.text, "keys": json.dumps(dict(keys))})
         write_provenance(file.create_group("provenance"))
         groups = [(source, file.create_group(source.grid.fidelity)) for source in sources]
         rooms = [(source, _laid_out(group, case, plan, source)) for source, group in groups]
 
     def fill(handle: int) -> None:
-        structure.write_to(handle)
+        image.write_to(handle)
         for source, room in rooms:
             for name, first, values in source.pieces():
                 start, dtype = room[name]
                 content = np.ascontiguousarray(values, dtype)
                 write_at(handle, start + first * dtype.itemsize, content.data.cast("B"))
 
-    try:
-        fill_sealed(path, fill)
-    except OSError as fault:
-        raise unwritable(path, fault, "make room, then run again to go on") from None
+    place.fill(fill)
 
 
 def _laid_out(group: h5py.Group, case: Case, plan: MapPlan, source: Source) -> dict[str, tuple[int, np.dtype[Any]]]:
@@ -101,27 +98,23 @@ def _laid_out(group: h5py.Group, case: Case, plan: MapPlan, source: Source) -> d
 
 def _scales(group: h5py.Group, plan: MapPlan, grid: Grid) -> list[h5py.Dataset]:
     """Coordinates: direction, the axes, random starts where there are."""
-    direction = group.create_dataset("direction", data=np.array(list(grid.ways or ("apart",)), dtype="S5"))
-    found = [direction]
-    for axis in plan.axes:
-        scale = group.create_dataset(axis.key, data=np.array(axis.values))
-        scale.attrs["units"] = axis.unit or "1"
-        scale.attrs["long_name"] = axis.key
-        found.append(scale)
+    found = [group.create_dataset("direction", data=np.array(list(grid.ways or ("apart",)), dtype="S5"))]
+    found[0].make_scale("direction")
+    found += [scale(group, axis.key, np.array(axis.values), axis.key, axis.unit or "1") for axis in plan.axes]
     if grid.starts is not None:
         found.append(group.create_dataset("start", data=np.arange(grid.starts.count)))
+        found[-1].make_scale("start")
     if grid.strobes:
         found.append(group.create_dataset("strobe", data=np.arange(1 - grid.strobes, 1)))
         found[-1].attrs["long_name"] = "drive periods before the end"
-    for scale in found:
-        scale.make_scale(scale.name.rsplit("/", 1)[-1])
+        found[-1].make_scale("strobe")
     return found
 
 
 def _label(data: h5py.Dataset, scales: Sequence[h5py.Dataset], described: Quantity | None, units: Any) -> None:
-    fitting = [scale for scale in scales if data.name.endswith("/strobes") or not scale.name.endswith("/strobe")]
-    for dimension, scale in zip(data.dims, fitting, strict=False):
-        dimension.attach_scale(scale)
+    fitting = [each for each in scales if data.name.endswith("/strobes") or not each.name.endswith("/strobe")]
+    for dimension, each in zip(data.dims, fitting, strict=False):
+        dimension.attach_scale(each)
     if described is not None:
         data.attrs["units"] = unit_of(described, units)
         data.attrs["long_name"] = described.long_name
@@ -133,28 +126,26 @@ def is_ours(path: Path) -> bool:
     return content.startswith(SIGNATURE) and FORMAT.encode() in content
 
 
-def finished(path: Path, keys: Mapping[str, str]) -> bool:
+def finished(place: Place, keys: Mapping[str, str]) -> bool:
     """Test whether the file of a map is there with all its points; StoreError for a damaged or another one."""
     import h5py
 
-    if not path.exists():
+    path = place.path
+    if not place.target.exists():
         return False
     try:
-        with path.open("rb") as file:
+        with place.target.open("rb") as file:
             begin = file.read(len(SIGNATURE))
         if begin != SIGNATURE:
             raise StoreError(f"{path}: is no file of a map: choose another --out, or delete it")
-        if not is_sealed(path):
-            raise StoreError(f"{path}: {UNSEALED}: choose another --out, or start over with --fresh")
-        with h5py.File(path, "r") as file:
+        if not is_sealed(place.target):
+            raise StoreError(f"{path}: {UNSEALED}: {ANEW}")
+        with h5py.File(place.target, "r") as file:
             found = file.attrs["keys"]
     except OSError as fault:
-        raise StoreError(f"{path}: cannot be opened ({reason(fault)}): choose another --out") from None
+        raise unopened(path, fault) from None
     if json.loads(found) != dict(keys):
-        raise StoreError(
-            f"{path}: holds another map, or this one before its case changed: choose another --out, or start over "
-            "with --fresh"
-        )
+        raise StoreError(f"{path}: holds another map, or this one before its case changed: {ANEW}")
     return True
 
 

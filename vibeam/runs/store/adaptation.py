@@ -1,0 +1,220 @@
+"""Adaptation of a results file to its case: a new file, the branches of an old one that stay, or whose file it is."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from vibeam.runs.store.branches import (
+    BranchPlan,
+    branch_names,
+    key_of,
+    last_with_state,
+    lay_out,
+    points_of,
+    read_rows,
+    write_rows,
+)
+from vibeam.runs.store.records import COMPARISON
+from vibeam.store.errors import ANEW, StoreError
+from vibeam.store.hdf5 import fixed, in_memory
+from vibeam.store.provenance import write_provenance
+from vibeam.system.quantities import METRES, OutputUnits
+from vibeam_models.arrays import Array
+
+if TYPE_CHECKING:
+    import h5py
+
+
+FORMAT = "vibeam results 3"
+
+
+@dataclass(frozen=True)
+class Requirements:
+    """Requirements of a case on its results file.
+
+    ``text``: what decides the numbers of the case, ``key``: of all of it; ``shared``: the part of it common to all
+    fidelities; ``units``: of the output; ``whole``: the case as TOML, titles, checks and figures included.
+    """
+
+    text: str
+    key: str
+    shared: str
+    branches: Sequence[BranchPlan]
+    units: OutputUnits = METRES
+    whole: str = ""
+
+
+@dataclass(frozen=True)
+class Reuse:
+    """Reuse of one branch: ``kept`` of its ``stored`` points stay; ``fits``: its group has the layout needed."""
+
+    branch: BranchPlan
+    stored: int
+    kept: int
+    fits: bool
+
+    @property
+    def shrinks(self) -> bool:
+        """True where more points would be lost than the case asks for."""
+        return self.kept < self.stored and len(self.branch.frequency) < self.stored
+
+    def __str__(self) -> str:
+        return f"{self.branch.group} ({self.kept} of {len(self.branch.frequency)} points)"
+
+
+def blank(wanted: Requirements) -> h5py.File:
+    """New file in memory: the case, the provenance, every branch with room for all its points."""
+    file = in_memory()
+    file.attrs["format"] = fixed(FORMAT)
+    _write_case(file, wanted)
+    write_provenance(file.create_group("provenance"))
+    for branch in wanted.branches:
+        lay_out(file, branch, wanted.units)
+    return file
+
+
+def adapted(file: h5py.File, path: Path, wanted: Requirements) -> str | None:
+    """Adapt the file to ``wanted``: the changes in one line, empty where no number changes, None without any.
+
+    StoreError where it is another case's, so that nothing in it would stay, or where it has more points.
+    """
+    reuses = [_reuse_of(file, branch) for branch in wanted.branches]
+    if all(reuse.fits for reuse in reuses) and _says(file, wanted):
+        return _renewed(file, wanted)
+    if _text(file, "shared") != wanted.shared and _lost_with(file, reuses):
+        raise _another_case(path, _flat(_text(file, "shared")), _flat(wanted.shared))
+    for reuse in reuses:
+        if reuse.shrinks:
+            points = f"{reuse.stored} points of {reuse.branch.group}, and this case has {len(reuse.branch.frequency)}"
+            raise StoreError(f"{path}: holds {points}: {ANEW}")
+    named = {branch.group for branch in wanted.branches}
+    others = [name for name in _groups_with_points(file) if name not in named]
+    for reuse in reuses:
+        _lay_out_anew(file, reuse, wanted.units)
+    file.pop(COMPARISON, None)
+    _write_case(file, wanted)
+    return _reported(reuses, others)
+
+
+def whole_case(file: h5py.File) -> str:
+    """The case of the file as TOML; of a file that does not hold it, what decides its numbers."""
+    return _text(file, "whole" if "whole" in file["case"] else "text")
+
+
+def _renewed(file: h5py.File, wanted: Requirements) -> str | None:
+    """Bring title, checks and figures of the case up to date, which decide no number of a branch: nothing to tell."""
+    if wanted.whole in ("", whole_case(file)):
+        return None
+    _write_case(file, wanted)
+    return ""
+
+
+def _write_case(file: h5py.File, wanted: Requirements) -> None:
+    file.pop("case", None)
+    group = file.create_group("case")
+    group.attrs["key"] = fixed(wanted.key)
+    group["text"], group["shared"] = fixed(wanted.text), fixed(wanted.shared)
+    if wanted.whole:
+        group["whole"] = fixed(wanted.whole)
+
+
+def _text(file: h5py.File, name: str) -> str:
+    return str(file["case"][name][()].decode())
+
+
+def _says(file: h5py.File, wanted: Requirements) -> bool:
+    """Test whether the file says of its case what ``wanted`` says."""
+    found = (key_of(file["case"]), _text(file, "text"), _text(file, "shared"))
+    return found == (wanted.key, wanted.text, wanted.shared)
+
+
+def _reuse_of(file: h5py.File, branch: BranchPlan) -> Reuse:
+    """Reusable part of ``branch``: all points up to the first different frequency, where its key is the same.
+
+    With a carried state every point beyond that frequency changes, and the state to continue from
+    must be stored.
+    """
+    group = file.get(branch.group)
+    if group is None:
+        return Reuse(branch, 0, 0, fits=False)
+    stored, frequency = points_of(group), group["frequency"][()]
+    if key_of(group) != branch.key or group["mode_energy"].shape[1:] != (branch.modes,):
+        return Reuse(branch, stored, 0, fits=False)
+    common = _common(frequency, branch.frequency)
+    kept = min(stored, common)
+    if kept < stored and branch.carried:
+        kept = last_with_state(group, kept)
+    return Reuse(branch, stored, kept, common == len(frequency) == len(branch.frequency))
+
+
+def _common(one: Array, other: Array) -> int:
+    """Number of first frequencies equal to the last bit."""
+    length = min(len(one), len(other))
+    differing = np.flatnonzero(one[:length] != other[:length])
+    return int(differing[0]) if len(differing) else length
+
+
+def _lay_out_anew(file: h5py.File, reuse: Reuse, units: OutputUnits) -> None:
+    """Lay out anew a branch that does not fit, with the points that it keeps."""
+    if reuse.fits:
+        return
+    name, rows = reuse.branch.group, {}
+    if name in file:
+        rows = {key: column[: reuse.kept] for key, column in read_rows(file[name]).items()}
+        del file[name]
+    group = lay_out(file, reuse.branch, units)
+    if reuse.kept:
+        write_rows(group, 0, rows)
+
+
+def _lost_with(file: h5py.File, reuses: Sequence[Reuse]) -> bool:
+    """Test whether a stored branch with points would lose them to a change of physics."""
+    same = {reuse.branch.group for reuse in reuses if reuse.kept or not reuse.stored}
+    return any(name not in same for name in _groups_with_points(file))
+
+
+def _groups_with_points(file: h5py.File) -> list[str]:
+    """Branches of the file that have points."""
+    return [f"{name}/{way}" for name, way in branch_names(file) if points_of(file[name][way])]
+
+
+def _reported(reuses: Sequence[Reuse], others: Iterable[str]) -> str:
+    """One line on kept, added and recomputed branches; ``others``: branches the case does not name."""
+    parts = {
+        "kept": [reuse.branch.group for reuse in reuses if reuse.fits],
+        "extended": [str(reuse) for reuse in reuses if not reuse.fits and reuse.kept == reuse.stored > 0],
+        "swept anew": [_anew(reuse) for reuse in reuses if reuse.stored > reuse.kept],
+        "added": [reuse.branch.group for reuse in reuses if not reuse.stored and not reuse.fits],
+        "left as they are, the case does not name them": list(others),
+    }
+    return "; ".join(f"{what}: {', '.join(names)}" for what, names in parts.items() if names)
+
+
+def _anew(reuse: Reuse) -> str:
+    return f"{reuse.branch.group} (after {reuse.kept} points)" if reuse.kept else reuse.branch.group
+
+
+def _another_case(path: Path, stored: Mapping[str, Any], present: Mapping[str, Any]) -> StoreError:
+    """Error for a file of a case that shares nothing with this one: names the first difference."""
+    key = next((key for key in {**stored, **present} if stored.get(key) != present.get(key)), "its key")
+    there, here = (repr(values.get(key, "nothing")) for values in (stored, present))
+    return StoreError(f"{path}: holds another case ({key} = {there} there, {here} here): {ANEW}")
+
+
+def _flat(text: str) -> Mapping[str, Any]:
+    """Values of a case by dotted key, less what is empty."""
+    return {key: value for key, value in _dotted(tomllib.loads(text), "") if value != []}
+
+
+def _dotted(table: Mapping[str, Any], above: str) -> Iterator[tuple[str, Any]]:
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _dotted(value, f"{above}{key}.")
+        else:
+            yield above + key, value

@@ -1,0 +1,1 @@
+"""Files that survive: blocks, sealed HDF5, the lock of their one writer."""

@@ -1,0 +1,128 @@
+"""Place of a file of results and of the blocks beside it: one writer at a time, replaced as a whole."""
+
+from __future__ import annotations
+
+import errno
+import os
+import platform
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from glob import escape
+from pathlib import Path
+
+from vibeam.exchange.whole_files import Fill, fill_sealed, part_beside, regular, write_at
+from vibeam.store.blocks import discard
+from vibeam.store.errors import ELSEWHERE, ROOM, StoreError, unwritable
+
+UNKNOWN = (errno.ENOSYS, errno.EOPNOTSUPP, errno.ENOLCK)  # errors of file systems without locks, which HDF5 accepts too
+TRIES = 100
+
+
+@dataclass(frozen=True)
+class Place:
+    """File ``target``, called ``path`` by the user, and the ``folder`` of blocks beside it."""
+
+    path: Path
+    target: Path
+
+    @property
+    def folder(self) -> Path:
+        """Folder of blocks, which need not be there."""
+        return self.target.with_name(f"{self.target.name}.parts")
+
+    def fill(self, fill: Fill) -> None:
+        """Replace the file by what ``fill`` writes, sealed; StoreError where the disk fails: what was there stays."""
+        try:
+            fill_sealed(self.target, fill)
+        except OSError as fault:
+            raise unwritable(self.path, fault, ROOM) from None
+
+    def replace(self, content: bytes) -> None:
+        """Replace the file by ``content``, as ``fill``."""
+        self.fill(lambda handle: write_at(handle, 0, content))
+
+    def discard(self) -> None:
+        """Delete the blocks; StoreError where they cannot be."""
+        try:
+            discard(self.folder)
+        except OSError as fault:
+            raise unwritable(self.path, fault, ELSEWHERE) from None
+
+    def tidy(self, kin: str = "") -> None:
+        """Delete what a writer that was killed has left of files it had begun; of all that begin by ``kin``, too."""
+        for name in (self.target.name, *([kin] if kin else [])):
+            begun = part_beside(self.target.with_name(name)).name.removesuffix("part")
+            for file in self.target.parent.glob(f"{escape(begun)}*part"):
+                file.unlink(missing_ok=True)
+
+
+def place_of(path: Path) -> Place:
+    """The place of a file, there or not; StoreError for a folder, a pipe or a device."""
+    try:
+        return Place(path, regular(path))
+    except OSError as fault:
+        raise StoreError(f"{path}: {fault.strerror}") from None
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[Place]:
+    """Hold the lock of the file called ``path``; StoreError names another holder.
+
+    The lock is the operating system's, on a file beside: it ends with the process, however that ends.
+    """
+    place = place_of(path)
+    file = place.target.with_name(f".{place.target.name}.lock")
+    try:
+        handle = _acquired(path, file)
+    except OSError as fault:
+        raise unwritable(path, fault, ELSEWHERE) from None
+    try:
+        yield place
+    finally:
+        file.unlink(missing_ok=True)
+        os.close(handle)
+
+
+def _acquired(path: Path, file: Path) -> int:
+    for _ in range(TRIES):
+        handle = os.open(file, os.O_RDWR | os.O_CREAT, 0o666)
+        if not _lock(handle):
+            holder = os.read(handle, 200).decode(errors="replace")
+            os.close(handle)
+            raise StoreError(f"{path}: {holder or 'another process'} is writing it: wait for it, or {ELSEWHERE}")
+        if _is_there(handle, file):
+            return _signed(handle, file)
+        os.close(handle)  # deleted by its last holder meanwhile
+    raise StoreError(f"{path}: other processes are writing it: wait for them, or {ELSEWHERE}")
+
+
+def _lock(handle: int) -> bool:
+    """Try to lock the file for this process; also True where the file system knows no locks."""
+    import fcntl
+
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError as fault:
+        return fault.errno in UNKNOWN
+    return True
+
+
+def _is_there(handle: int, file: Path) -> bool:
+    try:
+        return os.path.samestat(os.fstat(handle), os.stat(file))
+    except FileNotFoundError:
+        return False
+
+
+def _signed(handle: int, file: Path) -> int:
+    try:
+        os.ftruncate(handle, 0)
+        os.pwrite(handle, f"process {os.getpid()} on {platform.node()}".encode(), 0)
+    except OSError:
+        file.unlink(missing_ok=True)
+        os.close(handle)
+        raise
+    return handle
