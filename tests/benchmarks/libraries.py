@@ -24,7 +24,7 @@ import numpy as np
 
 import vibeam
 from vibeam.flight.engine import entries, loading
-from vibeam.flight.engine.entries import ENTRIES, Entry
+from vibeam.flight.engine.entries import ENTRIES, EntryPoint
 from vibeam.flight.engine.loading import manifest
 
 HERE = Path(__file__).parent
@@ -36,7 +36,7 @@ MODES = (1, 2, 8, 32)
 READY = """
 import time
 begun = time.process_time()
-import vibeam.flight.trajectory, vibeam.flight.regime_solver, vibeam.flight.proof.certificate
+import vibeam.flight.trajectory, vibeam.flight.solver, vibeam.flight.proof.certificate
 imported = time.process_time()
 from vibeam.flight.engine.entries import ENTRIES
 for entry in ENTRIES:
@@ -45,14 +45,14 @@ print(imported - begun, time.process_time() - imported)
 """
 
 
-def taken(level: str) -> Callable[[Entry], Any]:
+def taken(level: str) -> Callable[[EntryPoint], Any]:
     """The functions of a level's libraries, or numba's."""
     if level == "numba":
         return lambda entry: entries.compiled(entry.module, entry.name)
     return lambda entry: loading.function_of(entry.library, entry.module, entry.name, level)
 
 
-def use(functions: dict[Entry, Any]) -> None:
+def use(functions: dict[EntryPoint, Any]) -> None:
     """Let the entry points be these functions."""
     for entry, function in functions.items():
         vars(entry)["function"] = function
@@ -65,7 +65,7 @@ def sweep(system: vibeam.ImpactSystem, amplitude: float) -> tuple[float, int]:
     return time.thread_time() - begun, int(found.impacts.sum())
 
 
-def measured(levels: list[str], functions: dict[str, dict[Entry, Any]], rounds: int) -> list[dict[str, Any]]:
+def measured(levels: list[str], functions: dict[str, dict[EntryPoint, Any]], rounds: int) -> list[dict[str, Any]]:
     """A row for each number of modes."""
     rows = []
     for modes in MODES:
@@ -86,7 +86,7 @@ def measured(levels: list[str], functions: dict[str, dict[Entry, Any]], rounds: 
     return rows
 
 
-def calls(levels: list[str], functions: dict[str, dict[Entry, Any]], count: int = 2000) -> dict[str, float]:
+def calls(levels: list[str], functions: dict[str, dict[EntryPoint, Any]], count: int = 2000) -> dict[str, float]:
     """µs of CPU time of a call of ``move`` that does nothing, with the arrays of the call before."""
     from vibeam.flight import event_driven
     from vibeam.flight.solver import FlightSolver

@@ -15,7 +15,7 @@ from verdict import Verdict
 
 import vibeam
 from vibeam.flight.equilibrium import equilibrium
-from vibeam.flight.regime_solver import RegimeSolver
+from vibeam.flight.solver import RegimeSolver
 from vibeam.runs.sweep import march
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 

@@ -26,10 +26,10 @@ import vibeam
 from vibeam.case.fidelity import gap_drift, gap_wear
 from vibeam.casefile.read import parse
 from vibeam.flight.equilibrium import equilibrium
-from vibeam.flight.exact import exact_solver
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.proof.certificate import certificate_of
+from vibeam.flight.solver import exact_solver
 from vibeam.flight.trajectory import Outcome
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 

@@ -10,7 +10,7 @@ from scipy.linalg import eigh
 
 import vibeam
 from tests.models.bench import RIG, STEEL, with_effects
-from vibeam.flight.snapshots import modal_snapshots
+from vibeam.flight.trajectory import modal_snapshots
 from vibeam_models.beam import assemble
 from vibeam_models.beams.beam import Support
 from vibeam_models.effects.masses import AddedMass

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.engine.threads import unpaused
 from vibeam.flight.equilibrium import equilibrium, size_of_motion
@@ -21,7 +20,7 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended, FrequencyResponse
 from vibeam.system.state import State
 from vibeam_models.arguments import count, refuse
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, Index
 
 LONGEST_PERIOD = 16
 MOST_IMPACTS = 10**9  # a drive period: with 10⁹ periods that still fits an int64
@@ -132,20 +131,17 @@ class EventDrivenSolver(ABC):
             "evaluations": int(counts[layout.PANELS]),
             "cpu_seconds": time.thread_time() - begun,
         }
-        last = (
-            end
-            if outcome == layout.COMPLETE
-            else float(segments.trace[-1, layout.START] + segments.trace[-1, layout.DURATION])
-        )
+        last = float(segments.trace[-1, layout.START] + segments.trace[-1, layout.DURATION])
+        last = end if outcome == layout.COMPLETE else last
         return OUTCOMES[outcome], last, self.state(pose, status), segments, stats
 
     def _carries(self) -> bool:
-        """Whether the last motion carried modes along without their steady response."""
+        """True where the last motion carried modes along without their steady response."""
         return any(bool(regime.blocks[layout.CARRIED].any()) for regime in self._regimes())
 
     def _flown(
         self, drive: Drive, pose: Array, status: Array, start: float, end: float, limit: int, size: float
-    ) -> tuple[int, Segments, NDArray[np.int64]]:
+    ) -> tuple[int, Segments, Index]:
         """Carry ``pose`` and ``status`` on to time ``end``: outcome, segments, counts."""
         engine = self._engine_for(size)
         rows, done, kept = ROWS, 0.0, []
@@ -171,11 +167,7 @@ class EventDrivenSolver(ABC):
     def _instant(self, time: float, pose: Array, status: Array, size: float) -> Segments:
         """A segment without duration."""
         trace = np.zeros((1, self._trace_columns))
-        trace[0, layout.START], trace[0, layout.AT_CLOCK], trace[0, layout.WHAT] = (
-            time,
-            status[layout.CLOCK],
-            status[layout.KIND],
-        )
+        trace[0, [layout.START, layout.AT_CLOCK, layout.WHAT]] = time, status[layout.CLOCK], status[layout.KIND]
         return Segments(trace, self._outward(pose[None]), size)
 
     def poses_at(self, drive: Drive, segments: Segments, times: Array) -> Array:
@@ -266,7 +258,7 @@ class EventDrivenSolver(ABC):
         return self._response(omegas, readout, 1, reading), self._outward(after)
 
     def _response(self, omegas: Array, readout: PointReadout, hold: int, reading: int) -> FrequencyResponse:
-        """What was noted, in the user's order of modes; what was not read off is NaN."""
+        """The response that was noted, in the user's order of modes; NaN where nothing was read off."""
         response = readout.response(omegas, hold, self.system.gap, reading)
         response.mode_energy[:] = self._outward(response.mode_energy)
         return response

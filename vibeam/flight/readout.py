@@ -1,4 +1,4 @@
-"""What the kernels tell of each point of a sweep, and how it reads as a frequency response."""
+"""Readout of the points of a sweep: the kernels' rows of each, read as a frequency response."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.system.response import Ended, FrequencyResponse
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, Flags, Index
 
 OUTCOMES = {
     layout.COMPLETE: Ended.COMPLETE,
@@ -20,16 +20,11 @@ OUTCOMES = {
     layout.NOT_FINITE: Ended.NOT_FINITE,
     layout.UNRESOLVED: Ended.UNRESOLVED,
 }
-
+#: places in a ring from the oldest on, by what it counted
+AGES = (np.arange(layout.KEPT) + np.arange(layout.KEPT)[:, None]) % layout.KEPT
+#: number of velocities there must have been for the first of them to stand there
+FIRST = layout.KEPT - np.arange(layout.KEPT)
 CODES = np.array([OUTCOMES.get(outcome, Ended.NOT_RUN).code for outcome in range(max(OUTCOMES) + 1)])
-
-AGES = (
-    np.arange(layout.KEPT) + np.arange(layout.KEPT)[:, None]
-) % layout.KEPT  # places in a ring from the oldest on, by what it counted
-
-FIRST = layout.KEPT - np.arange(
-    layout.KEPT
-)  # how many velocities there must have been for the first of them to stand there
 
 
 class PointReadout:
@@ -41,9 +36,7 @@ class PointReadout:
         self.ended, self.period = np.zeros(points, dtype=np.int64), np.zeros(points, dtype=np.int64)
         self.seconds = np.zeros(points)
 
-    def note(
-        self, index: int, outcome: int, period: int, result: Array, energy: Array, counts: NDArray[np.int64]
-    ) -> None:
+    def note(self, index: int, outcome: int, period: int, result: Array, energy: Array, counts: Index) -> None:
         """Keep what a point came to: see ``kernels.layout`` for the rows."""
         self.result[index], self.energy[index], self.counts[index] = result, energy, counts
         self.ended[index], self.period[index] = outcome, period
@@ -82,10 +75,8 @@ class PointReadout:
             getattr(response, name)[done] = values
         return replace(response, **known)
 
-    def _readings(
-        self, which: slice | NDArray[np.bool_], omegas: Array, hold: int, gap: float
-    ) -> dict[str, NDArray[Any]]:
-        """What is read off the complete points ``which`` at ``omegas`` (m,) rad/s."""
+    def _readings(self, which: slice | Flags, omegas: Array, hold: int, gap: float) -> dict[str, NDArray[Any]]:
+        """Readings of the complete points ``which`` at ``omegas`` (m,) rad/s."""
         result, span = np.ascontiguousarray(self.result[which].T), hold * 2 * np.pi / omegas
         high, least, lowest, struck, speeds, rest = result[: layout.VELOCITY]
         return {
@@ -102,7 +93,7 @@ class PointReadout:
         }
 
 
-def _velocities(rings: Array, counts: NDArray[np.int64]) -> Array:
+def _velocities(rings: Array, counts: Index) -> Array:
     """The last velocities (points, KEPT) of rings (points, KEPT), oldest first, NaN in front where there are fewer."""
     found: Array = rings[np.arange(len(counts))[:, None], AGES[counts % layout.KEPT]]
     found[counts[:, None] < FIRST] = np.nan

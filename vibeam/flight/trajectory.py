@@ -1,4 +1,4 @@
-"""One motion from beginning to end."""
+"""Trajectory: one motion from beginning to end, its outcome, and snapshots of it."""
 
 from __future__ import annotations
 
@@ -9,33 +9,34 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vibeam.flight.equilibrium import equilibrium
-from vibeam.flight.exact import exact_solver, warm_up_motion
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
+from vibeam.flight.solver import exact_solver, warm_up_motion
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.rows import TimeDerivative
 from vibeam.system.state import State
 from vibeam_models.arguments import count, counted, floats, number, refuse, require
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, Flags, Index
 
 if TYPE_CHECKING:
     from vibeam.flight.event_driven import EventDrivenSolver, Segments
     from vibeam.flight.proof.certificate import Certificate
-    from vibeam.flight.proof.errors import Errors
+    from vibeam.flight.proof.errors import ImpactErrors
     from vibeam.flight.several.solver import ContactsSolver
-
 
 STILL = 1e-11  # share of the motion's fastest velocity, and of ω times the static displacements, that is none
 FADING = 1e-3  # loss of speed at an impact, as a share, that is next to none
 LAST = 100  # impacts by which a motion that was given up is judged
+MOST_IMPACTS = 10**15  # what is counted in an int64, with room to spare
+INSTANTS = 2000
 
 
 class Outcome(Enum):
-    """How a motion stands at its end."""
+    """State of affairs at the end of a motion."""
 
     MOVING = "still moving, off the stop"
     RESTING = "at rest on the stop, other modes or the drive still at work"
@@ -63,7 +64,7 @@ def outcome_of(path: Trajectory) -> Outcome:
 
 
 def _endless(path: Trajectory) -> bool:
-    """Whether it was given up in impacts that become weaker and lose next to nothing of their speed.
+    """True where it was given up in impacts that become weaker and lose next to nothing of their speed.
 
     With 1 − R ~ v^b the times 2v/a between impacts add up to a finite time for b < 1 alone: then it would have ended.
     """
@@ -74,22 +75,19 @@ def _endless(path: Trajectory) -> bool:
 
 
 def _pressed(path: Trajectory) -> bool:
-    """Whether it stands within the range of a stop that yields."""
+    """True where it stands within the range of a stop that yields."""
     place, system = float(path.system.contact @ path.state.displacement), path.system
     return place > system.gap or (system.second_gap is not None and -place > system.second_gap)
 
 
 def _still(path: Trajectory) -> bool:
-    """Whether the energy left above equilibrium is none, against the most that any segment began with."""
+    """True where no energy is left above equilibrium, against the most that any segment began with."""
     system, last = path.system, np.stack([path.state.displacement, path.state.velocity])
     poses = np.concatenate([path.segments.poses, last[None]])
     away = poses[:, 0] - equilibrium(system).displacement
     speeds = np.sqrt(np.sum((system.omega * away) ** 2 + poses[:, 1] ** 2, axis=1))
     held = float(np.linalg.norm(system.omega * equilibrium(system).displacement))
     return bool(speeds[-1] <= STILL * max(speeds.max(), held))
-
-
-MOST_IMPACTS = 10**15  # what is counted in an int64, with room to spare
 
 
 @dataclass(frozen=True)
@@ -122,12 +120,12 @@ class Trajectory:
 
     @property
     def outcome(self) -> Outcome:
-        """What became of the motion."""
+        """Outcome of the motion."""
         return outcome_of(self)
 
     @cached_property
-    def errors(self) -> Errors:
-        """How far round-off has grown at each impact, and how many impacts still mean something; computed when asked.
+    def errors(self) -> ImpactErrors:
+        """Round-off grown up to each impact, and the number of impacts that still mean something; computed when asked.
 
         A state carried in is taken as exact to its last digit.
         """
@@ -186,8 +184,8 @@ class Trajectory:
         return np.stack([np.minimum(begin + waited, end), end], axis=1)
 
     @property
-    def impact_contacts(self) -> NDArray[np.int64]:
-        """Which contact (m,) is struck by each of the impacts: 0 the first stop, then as in ``gaps``."""
+    def impact_contacts(self) -> Index:
+        """Index (m,) of the contact that each impact strikes: 0 the first stop, then as in ``gaps``."""
         trace = self._segments.trace[self._struck()]
         return (
             trace[:, regime_layout.AT_SIDE].astype(np.int64)
@@ -232,7 +230,7 @@ class Trajectory:
 
     def gaps(self, t: ArrayLike) -> Array:
         """Gap of every contact (…, k) at times t, m: the first stop, a second one on its other side, further ones."""
-        from vibeam.flight.contacts import Contacts
+        from vibeam.flight.equilibrium import Contacts
 
         contacts = Contacts.of(self.system)
         return np.asarray(contacts.gaps - self.modes_at(t)[..., 0, :] @ contacts.rows.T)
@@ -264,8 +262,8 @@ class Trajectory:
         found = derivative_along(self.system, self.drive, self._segments.trace, flat, states, wanted, more)
         return np.asarray(found.reshape(times.shape))
 
-    def _struck(self) -> NDArray[np.bool_]:
-        """Which segments (m,) end with an impact."""
+    def _struck(self) -> Flags:
+        """True for the segments (m,) that end with an impact."""
         return np.isin(self._segments.trace[:, layout.END], (layout.IMPACT, layout.CHATTER, layout.STUCK))
 
 
@@ -322,3 +320,15 @@ def _certificate(runner: EventDrivenSolver | ContactsSolver, drive: Drive, segme
 
     assert isinstance(runner, EventDrivenSolver)
     return certificate_of(runner, drive, segments)
+
+
+def modal_snapshots(system: ImpactSystem, drive: Drive, periods: int) -> tuple[Array, Array]:
+    """Displacements and velocities (modes, instants) over ``periods`` of the drive, from static equilibrium.
+
+    ValueError where the motion ends before.
+    """
+    path = simulate(system, drive, periods * 2 * np.pi / drive.omega)
+    if path.ended is not Ended.COMPLETE:
+        raise ValueError(f"the flight of the full model ended at {path.t_end:.4g} s: {path.ended.value}")
+    poses = path.modes_at(np.linspace(0.0, path.t_end, INSTANTS + 1)[1:])
+    return poses[:, 0].T, poses[:, 1].T

@@ -23,8 +23,8 @@ import numpy as np
 from vibeam.flight.disturbance.tangent import TangentMaps, tangent_fault
 from vibeam.flight.engine.threads import pause
 from vibeam.flight.event_driven import EventDrivenSolver, Segments
-from vibeam.flight.exact import exact_solver
 from vibeam.flight.kernels import layout
+from vibeam.flight.solver import exact_solver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.state import State

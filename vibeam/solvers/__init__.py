@@ -19,7 +19,7 @@ SOLVERS = Registry(
     SolverDeclaration(
         "flight",
         "vibeam.flight.solver:FlightSolver",
-        beyond_plain="vibeam.flight.regime_solver:RegimeSolver",
+        beyond_plain="vibeam.flight.solver:RegimeSolver",
         several="vibeam.flight.several.solver:ContactsSolver",
         motion="exact",
         blocks=True,

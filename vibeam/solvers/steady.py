@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.flight.exact import kind_of
+from vibeam.flight.solver import kind_of
 from vibeam.solvers import solver
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import FrequencyResponse

@@ -49,7 +49,7 @@ class KernelNumbers:
 
 
 class StopLaw(ABC):
-    """What happens at a stop.
+    """Mechanics of a stop: a contact law as solvers ask it.
 
     ``yields``: the contact lasts and pushes with a force, else it is an instant. ``integrated``: the contact's motion
     has no closed form and is integrated step by step.
@@ -75,7 +75,7 @@ class StopLaw(ABC):
 
     @property
     def converges(self) -> bool:
-        """Whether impacts that lose less and less, R → 1, still come to an end, as they do where 1 − R ~ v^b, b < 1."""
+        """True where impacts that lose less and less, R → 1, still come to an end, as with 1 − R ~ v^b, b < 1."""
         return False
 
     def kernel_numbers(self) -> KernelNumbers:

@@ -20,7 +20,7 @@ import pytest
 
 import vibeam
 from vibeam.flight.engine.call import Call
-from vibeam.flight.engine.entries import ENTRIES, Entry
+from vibeam.flight.engine.entries import ENTRIES, EntryPoint
 from vibeam.flight.engine.loading import file_of, function_of, manifest
 from vibeam_models.laws.compliant import HuntCrossley
 
@@ -62,11 +62,11 @@ DRIVE = vibeam.Drive(95.0, 2e-4)
 SYSTEM = vibeam.ImpactSystem.from_modes([47.7, 635.0], 0.017, contact=[2.12, 0.31], load=[0.46, 0.09], restitution=0.72)
 
 
-def recorded(monkeypatch: pytest.MonkeyPatch) -> list[tuple[Entry, Any, Any, Any]]:
+def recorded(monkeypatch: pytest.MonkeyPatch) -> list[tuple[EntryPoint, Any, Any, Any]]:
     """Calls of every entry point: arguments before and after, results."""
-    calls: list[tuple[Entry, Any, Any, Any]] = []
+    calls: list[tuple[EntryPoint, Any, Any, Any]] = []
 
-    def noting(entry: Entry) -> Any:
+    def noting(entry: EntryPoint) -> Any:
         function = function_of(entry.library, entry.module, entry.name)
 
         def called(*given: Any) -> Any:
@@ -95,7 +95,7 @@ def arrays_in(value: Any) -> Iterator[np.ndarray[Any, Any]]:
         yield value
 
 
-def slots_of(entry: Entry, given: tuple[Any, ...]) -> tuple[np.ndarray[Any, Any], list[int]]:
+def slots_of(entry: EntryPoint, given: tuple[Any, ...]) -> tuple[np.ndarray[Any, Any], list[int]]:
     """The slots of a call, and which of them are addresses."""
     about = manifest()["libraries"][entry.library]["entries"][entry.name]
     call = Call(lambda address: 0, entry.name, **about)

@@ -24,7 +24,7 @@ import pytest
 import vibeam
 from vibeam.flight.ahead_of_time.__main__ import build
 from vibeam.flight.engine import entries, loading
-from vibeam.flight.engine.entries import ENTRIES, Entry, march, move, poses_at, tabulate
+from vibeam.flight.engine.entries import ENTRIES, EntryPoint, march, move, poses_at, tabulate
 from vibeam.flight.engine.loading import (
     FOLDER,
     KernelsUnavailable,
@@ -92,12 +92,12 @@ def test_libraries_are_small() -> None:
     assert sum(file.stat().st_size for file in FOLDER.rglob("*.xz")) < 3e6
 
 
-def taken(entry: Entry, level: str | None = None) -> Callable[..., Any]:
+def taken(entry: EntryPoint, level: str | None = None) -> Callable[..., Any]:
     """The function of a library."""
     return loading.function_of(entry.library, entry.module, entry.name, level)
 
 
-def use(monkeypatch: pytest.MonkeyPatch, function: Callable[[Entry], Callable[..., Any]]) -> None:
+def use(monkeypatch: pytest.MonkeyPatch, function: Callable[[EntryPoint], Callable[..., Any]]) -> None:
     """Let every entry point be what ``function`` gives for it."""
     for entry in ENTRIES:
         monkeypatch.setitem(vars(entry), "function", function(entry))
@@ -128,7 +128,7 @@ def both(system: vibeam.ImpactSystem, monkeypatch: pytest.MonkeyPatch, one: Any,
 )
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_library_and_numba_give_the_same_bits(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    def numba(entry: Entry) -> Callable[..., Any]:
+    def numba(entry: EntryPoint) -> Callable[..., Any]:
         return entries.compiled(entry.module, entry.name)
 
     for a, b in both(SYSTEMS[name], monkeypatch, taken, numba):
@@ -251,14 +251,14 @@ def copied(folder: Path) -> Path:
 
 @needs_library
 def test_stale_missing_and_damaged_libraries_are_named(tmp_path: Path) -> None:
-    def refused(folder: Path, entry: Entry = move) -> str:
+    def refused(folder: Path, entry: EntryPoint = move) -> str:
         with pytest.raises(LibraryUnavailable) as raised:
             loading.function_of(entry.library, entry.module, entry.name, HERE, folder)
         return str(raised.value)
 
     assert "no compiled kernels for" in refused(tmp_path)
     folder = copied(tmp_path / "a")
-    assert "no compiled kernels for" in refused(folder, Entry("flight", move.module, "another"))
+    assert "no compiled kernels for" in refused(folder, EntryPoint("flight", move.module, "another"))
     assert HERE is not None
     path = file_of("flight", HERE, folder)
     path.write_bytes(lzma.compress(b"something else"))

@@ -11,8 +11,7 @@ from mpmath import mpf
 
 import vibeam
 from vibeam.flight.equilibrium import equilibrium
-from vibeam.flight.exact import exact_solver
-from vibeam.flight.solver import FlightSolver
+from vibeam.flight.solver import FlightSolver, exact_solver
 from vibeam_models.laws.compliant import LinearStop
 
 DIGITS = 1e-11

@@ -8,8 +8,7 @@ import pytest
 import vibeam
 from vibeam.flight.event_driven import EventDrivenSolver
 from vibeam.flight.kernels import layout
-from vibeam.flight.regime_solver import RegimeSolver
-from vibeam.flight.solver import FlightSolver
+from vibeam.flight.solver import FlightSolver, RegimeSolver
 from vibeam.system.state import State
 
 TURNS = 6

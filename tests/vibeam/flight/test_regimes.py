@@ -12,8 +12,7 @@ import pytest
 from scipy.linalg import expm
 
 import vibeam
-from vibeam.flight.regime_solver import RegimeSolver
-from vibeam.flight.solver import FlightSolver
+from vibeam.flight.solver import FlightSolver, RegimeSolver
 from vibeam_models.laws.compliant import Hertz, HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import Restitution, TableRestitution
 
@@ -406,11 +405,11 @@ def test_what_makes_no_system_is_refused() -> None:
 def test_another_gap_takes_no_other_blocks(law: object) -> None:
     """They are kept: found once for a sweep with drift, read-only, and to the bit those found anew."""
     from vibeam.flight.linear import blocks
-    from vibeam.flight.linear.eigenpairs import Linear
+    from vibeam.flight.linear.eigenpairs import LinearSystem
     from vibeam.flight.linear.regimes import damper_of
 
     system = made(4, law=law, coupled=True)
-    linear = Linear(system.omega**2, damper_of(system), system.contact)
+    linear = LinearSystem(system.omega**2, damper_of(system), system.contact)
     kept, anew = blocks.planes(linear), blocks._found(linear)
     for name in ("columns", "inverse", "blocks"):
         array = getattr(kept, name)

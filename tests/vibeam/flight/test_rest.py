@@ -12,7 +12,7 @@ from scipy.integrate import solve_ivp
 
 import vibeam
 from vibeam.flight.linear.block_regime import held_regime
-from vibeam.flight.linear.eigenpairs import Linear
+from vibeam.flight.linear.eigenpairs import LinearSystem
 
 Array = np.ndarray
 
@@ -262,7 +262,7 @@ def test_held_rates_on_the_brink_of_critical_damping_are_taken_together() -> Non
     contact = np.array([-7.14799860e-01, -8.14675450e-01, 6.10350000e-05, 0.0, 0.0, -1.02078294])
     for share in (1.0, 0.5, 0.1, 1e-3):
         row = contact * np.array([1, 1, share, 1, 1, 1])
-        linear = Linear(omega**2, np.diag(2 * zeta * omega), row, np.inf)
+        linear = LinearSystem(omega**2, np.diag(2 * zeta * omega), row, np.inf)
         found, _ = held_regime(linear, contact, contact, 0.0, 0)
         assert np.abs(found.into).max() < 1e6
         assert np.abs(found.into @ found.outof - np.eye(10)).max() < 1e-8

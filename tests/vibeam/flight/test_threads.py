@@ -12,8 +12,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.flight.regime_solver import RegimeSolver
-from vibeam.flight.solver import FlightSolver
+from vibeam.flight.solver import FlightSolver, RegimeSolver
 from vibeam.solvers import solver
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 

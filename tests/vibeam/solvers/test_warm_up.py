@@ -15,7 +15,7 @@ from stand_in import RIG, SDOF, same
 
 import vibeam
 from vibeam.casefile.read import parse
-from vibeam.flight import exact as warm_up_motion
+from vibeam.flight import solver as warm_up_motion
 from vibeam.flight.engine import compilation
 from vibeam.flight.engine.compilation import KERNELS, announce
 from vibeam.flight.solver import FlightSolver

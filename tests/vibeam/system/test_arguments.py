@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import vibeam
-from vibeam.flight.engine.entries import Entry
+from vibeam.flight.engine.entries import EntryPoint
 from vibeam.solvers import solver
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
 from vibeam_models.laws.restitution import PlasticRestitution, Restitution, TableRestitution, ViscousRestitution
@@ -171,7 +171,7 @@ def test_times_and_periods_of_other_types_are_refused() -> None:
             vibeam.orbits(SYSTEM, DRIVE, periods)
 
 
-def signatures(kernel: Entry) -> list[Any]:
+def signatures(kernel: EntryPoint) -> list[Any]:
     """What numba has compiled it for; a library has one signature."""
     return list(getattr(kernel.function, "signatures", [None]))
 

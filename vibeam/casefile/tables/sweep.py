@@ -186,6 +186,6 @@ def fidelity_of(name: str, table: Any) -> Fidelity:
 
 
 def _flight() -> Flight:
-    from vibeam.flight.snapshots import modal_snapshots
+    from vibeam.flight.trajectory import modal_snapshots
 
     return modal_snapshots

@@ -17,6 +17,13 @@ import llvmlite.binding as llvm
 
 from vibeam.flight.ahead_of_time.wrapper import Compiled, wrapper
 
+LINUX = "unknown-linux-gnu"
+LINKER = "ld.lld"
+SYSTEM = {  # all that the kernels may call of the system, by its library
+    "libm.so.6": ("cos", "cosh", "exp", "expm1", "fmod", "hypot", "ldexp", "pow", "sin", "sincos", "sinh"),
+    "libc.so.6": ("memcpy", "memset"),
+}
+
 
 @dataclass(frozen=True)
 class Target:
@@ -27,8 +34,6 @@ class Target:
     features: str
     emulation: str
 
-
-LINUX = "unknown-linux-gnu"
 
 TARGETS = {
     "x86-64-v3": Target(f"x86_64-{LINUX}", "x86-64-v3", "", "elf_x86_64"),
@@ -92,14 +97,6 @@ def _drop_unused(module: llvm.ModuleRef, machine: llvm.TargetMachine) -> None:
     passes.run(module, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=0)))
 
 
-LINKER = "ld.lld"
-
-SYSTEM = {  # all that the kernels may call of the system, by its library
-    "libm.so.6": ("cos", "cosh", "exp", "expm1", "fmod", "hypot", "ldexp", "pow", "sin", "sincos", "sinh"),
-    "libc.so.6": ("memcpy", "memset"),
-}
-
-
 def linker() -> str:
     """The linker's path; RuntimeError with the cure where there is none."""
     found = shutil.which(LINKER)
@@ -109,7 +106,7 @@ def linker() -> str:
 
 
 def linker_version() -> str:
-    """What the linker says of itself."""
+    """Version of the linker, in its own words."""
     return subprocess.run([linker(), "--version"], capture_output=True, text=True, check=True).stdout.strip()
 
 

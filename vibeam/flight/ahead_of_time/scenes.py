@@ -15,7 +15,6 @@ from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.laws.compliant import HuntCrossley
 
 DRIVE = Drive(omega=95.0, amplitude=1e-4)
-
 PLAIN = ImpactSystem.from_modes(
     [47.7, 635.0], 0.017, contact=[2.12, 0.31], load=[0.46, 0.09], gap=0.0, restitution=0.72
 )

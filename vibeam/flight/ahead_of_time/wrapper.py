@@ -14,23 +14,24 @@ from typing import Any
 from numba import types
 
 from vibeam.flight.engine.call import NUMBERS, Kind, axes_of, leaves
-from vibeam.flight.engine.entries import Entry
+from vibeam.flight.engine.entries import EntryPoint
 
 NAMES = {types.float64: "d", types.int64: "q"}
+TYPES = {"d": "double", "q": "i64"}
 
 
 @dataclass(frozen=True)
 class Compiled:
     """One entry point."""
 
-    entry: Entry
+    entry: EntryPoint
     text: str  # its module in LLVM's language, with all that it calls
     symbol: str
     arguments: list[Any]
     results: list[str]
 
 
-def compiled(entry: Entry) -> Compiled:
+def compiled(entry: EntryPoint) -> Compiled:
     """The one specialisation that an entry point was compiled to; RuntimeError where there is none or several."""
     overloads = entry.function.overloads  # type: ignore[attr-defined]
     if len(overloads) != 1:
@@ -44,7 +45,7 @@ def compiled(entry: Entry) -> Compiled:
 
 
 def _kind(argument: Any) -> Any:
-    """As the manifest names it (``engine.loading``)."""
+    """Kind of an argument as the manifest names it (``engine.loading``)."""
     if isinstance(argument, types.BaseTuple):
         return [_kind(each) for each in argument]  # type: ignore[attr-defined]
     if isinstance(argument, types.Array):
@@ -52,9 +53,6 @@ def _kind(argument: Any) -> Any:
             raise RuntimeError(f"{argument}: a library takes writable arrays in C order")
         return f"{NAMES[argument.dtype].replace('d', 'f').replace('q', 'i')}8:{argument.ndim}"
     return NAMES[argument]
-
-
-TYPES = {"d": "double", "q": "i64"}
 
 
 def wrapper(compiled: Compiled, name: str) -> str:
@@ -106,7 +104,7 @@ class _Lines:
         self.given = [each for i in range(len(arguments)) for each in passed[i]]
 
     def _taken_apart(self, kind: Kind, slot: int) -> tuple[list[str], int]:
-        """What the kernel is given of an array or tuple whose slots begin there, and the slot behind them."""
+        """Arguments of the kernel for an array or tuple whose slots begin there, and the slot behind them."""
         found: list[str] = []
         for each in leaves(kind):
             if each in NUMBERS:

@@ -26,7 +26,7 @@ FREE, HELD, PUSHED = range(3)  # regimes
 HIGHEST = 3  # derivative of a signal
 
 
-class Stop(NamedTuple):
+class StopRow(NamedTuple):
     """One stop: the row c (n,) towards it, and its gap."""
 
     row: Array
@@ -56,14 +56,14 @@ class Sum(NamedTuple):
         return Sum(self.value[:, None] * row, self.size[:, None] * np.abs(row))
 
 
-def stop_of(system: ImpactSystem, side: int) -> Stop:
+def stop_of(system: ImpactSystem, side: int) -> StopRow:
     """The first stop (0) or the second (1)."""
     if side == 0:
-        return Stop(system.contact, system.gap)
-    return Stop(-system.contact, np.inf if system.second_gap is None else system.second_gap)
+        return StopRow(system.contact, system.gap)
+    return StopRow(-system.contact, np.inf if system.second_gap is None else system.second_gap)
 
 
-class Derivatives:
+class RegimeDerivatives:
     """Derivatives of the motion in one regime from m states (m, 2, n) at times (m,) in the drive period."""
 
     def __init__(self, system: ImpactSystem, drive: Drive, regime: int, side: int, poses: Array, clocks: Array) -> None:
@@ -110,7 +110,7 @@ class Derivatives:
         spring = self.known[j]
         return push.plus(slowed).plus(Sum(-spring.value * system.omega**2, spring.size * system.omega**2))
 
-    def _push(self, j: int, stop: Stop) -> Sum:
+    def _push(self, j: int, stop: StopRow) -> Sum:
         """Derivative j of k d + b d'."""
         spring = self.system.contact_law.spring
         assert spring is not None
@@ -170,7 +170,7 @@ def _in_regime(
             raise ValueError(f"the jerk in a contact that is integrated, {law.name!r}, is not read")
         row, gap = stop_of(system, side)
         deep, rate = np.maximum(poses[:, 0] @ row - gap, 0.0), poses[:, 1] @ row
-        free = Derivatives(system, drive, FREE, side, poses, clocks).known[order].value
+        free = RegimeDerivatives(system, drive, FREE, side, poses, clocks).known[order].value
         return np.asarray(free - law.force(deep, rate)[:, None] * row)
     regime = HELD if kind == layout.RESTING else PUSHED if kind == regime_layout.CONTACT else FREE
-    return Derivatives(system, drive, regime, side, poses, clocks).known[order].value
+    return RegimeDerivatives(system, drive, regime, side, poses, clocks).known[order].value

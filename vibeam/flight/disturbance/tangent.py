@@ -37,12 +37,11 @@ if TYPE_CHECKING:
     from vibeam.system.impact_system import Drive, ImpactSystem
     from vibeam.system.state import State
 
-
 LOST_AT_REST = 2  # directions: displacement and velocity of the contact point
 
 
 class SegmentedMotion(Protocol):
-    """What tangent maps need of a trajectory."""
+    """A motion by its flights, rests and contacts, as tangent maps take it."""
 
     @property
     def system(self) -> ImpactSystem:
@@ -125,7 +124,7 @@ class TangentMaps:
         return self._entry(i) if self.system.contact_law.yields else self._saltation(i)
 
     def lost(self, i: int) -> int:
-        """How many directions are lost, at least, in segment i and at its end."""
+        """Number of directions that are lost, at least, in segment i and at its end."""
         if self.trace[i, layout.WHAT] == layout.RESTING or self.trace[i, layout.END] in (layout.CHATTER, layout.STUCK):
             return LOST_AT_REST
         struck = self.trace[i, layout.END] == layout.IMPACT and self.trace[i, layout.BEFORE] > 0

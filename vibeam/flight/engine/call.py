@@ -18,9 +18,9 @@ import numpy as np
 
 Kind = str | list[Any]  # see ``loading.manifest``
 NUMBERS = ("d", "q")
-NOTHING = object()  # no argument is this one
 KEPT = 1 << 20  # bytes of arrays that are kept alive for the next call at most
 _address, _first_byte = ctypes.addressof, ctypes.c_char.from_buffer
+NOTHING = object()  # no argument is this one
 
 
 class Call:
@@ -46,7 +46,7 @@ class Call:
         try:
             frame = self._local.frame
         except AttributeError:
-            frame = self._local.frame = _Frame(self._size, len(self._groups))
+            frame = self._local.frame = _Slots(self._size, len(self._groups))
         arrays = self._arrays_of(given)
         if any(map(is_not, arrays, frame.kept)):
             self._fill(frame, arrays)
@@ -55,7 +55,7 @@ class Call:
             raise RuntimeError(f"{self.name}: the compiled kernel failed")
         return self._results.unpack_from(frame.slots, self._numbers.size) or None
 
-    def _fill(self, frame: _Frame, arrays: Sequence[Any]) -> None:
+    def _fill(self, frame: _Slots, arrays: Sequence[Any]) -> None:
         """Fill the slots of those that are not kept from the last call."""
         for i, (group, value) in enumerate(zip(self._groups, arrays, strict=True)):
             if value is not frame.kept[i]:
@@ -67,7 +67,7 @@ class Call:
                 frame.kept[i] = value if small else NOTHING
 
 
-class _Frame:
+class _Slots:
     """The slots of one function and thread, and what they were filled from."""
 
     def __init__(self, size: int, groups: int) -> None:
@@ -123,7 +123,7 @@ def _array_kind(kind: str) -> tuple[np.dtype[Any] | None, int]:
 
 
 def _items(value: Any) -> Iterator[Any]:
-    """What is in a tuple, nested ones too, in order."""
+    """The items of a tuple, nested ones too, in order."""
     if isinstance(value, tuple):
         for each in value:
             yield from _items(each)

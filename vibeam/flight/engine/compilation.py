@@ -14,7 +14,6 @@ from typing import Any
 from numba.core import event
 
 LOG = logging.getLogger("vibeam")
-
 KERNELS = {  # by the module of the entry point: what is compiled, and about how long that takes on a common machine
     "vibeam.flight.kernels.roots.levels": ("the tables of the exact flow", "some seconds"),
     "vibeam.flight.kernels.entry": ("the flight kernels", "about a minute"),

@@ -22,6 +22,7 @@ from vibeam.flight.engine.loading import LEVELS, KernelsUnavailable, LibraryUnav
 LOG = logging.getLogger("vibeam")
 VARIABLE = "VIBEAM_KERNELS"
 CURE = "pip install 'vibeam[jit]'"
+KERNELS = "vibeam.flight.kernels"
 
 
 def chosen(library: str, module: str, name: str) -> Callable[..., Any]:
@@ -64,7 +65,7 @@ def compiled(module: str, name: str) -> Callable[..., Any]:
 
 
 def description(library: str, module: str, name: str) -> str:
-    """Where that function comes from in this process: ``library`` and its level, or ``numba``."""
+    """Origin of that function in this process: ``library`` and its level, or ``numba``."""
     wanted = os.environ.get(VARIABLE, "")
     try:
         if wanted == "numba":
@@ -77,7 +78,7 @@ def description(library: str, module: str, name: str) -> str:
 
 
 @dataclass(frozen=True)
-class Entry:
+class EntryPoint:
     """A compiled function, found at its first call."""
 
     library: str
@@ -94,30 +95,19 @@ class Entry:
         return self.function(*given)
 
 
-KERNELS = "vibeam.flight.kernels"
-tabulate = Entry("tables", f"{KERNELS}.roots.levels", "tabulate")
-move, poses_at = (Entry("flight", f"{KERNELS}.entry", name) for name in ("move", "poses_at"))
-cover = Entry("certificate", f"{KERNELS}.cover", "cover")
-regimes_move, regimes_poses_at = (Entry("regimes", f"{KERNELS}.regimes.entry", name) for name in ("move", "poses_at"))
-regimes_cover = Entry("regimes", f"{KERNELS}.regimes.cover", "cover")
-run_points = Entry("points", "vibeam.flight.points.kernels.entry", "run")
-carry_disturbances = Entry("tangents", "vibeam.flight.points.tangents.entry", "carry")
-march = Entry("moreau", f"{KERNELS}.moreau", "march")
-
-ENTRIES = (
-    tabulate,
-    move,
-    poses_at,
-    cover,
-    regimes_move,
-    regimes_poses_at,
-    regimes_cover,
-    run_points,
-    carry_disturbances,
-    march,
-)
+tabulate = EntryPoint("tables", f"{KERNELS}.roots.levels", "tabulate")
+move, poses_at = (EntryPoint("flight", f"{KERNELS}.entry", name) for name in ("move", "poses_at"))
+cover = EntryPoint("certificate", f"{KERNELS}.cover", "cover")
+regimes_move = EntryPoint("regimes", f"{KERNELS}.regimes.entry", "move")
+regimes_poses_at = EntryPoint("regimes", f"{KERNELS}.regimes.entry", "poses_at")
+regimes_cover = EntryPoint("regimes", f"{KERNELS}.regimes.cover", "cover")
+run_points = EntryPoint("points", "vibeam.flight.points.kernels.entry", "run")
+carry_disturbances = EntryPoint("tangents", "vibeam.flight.points.tangents.entry", "carry")
+march = EntryPoint("moreau", f"{KERNELS}.moreau", "march")
+_KERNELS = (move, poses_at, cover, regimes_move, regimes_poses_at, regimes_cover)
+ENTRIES = (tabulate, *_KERNELS, run_points, carry_disturbances, march)
 
 
 def origin() -> str:
-    """Where the kernels come from in this process: ``library`` and its level, or ``numba``."""
+    """Origin of the kernels in this process: ``library`` and its level, or ``numba``."""
     return description(move.library, move.module, move.name)

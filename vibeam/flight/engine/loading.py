@@ -27,6 +27,16 @@ from vibeam.flight.engine.call import Call
 from vibeam.flight.kernels.sources import digest
 from vibeam.flight.libraries.sources import sources_of
 
+FOLDER = Path(__file__).parents[1] / "libraries"
+NAME = "manifest.json"
+LEVELS = ("x86-64-v3", "x86-64-v2", "aarch64")
+V2 = {"cx16", "lahf_lm", "popcnt", "pni", "sse4_1", "sse4_2", "ssse3"}
+V3 = V2 | {"abm", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "xsave"}
+FIRST = 16384  # bytes of /proc/cpuinfo in which the first processor's flags stand
+BUILD = "python -m vibeam.flight.ahead_of_time"
+MOST = 1 << 24  # bytes of a library
+_NUMBER = count()
+
 
 class LibraryUnavailable(Exception):
     """Why there is no library for this machine."""
@@ -34,11 +44,6 @@ class LibraryUnavailable(Exception):
 
 class KernelsUnavailable(RuntimeError):
     """Neither a library for this machine nor numba, or a wrong VIBEAM_KERNELS; with the cure."""
-
-
-FOLDER = Path(__file__).parents[1] / "libraries"
-NAME = "manifest.json"
-LEVELS = ("x86-64-v3", "x86-64-v2", "aarch64")
 
 
 def file_of(library: str, level: str, folder: Path = FOLDER) -> Path:
@@ -77,11 +82,6 @@ def _digest(whole: dict[str, Any]) -> str:
     return sha256(json.dumps(whole, sort_keys=True).encode()).hexdigest()
 
 
-V2 = {"cx16", "lahf_lm", "popcnt", "pni", "sse4_1", "sse4_2", "ssse3"}
-V3 = V2 | {"abm", "avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "movbe", "xsave"}
-FIRST = 16384  # bytes of /proc/cpuinfo in which the first processor's flags stand
-
-
 def level_of_processor(cpuinfo: Path = Path("/proc/cpuinfo")) -> str | None:
     """The highest level that runs here (see ``LEVELS``); None where none does."""
     machine = platform.machine()
@@ -100,11 +100,6 @@ def _flags(cpuinfo: Path) -> set[str]:
     except OSError:
         return set()
     return next((set(line.partition(":")[2].split()) for line in lines if line.startswith("flags")), set())
-
-
-BUILD = "python -m vibeam.flight.ahead_of_time"
-MOST = 1 << 24  # bytes of a library
-_NUMBER = count()
 
 
 def function_of(library: str, module: str, name: str, level: str | None = None, folder: Path = FOLDER) -> Call:

@@ -15,6 +15,11 @@ import numpy as np
 
 from vibeam.flight.kernels import layout
 
+Clock = Callable[[], float]
+_STOP: ContextVar[Event | None] = ContextVar("stop", default=None)
+_TIME: ContextVar[tuple[Clock, float] | None] = ContextVar("time", default=None)
+Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
+
 
 class Stopped(Exception):
     """A task saw its stop signal and left; never seen outside ``vibeam.runs.parallel``."""
@@ -22,11 +27,6 @@ class Stopped(Exception):
 
 class OutOfTime(Exception):
     """Work that did not end within its time; the message says where it was."""
-
-
-Clock = Callable[[], float]
-_STOP: ContextVar[Event | None] = ContextVar("stop", default=None)
-_TIME: ContextVar[tuple[Clock, float] | None] = ContextVar("time", default=None)
 
 
 @contextmanager
@@ -59,15 +59,12 @@ def pause() -> None:
 
 
 def unpaused(move: Callable[..., tuple[int, float]], *given: object) -> tuple[int, float]:
-    """What ``move`` comes to in the end: it is called with the same arguments until it no longer pauses."""
+    """Outcome and value of ``move``, called with the same arguments until it no longer pauses."""
     outcome, value = move(*given)
     while outcome == layout.PAUSED:
         pause()
         outcome, value = move(*given)
     return outcome, value
-
-
-Arrays = TypeVar("Arrays", bound=tuple[Any, ...])
 
 
 class PerThread(Generic[Arrays]):

@@ -1,4 +1,9 @@
-"""A linear regime, free, pushed by a linear stop or held on a stop, in 2×2 blocks: the arrays of the block flow."""
+"""A linear regime, free, pushed by a linear stop or held on a stop, in 2×2 blocks: the arrays of the block flow.
+
+Its pairs come with propagators and phasors tabulated over dyadic panel lengths. Panels are 2^top, 2^(top−1), … seconds
+long: powers of two are hardly ever an integer fraction of a drive period (at 8 Hz they are), so roots of periodic
+motions do not sit on panel ends, and one table serves every drive.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +12,56 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from vibeam.flight.engine.entries import tabulate
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Regime
+from vibeam.flight.kernels.thresholds import APART, RESOLVED
 from vibeam.flight.linear.blocks import pair_constants, planes
-from vibeam.flight.linear.eigenpairs import Linear
-from vibeam.flight.linear.panel_tables import rates, regime
+from vibeam.flight.linear.eigenpairs import LinearSystem
 from vibeam.system.rows import TimeDerivative
 from vibeam_models.arrays import Array
 
+SMALLEST = 1e-300  # rad/s: slower is as good as free
 FURTHEST = 128  # binary orders by which the unit of time is moved at most
+
+
+def regime(omega: Array, sigma: Array, disc: Array, top: int) -> tuple[Array, Array, Array]:
+    """``pairs``, ``table`` (TABLE_ROWS, levels, n) and ``levels`` of pairs sorted by ``rates``; panels of 2^top s."""
+    pairs = np.zeros((layout.PAIR_ROWS, len(omega)))
+    over = sigma + np.sqrt(np.maximum(disc, 0.0))
+    pairs[layout.OMEGA], pairs[layout.SIGMA], pairs[layout.DISC] = omega, sigma, disc
+    pairs[layout.KAPPA] = rates(omega, sigma)
+    pairs[layout.INVERSE] = _inverse(omega, over, disc)
+    pairs[layout.DECAY] = np.where(disc < 0, sigma, omega**2 / np.where(over > 0, over, 1.0))
+    slow = omega * (omega / np.where(over > 0, over, 1.0))
+    apart = (disc > APART * sigma**2) & (slow > 0)
+    pairs[layout.SLOW], pairs[layout.JOIN] = np.where(apart, slow, 0.0), apart
+    pairs[layout.TILT] = np.where(apart, -over, 1.0)
+    levels = np.zeros((layout.LEVEL_ROWS, layout.LEVELS))
+    levels[layout.STEP] = np.ldexp(1.0, top - np.arange(layout.LEVELS))
+    levels[layout.COUNT] = np.sum(pairs[layout.KAPPA][None, :] * levels[layout.STEP][:, None] <= RESOLVED, axis=1)
+    table = np.zeros((layout.TABLE_ROWS, layout.LEVELS, len(omega)))
+    tabulate(pairs, levels, table)
+    return pairs, table, levels
+
+
+def _inverse(omega: Array, over: Array, disc: Array) -> Array:
+    """Factor of x' with which the norm of (x, x') bounds |x| for all later times.
+
+    1/ω by the energy. With decays a ≤ b, P00 lies in [0, 1] and P01 in [0, 1/b], so |x| + |x'|/b bounds it too, which
+    the octagon's norm does where x' counts 1 + √2 times; and |P01^(j)| ≤ (b^j − a^j)/(b − a) ≤ κ^j/b, so that the bound
+    holds for derivatives as the energy's does. Far beyond critical damping it is smaller by 2ζ.
+    """
+    energy = np.where(omega > SMALLEST, 1.0 / np.where(omega > SMALLEST, omega, 1.0), 0.0)
+    with np.errstate(over="ignore"):  # hardly any decay bounds nothing
+        decay = np.where(disc > 0, (1 + np.sqrt(2)) / np.where(over > 0, over, 1.0), np.inf)
+    return np.asarray(np.minimum(energy, decay))
+
+
+def rates(omega: Array, sigma: Array) -> Array:
+    """κ = σ + √(σ² + ω²): every time derivative grows at most by it, in the energy norm (ωx, x')."""
+    with np.errstate(over="ignore"):  # an infinite rate is refused
+        return np.asarray(sigma + np.sqrt(sigma**2 + omega**2))
 
 
 @dataclass(frozen=True)
@@ -34,12 +80,12 @@ def held_at(contact: Array, gap: float) -> Array:
     return np.asarray(contact * (gap / float(contact @ contact)))
 
 
-def free_regime(linear: Linear, static: Array, load: Array, top: int) -> Regime:
+def free_regime(linear: LinearSystem, static: Array, load: Array, top: int) -> Regime:
     """z'' + Dz' + Λz = static + load Ω²B sin φ, pushed by the stop of ``linear`` or not; longest panel 2^top s."""
     return _in_blocks(linear, np.zeros(len(static)), static, load, top)
 
 
-def held_regime(linear: Linear, static: Array, load: Array, gap: float, top: int) -> tuple[Regime, SignalRow]:
+def held_regime(linear: LinearSystem, static: Array, load: Array, gap: float, top: int) -> tuple[Regime, SignalRow]:
     """The same with contact·η = gap held, and the contact force F = contact·(f − Dη' − Λη)/S as a signal of it."""
     contact, mobility = linear.contact, float(linear.contact @ linear.contact)
     held = held_at(contact, gap)
@@ -91,7 +137,7 @@ def _rate(blocks: Array, weights: Array) -> tuple[Array, float, float]:
     return rate, float(constant), float(first @ blocks[layout.LOAD1] + second @ blocks[layout.LOAD2])
 
 
-def _in_blocks(linear: Linear, held: Array, constant: Array, load: Array, top: int) -> Regime:
+def _in_blocks(linear: LinearSystem, held: Array, constant: Array, load: Array, top: int) -> Regime:
     """Blocks sorted by rate, made in a unit of time of the system's own.
 
     The unit is a power of two, so that other units of time change no digit.
@@ -128,7 +174,7 @@ def _lone_modes(outof: Array) -> Array:
     return np.where(alone, parts[0, :, :, 0].argmax(axis=0), -1.0)
 
 
-def _own_unit(linear: Linear) -> float:
+def _own_unit(linear: LinearSystem) -> float:
     """The power of two next above the fastest of the system's rates."""
     fastest = max(float(np.sqrt(np.max(linear.spring))), float(np.max(np.diag(linear.damper))) / 2)
     return float(np.ldexp(1.0, np.clip(np.frexp(fastest)[1], -FURTHEST, FURTHEST)))

@@ -13,14 +13,11 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from vibeam.flight.linear.common_plane import INSEPARABLE, common_plane
-from vibeam.flight.linear.eigenpairs import Linear, refined, refined_plane
-from vibeam.flight.linear.equal_modes import deflated
-from vibeam_models.arrays import Array, Complex
+from vibeam.flight.linear.coincident_modes import INSEPARABLE, common_plane, deflated
+from vibeam.flight.linear.eigenpairs import LinearSystem, refined, refined_plane
+from vibeam_models.arrays import Array, Complex, Index
 
-Indices = NDArray[np.int64]
 CLOSE = 0.1  # relative distance of two eigenvalues below which their common plane is taken
 WORST = 1e7  # condition of the columns beyond which too many digits would be lost
 PROPORTIONAL = 1e-9  # relative; modal damping of a finite-element model has that much round-off
@@ -38,7 +35,7 @@ class Planes:
     blocks: Array
 
 
-def planes(system: Linear) -> Planes:
+def planes(system: LinearSystem) -> Planes:
     """The blocks; ValueError where modes coincide so closely that there are none: three near critical damping.
 
     Those found last are kept: another gap or load, as at every point of a sweep with drift, changes none of them.
@@ -50,14 +47,14 @@ def planes(system: Linear) -> Planes:
 @lru_cache(maxsize=8)
 def _kept(spring: bytes, damper: bytes, contact: bytes, stiffness: float, damping: float) -> Planes:
     rates, n = np.frombuffer(spring), len(spring) // 8
-    system = Linear(rates, np.frombuffer(damper).reshape(n, n), np.frombuffer(contact), stiffness, damping)
+    system = LinearSystem(rates, np.frombuffer(damper).reshape(n, n), np.frombuffer(contact), stiffness, damping)
     found = _found(system)
     for array in (found.columns, found.inverse, found.blocks):
         array.flags.writeable = False
     return found
 
 
-def _found(system: Linear) -> Planes:
+def _found(system: LinearSystem) -> Planes:
     turned = deflated(system)
     try:
         if turned is None:
@@ -68,7 +65,7 @@ def _found(system: Linear) -> Planes:
     return Planes(both @ found.columns, found.inverse @ both, found.blocks)
 
 
-def _planes(system: Linear) -> Planes:
+def _planes(system: LinearSystem) -> Planes:
     n, columns, inverses, blocks = len(system.spring), [], [], []
     for group in _groups(system):
         part = system.part(group)
@@ -95,7 +92,7 @@ def pair_constants(blocks: Array) -> tuple[Array, Array, Array]:
     return np.sqrt(np.maximum(square, 0.0)), np.maximum(-(a + d) / 2, 0.0), disc
 
 
-def _groups(system: Linear) -> list[Indices]:
+def _groups(system: LinearSystem) -> list[Index]:
     """Coordinates that damping or the stop couples, together."""
     size = np.sqrt(np.abs(np.diag(system.damper)))
     couples = np.abs(system.damper) > 1e-15 * np.outer(size, size)
@@ -114,7 +111,7 @@ def _groups(system: Linear) -> list[Indices]:
     return groups
 
 
-def _inverse(part: Linear, columns: Array) -> Array:
+def _inverse(part: LinearSystem, columns: Array) -> Array:
     """Inverse of the columns; of a held system with the two directions beside them that move the contact point.
 
     Inverted once: above 32 modes BLAS takes several threads to it, which on a busy machine wait for each other.
@@ -131,12 +128,12 @@ def _inverse(part: Linear, columns: Array) -> Array:
     return inverse[: columns.shape[1]]
 
 
-def _single(part: Linear) -> tuple[Array, Array]:
+def _single(part: LinearSystem) -> tuple[Array, Array]:
     s = part.scale[0]
     return np.eye(2), np.array([[0.0, s], [-part.spring[0] / s, -part.damper[0, 0]]])
 
 
-def _several(part: Linear) -> list[tuple[Array, Array]]:
+def _several(part: LinearSystem) -> list[tuple[Array, Array]]:
     if part.held and len(part.spring) == 1:
         return []
     if part.held and _proportional(part):
@@ -157,8 +154,8 @@ def _several(part: Linear) -> list[tuple[Array, Array]]:
     return found
 
 
-def _proportional(part: Linear) -> bool:
-    """Whether D = a + bΛ to round-off (Rayleigh's, the paper's D): it couples nothing when held."""
+def _proportional(part: LinearSystem) -> bool:
+    """True where D = a + bΛ to round-off (Rayleigh's, the paper's D): it couples nothing when held."""
     if not part.uncoupled:
         return False
     damping, stiffness = np.diag(part.damper), part.spring
@@ -170,7 +167,7 @@ def _proportional(part: Linear) -> bool:
     return bool(np.all(off <= PROPORTIONAL * np.abs(damping)))
 
 
-def _undisturbed(part: Linear) -> list[tuple[Array, Array]]:
+def _undisturbed(part: LinearSystem) -> list[tuple[Array, Array]]:
     """A plane for every mode of the held system without damping, which couples none of them."""
     basis, size = _held_modes(part)
     n, scale = len(part.spring), part.scale[:, None]
@@ -187,14 +184,14 @@ def _undisturbed(part: Linear) -> list[tuple[Array, Array]]:
     return found
 
 
-def _held_modes(part: Linear) -> tuple[Array, Array]:
+def _held_modes(part: LinearSystem) -> tuple[Array, Array]:
     """Modes (n, n−1) of the held system without damping, orthonormal, and their frequencies (n−1,), by QR."""
     basis = complement(part.contact)
     _, size, turn = np.linalg.svd(np.sqrt(np.maximum(part.spring, 0.0))[:, None] * basis, full_matrices=False)
     return basis @ turn.T, size
 
 
-def _state(part: Linear) -> tuple[Array, Array]:
+def _state(part: LinearSystem) -> tuple[Array, Array]:
     """The state matrix, of the coordinates that are left where the stop holds one, and the way back to all of them."""
     n, w, s = len(part.spring), part.contact, part.scale
     if part.held:
@@ -233,7 +230,7 @@ def _turning(values: Complex, vectors: Complex) -> list[tuple[Array, Array]]:
     return [(columns[:, k] / sizes[k], blocks[:, :, k]) for k in range(len(values))]
 
 
-def _sorted_out(values: Complex) -> tuple[Indices, list[list[int]], list[int]]:
+def _sorted_out(values: Complex) -> tuple[Index, list[list[int]], list[int]]:
     """Eigenvalues that turn (one of each pair), those that nearly coincide two by two, and the other real ones."""
     near = 2 * np.abs(values.imag) <= CLOSE * np.abs(values)
     turning = np.flatnonzero(~near & (values.imag > 0))

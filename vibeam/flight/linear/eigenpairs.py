@@ -16,11 +16,9 @@ from math import inf
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from vibeam_models.arrays import Array, Complex
+from vibeam_models.arrays import Array, Complex, Index
 
-Indices = NDArray[np.int64]
 Ring = tuple[Any, Any]
 ROUNDS = 4  # of Newton
 TINY = 1e-13  # share of the fastest rate below which an eigenvalue is zero: nothing to gain
@@ -30,7 +28,7 @@ ASTRAY = 1e-3  # share by which a step may change an eigenvalue or a shape; more
 
 
 @dataclass(frozen=True)
-class Linear:
+class LinearSystem:
     """``spring`` Λ (n,), ``damper`` D (n, n), and the stop: row ``contact`` w (n,), ``stiffness`` k (0: free, inf:
     held) and ``damping`` c.
     """
@@ -43,12 +41,12 @@ class Linear:
 
     @property
     def held(self) -> bool:
-        """Whether the contact point cannot move."""
+        """True where the contact point cannot move."""
         return self.stiffness == inf
 
     @property
     def uncoupled(self) -> bool:
-        """Whether nothing but the stop couples the coordinates."""
+        """True where nothing but the stop couples the coordinates."""
         return not np.any(self.damper - np.diag(np.diag(self.damper)))
 
     @property
@@ -56,13 +54,13 @@ class Linear:
         """s (n,): the square roots of Λ, 1 for a coordinate without stiffness."""
         return np.where(self.spring > 0, np.sqrt(np.maximum(self.spring, 0.0)), 1.0)
 
-    def part(self, group: Indices) -> Linear:
+    def part(self, group: Index) -> LinearSystem:
         """Some of the coordinates by themselves."""
         damper = self.damper[np.ix_(group, group)]
         return replace(self, spring=self.spring[group], damper=damper, contact=self.contact[group])
 
 
-def refined(part: Linear, values: Complex, vectors: Complex) -> tuple[Complex, Complex]:
+def refined(part: LinearSystem, values: Complex, vectors: Complex) -> tuple[Complex, Complex]:
     """Eigenvalues (m,) and the state's eigenvectors (s z, λ z) (2n, m) of unit length, from those of QR."""
     if not len(values):
         return values, vectors
@@ -80,7 +78,7 @@ def refined(part: Linear, values: Complex, vectors: Complex) -> tuple[Complex, C
     return np.where(gain, found, values), np.where(gain & near, state, before)
 
 
-def _secular(part: Linear, values: Complex, vectors: Complex) -> tuple[Complex, Complex]:
+def _secular(part: LinearSystem, values: Complex, vectors: Complex) -> tuple[Complex, Complex]:
     """All eigenvalues at once: φ(λ) = p_j + w_j²/h = 0 with h = Σ_{i≠j} w_i²/p_i + 1/(k + cλ), j moving most.
 
     What is sought is the distance ν of λ from j's own eigenvalue: p_j = ν (ν + gap), and p_i − p_j has no squares.
@@ -117,7 +115,7 @@ def _secular(part: Linear, values: Complex, vectors: Complex) -> tuple[Complex, 
     return pole + nu, np.where(np.isfinite(shapes).all(axis=0), shapes, vectors[:n] / part.scale[:, None])
 
 
-def _bordered(part: Linear, value: complex, vector: Complex) -> tuple[complex, Complex]:
+def _bordered(part: LinearSystem, value: complex, vector: Complex) -> tuple[complex, Complex]:
     """One eigenvalue and its z: equation and stop bordered by the step's being orthogonal to z, rows scaled."""
     n, w, scale = len(part.spring), part.contact, part.scale
     z = vector[n:] / value if abs(value) > 0 else vector[:n] / scale
@@ -152,7 +150,7 @@ def _bordered(part: Linear, value: complex, vector: Complex) -> tuple[complex, C
     return value, z[:n]
 
 
-def _force(part: Linear, value: complex, z: Complex) -> complex:
+def _force(part: LinearSystem, value: complex, z: Complex) -> complex:
     """f that belongs to z: what the stop does, or, where it holds, what keeps the contact point."""
     w = part.contact
     if not part.held:
@@ -160,7 +158,7 @@ def _force(part: Linear, value: complex, z: Complex) -> complex:
     return complex(-(w @ (part.spring * z + value * (part.damper @ z))) / (w @ w))
 
 
-def refined_plane(part: Linear, column: Array, block: Array) -> tuple[Array, Array]:
+def refined_plane(part: LinearSystem, column: Array, block: Array) -> tuple[Array, Array]:
     """A plane (2n, 2), orthonormal, of two eigenvalues that nearly coincide, and A in it (2, 2), from those of QR.
 
     Bairstow's method on the secular equation: for the quadratic factor q = μ² + e, μ = λ + σ, of the two, which is good
@@ -193,8 +191,8 @@ def refined_plane(part: Linear, column: Array, block: Array) -> tuple[Array, Arr
     return (unit, turned) if _defect(part, unit, turned) < _defect(part, column, block) else (column, block)
 
 
-def _defect(part: Linear, column: Array, block: Array) -> float:
-    """How far a plane is from being invariant, each coordinate weighed with its own numbers."""
+def _defect(part: LinearSystem, column: Array, block: Array) -> float:
+    """Distance of a plane from being invariant, each coordinate weighed with its own numbers."""
     n, w, size = len(part.spring), part.contact, float(np.linalg.norm(block, 2))
     shape, moved, damper = column[:n] / part.scale[:, None], column[n:], np.diag(part.damper)
     heavy = part.spring + damper * size + size**2
@@ -205,7 +203,7 @@ def _defect(part: Linear, column: Array, block: Array) -> float:
     return float(np.linalg.norm(rows) + np.linalg.norm(stop) / np.linalg.norm(w / (part.scale + size)))
 
 
-def _turns(part: Linear) -> Array:
+def _turns(part: LinearSystem) -> Array:
     """ω² − σ² of each coordinate by itself."""
     half, own = np.diag(part.damper) / 2, np.sqrt(np.maximum(part.spring, 0.0))
     return np.asarray((own - half) * (own + half))
@@ -231,7 +229,7 @@ def _inverse_twice(e: float, one: Ring, more: Ring) -> tuple[Ring, Ring]:
     return r, (-t * r[0] - square[0], -t * r[1] - square[1])
 
 
-def _divided(part: Linear, further: float, wider: float, j: int) -> tuple[Ring, Ring, Ring]:
+def _divided(part: LinearSystem, further: float, wider: float, j: int) -> tuple[Ring, Ring, Ring]:
     """φ = p_j + w_j²/h as remainder + q · quotient, and z_i = at + rate μ (n,) with z_j = 1."""
     w, half, turns = part.contact, np.diag(part.damper) / 2, _turns(part)
     others, e, apart = np.arange(len(w)) != j, float(turns[j]) + wider, half - half[j] - further

@@ -1,4 +1,4 @@
-"""From an ImpactSystem to the arrays that the kernels run on, and back."""
+"""From an ImpactSystem to the arrays that the kernels run on, and back; the free modes also by blocks for the lanes."""
 
 from __future__ import annotations
 
@@ -10,12 +10,11 @@ import numpy as np
 
 from vibeam.flight.engine.threads import PerThread
 from vibeam.flight.kernels import layout
+from vibeam.flight.kernels.lanes import layout as block_layout
 from vibeam.flight.kernels.layout import Engine, Regime
-from vibeam.flight.kernels.thresholds import PANEL, RESOLVED
-from vibeam.flight.linear.block_regime import SignalRow, held_regime, with_signals
-from vibeam.flight.linear.eigenpairs import Linear
-from vibeam.flight.linear.mode_blocks import lay_out, longest_flight
-from vibeam.flight.linear.panel_tables import rates, regime
+from vibeam.flight.kernels.thresholds import ELASTIC, FORGOTTEN, LINGERING, PANEL, REDUCED, RESOLVED, SILENT
+from vibeam.flight.linear.block_regime import SignalRow, held_regime, rates, regime, with_signals
+from vibeam.flight.linear.eigenpairs import LinearSystem
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 
@@ -23,6 +22,54 @@ SLOW = 1e-6  # turns within a motion below which a mode is slow, and the motion 
 KEPT = 16  # packed systems
 SPARE = 4  # levels of panels shorter than the fastest rate needs
 FASTEST = 1e36  # bounds take eighth powers of the rates
+
+
+def lay_out(pairs: Array, table: Array, levels: Array, modes: Array, drive: Array, lanes: int) -> tuple[Array, Array]:
+    """``cells`` and ``rungs`` of a packed system; empty where a mode takes no part in the contact.
+
+    Or where one far beyond critical damping lingers, which the lanes bound by its fast decay; or where damped impacts
+    may go on without end: the lanes know the end of a flight to round-off of the displacement, not of the flight.
+    """
+    n = pairs.shape[1]
+    lingering = (pairs[layout.SLOW] > 0) & (pairs[layout.SLOW] * levels[layout.STEP, 0] < LINGERING)
+    unending = 1.0 - drive[layout.RESTITUTION] < ELASTIC and np.any(pairs[layout.SIGMA] > 0)
+    if np.min(np.abs(modes[layout.CONTACT])) < SILENT or np.any(lingering) or unending:
+        return np.zeros(0), np.zeros(0)
+    blocks = -(-n // lanes)
+    cells = np.zeros((block_layout.CELL_ROWS, blocks * lanes))
+    rungs = np.zeros((layout.LEVELS, block_layout.RUNG_ROWS, blocks * lanes))
+    turn = np.sqrt(np.maximum(-pairs[layout.DISC], 0.0))
+    contact, kappa = modes[layout.CONTACT], pairs[layout.KAPPA]
+    cells[block_layout.RATE, :n], cells[block_layout.TURN, :n] = pairs[layout.SIGMA], turn
+    cells[block_layout.TURN_INVERSE, :n] = 1.0 / np.where(turn > 0, turn, np.inf)
+    cells[block_layout.DAMP, :n], cells[block_layout.SPRING, :n] = 2 * pairs[layout.SIGMA], pairs[layout.OMEGA] ** 2
+    cells[block_layout.NORM, :n] = pairs[layout.INVERSE]
+    cells[block_layout.KICK, :n] = contact**2 / drive[layout.MOBILITY]
+    cells[block_layout.PUT, :n] = contact * modes[layout.YIELD]
+    for row, power in ((block_layout.K1, 1), (block_layout.K2, 2), (block_layout.K4, 4), (block_layout.K5, 5)):
+        cells[row, :n] = kappa**power
+    decay = np.full(blocks * lanes, np.inf)
+    decay[:n] = pairs[layout.DECAY]
+    mixed = np.zeros(blocks * lanes)
+    mixed[:n] = pairs[layout.DISC] >= 0
+    cells[block_layout.SLOWEST] = np.repeat(decay.reshape(blocks, lanes).min(axis=1), lanes)
+    cells[block_layout.MIXED] = np.repeat(mixed.reshape(blocks, lanes).max(axis=1), lanes)
+    rungs[:, :8, :n] = np.moveaxis(table[:8], 0, 1)
+    low = (np.arange(n)[None, :] < levels[layout.COUNT][:, None]).astype(float)
+    h4 = levels[layout.STEP][:, None] ** 4
+    rungs[:, block_layout.LOW, :n] = low
+    rungs[:, block_layout.MISSED, :n] = low * kappa**4 * h4 / 384 + (1 - low)
+    rungs[:, block_layout.MISSED_FIRST, :n] = low * kappa**5 * h4 / (384 * 5) + (1 - low) * kappa
+    cells = np.moveaxis(cells.reshape(block_layout.CELL_ROWS, blocks, lanes), 1, 0)
+    rungs = np.moveaxis(rungs.reshape(layout.LEVELS, block_layout.RUNG_ROWS, blocks, lanes), 2, 1)
+    return np.ascontiguousarray(cells).ravel(), np.ascontiguousarray(rungs).ravel()
+
+
+def longest_flight(pairs: Array) -> float:
+    """Time for which a flight's closed form keeps its digits, by the fastest mode that does not decay before."""
+    turn = np.sqrt(np.maximum(-pairs[layout.DISC], 0.0))
+    ringing = turn[pairs[layout.DECAY] * REDUCED < FORGOTTEN * turn]
+    return float(REDUCED / np.max(ringing, initial=1e-300))
 
 
 class PackedSystem:
@@ -52,18 +99,10 @@ class PackedSystem:
         omega, zeta = own.omega[order], own.zeta[order]
         sigma, contact, load, static = zeta * omega, own.contact[order], own.load[order], own.static[order]
         modes, drive = np.zeros((layout.MODE_ROWS, own.size)), np.zeros(layout.DRIVE_ROWS)
-        modes[layout.CONTACT], modes[layout.LOAD], modes[layout.STATIC], modes[layout.ZETA] = (
-            contact,
-            load,
-            static,
-            zeta,
-        )
-        modes[layout.YIELD] = yields(omega, contact)
-        drive[layout.GAP], drive[layout.RESTITUTION], drive[layout.MOBILITY] = (
-            own.gap,
-            own.restitution,
-            contact @ contact,
-        )
+        modes[layout.CONTACT], modes[layout.LOAD], modes[layout.STATIC] = contact, load, static
+        modes[layout.ZETA], modes[layout.YIELD] = zeta, yields(omega, contact)
+        drive[layout.GAP], drive[layout.RESTITUTION] = own.gap, own.restitution
+        drive[layout.MOBILITY] = contact @ contact
         pairs, table, levels = regime(omega, sigma, omega**2 * (zeta - 1.0) * (zeta + 1.0), top)
         cells, rungs = lay_out(pairs, table, levels, modes, drive, 1 if own.size == 1 else 8)
         drive[layout.LONGEST] = longest_flight(pairs)
@@ -89,7 +128,7 @@ class PackedSystem:
 
 def _rest(omega: Array, sigma: Array, contact: Array, load: Array, static: Array, gap: float, top: int) -> Regime:
     """The system held on the stop, with its contact force."""
-    linear = Linear(omega**2, np.diag(2 * sigma), contact, inf)
+    linear = LinearSystem(omega**2, np.diag(2 * sigma), contact, inf)
     found, force = held_regime(linear, static, load, gap, top)
     silent = SignalRow(np.zeros(len(contact)), np.zeros(len(contact)))  # the gap, which is none
     return with_signals(found, [silent, silent, force])

@@ -44,7 +44,7 @@ def pair(omega: float, zeta: float, span: Array) -> Pair:
 
 
 def pairs(omega: Array, zeta: Array, span: Array) -> Pair:
-    """As ``pair`` for modes (n,) over spans (points,) at once: every field (n, points)."""
+    """Pairs of modes (n,) over spans (points,) at once: every field (n, points)."""
     if len(span) == 1:  # one motion asks for the same ones several times
         return _pairs_over(omega.tobytes(), zeta.tobytes(), float(span[0]))
     return _pairs(omega, zeta, span)

@@ -11,10 +11,9 @@ from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Regime
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.kernels.regimes.layout import RegimeEngine
-from vibeam.flight.linear.block_regime import SignalRow, free_regime, held_regime, with_signals
-from vibeam.flight.linear.eigenpairs import Linear
+from vibeam.flight.linear.block_regime import SignalRow, free_regime, held_regime, rates, with_signals
+from vibeam.flight.linear.eigenpairs import LinearSystem
 from vibeam.flight.linear.packing import top_level, yields
-from vibeam.flight.linear.panel_tables import rates
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 from vibeam_models.laws.mechanics import Spring
@@ -54,7 +53,7 @@ def plan(system: ImpactSystem, slowest: float) -> RegimeEngine:
     drive = np.zeros(layout.DRIVE_ROWS)
     drive[layout.MOTION] = inf
     return RegimeEngine(
-        _free(system, Linear(system.omega**2, damper_of(system), system.contact), contact, gaps, top),
+        _free(system, LinearSystem(system.omega**2, damper_of(system), system.contact), contact, gaps, top),
         at_stop[0], at_stop[-1], drive, law, curve, contact,
         np.stack([yields(system.omega, row) for row in contact]), gaps, np.array(system.omega), system.omega**2,
         np.array(damper_of(system)), np.array(np.diag(damper_of(system))),
@@ -75,7 +74,7 @@ def law_of(system: ImpactSystem) -> tuple[Array, Array]:
 
 def _at_stop(system: ImpactSystem, side: int, contact: Array, gaps: Array, top: int) -> Regime:
     """The regime of a contact with one stop: held by it, or pushed by a linear one."""
-    law, linear = system.contact_law, Linear(system.omega**2, damper_of(system), contact[side])
+    law, linear = system.contact_law, LinearSystem(system.omega**2, damper_of(system), contact[side])
     if law.spring is not None:
         linear = replace(linear, stiffness=law.spring.stiffness, damping=law.spring.damping)
         pushed = system.static + contact[side] * (law.spring.stiffness * gaps[side])
@@ -87,7 +86,7 @@ def _at_stop(system: ImpactSystem, side: int, contact: Array, gaps: Array, top: 
     return with_signals(found, [*_gaps(contact, gaps, found.held), force, force])
 
 
-def _free(system: ImpactSystem, linear: Linear, contact: Array, gaps: Array, top: int) -> Regime:
+def _free(system: ImpactSystem, linear: LinearSystem, contact: Array, gaps: Array, top: int) -> Regime:
     """The regime of free flight; beside the gaps the forces with which linear stops would push where they are."""
     found = free_regime(linear, system.static, system.load, top)
     spring = system.contact_law.spring

@@ -20,7 +20,6 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.pieces import (
@@ -39,23 +38,24 @@ from vibeam.flight.kernels.pieces import (
 )
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.proof.chatter_tail import tails_of
-from vibeam.flight.proof.watched import Motion, motion_of, watch_list
-from vibeam_models.arrays import Array
+from vibeam.flight.proof.watched import WatchedMotion, motion_of, watch_list
+from vibeam_models.arrays import Array, Flags, Index
 
 if TYPE_CHECKING:
     from vibeam.flight.event_driven import EventDrivenSolver, Segments
     from vibeam.system.impact_system import Drive, ImpactSystem
 
-
 PIECES_A_TASK = 8
 SLIVER = 1e-10  # share of a segment's length: a piece so short that says that a signal closes is one with that before
-
-
-__all__ = ["CLOSES", "OPEN", "UNPROVED", "Certificate", "Stretch", "certificate_of"]
+__all__ = ["CLOSES", "OPEN", "UNPROVED", "Certificate", "UnprovedSpan", "certificate_of"]
+_TOUCHING = "touches a stop, pushed or drawn away by no more than round-off"
+_UNDECIDED = "no bound excludes another root"
+_ENDLESS = "impacts without end (R → 1) are taken as rest from here on: left_out of the motion bounds the difference"
+_UNBOUNDED = "what is left of the accumulation of impacts has no bound"
 
 
 @dataclass(frozen=True)
-class Stretch:
+class UnprovedSpan:
     """A part of a motion that is not proved: times in s, and why."""
 
     begin: float
@@ -71,7 +71,7 @@ class Certificate:
     drive: Drive
     times: Array  #: (segments,) when each begins
     kinds: Array  #: (segments,) 0 flight, 1 rest, 2 pushed by a stop that yields, 3 in its range but not pushed
-    sides: NDArray[np.int64]  #: (segments,) the stop, 0 or 1: of a flight that ends with an impact the one that is hit
+    sides: Index  #: (segments,) the stop, 0 or 1: of a flight that ends with an impact the one that is hit
     ends: Array  #: (segments,) what ended it, see ``kernels.layout``
     starts: Array  #: (segments, 2, n) modal displacements and velocities
     clocks: Array  #: (segments,) drive time at the start, within one period
@@ -83,26 +83,26 @@ class Certificate:
 
     @property
     def complete(self) -> bool:
-        """Whether the bounds prove all of the motion."""
+        """True where the bounds prove all of the motion."""
         return not self.unproved
 
     @property
-    def resting(self) -> NDArray[np.bool_]:
+    def resting(self) -> Flags:
         """(segments,) whether it is a rest on a hard stop."""
         return np.asarray(self.kinds == layout.RESTING)
 
     @property
-    def uncovered(self) -> NDArray[np.int64]:
+    def uncovered(self) -> Index:
         """The segments that no piece covers: contact that is integrated, and what takes no time."""
         return np.setdiff1d(np.arange(len(self.kinds)), self.pieces[:, FLIGHT].astype(np.int64))
 
     @property
-    def unproved(self) -> tuple[Stretch, ...]:
-        """What is not proved, in the order of time."""
+    def unproved(self) -> tuple[UnprovedSpan, ...]:
+        """The spans that are not proved, in the order of time."""
         found = [*self._integrated(), *self._undecided(), *self._unbounded()]
         return tuple(sorted(found, key=lambda stretch: stretch.begin))
 
-    def _integrated(self) -> list[Stretch]:
+    def _integrated(self) -> list[UnprovedSpan]:
         law = self.system.contact_law
         which = np.flatnonzero((self.kinds == regime_layout.CONTACT) & (self.durations > 0))
         if not law.integrated or not len(which):
@@ -111,31 +111,25 @@ class Certificate:
         last = which[np.diff(which, append=which[-1] + 2) > 1]
         reason = f'contact by the law "{law.name}" is integrated, to 1e-12 a step'
         ends = self.times[last] + self.durations[last]
-        return [Stretch(float(a), float(b), reason) for a, b in zip(self.times[first], ends, strict=True)]
+        return [UnprovedSpan(float(a), float(b), reason) for a, b in zip(self.times[first], ends, strict=True)]
 
-    def _undecided(self) -> list[Stretch]:
+    def _undecided(self) -> list[UnprovedSpan]:
         open_yet = self.pieces[self.pieces[:, CLAIM] == UNPROVED]
-        found: list[Stretch] = []
+        found: list[UnprovedSpan] = []
         for segment, start, length, signal in open_yet[:, [FLIGHT, FROM, LENGTH, SIGNAL]]:
             begin = float(self.times[int(segment)] + start)
             if found and begin <= found[-1].end:  # goes on with the same one
                 found[-1] = replace(found[-1], end=max(begin + float(length), found[-1].end))
             else:
                 touching = start == 0 and self.roots[int(segment)] != signal
-                found.append(Stretch(begin, begin + float(length), _TOUCHING if touching else _UNDECIDED))
+                found.append(UnprovedSpan(begin, begin + float(length), _TOUCHING if touching else _UNDECIDED))
         return found
 
-    def _unbounded(self) -> list[Stretch]:
+    def _unbounded(self) -> list[UnprovedSpan]:
         open_yet = self.tails[~np.isfinite(self.tails[:, 2])]
         ends = (self.times + self.durations)[open_yet[:, 0].astype(np.int64)]
         reasons = np.where(np.isinf(open_yet[:, 1]), _ENDLESS, _UNBOUNDED)
-        return [Stretch(float(end), float(end), str(reason)) for end, reason in zip(ends, reasons, strict=True)]
-
-
-_TOUCHING = "touches a stop, pushed or drawn away by no more than round-off"
-_UNDECIDED = "no bound excludes another root"
-_ENDLESS = "impacts without end (R → 1) are taken as rest from here on: left_out of the motion bounds the difference"
-_UNBOUNDED = "what is left of the accumulation of impacts has no bound"
+        return [UnprovedSpan(float(end), float(end), str(reason)) for end, reason in zip(ends, reasons, strict=True)]
 
 
 def certificate_of(solver: EventDrivenSolver, drive: Drive, segments: Segments) -> Certificate:
@@ -153,7 +147,7 @@ def certificate_of(solver: EventDrivenSolver, drive: Drive, segments: Segments) 
     )  # fmt: skip
 
 
-def _pieces(solver: EventDrivenSolver, motion: Motion, tasks: Array, size: float) -> Array:
+def _pieces(solver: EventDrivenSolver, motion: WatchedMotion, tasks: Array, size: float) -> Array:
     """The pieces (m, COLUMNS) that cover all tasks."""
     found, first, a_task = list[Array](), 0, PIECES_A_TASK
     while first < len(tasks):

@@ -21,14 +21,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from vibeam.flight.disturbance.derivatives import FREE, Derivatives, stop_of
+from vibeam.flight.disturbance.derivatives import FREE, RegimeDerivatives, stop_of
 from vibeam.flight.kernels import layout
 from vibeam.flight.linear.regimes import damper_of
 from vibeam.flight.proof.errors import endless, responses
-from vibeam.flight.proof.watched import Motion
-from vibeam_models.arrays import Array
+from vibeam.flight.proof.watched import WatchedMotion
+from vibeam_models.arrays import Array, Index
 
 ROOM = 2.0  # times the first estimate: what T and P are assumed to be at most
 MARGIN = 1e-9  # for the rounding of all this
@@ -37,7 +36,7 @@ SLACK = 64 * float(np.finfo(float).eps)  # share of the parts of a velocity or p
 
 
 class _Start(NamedTuple):
-    """What is known after the last impacts computed, (k,) each."""
+    """State after the last impacts computed, (k,) each."""
 
     speed: Array  # u₀
     pull: Array  # a
@@ -47,14 +46,14 @@ class _Start(NamedTuple):
 
 
 class _Range(NamedTuple):
-    """What stays within bounds while an accumulation goes on, (k,) each."""
+    """Bounds that hold while an accumulation goes on, (k,) each."""
 
     least: Array  # a⁻
     most: Array  # a⁺
     jerk: Array  # J
 
 
-def tails_of(motion: Motion) -> Array:
+def tails_of(motion: WatchedMotion) -> Array:
     """(k, 3): segment that ends with an accumulation, least and most time that it still takes.
 
     Most inf: no bound; both inf: none, as R → 1 it has no end.
@@ -72,7 +71,7 @@ def tails_of(motion: Motion) -> Array:
     return found
 
 
-def _bounds(motion: Motion, side: int, which: NDArray[np.int64]) -> tuple[Array, Array]:
+def _bounds(motion: WatchedMotion, side: int, which: Index) -> tuple[Array, Array]:
     start, system = _after_impact(motion, side, which), motion.system
     law = system.contact_law
     mobility = float(system.contact @ system.contact)
@@ -88,13 +87,13 @@ def _bounds(motion: Motion, side: int, which: NDArray[np.int64]) -> tuple[Array,
         return np.where(sure, least * (1 - doubt), 0.0), np.where(sure, most * (1 + doubt), np.inf)
 
 
-def _after_impact(motion: Motion, side: int, which: NDArray[np.int64]) -> _Start:
+def _after_impact(motion: WatchedMotion, side: int, which: Index) -> _Start:
     """Taken back from the rest that follows, whose contact velocity was taken out by the least impulse."""
     system, drive, row = motion.system, motion.drive, stop_of(motion.system, side).row
     speed = system.contact_law.rebound(motion.trace[which, layout.BEFORE])
     poses = motion.poses[which + 1].copy()
     poses[:, 1] -= speed[:, None] * (row / float(row @ row))
-    found = Derivatives(system, drive, FREE, side, poses, motion.trace[which + 1, layout.AT_CLOCK])
+    found = RegimeDerivatives(system, drive, FREE, side, poses, motion.trace[which + 1, layout.AT_CLOCK])
     _, _, second, third = (each.value for each in found.gap(side))
     norm = np.sqrt(np.sum((system.omega * found.known[3].value) ** 2 + found.known[4].value ** 2, axis=1))
     driven, static = responses(system, drive)
@@ -108,7 +107,7 @@ def _after_impact(motion: Motion, side: int, which: NDArray[np.int64]) -> _Start
     return _Start(speed, -second, np.abs(third), norm, doubt)
 
 
-def _range(motion: Motion, start: _Start, time: Array, pushed: Array) -> _Range:
+def _range(motion: WatchedMotion, start: _Start, time: Array, pushed: Array) -> _Range:
     """``pushed``: P √S, the most by which impulses may move the modes."""
     system, w = motion.system, motion.drive.omega
     size, damper = float(np.linalg.norm(system.contact)), damper_of(system)

@@ -36,21 +36,21 @@ from vibeam.flight.disturbance import tangent
 from vibeam.flight.equilibrium import size_of_motion
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.thresholds import BRISK, FAR, FAR_DRIVEN
-from vibeam_models.arrays import Array
+from vibeam.flight.linear.regimes import damper_of
+from vibeam.observe.motion import Path
+from vibeam_models.arrays import Array, Flags
 
 if TYPE_CHECKING:
     from vibeam.system.impact_system import Drive, ImpactSystem
 
-from numpy.typing import NDArray
-
-from vibeam.flight.linear.regimes import damper_of
-from vibeam.observe.motion import Path
-
 PLACES = 512  # at which the force is read off over a rest
+EPSILON = float(np.finfo(float).eps)
+LOST = 0.1  # error of an impact's velocity, as a share of what is usual, from which on it says nothing
+STRUCK = (layout.IMPACT, layout.CHATTER, layout.STUCK)
 
 
-def endless(trace: Array) -> NDArray[np.bool_]:
-    """Which segments (m,) end with an endless accumulation that was taken as rest."""
+def endless(trace: Array) -> Flags:
+    """True for the segments (m,) that end with an endless accumulation, taken as rest."""
     return np.asarray((trace[:, layout.END] == layout.CHATTER) & np.isinf(trace[:, layout.REMAINDER]))
 
 
@@ -91,17 +91,12 @@ def _force(path: ExactMotion, times: Array) -> Array:
     return np.asarray(side * (pull @ system.contact) / float(system.contact @ system.contact))
 
 
-EPSILON = float(np.finfo(float).eps)
-LOST = 0.1  # error of an impact's velocity, as a share of what is usual, from which on it says nothing
-STRUCK = (layout.IMPACT, layout.CHATTER, layout.STUCK)
-
-
 class ExactMotion(Path, tangent.SegmentedMotion, Protocol):
     """A motion whose flights and rests are known; a ``Trajectory`` is one."""
 
 
 @dataclass(frozen=True)
-class Errors:
+class ImpactErrors:
     """Estimated errors (one standard deviation) of the impacts of a motion, shapes (m,)."""
 
     time: Array  #: of the impact times, s
@@ -110,24 +105,24 @@ class Errors:
     meaningful: int  #: impacts before the first whose velocity is known to no better than a tenth of what is usual
 
 
-def errors_of(path: ExactMotion, start: Array | None = None) -> Errors:
+def errors_of(path: ExactMotion, start: Array | None = None) -> ImpactErrors:
     """The estimated errors of the impacts of ``path``, from round-off alone or from a disturbed start.
 
     ``start``: covariance (2n, 2n) of the error of the first (η, η'); round-off of its values where None. ValueError for
     a system with another law or more than plain modes.
     """
     path.system.require_plain("the error estimate")
-    walk = _Walk(path, start)
+    walk = _CarriedCovariance(path, start)
     found = np.array([error for error in walk.impacts() if error is not None]).reshape(-1, 2)
     speeds = path.impact_velocities
     usual = float(np.sqrt(np.mean(speeds**2))) if len(speeds) else 0.0
     lost = np.flatnonzero(~(found[:, 1] <= LOST * usual))
     with np.errstate(divide="ignore", invalid="ignore"):
         grown = np.where(speeds > 0, found[:, 1] / (EPSILON * speeds), np.inf)
-    return Errors(found[:, 0], found[:, 1], grown, int(lost[0]) if len(lost) else len(speeds))
+    return ImpactErrors(found[:, 0], found[:, 1], grown, int(lost[0]) if len(lost) else len(speeds))
 
 
-class _Walk:
+class _CarriedCovariance:
     """The covariance carried along a trajectory, segment by segment."""
 
     def __init__(self, path: ExactMotion, start: Array | None) -> None:

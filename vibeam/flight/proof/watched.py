@@ -11,20 +11,19 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.flight.disturbance.derivatives import FREE as FLYING
-from vibeam.flight.disturbance.derivatives import HELD, PUSHED, Derivatives, Stop, Sum, stop_of
+from vibeam.flight.disturbance.derivatives import HELD, PUSHED, RegimeDerivatives, StopRow, Sum, stop_of
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.pieces import NEGATIVE, TASK_COLUMNS
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.system.impact_system import Drive, ImpactSystem
-from vibeam_models.arrays import Array, Flags
+from vibeam_models.arrays import Array, Flags, Index
 
 ROUND_OFF = 64 * float(np.finfo(float).eps)  # share of the parts of a sum below which it is none
 
 
-class Motion(NamedTuple):
+class WatchedMotion(NamedTuple):
     """The segments of a motion, what each is in, and the stop it starts at or (a flight) ends at."""
 
     system: ImpactSystem
@@ -32,30 +31,30 @@ class Motion(NamedTuple):
     trace: Array  # (m, TRACE_COLUMNS)
     poses: Array  # (m, 2, n)
     kinds: Array  # (m,) FREE, RESTING, CONTACT or INSIDE
-    sides: NDArray[np.int64]  # (m,)
+    sides: Index  # (m,)
 
     @property
     def yields(self) -> bool:
-        """Whether the stops yield."""
+        """True where the stops yield."""
         return self.system.contact_law.yields
 
     @property
     def lasting(self) -> Flags:
-        """Which segments take time."""
+        """True for the segments that take time."""
         return np.asarray(self.trace[:, layout.DURATION] > 0)
 
 
-def motion_of(system: ImpactSystem, drive: Drive, trace: Array, poses: Array) -> Motion:
+def motion_of(system: ImpactSystem, drive: Drive, trace: Array, poses: Array) -> WatchedMotion:
     """The segments of a trace with what each is in."""
     kinds, spring = trace[:, layout.WHAT].copy(), system.contact_law.spring
     if spring is not None and spring.damping > 0:
         let_go = (trace[:-1, layout.WHAT] == regime_layout.CONTACT) & (trace[:-1, layout.END] == layout.RELEASE)
         kinds[1:][let_go & (trace[1:, layout.WHAT] == layout.FREE)] = regime_layout.INSIDE
     sides = trace[:, regime_layout.AT_SIDE] if trace.shape[1] > layout.TRACE_COLUMNS else np.zeros(len(trace))
-    return Motion(system, drive, trace, poses, kinds, sides.astype(np.int64))
+    return WatchedMotion(system, drive, trace, poses, kinds, sides.astype(np.int64))
 
 
-def watch_list(motion: Motion) -> Array:
+def watch_list(motion: WatchedMotion) -> Array:
     """Tasks (k, 5) for ``kernels.cover``, in the order of the segments."""
     every = [np.zeros((0, TASK_COLUMNS))]
     for side in range(1 if motion.system.second_gap is None else 2):
@@ -69,13 +68,13 @@ def watch_list(motion: Motion) -> Array:
     return np.ascontiguousarray(tasks[np.lexsort((tasks[:, 1], tasks[:, 0]))])
 
 
-def _rows(which: NDArray[np.int64], signal: int, starts: tuple[Array, Array], closing: Flags) -> Array:
+def _rows(which: Index, signal: int, starts: tuple[Array, Array], closing: Flags) -> Array:
     rows = np.empty((len(which), TASK_COLUMNS))
     rows[:, 0], rows[:, 1], rows[:, 2], rows[:, 3], rows[:, 4] = which, signal, *starts, closing
     return rows
 
 
-def _gaps(motion: Motion, side: int) -> Array:
+def _gaps(motion: WatchedMotion, side: int) -> Array:
     """The gap to one stop over every flight."""
     which = np.flatnonzero(motion.lasting & (motion.kinds == layout.FREE))
     struck = np.isin(motion.trace[which, layout.END], (layout.IMPACT, layout.CHATTER, layout.STUCK)) & (
@@ -84,7 +83,7 @@ def _gaps(motion: Motion, side: int) -> Array:
     return _rows(which, layout.GAP_SIGNAL + side, _openings(motion, side, which), struck)
 
 
-def _forces(motion: Motion, side: int, kind: float) -> Array:
+def _forces(motion: WatchedMotion, side: int, kind: float) -> Array:
     """The force of one stop over every rest or push; it vanishes at a release."""
     which = np.flatnonzero(motion.lasting & (motion.kinds == kind) & (motion.sides == side))
     if not len(which):
@@ -97,7 +96,7 @@ def _forces(motion: Motion, side: int, kind: float) -> Array:
     return _rows(which, layout.FORCE_SIGNAL + side, starts, motion.trace[which, layout.END] == layout.RELEASE)
 
 
-def _retreats(motion: Motion, side: int) -> list[Array]:
+def _retreats(motion: WatchedMotion, side: int) -> list[Array]:
     """Penetration, and what the force would pull, while a stop with damping is penetrated and does not push."""
     which = np.flatnonzero(motion.lasting & (motion.kinds == regime_layout.INSIDE) & (motion.sides == side))
     if not len(which):
@@ -113,14 +112,14 @@ def _retreats(motion: Motion, side: int) -> list[Array]:
     ]
 
 
-def _ended_before(motion: Motion) -> Array:
-    """What ended the segment before each; of the first, none did: as after a release without force."""
+def _ended_before(motion: WatchedMotion) -> Array:
+    """End of the segment before each; the first has none: as after a release without force."""
     return np.concatenate([[float(layout.RELEASE)], motion.trace[:-1, layout.END]])
 
 
-def _derivatives(motion: Motion, regime: int, side: int, which: NDArray[np.int64]) -> Derivatives:
+def _derivatives(motion: WatchedMotion, regime: int, side: int, which: Index) -> RegimeDerivatives:
     poses, clocks = motion.poses[which], motion.trace[which, layout.AT_CLOCK]
-    return Derivatives(motion.system, motion.drive, regime, side, poses, clocks)
+    return RegimeDerivatives(motion.system, motion.drive, regime, side, poses, clocks)
 
 
 def _leading(found: list[Sum], sign: float, vanished: Flags | None = None) -> tuple[Array, Array]:
@@ -140,7 +139,7 @@ def _leading(found: list[Sum], sign: float, vanished: Flags | None = None) -> tu
     return order, rise
 
 
-def _openings(motion: Motion, side: int, which: NDArray[np.int64]) -> tuple[Array, Array]:
+def _openings(motion: WatchedMotion, side: int, which: Index) -> tuple[Array, Array]:
     """Order of the root with which the gap of a flight starts, and the derivative of that order; 0: it starts open."""
     trace, system, stop = motion.trace, motion.system, stop_of(motion.system, side)
     ended, before = _ended_before(motion)[which], np.maximum(which - 1, 0)
@@ -162,8 +161,8 @@ def _openings(motion: Motion, side: int, which: NDArray[np.int64]) -> tuple[Arra
     return order, rise
 
 
-def _on_stop(stop: Stop, poses: Array) -> Flags:
-    """Whether the contact is on the stop, as near as round-off can tell."""
+def _on_stop(stop: StopRow, poses: Array) -> Flags:
+    """True where the contact is on the stop, as near as round-off can tell."""
     if not np.isfinite(stop.gap):
         return np.zeros(len(poses), dtype=bool)
     parts = abs(stop.gap) + np.abs(poses[:, 0]) @ np.abs(stop.row)

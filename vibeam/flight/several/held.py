@@ -7,15 +7,15 @@ from functools import cached_property
 
 import numpy as np
 
-from vibeam.flight.contacts import Contacts, multipliers
 from vibeam.flight.engine.entries import regimes_move, regimes_poses_at
 from vibeam.flight.engine.threads import unpaused
+from vibeam.flight.equilibrium import Contacts, multipliers
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.layout import Regime, Watch
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.kernels.regimes.layout import RegimeEngine
 from vibeam.flight.linear.block_regime import SignalRow, free_regime, with_signals
-from vibeam.flight.linear.eigenpairs import Linear
+from vibeam.flight.linear.eigenpairs import LinearSystem
 from vibeam_models.arrays import Array
 
 COUPLES = 1e-13  # share of the damping of two held modes below which what couples them is round-off
@@ -44,7 +44,7 @@ class HeldRegime:
         self.basis, omega, self.place = _coordinates(contacts, rows, contacts.gaps[list(held)])
         damper = _cleaned(self.basis.T @ contacts.damper @ self.basis)
         static = self.basis.T @ (system.static - contacts.spring * self.place)
-        linear = Linear(omega**2, damper, np.ones(len(omega)))
+        linear = LinearSystem(omega**2, damper, np.ones(len(omega)))
         self.regime = free_regime(linear, static, self.basis.T @ system.load, top)
         self.engine = _engine(self.regime, omega, damper, static, self.basis.T @ system.load, top)
         self.signals = np.concatenate(
@@ -196,7 +196,7 @@ def _forces(contacts: Contacts, held: HeldRegime) -> list[SignalRow]:
 def _engine(regime: Regime, omega: Array, damper: Array, static: Array, load: Array, top: int) -> RegimeEngine:
     """The kernels' arrays: signals are watched, and nothing follows at their roots."""
     m, one = len(omega), np.ones(1)
-    aside = free_regime(Linear(one, np.zeros((1, 1)), one), np.zeros(1), np.zeros(1), top)
+    aside = free_regime(LinearSystem(one, np.zeros((1, 1)), one), np.zeros(1), np.zeros(1), top)
     law = np.zeros(regime_layout.LAW_ROWS)
     law[regime_layout.FAMILY], law[regime_layout.SIDES], law[regime_layout.MOBILITY] = regime_layout.LINEAR, 1.0, np.inf
     nowhere, drive = np.zeros((2, m)), np.zeros(layout.DRIVE_ROWS)

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from vibeam.flight.contacts import NOISE, Contacts, multipliers, one_sided
+from vibeam.flight.equilibrium import NOISE, Contacts, multipliers, one_sided
 from vibeam.flight.several.state import Pull
 from vibeam_models.arrays import Array
 

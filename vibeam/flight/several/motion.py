@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.flight.contacts import NOISE, Contacts
+from vibeam.flight.equilibrium import NOISE, Contacts
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.kernels.thresholds import PANEL

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from vibeam.flight.contacts import Contacts
+from vibeam.flight.equilibrium import Contacts
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.flight.several.held import HeldRegime, Unfollowed

@@ -7,9 +7,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from vibeam.flight.contacts import Contacts
 from vibeam.flight.engine.threads import pause
-from vibeam.flight.equilibrium import equilibrium, size_of_motion
+from vibeam.flight.equilibrium import Contacts, equilibrium, size_of_motion
 from vibeam.flight.event_driven import LONGEST_PERIOD, Segments, impact_limit, modal_values
 from vibeam.flight.kernels import layout
 from vibeam.flight.linear.packing import slowest_rate

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from vibeam.flight.contacts import NOISE, Contacts, multipliers, one_sided, within
+from vibeam.flight.equilibrium import NOISE, Contacts, multipliers, one_sided, within
 from vibeam.flight.kernels.regimes import layout as regime_layout
 from vibeam.system.impact_system import Drive
 from vibeam_models.arrays import Array

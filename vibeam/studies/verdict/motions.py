@@ -19,8 +19,7 @@ from vibeam.batches.batch import batch
 from vibeam.batches.points import changed
 from vibeam.flight.disturbance.tangent import tangent_fault
 from vibeam.flight.engine.threads import pause
-from vibeam.flight.exact import exact_solver
-from vibeam.flight.solver import reading_of
+from vibeam.flight.solver import exact_solver, reading_of
 from vibeam.maps.block import Values
 from vibeam.maps.points import GridPoints
 from vibeam.system.response import Ended
