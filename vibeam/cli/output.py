@@ -10,10 +10,10 @@ from vibeam.cli.streams import put, put_json, reader_gone, say
 
 if TYPE_CHECKING:
     from vibeam.report.output import StudySheet
-    from vibeam.report.table_widths import ReportTable
+    from vibeam.report.tables import ReportTable
 
 
-Tables = Callable[[Any], list["ReportTable"]]
+Tables = Callable[[Any], Sequence["ReportTable"]]
 
 
 def print_result(
@@ -47,7 +47,7 @@ def print_result(
 def print_sheet(sheet: StudySheet, as_json: bool, files: Sequence[Path] = ()) -> None:
     """Print a study: its data as JSON, or its tables and sentences, with the ``files`` written."""
     data = {**sheet.data, "files": files} if files else sheet.data
-    print_result(data, as_json, lambda _: list(sheet.tables), [*sheet.sentences, *files], sheet.head)
+    print_result(data, as_json, lambda _: sheet.tables, [*sheet.sentences, *files], sheet.head)
 
 
 def write_table(rows: Any, out: Path | None) -> None:

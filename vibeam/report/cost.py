@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 from rich.text import Text
 
 from vibeam.report.output import StudySheet, plain
-from vibeam.report.table_widths import ReportTable
-from vibeam.report.tables import blank, coefficient
+from vibeam.report.tables import ReportTable, blank, coefficient
 from vibeam.report.work_precision import work_precision
 from vibeam.runs.comparison.differences import headline, notes
 from vibeam.system.number_text import percent, signed

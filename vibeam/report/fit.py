@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from vibeam.report.output import StudySheet
-from vibeam.report.table_widths import ReportTable
-from vibeam.report.tables import blank
+from vibeam.report.tables import ReportTable, blank
 from vibeam.studies.fit.judgement import Judgement
 from vibeam.studies.fit.study import FitRow, FitStudy, FittedPoint
 from vibeam.studies.identification.modes import unit_of

@@ -15,8 +15,7 @@ from vibeam.case.plans import FigurePlan
 from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import COLOURS
 from vibeam.report.output import StudySheet
-from vibeam.report.table_widths import ReportTable
-from vibeam.report.tables import blank
+from vibeam.report.tables import ReportTable, blank
 from vibeam.runs.comparison.differences import both_peaks, headline, notes
 from vibeam.system.number_text import signed
 

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 from vibeam.figures.units import METRIC, DisplayUnits
 from vibeam.report.output import StudySheet
-from vibeam.report.table_widths import ReportTable
-from vibeam.report.tables import blank
+from vibeam.report.tables import ReportTable, blank
 from vibeam.system.number_text import percent
 
 if TYPE_CHECKING:

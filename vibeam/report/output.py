@@ -20,7 +20,7 @@ from vibeam.figures.files import paths_of
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from vibeam.report.table_widths import ReportTable
+    from vibeam.report.tables import ReportTable
 
 
 COARSE = 160  # dots an inch

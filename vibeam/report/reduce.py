@@ -10,8 +10,7 @@ from rich.text import Text
 
 from vibeam.figures.units import units_of
 from vibeam.report.output import StudySheet, plain
-from vibeam.report.table_widths import ReportTable
-from vibeam.report.tables import blank, coefficient
+from vibeam.report.tables import ReportTable, blank, coefficient
 from vibeam.studies.reduce.losses import Losses
 from vibeam.studies.reduce.study import ReductionStudy
 from vibeam.system.number_text import percent

@@ -20,8 +20,7 @@ from vibeam.periodic.contours import BoundaryCurve
 from vibeam.periodic.orbit_map import OrbitMap
 from vibeam.report.output import StudySheet
 from vibeam.report.planes import BOUNDARIES, OWN, boundary_keys, frame, panels, shade, swatch
-from vibeam.report.table_widths import ReportTable
-from vibeam.report.tables import blank
+from vibeam.report.tables import ReportTable, blank
 from vibeam.studies.stability.axes import Axis
 from vibeam.studies.stability.rows import Crossing
 from vibeam.studies.stability.study import ModelMap, Stability

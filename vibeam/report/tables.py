@@ -1,4 +1,7 @@
-"""Results as terminal tables."""
+"""Tables as wide as the terminal: text wraps, further columns go into a further table, and no number is cut.
+
+Those of few parameters are made here: derived ones, modes, identified ones, keys.
+"""
 
 from __future__ import annotations
 
@@ -12,22 +15,127 @@ from rich.console import Console
 from rich.text import Text
 
 from vibeam.exchange.whole_files import naming_stdout
-from vibeam.figures.units import METRIC, DisplayUnits
-from vibeam.report.table_widths import ReportTable, fitted, needed
 from vibeam.system.number_text import FREQUENCIES, percent, prefixed, signed, without_round_off
 
 if TYPE_CHECKING:
     from vibeam.casefile.documentation import KeyRow
-    from vibeam.runs.comparison.differences import HeldComparison
-    from vibeam.runs.estimate.summary import EstimateTexts
-    from vibeam.runs.summary import Summary
     from vibeam.studies.derive import DerivedParameter
     from vibeam.studies.identification.estimates import Identification
     from vibeam.studies.modes import ModeTable
 
+from rich import box
+from rich.cells import cell_len
+from rich.table import Column, Table
+
+LINES = (24, 16, 12)  # characters of text that stay on one line in a narrow column, if the terminal can hold them
+
+
+class ReportTable(Table):
+    """Table whose first ``heads`` columns identify a row; they are repeated in its continuations."""
+
+    def __init__(self, title: str, heads: int = 1) -> None:
+        super().__init__(title=title, box=box.SIMPLE_HEAD, collapse_padding=True, pad_edge=False, show_edge=False)
+        self.heads = heads
+
+    def add(self, *names: str) -> None:
+        """Add columns; a name that ends in | is a right-aligned column of numbers."""
+        for name in names:
+            self.add_column(name.rstrip("|"), justify="right" if name.endswith("|") else "left", overflow="fold")
+
+
+def fitted(table: ReportTable, width: int) -> list[ReportTable]:
+    """Split the table into pieces of ``width`` characters, the first columns repeated in each.
+
+    A piece of one column may be wider: its numbers are not cut.
+    """
+    least = _narrowest(table, width)
+    pieces = _pieces(_filled_columns(table), least, table.heads, width)
+    return [_part(table, chosen, least, width) for chosen in pieces]
+
+
+def _filled_columns(table: ReportTable) -> list[int]:
+    """Columns after the first ones that are not empty in every row."""
+    behind = range(table.heads, len(table.columns))
+    return [index for index in behind if not table.rows or any(map(str, table.columns[index].cells))]
+
+
+def _narrowest(table: ReportTable, width: int) -> list[int]:
+    """Least width of every column: texts are broken further where one column would not fit beside the first."""
+    for line in LINES:
+        least = [_least(column, line) for column in table.columns]
+        if all(_whole([*least[: table.heads], size]) <= width for size in least[table.heads :]):
+            break
+    return least
+
+
+def needed(table: ReportTable) -> int:
+    """Width in characters at which nothing wraps."""
+    return _whole([_most(table.columns[index]) for index in [*range(table.heads), *_filled_columns(table)]])
+
+
+def _pieces(filled: Sequence[int], least: Sequence[int], heads: int, width: int) -> list[list[int]]:
+    """Columns of each piece: in order, as many as ``width`` holds."""
+    first = list(range(heads))
+    pieces = [first.copy()]
+    for index in filled:
+        if len(pieces[-1]) > heads and _whole([least[i] for i in [*pieces[-1], index]]) > width:
+            pieces.append(first.copy())
+        pieces[-1].append(index)
+    return pieces
+
+
+def _part(table: ReportTable, chosen: Sequence[int], least: Sequence[int], width: int) -> ReportTable:
+    """Table of the chosen columns, each with its given width."""
+    continued = chosen[table.heads :] and chosen[table.heads] != _filled_columns(table)[0]
+    part = ReportTable(f"{table.title}, continued" if continued else str(table.title), table.heads)
+    columns = [table.columns[index] for index in chosen]
+    for column, size in zip(columns, _widths(columns, [least[index] for index in chosen], width), strict=True):
+        part.add_column(column.header, justify=column.justify, overflow="fold", width=size)
+    cells = [list(column.cells) for column in columns]
+    for number, row in enumerate(table.rows):
+        part.add_row(*(column[number] for column in cells), end_section=row.end_section)
+    return part
+
+
+def _widths(columns: Sequence[Column], least: Sequence[int], width: int) -> list[int]:
+    """Width of each column: what it needs, the rest shared by the texts that wrap most."""
+    sizes, most = list(least), [_most(column) for column in columns]
+    left = width - _whole(sizes)
+    while left > 0 and sizes != most:
+        widest = max(range(len(sizes)), key=lambda i: most[i] - sizes[i])
+        sizes[widest] += 1
+        left -= 1
+    return sizes
+
+
+def _whole(sizes: Sequence[int]) -> int:
+    """Total width of columns with two blanks between them."""
+    return sum(sizes) + 2 * (len(sizes) - 1)
+
+
+def _least(column: Column, line: int) -> int:
+    """Least width of a column: its numbers in one line, its texts in lines of ``line`` characters.
+
+    Words are broken on the narrowest terminals only.
+    """
+    header = max((cell_len(word) for word in str(column.header).split()), default=0)
+    lines = _lines(column)
+    if column.justify == "right":
+        return max(header, *map(cell_len, lines), 0)
+    words = max((cell_len(word) for text in lines for word in text.split()), default=0) if line > LINES[-1] else 0
+    return max(header, min(max(map(cell_len, lines), default=0), max(words, line)))
+
+
+def _most(column: Column) -> int:
+    """Width at which nothing of a column wraps."""
+    return max([cell_len(line) for line in [*_lines(column), *str(column.header).splitlines()]], default=0)
+
+
+def _lines(column: Column) -> list[str]:
+    return [line for cell in column.cells for line in str(cell).splitlines()]
+
+
 WIDEST = 160
-FEW_IMPACTS = 100  # so few tell nothing of what an impact costs
-MARK = "*"  # of a peak at which the motion does not repeat
 ARROWS = {"up": " ↑", "down": " ↓"}  # way of the sweep
 
 
@@ -53,93 +161,9 @@ def _print(console: Console, table: ReportTable) -> None:
     console.print()
 
 
-def responses(
-    summaries: Sequence[Summary], units: DisplayUnits = METRIC, estimates: EstimateTexts | None = None
-) -> ReportTable:
-    """Table of every fidelity's peak and period-1 range.
-
-    With ``estimates``: its error estimated against the full model as well.
-    """
-    swept = [branch for branch in ("up", "down") if any(branch in row.period_one for row in summaries)]
-    hertz, length = (f" ({unit})" if unit else "" for unit in (units.frequency, units.length))
-    table = blank("Response", "fidelity", "modes|", "R|", "R₁|", f"peak{length}|", f"at{hertz}|")
-    table.add(*(f"period 1 {ARROWS[branch].strip()}{hertz}|" for branch in swept))
-    cells = estimates.cells if estimates else {}
-    table.caption = (
-        "R: restitution of the contact; R₁: what mode 1 sees of it; ↑ ↓: way of the sweep\n"
-        "period 1: the contiguous range with impacts around the largest amplitude"
-    )
-    table.caption += f"\n{MARK}: the motion at the peak does not repeat" * any(map(_irregular, summaries))
-    if estimates and cells:
-        table.add(f"{estimates.column}|")
-        table.caption += f"\n{estimates.caption}"
-    for row in summaries:
-        peak = (plain(units.lengths(row.peak.amplitude)) + MARK * _irregular(row), _peak_frequency(row, units))
-        coefficients = map(coefficient, (row.restitution, row.first_mode_restitution))
-        ranges = (units.range(row.period_one.get(branch)) for branch in swept)
-        table.add_row(
-            row.fidelity, str(row.modes), *coefficients, *peak, *ranges, *filter(None, [cells.get(row.fidelity)])
-        )
-    return table
-
-
-def _peak_frequency(row: Summary, units: DisplayUnits) -> str:
-    return plain(units.frequencies(row.peak.frequency)) + ARROWS.get(row.peak.direction, "")
-
-
-def _irregular(row: Summary) -> bool:
-    """Test whether there is a peak at which the motion does not repeat."""
-    return row.peak.point >= 0 and not row.peak.repeats
-
-
 def plain(quantity: str) -> str:
     """Number without its unit, which the column's head has."""
     return quantity.partition(" ")[0]
-
-
-def costs(summaries: Sequence[Summary], comparisons: Sequence[HeldComparison] = ()) -> ReportTable:
-    """Table of every fidelity's distance from the finest, and its cost.
-
-    With ``comparisons``: at the peak as well, with both choices of the restitution held, and in the row of the finest
-    its distance from its own limit.
-    """
-    compared = [each for each in comparisons if each.other is not None]
-    table = blank("Accuracy and cost", "fidelity", "max off|", "rms off|")
-    if compared:
-        table.add("at peak|", f"{_other_symbol(compared)} held|")
-    table.add("CPU|", "ratio|", "impacts|", "ns each|", "failed|")
-    table.caption = "off: in amplitude, where it and the finest are periodic; ratio: to the cheapest" + (
-        "\nat peak: of its height, beside it with the other choice; [ ]: the finest off its own limit"
-    ) * bool(compared)
-    if any(0 < row.impacts < FEW_IMPACTS for row in summaries):
-        table.caption += f"\nns each: of fewer than {FEW_IMPACTS} impacts it is no cost of impacts"
-    related = len(summaries) == 1 or any(row.distance is not None for row in summaries)
-    if not related:
-        table.caption += "\nno two of the fidelities are of the same physics: none is off another"
-    for row in summaries:
-        per_impact = f"{row.nanoseconds_per_impact:.0f}" if row.impacts >= FEW_IMPACTS else "–"
-        cost = (f"{row.cpu_seconds:.3g} s", f"{row.cost_ratio:.3g}", str(row.impacts), per_impact)
-        table.add_row(row.fidelity, *_off(row, compared, "finest" if related else ""), *cost, _failed(row))
-    return table
-
-
-def _other_symbol(compared: Sequence[HeldComparison]) -> str:
-    """Symbol of the coefficient that the other choice holds."""
-    symbols = {each.other.symbol for each in compared if each.other is not None}
-    return symbols.pop() if len(symbols) == 1 else "other"
-
-
-def _off(row: Summary, compared: Sequence[HeldComparison], finest: str) -> tuple[str, ...]:
-    """Cells of a fidelity's distance from the finest, of the finest from its limit; else it is called ``finest``."""
-    for each in compared:
-        if row.fidelity == each.finest and not each.limit.why:
-            here, there = each.limit.held, each.limit.other
-            cells = (percent(abs(here.worst)), percent(here.rms), signed(here.peak), signed(there.peak))
-            return tuple(f"[{cell}]" for cell in cells)
-        for other in each.rows:
-            if other.fidelity == row.fidelity:
-                return *_distance(row, finest), signed(other.held.peak), signed(other.other.peak)
-    return *_distance(row, finest), *[""] * (2 * bool(compared))
 
 
 def identified(found: Identification) -> ReportTable:
@@ -228,13 +252,3 @@ def rows_of(title: str, rows: Sequence[object]) -> ReportTable:
 def coefficient(value: float) -> str:
     """Coefficient of restitution as text; a dash where there is none."""
     return f"{value:.4f}" if isfinite(value) else "–"
-
-
-def _distance(row: Summary, finest: str) -> tuple[str, str]:
-    if row.distance is None:
-        return finest, ""
-    return percent(abs(row.distance.worst)), percent(row.distance.rms)
-
-
-def _failed(row: Summary) -> Text:
-    return Text(str(row.failed), style="bold red") if row.failed else Text("–")

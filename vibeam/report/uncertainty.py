@@ -14,8 +14,7 @@ from vibeam.figures.page import blank_page, legend, titled
 from vibeam.figures.style import look, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, amplitude_of, frequency_label, units_of
 from vibeam.report.output import StudySheet
-from vibeam.report.table_widths import ReportTable
-from vibeam.report.tables import blank, plain
+from vibeam.report.tables import ReportTable, blank, plain
 from vibeam.studies.identification.modes import unit_of
 from vibeam.system.number_text import in_prefix, percent
 

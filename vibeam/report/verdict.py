@@ -20,7 +20,7 @@ from vibeam.figures.style import name_of
 from vibeam.figures.units import units_of
 from vibeam.report.output import StudySheet
 from vibeam.report.planes import BOUNDARIES, boundary_keys, frame, panels, shade, swatch
-from vibeam.report.table_widths import ReportTable
+from vibeam.report.tables import ReportTable
 from vibeam.studies.stability.rows import NAMES
 from vibeam.studies.verdict.judgement import DIFFERENCES, IN_CHAOS, IN_NUMBER, IN_PERIOD, SAME, FidelityRow
 from vibeam.studies.verdict.study import Verdict

@@ -22,6 +22,7 @@ from vibeam.report import tables as table
 from vibeam.report.checks import checks
 from vibeam.report.limit import sentences as limit_sentences
 from vibeam.report.output import to_json, write_csv
+from vibeam.report.run_report import costs, responses
 from vibeam.runs.result import Result
 from vibeam.runs.summary import compare
 from vibeam.studies.derive import DerivedParameter
@@ -159,8 +160,8 @@ def test_a_figure_is_the_same_each_time(tmp_path: Path) -> None:
 
 def test_tables_show_what_they_are_given(capsys: pytest.CaptureFixture[str]) -> None:
     summaries = compare(result("one", "two"))
-    table.print_table(table.responses(summaries))
-    table.print_table(table.costs(summaries))
+    table.print_table(responses(summaries))
+    table.print_table(costs(summaries))
     row = CheckRow("exact", "one", "amplitude", 3, 4, 0.0123, 15.2, 0.01, False, ("one is off",))
     table.print_table(checks([row]))
     table.print_table(table.keys(reference_table()))
@@ -221,12 +222,12 @@ def test_what_is_off_altogether_is_capped_and_no_percentage_is_a_power_of_ten() 
 def test_seven_impacts_tell_no_cost_of_an_impact_and_a_family_has_no_finest() -> None:
     shared = compare(result("one", "two", modes=2))
     few = [replace(each, impacts=count, cpu_seconds=0.0157) for each, count in zip(shared, (7, 20000), strict=True)]
-    shown = table.costs(few)
+    shown = costs(few)
     assert cells(shown, "ns each") == ["–", "785"]
     assert "ns each" in str(shown.caption)
-    assert "ns each" not in str(table.costs(shared).caption)
+    assert "ns each" not in str(costs(shared).caption)
     assert "finest" in cells(shown, "max off")
-    family = table.costs([replace(each, distance=None) for each in shared])
+    family = costs([replace(each, distance=None) for each in shared])
     assert cells(family, "max off") == ["", ""]
     assert "same physics" in str(family.caption)
 

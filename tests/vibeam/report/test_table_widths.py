@@ -12,7 +12,8 @@ from stand_in import case, curve
 from vibeam.casefile.documentation import reference_table
 from vibeam.report import tables as table
 from vibeam.report.checks import checks
-from vibeam.report.table_widths import ReportTable, fitted
+from vibeam.report.run_report import costs, responses
+from vibeam.report.tables import ReportTable, fitted
 from vibeam.runs.result import Result
 from vibeam.runs.summary import Summary, compare
 from vibeam.studies.derive import DerivedParameter
@@ -32,8 +33,8 @@ def summary(name: str, modes: int) -> Summary:
 SUMMARIES = [summary("sdof", 1), summary("two_modes", 2), summary("beam", 8)]
 MISSED = CheckRow("exact", "two_modes", "amplitude", 3, 4, 0.0123, 15.2, 0.01, False, ("one is off by much",))
 TABLES = {
-    "responses": lambda: table.responses(SUMMARIES),
-    "costs": lambda: table.costs(SUMMARIES),
+    "responses": lambda: responses(SUMMARIES),
+    "costs": lambda: costs(SUMMARIES),
     "checks": lambda: checks([MISSED]),
     "keys": lambda: table.keys(reference_table()),
     "derivation": lambda: table.derivation(
@@ -109,4 +110,4 @@ def test_a_terminal_narrower_than_a_number_gets_the_number() -> None:
 def test_the_direction_of_the_peak_is_told_by_an_arrow() -> None:
     one = Branches(curve([14, 15], [1e-3, 2e-3]), curve([15, 14], [1e-3, 3e-3]))
     rows = compare(Result(case(), {"one": one}, None, 0, {}))
-    assert list(table.responses(rows).columns[5].cells) == ["14 ↓"]
+    assert list(responses(rows).columns[5].cells) == ["14 ↓"]

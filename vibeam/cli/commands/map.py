@@ -62,7 +62,7 @@ def map(
 
     def tables(_: Any) -> list[Any]:
         from vibeam.figures.units import units_of
-        from vibeam.report.maps import tables as made
+        from vibeam.report.maps import page as made
 
         units = units_of(loaded, length=max((each.amplitude for each in motions), default=0.0))
         return [made.shares(rows), *([made.motions(motions, units)] if motions else [])]

@@ -38,7 +38,7 @@ def record(
     from vibeam.casefile.read import without_accuracy
     from vibeam.exchange.faults import suggest
     from vibeam.exchange.whole_files import write_whole
-    from vibeam.report.record import record as recorded
+    from vibeam.report.checks import record as recorded
 
     if fidelity is not None and fidelity not in loaded.fidelities:
         raise UsageError(f"--fidelity {fidelity}: no such fidelity; {suggest(fidelity, loaded.fidelities)}")

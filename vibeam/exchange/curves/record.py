@@ -136,7 +136,7 @@ class ReferenceForm:
 
     @property
     def own(self) -> bool:
-        """Whether a file may be of vibeam's own form: no columns, units or signs are said."""
+        """True where a file may be of vibeam's own form: no columns, units or signs are said."""
         return not (self.columns or self.units or self.separator or self.decimal or self.scale_unit)
 
 

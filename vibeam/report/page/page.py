@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from vibeam.report.table_widths import ReportTable
+    from vibeam.report.tables import ReportTable
     from vibeam.runs.result import Result
     from vibeam.runs.stored_result import StoredResult
 
@@ -109,7 +109,7 @@ def page(stored: StoredResult) -> str:
         result=result,
         case=result.case,
         missing=stored.missing,
-        headlines=said.headlines,
+        headlines=said.head,
         sentences=said.sentences,
         scene=drawing(result.case.scene),
         overview=result.overview,
