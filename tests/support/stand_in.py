@@ -62,10 +62,10 @@ class Solver:
         self._lock = Lock()
 
     def __call__(
-        self, system: ImpactSystem, omega: Any, amplitude: float, *, state: State | None = None, **options: Any
+        self, system: ImpactSystem, points: Any, settings: Any, state: State | None = None, **options: Any
     ) -> Iterator[tuple[FrequencyResponse, list[State]]]:
         state = state or State(np.full(system.size, 0.3), np.full(system.size, 0.1))
-        for each in omega:
+        for each in points.omega:
             time.sleep(self.pause)
             self._call(system.size, float(each))
             state = self._next(state, float(each))

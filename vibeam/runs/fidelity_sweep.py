@@ -14,10 +14,11 @@ import numpy as np
 from vibeam.flight.engine.threads import Stopped
 from vibeam.runs.store.branches import BranchPlan, StoredBranch
 from vibeam.runs.store.records import curves_of
-from vibeam.runs.sweep import march_blocks
+from vibeam.runs.sweep import SweepPoints, SweepSettings, march_blocks
 from vibeam.solvers import solver
 from vibeam.system.response import Branches, FrequencyResponse
 from vibeam.system.state import StatesAfter
+from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
@@ -164,28 +165,31 @@ def _march(
     case: Case, job: Job, kept: StoredBranch, state: State | None, struck: int
 ) -> Iterator[tuple[FrequencyResponse, list[State]]]:
     """Sweep the missing points; ``struck``: number of impacts in the branches before this one."""
-    from vibeam.case.fidelity import gap_drift, gap_wear
-
-    scene = case.scene_of(job.name)
-    plan, omega = case.sweep, kept.response.omega[kept.done :]
+    omega = kept.response.omega[kept.done :]
     if not len(omega):
         return iter(())
+    points = sweep_points(case, job.name, omega, float(kept.response.omega.min()))
+    settings = sweep_settings(case, job.name).checked(job.system)
     return march_blocks(
-        job.system,
-        omega,
-        case.amplitude_of(job.name, omega),
-        settle=plan.settle,
-        hold=plan.hold,
-        solver=job.fidelity.solver,
-        options=job.fidelity.options,
-        output=plan.output,
-        state=state,
-        slowest=float(kept.response.omega.min()),
-        drift=gap_drift(scene, omega),
-        wear=gap_wear(scene),
-        harmonics=scene.harmonics,
-        struck=struck + int(kept.response.impacts[: kept.done].sum()),
+        job.system, points, settings, state, struck=struck + int(kept.response.impacts[: kept.done].sum())
     )
+
+
+def sweep_settings(case: Case, name: str) -> SweepSettings:
+    """Settings of a case's sweep of the fidelity ``name``."""
+    from vibeam.case.fidelity import gap_wear
+
+    plan, scene, own = case.sweep, case.scene_of(name), case.fidelities[name]
+    return SweepSettings(
+        plan.settle, plan.hold, own.solver, plan.output, own.options, gap_wear(scene), scene.harmonics
+    )  # fmt: skip
+
+
+def sweep_points(case: Case, name: str, omega: Array, slowest: float) -> SweepPoints:
+    """Points of a case's sweep of the fidelity ``name``."""
+    from vibeam.case.fidelity import gap_drift
+
+    return SweepPoints.of(omega, case.amplitude_of(name, omega), slowest, gap_drift(case.scene_of(name), omega))
 
 
 def _curves_key(case: Case, name: str) -> str:

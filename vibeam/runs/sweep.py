@@ -9,11 +9,11 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from vibeam.solvers import SOLVERS, require_readable
 from vibeam.solvers import solver as solver_named
-from vibeam.solvers.steady import warm_up_once
+from vibeam.solvers.steady import SteadySolver, warm_up_once
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Branches, FrequencyResponse, join
 from vibeam.system.state import State
@@ -30,105 +30,73 @@ BLOCK, MOST = 0.05, 16  # seconds and largest number of points of a block: what 
 HELD = 10**8  # largest number of modal states, one a drive period, held for a point: 1.6 GB
 
 
-def march(
-    system: ImpactSystem,
-    omega: ArrayLike,
-    amplitude: ArrayLike,
-    *,
-    settle: int = 200,
-    hold: int = 50,
-    solver: str = "flight",
-    output: str = "contact",
-    state: State | None = None,
-    block: int = 1,
-    slowest: float | None = None,
-    options: Mapping[str, Any] | None = None,
-    drift: ArrayLike | None = None,
-    wear: float | None = None,
-    struck: int = 0,
-    harmonics: Shares = (),
-) -> Iterator[tuple[FrequencyResponse, State]]:
-    """Steady points in the order of ``omega`` (rad/s), ``block`` at a time, each with the state after it.
+@dataclass(frozen=True)
+class SweepSettings:
+    """Settings of every point of a sweep: ``settle`` and ``hold`` in drive periods, the solver and its ``options``.
 
-    The state is carried from point to point (displacement and velocity relative to the base; the drive's phase starts
-    at 0 at every point); ``state`` None: static equilibrium. ``amplitude``: of the base, m, one number or one for each
-    frequency. ``slowest``: the lowest frequency of the whole sweep, where ``omega`` is only its rest: numbers are then
-    the same to the bit.
-    ``options``: the solver's own. ``drift`` (points,): growth of the gap at each point, m. ``wear``: growth of the
-    gap by each impact, for the points after it, m, settling included; ``struck`` impacts came before the first.
-    A point that fails is NaN with its reason, and the next one starts from equilibrium.
-    ``harmonics``: further ones of the drive, each (order, share of the first's Ω²B, phase in rad).
-    ``settle`` is at most 10⁹, ``hold`` at most 10⁸ over the number of modes. ValueError for a grid, periods, solver or
-    type of argument that makes no sense, or an output that the solver does not read; KeyError for an unknown output.
+    ``output`` is what is read; ``wear``: growth of the gap by each impact, for the points after it, m, settling
+    included; ``harmonics``: further ones of the drive, each (order, share of the first's Ω²B, phase in rad).
     """
-    for response, states in march_blocks(
-        system, omega, amplitude, settle=settle, hold=hold, solver=solver, output=output, state=state, block=block,
-        slowest=slowest, options=options, drift=drift, wear=wear, struck=struck, harmonics=harmonics,
-    ):  # fmt: skip
-        yield response, states[-1]
+
+    settle: int = 200
+    hold: int = 50
+    solver: str = "flight"
+    output: str = "contact"
+    options: Mapping[str, Any] | None = None
+    wear: float | None = None
+    harmonics: Shares = ()
+
+    def checked(self, system: ImpactSystem) -> SweepSettings:
+        """Settings that make sense for a system; ValueError with every fault, KeyError for an unknown output.
+
+        ``settle`` is at most 10⁹, ``hold`` at most 10⁸ over the number of modes.
+        """
+        require("system", system, ImpactSystem)
+        faults: list[str] = []
+        settle = count("settle", self.settle, faults, most=LONGEST)
+        hold = count("hold", self.hold, faults, least=1, most=HELD // system.size)
+        worn = None if self.wear is None else number("wear", self.wear, faults, least=0.0)
+        refuse("", faults)
+        require_readable(self.solver, system, self.output)
+        if worn is not None and self.solver in SOLVERS and SOLVERS[self.solver].stationary:
+            said = f"solver {self.solver!r} counts no impacts on the way to a steady motion: 'flight' does"
+            raise ValueError(f"wear: {said}")
+        harmonics, options = tuple(self.harmonics), self.options or {}
+        return replace(self, settle=settle, hold=hold, wear=worn, options=options, harmonics=harmonics)
 
 
-def march_blocks(
-    system: ImpactSystem, omega: ArrayLike, amplitude: ArrayLike, *, settle: int, hold: int, solver: str, output: str,
-    state: State | None, block: int | None = None, slowest: float | None = None,
-    options: Mapping[str, Any] | None = None, drift: ArrayLike | None = None, wear: float | None = None,
-    struck: int = 0, harmonics: Shares = (),
-) -> Iterator[tuple[FrequencyResponse, list[State]]]:  # fmt: skip
-    """As ``march``, with the states after the last points of each block, as many as are known.
+@dataclass(frozen=True, eq=False)
+class SweepPoints:
+    """Points in the order swept: ``omega`` (points,) rad/s, ``amplitude`` of the base, m, one or (points,).
 
-    ``block`` None: as many points as take about ``BLOCK`` seconds, with the states after all of them.
+    ``drift`` (points,): growth of the gap, m. ``slowest``: the lowest frequency of the whole sweep, where these are
+    only its rest: numbers are then the same to the bit.
     """
-    require("system", system, ImpactSystem)
-    require("state", state, State, none_too=True)
-    grid = np.atleast_1d(floats("omega", omega))
-    if grid.ndim != 1 or not len(grid) or not ((least := float(grid.min())) > 0 and grid.max() < np.inf):
-        raise ValueError("omega: must be one or more positive frequencies in rad/s")
-    settle, hold, size, struck = _counts(system, settle, hold, 1 if block is None else block, struck)
-    drives = _amplitudes(amplitude, grid)
-    require_readable(solver, system, output)
-    rate = least if slowest is None else slowest
-    warm_up_once(solver, system, float(grid[0]), float(drives.flat[0]), output, options or {})
-    further = tuple(harmonics)
-    if drift is not None or wear is not None or further:
-        drives, changes = np.broadcast_to(drives, grid.shape), _gap_changes(grid, drift, wear, struck, solver)
-        for response, after in _drifting(
-            system, grid, drives, settle, hold, solver, output, state, rate, options or {}, changes, further
-        ):
-            yield response, [after]
-        return
-    runner, blocks = solver_named(solver, system, rate, **(options or {})), SOLVERS[solver].blocks
-    size = 1 if drives.ndim and not blocks else size
-    first = 0
-    while first < len(grid):
-        points, states, begun = slice(first, first + size), list[State](), monotonic()
-        drive = drives[points] if drives.ndim and blocks else float(drives if drives.ndim == 0 else drives[first])
-        response, state = runner.steady(
-            grid[points], drive, state, settle, hold, output, **({"states": states} if blocks else {})
+
+    omega: Array
+    amplitude: Array
+    slowest: float
+    drift: Array | None = None
+
+    @classmethod
+    def of(
+        cls, omega: ArrayLike, amplitude: ArrayLike, slowest: float | None = None, drift: ArrayLike | None = None
+    ) -> SweepPoints:
+        """Points by numbers of any kind; ValueError for those that make no sense."""
+        grid = np.atleast_1d(floats("omega", omega))
+        if grid.ndim != 1 or not len(grid) or not ((least := float(grid.min())) > 0 and grid.max() < np.inf):
+            raise ValueError("omega: must be one or more positive frequencies in rad/s")
+        added = None if drift is None else floats("drift", drift)
+        if added is not None and (added.shape != grid.shape or not np.all(np.isfinite(added))):
+            raise ValueError(f"drift: must be {len(grid)} finite numbers, one a frequency")
+        return cls(grid, _amplitudes(amplitude, grid), least if slowest is None else slowest, added)
+
+    def at(self, leg: NDArray[np.int64]) -> SweepPoints:
+        """Some of the points, in another order."""
+        amplitude = self.amplitude if self.amplitude.ndim == 0 else self.amplitude[leg]
+        return replace(
+            self, omega=self.omega[leg], amplitude=amplitude, drift=None if self.drift is None else self.drift[leg]
         )
-        yield response, states or [state]
-        first += size
-        size = _next_size(size, monotonic() - begun) if block is None and blocks else size
-
-
-def _next_size(size: int, seconds: float) -> int:
-    """Number of points of the next block, after one of ``size`` points that took ``seconds``."""
-    if seconds > BLOCK:
-        return max(1, size // 2)
-    return min(MOST, 2 * size) if seconds < BLOCK / 2 else size
-
-
-def _counts(system: ImpactSystem, *given: Any) -> tuple[int, int, int, int]:
-    """Return settle, hold, block and struck as ints; ValueError with every fault."""
-    faults: list[str] = []
-    settle, hold, block, struck = given
-    found = (
-        count("settle", settle, faults, most=LONGEST),
-        count("hold", hold, faults, least=1, most=HELD // system.size),
-        count("block", block, faults, least=1),
-        count("struck", struck, faults),
-    )
-    refuse("", faults)
-    return found
 
 
 def _amplitudes(amplitude: ArrayLike, grid: Array) -> Array:
@@ -143,49 +111,102 @@ def _amplitudes(amplitude: ArrayLike, grid: Array) -> Array:
     return drives
 
 
-@dataclass(frozen=True)
-class _GapChanges:
-    """Changes of the gap along the sweep: drift at each point, wear an impact, impacts so far."""
-
-    drift: Array
-    wear: float
-    struck: int
+Block = tuple[FrequencyResponse, list[State]]
 
 
-def _gap_changes(grid: Array, drift: ArrayLike | None, wear: float | None, struck: int, solver: str) -> _GapChanges:
-    added = np.zeros(grid.shape) if drift is None else floats("drift", drift)
-    if added.shape != grid.shape or not np.all(np.isfinite(added)):
-        raise ValueError(f"drift: must be {len(grid)} finite numbers, one a frequency")
-    faults: list[str] = []
-    worn = 0.0 if wear is None else number("wear", wear, faults, least=0.0)
-    refuse("", faults)
-    if wear is not None and solver in SOLVERS and SOLVERS[solver].stationary:
-        raise ValueError(f"wear: solver {solver!r} counts no impacts on the way to a steady motion: 'flight' does")
-    return _GapChanges(added, worn, struck)
-
-
-def _drifting(
-    system: ImpactSystem, grid: Array, drives: Array, settle: int, hold: int, solver: str, output: str,
-    state: State | None, rate: float, options: Mapping[str, Any], changes: _GapChanges, harmonics: Shares,
+def march(
+    system: ImpactSystem, omega: ArrayLike, amplitude: ArrayLike, *, state: State | None = None, block: int = 1,
+    slowest: float | None = None, drift: ArrayLike | None = None, **settings: Any,
 ) -> Iterator[tuple[FrequencyResponse, State]]:  # fmt: skip
-    """Sweep point by point, each with its own gap and harmonics; a state beyond the stop is put back onto it."""
-    struck = changes.struck
-    for omega, drive, more in zip(grid, drives, changes.drift, strict=True):
-        moved = replace(system, gap=system.gap + float(more) + changes.wear * struck)
-        start = None if state is None else _onto_stop(moved, state)
-        if harmonics:
-            from vibeam.solvers.harmonic_point import several_of, steady_point
+    """Steady points in the order of ``omega`` (rad/s), ``block`` at a time, each with the state after it.
 
-            several = several_of(moved, Drive(float(omega), float(drive)), harmonics, solver)
-            response, state = steady_point(
-                several, start, settle, hold, solver_name=solver, output=output, slowest=rate, options=options
-            )
-        else:
-            response, state = solver_named(solver, moved, rate, **options).steady(
-                np.array([omega]), float(drive), start, settle, hold, output
-            )
+    The state is carried from point to point (displacement and velocity relative to the base; the drive's phase starts
+    at 0 at every point); ``state`` None: static equilibrium. ``amplitude``, ``slowest``, ``drift`` as in
+    ``SweepPoints``, ``settings`` those of ``SweepSettings``. A point that fails is NaN with its reason, and the next
+    one starts from equilibrium. ValueError for a grid, periods, solver or type of argument that makes no sense, or an
+    output that the solver does not read; KeyError for an unknown output.
+    """
+    made, points = SweepSettings(**settings).checked(system), SweepPoints.of(omega, amplitude, slowest, drift)
+    require("state", state, State, none_too=True)
+    faults: list[str] = []
+    size = count("block", block, faults, least=1)
+    refuse("", faults)
+    for response, states in march_blocks(system, points, made, state, block=size):
+        yield response, states[-1]
+
+
+def march_blocks(
+    system: ImpactSystem, points: SweepPoints, settings: SweepSettings, state: State | None = None, struck: int = 0,
+    block: int | None = None,
+) -> Iterator[Block]:  # fmt: skip
+    """Blocks of steady points, with the states after the last points of each, as many as are known; all is checked.
+
+    ``struck``: impacts before the first point, by which the gap is worn. ``block`` None: as many points as take about
+    ``BLOCK`` seconds, with the states after all of them.
+    """
+    first = float(points.omega[0]), float(points.amplitude.flat[0])
+    warm_up_once(settings.solver, system, *first, settings.output, settings.options or {})
+    if points.drift is not None or settings.wear is not None or settings.harmonics:
+        yield from _one_by_one(system, points, settings, state, struck)
+    else:
+        yield from _side_by_side(system, points, settings, state, block)
+
+
+def _side_by_side(
+    system: ImpactSystem, points: SweepPoints, settings: SweepSettings, state: State | None, block: int | None
+) -> Iterator[Block]:
+    """Blocks of points of one system."""
+    runner = solver_named(settings.solver, system, points.slowest, **(settings.options or {}))
+    blocks, drives = SOLVERS[settings.solver].blocks, points.amplitude
+    size = 1 if block is None or (drives.ndim and not blocks) else block
+    first = 0
+    while first < len(points.omega):
+        here, states, begun = slice(first, first + size), list[State](), monotonic()
+        drive = drives[here] if drives.ndim and blocks else float(drives if drives.ndim == 0 else drives[first])
+        response, state = runner.steady(
+            points.omega[here], drive, state, settings.settle, settings.hold, settings.output,
+            **({"states": states} if blocks else {}),
+        )  # fmt: skip
+        yield response, states or [state]
+        first += size
+        size = _next_size(size, monotonic() - begun) if block is None and blocks else size
+
+
+def _next_size(size: int, seconds: float) -> int:
+    """Number of points of the next block, after one of ``size`` points that took ``seconds``."""
+    if seconds > BLOCK:
+        return max(1, size // 2)
+    return min(MOST, 2 * size) if seconds < BLOCK / 2 else size
+
+
+def _one_by_one(
+    system: ImpactSystem, points: SweepPoints, settings: SweepSettings, state: State | None, struck: int
+) -> Iterator[Block]:
+    """Points each with its own gap and harmonics; a state beyond the stop is put back onto it."""
+    drift = np.zeros(len(points.omega)) if points.drift is None else points.drift
+    drives = np.broadcast_to(points.amplitude, points.omega.shape)
+    for omega, drive, more in zip(points.omega, drives, drift, strict=True):
+        moved = replace(system, gap=system.gap + float(more) + (settings.wear or 0.0) * struck)
+        start = None if state is None else _onto_stop(moved, state)
+        response, state = _point(moved, Drive(float(omega), float(drive)), settings, start, points.slowest)
         struck += int(response.impacts[0])
-        yield response, state
+        yield response, [state]
+
+
+def _point(
+    system: ImpactSystem, drive: Drive, settings: SweepSettings, state: State | None, slowest: float
+) -> tuple[FrequencyResponse, State]:
+    """One point, under one harmonic or several."""
+    name, options, periods = settings.solver, settings.options or {}, (settings.settle, settings.hold)
+    if not settings.harmonics:
+        runner: SteadySolver = solver_named(name, system, slowest, **options)
+        return runner.steady(np.array([drive.omega]), drive.amplitude, state, *periods, settings.output)
+    from vibeam.solvers.harmonic_point import several_of, steady_point
+
+    several = several_of(system, drive, settings.harmonics, name)
+    return steady_point(
+        several, state, *periods, solver_name=name, output=settings.output, slowest=slowest, options=options
+    )
 
 
 def _onto_stop(system: ImpactSystem, state: State) -> State:
@@ -217,26 +238,22 @@ def sweep(
 ) -> FrequencyResponse | Branches:
     """Sweep over ``omega`` (rad/s): the frequency-response curve in the order swept, or Branches(up, down) for "both".
 
-    Arguments and errors as in ``march``; amplitudes that are one for each frequency are in the order of ``omega``.
+    Settings and errors as in ``march``; amplitudes that are one for each frequency are in the order of ``omega``.
     ``drift``: growth of the gap (m) as a function of frequency in rad/s; ``wear`` persists in the downward sweep.
     "both" goes up, then down again from where the way up ended.
     """
     if direction not in ("up", "down", "both"):
         raise ValueError(f"direction: {direction!r} is none of 'up', 'down', 'both'")
-    given, further = np.atleast_1d(floats("omega", omega)), tuple(harmonics)
-    drives = _amplitudes(amplitude, given)
-    order = np.argsort(given, kind="stable") if given.ndim == 1 else np.arange(len(given))
-    legs = {"up": [order], "down": [order[::-1]], "both": [order, order[::-1]]}[direction]
+    settings = SweepSettings(settle, hold, solver, output, options, wear, harmonics).checked(system)
+    points = SweepPoints.of(omega, amplitude)
+    require("state", state, State, none_too=True)
+    order = np.argsort(points.omega, kind="stable")
     found: list[FrequencyResponse] = []
-    for leg in legs:
-        blocks = list(
-            march(
-                system, given[leg], drives if drives.ndim == 0 else drives[leg], settle=settle, hold=hold,
-                solver=solver, output=output, state=state, block=len(leg), options=options,
-                drift=None if drift is None else drift(given[leg]), wear=wear,
-                struck=sum(int(response.impacts.sum()) for response in found), harmonics=further,
-            )
-        )  # fmt: skip
+    for leg in {"up": [order], "down": [order[::-1]], "both": [order, order[::-1]]}[direction]:
+        part = points.at(leg)
+        part = part if drift is None else SweepPoints.of(part.omega, part.amplitude, drift=drift(part.omega))
+        struck = sum(int(response.impacts.sum()) for response in found)
+        blocks = list(march_blocks(system, part, settings, state, struck, block=len(leg)))
         found.append(join([response for response, _ in blocks]))
-        state = blocks[-1][1]
+        state = blocks[-1][1][-1]
     return found[0] if len(found) == 1 else Branches(found[0], found[1])

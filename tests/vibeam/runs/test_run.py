@@ -19,6 +19,7 @@ from vibeam.runs import fidelity_sweep
 from vibeam.runs.parallel import run_parallel
 from vibeam.runs.result import Result
 from vibeam.runs.run import Interrupted, run
+from vibeam.runs.sweep import SweepPoints, SweepSettings
 from vibeam.store.errors import StoreError
 
 POINTS = 2 * 2 * 8  # fidelities, directions, frequencies
@@ -50,7 +51,7 @@ def test_sweeps_up_then_down_with_the_state_carried(solver: Solver) -> None:
     assert np.array_equal(down.frequency, up.frequency[::-1])
     omega = [each for modes, each in solver.calls if modes == 1]
     assert np.array_equal(omega, 2 * np.pi * np.concatenate((up.frequency, down.frequency)))
-    straight = [block.amplitude[0] for block, _ in Solver()(system(1), omega, 1e-3)]
+    straight = [block.amplitude[0] for block, _ in Solver()(system(1), SweepPoints.of(omega, 1e-3), SweepSettings())]
     assert np.array_equal(np.concatenate((up.amplitude, down.amplitude)), straight)
 
 

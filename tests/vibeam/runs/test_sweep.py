@@ -9,7 +9,7 @@ import pytest
 from apart import run_apart
 
 import vibeam
-from vibeam.runs.sweep import march, march_blocks
+from vibeam.runs.sweep import SweepPoints, SweepSettings, march, march_blocks
 from vibeam.system.response import join
 
 NOMINAL = vibeam.ImpactSystem.from_modes(1.0, 0.015, 1.0, 1.0, gap=0.0, restitution=0.9)
@@ -323,9 +323,8 @@ def test_an_unknown_output_and_a_block_of_none_are_refused() -> None:
 
 def test_blocks_by_time_are_the_points_one_by_one() -> None:
     grid, amplitude = np.linspace(1.7, 2.3, 23), np.linspace(0.01, 0.03, 23)
-    options = {"settle": 20, "hold": 4, "solver": "flight", "output": "contact", "state": None}
     one_by_one = list(march(BEAM, grid, amplitude, settle=20, hold=4))
-    blocks = list(march_blocks(BEAM, grid, amplitude, **options))
+    blocks = list(march_blocks(BEAM, SweepPoints.of(grid, amplitude), SweepSettings(20, 4)))
     assert len(blocks) < len(grid)
     states = [state for _, states in blocks for state in states]
     for index, (response, state) in enumerate(one_by_one):
@@ -336,6 +335,5 @@ def test_blocks_by_time_are_the_points_one_by_one() -> None:
 
 
 def test_a_solver_without_blocks_gets_one_point_at_a_time() -> None:
-    options = {"settle": 2, "hold": 1, "solver": "moreau", "output": "contact", "state": None}
-    blocks = list(march_blocks(BEAM, [1.8, 1.9], 0.02, **options))
+    blocks = list(march_blocks(BEAM, SweepPoints.of([1.8, 1.9], 0.02), SweepSettings(2, 1, "moreau")))
     assert [(len(response), len(states)) for response, states in blocks] == [(1, 1), (1, 1)]
