@@ -24,6 +24,7 @@ class Shape(ABC):
     """
 
     name: ClassVar[str]
+    along: ClassVar[str] = ""  # its dimension in the direction of motion
 
     @abstractmethod
     def area_times(self, factor: Value) -> Value:
@@ -36,7 +37,7 @@ class Shape(ABC):
     @property
     def height(self) -> Value:
         """Extent in the direction of motion, m; None where it is not known."""
-        return None
+        return getattr(self, self.along) if self.along else None
 
     def sheared_area(self, poissons_ratio: float) -> Value:
         """κA in m², by Cowper, J. Appl. Mech. 33 (1966) 335–340; None where it is not known."""
@@ -61,6 +62,7 @@ class Rectangle(Shape):
     thickness: float = quantity("m", "thickness of the section, in the direction of motion", "1.034 mm", above=0)
 
     name: ClassVar[str] = "rectangle"
+    along: ClassVar[str] = "thickness"
 
     def area_times(self, factor: Value) -> Value:
         """b t."""
@@ -69,11 +71,6 @@ class Rectangle(Shape):
     def second_moment_times(self, factor: Value) -> Value:
         """b t³/12."""
         return factor * self.width * self.thickness**3 / 12
-
-    @property
-    def height(self) -> Value:
-        """As ``Shape.height``."""
-        return self.thickness
 
     def sheared_area(self, poissons_ratio: float) -> Value:
         """κ = 10(1 + ν)/(12 + 11ν)."""
@@ -87,6 +84,7 @@ class Round(Shape):
     diameter: float = quantity("m", "of a round section", "10 mm", above=0, written=False)
 
     name: ClassVar[str] = "round"
+    along: ClassVar[str] = "diameter"
 
     def area_times(self, factor: Value) -> Value:
         """π d²/4."""
@@ -95,11 +93,6 @@ class Round(Shape):
     def second_moment_times(self, factor: Value) -> Value:
         """π d⁴/64."""
         return factor * pi / 64 * self.diameter**4
-
-    @property
-    def height(self) -> Value:
-        """As ``Shape.height``."""
-        return self.diameter
 
     def sheared_area(self, poissons_ratio: float) -> Value:
         """κ = 6(1 + ν)/(7 + 6ν)."""
@@ -114,6 +107,7 @@ class Tube(Shape):
     wall: float = quantity("m", "of the wall of a tube or a hollow rectangle", "1.2 mm", above=0, written=False)
 
     name: ClassVar[str] = "tube"
+    along: ClassVar[str] = "outer_diameter"
 
     @classmethod
     def faults(cls, table: Any) -> Iterator[tuple[str, str]]:
@@ -133,11 +127,6 @@ class Tube(Shape):
         """π (D⁴ − d⁴)/64 = A (D² + d²)/16."""
         return self.area_times(factor) * (self.outer_diameter**2 + self.bore**2) / 16
 
-    @property
-    def height(self) -> Value:
-        """As ``Shape.height``."""
-        return self.outer_diameter
-
     def sheared_area(self, poissons_ratio: float) -> Value:
         """κ = 6(1 + ν)(1 + m²)²/((7 + 6ν)(1 + m²)² + (20 + 12ν)m²), m = d/D."""
         m = self.bore / self.outer_diameter
@@ -155,6 +144,7 @@ class HollowRectangle(Shape):
     wall: float = quantity("m", "of the wall of a tube or a hollow rectangle", "1.2 mm", above=0, written=False)
 
     name: ClassVar[str] = "hollow rectangle"
+    along: ClassVar[str] = "thickness"
 
     @classmethod
     def faults(cls, table: Any) -> Iterator[tuple[str, str]]:
@@ -170,11 +160,6 @@ class HollowRectangle(Shape):
         """(b t³ − (b − 2s)(t − 2s)³)/12."""
         inner = (self.width - 2 * self.wall) * (self.thickness - 2 * self.wall) ** 3
         return factor * (self.width * self.thickness**3 - inner) / 12
-
-    @property
-    def height(self) -> Value:
-        """As ``Shape.height``."""
-        return self.thickness
 
     def sheared_area(self, poissons_ratio: float) -> Value:
         """Cowper's thin-walled box, m = b₁t₁/(h t) with equal walls, n = b₁/h between the middles of the walls."""
@@ -193,6 +178,7 @@ class ISection(Shape):
     flange: float = quantity("m", "thickness of each flange of an I", "8 mm", above=0, written=False)
 
     name: ClassVar[str] = "I"
+    along: ClassVar[str] = "thickness"
 
     @classmethod
     def faults(cls, table: Any) -> Iterator[tuple[str, str]]:
@@ -210,11 +196,6 @@ class ISection(Shape):
         """(b t³ − (b − t_w)(t − 2t_f)³)/12."""
         inner = (self.width - self.web) * (self.thickness - 2 * self.flange) ** 3
         return factor * (self.width * self.thickness**3 - inner) / 12
-
-    @property
-    def height(self) -> Value:
-        """As ``Shape.height``."""
-        return self.thickness
 
     def sheared_area(self, poissons_ratio: float) -> Value:
         """Cowper's thin-walled I, m = 2bt_f/(h t_w), n = b/h, h between the middles of the flanges."""
@@ -254,10 +235,14 @@ SHAPES: dict[str, type[Shape]] = {
 }
 
 
-def unsuited(key: str, shape: str) -> str:
-    """Message on a dimension that a shape does not have: which shapes have it."""
-    others = " or ".join(f'shape = "{name}"' for name, each in SHAPES.items() if key in keys_of(each))
-    return f'does not go with shape = "{shape}": write {others}, or take it out'
+def foreign_dimensions(table: Any, shape: str) -> Iterator[tuple[str, str]]:
+    """Faults of the dimensions, those at a stretch's end too, that a table has and its ``shape`` does not."""
+    foreign = {key for each in SHAPES.values() for key in keys_of(each)} - keys_of(SHAPES[shape]).keys()
+    for name in sorted(foreign):
+        others = " or ".join(f'shape = "{other}"' for other, each in SHAPES.items() if name in keys_of(each))
+        for key in (name, f"end_{name}"):
+            if getattr(table, key, None) is not None:
+                yield key, f'does not go with shape = "{shape}": write {others}, or take it out'
 
 
 def _thin_walled(poissons_ratio: float, m: Value, wide: Value) -> Value:

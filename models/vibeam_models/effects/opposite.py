@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from vibeam_models.beams.beam import CANTILEVER, PAIRS
-from vibeam_models.beams.shapes import SHAPES, unsuited
+from vibeam_models.beams.shapes import SHAPES, foreign_dimensions
 from vibeam_models.beams.tables import dimension, rigid_body_faults, shape_of
-from vibeam_models.keys import keys_of, quantity, word
+from vibeam_models.keys import quantity, word
 from vibeam_models.scene import Effect, Scene
 from vibeam_models.structure import Structure, side_by_side
 
@@ -54,10 +54,7 @@ class Opposite(Effect):
         if None not in (table.position, length) and table.position > length:
             yield "position", f"{table.position:g} m is beyond its tip: it is {length:g} m long"
         yield from rigid_body_faults(table.ends or CANTILEVER, length, case, "opposite")
-        kind = SHAPES[table.shape or case.beam.shape or "rectangle"]
-        for name in sorted({each for shape in SHAPES.values() for each in keys_of(shape)} - keys_of(kind).keys()):
-            if getattr(table, name, None) is not None:
-                yield name, unsuited(name, kind.name)
+        yield from foreign_dimensions(table, table.shape or case.beam.shape or "rectangle")
         if case.beam.massless or case.torsion is not None or (case.gravity and case.gravity.direction != "transverse"):
             yield "", "does not go with a massless beam, torsion, or weight along the beam: take one of them out"
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from vibeam_models.beams.shapes import SHAPES, unsuited
+from vibeam_models.beams.shapes import SHAPES, foreign_dimensions
 from vibeam_models.beams.stretch import Material, Plate, Stretch
 from vibeam_models.beams.tables import NO_OPPOSITE, beam_of, dimension, shape_of, stretch_faults
 from vibeam_models.keys import Key, declared, keys_of, quantity, word
@@ -84,11 +84,7 @@ def _overlap(table: Any, case: Any) -> Iterator[tuple[str, str]]:
 def _dimensions(table: Any, beam: Any, name: str) -> Iterator[tuple[str, str]]:
     kind = SHAPES[name]
     own, inherits = keys_of(kind), name == (beam.shape or "rectangle")
-    named = {each for shape in SHAPES.values() for each in keys_of(shape)}
-    for each in sorted(named):
-        for key in (each, f"end_{each}"):
-            if each not in own and getattr(table, key, None) is not None:
-                yield key, unsuited(each, name)
+    yield from foreign_dimensions(table, name)
     for each, declaration in own.items():
         if getattr(table, each) is None and not inherits and each != "shear_area":
             yield each, f'missing ({declaration.meaning}): write {each} = "{declaration.example}"'

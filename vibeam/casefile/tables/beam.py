@@ -16,7 +16,7 @@ from vibeam.casefile.tables.outputs import output_checks
 from vibeam.casefile.tables.table import MOST_ELEMENTS, Length, Place, Ratio, Table, declared_key, key, table
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, KeyPath
-from vibeam_models.beams.shapes import SHAPES, unsuited
+from vibeam_models.beams.shapes import SHAPES, foreign_dimensions
 from vibeam_models.keys import defaults_of, keys_of
 
 
@@ -45,10 +45,8 @@ def _shape(beam: SimpleNamespace) -> Iterator[Complaint]:
     for name in own.keys() - defaults_of(kind).keys():
         if getattr(beam, name) is None:
             yield ("beam", name), f"missing ({own[name].meaning}): write {name} = {to_fill_in(own[name].example)}"
-    for name in sorted({each for shape in SHAPES.values() for each in keys_of(shape)} - own.keys()):
-        if getattr(beam, name) is not None:
-            yield ("beam", name), unsuited(name, kind.name)
-    yield from ((("beam", name), message) for name, message in kind.faults(beam))
+    faults = (*foreign_dimensions(beam, kind.name), *kind.faults(beam))
+    yield from ((("beam", name), message) for name, message in faults)
 
 
 def _positions(case: SimpleNamespace) -> Iterator[Complaint]:
