@@ -70,7 +70,7 @@ def test_an_impact_keeps_all_momentum():
     assert abs(momentum) < 1e-12
     assert jump[-1] < 0  # the beam bounces off, the platform the other way
     still = assemble(RIG)
-    assert structure.contact @ jump > still.contact @ np.linalg.solve(still.M, still.contact)
+    assert structure.contact @ jump > still.mobility(still.contact)
 
 
 def test_the_carried_mass_is_that_of_all_that_moves():
@@ -90,7 +90,7 @@ def test_a_platform_too_heavy_to_be_moved_is_a_prescribed_base():
     for row in (still.outputs["sensor"], still.contact):
         np.testing.assert_allclose(two_way[:, :-1] @ row, prescribed @ row, rtol=1e-9)
     np.testing.assert_allclose(two_way[:, -1], base, rtol=1e-9)
-    mobility = [each.contact @ np.linalg.solve(each.M, each.contact) for each in (moved, still)]
+    mobility = [each.mobility(each.contact) for each in (moved, still)]
     assert mobility[0] == pytest.approx(mobility[1], rel=1e-9)
 
 

@@ -62,7 +62,7 @@ def test_frequencies_of_a_sprung_cantilever(stiffness):
 
 def test_a_sprung_clamp_adds_its_rotation_to_the_static_deflection():
     structure = assemble(replace(PLAIN, effects=(Clamp(50.0),)))
-    found = structure.contact @ np.linalg.solve(structure.K, structure.contact)
+    found = structure.flexibility(structure.contact)
     assert found == pytest.approx(deflection(STEEL, 0.132, 0.132) + 0.132**2 / 50.0, rel=1e-9)
 
 
@@ -96,7 +96,7 @@ def test_a_massless_beam_has_as_many_coordinates_as_inertias():
     inertia = np.diag([0.2, RIG.effects[0].rotary_inertia])
     squared = 1 / np.linalg.eigvals(flexibility @ inertia)
     np.testing.assert_allclose(structure.modes().omega, np.sqrt(np.sort(squared)), rtol=1e-9)
-    np.testing.assert_allclose(structure.contact @ np.linalg.solve(structure.M, structure.contact), 1 / 0.2, rtol=1e-9)
+    np.testing.assert_allclose(structure.mobility(structure.contact), 1 / 0.2, rtol=1e-9)
     assert assemble(with_effects(massless, AddedMass(0.0024, 0.09))).size == 3
 
 
@@ -236,7 +236,7 @@ def test_the_mobility_of_an_eccentric_contact():
 
     def mobility(scene):
         structure = assemble(scene)
-        return structure.contact @ np.linalg.solve(structure.M, structure.contact)
+        return structure.mobility(structure.contact)
 
     centred = mobility(RIG)
     assert mobility(with_effects(RIG, replace(TWISTED, eccentricity=0.0))) == pytest.approx(centred, rel=1e-12)
@@ -260,14 +260,6 @@ def test_without_eccentricity_no_mode_of_bending_changes():
 # the rig (paper, Fig. 17; the section is inferred, see PHYSICS)
 
 
-def test_the_modal_test_of_the_rig():
-    """First 7.60 Hz; bending 2 at 98.75 Hz with the accelerometer of 2.4 g at 90 mm, at 101.1 Hz without."""
-    bare = assemble(RIG).modes(2).frequency
-    loaded = assemble(with_effects(RIG, AddedMass(0.0024, 0.09))).modes(2).frequency
-    np.testing.assert_allclose(bare, [7.60, 101.1], atol=0.05)
-    assert loaded[1] == pytest.approx(98.75, abs=0.05)
-
-
 def test_the_torsion_of_the_rig():
     """66.1 Hz is what a strip gives with J_t = bt³/3 and the discs' 2.84e-5 kg m²; St Venant's J_t is 3.3 % smaller."""
     shear = 210e9 / (2 * 1.29)
@@ -284,7 +276,7 @@ def test_the_torsion_of_the_rig():
 def test_the_contact_may_lie_off_the_mass_inside_the_rigid_zone():
     shifted = assemble(replace(RIG, stop=Stop(0.133, 0.0, 0.72)))
     flexibility = np.array([1.0, 0.0127]) @ end_flexibility(0.132 - 0.0117) @ np.array([1.0, 0.0127])
-    found = shifted.contact @ np.linalg.solve(shifted.K, shifted.contact)
+    found = shifted.flexibility(shifted.contact)
     assert found == pytest.approx(flexibility, rel=1e-8)
 
 
@@ -294,7 +286,7 @@ def test_a_contact_very_near_the_mass_leaves_the_beam_as_it_is(scene, offset):
     """A node there would part an element of that length: its round-off made the first mode 24 Hz at 0.1 µm."""
     near, at = assemble(replace(scene, stop=Stop(0.132 + offset, 0.0, 0.72))), assemble(scene)
     np.testing.assert_allclose(near.modes(4).omega, at.modes(4).omega, rtol=1e-9)
-    shift = near.contact @ np.linalg.solve(near.K, at.contact) / (at.contact @ np.linalg.solve(at.K, at.contact)) - 1
+    shift = near.contact @ np.linalg.solve(near.K, at.contact) / (at.flexibility(at.contact)) - 1
     slope = 1.5 / 0.132 if scene is PLAIN else deflection_slope()
     assert shift == pytest.approx(offset * slope, rel=2e-3)
 

@@ -6,6 +6,7 @@ import signal
 import threading
 import time
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -22,6 +23,10 @@ EIGHT = vibeam.ImpactSystem.from_modes(
     contact=[2.1, -0.6, 0.4, 0.3, -0.25, 0.2, 0.15, 0.1], load=[0.46, 0.2, 0.1, 0.08, 0.06, 0.05, 0.04, 0.03],
 )  # fmt: skip
 READ = ("amplitude", "reach", "maximum", "minimum", "impacts_per_period", "impact_velocity", "rest")
+
+
+def in_lanes_and_alone(*points: Any, **settings: Any) -> list[vibeam.BatchResponse]:
+    return [vibeam.batch(*points, **settings, lanes=lanes) for lanes in (True, False)]
 
 
 def assert_close(found: vibeam.BatchResponse, other: vibeam.BatchResponse, share: float = 1e-9) -> None:
@@ -44,9 +49,7 @@ def assert_close(found: vibeam.BatchResponse, other: vibeam.BatchResponse, share
     ids=["one mode", "gap", "three modes", "eight modes"],
 )
 def test_lanes_give_what_points_alone_give(system: vibeam.ImpactSystem, omega: np.ndarray, amplitude: float) -> None:
-    found, alone = (
-        vibeam.batch(system, omega, amplitude, settle=300, hold=20, strobes=3, lanes=lanes) for lanes in (True, False)
-    )
+    found, alone = in_lanes_and_alone(system, omega, amplitude, settle=300, hold=20, strobes=3)
     assert (found.impacts_per_period >= 1).all()
     assert_close(found, alone)
 
@@ -63,10 +66,7 @@ def test_lanes_give_what_points_alone_give(system: vibeam.ImpactSystem, omega: n
 )
 def test_unusual_events_are_those_of_points_alone(changes: dict[str, float], omega: float) -> None:
     rates = omega * np.array([1.0, 1.001, 1.002])
-    found, alone = (
-        vibeam.batch(replace(ONE, **changes), rates, 0.05, settle=400, hold=10, strobes=1, lanes=lanes)
-        for lanes in (True, False)
-    )
+    found, alone = in_lanes_and_alone(replace(ONE, **changes), rates, 0.05, settle=400, hold=10, strobes=1)
     assert_close(found, alone, 1e-8)
 
 
@@ -76,12 +76,8 @@ def test_motions_of_a_few_periods_are_those_of_points_alone_for_any_parameters()
     omega, gap = random.uniform(0.3, 4.0, 400), random.uniform(-0.05, 0.12, 400)
     r, damping = random.uniform(0.1, 0.99, 400), random.choice([0.5, 1.0, 3.0], 400)
     start = np.stack([np.minimum(gap, 0.0) - random.uniform(0.001, 0.1, 400), random.normal(0.0, 0.1, 400)], axis=1)
-    found, alone = (
-        vibeam.batch(
-            ONE, omega, 0.05, gap=gap, restitution=r, damping=damping, state=start, settle=3, hold=1, lanes=lanes
-        )
-        for lanes in (True, False)
-    )
+    point = {"gap": gap, "restitution": r, "damping": damping, "state": start}
+    found, alone = in_lanes_and_alone(ONE, omega, 0.05, **point, settle=3, hold=1)
     same = np.isclose(found.state, alone.state, rtol=1e-8, atol=1e-10).all(axis=1)
     assert np.count_nonzero(same) >= 396  # what grazes within round-off may go either way
     assert np.array_equal(found.impacts[same], alone.impacts[same])
@@ -149,10 +145,7 @@ def test_motions_that_do_not_repeat_yet_are_read_off_as_alone(
     system: vibeam.ImpactSystem, omega: np.ndarray, amplitude: float, output: str, hold: int
 ) -> None:
     """From the first periods on, before chaos has told them apart: extremes and energies of every flight differ."""
-    found, alone = (
-        vibeam.batch(system, omega, amplitude, settle=1, hold=hold, output=output, strobes=1, lanes=lanes)
-        for lanes in (True, False)
-    )
+    found, alone = in_lanes_and_alone(system, omega, amplitude, settle=1, hold=hold, output=output, strobes=1)
     assert np.array_equal(found.impacts, alone.impacts)
     assert np.count_nonzero(found.period == 0) > len(omega) // 4
     for name in READ:
