@@ -43,7 +43,7 @@ QUANTITIES = (
 
 @dataclass(frozen=True)
 class Grid:
-    """What is evaluated over a grid, as plain data: equal grids give equal numbers, to the bit.
+    """Evaluation over a grid, as plain data: equal grids give equal numbers, to the bit.
 
     ``model``: of one fidelity. The last of the ``axes`` is swept: with ``ways`` (up, down or first up, then down) the
     state is carried from point to point along it, and every line begins at equilibrium; without any, every point starts

@@ -21,7 +21,7 @@ from vibeam.periodic.doubled_branches import doubled_branches
 from vibeam.periodic.orbit import Orbit, orbits
 from vibeam.periodic.orbit_curve import orbit_curve
 from vibeam.periodic.orbit_map import plane_boundaries
-from vibeam.periodic.train_branch import Branch, Setting
+from vibeam.periodic.train_branch import Setting, TrainBranch
 from vibeam.periodic.train_orbits import displacements_at
 from vibeam.periodic.trains import Train
 from vibeam.system.impact_system import Drive, ImpactSystem
@@ -157,7 +157,7 @@ def _strobes(system: ImpactSystem, drive: Drive, periods: int, train: Train, out
 def _doubled(line: _Line, setting: Setting, motions: Sequence[Orbit | None]) -> Iterator[ClosedForm]:
     """Branches that begin at the doublings of motions with one impact."""
     span, first = float(np.ptp(line.values)), next(each for each in motions if each is not None)
-    branch = Branch(1, first.periods, setting, abs(first.impulse), span)
+    branch = TrainBranch(1, first.periods, setting, abs(first.impulse), span)
     low, high = float(line.values.min()), float(line.values.max())
     for part in _runs(motions):
         phases = np.unwrap([motions[at].phase for at in part])

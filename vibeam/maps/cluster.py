@@ -103,7 +103,7 @@ def _address_in(file: Path) -> str:
 
 
 def fingerprint() -> str:
-    """What decides the bits of a number in this process: code, libraries below it, compiled kernels."""
+    """Digest of what decides the bits of a number in this process: code, libraries below it, compiled kernels."""
     from vibeam.flight.engine.entries import origin
     from vibeam.runs.keys import digest_of_code
 

@@ -159,7 +159,7 @@ def _frequency(case: Case, axes: Mapping[str, ArrayLike], given: float | None) -
 
 
 def faults_of(grid: Grid) -> list[str]:
-    """What is wrong with the axes of a grid, each with its cure."""
+    """Faults of the axes of a grid, each with its cure."""
     keys = [axis.key for axis in grid.axes]
     found = [] if keys else ["a grid has at least one axis"]
     found += [f"{axis.key}: has no value" for axis in grid.axes if not axis.values]

@@ -25,7 +25,7 @@ LETTERS = "abcdefghijklmnopqrstuvwxyz"
 
 
 @dataclass(frozen=True)
-class Motion:
+class CoexistingMotion:
     """A motion that some starts lead to: its name, its period (0: none, −1: no contact), impacts in that, how many
     starts lead to it and what share of all that is."""
 
@@ -46,7 +46,7 @@ class Labelled:
     ``which`` has the shape of the points, random starts last.
     """
 
-    motions: tuple[Motion, ...]
+    motions: tuple[CoexistingMotion, ...]
     which: NDArray[np.int64]
 
 
@@ -73,7 +73,7 @@ def label(response: GridResponse, way: int) -> Labelled:
     place_of = {found[name].number: number for number, name in enumerate(order)} | {FAILED: FAILED}
     renumbered = np.vectorize(place_of.__getitem__, otypes=[np.int64])(which)
     motions = tuple(
-        Motion(
+        CoexistingMotion(
             response.fidelity, response.ways[way], name, found[name].kind.period, found[name].kind.impacts,
             found[name].starts, found[name].starts / total, found[name].amplitude,
         )
@@ -82,7 +82,7 @@ def label(response: GridResponse, way: int) -> Labelled:
     return Labelled(motions, _back(renumbered, values["period"].shape, dimensions))
 
 
-def motions_of(result: MapResult) -> list[Motion]:
+def motions_of(result: MapResult) -> list[CoexistingMotion]:
     """Motions of all fidelities of a map with starts of its own."""
     return [motion for response in result.responses.values() for motion in label(response, 0).motions]
 

@@ -23,7 +23,7 @@ SMALLEST = 1e-15  # share of the motion's size taken as round-off
 STEPS = 60
 
 
-class Flown(Protocol):
+class GapFlights(Protocol):
     """Flights from impact to impact: ``SpanGap`` or ``TrainGap``."""
 
     @property
@@ -48,7 +48,7 @@ class Flown(Protocol):
         ...
 
 
-class Minimum(NamedTuple):
+class GapMinimum(NamedTuple):
     """Least local minimum of the gap strictly between two impacts, (motions,): ∞ and NaN where there is none."""
 
     value: Array
@@ -66,9 +66,9 @@ class _Pieces(NamedTuple):
         return _Pieces(self.motion[which], self.left[which], self.width[which])
 
 
-def least_minimum(flights: Flown, ceiling: Array) -> Minimum:
+def least_minimum(flights: GapFlights, ceiling: Array) -> GapMinimum:
     """Least local minimum of every motion's gap; ∞ where all are above its ``ceiling`` (motions,), m."""
-    best = Minimum(np.full(len(flights), np.inf), np.full(len(flights), np.nan))
+    best = GapMinimum(np.full(len(flights), np.inf), np.full(len(flights), np.nan))
     floor = SMALLEST * np.abs(flights.part)
     pieces = _initial(flights)
     for _ in range(HALVINGS):
@@ -83,7 +83,7 @@ def least_minimum(flights: Flown, ceiling: Array) -> Minimum:
     return best
 
 
-def _initial(flights: Flown) -> _Pieces:
+def _initial(flights: GapFlights) -> _Pieces:
     """Initial intervals: a few a drive period for every motion."""
     counts = np.ceil(flights.omega * flights.span / (2 * np.pi) * FIRST - 1e-9).astype(int)
     motion = np.repeat(np.arange(len(flights)), counts)
@@ -98,7 +98,7 @@ def _halved(pieces: _Pieces) -> _Pieces:
     return _Pieces(np.tile(pieces.motion, 2), left, np.tile(half, 2))
 
 
-def _classified(flights: Flown, pieces: _Pieces, ceiling: Array, floor: Array) -> tuple[Flags, Flags]:
+def _classified(flights: GapFlights, pieces: _Pieces, ceiling: Array, floor: Array) -> tuple[Flags, Flags]:
     """Classify intervals: those that stay open, and those with exactly one minimum."""
     motion, h = pieces.motion, pieces.width
     a = flights.gap(motion, pieces.left)
@@ -120,7 +120,7 @@ def _classified(flights: Flown, pieces: _Pieces, ceiling: Array, floor: Array) -
     return ~above & ~steady & ~convex, single
 
 
-def _minima(flights: Flown, pieces: _Pieces) -> tuple[Array, Array]:
+def _minima(flights: GapFlights, pieces: _Pieces) -> tuple[Array, Array]:
     """Values and times of the one minimum in each interval: Newton's method on d', safeguarded by bisection."""
     low, high = pieces.left.copy(), pieces.left + pieces.width
     time = (low + high) / 2
@@ -136,7 +136,7 @@ def _minima(flights: Flown, pieces: _Pieces) -> tuple[Array, Array]:
     return at.value, time
 
 
-def _update_least(best: Minimum, ceiling: Array, motion: Index, value: Array, time: Array) -> None:
+def _update_least(best: GapMinimum, ceiling: Array, motion: Index, value: Array, time: Array) -> None:
     """Update, in place, the least minimum of each motion that is not above its ceiling."""
     order = np.argsort(-value, kind="stable")  # written in descending order: the least stays
     motion, value, time = motion[order], value[order], time[order]

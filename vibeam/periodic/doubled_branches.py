@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.periodic.bifurcation_functions import Kind
-from vibeam.periodic.train_boundaries import ENDS, Stretch, root_on, stepped
-from vibeam.periodic.train_branch import Branch, birth_ahead, twice
+from vibeam.periodic.train_boundaries import ENDS, BranchStretch, root_on, stepped
+from vibeam.periodic.train_branch import TrainBranch, birth_ahead, twice
 from vibeam.periodic.train_orbits import multipliers_of
 from vibeam.periodic.trains import Train
 from vibeam_models.arrays import Array, Complex
@@ -56,7 +56,7 @@ class DoubledBranch:
 
 
 def doubled_branches(
-    branch: Branch, points: Sequence[Array], low: float, high: float, longest: int = 4
+    branch: TrainBranch, points: Sequence[Array], low: float, high: float, longest: int = 4
 ) -> list[DoubledBranch]:
     """Branches that grow out of the doublings between ``points`` z of a branch, and out of their own, and so on.
 
@@ -78,7 +78,7 @@ def doubled_branches(
     return found
 
 
-def _doublings(branch: Branch, points: Sequence[Array]) -> Iterator[Array]:
+def _doublings(branch: TrainBranch, points: Sequence[Array]) -> Iterator[Array]:
     """Points of the branch with a multiplier of −1."""
     tests = [branch.test(Kind.DOUBLING, z, z) for z in points]
     for at in range(len(points) - 1):
@@ -86,18 +86,18 @@ def _doublings(branch: Branch, points: Sequence[Array]) -> Iterator[Array]:
         length = float(np.linalg.norm(way))
         if not tests[at] * tests[at + 1] < 0 or not length > 0:
             continue
-        stretch = Stretch(partial(_beside, branch, points[at], way / length), way / length, 0.0, length)
+        stretch = BranchStretch(partial(_beside, branch, points[at], way / length), way / length, 0.0, length)
         place = root_on(branch, Kind.DOUBLING, stretch)
         found = None if place is None else stretch.point(place)
         if found is not None:
             yield found
 
 
-def _beside(branch: Branch, z: Array, along: Array, length: float) -> Array | None:
+def _beside(branch: TrainBranch, z: Array, along: Array, length: float) -> Array | None:
     return branch.corrected(z + length * along, along)
 
 
-def _antisymmetric(branch: Branch, begin: Array) -> Array:
+def _antisymmetric(branch: TrainBranch, begin: Array) -> Array:
     """Unit vector along which the doubled motion leaves the shorter one."""
     half = branch.impacts // 2
     basis = np.zeros((len(begin), branch.impacts))
@@ -109,7 +109,7 @@ def _antisymmetric(branch: Branch, begin: Array) -> Array:
     return np.asarray(basis @ np.linalg.svd(branch.slopes(begin)[1] @ basis)[2][-1])
 
 
-def _followed(branch: Branch, begin: Array, low: float, high: float) -> Iterator[Array]:
+def _followed(branch: TrainBranch, begin: Array, low: float, high: float) -> Iterator[Array]:
     """Points of the branch from its birth on."""
     yield begin
     along, z = _antisymmetric(branch, begin), begin
@@ -124,7 +124,7 @@ def _followed(branch: Branch, begin: Array, low: float, high: float) -> Iterator
     yield from _continued(branch, z, branch.direction(z, along), low, high)
 
 
-def _continued(branch: Branch, z: Array, along: Array, low: float, high: float) -> Iterator[Array]:
+def _continued(branch: TrainBranch, z: Array, along: Array, low: float, high: float) -> Iterator[Array]:
     """Points ahead of z to the end of the branch or of the range."""
     length = STEP
     tests = {kind: branch.test(kind, z, along) for kind in ENDS}
@@ -139,7 +139,7 @@ def _continued(branch: Branch, z: Array, along: Array, low: float, high: float) 
         following = {kind: branch.test(kind, ahead, along) for kind in ENDS}
         ended = [kind for kind in ENDS if tests[kind] * following[kind] < 0]
         if ended:
-            stretch = Stretch(partial(_beside, branch, z, along), along, 0.0, length)
+            stretch = BranchStretch(partial(_beside, branch, z, along), along, 0.0, length)
             places = [at for kind in ended if (at := root_on(branch, kind, stretch, END)) is not None]
             last = stretch.point(min(places)) if places else None
             if last is not None and low <= last[-1] <= high:
@@ -154,14 +154,14 @@ def _continued(branch: Branch, z: Array, along: Array, low: float, high: float) 
         z, along, tests = ahead, branch.direction(ahead, along), following
 
 
-def _at_value(branch: Branch, before: Array, after: Array, value: float) -> Array | None:
+def _at_value(branch: TrainBranch, before: Array, after: Array, value: float) -> Array | None:
     """The point between two others with that parameter."""
     fixed = np.append(np.zeros(len(before) - 1), 1.0)
     share = (value - before[-1]) / (after[-1] - before[-1])
     return branch.corrected(before + share * (after - before), fixed)
 
 
-def _described(branch: Branch, points: Sequence[Array]) -> DoubledBranch:
+def _described(branch: TrainBranch, points: Sequence[Array]) -> DoubledBranch:
     known = [branch.at(z) for z in points]
     return DoubledBranch(
         branch.impacts,

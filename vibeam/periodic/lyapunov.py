@@ -141,7 +141,7 @@ def _of_cycle(section: StroboscopicMap, cycle: Cycle, wanted: int) -> LyapunovSp
 
 def mean_exponents(section: StroboscopicMap, start: State, periods: int, wanted: int) -> LyapunovSpectrum:
     """The largest ``wanted`` exponents of a motion as means over ``periods``, whether it repeats or not."""
-    walk, impacts, rests = _Walk(section, wanted), 0, 0
+    walk, impacts, rests = _Disturbances(section, wanted), 0, 0
     for step in _pieces(ALIGNED):
         flown = section.flown(start, step)
         walk.along(flown)
@@ -168,7 +168,7 @@ def mean_exponents(section: StroboscopicMap, start: State, periods: int, wanted:
     )  # fmt: skip
 
 
-class _Walk:
+class _Disturbances:
     """Orthonormal disturbances carried along a motion, and the logarithms of what they have grown by."""
 
     def __init__(self, section: StroboscopicMap, wanted: int) -> None:

@@ -201,7 +201,7 @@ QUANTITIES = ("amplitude", "maximum", "minimum", "reach", "impact_velocity")
 
 
 @dataclass(frozen=True)
-class Value:
+class OutputValue:
     """Quantity (points,) and its derivatives (P, points); ``beyond`` and its own: see ``Struck``."""
 
     value: Array
@@ -213,14 +213,14 @@ class Value:
 def of_orbits(
     data: ModalData, tangents: Tangents, omega: Array, periods: int, root: int, quantity: str, gain: Gain | None = None,
     samples: int = 0,
-) -> Value:  # fmt: skip
+) -> OutputValue:  # fmt: skip
     """Quantity of one root, at drives ``omega`` (points,) rad/s; NaN where it has no motion at any drive.
 
     ``samples``: extremes are the largest and least of so many values a period (of an unfiltered output); 0: exact.
     """
     found = struck(data, tangents, omega, np.full(len(omega), periods), root)
     if quantity == "impact_velocity":
-        return Value(*_velocity(data, tangents, found), found.beyond, found.by_beyond)
+        return OutputValue(*_velocity(data, tangents, found), found.beyond, found.by_beyond)
     row, by_row = (data.contact, tangents.contact) if quantity == "reach" else (data.row, tangents.row)
     kind = SampledOutput if gain is None else FilteredOutput
     signal = kind(data, tangents, row, by_row, omega, periods, found, gain)
@@ -230,12 +230,12 @@ def of_orbits(
     else:
         high = signal.extreme(1.0) if quantity in ("amplitude", "maximum") else (0.0, 0.0)
         ends = high, signal.extreme(-1.0) if quantity != "maximum" else (0.0, 0.0)
-    return Value(*_read(quantity, data, tangents, *ends), found.beyond, found.by_beyond)
+    return OutputValue(*_read(quantity, data, tangents, *ends), found.beyond, found.by_beyond)
 
 
 def without_contact(
     data: ModalData, tangents: Tangents, omega: Array, quantity: str, gain: Gain | None = None
-) -> Value:
+) -> OutputValue:
     """Quantity of the motion without contact; ``beyond``: ln of how much it exceeds the gap, 0 where it does not."""
     contact = driven(data, tangents, data.contact, tangents.contact, omega)
     static, by_static = offset_of(data, tangents, data.contact, tangents.contact)
@@ -245,7 +245,7 @@ def without_contact(
         over = np.where(clear > 0, np.log(size / clear), np.nan)
         beyond, by_beyond = np.maximum(over, 0.0), np.where(over > 0, by_size / size - by_clear / clear, 0.0)
     if quantity == "impact_velocity":
-        return Value(np.zeros(len(omega)), np.zeros_like(by_size), beyond, by_beyond)
+        return OutputValue(np.zeros(len(omega)), np.zeros_like(by_size), beyond, by_beyond)
     row, by_row = (data.contact, tangents.contact) if quantity == "reach" else (data.row, tangents.row)
     rest, by_rest = offset_of(data, tangents, row, by_row)
     seen = driven(data, tangents, row, by_row, omega)
@@ -255,7 +255,7 @@ def without_contact(
     by_wide = passed * (seen.value.conj() * seen.by).real / np.maximum(np.abs(seen.value), 1e-300)
     middle, by_middle = still * rest, still * by_rest[:, None]
     high, low = (middle + wide, by_middle + by_wide), (middle - wide, by_middle - by_wide)
-    return Value(*_read(quantity, data, tangents, high, low), beyond, by_beyond)
+    return OutputValue(*_read(quantity, data, tangents, high, low), beyond, by_beyond)
 
 
 Both = tuple[Array | float, Array | float]

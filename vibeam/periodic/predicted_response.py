@@ -101,8 +101,8 @@ LASTS = 1e-6  # share left of a mode at the next impact, below which it takes no
 SLOWEST = 20  # modes at most in the stability of several impacts
 
 
-class Found(Enum):
-    """What became of an orbit in the other model; the value says it in words."""
+class OrbitKind(Enum):
+    """Fate of an orbit in the other model; the value says it in words."""
 
     ORBIT = "the same motion, stable and clear of the stop between its impacts"
     NO_ORBIT = "no such motion near: too close to a fold, or beyond it"
@@ -114,7 +114,7 @@ class Found(Enum):
     @property
     def code(self) -> int:
         """Number in arrays."""
-        return list(Found).index(self)
+        return list(OrbitKind).index(self)
 
 
 class PredictedResponse(NamedTuple):
@@ -157,7 +157,7 @@ def predicted(system: ImpactSystem, trains: Trains, output: str) -> PredictedRes
 def _predicted(system: ImpactSystem, trains: Trains, output: str) -> PredictedResponse:
     near = nearby_orbits(system, trains)
     which = np.flatnonzero(near.found)
-    found = np.where(near.found, Found.ORBIT.code, Found.NO_ORBIT.code)
+    found = np.where(near.found, OrbitKind.ORBIT.code, OrbitKind.NO_ORBIT.code)
     moved, values = near.trains.at(which), np.full((6, len(near.found)), np.nan)
     if len(which):
         m, modes = trains.phases.shape[1], excited(system, moved)
@@ -165,14 +165,14 @@ def _predicted(system: ImpactSystem, trains: Trains, output: str) -> PredictedRe
         own = extremes(contact, m)
         shown = own if output == "contact" else extremes(sampled(signal(system, modes, output)), m)
         speeds = -moved.impulses * float(system.contact @ system.contact) / (1 + system.restitution)
-        found[which[~clear(contact, system.gap, m)]] = Found.STRIKES.code
+        found[which[~clear(contact, system.gap, m)]] = OrbitKind.STRIKES.code
         rows = (shown.maximum, shown.minimum, system.gap - own.minimum, speeds.mean(axis=1))
         values[:, which] = *rows, shown.uncertainty, own.uncertainty
-        left = np.flatnonzero(found[which] == Found.ORBIT.code)
+        left = np.flatnonzero(found[which] == OrbitKind.ORBIT.code)
         unstable = left[~_stable(system, moved.at(left), near.acceleration[which[left]])]
-        found[which[unstable]] = Found.UNSTABLE.code
-        found[which[repeats_sooner(moved)]] = Found.ANOTHER.code
-    values[:, found != Found.ORBIT.code] = np.nan
+        found[which[unstable]] = OrbitKind.UNSTABLE.code
+        found[which[repeats_sooner(moved)]] = OrbitKind.ANOTHER.code
+    values[:, found != OrbitKind.ORBIT.code] = np.nan
     return PredictedResponse._make((*values, found, near.first))
 
 
@@ -187,7 +187,7 @@ def predicted_free(system: ImpactSystem, omega: Array, amplitude: Array, output:
     free, nothing = swing + rest < system.gap, np.zeros(len(omega))
     rows = (middle + size, middle - size, system.gap - rest + swing, np.full(len(omega), np.nan))
     values = np.where(free, np.stack([*rows, nothing, nothing]), np.nan)
-    return PredictedResponse._make((*values, np.where(free, Found.ORBIT.code, Found.TOUCHES.code), nothing))
+    return PredictedResponse._make((*values, np.where(free, OrbitKind.ORBIT.code, OrbitKind.TOUCHES.code), nothing))
 
 
 def _stable(system: ImpactSystem, trains: Trains, acceleration: Array) -> Flags:

@@ -24,7 +24,7 @@ from vibeam_models.arrays import Array, Complex
 
 @dataclass(frozen=True)
 class ModalData:
-    """What periodic motions of a system follow from: modal rows (n,), gap, restitution, drive (points,) in m.
+    """Data that periodic motions of a system follow from: modal rows (n,), gap, restitution, drive (points,) in m.
 
     ``sigma`` is ζω, 1/s; ``row`` the output's.
     """

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from vibeam.periodic.bifurcation_functions import NAMES, Kind
 from vibeam.periodic.boundaries import JUMP
-from vibeam.periodic.train_branch import Branch, Setting, birth_ahead, inward, point_before, shares_before
+from vibeam.periodic.train_branch import Setting, TrainBranch, birth_ahead, inward, point_before, shares_before
 from vibeam.periodic.train_orbits import TrainOrbit, multipliers_of
 from vibeam_models.arrays import Array, Complex
 
@@ -60,7 +60,7 @@ def train_boundaries(
     if to == value:
         return ()
     size = float(np.abs(orbit.impulses).max())
-    branch = Branch(len(orbit.times), orbit.periods, _setting(orbit, parameter), size, abs(to - value))
+    branch = TrainBranch(len(orbit.times), orbit.periods, _setting(orbit, parameter), size, abs(to - value))
     begin = np.concatenate([orbit.drive.omega * orbit.times, orbit.impulses / branch.size, [value / branch.scale]])
     return tuple(_follow(branch, begin, float(np.sign(to - value)), 1 / steps, longest))
 
@@ -71,7 +71,7 @@ def _setting(orbit: TrainOrbit, parameter: str) -> Setting:
     return lambda value: (orbit.system, replace(orbit.drive, **{parameter: value}))
 
 
-def _follow(branch: Branch, begin: Array, towards: float, step: float, longest: int) -> Iterator[TrainBoundary]:
+def _follow(branch: TrainBranch, begin: Array, towards: float, step: float, longest: int) -> Iterator[TrainBoundary]:
     z, along = begin, np.append(np.zeros(len(begin) - 1), towards)
     along = branch.direction(z, along)
     tests = {kind: branch.test(kind, z, along) for kind in KINDS}
@@ -85,7 +85,7 @@ def _follow(branch: Branch, begin: Array, towards: float, step: float, longest: 
         if ahead is None:
             return
         following = {kind: branch.test(kind, ahead, along) for kind in KINDS}
-        stretch = Stretch(partial(_off, branch, z, along), along, 0.0, length)
+        stretch = BranchStretch(partial(_off, branch, z, along), along, 0.0, length)
         for found in _crossed(branch, stretch, tests, following):
             if _within(found.place, begin[-1], towards):
                 yield found.boundary
@@ -97,7 +97,7 @@ def _follow(branch: Branch, begin: Array, towards: float, step: float, longest: 
         tests = following | {Kind.FOLD: float(along[-1])}
 
 
-def stepped(branch: Branch, z: Array, along: Array, length: float) -> tuple[float, Array | None]:
+def stepped(branch: TrainBranch, z: Array, along: Array, length: float) -> tuple[float, Array | None]:
     """A step along the tangent and back to the branch, halved until it lands where it was going: length, point."""
     for _ in range(HALVINGS):
         ahead = branch.corrected(z + length * along, along)
@@ -108,7 +108,7 @@ def stepped(branch: Branch, z: Array, along: Array, length: float) -> tuple[floa
 
 
 def _within(place: float, begin: float, towards: float) -> bool:
-    """Whether a parameter, over its scale, lies on the way."""
+    """Test whether a parameter, over its scale, lies on the way."""
     return bool(0 <= towards * (place - begin) <= 1)
 
 
@@ -119,7 +119,7 @@ class _Located(NamedTuple):
     boundary: TrainBoundary
 
 
-class Stretch(NamedTuple):
+class BranchStretch(NamedTuple):
     """A stretch of a branch: the point at a position, about which way it goes, from and to which position."""
 
     point: Callable[[float], Array | None]
@@ -128,12 +128,12 @@ class Stretch(NamedTuple):
     high: float
 
 
-def _off(branch: Branch, z: Array, along: Array, length: float) -> Array | None:
+def _off(branch: TrainBranch, z: Array, along: Array, length: float) -> Array | None:
     """The point of the branch by the plane through z + length · along."""
     return branch.corrected(z + length * along, along)
 
 
-def _crossed(branch: Branch, stretch: Stretch, tests: Tests, following: Tests) -> list[_Located]:
+def _crossed(branch: TrainBranch, stretch: BranchStretch, tests: Tests, following: Tests) -> list[_Located]:
     """The boundaries within a stretch, in order, up to the first that ends the branch."""
     kinds = [kind for kind in KINDS if tests[kind] * following[kind] < 0]
     found = [(at, kind) for kind in kinds if (at := root_on(branch, kind, stretch)) is not None]
@@ -147,7 +147,7 @@ def _crossed(branch: Branch, stretch: Stretch, tests: Tests, following: Tests) -
     return located
 
 
-def _to_birth(branch: Branch, z: Array, birth: Array, begin: float, towards: float) -> Iterator[TrainBoundary]:
+def _to_birth(branch: TrainBranch, z: Array, birth: Array, begin: float, towards: float) -> Iterator[TrainBoundary]:
     """The boundaries on the way from z to a birth by doubling, and that, a fold: beyond it all comes once more."""
     along, (shares, way), gone = inward(branch, z), shares_before(branch, z, birth), 0.0
     tests = {kind: branch.test(kind, z, along) for kind in KINDS}
@@ -162,7 +162,7 @@ def _to_birth(branch: Branch, z: Array, birth: Array, begin: float, towards: flo
         following = {kind: branch.test(kind, there, along) for kind in KINDS}
         if share == shares[-1]:
             following[Kind.FOLD] = way
-        for found in _crossed(branch, Stretch(point, along, gone, 1.0 - share), tests, following):
+        for found in _crossed(branch, BranchStretch(point, along, gone, 1.0 - share), tests, following):
             if _within(found.place, begin, towards):
                 yield found.boundary
             if found.boundary.kind in ENDS:
@@ -172,7 +172,7 @@ def _to_birth(branch: Branch, z: Array, birth: Array, begin: float, towards: flo
         yield _boundary(branch, Kind.FOLD, birth)
 
 
-def root_on(branch: Branch, kind: Kind, stretch: Stretch, within: float = 1e-15) -> float | None:
+def root_on(branch: TrainBranch, kind: Kind, stretch: BranchStretch, within: float = 1e-15) -> float | None:
     """Position of the boundary in the stretch, ``within`` that length; None where the sign changes by a jump."""
 
     values: dict[float, float] = {}
@@ -194,7 +194,7 @@ def root_on(branch: Branch, kind: Kind, stretch: Stretch, within: float = 1e-15)
     return nearest if len(values) > 2 and sizes.min() <= JUMP * sizes.max() else None
 
 
-def _boundary(branch: Branch, kind: Kind, z: Array) -> TrainBoundary:
+def _boundary(branch: TrainBranch, kind: Kind, z: Array) -> TrainBoundary:
     system, drive, span, train = branch.at(z)
     velocities = -train.impulses * float(system.contact @ system.contact) / (1 + system.restitution)
     values = np.zeros(0, dtype=complex) if kind is Kind.GRAZING else multipliers_of(system, drive, span, train)

@@ -35,7 +35,7 @@ Setting = Callable[[float], tuple[ImpactSystem, Drive]]
 
 
 @dataclass(frozen=True)
-class Branch:
+class TrainBranch:
     """Equations of the branch in z = (phases, impulses / size, parameter / scale).
 
     ``setting``: system and drive at a value of the parameter; ``size``: of an impulse; ``scale``: of the parameter.
@@ -129,7 +129,7 @@ SECANT, ROOT = 30, 1e-14  # steps, and change of the parameter at which they end
 SHARES = 0.5 ** np.arange(1, 10)  # of the asymmetry at the start of a step at which points before a birth are taken
 
 
-def asymmetry(branch: Branch, z: Array) -> Array:
+def asymmetry(branch: TrainBranch, z: Array) -> Array:
     """d (m,); empty where m or the number of periods is odd."""
     m, periods = branch.impacts, branch.periods
     if m % 2 or periods % 2:
@@ -138,7 +138,7 @@ def asymmetry(branch: Branch, z: Array) -> Array:
     return np.concatenate([phases[1] - phases[0] - np.pi * periods, impulses[1] - impulses[0]])
 
 
-def birth_ahead(branch: Branch, z: Array, along: Array, step: float) -> Array | None:
+def birth_ahead(branch: TrainBranch, z: Array, along: Array, step: float) -> Array | None:
     """The point of birth by doubling that lies within reach of a step from z, or None."""
     now, then = asymmetry(branch, z), asymmetry(branch, z + step * along)
     size = float(np.linalg.norm(now)) if len(now) else 0.0
@@ -150,7 +150,7 @@ def birth_ahead(branch: Branch, z: Array, along: Array, step: float) -> Array | 
     return found
 
 
-def shares_before(branch: Branch, z: Array, birth: Array) -> tuple[list[float], float]:
+def shares_before(branch: TrainBranch, z: Array, birth: Array) -> tuple[list[float], float]:
     """Shares of the asymmetry at z, down to where the parameter goes on one way to the birth; and which way, ±1."""
     points = {share: point for share in SHARES if (point := point_before(branch, z, birth, share)) is not None}
     way, along = float(np.sign(birth[-1] - list(points.values())[-1][-1])), inward(branch, z)
@@ -159,19 +159,19 @@ def shares_before(branch: Branch, z: Array, birth: Array) -> tuple[list[float], 
     return [share for share in points if share >= last], way
 
 
-def inward(branch: Branch, z: Array) -> Array:
+def inward(branch: TrainBranch, z: Array) -> Array:
     """The unit vector along which the asymmetry at z goes down."""
     m, apart = branch.impacts, asymmetry(branch, z)
     row = np.concatenate([apart[: m // 2], -apart[: m // 2], apart[m // 2 :], -apart[m // 2 :], [0.0]])
     return np.asarray(row / np.linalg.norm(row))
 
 
-def point_before(branch: Branch, z: Array, birth: Array, share: float) -> Array | None:
+def point_before(branch: TrainBranch, z: Array, birth: Array, share: float) -> Array | None:
     """The point of the branch with that share of the asymmetry at z."""
     return branch.corrected(birth + share * (z - birth), inward(branch, z))
 
 
-def _doubling(branch: Branch, z: Array, step: float) -> Array | None:
+def _doubling(branch: TrainBranch, z: Array, step: float) -> Array | None:
     """The shorter motion's doubling nearest to z, as a point of the longer one's branch; by the secant method."""
     m, half = branch.impacts, branch.impacts // 2
     short = replace(branch, impacts=half, periods=branch.periods // 2)

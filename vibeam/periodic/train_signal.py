@@ -41,7 +41,7 @@ class Excited(NamedTuple):
     modes: NDArray[np.int64]
 
 
-class Signal(NamedTuple):
+class TrainSignal(NamedTuple):
     """One output after each impact (rows,): Σ over the parts Re(``weights`` e^{λτ}) + Im(``drive`` e^{iΩτ}) + constant.
 
     ``weights`` (parts, rows) with ``rates`` (parts,), 1/s; ``drive`` (rows,): phasor of the harmonic just after the
@@ -66,11 +66,11 @@ class Sampled(NamedTuple):
     begin: Array
     end: Array
     times: Array
-    followed: Signal
+    followed: TrainSignal
     dropped: Array
 
 
-class Grid(NamedTuple):
+class SignalGrid(NamedTuple):
     """Ascending ``times`` from 0 in stretches of equal steps: the stretch (intervals,) of each, and its step."""
 
     times: Array
@@ -100,7 +100,7 @@ def excited(system: ImpactSystem, trains: Trains) -> Excited:
     return Excited(trains, rates, response, seen[part_of])
 
 
-def signal(system: ImpactSystem, modes: Excited, output: str) -> Signal:
+def signal(system: ImpactSystem, modes: Excited, output: str) -> TrainSignal:
     """Signal of an output: a displacement, a velocity or an acceleration."""
     row, derivative, trains = system.row(output), system.derivative(output), modes.trains
     order, base = (0, 0.0) if derivative is None else (derivative.order, derivative.base)
@@ -109,7 +109,7 @@ def signal(system: ImpactSystem, modes: Excited, output: str) -> Signal:
     drive = ((1j * trains.omega) ** order * steady)[:, None] * np.exp(1j * trains.phases)
     constant = float(row @ offsets(system)) if order == 0 else 0.0
     omega = np.repeat(trains.omega, trains.phases.shape[1])
-    return Signal(
+    return TrainSignal(
         modes.rates, weight[:, None] * modes.response, drive.ravel(), constant, omega, flights(trains).ravel()
     )  # fmt: skip
 
@@ -133,7 +133,7 @@ def _summed(rates: Complex, trains: Trains) -> Complex:
     return np.asarray((grown @ trains.impulses[:, :, None])[..., 0])
 
 
-def sampled(found: Signal) -> Sampled:
+def sampled(found: TrainSignal) -> Sampled:
     """The signal from each impact to the next, which is the last time of each row."""
     heights = np.abs(found.weights)
     size = np.abs(found.drive) + abs(found.constant) + heights.max(axis=0, initial=0.0)
@@ -150,7 +150,7 @@ def sampled(found: Signal) -> Sampled:
     return Sampled(value, slope[:, :-1] * width, slope[:, 1:] * width, clamped, followed, dropped)
 
 
-def _on_grid(found: Signal, grid: Grid) -> tuple[Array, Array]:
+def _on_grid(found: TrainSignal, grid: SignalGrid) -> tuple[Array, Array]:
     """Values and slopes (rows, times), those beyond the end of a flight at its end."""
     times, turned = grid.times, grid.turned(found.omega) * found.drive[:, None]
     grown, last = np.exp(found.rates[:, None] * times), np.exp(found.rates[:, None] * found.flights)
@@ -166,7 +166,7 @@ def _on_grid(found: Signal, grid: Grid) -> tuple[Array, Array]:
     return both[0], both[1]
 
 
-def graded(rates: Complex, shares: Array, length: float) -> Grid:
+def graded(rates: Complex, shares: Array, length: float) -> SignalGrid:
     """Times from 0 to ``length``: steps of a length with which the modes are resolved to the tolerance."""
     begins = length * np.concatenate([[0.0], 2.0 ** np.arange(-OCTAVES, 0), [0.625, 0.75, 0.875]])
     steps = length / 16 * 0.5 ** np.arange(LEVELS)
@@ -181,7 +181,7 @@ def graded(rates: Complex, shares: Array, length: float) -> Grid:
         tolerance *= 2
     pieces = [begin + width * np.arange(n) / n for begin, width, n in zip(begins, widths, counts, strict=True)]
     stretch = np.repeat(np.arange(len(counts)), counts)
-    return Grid(np.append(np.concatenate(pieces), length), stretch, widths / np.maximum(counts, 1))
+    return SignalGrid(np.append(np.concatenate(pieces), length), stretch, widths / np.maximum(counts, 1))
 
 
 def extremes(found: Sampled, m: int) -> Extremes:

@@ -20,7 +20,7 @@ from vibeam.runs.comparison.differences import both_peaks, headline, notes
 from vibeam.system.number_text import signed
 
 if TYPE_CHECKING:
-    from vibeam.studies.influence.curve import Change, Quantity
+    from vibeam.studies.influence.curve import Change, Interest
     from vibeam.studies.influence.study import EffectRow, InfluenceStudy, Variant
 
 
@@ -89,7 +89,7 @@ def _values(study: InfluenceStudy) -> list[str]:
     return [_value(quantity, each) + "*" * bool(each.why) for quantity, each in pairs]
 
 
-def _value(quantity: Quantity, each: Change) -> str:
+def _value(quantity: Interest, each: Change) -> str:
     unit, factor = SHOWN[quantity.unit]
     return f"{each.value * factor:.4g} {unit}".strip() if isfinite(each.value) else "–"
 
@@ -101,7 +101,7 @@ def _changes(study: InfluenceStudy, variant: Variant) -> list[str]:
     return [_amount(quantity, each) + "*" * bool(each.why) for quantity, each in pairs]
 
 
-def _amount(quantity: Quantity, each: Change) -> str:
+def _amount(quantity: Interest, each: Change) -> str:
     """Change as text: signed, in percent or in its unit; a dash without a value."""
     if not isfinite(each.amount):
         return "–"
@@ -168,7 +168,7 @@ def _moved(study: InfluenceStudy, variant: Variant) -> Iterator[str]:
             yield f"{quantity.label.replace('its', _of(quantity))} moves by {size}"
 
 
-def _of(quantity: Quantity) -> str:
+def _of(quantity: Interest) -> str:
     return "the peak's" if quantity.name.startswith("peak") else "the ringing's"
 
 

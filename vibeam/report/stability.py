@@ -21,7 +21,7 @@ from vibeam.periodic.orbit_map import OrbitMap
 from vibeam.report.output import StudySheet
 from vibeam.report.planes import BOUNDARIES, OWN, boundary_keys, frame, panels, shade, swatch
 from vibeam.report.tables import ReportTable, blank
-from vibeam.studies.stability.axes import Axis
+from vibeam.studies.stability.axes import StabilityAxis
 from vibeam.studies.stability.rows import Crossing
 from vibeam.studies.stability.study import ModelMap, Stability
 from vibeam.system.number_text import shown_unit
@@ -114,7 +114,7 @@ def _curve(axes: Axes, curve: BoundaryCurve, number: int, across: float, scale: 
     return drawn
 
 
-def _shown(axis: Axis) -> tuple[str, float]:
+def _shown(axis: StabilityAxis) -> tuple[str, float]:
     """Displayed unit, and the factor from the SI unit of the map to it."""
     return shown_unit(axis.unit, max(abs(axis.low), abs(axis.high)))
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from vibeam.studies.uncertainty.statistics import Spread
+    from vibeam.studies.uncertainty.statistics import Distribution
     from vibeam.studies.uncertainty.study import UncertaintyStudy
 
 
@@ -110,14 +110,14 @@ def changes(study: UncertaintyStudy) -> ReportTable | None:
     table.caption = "first of each in the way of the sweep, to its grid; first number: at the case's own values"
     for row in study.rows:
         for name, words in CHANGES:
-            each: Spread = getattr(row, name)
+            each: Distribution = getattr(row, name)
             if each.share > 0:
                 cells = tuple(_spread(each, units, "frequencies"))
                 table.add_row(row.fidelity, words, *cells, percent(each.share))
     return table if table.rows else None
 
 
-def _spread(each: Spread, units: DisplayUnits, way: str, mean: bool = False) -> Iterator[str]:
+def _spread(each: Distribution, units: DisplayUnits, way: str, mean: bool = False) -> Iterator[str]:
     show = getattr(units, way)
     yield plain(show(each.nominal))
     if mean:

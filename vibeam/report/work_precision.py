@@ -22,7 +22,7 @@ from vibeam.solvers import SOLVERS
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.studies.cost.reference import Errors
+    from vibeam.studies.cost.reference import RunErrors
     from vibeam.studies.cost.row import RunRow
     from vibeam.studies.cost.study import CostStudy
 
@@ -33,7 +33,7 @@ LIMIT: dict[str, Any] = {"color": "0.35", "linewidth": 1.0, "linestyle": (0, (1,
 FLOOR = 1e-16  # position of an error of zero
 WIDEST, EDGE = 6.0, 50.0  # position of larger errors and of failures
 NAMED = {0: "100 %", -2: "1 %"}  # powers of ten that read better as plain numbers
-Pick = Callable[["RunRow"], "Errors"]
+Pick = Callable[["RunRow"], "RunErrors"]
 
 
 def work_precision(study: CostStudy, case: Case) -> Figure:

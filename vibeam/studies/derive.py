@@ -35,7 +35,7 @@ class DerivedParameter:
 
 
 @dataclass(frozen=True)
-class Table:
+class DerivedTable:
     """Rows of the table, by order or by name; ``notes``: the rows left out, and why."""
 
     rows: tuple[DerivedParameter, ...]
@@ -75,7 +75,7 @@ class _FirstMode:
         return sqrt(self.stiffness / self.mass)
 
 
-def derive(case_or_scene: Any) -> Table:
+def derive(case_or_scene: Any) -> DerivedTable:
     """Derive the paper's eq. 44–47 for a Scene (or an object with one as ``.scene``), with finite-element values.
 
     The reference is the first mode of bending of the finite-element model with all effects of the scene, on a base held
@@ -96,7 +96,7 @@ def derive(case_or_scene: Any) -> Table:
     return replace(table, rows=tuple(_explained(row, scene) for row in table))
 
 
-def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> Table:
+def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> DerivedTable:
     """Table of a beam with an attached mass."""
     from vibeam_models.sdof import sdof_model
 
@@ -108,10 +108,10 @@ def _loaded(scene: Scene, mass: Mass, exact: _FirstMode) -> Table:
         notes.append(f"{NEGLECTED}: the attached mass is {100 * share:.2g} % of what moves, and eq. 45 needs m ≫ ρAL")
     rows = [*_static_rows(paper, exact), *_mass_rows(masses, exact), *_frequency_rows(masses, paper.stiffness, exact)]
     rows += [*_cost_rows(masses, paper), *_scaling_rows(scene, paper, exact, MASSLESS in masses)]
-    return Table(tuple(rows), tuple(notes))
+    return DerivedTable(tuple(rows), tuple(notes))
 
 
-def _bare(scene: Scene, exact: _FirstMode) -> Table:
+def _bare(scene: Scene, exact: _FirstMode) -> DerivedTable:
     """Table of a beam without an attached mass."""
     from vibeam_models.static_shape import static_shape_of
 
@@ -120,7 +120,7 @@ def _bare(scene: Scene, exact: _FirstMode) -> Table:
     stiffness, mass = static.stiffness, {WITH_BEAM: static.beam_mass(scene.carrier)}
     notes = [f"{OF_A_MASS}: there is no attached mass"]
     if not mass[WITH_BEAM]:
-        return Table(
+        return DerivedTable(
             (DerivedParameter("stiffness", "K_S", "N/m", stiffness, exact.stiffness, STATIC_SHAPE),), tuple(notes)
         )
     gap = scene.stop.gap / scene.beam.length
@@ -132,7 +132,7 @@ def _bare(scene: Scene, exact: _FirstMode) -> Table:
         *(replace(row, assumption=STATIC_SHAPE) for row in _frequency_rows(mass, stiffness, exact)),
         _gap_row(scene, gap, exact),
     ]
-    return Table(tuple(rows), (*notes, *_ill_posed(scene)))
+    return DerivedTable(tuple(rows), (*notes, *_ill_posed(scene)))
 
 
 def _ill_posed(scene: Scene) -> list[str]:

@@ -133,7 +133,7 @@ class StoredMotions:
         case = self.stored.result.case
         result = self.stored.result
         ways = [(name, way, each) for name in result if name in case.fidelities for way, each in result[name].items()]
-        rigs = {name: _Rig(case, name) for name, _, _ in ways}
+        rigs = {name: _MovingRig(case, name) for name, _, _ in ways}
         for name, direction, response in ways:
             states = self.stored.states[name, direction]
             for point in np.unique([int(np.argmin(np.abs(response.frequency - each))) for each in self.frequency]):
@@ -148,7 +148,7 @@ class StoredMotions:
 
 
 @dataclass(frozen=True)
-class _Rig:
+class _MovingRig:
     """System of one fidelity whose outputs are also the deflections at places along the beam."""
 
     case: Case
@@ -198,7 +198,7 @@ def stations(case: Case, name: str) -> dict[str, float]:
 
 
 def held_at_zero(case: Case, name: str) -> bool:
-    """Whether the beam's end at 0 stays at its base."""
+    """Test whether the beam's end at 0 stays at its base."""
     scene = case.scene_of(name)
     return isinstance(scene, Scene) and any(each.position == 0 and isinf(each.stiffness) for each in scene.carrier.held)
 
@@ -208,7 +208,7 @@ def _window(period: int) -> int:
     return period if 1 <= period <= WINDOW else 1 if period == -1 else WINDOW
 
 
-def _motion(rig: _Rig, head: StoredMotion, state: State, energy: Array) -> StoredMotion:
+def _motion(rig: _MovingRig, head: StoredMotion, state: State, energy: Array) -> StoredMotion:
     """Motion on from ``state``; ``energy`` (n,) of the modes, as stored."""
     here, drive = rig.at(head.frequency)
     head = replace(head, stops=rig.stops(here), base=rig.base(drive))
@@ -223,7 +223,7 @@ def _motion(rig: _Rig, head: StoredMotion, state: State, energy: Array) -> Store
 
 
 def _flown(
-    rig: _Rig, head: StoredMotion, here: ImpactSystem, drive: Drive, state: State, shares: Array | None
+    rig: _MovingRig, head: StoredMotion, here: ImpactSystem, drive: Drive, state: State, shares: Array | None
 ) -> StoredMotion:
     turn, output, window = 2 * np.pi / drive.omega, rig.case.sweep.output, head.window
     path = simulate(here, drive, FLOWN * turn, state)
@@ -247,7 +247,7 @@ def _flown(
 
 
 def _stepped(
-    rig: _Rig, head: StoredMotion, here: ImpactSystem, drive: Drive, state: State, shares: Array | None
+    rig: _MovingRig, head: StoredMotion, here: ImpactSystem, drive: Drive, state: State, shares: Array | None
 ) -> StoredMotion:
     """Motion at the solver's own samples, thinned out."""
     turn, fidelity = 2 * np.pi / drive.omega, rig.case.fidelities[rig.name]
@@ -290,7 +290,7 @@ def _lines(values: Array, turn: float) -> Array:
     return np.asarray(lines[: HARMONICS * FLOWN + 1])
 
 
-def _deflection(rig: _Rig, here: ImpactSystem, modes: Array) -> Array:
+def _deflection(rig: _MovingRig, here: ImpactSystem, modes: Array) -> Array:
     """Deflections (frames, stations) of modal displacements (frames, n)."""
     if not rig.stations:
         return np.empty((0, 0))

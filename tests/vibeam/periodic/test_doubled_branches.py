@@ -13,7 +13,7 @@ from vibeam.periodic.boundaries import boundaries
 from vibeam.periodic.doubled_branches import DoubledBranch, doubled_branches
 from vibeam.periodic.orbit import orbits
 from vibeam.periodic.stroboscopic import StroboscopicMap
-from vibeam.periodic.train_branch import Branch
+from vibeam.periodic.train_branch import TrainBranch
 from vibeam.periodic.train_orbits import states_before, train_orbit
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.state import State
@@ -31,7 +31,7 @@ def setting(value: float) -> tuple[ImpactSystem, Drive]:
 def branches() -> list[DoubledBranch]:
     harder = [(value, orbits(*setting(value))[0]) for value in np.linspace(LOW, HIGH, 9)]
     points = [np.array([orbit.phase, orbit.impulse, value / (HIGH - LOW)]) for value, orbit in harder]
-    return doubled_branches(Branch(1, 1, setting, 1.0, HIGH - LOW), points, LOW, HIGH)
+    return doubled_branches(TrainBranch(1, 1, setting, 1.0, HIGH - LOW), points, LOW, HIGH)
 
 
 def test_a_doubling_begins_each() -> None:
@@ -90,4 +90,4 @@ def test_longer_motions_than_asked_for_are_left_out() -> None:
     value = LOW
     orbit = orbits(*setting(value))[0]
     point = np.array([orbit.phase, orbit.impulse, value / (HIGH - LOW)])
-    assert doubled_branches(Branch(1, 4, setting, 1.0, HIGH - LOW), [point], LOW, HIGH) == []
+    assert doubled_branches(TrainBranch(1, 4, setting, 1.0, HIGH - LOW), [point], LOW, HIGH) == []

@@ -15,7 +15,7 @@ from vibeam.case.fidelity import Fidelity, system
 from vibeam.flight.solver import FlightSolver
 from vibeam.periodic.bifurcation_functions import motions
 from vibeam.periodic.orbit import orbits
-from vibeam.periodic.predicted_response import Found, nearby_orbits, predicted
+from vibeam.periodic.predicted_response import OrbitKind, nearby_orbits, predicted
 from vibeam.periodic.train_sums import Trains
 from vibeam.runs.estimate.error import estimate_error
 from vibeam.runs.estimate.of_case import estimates
@@ -150,12 +150,14 @@ def test_an_orbit_of_another_kind_is_refused() -> None:
             continue
         there = predicted(THREE, train, "sensor")
         own = orbits(THREE, Drive(omega, 0.2))[:1]
-        kind = list(Found)[there.found[0]]
-        if own and kind is not Found.NO_ORBIT:
-            truth = Found.STRIKES if not own[0].admissible else Found.ORBIT if own[0].stable else Found.UNSTABLE
+        kind = list(OrbitKind)[there.found[0]]
+        if own and kind is not OrbitKind.NO_ORBIT:
+            truth = (
+                OrbitKind.STRIKES if not own[0].admissible else OrbitKind.ORBIT if own[0].stable else OrbitKind.UNSTABLE
+            )
             assert kind is truth, omega
             seen.add(kind)
-    assert seen == {Found.ORBIT, Found.STRIKES, Found.UNSTABLE}
+    assert seen == {OrbitKind.ORBIT, OrbitKind.STRIKES, OrbitKind.UNSTABLE}
 
 
 def test_the_correction_grows_toward_a_fold_and_is_refused_beyond_it() -> None:
@@ -211,7 +213,7 @@ def test_an_orbit_that_repeats_sooner_in_the_full_model_is_another_motion() -> N
     own = next(each for each in orbits(THREE, drive) if each.admissible and each.stable)
     apart = np.array([[own.phase, own.phase + 2 * np.pi]]), own.impulse * np.array([[1.001, 0.999]])
     there = predicted(THREE, Trains(*apart, np.array([1.8]), np.array([0.2]), 2), "sensor")
-    assert list(Found)[there.found[0]] is Found.ANOTHER
+    assert list(OrbitKind)[there.found[0]] is OrbitKind.ANOTHER
     assert np.isnan(there.amplitude[0])
 
 

@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from stand_in import curve
 
-from vibeam.studies.cost.measure import AperiodicSample, Measured, Plan
-from vibeam.studies.cost.reference import Errors, errors, sample_distance
+from vibeam.studies.cost.measure import AperiodicSample, Measurement, Plan
+from vibeam.studies.cost.reference import RunErrors, errors, sample_distance
 from vibeam.studies.cost.row import front
 from vibeam.studies.cost.trajectories import ComparedPath, distance, hausdorff, matched
 from vibeam.system.impact_system import Drive
@@ -22,9 +22,9 @@ AMPLITUDE = np.array([1.0, 2.0, 4.0, 2.0, 1.0])
 PLAN = Plan(2 * np.pi * GRID, np.ones(5), 1, 1, "contact", 8, 2, 1.0, Drive(2 * np.pi, 1.0))
 
 
-def found(amplitude: object, period: object = 1, **more: object) -> Measured:
+def found(amplitude: object, period: object = 1, **more: object) -> Measurement:
     usual = {"impact_velocity": np.asarray(amplitude) * 2, "mode_energy": np.asarray(amplitude)[:, None] ** 2}
-    return Measured(curve(GRID, amplitude, period, **(usual | more)))
+    return Measurement(curve(GRID, amplitude, period, **(usual | more)))
 
 
 def test_a_run_beside_itself_is_without_error() -> None:
@@ -148,4 +148,4 @@ def test_the_front_is_what_nothing_beats(points: list[tuple[float, float]]) -> N
 
 
 def test_errors_of_nothing_are_no_numbers() -> None:
-    assert np.isnan(Errors().amplitude.worst)
+    assert np.isnan(RunErrors().amplitude.worst)

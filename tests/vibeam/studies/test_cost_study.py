@@ -23,9 +23,9 @@ from vibeam.runs.sweep import sweep
 from vibeam.solvers import SOLVERS, solver
 from vibeam.studies.cost import measure as measured_module
 from vibeam.studies.cost import study as study_module
-from vibeam.studies.cost.error_split import Share, part, shares, split
+from vibeam.studies.cost.error_split import LinkShare, part, shares, split
 from vibeam.studies.cost.measure import Setting, measure, series_of
-from vibeam.studies.cost.planning import Planning, Schedule, run_schedule
+from vibeam.studies.cost.planning import Planning, RunSchedule, run_schedule
 from vibeam.studies.cost.reference import bound
 from vibeam.studies.cost.row import timed
 from vibeam.studies.cost.study import CostStudy, cost
@@ -74,7 +74,7 @@ def test_the_cheapest_next_and_the_rest_is_named() -> None:
         seconds["budget"] -= took
         return took
 
-    tracks = [Schedule("a", ladder, 2.0), Schedule("b", single, 1.0), Schedule("c", single, 50.0)]
+    tracks = [RunSchedule("a", ladder, 2.0), RunSchedule("b", single, 1.0), RunSchedule("c", single, 50.0)]
     left = run_schedule(tracks, lambda: seconds["budget"], run)
     assert taken == ["b flight", "a direct RK23 rtol 0", "a direct RK23 rtol 1"]
     assert [(each.fidelity, each.run) for each in left] == [
@@ -83,7 +83,7 @@ def test_the_cheapest_next_and_the_rest_is_named() -> None:
     assert "about 18 s" in left[0].why
     assert "about 54 s" in left[1].why
     assert "11 s of the budget" in left[0].why
-    stopped = run_schedule([Schedule("a", ladder, 2.0)], lambda: 100.0, lambda fidelity, rung: None)
+    stopped = run_schedule([RunSchedule("a", ladder, 2.0)], lambda: 100.0, lambda fidelity, rung: None)
     assert len(stopped) == 3
     assert "rtol 0 broke down" in stopped[0].why
 
@@ -265,11 +265,11 @@ def test_a_chain_telescopes_over_the_points_that_all_have() -> None:
 
 
 def test_a_part_has_its_extremes_and_its_value_at_the_peak_with_their_signs() -> None:
-    found = part("reduction", Share(np.array([-0.3, 0.1, 0.2]), 0.1))
+    found = part("reduction", LinkShare(np.array([-0.3, 0.1, 0.2]), 0.1))
     assert (found.lowest, found.highest, found.worst, found.peak) == (-0.3, 0.2, 0.3, 0.1)
     assert found.mean == pytest.approx(0.0, abs=1e-15)
     assert found.rms == pytest.approx(np.sqrt(0.14 / 3))
-    assert np.isnan(part("reduction", Share(np.array([]), np.nan)).peak)
+    assert np.isnan(part("reduction", LinkShare(np.array([]), np.nan)).peak)
 
 
 def test_where_no_contact_gives_that_restitution_the_part_is_left_out_with_its_reason() -> None:

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from vibeam.flight import trajectory
-from vibeam.studies.doctor import Finding, State
+from vibeam.studies.doctor import Finding, Severity
 from vibeam.studies.doctor.machine import _folder, processor
 from vibeam.studies.doctor.packages import Requirement, numbers, once, optional, parsed, required, requirements
 from vibeam.studies.doctor.self_check import CHECKS, checked, reason, self_check
@@ -82,16 +82,16 @@ def test_a_motion_that_is_a_little_off_is_a_fault(name: str, monkeypatch: pytest
 
     monkeypatch.setattr(trajectory, "simulate", wrong)
     found = {each.name: each for each in self_check()}
-    assert found[name].state is State.FAULT
+    assert found[name].state is Severity.FAULT
     assert "is allowed" in found[name].value
-    assert found["frequency of a cantilever"].state is State.GOOD
+    assert found["frequency of a cantilever"].state is Severity.GOOD
 
 
 @pytest.mark.parametrize("off", [float("nan"), 1e-3])
 def test_a_deviation_beyond_what_is_allowed_is_a_fault(off: float) -> None:
     found = checked("it", lambda: off, 1e-6)
-    assert (found.state, bool(found.cure)) == (State.FAULT, True)
-    assert checked("it", lambda: 1e-7, 1e-6).state is State.GOOD
+    assert (found.state, bool(found.cure)) == (Severity.FAULT, True)
+    assert checked("it", lambda: 1e-7, 1e-6).state is Severity.GOOD
     assert checked("it", lambda: 1 / 0, 1e-6).value == "ZeroDivisionError: division by zero"
 
 
@@ -132,20 +132,20 @@ def test_versions_are_compared_by_their_numbers(one: str, other: str) -> None:
 
 def test_a_package_that_is_absent_or_old_has_its_cure() -> None:
     assert required(Requirement("no-such-package", "2")) == Finding(
-        "packages", "no-such-package", State.FAULT, "not installed", "pip install 'no-such-package>=2'"
+        "packages", "no-such-package", Severity.FAULT, "not installed", "pip install 'no-such-package>=2'"
     )
     old = required(Requirement("numpy", "999"))
-    assert (old.state, old.cure) == (State.FAULT, "pip install --upgrade 'numpy>=999'")
+    assert (old.state, old.cure) == (Severity.FAULT, "pip install --upgrade 'numpy>=999'")
     extra = optional(Requirement("no-such-package", "2", "lab"))
-    assert (extra.state, extra.cure) == (State.ABSENT, "to have it: pip install 'vibeam[lab]'")
+    assert (extra.state, extra.cure) == (Severity.ABSENT, "to have it: pip install 'vibeam[lab]'")
 
 
 def test_a_folder_that_is_not_writable_is_seen(tmp_path: Path) -> None:
     taken = tmp_path / "file"
     taken.touch()
-    found = _folder("cache", lambda: str(taken / "below"), State.NOTE, "set X")
-    assert (found.state, found.cure) == (State.NOTE, "set X")
-    assert _folder("cache", lambda: str(tmp_path / "new"), State.NOTE, "").state is State.GOOD
+    found = _folder("cache", lambda: str(taken / "below"), Severity.NOTE, "set X")
+    assert (found.state, found.cure) == (Severity.NOTE, "set X")
+    assert _folder("cache", lambda: str(tmp_path / "new"), Severity.NOTE, "").state is Severity.GOOD
 
 
 def test_a_processor_without_a_name_has_its_architecture(tmp_path: Path) -> None:

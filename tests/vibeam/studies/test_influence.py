@@ -26,7 +26,17 @@ from vibeam.cli.main import app
 from vibeam.exchange.faults import CaseError
 from vibeam.report.influence import bars, left_alone, lines, sentences, taken_away, verdict
 from vibeam.report.tables import print_table
-from vibeam.studies.influence.curve import Curve, Quantity, Step, Value, change, ends, quantities, refined_peak, swept
+from vibeam.studies.influence.curve import (
+    Curve,
+    Interest,
+    Step,
+    ValueRead,
+    change,
+    ends,
+    quantities,
+    refined_peak,
+    swept,
+)
 from vibeam.studies.influence.model import observed_ringing
 from vibeam.studies.influence.study import InfluenceStudy, influence
 from vibeam.studies.influence.subsets import effects_of, is_effect, smallest, subsets
@@ -301,15 +311,15 @@ def test_one_mode_does_not_ring_and_says_so() -> None:
 
 
 def test_changes_are_relative_or_absolute_and_never_dropped() -> None:
-    relative, absolute = Quantity("a", "a", "m", "relative", 0.01), Quantity("b", "b", "Hz", "absolute", 0.1)
-    assert change(relative, Value(1.03), Value(1.0)).share == pytest.approx(3)
-    assert change(absolute, Value(14.8), Value(15.0)).share == pytest.approx(2)
-    gone = change(relative, Value(np.nan, "no peak"), Value(1.0))
+    relative, absolute = Interest("a", "a", "m", "relative", 0.01), Interest("b", "b", "Hz", "absolute", 0.1)
+    assert change(relative, ValueRead(1.03), ValueRead(1.0)).share == pytest.approx(3)
+    assert change(absolute, ValueRead(14.8), ValueRead(15.0)).share == pytest.approx(2)
+    gone = change(relative, ValueRead(np.nan, "no peak"), ValueRead(1.0))
     assert (gone.share, gone.why) == (inf, "no peak")
-    come = change(relative, Value(1.0), Value(np.nan, "no peak"))
+    come = change(relative, ValueRead(1.0), ValueRead(np.nan, "no peak"))
     assert (come.share, come.why) == (inf, "all effects: no peak")
-    assert change(relative, Value(np.nan, "x"), Value(np.nan, "x")).share == 0
-    assert isinf(change(relative, Value(1.0), Value(0.0)).share)
+    assert change(relative, ValueRead(np.nan, "x"), ValueRead(np.nan, "x")).share == 0
+    assert isinf(change(relative, ValueRead(1.0), ValueRead(0.0)).share)
 
 
 # --- the search -------------------------------------------------------------------------------------------------------

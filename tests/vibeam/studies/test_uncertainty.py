@@ -19,7 +19,7 @@ from vibeam.studies.uncertainty.multifidelity import Pilot, allocation, estimate
 from vibeam.studies.uncertainty.samples import Responses, Sampler, _changes, inputs_of
 from vibeam.studies.uncertainty.statistics import indices, saltelli
 from vibeam.studies.uncertainty.study import uncertainty
-from vibeam.studies.uncertainty.surrogates import ClosedForm, Surface, known, runs
+from vibeam.studies.uncertainty.surrogates import ClosedFormPeaks, Surface, known, runs
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -325,7 +325,7 @@ def test_peaks_in_closed_form_are_those_of_the_flown_sweeps():
     inputs = inputs_of(case.uncertain, np.random.default_rng(2).random((3, len(keys))))
     assert known(case, "beam")
     for name in ("sdof", "beam"):
-        flown, closed = Sampler(case, keys)(name, inputs), ClosedForm(case, keys)(name, inputs)
+        flown, closed = Sampler(case, keys)(name, inputs), ClosedFormPeaks(case, keys)(name, inputs)
         assert closed.peak == pytest.approx(flown.peak, rel=0.01)
         assert closed.peak_frequency == pytest.approx(flown.peak_frequency, abs=0.11)
         assert closed.amplitude == pytest.approx(flown.amplitude, rel=0.03)

@@ -16,10 +16,10 @@ def doctor(as_json: AsJson = False) -> None:
 
     Exit code 1 where there is a fault.
     """
-    from vibeam.studies.doctor import State, examine
+    from vibeam.studies.doctor import Severity, examine
 
     findings = examine()
-    faults = sum(each.state is State.FAULT for each in findings)
+    faults = sum(each.state is Severity.FAULT for each in findings)
     if as_json:
         from vibeam.report import output
 

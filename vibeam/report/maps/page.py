@@ -21,7 +21,7 @@ from vibeam.report.tables import blank
 from vibeam.system.number_text import percent
 
 if TYPE_CHECKING:
-    from vibeam.maps.motions import Motion
+    from vibeam.maps.motions import CoexistingMotion
     from vibeam.maps.result import MapRow
     from vibeam.report.tables import ReportTable
 
@@ -82,7 +82,7 @@ def shares(rows: Sequence[MapRow]) -> ReportTable:
     return table
 
 
-def motions(found: Sequence[Motion], units: DisplayUnits) -> ReportTable:
+def motions(found: Sequence[CoexistingMotion], units: DisplayUnits) -> ReportTable:
     """Table of the motions that starts lead to, the commonest of each fidelity first."""
     unit = f" ({units.length})" if units.length else ""
     table = blank(

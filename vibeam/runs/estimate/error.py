@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from vibeam.periodic.modal_sums import resonant
-from vibeam.periodic.predicted_response import Found, PredictedResponse, predicted, predicted_free
+from vibeam.periodic.predicted_response import OrbitKind, PredictedResponse, predicted, predicted_free
 from vibeam.periodic.train_sums import Trains
 from vibeam.runs.closed_motions import unsuited
 from vibeam.runs.estimate.motions import SweptMotions, swept_motions
@@ -89,5 +89,5 @@ class _Rows:
                 self.signed[row, which] = signed
                 self.bounds[row, which] = np.abs(signed) + (1 + np.abs(signed)) * (off / np.abs(value) + READ_OFF)
         self.bounds[3, which] = there.first
-        codes = np.array([same.code, *(Basis[each.name].code for each in Found if each is not Found.ORBIT)])
+        codes = np.array([same.code, *(Basis[each.name].code for each in OrbitKind if each is not OrbitKind.ORBIT)])
         self.basis[which] = codes[there.found]

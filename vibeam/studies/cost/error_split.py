@@ -60,24 +60,26 @@ class Split:
 
 
 @dataclass(frozen=True)
-class Share:
+class LinkShare:
     """Relative difference in amplitude over a link, (points,), and ``at_peak`` of the last curve (NaN: not there)."""
 
     values: Array
     at_peak: float
 
 
-def shares(chain: Sequence[FrequencyResponse]) -> list[Share]:
+def shares(chain: Sequence[FrequencyResponse]) -> list[LinkShare]:
     """Shares of each link and, last, of the chain, over the points where all are periodic."""
     last = chain[-1]
     where = np.logical_and.reduce([periodic(each) for each in chain]) & (last.amplitude > 0)
     top = last.peak.point if last.peak.point >= 0 and where[last.peak.point] else None
     steps = [np.divide(each.amplitude, last.amplitude, out=np.full(len(last), np.nan), where=where) for each in chain]
     pairs = [*pairwise(steps), (steps[0], steps[-1])]
-    return [Share((one - other)[where], np.nan if top is None else float((one - other)[top])) for one, other in pairs]
+    return [
+        LinkShare((one - other)[where], np.nan if top is None else float((one - other)[top])) for one, other in pairs
+    ]
 
 
-def part(name: str, found: Share) -> Part:
+def part(name: str, found: LinkShare) -> Part:
     """Part from the share of one link."""
     values = found.values
     if not len(values):

@@ -104,7 +104,7 @@ class AperiodicSample:
 
 
 @dataclass(frozen=True)
-class Measured:
+class Measurement:
     """Measurements of a run; ``clouds`` by the index of their frequency, ``path`` None where the solver keeps none."""
 
     response: FrequencyResponse
@@ -138,7 +138,7 @@ class Measured:
 
 def measure(
     system: ImpactSystem, setting: Setting, plan: Plan, clock: Clock = lambda: 0.0, deadline: float = np.inf
-) -> Measured:
+) -> Measurement:
     """Run the plan; ValueError where the solver cannot take the system, OutOfTime soon after ``clock`` passes
     ``deadline``.
     """
@@ -150,7 +150,7 @@ def measure(
         raise OutOfTime(f"stopped after {len(parts)} of {len(plan.omega)} points: {up}") from None
 
 
-def _measured(system: ImpactSystem, setting: Setting, plan: Plan, parts: list[FrequencyResponse]) -> Measured:
+def _measured(system: ImpactSystem, setting: Setting, plan: Plan, parts: list[FrequencyResponse]) -> Measurement:
     """Run the plan; ``parts`` takes the points as they are done."""
     runner = solver(setting.solver, system, float(np.min(plan.omega)), **setting.options)
     clouds: dict[int, AperiodicSample] = {}
@@ -167,7 +167,7 @@ def _measured(system: ImpactSystem, setting: Setting, plan: Plan, parts: list[Fr
             clouds[index] = _cloud(watched)
     path = _path(runner, SOLVERS[setting.solver].motion, system, plan) if plan.window else None
     periods = len(plan.omega) * (plan.settle + plan.hold) + len(clouds) * plan.cloud + plan.window * (path is not None)
-    return Measured(join(parts), clouds, path, periods)
+    return Measurement(join(parts), clouds, path, periods)
 
 
 def _cloud(watched: FrequencyResponse) -> AperiodicSample:

@@ -91,7 +91,7 @@ OVER = "over the whole budget"
 
 
 @dataclass(frozen=True)
-class Schedule:
+class RunSchedule:
     """Series of settings of one solver on one fidelity; ``estimate``: seconds of its first setting, maybe inf."""
 
     fidelity: str
@@ -111,7 +111,7 @@ class LeftOut:
 Run = Callable[[str, Setting], float | None]
 
 
-def run_schedule(schedules: Sequence[Schedule], left: Callable[[], float], run: Run) -> list[LeftOut]:
+def run_schedule(schedules: Sequence[RunSchedule], left: Callable[[], float], run: Run) -> list[LeftOut]:
     """Run setting by setting, always the one estimated to be cheapest, while ``left()`` seconds allow it.
 
     ``run(fidelity, setting)`` gives the seconds it took, None where stricter settings are of no use. A

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from vibeam.exchange.curves.record import SAME_FREQUENCY
 from vibeam.flight.engine.threads import Clock, OutOfTime
-from vibeam.studies.cost.measure import AperiodicSample, Measured, Plan, Setting, measure
+from vibeam.studies.cost.measure import AperiodicSample, Measurement, Plan, Setting, measure
 from vibeam.studies.cost.trajectories import APART, distance, matched
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.response import Difference, FrequencyResponse, complete, periodic
@@ -24,7 +24,7 @@ NONE = float("nan")
 
 
 @dataclass(frozen=True)
-class Errors:
+class RunErrors:
     """Errors against a reference run, relative unless stated; NaN where there is nothing to compare.
 
     ``amplitude``, ``velocity`` (mean impact velocity) and ``energy``: over the frequencies where both motions are
@@ -48,12 +48,12 @@ class Errors:
     path: float = NONE
 
 
-def errors(found: Measured, truth: Measured, plan: Plan) -> Errors:
+def errors(found: Measurement, truth: Measurement, plan: Plan) -> RunErrors:
     """Compute the errors of ``found`` against ``truth``, both of one plan."""
     one, other = found.response, truth.response
     both, ends = periodic(one) & periodic(other), [each.period_one for each in (one, other)]
     kind = np.count_nonzero(complete(one) & complete(other) & (periodic(one) != periodic(other)))
-    return Errors(
+    return RunErrors(
         amplitude=one.off(other),
         velocity=_worst(one.impact_velocity, other.impact_velocity, both),
         energy=_worst(one.mode_energy.sum(axis=1), other.mode_energy.sum(axis=1), both),
@@ -69,7 +69,7 @@ def _worst(values: Array, truth: Array, where: NDArray[np.bool_]) -> float:
     return float(np.max(np.abs(values[where] / truth[where] - 1))) if where.any() else NONE
 
 
-def _statistics(found: Measured, truth: Measured) -> dict[str, Any]:
+def _statistics(found: Measurement, truth: Measurement) -> dict[str, Any]:
     both = [index for index in truth.clouds if index in found.clouds]
     if not both:
         return {}
@@ -95,7 +95,7 @@ def _half(cloud: AperiodicSample, which: int) -> AperiodicSample:
     return AperiodicSample(np.array_split(cloud.amplitude, 2)[which], np.array_split(cloud.velocity, 2)[which])
 
 
-def _path(found: Measured, truth: Measured, plan: Plan) -> dict[str, Any]:
+def _path(found: Measurement, truth: Measurement, plan: Plan) -> dict[str, Any]:
     if found.path is None or truth.path is None:
         return {}
     period = 2 * np.pi / plan.drive.omega
@@ -157,7 +157,7 @@ class Bound:
 
 
 def bound(
-    system: ImpactSystem, exact: Measured, plan: Plan, clock: Clock = lambda: 0.0, budget: float = np.inf
+    system: ImpactSystem, exact: Measurement, plan: Plan, clock: Clock = lambda: 0.0, budget: float = np.inf
 ) -> Bound:
     """Compute both comparisons with ``exact``, integrating for ``budget`` seconds of the ``clock`` at most."""
     by_orbit, refusal = _closed_form(system, exact, plan)
@@ -169,10 +169,10 @@ def bound(
     )  # fmt: skip
 
 
-def _closed_form(system: ImpactSystem, exact: Measured, plan: Plan) -> tuple[Errors, str]:
+def _closed_form(system: ImpactSystem, exact: Measurement, plan: Plan) -> tuple[RunErrors, str]:
     """Distance to the closed-form orbits, or the reason why there are none."""
     if system.beyond_plain:
-        return Errors(), f"no closed-form orbits with {' or '.join(system.beyond_plain)}"
+        return RunErrors(), f"no closed-form orbits with {' or '.join(system.beyond_plain)}"
     alone = _single_impacts(exact.response)
     return errors(measure(system, ORBIT, replace(plan, window=0)), replace(exact, response=alone), plan), ""
 
@@ -204,15 +204,15 @@ def _single_impacts(response: FrequencyResponse) -> FrequencyResponse:
     return replace(response, period=np.where(simple, response.period, 0))
 
 
-def _integrated(system: ImpactSystem, plan: Plan, clock: Clock, budget: float) -> tuple[Errors, str]:
+def _integrated(system: ImpactSystem, plan: Plan, clock: Clock, budget: float) -> tuple[RunErrors, str]:
     if system.size > MOST:
-        return Errors(), f"{system.size} modes are too many to integrate at {STRICT:.0e}"
+        return RunErrors(), f"{system.size} modes are too many to integrate at {STRICT:.0e}"
     short = replace(plan.at(0), settle=0, hold=1, cloud=0, window=WINDOW)
     options = {"method": "DOP853", "rtol": STRICT, "atol": STRICT * 1e-2 * plan.size}
     try:
         strict = measure(system, Setting("direct", options=options), short, clock, clock() + budget)
     except ValueError as refusal:
-        return Errors(), f"no integration: {refusal}"
+        return RunErrors(), f"no integration: {refusal}"
     except OutOfTime:
-        return Errors(), f"integration at {STRICT:.0e} takes more than {budget:.2g} s"
+        return RunErrors(), f"integration at {STRICT:.0e} takes more than {budget:.2g} s"
     return errors(strict, measure(system, FLIGHT, short), short), strict.failure

@@ -12,8 +12,8 @@ import numpy as np
 from vibeam.flight.engine.threads import Clock
 from vibeam.runs.models import Model
 from vibeam.studies.cost.error_split import Part, part, shares
-from vibeam.studies.cost.measure import Measured, Plan, Setting
-from vibeam.studies.cost.reference import Errors, errors
+from vibeam.studies.cost.measure import Measurement, Plan, Setting
+from vibeam.studies.cost.reference import RunErrors, errors
 from vibeam.system.response import Ended, complete
 
 
@@ -39,7 +39,7 @@ class Work:
         return self.cpu_min / self.impacts if self.impacts else float("nan")
 
 
-def timed(run: Callable[[], Measured], clock: Clock, repeats: int, spend: float) -> tuple[Measured, Work]:
+def timed(run: Callable[[], Measurement], clock: Clock, repeats: int, spend: float) -> tuple[Measurement, Work]:
     """Result of the first ``run``, and its work over as many of the ``repeats`` as ``spend`` seconds allow."""
     found, seconds = None, list[float]()
     while len(seconds) < repeats and (not seconds or sum(seconds) + seconds[-1] <= spend):
@@ -81,8 +81,8 @@ class RunRow:
     solver: str
     method: str
     setting: str
-    total: Errors
-    numerical: Errors
+    total: RunErrors
+    numerical: RunErrors
     parts: tuple[Part, ...]
     work: Work | None
     found: int = 0  #: frequencies at which it found a motion
@@ -100,21 +100,23 @@ class References:
     needed (``own``), and the reference.
     """
 
-    short: Measured
-    own: Measured
-    reference: Measured
+    short: Measurement
+    own: Measurement
+    reference: Measurement
 
 
 def stopped(model: Model, setting: Setting, why: str) -> RunRow:
     """Row of a run that did not end."""
-    return _row(model, setting, Errors(), Errors(), (), None, 0, why)
+    return _row(model, setting, RunErrors(), RunErrors(), (), None, 0, why)
 
 
-def compared(model: Model, setting: Setting, plan: Plan, found: Measured, work: Work, references: References) -> RunRow:
+def compared(
+    model: Model, setting: Setting, plan: Plan, found: Measurement, work: Work, references: References
+) -> RunRow:
     """Row of a run that ended, with or without failed points."""
     motions = int(np.count_nonzero(complete(found.response)))
     if found.failure:
-        return _row(model, setting, Errors(), Errors(), (), work, motions, found.failure)
+        return _row(model, setting, RunErrors(), RunErrors(), (), work, motions, found.failure)
     total, numerical = (errors(found, truth, plan) for truth in (references.reference, references.own))
     why = "" if total.amplitude.points or np.isfinite(total.statistics) else _nothing(found)
     chain = (found, references.short, references.own, references.reference)
@@ -123,7 +125,7 @@ def compared(model: Model, setting: Setting, plan: Plan, found: Measured, work: 
 
 
 def _row(
-    model: Model, setting: Setting, total: Errors, numerical: Errors, parts: tuple[Part, ...], work: Work | None,
+    model: Model, setting: Setting, total: RunErrors, numerical: RunErrors, parts: tuple[Part, ...], work: Work | None,
     motions: int, why: str,
 ) -> RunRow:  # fmt: skip
     return RunRow(
@@ -132,6 +134,6 @@ def _row(
     )  # fmt: skip
 
 
-def _nothing(found: Measured) -> str:
+def _nothing(found: Measurement) -> str:
     none = np.all(found.response.ended == Ended.NO_ORBIT.code)
     return Ended.NO_ORBIT.value if none else "no frequency at which both its motion and the reference's repeat"

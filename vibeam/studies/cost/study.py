@@ -18,8 +18,8 @@ from vibeam.runs.comparison.held_comparison import compared_model, held_comparis
 from vibeam.runs.models import CUT_SOLVERS, Model, built, finest, models
 from vibeam.solvers import SOLVERS
 from vibeam.studies.cost.error_split import Split, split
-from vibeam.studies.cost.measure import Measured, Plan, Setting, measure, series_of
-from vibeam.studies.cost.planning import LeftOut, Planning, Schedule, run_schedule
+from vibeam.studies.cost.measure import Measurement, Plan, Setting, measure, series_of
+from vibeam.studies.cost.planning import LeftOut, Planning, RunSchedule, run_schedule
 from vibeam.studies.cost.reference import FLIGHT, Bound, bound, given
 from vibeam.studies.cost.row import References, RunRow, Work, compared, front, stopped, timed
 from vibeam.system.impact_system import ImpactSystem
@@ -87,10 +87,10 @@ def cost(case: Case, progress: Progress = lambda line: None, clock: Clock = time
     if moving:
         names = ", ".join(moving)
         raise ValueError(f"fidelity {names}: the gap changes along the sweep (drift or wear), no point stands alone")
-    return _Studied(case, progress, clock).study()
+    return _CostRuns(case, progress, clock).study()
 
 
-class _Studied:
+class _CostRuns:
     """State of a study in progress."""
 
     def __init__(self, case: Case, progress: Progress, clock: Clock) -> None:
@@ -132,7 +132,7 @@ class _Studied:
         plan = self.planning.plan
         hertz = plan.omega / (2 * np.pi)
         self.file = None if self.asked.reference is None else given(self.case, hertz)
-        self.truth = top if self.file is None else Measured(self.file)
+        self.truth = top if self.file is None else Measurement(self.file)
         bounded = bound(self.finest.system, top, self.planning.long, self.clock, self.asked.budget)
         splits = tuple(self._split(model, top) for model in self.models)
         schedules = self._schedules()
@@ -158,12 +158,12 @@ class _Studied:
         """Seconds left of the budget, which begins after the exact motions that every study needs."""
         return self.asked.budget - (self.clock() - self.ready)
 
-    def _timed(self, system: ImpactSystem, setting: Setting, plan: Plan, deadline: float) -> tuple[Measured, Work]:
+    def _timed(self, system: ImpactSystem, setting: Setting, plan: Plan, deadline: float) -> tuple[Measurement, Work]:
         spend = SHARE * self.asked.budget
         run = lambda: measure(system, setting, plan, self.clock, deadline)  # noqa: E731
         return timed(run, self.clock, self.asked.repeats, spend)
 
-    def _split(self, model: Model, top: Measured) -> Split:
+    def _split(self, model: Model, top: Measurement) -> Split:
         def build(one: Model, other: Model) -> ImpactSystem:
             if one is other:
                 return other.system
@@ -177,7 +177,7 @@ class _Studied:
         exact, work = self.exact[model.name]
         return split(model, self.finest, exact.response, top.response, build, fly, work.cpu_min, self.file)
 
-    def _schedules(self) -> list[Schedule]:
+    def _schedules(self) -> list[RunSchedule]:
         """Series of settings of every fidelity and solver; refusals are noted."""
         schedules = []
         for model in self.models:
@@ -186,7 +186,7 @@ class _Studied:
                     continue
                 try:
                     for series in series_of(name, self.planning.plan.size):
-                        schedules.append(Schedule(model.name, series, self._estimate(model, series[0])))
+                        schedules.append(RunSchedule(model.name, series, self._estimate(model, series[0])))
                 except ValueError as refusal:
                     self.refused.append(LeftOut(model.name, name, str(refusal)))
         return schedules

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 
-from vibeam.studies.doctor.machine import Finding, State
+from vibeam.studies.doctor.machine import Finding, Severity
 
-__all__ = ["Finding", "State", "examine"]
+__all__ = ["Finding", "Severity", "examine"]
 
 
 def examine() -> tuple[Finding, ...]:
@@ -19,7 +19,7 @@ def _within(part: Callable[[], Iterator[Finding]]) -> Iterator[Finding]:
         yield from part()
     except Exception as fault:  # of a package that is missing or broken, which has its own line
         name = part.__name__.replace("_", " ")
-        yield Finding(name, name, State.FAULT, f"not examined: {type(fault).__name__}: {fault}")
+        yield Finding(name, name, Severity.FAULT, f"not examined: {type(fault).__name__}: {fault}")
 
 
 def _parts() -> tuple[Callable[[], Iterator[Finding]], ...]:

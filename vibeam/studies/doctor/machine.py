@@ -12,7 +12,7 @@ from enum import StrEnum
 from pathlib import Path
 
 
-class State(StrEnum):
+class Severity(StrEnum):
     """State of what was examined."""
 
     GOOD = "ok"
@@ -24,17 +24,17 @@ class State(StrEnum):
 
 @dataclass(frozen=True)
 class Finding:
-    """What was found of ``name`` in a ``topic``; ``cure``: what helps, where something does."""
+    """Finding of ``name`` in a ``topic``; ``cure``: what helps, where something does."""
 
     topic: str
     name: str
-    state: State
+    state: Severity
     value: str
     cure: str = ""
 
     def __str__(self) -> str:
         """As one line."""
-        head = {State.FAULT: "FAULT", State.FACT: ""}.get(self.state, self.state.value)
+        head = {Severity.FAULT: "FAULT", Severity.FACT: ""}.get(self.state, self.state.value)
         said = f"{head:6}  {self.name}: {self.value}"
         return f"{said}; {self.cure}" if self.cure else said
 
@@ -59,7 +59,7 @@ def machine() -> Iterator[Finding]:
 
 
 def _fact(name: str, value: str) -> Finding:
-    return Finding(MACHINE, name, State.FACT, value)
+    return Finding(MACHINE, name, Severity.FACT, value)
 
 
 def processor(cpuinfo: Path = Path("/proc/cpuinfo")) -> str:
@@ -91,14 +91,14 @@ def _linear_algebra() -> str:
 
 def places() -> Iterator[Finding]:
     """Findings about folders that must be writable, and about ffmpeg."""
-    yield _folder("temporary files", tempfile.gettempdir, State.FAULT, "set TMPDIR to a folder that is")
-    yield _folder("matplotlib's cache", _of_matplotlib, State.NOTE, "set MPLCONFIGDIR to one: starts are quicker")
+    yield _folder("temporary files", tempfile.gettempdir, Severity.FAULT, "set TMPDIR to a folder that is")
+    yield _folder("matplotlib's cache", _of_matplotlib, Severity.NOTE, "set MPLCONFIGDIR to one: starts are quicker")
     yield _folder(
-        "numba's cache", _of_numba, State.NOTE, "set NUMBA_CACHE_DIR to one, or kernels are compiled at each start"
+        "numba's cache", _of_numba, Severity.NOTE, "set NUMBA_CACHE_DIR to one, or kernels are compiled at each start"
     )
     found = shutil.which("ffmpeg")
     cure = "" if found else "if you need that: install it (apt install ffmpeg)"
-    yield Finding(PLACES, "ffmpeg", State.GOOD if found else State.ABSENT, found or "not found (mp4 files)", cure)
+    yield Finding(PLACES, "ffmpeg", Severity.GOOD if found else Severity.ABSENT, found or "not found (mp4 files)", cure)
 
 
 def _of_matplotlib() -> str:
@@ -112,12 +112,12 @@ def _of_numba() -> str:
     return os.environ.get("NUMBA_CACHE_DIR") or str(Path(__file__).parents[2] / "flight" / "kernels")
 
 
-def _folder(name: str, where: object, otherwise: State, cure: str) -> Finding:
+def _folder(name: str, where: object, otherwise: Severity, cure: str) -> Finding:
     assert callable(where)
     try:
         folder = str(where())
         os.makedirs(folder, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
-            return Finding(PLACES, name, State.GOOD, folder)
+            return Finding(PLACES, name, Severity.GOOD, folder)
     except Exception as fault:
         return Finding(PLACES, name, otherwise, f"no folder that is writable: {fault}", cure)

@@ -11,7 +11,7 @@ from importlib import import_module
 from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
 
-from vibeam.studies.doctor.machine import Finding, State
+from vibeam.studies.doctor.machine import Finding, Severity
 
 TOPIC = "packages"
 LEAST_PYTHON = (3, 11)
@@ -38,7 +38,7 @@ def packages() -> Iterator[Finding]:
     """Findings about Python, vibeam and all requirements."""
     new = sys.version_info >= LEAST_PYTHON
     least = ".".join(map(str, LEAST_PYTHON))
-    state, cure = (State.GOOD, "") if new else (State.FAULT, f"install {least} or higher")
+    state, cure = (Severity.GOOD, "") if new else (Severity.FAULT, f"install {least} or higher")
     yield Finding(TOPIC, "Python", state, f"{platform.python_version()} ({sys.executable})", cure)
     yield _own()
     for each in requirements():
@@ -53,11 +53,11 @@ def _own() -> Finding:
     try:
         installed = version("vibeam")
     except PackageNotFoundError:
-        return Finding(TOPIC, "vibeam", State.NOTE, f"{running} in {place}, run from its sources", "")
+        return Finding(TOPIC, "vibeam", Severity.NOTE, f"{running} in {place}, run from its sources", "")
     if installed != running:
         said = f"{running} in {place} hides the installed {installed}"
-        return Finding(TOPIC, "vibeam", State.FAULT, said, "start in another folder, or unset PYTHONPATH")
-    return Finding(TOPIC, "vibeam", State.GOOD, f"{installed} in {place}")
+        return Finding(TOPIC, "vibeam", Severity.FAULT, said, "start in another folder, or unset PYTHONPATH")
+    return Finding(TOPIC, "vibeam", Severity.GOOD, f"{installed} in {place}")
 
 
 def requirements() -> list[Requirement]:
@@ -103,7 +103,7 @@ def required(wanted: Requirement) -> Finding:
     """Finding about a package that must be there: its version, and that it can be imported."""
     installed = _version(wanted.name)
     if installed is None:
-        return Finding(TOPIC, wanted.name, State.FAULT, "not installed", f"pip install '{_as_pip(wanted)}'")
+        return Finding(TOPIC, wanted.name, Severity.FAULT, "not installed", f"pip install '{_as_pip(wanted)}'")
     return _imported(wanted, installed) or _judged(wanted, installed)
 
 
@@ -112,7 +112,7 @@ def optional(wanted: Requirement) -> Finding:
     installed = _version(wanted.name)
     if installed is None:
         said = f"not installed ({EXTRAS[wanted.extra]})"
-        return Finding(TOPIC, wanted.name, State.ABSENT, said, f"to have it: pip install 'vibeam[{wanted.extra}]'")
+        return Finding(TOPIC, wanted.name, Severity.ABSENT, said, f"to have it: pip install 'vibeam[{wanted.extra}]'")
     return _imported(wanted, installed) or _judged(wanted, installed)
 
 
@@ -123,15 +123,15 @@ def _imported(wanted: Requirement, installed: str) -> Finding | None:
     except Exception as fault:
         said = f"{installed} cannot be imported: {type(fault).__name__}: {str(fault).partition(chr(10))[0]}"
         cure = f"pip install --force-reinstall '{_as_pip(wanted)}'"
-        return Finding(TOPIC, wanted.name, State.FAULT, said, cure)
+        return Finding(TOPIC, wanted.name, Severity.FAULT, said, cure)
     return None
 
 
 def _judged(wanted: Requirement, installed: str) -> Finding:
     if numbers(installed) < numbers(wanted.least):
         cure = f"pip install --upgrade '{_as_pip(wanted)}'"
-        return Finding(TOPIC, wanted.name, State.FAULT, f"{installed} is older than {wanted.least}", cure)
-    return Finding(TOPIC, wanted.name, State.GOOD, installed)
+        return Finding(TOPIC, wanted.name, Severity.FAULT, f"{installed} is older than {wanted.least}", cure)
+    return Finding(TOPIC, wanted.name, Severity.GOOD, installed)
 
 
 def numbers(written: str) -> tuple[int, ...]:

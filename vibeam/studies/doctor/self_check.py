@@ -1,4 +1,4 @@
-"""Where the kernels come from, and a check of about a second of what the program computes against closed forms.
+"""Origin of the kernels, and a check of about a second of what the program computes against closed forms.
 
 **Impacts of an oscillator at its stop.** η̈ + ω²η = 0 with the stop at η = 0, thrown off by v: impact k is at kπ/ω with
 R^(k−1) v.
@@ -24,10 +24,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.studies.doctor.machine import Finding, State
+from vibeam.studies.doctor.machine import Finding, Severity
 
 if TYPE_CHECKING:
-    from vibeam.system.state import State as Motion
+    from vibeam.system.state import State
 
 TOPIC, KERNELS = "self-check", "kernels"
 CURE = "the installation computes wrongly: install vibeam anew, and report this output"
@@ -44,13 +44,15 @@ def kernels() -> Iterator[Finding]:
     try:
         move.function  # noqa: B018  found, or compiled, when it is asked for
     except KernelsUnavailable as fault:
-        yield Finding(KERNELS, "kernels", State.FAULT, str(fault), f"{INSTALL}, or unset {VARIABLE}")
+        yield Finding(KERNELS, "kernels", Severity.FAULT, str(fault), f"{INSTALL}, or unset {VARIABLE}")
         return
     came = origin()
     if came == "numba":
-        yield Finding(KERNELS, "kernels", State.NOTE, f"compiled by numba: {reason()}", "the first use takes minutes")
+        yield Finding(
+            KERNELS, "kernels", Severity.NOTE, f"compiled by numba: {reason()}", "the first use takes minutes"
+        )
     else:
-        yield Finding(KERNELS, "kernels", State.GOOD, f"{came}; the processor takes {level_of_processor()}")
+        yield Finding(KERNELS, "kernels", Severity.GOOD, f"{came}; the processor takes {level_of_processor()}")
 
 
 def reason() -> str:
@@ -74,7 +76,7 @@ def self_check() -> Iterator[Finding]:
     begun = perf_counter()
     for name, (deviation, allowed) in CHECKS.items():
         yield checked(name, deviation, allowed)
-    yield Finding(TOPIC, "time", State.FACT, f"{perf_counter() - begun:.2g} s")
+    yield Finding(TOPIC, "time", Severity.FACT, f"{perf_counter() - begun:.2g} s")
 
 
 def checked(name: str, deviation: Callable[[], float], allowed: float) -> Finding:
@@ -84,12 +86,12 @@ def checked(name: str, deviation: Callable[[], float], allowed: float) -> Findin
     try:
         off = deviation()
     except KernelsUnavailable:
-        return Finding(TOPIC, name, State.NOTE, "not computed: there are no kernels")
+        return Finding(TOPIC, name, Severity.NOTE, "not computed: there are no kernels")
     except Exception as fault:
-        return Finding(TOPIC, name, State.FAULT, f"{type(fault).__name__}: {fault}", CURE)
+        return Finding(TOPIC, name, Severity.FAULT, f"{type(fault).__name__}: {fault}", CURE)
     if not off <= allowed:  # NaN is none
-        return Finding(TOPIC, name, State.FAULT, f"off by {off:.1e}, and {allowed:.0e} is allowed", CURE)
-    return Finding(TOPIC, name, State.GOOD, f"off by {off:.1e}" if allowed else "written and read")
+        return Finding(TOPIC, name, Severity.FAULT, f"off by {off:.1e}, and {allowed:.0e} is allowed", CURE)
+    return Finding(TOPIC, name, Severity.GOOD, f"off by {off:.1e}" if allowed else "written and read")
 
 
 def oscillator() -> float:
@@ -169,7 +171,7 @@ def results_file() -> float:
             return float(np.count_nonzero(file["values"][()] != values))
 
 
-def _thrown(velocity: float) -> Motion:
+def _thrown(velocity: float) -> State:
     """One mode at its stop, thrown off it (m/s)."""
     from vibeam.system.state import State
 

@@ -134,7 +134,7 @@ def _after(spread: Array, slope: Array, uncertainty: float) -> Array:
 
 
 def in_words(best: Sequence[NextPoint], unit: str) -> str:
-    """What to measure next."""
+    """Sentence on what to measure next."""
     if not best:
         return "Next: the fitted model has no motion at the sweep's frequencies."
     first = best[0]

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.studies.fit.explanation import Explanation, costs, explained, nearest
-from vibeam.studies.fit.flown import UNTOLD, OtherMotion, Rows, flown_losses, flown_rows
+from vibeam.studies.fit.flown import UNTOLD, LinearRows, OtherMotion, flown_losses, flown_rows
 from vibeam.studies.fit.problem import IMPOSSIBLE, LEFT, NO_CONTACT, SCALE, Problem, robust
 from vibeam.studies.fit.surface import quasi_random
 from vibeam_models.arrays import Array, Index
@@ -89,7 +89,7 @@ class Minimum:
 
     @property
     def touches(self) -> bool:
-        """Whether any point has contact."""
+        """Test whether any point has contact."""
         return bool(np.any(self.chosen != NO_CONTACT))
 
 
@@ -122,7 +122,7 @@ class Scan:
 
 def minimise(
     problem: Problem, x: Array, chosen: Index, fixed: dict[int, float] | None = None, *, loss: str = "linear",
-    most: int = MANY, tolerance: float = 1e-7, rows: Rows | None = None,
+    most: int = MANY, tolerance: float = 1e-7, rows: LinearRows | None = None,
 ) -> tuple[Array, float]:  # fmt: skip
     """Minimise over the shares that are not ``fixed``, motions held: the minimum's shares and Σ r².
 
@@ -192,7 +192,7 @@ def _apart(every: list[Array]) -> list[Array]:
 
 
 def _doubtful(found: Minimum) -> bool:
-    """Whether a minimum is unlikely enough for others to be looked for by flights."""
+    """Test whether a minimum is unlikely enough for others to be looked for by flights."""
     unlikely = found.freedom < 1 or probability(found.misfit, found.freedom) < DOUBTFUL
     far = any(each.cost > UNTOLD for each in found.others.values())
     return unlikely or far or found.loss > WORSE * len(found.chosen)

@@ -1,4 +1,4 @@
-"""What measured points are explained by at given keys: a motion of the closed-form family, or another of the model's.
+"""Explanation of measured points at given keys: by a motion of the closed-form family, or another of the model's.
 
 The family has, at each point, the two roots of the closed-form orbit and the motion without contact. One that passes
 through the stop between its impacts, or is not stable, is no motion. Where none of the family is near to a point the
@@ -84,7 +84,7 @@ def explained(problem: Problem, x: Array, dropped: tuple[int, ...] = ()) -> Expl
 
 
 def actual(problem: Problem, x: Array, beyond: Array) -> Flags:
-    """Whether the model has each motion (3, points); ``beyond`` of ``Problem.motions``."""
+    """Motions (3, points) that the model has; ``beyond`` of ``Problem.motions``."""
     found = np.zeros(beyond.shape, dtype=bool)
     found[NO_CONTACT] = beyond[NO_CONTACT] == 0
     systems = {name: each.system(problem.values(x)) for name, each in problem.forward.items()}

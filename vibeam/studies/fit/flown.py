@@ -49,7 +49,7 @@ class OtherMotion:
 
     @property
     def called(self) -> str:
-        """What it does, in words."""
+        """The motion in words."""
         if self.rest > 0:
             return "rests on the stop in every period"
         if self.period == 0:
@@ -109,7 +109,7 @@ NEAR = 3.0  # residual of a flown motion up to which it is taken to be that of t
 
 
 @dataclass(frozen=True)
-class Rows:
+class LinearRows:
     """Linear residuals about shares ``x``: ``residual`` (rows,) and ``jacobian`` (rows, P)."""
 
     x: Array
@@ -132,7 +132,7 @@ def flown_losses(problem: Problem, every: Array) -> Array:
     return np.array([robust(each) for each in cost])
 
 
-def flown_rows(problem: Problem, x: Array, others: dict[int, OtherMotion]) -> Rows | None:
+def flown_rows(problem: Problem, x: Array, others: dict[int, OtherMotion]) -> LinearRows | None:
     """Residuals of points outside the family and their difference quotients; None where there is none."""
     away = np.where(x < 0.5, STEP, -STEP)
     every, residual, jacobian = np.vstack([x, x + np.diag(away)]), [], []
@@ -146,7 +146,7 @@ def flown_rows(problem: Problem, x: Array, others: dict[int, OtherMotion]) -> Ro
             if alike[k] and abs(value[0, k] - others[int(at[j])].value) < NEAR * group.uncertainty[j]:
                 residual.append((value[0, k] - group.value[j]) / group.uncertainty[j])
                 jacobian.append((value[1:, k] - value[0, k]) / away / group.uncertainty[j])
-    return Rows(x, np.array(residual), np.array(jacobian)) if residual else None
+    return LinearRows(x, np.array(residual), np.array(jacobian)) if residual else None
 
 
 def _flown(problem: Problem, group: Points, own: Index, every: Array, settle: int) -> tuple[Array, BatchResponse]:

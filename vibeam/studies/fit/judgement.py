@@ -52,7 +52,7 @@ class Alternative:
 
     @property
     def met(self) -> bool:
-        """Whether it describes the points."""
+        """Test whether it describes the points."""
         return met(self.misfit, self.freedom)
 
 
@@ -80,7 +80,7 @@ def alternatives(case: Case, problem: Problem, minimum: Minimum) -> tuple[Altern
 
 
 def _changes(case: Case, problem: Problem) -> Iterator[tuple[str, dict[str, Any]]]:
-    """What is changed, in words, and the settings: conventions of numbers that are held, and the number of modes."""
+    """Changes in words, with their settings: conventions of numbers that are held, and the number of modes."""
     model = next(iter(problem.forward.values())).model
     estimated = [each.key for each in problem.keys]
     for number, words in (("gap", ("contact", "sensor")), ("restitution", ("contact", "first mode"))):
@@ -115,7 +115,7 @@ class Pattern:
 
     @property
     def significant(self) -> bool:
-        """Whether it is below the probability that is asked for."""
+        """Test whether it is below the probability that is asked for."""
         return self.probability < UNLIKELY
 
 
@@ -130,7 +130,7 @@ class Outlier:
 
 @dataclass(frozen=True)
 class Judgement:
-    """Whether the model describes the points; patterns of the residuals, the most significant first; outliers left out.
+    """Judgement of a model: are the points ``described``; patterns of the residuals, most significant first; outliers.
 
     ``unit``: factor on the measured values, a power of 1000, with which the model comes much nearer. ``others``: models
     that were tried in its place. ``scale``: factor on all uncertainties that the intervals hold for.
@@ -145,7 +145,7 @@ class Judgement:
 
     @property
     def withheld(self) -> bool:
-        """Whether no intervals are given."""
+        """Test whether no intervals are given."""
         return not self.described and self.scale == 1.0
 
 
@@ -233,7 +233,7 @@ def without_outliers(problem: Problem, minimum: Minimum) -> tuple[Minimum, tuple
 
 
 def _together(problem: Problem, found: list[Outlier]) -> bool:
-    """Whether two of the points are neighbours and off on the same side: that is the model's doing."""
+    """Test whether two of the points are neighbours and off on the same side: that is the model's doing."""
     place = np.argsort(np.argsort(problem.frequency))
     return any(
         abs(int(place[one.index]) - int(place[other.index])) == 1 and one.residual * other.residual > 0

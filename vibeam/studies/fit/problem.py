@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.periodic.output_signals import Value, of_orbits, without_contact
+from vibeam.periodic.output_signals import OutputValue, of_orbits, without_contact
 from vibeam.periodic.tangents import ModalData, Tangents
 from vibeam.studies.fit.points import Points, points_of
 from vibeam.studies.fit.surface import Forward, ModalSurface, surface_of
@@ -205,7 +205,7 @@ class Problem:
         )  # fmt: skip
 
 
-def value_of(group: Points, data: ModalData, tangents: Tangents, motion: int, samples: int = 0) -> Value:
+def value_of(group: Points, data: ModalData, tangents: Tangents, motion: int, samples: int = 0) -> OutputValue:
     """Quantity of one motion at the points of a group."""
     if motion == NO_CONTACT:
         return without_contact(data, tangents, group.omega, group.quantity, group.gain)

@@ -85,7 +85,7 @@ def _end(
 
 
 def _at_bounds(x: Array, k: int) -> bool:
-    """Whether another key is at its bound, so that it is that bound which ends the interval."""
+    """Test whether another key is at its bound, so that it is that bound which ends the interval."""
     return bool(np.any(np.delete(np.minimum(x, 1 - x), k) < BOUND))
 
 

@@ -43,7 +43,7 @@ class FitRow:
 
     @property
     def determined(self) -> bool:
-        """Whether the data fix the key."""
+        """Test whether the data fix the key."""
         return bool(np.isfinite(self.value))
 
 

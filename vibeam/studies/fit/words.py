@@ -1,5 +1,5 @@
-"""What a fit can and cannot say, in sentences: the misfit, open directions, the ridge along which keys make up for
-each other.
+"""Sentences on what a fit can and cannot say: the misfit, open directions, the ridge along which keys make up for each
+other.
 
 Directions are those of the Jacobian in units of the bounds, J = U diag(s) Vᵀ: along v the keys are known to ± 1.96/s of
 their bounds' width. One that is not known within the bounds is not determined. What stays the same along it is found on
@@ -39,7 +39,7 @@ DRIVES = ("drive.gain", "drive.voltage", "drive.amplitude")
 
 
 def on_misfit(problem: Problem, minimum: Minimum, judgement: Judgement) -> Iterator[str]:
-    """Whether the model describes the points, and what is known of it where it does not; points on no motion."""
+    """Sentences on the model: does it describe the points, if not what is known of the cause; points on no motion."""
     free = minimum.freedom
     if free > 0:
         yield _verdict(problem, minimum, judgement)
@@ -87,7 +87,7 @@ def _on_outliers(problem: Problem, judgement: Judgement) -> Iterator[str]:
 
 
 def _on_cause(problem: Problem, judgement: Judgement) -> Iterator[str]:
-    """What may be wrong: a unit, the convention of the gap or of R, the number of modes."""
+    """Causes that are possible: a unit, the convention of the gap or of R, the number of modes."""
     if judgement.unit != 1.0:
         size = f"{max(judgement.unit, 1 / judgement.unit):.0f}"
         names = ", ".join(dict.fromkeys(each.reference for each in problem.groups))
@@ -112,7 +112,7 @@ def _on_intervals(judgement: Judgement) -> str:
 
 
 def _on_patterns(judgement: Judgement) -> Iterator[str]:
-    """What the residuals follow."""
+    """Pattern that the residuals follow."""
     found = [each for each in judgement.patterns if each.significant]
     if not found:
         return
@@ -182,7 +182,7 @@ def on_directions(problem: Problem, minimum: Minimum) -> Iterator[str]:
 
 
 def on_ridges(problem: Problem, minimum: Minimum, profiles: Sequence[Profile]) -> Iterator[str]:
-    """What stays the same along the ridges of strongly correlated keys."""
+    """Invariants along the ridges of strongly correlated keys."""
     for k, j in ridges(problem, minimum):
         path = profiles[k].path
         path = path[path[:, -1] <= LEVEL * 1.1]
@@ -226,7 +226,7 @@ def _pair(problem: Problem, values: Array, k: int, j: int) -> str:
 
 
 def _constant(problem: Problem, values: Array, k: int, j: int) -> str:
-    """What is constant along a ridge, in words; empty where nothing simple is."""
+    """Invariant of a ridge in words; empty where nothing simple is constant."""
     names = {problem.keys[k].key: values[:, k], problem.keys[j].key: values[:, j]}
     slow = _slow_flow(problem, names, values)
     if slow and slow[1] < SLOW:

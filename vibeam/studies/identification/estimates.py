@@ -43,7 +43,7 @@ class Estimate:
 
     @property
     def determined(self) -> bool:
-        """Whether the data fix the quantity."""
+        """Test whether the data fix the quantity."""
         return bool(np.isfinite(self.value))
 
 
@@ -138,7 +138,7 @@ def _hc3(jacobian: Array, residual: Array) -> Array:
 
 
 def in_words(direction: Array, names: Sequence[str]) -> str:
-    """What a direction that is not fixed means: parameters that may change together, and what of them is fixed."""
+    """Meaning of a direction that is not fixed: parameters that may change together, and what of them is fixed."""
     part = np.flatnonzero(np.abs(direction) > TAKES_PART * np.max(np.abs(direction))).tolist()
     if len(part) == 1:
         return f"the data say nothing of {names[part[0]]}"
@@ -151,7 +151,7 @@ def in_words(direction: Array, names: Sequence[str]) -> str:
 
 
 def _product(one: str, other: str, ratio: float) -> str:
-    """What two parameters enter as, whose logarithms may change as 1 to ``ratio``."""
+    """Combination in which two parameters enter, whose logarithms may change as 1 to ``ratio``."""
     if abs(abs(ratio) - 1) < SAME:
         return f"{other} / {one}" if ratio > 0 else f"{other} · {one}"
     if abs(ratio) < 1:

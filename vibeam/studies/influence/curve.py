@@ -25,7 +25,7 @@ How = Literal["relative", "absolute"]
 
 
 @dataclass(frozen=True)
-class Quantity:
+class Interest:
     """Quantity: ``label`` in words; ``unit`` in SI; ``how`` its change is computed; ``tolerance`` of the change."""
 
     name: str
@@ -36,7 +36,7 @@ class Quantity:
 
 
 @dataclass(frozen=True)
-class Value:
+class ValueRead:
     """Value of a quantity in one model; NaN with the reason ``why``, or a number with a remark."""
 
     number: float
@@ -56,22 +56,22 @@ class Change:
     why: str = ""
 
 
-def quantities(plan: InfluencePlan) -> tuple[Quantity, ...]:
+def quantities(plan: InfluencePlan) -> tuple[Interest, ...]:
     """Quantities that the case asks for, with its tolerances."""
     ratio, hertz = plan.tolerance, plan.frequency_tolerance
     known = (
-        Quantity("peak", "the peak", "m", "relative", ratio),
-        Quantity("peak_frequency", "its frequency", "Hz", "absolute", hertz),
-        Quantity("period_one_from", "the lower end of period 1", "Hz", "absolute", hertz),
-        Quantity("period_one_to", "the upper end of period 1", "Hz", "absolute", hertz),
-        Quantity("ringing", "the ringing", "m/s", "relative", ratio),
-        Quantity("ringing_frequency", "its frequency", "Hz", "relative", ratio),
-        Quantity("apparent_restitution", "the apparent R", "1", "absolute", plan.restitution_tolerance),
+        Interest("peak", "the peak", "m", "relative", ratio),
+        Interest("peak_frequency", "its frequency", "Hz", "absolute", hertz),
+        Interest("period_one_from", "the lower end of period 1", "Hz", "absolute", hertz),
+        Interest("period_one_to", "the upper end of period 1", "Hz", "absolute", hertz),
+        Interest("ringing", "the ringing", "m/s", "relative", ratio),
+        Interest("ringing_frequency", "its frequency", "Hz", "relative", ratio),
+        Interest("apparent_restitution", "the apparent R", "1", "absolute", plan.restitution_tolerance),
     )
     return tuple(each for each in known if each.name in plan.quantities)
 
 
-def change(quantity: Quantity, ours: Value, whole: Value) -> Change:
+def change(quantity: Interest, ours: ValueRead, whole: ValueRead) -> Change:
     """Change from the complete model's value to another one's; none where neither has one."""
     reasons = "; ".join(dict.fromkeys(filter(None, (ours.why, f"all effects: {whole.why}" if whole.why else ""))))
     present = isfinite(ours.number), isfinite(whole.number)
@@ -164,8 +164,8 @@ def swept(case: Case, fidelity: str, system: ImpactSystem) -> Curve:
 class RefinedPeak:
     """Peak of a sweep, refined between its points; a point near it to start from."""
 
-    amplitude: Value
-    frequency: Value
+    amplitude: ValueRead
+    frequency: ValueRead
     near: Step | None
 
 
@@ -176,15 +176,15 @@ def refined_peak(curve: Curve) -> RefinedPeak:
     """
     top = curve.swept.peak
     if top.point < 0:
-        none = Value(NAN, "no complete point")
+        none = ValueRead(NAN, "no complete point")
         return RefinedPeak(none, none, None)
     steps = curve.branches[top.direction]
     edge = not 0 < top.point < len(steps) - 1
     if edge or not top.repeats:
         why = EDGE if top.repeats else "the motion at the peak does not repeat"
-        return RefinedPeak(Value(top.amplitude, why), Value(top.frequency, why), steps[top.point])
+        return RefinedPeak(ValueRead(top.amplitude, why), ValueRead(top.frequency, why), steps[top.point])
     found = _top(curve, _narrowed(curve, steps[top.point - 1 : top.point + 2]))
-    return RefinedPeak(Value(found.amplitude), Value(found.frequency), found)
+    return RefinedPeak(ValueRead(found.amplitude), ValueRead(found.frequency), found)
 
 
 def _narrowed(curve: Curve, three: list[Step]) -> list[Step]:
@@ -213,7 +213,7 @@ def _top(curve: Curve, three: list[Step]) -> Step:
     return found if abs(found.amplitude - height) <= SMOOTH * (height - y.min()) else three[1]
 
 
-def ends(curve: Curve) -> tuple[Value, Value]:
+def ends(curve: Curve) -> tuple[ValueRead, ValueRead]:
     """Lower and upper end (Hz) of the period-1 range around its largest amplitude.
 
     Each end is taken where the sweep reaches it: the lower one on the way down, if swept, the upper one on the way up.
@@ -223,18 +223,18 @@ def ends(curve: Curve) -> tuple[Value, Value]:
     return _end(curve, down, min), _end(curve, up, max)
 
 
-def _end(curve: Curve, steps: list[Step], pick: Callable[..., Step]) -> Value:
+def _end(curve: Curve, steps: list[Step], pick: Callable[..., Step]) -> ValueRead:
     found = join([step.response for step in steps]).period_one_points
     if found is None:
-        return Value(NAN, "no motion of period 1 with impacts")
+        return ValueRead(NAN, "no motion of period 1 with impacts")
     first, last = found
     outer = pick((steps[first], steps[last]), key=lambda step: step.frequency)
     at_last = outer is steps[last]
     beyond = last + 1 if at_last else first - 1
     if not 0 <= beyond < len(steps):
-        return Value(outer.frequency, "still period 1 at the end of the sweep")
+        return ValueRead(outer.frequency, "still period 1 at the end of the sweep")
     bracket = (outer, steps[beyond]) if at_last else (steps[beyond], outer)
-    return Value(_crossing(curve, *bracket))
+    return ValueRead(_crossing(curve, *bracket))
 
 
 def _crossing(curve: Curve, before: Step, after: Step) -> float:

@@ -15,7 +15,7 @@ from vibeam.flight.trajectory import Trajectory, simulate
 from vibeam.observe.restitution import extrapolated_restitution
 from vibeam.observe.ringing import fit_ringing
 from vibeam.observe.slow_motion import SlowPart, slow_part
-from vibeam.studies.influence.curve import NAN, Curve, RefinedPeak, Step, Value, ends, nearest, refined_peak, swept
+from vibeam.studies.influence.curve import NAN, Curve, RefinedPeak, Step, ValueRead, ends, nearest, refined_peak, swept
 from vibeam.studies.influence.subsets import Subsets
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam_models.arrays import Array
@@ -31,14 +31,14 @@ RINGING = ("ringing", "ringing_frequency", "apparent_restitution")
 UNSEEN = 1e-9  # share of the sensor's row below which a mode is not observable
 
 
-def observed_ringing(curve: Curve, frequency: float, near: Step) -> dict[str, Value]:
+def observed_ringing(curve: Curve, frequency: float, near: Step) -> dict[str, ValueRead]:
     """Measure ``ringing`` (mean peak velocity, m/s), ``ringing_frequency`` (Hz) and ``apparent_restitution``.
 
     Read at the case's output of the motion at ``frequency`` (Hz), started from ``near``. Ringing is the slowest mode
     above twice the drive's frequency that the output sees; apparent restitution is that of the slower ones.
     """
     if curve.case.scene_of(curve.fidelity).harmonics:
-        return dict.fromkeys(RINGING, Value(NAN, "the fit knows one harmonic of the drive"))
+        return dict.fromkeys(RINGING, ValueRead(NAN, "the fit knows one harmonic of the drive"))
     settled = curve.on(np.array([frequency]), near.state)[0]
     omega = 2 * np.pi * frequency
     amplitude = float(np.ravel(curve.case.amplitude_of(curve.fidelity, np.array([omega])))[0])
@@ -48,11 +48,11 @@ def observed_ringing(curve: Curve, frequency: float, near: Step) -> dict[str, Va
     system = curve.system if drift is None else replace(curve.system, gap=curve.system.gap + float(drift[0]))
     path = simulate(system, Drive(omega, amplitude), periods / frequency, settled.state)
     if len(_contacts(path)) < 2:
-        return dict.fromkeys(RINGING, Value(NAN, "no impacts to read it from"))
+        return dict.fromkeys(RINGING, ValueRead(NAN, "no impacts to read it from"))
     return _read(path, curve.case.sweep.output, frequency)
 
 
-def _read(path: Trajectory, output: str, frequency: float) -> dict[str, Value]:
+def _read(path: Trajectory, output: str, frequency: float) -> dict[str, ValueRead]:
     system, omega = path.system, path.drive.omega
     order = np.argsort(system.omega)
     slow = max(int(np.count_nonzero(system.omega < 2 * omega)), 1)
@@ -67,9 +67,11 @@ def _read(path: Trajectory, output: str, frequency: float) -> dict[str, Value]:
         times, displacement, _contacts(path), slow_part(system, path.drive, slow), window=1 / frequency, guard=guard,
         beside=_free(system, faster),
     )  # fmt: skip
-    found = {"apparent_restitution": Value(r) if np.isfinite(r) else Value(NAN, "too few samples at any impact")}
+    found = {
+        "apparent_restitution": ValueRead(r) if np.isfinite(r) else ValueRead(NAN, "too few samples at any impact")
+    }
     if not observable:
-        silent = Value(NAN, "no faster mode that the output sees: nothing rings")
+        silent = ValueRead(NAN, "no faster mode that the output sees: nothing rings")
         return found | {"ringing": silent, "ringing_frequency": silent}
     return found | _ringing(path, times, displacement, observable[0], [*order[:slow], *faster], guard)
 
@@ -93,7 +95,7 @@ def _restitution(times: Array, displacement: Array, contacts: Array, slow: SlowP
 
 def _ringing(
     path: Trajectory, times: Array, displacement: Array, mode: int, modes: list[int], guard: float
-) -> dict[str, Value]:
+) -> dict[str, ValueRead]:
     """Mean over the intervals between impacts of a damped sinusoid fitted beside all other modes."""
     system = path.system
     others = _free(system, np.array([each for each in modes if each != mode]))
@@ -103,10 +105,10 @@ def _ringing(
         times, displacement, _contacts(path).ravel(), rest, near=float(system.omega[mode]) / (2 * np.pi), guard=guard
     )
     if not fit.found.any():
-        none = Value(NAN, "no interval between impacts could be fitted")
+        none = ValueRead(NAN, "no interval between impacts could be fitted")
         return {"ringing": none, "ringing_frequency": none}
     mean = {name: float(np.nanmean(getattr(fit, name))) for name in ("mean_velocity", "frequency")}
-    return {"ringing": Value(mean["mean_velocity"]), "ringing_frequency": Value(mean["frequency"])}
+    return {"ringing": ValueRead(mean["mean_velocity"]), "ringing_frequency": ValueRead(mean["frequency"])}
 
 
 def _free(system: ImpactSystem, modes: NDArray[np.int64]) -> SlowPart | None:
@@ -121,13 +123,13 @@ IN_MOTION = ("ringing", "ringing_frequency", "apparent_restitution")
 
 
 @dataclass(frozen=True)
-class Model:
+class EffectModel:
     """Number of ``coordinates`` of the finite-element model, ``frequencies`` (Hz) of the swept modes; ``why``: the
     reason where the model cannot be built, with all ``values`` missing.
     """
 
     kept: tuple[str, ...]
-    values: Mapping[str, Value] = field(default_factory=dict)
+    values: Mapping[str, ValueRead] = field(default_factory=dict)
     coordinates: int = 0
     frequencies: tuple[float, ...] = ()
     case: Case | None = None
@@ -139,25 +141,25 @@ class Model:
         """Number of swept modes."""
         return len(self.frequencies)
 
-    def value(self, quantity: str) -> Value:
+    def value(self, quantity: str) -> ValueRead:
         """Value of a quantity."""
-        return self.values.get(quantity, Value(NAN, self.why))
+        return self.values.get(quantity, ValueRead(NAN, self.why))
 
 
-def model(subsets: Subsets, kept: Collection[str], wanted: Collection[str], frequency: float | None) -> Model:
+def model(subsets: Subsets, kept: Collection[str], wanted: Collection[str], frequency: float | None) -> EffectModel:
     """Build the model and read the quantities in ``wanted``, at ``frequency`` (Hz; None: at its peak)."""
     names = tuple(name for name in subsets.effects if name in kept)
     try:
         case = subsets.case(names)
         curve = swept(case, subsets.fidelity, case.system(subsets.fidelity))
     except ValueError as refusal:
-        return Model(names, why=_reason(refusal))
+        return EffectModel(names, why=_reason(refusal))
     system = curve.system
     modes = tuple(np.sort(system.omega / (2 * np.pi)).tolist())
-    return Model(names, _values(curve, wanted, frequency), _coordinates(case.scene), modes, case, system)
+    return EffectModel(names, _values(curve, wanted, frequency), _coordinates(case.scene), modes, case, system)
 
 
-def _values(curve: Curve, wanted: Collection[str], frequency: float | None) -> dict[str, Value]:
+def _values(curve: Curve, wanted: Collection[str], frequency: float | None) -> dict[str, ValueRead]:
     top = refined_peak(curve)
     values = {"peak": top.amplitude, "peak_frequency": top.frequency}
     if {"period_one_from", "period_one_to"} & set(wanted):
@@ -167,7 +169,7 @@ def _values(curve: Curve, wanted: Collection[str], frequency: float | None) -> d
     return {name: values[name] for name in wanted}
 
 
-def _in_motion(curve: Curve, top: RefinedPeak, frequency: float | None) -> dict[str, Value]:
+def _in_motion(curve: Curve, top: RefinedPeak, frequency: float | None) -> dict[str, ValueRead]:
     if frequency is not None:
         return observed_ringing(curve, frequency, nearest(curve, frequency))
     if top.near is None:

@@ -13,8 +13,8 @@ from vibeam.case.case import require_displacement
 from vibeam.runs.comparison.differences import HeldComparison
 from vibeam.runs.comparison.held_comparison import ComparedModel, compared_model, held_comparison
 from vibeam.solvers.steady import warm_up_once
-from vibeam.studies.influence.curve import Change, Quantity, change, quantities, swept
-from vibeam.studies.influence.model import Model, model
+from vibeam.studies.influence.curve import Change, Interest, change, quantities, swept
+from vibeam.studies.influence.model import EffectModel, model
 from vibeam.studies.influence.subsets import Subsets, smallest, subsets
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ class InfluenceStudy:
 
     title: str
     fidelity: str
-    quantities: tuple[Quantity, ...]
+    quantities: tuple[Interest, ...]
     whole: Variant
     bare: Variant
     enough: Variant
@@ -104,7 +104,7 @@ def influence(case: Case, progress: Progress = lambda line: None) -> InfluenceSt
     sets = subsets(case)
     _warm_up(case, sets.fidelity)
     begun = time.thread_time()
-    return _Studied(case, sets, progress).study(begun)
+    return _EffectSweeps(case, sets, progress).study(begun)
 
 
 def _warm_up(case: Case, name: str) -> None:
@@ -114,14 +114,14 @@ def _warm_up(case: Case, name: str) -> None:
     warm_up_once(fidelity.solver, case.system(name), omega, base, case.sweep.output, fidelity.options)
 
 
-class _Studied:
+class _EffectSweeps:
     """State of a study in progress: every set of effects is swept once."""
 
     def __init__(self, case: Case, sets: Subsets, progress: Progress) -> None:
         self.case, self.sets, self.say = case, sets, progress
         self.asked = quantities(case.influence)
         self.all = frozenset(sets.effects)
-        self.models: dict[frozenset[str], Model] = {}
+        self.models: dict[frozenset[str], EffectModel] = {}
         self.cpu: dict[frozenset[str], list[float]] = {}
         if self._model(self.all).why:
             raise ValueError(self._model(self.all).why)
@@ -160,12 +160,12 @@ class _Studied:
             other_physics=True,
         )
 
-    def _compared_model(self, name: str, each: Model) -> ComparedModel:
+    def _compared_model(self, name: str, each: EffectModel) -> ComparedModel:
         assert each.case is not None
         assert each.system is not None
         return replace(compared_model(each.case, self.sets.fidelity, each.system), name=name)
 
-    def _model(self, kept: frozenset[str]) -> Model:
+    def _model(self, kept: frozenset[str]) -> EffectModel:
         if kept not in self.models:
             self.say(f"with {', '.join(name for name in self.sets.effects if name in kept) or 'no effect'}")
             wanted = [quantity.name for quantity in self.asked]

@@ -22,7 +22,7 @@ from typing import Any, Literal
 import numpy as np
 
 from vibeam.case.fidelity import Fidelity, system
-from vibeam.periodic.predicted_response import Found, PredictedResponse
+from vibeam.periodic.predicted_response import OrbitKind, PredictedResponse
 from vibeam.runs.closed_motions import HARDER, SOFTER, closed_motion
 from vibeam.runs.comparison.limit import LEAST_SHARE, RESOLVED
 from vibeam.solvers.collision import struck
@@ -103,7 +103,7 @@ def exact_motion(model: ImpactSystem, omega: float, base: float, output: str) ->
     """Stable exact motion with one impact a drive period, clear of the stop in between; None where there is none."""
     drive, amplitude = np.array([omega]), np.array([base])
     there = (closed_motion(model, drive, amplitude, output, kind) for kind in (HARDER, SOFTER))
-    return next((each for each in there if each.found[0] == Found.ORBIT.code), None)
+    return next((each for each in there if each.found[0] == OrbitKind.ORBIT.code), None)
 
 
 def moving_law(found: Sequence[ImpactSystem]) -> str:

@@ -12,7 +12,7 @@ import numpy as np
 from vibeam.case.plans import Expectation
 from vibeam.exchange.curves.record import SAME_FREQUENCY
 from vibeam.studies.regression import readings, references
-from vibeam.studies.regression.readings import NAN, Found, directions, read
+from vibeam.studies.regression.readings import NAN, NumberRead, directions, read
 from vibeam.studies.regression.references import CheckRow
 from vibeam_models.arrays import Array
 
@@ -63,7 +63,7 @@ def _deviation(expected: Expectation, number: float) -> float:
     return deviations / scale if isfinite(deviations) else float("inf")
 
 
-def _reported(expected: Expectation, found: list[Found]) -> Iterator[str]:
+def _reported(expected: Expectation, found: list[NumberRead]) -> Iterator[str]:
     for each in found:
         if each.fault:
             continue  # its reason is among the notes

@@ -23,7 +23,7 @@ NAN = float("nan")
 
 
 @dataclass(frozen=True)
-class Found:
+class NumberRead:
     """Number read on one branch, NaN with the reason ``fault``; ``note``: what is to be known of it."""
 
     number: float
@@ -39,20 +39,20 @@ def directions(reading: Reading) -> tuple[str, ...]:
     return ("up", "down") if reading.direction == "both" else (reading.direction,)
 
 
-def read(reading: Reading, result: Result, direction: str) -> Found:
+def read(reading: Reading, result: Result, direction: str) -> NumberRead:
     """Number of a reading on one branch."""
     ours = _number(reading, result, reading.fidelity, direction)
     if reading.against is None or ours.fault:
         return ours
     other = _number(reading, result, reading.against, direction)
     if other.fault:
-        return Found(NAN, f"{reading.against} {other.fault}", absent=other.absent)
+        return NumberRead(NAN, f"{reading.against} {other.fault}", absent=other.absent)
     if not other.number:
-        return Found(NAN, f"{direction}: {reading.against} is 0 there: nothing to compare with")
-    return Found(ours.number / other.number - 1, note=ours.note or other.note)
+        return NumberRead(NAN, f"{direction}: {reading.against} is 0 there: nothing to compare with")
+    return NumberRead(ours.number / other.number - 1, note=ours.note or other.note)
 
 
-def _number(reading: Reading, result: Result, name: str, direction: str) -> Found:
+def _number(reading: Reading, result: Result, name: str, direction: str) -> NumberRead:
     if reading.show is not None:
         return _read_off(reading, reading.show, result, name)
     if reading.quantity in LIMITS:
@@ -62,37 +62,37 @@ def _number(reading: Reading, result: Result, name: str, direction: str) -> Foun
         number = EXTENTS[reading.quantity](response)
         irregular = reading.quantity in OF_PEAK and isfinite(number) and not response.peak.repeats
         note = f"{direction}: the motion at the peak does not repeat" * irregular
-        return Found(number, "" if isfinite(number) else f"{direction}: there is none", note)
+        return NumberRead(number, "" if isfinite(number) else f"{direction}: there is none", note)
     present = np.flatnonzero(np.isclose(response.frequency, reading.frequency, rtol=SAME_FREQUENCY, atol=0))
     if not len(present):
-        return Found(NAN, f"{reading.frequency:g} Hz is not in the sweep's grid", absent=True)
+        return NumberRead(NAN, f"{reading.frequency:g} Hz is not in the sweep's grid", absent=True)
     ended = Ended.of_code(int(response.ended[present[0]]))
     if ended is not Ended.COMPLETE:
-        return Found(NAN, f"{direction}: {ended.value}")
+        return NumberRead(NAN, f"{direction}: {ended.value}")
     number = float(values_of(result.case, name, response, reading.quantity)[present[0]])
-    return Found(number, "" if isfinite(number) else f"{direction}: there is none")
+    return NumberRead(number, "" if isfinite(number) else f"{direction}: there is none")
 
 
-def _limit(reading: Reading, result: Result, name: str) -> Found:
+def _limit(reading: Reading, result: Result, name: str) -> NumberRead:
     from vibeam.solvers.existence_limits import limits
 
     number = float(limits(result.case, name, np.array([reading.frequency]), reading.quantity)[0])
-    return Found(number, "" if isfinite(number) else "there is none")
+    return NumberRead(number, "" if isfinite(number) else "there is none")
 
 
-def _read_off(reading: Reading, show: str, result: Result, name: str) -> Found:
+def _read_off(reading: Reading, show: str, result: Result, name: str) -> NumberRead:
     """Read the number off a figure's data, computed for this alone where the run has none."""
     from vibeam.figures.sheet import sheet_at
 
     plan = result.case.shows[show]
     sheet = sheet_at(result.case, plan, name, reading.frequency, result.shown.get(show, ()))
     if sheet.fault:
-        return Found(NAN, sheet.fault)
+        return NumberRead(NAN, sheet.fault)
     values = sheet.of(reading.quantity)
     if reading.number is not None:
         values = values[np.isclose(sheet[FIGURES[plan.kind].entries], reading.number)]
     present = values[np.isfinite(values)]
-    return Found(float(np.mean(present))) if len(present) else Found(NAN, "there is none")
+    return NumberRead(float(np.mean(present))) if len(present) else NumberRead(NAN, "there is none")
 
 
 def _range(response: FrequencyResponse, end: int) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 
 from vibeam.exchange.curves.record import SAME_FREQUENCY
 from vibeam.exchange.faults import CaseError, Fault
-from vibeam.studies.regression.registration import Registration, register
+from vibeam.studies.regression.registration import CurveRegistration, register
 from vibeam.system.response import Ended, FrequencyResponse
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class CheckRow:
     passed: bool | None
     notes: tuple[str, ...] = ()
     kind: str = "reference"
-    registration: Registration | None = None
+    registration: CurveRegistration | None = None
 
 
 @dataclass(frozen=True)
@@ -200,7 +200,7 @@ def _match(
     return Match(point, off / scale if off else 0.0, fault, excess, direction, value)
 
 
-def registered(reference: Reference, matches: list[Match], branches: Branches) -> Registration | None:
+def registered(reference: Reference, matches: list[Match], branches: Branches) -> CurveRegistration | None:
     """Register the branches with the reference points matched on them; None where that says nothing."""
     if reference.quantity not in CONTINUOUS:
         return None

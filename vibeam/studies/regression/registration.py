@@ -37,7 +37,7 @@ SHIFTS = np.concatenate([-np.geomspace(0.2, 0.002, 12), [0.0], np.geomspace(0.00
 
 
 @dataclass(frozen=True)
-class Registration:
+class CurveRegistration:
     """Error of the model's curve: relative ``shift`` in frequency, relative ``amplitude`` error, each ± 95 %.
 
     ``shift_hz``: the shift at the median frequency of the points. ``before`` and ``residual``: rms orthogonal distance
@@ -70,7 +70,7 @@ class Registration:
         return f"the model's curve is {shift} and {error} in value; {left} (one shift, one factor for all points)"
 
 
-def register(pieces: Sequence[Piece], frequency: Array, value: Array) -> Registration | None:
+def register(pieces: Sequence[Piece], frequency: Array, value: Array) -> CurveRegistration | None:
     """Register a model's curve, in ``pieces``, with reference points (n,); None with fewer than five, or no curve."""
     segments = _segments(pieces)
     if len(frequency) < LEAST or not len(segments) or np.ptp(frequency) == 0 or not np.max(np.abs(value)) > 0:
@@ -104,7 +104,7 @@ def register(pieces: Sequence[Piece], frequency: Array, value: Array) -> Registr
     low, high = vectors(np.zeros(2)), vectors(found.x)
     shift, amplitude = found.x
     width = float(t.ppf(0.975, free))
-    return Registration(
+    return CurveRegistration(
         shift=float(shift),
         shift_interval=width * spread[0],
         shift_hz=float(shift * np.median(frequency)),
@@ -118,7 +118,7 @@ def register(pieces: Sequence[Piece], frequency: Array, value: Array) -> Registr
 
 
 def _spread(jacobian: Array, residual: Array) -> tuple[bool, tuple[float, float]]:
-    """Whether the two errors are told apart, and their standard deviations.
+    """Test whether the two errors are told apart, and their standard deviations.
 
     ``jacobian`` (n, 2, 2) and ``residual`` (n, 2) of the points. The covariance is A⁻¹ Σ_j g_j g_jᵀ A⁻¹ with A = JᵀJ
     and g_j = J_jᵀ r_j / (1 − h_j), h_j the leverage (HC3 of MacKinnon & White, J. Econometrics 29 (1985)): points may

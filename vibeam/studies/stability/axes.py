@@ -48,7 +48,7 @@ TABLE = "share of the drive"  # the level of one that is a list over frequency
 
 
 @dataclass(frozen=True)
-class Axis:
+class StabilityAxis:
     """Second parameter: ``over`` as in ``OrbitMap``, its name, its SI unit ("": no dimension), its range in SI."""
 
     over: str
@@ -96,7 +96,7 @@ def frequencies(case: Case, count: int) -> Array:
 
 
 def second_name(over: str) -> str:
-    """What is named beside the frequency: ``"gap"`` of ``"frequency,gap"``, and of ``"gap"`` alone."""
+    """Name of the key beside the frequency: ``"gap"`` of ``"frequency,gap"``, and of ``"gap"`` alone."""
     names = [part.strip() for part in over.split(",")]
     others = [name for name in names if name not in ("frequency", FREQUENCY)]
     return others[0] if len(others) == 1 and len(names) <= 2 else over
@@ -104,7 +104,7 @@ def second_name(over: str) -> str:
 
 def second_axis(
     case: Case, over: str, low: str | float | None, high: str | float | None, system: ImpactSystem, drive: Driving
-) -> Axis:
+) -> StabilityAxis:
     """Axis of gap or drive, as in ``stability``; ``system``, ``drive``: of the model that the default range is of."""
     if over not in ("gap", "drive"):
         raise ValueError(f"--over: {over!r} is none of gap, drive; the frequency is the first axis")
@@ -118,7 +118,7 @@ def second_axis(
         raise ValueError(f"--from, --to: {name} must ascend, not go from {first:.4g} to {last:.4g}")
     if over == "drive" and first <= 0:
         raise ValueError(f"--from: {name} must be > 0, not {first:.4g}")
-    return Axis("gap" if over == "gap" else "amplitude", name, kind.unit, first, last)
+    return StabilityAxis("gap" if over == "gap" else "amplitude", name, kind.unit, first, last)
 
 
 def _value(flag: str, given: str | float, kind: Dimension) -> float:

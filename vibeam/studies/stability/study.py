@@ -14,7 +14,7 @@ from vibeam.runs.comparison.differences import listed
 from vibeam.runs.summary import ill_posed
 from vibeam.solvers.averaging import slow_flow
 from vibeam.studies.stability import axes
-from vibeam.studies.stability.axes import Axis, Driving
+from vibeam.studies.stability.axes import Driving, StabilityAxis
 from vibeam.studies.stability.rows import Crossing, CurvePoint, Share, crossings, curve_points, share
 from vibeam_models.arrays import Array
 
@@ -49,7 +49,7 @@ class Stability:
     """Maps of a case, and the boundaries along its own line."""
 
     case: Case
-    axis: Axis
+    axis: StabilityAxis
     maps: tuple[ModelMap, ...]
     crossings: tuple[Crossing, ...]
     refused: tuple[str, ...] = ()
@@ -112,7 +112,7 @@ def stability(
 
 
 @dataclass(frozen=True)
-class _Model:
+class _MappedModel:
     """Distinct model under its own drive, with all its fidelities."""
 
     names: list[str]
@@ -120,18 +120,18 @@ class _Model:
     drive: Driving
     amplitude: Array
 
-    def moves_as(self, other: _Model) -> bool:
+    def moves_as(self, other: _MappedModel) -> bool:
         """Test whether it moves identically, under a drive of the same size at every frequency."""
         return self.system.moves_as(other.system) and np.array_equal(self.amplitude, other.amplitude)
 
-    def like(self, other: _Model) -> bool:
+    def like(self, other: _MappedModel) -> bool:
         """Test whether its drive is said by the same key."""
         return self.drive.key == other.drive.key
 
 
-def _models(case: Case, fidelity: str | None, grid: Array) -> tuple[list[_Model], tuple[str, ...]]:
+def _models(case: Case, fidelity: str | None, grid: Array) -> tuple[list[_MappedModel], tuple[str, ...]]:
     """Distinct models, and the reasons of the fidelities left out; CaseError, at their lines, where all are."""
-    found: list[_Model] = []
+    found: list[_MappedModel] = []
     refused: dict[str, list[str]] = {}
     for name in case.fidelities if fidelity is None else [fidelity]:
         system = case.system(name)
@@ -139,7 +139,7 @@ def _models(case: Case, fidelity: str | None, grid: Array) -> tuple[list[_Model]
             refused.setdefault(" or ".join(system.beyond_plain), []).append(name)
             continue
         drive = Driving.of(case, name)
-        model = _Model([name], system, drive, drive.amplitude(grid))
+        model = _MappedModel([name], system, drive, drive.amplitude(grid))
         twin = next((other for other in found if model.moves_as(other)), None)
         if twin is None:
             found.append(model)
@@ -152,12 +152,12 @@ def _models(case: Case, fidelity: str | None, grid: Array) -> tuple[list[_Model]
     return found, tuple(f"{listed(names)}: no map, for no closed form knows {why}" for why, names in refused.items())
 
 
-def _otherwise(model: _Model, first: _Model, axis: Axis) -> str:
+def _otherwise(model: _MappedModel, first: _MappedModel, axis: StabilityAxis) -> str:
     said = "a list over frequency" if model.drive.key is None else f"its {model.drive.key}"
     return f"{listed(model.names)}: no map over the {axis.name} of {first.names[0]}, for the drive is said by {said}"
 
 
-def _map(model: _Model, axis: Axis, grid: Array, values: Array, periods: int) -> ModelMap:
+def _map(model: _MappedModel, axis: StabilityAxis, grid: Array, values: Array, periods: int) -> ModelMap:
     """Map of one model over the axis."""
     drive, system = model.drive, model.system
     given: dict[str, Any] = {"amplitude": drive.own, "gap": system.gap} | {axis.over: values}
@@ -167,7 +167,7 @@ def _map(model: _Model, axis: Axis, grid: Array, values: Array, periods: int) ->
     return ModelMap(tuple(model.names), system.size, orbits, own, drive.own, averaged)
 
 
-def _averaged(model: _Model, over: str, omega: Array, periods: int) -> Array | None:
+def _averaged(model: _MappedModel, over: str, omega: Array, periods: int) -> Array | None:
     """Open interval of gaps, or of levels, with a stationary averaged motion near Ω = 2n (Δ_MAX of eq. 25)."""
     system = model.system
     try:

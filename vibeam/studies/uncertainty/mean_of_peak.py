@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from vibeam.studies.uncertainty.multifidelity import Allocation, Estimate, Pilot, allocation, estimate
+from vibeam.studies.uncertainty.multifidelity import Allocation, MeanEstimate, Pilot, allocation, estimate
 from vibeam.studies.uncertainty.samples import Coarse, Responses, Sampler, inputs_of
-from vibeam.studies.uncertainty.surrogates import ClosedForm, Surface, known, runs
+from vibeam.studies.uncertainty.surrogates import ClosedFormPeaks, Surface, known, runs
 from vibeam_models.arrays import Array
 
 Progress = Callable[[str], None]
@@ -38,8 +38,8 @@ class MeanPeak:
     counts: tuple[int, ...]
     correlations: Mapping[str, float]
     seconds: Mapping[str, float]
-    alone: Estimate
-    several: Estimate
+    alone: MeanEstimate
+    several: MeanEstimate
 
     @property
     def saving(self) -> float:
@@ -48,7 +48,7 @@ class MeanPeak:
 
 
 @dataclass(frozen=True)
-class _Model:
+class _PeakModel:
     """A fidelity by one kind of solution, its responses to the first inputs, and CPU ``seconds`` of another one."""
 
     sampler: Callable[[str, Array], Responses]
@@ -101,23 +101,23 @@ def mean_of_peak(
     return MeanPeak(chosen, counts, correlations, pilot.seconds, alone, estimate(chosen, values, seconds, seed))
 
 
-def _models(sampler: Sampler, found: Mapping[str, Responses], finest: str, seed: int) -> dict[str, _Model]:
+def _models(sampler: Sampler, found: Mapping[str, Responses], finest: str, seed: int) -> dict[str, _PeakModel]:
     """The finest model, then the cheaper ones, by name."""
     first = found[finest].inputs[:PILOT]
     rng = np.random.default_rng([seed, 2])
 
-    def timed(kind: Callable[[str, Array], Responses], name: str) -> _Model:
+    def timed(kind: Callable[[str, Array], Responses], name: str) -> _PeakModel:
         apart = inputs_of(sampler.case.uncertain, rng.random((TIMED, len(sampler.keys))))
-        return _Model(kind, name, kind(name, first), float(np.mean(kind(name, apart).seconds)))
+        return _PeakModel(kind, name, kind(name, first), float(np.mean(kind(name, apart).seconds)))
 
     models = {
-        name: _Model(sampler, name, found[name], float(np.mean(found[name].seconds)))
+        name: _PeakModel(sampler, name, found[name], float(np.mean(found[name].seconds)))
         for name in (finest, *(name for name in found if name != finest))
     }
     coarse = replace(sampler, coarse=Coarse())
     models |= {f"{name}, coarse sweep": timed(coarse, name) for name in found if name != finest}
     every = max(len(sampler.case.sweep.frequency) // POINTS, 1)
-    closed = ClosedForm(sampler.case, sampler.keys, every)
+    closed = ClosedFormPeaks(sampler.case, sampler.keys, every)
     models |= {f"{name}, closed form": timed(closed, name) for name in found if known(sampler.case, name)}
     cheapest = closed if known(sampler.case, finest) else sampler
     drawn = inputs_of(sampler.case.uncertain, rng.random((runs(len(sampler.keys)), len(sampler.keys))))

@@ -106,7 +106,7 @@ def _ordered(costs: Sequence[float], steps: Sequence[float]) -> bool:
 
 
 @dataclass(frozen=True)
-class Estimate:
+class MeanEstimate:
     """Estimate of a mean with its 95 % bootstrap interval, its standard error, and the CPU seconds that it cost."""
 
     mean: float
@@ -116,7 +116,7 @@ class Estimate:
     seconds: float
 
 
-def estimate(chosen: Allocation, values: Mapping[str, Array], seconds: float, seed: int) -> Estimate:
+def estimate(chosen: Allocation, values: Mapping[str, Array], seconds: float, seed: int) -> MeanEstimate:
     """Estimate from ``values`` of each model at the first m_i of the same inputs; samples without a value left out.
 
     The bootstrap resamples the parts m_1, m_2 − m_1 … apart, each with its values of all models together.
@@ -129,7 +129,7 @@ def estimate(chosen: Allocation, values: Mapping[str, Array], seconds: float, se
         chosen, values, parts, [rng.multinomial(high - low, _even(high - low), RESAMPLES) for low, high in parts]
     )
     low, high = np.quantile(drawn, [0.025, 0.975])
-    return Estimate(float(once[0]), float(low), float(high), float(drawn.std(ddof=1)), seconds)
+    return MeanEstimate(float(once[0]), float(low), float(high), float(drawn.std(ddof=1)), seconds)
 
 
 def _even(count: int) -> Array:

@@ -79,7 +79,7 @@ LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)  # quantiles of the bands
 
 
 @dataclass(frozen=True)
-class Spread:
+class Distribution:
     """Distribution of one number over the samples: ``nominal`` at the case's own values; NaN where there is none.
 
     ``share``: of the samples that have the number.
@@ -92,7 +92,7 @@ class Spread:
     share: float = float("nan")
 
     @classmethod
-    def of(cls, nominal: float, values: Array) -> Spread:
+    def of(cls, nominal: float, values: Array) -> Distribution:
         """Distribution of the finite values."""
         known = values[np.isfinite(values)]
         share = len(known) / max(len(values), 1)
@@ -132,7 +132,7 @@ class ErrorRow:
         return hypot(*known) if self.measured == self.measured else nan
 
 
-def error_rows(result: Result, peaks: Mapping[str, Spread]) -> tuple[ErrorRow, ...]:
+def error_rows(result: Result, peaks: Mapping[str, Distribution]) -> tuple[ErrorRow, ...]:
     """A row for each fidelity; ``result``: of the case's own values, with its comparisons."""
     limits = {each.finest: each.limit.held.peak for each in result.comparisons if not each.limit.why}
     finest = list(peaks)[-1]

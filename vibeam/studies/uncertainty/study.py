@@ -12,7 +12,7 @@ from vibeam.runs.parallel import EVERY, heartbeat
 from vibeam.runs.result import finest_of
 from vibeam.studies.uncertainty.mean_of_peak import PILOT, MeanPeak, mean_of_peak
 from vibeam.studies.uncertainty.samples import Responses, Sampler, inputs_of
-from vibeam.studies.uncertainty.statistics import LEVELS, ErrorRow, Indices, Spread, error_rows, indices, saltelli
+from vibeam.studies.uncertainty.statistics import LEVELS, Distribution, ErrorRow, Indices, error_rows, indices, saltelli
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
@@ -36,11 +36,11 @@ class FidelityUncertainty:
     fidelity: str
     nominal: Array
     bands: Array
-    peak: Spread
-    peak_frequency: Spread
-    jump: Spread
-    begin: Spread
-    doubling: Spread
+    peak: Distribution
+    peak_frequency: Distribution
+    jump: Distribution
+    begin: Distribution
+    doubling: Distribution
     samples: int
     failed: int
     seconds: float
@@ -122,8 +122,8 @@ def _row(nominal: Responses, found: Responses, count: int) -> FidelityUncertaint
     known = np.isfinite(amplitude).sum(axis=0) > 1
     bands[:, known] = np.nanquantile(amplitude[:, known], LEVELS, axis=0)
 
-    def spread(of: str) -> Spread:
-        return Spread.of(float(getattr(nominal, of)[0]), getattr(found, of)[:count])
+    def spread(of: str) -> Distribution:
+        return Distribution.of(float(getattr(nominal, of)[0]), getattr(found, of)[:count])
 
     return FidelityUncertainty(
         found.fidelity,

@@ -35,7 +35,7 @@ NEARLY = 1e-6  # distance of a damping ratio from 1 below which the closed forms
 
 
 @dataclass(frozen=True)
-class ClosedForm:
+class ClosedFormPeaks:
     """Closed-form peaks of a case at other values of its uncertain inputs, at every ``every``-th of its frequencies."""
 
     case: Case

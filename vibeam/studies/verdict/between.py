@@ -136,7 +136,7 @@ def _differ(kinds: Kinds, values: Array) -> bool:
 
 
 class _Known:
-    """What is known at one place in closed form; asked for only where kinds meet."""
+    """Motions in closed form at one place; asked for only where kinds meet."""
 
     def __init__(self, points: GridPoints, place: int, output: str, quantity: str) -> None:
         self.system, self.drive = system_at(points, place)

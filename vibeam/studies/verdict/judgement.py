@@ -39,7 +39,7 @@ def difference(model: Motions, finest: Motions) -> Codes:
 
 
 def within(model: Motions, finest: Motions, accuracy: float) -> Flags:
-    """Whether both ways (rows, columns) are of the same kind and their values agree to ``accuracy``.
+    """Places (rows, columns) where both ways are of the same kind and their values agree to ``accuracy``.
 
     Means of motions that do not repeat may differ by two of their standard errors more.
     """
@@ -58,7 +58,7 @@ def cheapest(models: Sequence[Motions], accuracy: float) -> Codes:
 
 
 def doubtful(models: Sequence[Motions], accuracy: float) -> Flags:
-    """Where the label hangs on scatter: a model up to the one chosen is within its noise of the accuracy, or of chaos.
+    """Places whose label hangs on scatter: a model up to the one chosen is within its noise of the accuracy, or chaos.
 
     Of chaos: neither motion repeats, and only one exponent is positive beyond its error.
     """
@@ -179,7 +179,7 @@ def _ranges(
 
 
 def _use(finest: bool, share: float, other: float, rms: float, gain: float) -> str:
-    """What a model is good for, in a few words."""
+    """Use of a model, in a few words."""
     if finest:
         return "the reference"
     if share >= EVERYWHERE:

@@ -35,7 +35,7 @@ Task = Callable[[Event], None]
 
 
 @dataclass(frozen=True)
-class Plane:
+class ModelPlane:
     """One model over the plane: what is evaluated, the key of all that decides it, its points (rows, columns)."""
 
     grid: Grid
@@ -66,16 +66,16 @@ def kept_beside(path: Path, fresh: bool = False) -> Iterator[Path]:
         discard(place.folder)
 
 
-def plane_of(case: Case, name: str, axis: VerdictAxis, frequency: Array, quantity: str) -> Plane:
+def plane_of(case: Case, name: str, axis: VerdictAxis, frequency: Array, quantity: str) -> ModelPlane:
     """The plane of a model; errors as in ``vibeam.evaluate``."""
     axes = {axis.key: axis.values, FREQUENCY: frequency}
     grid = grid_of(case, name, axes, quantities=(quantity, *READ), direction="both", lanes=True)
     points = grid_points(grid.model, grid.axes, grid.frequency, np.arange(len(axis.values)))
-    return Plane(grid, f"verdict {key_of(case, grid)}", points)
+    return ModelPlane(grid, f"verdict {key_of(case, grid)}", points)
 
 
 def computed(
-    case: Case, planes: Sequence[Plane], axis: VerdictAxis, frequency: Array, quantity: str,
+    case: Case, planes: Sequence[ModelPlane], axis: VerdictAxis, frequency: Array, quantity: str,
     folder: Path | None = None, tell: Callable[[str], None] | None = None,
 ) -> tuple[list[Motions], list[ExactBoundary]]:  # fmt: skip
     """Motions of each model, and all exact boundaries: the dearest model first, so that both ends meet.
@@ -98,7 +98,7 @@ def computed(
 
 
 def _boundary_task(
-    known: dict[str, list[ExactBoundary]], case: Case, plane: Plane, axis: VerdictAxis, frequency: Array
+    known: dict[str, list[ExactBoundary]], case: Case, plane: ModelPlane, axis: VerdictAxis, frequency: Array
 ) -> Task:
     def task(stop: Event) -> None:
         known[plane.name] = list(exact_boundaries(case, plane.name, plane.points, axis, frequency))
@@ -114,7 +114,7 @@ class _Work:
         self.known: dict[tuple[str, int], Values] = {}
         self._lock = Lock()
 
-    def task(self, plane: Plane, block: Block) -> Task:
+    def task(self, plane: ModelPlane, block: Block) -> Task:
         """Compute one block, or find it in the folder."""
 
         def task(stop: Event) -> None:
@@ -132,8 +132,8 @@ class _Work:
 
         return task
 
-    def where(self, planes: Sequence[Plane]) -> str:
-        """How many rows of each model are known."""
+    def where(self, planes: Sequence[ModelPlane]) -> str:
+        """Numbers of rows of each model that are known."""
         known = [(name, len(values["value"])) for (name, _), values in list(self.known.items())]
         return ", ".join(
             f"{plane.name}: {sum(rows for name, rows in known if name == plane.name)} of {plane.grid.lines} rows"
@@ -147,7 +147,7 @@ class _Work:
         found = judged(self.case.sweep, points, swept, self.quantity)
         return {name: np.moveaxis(values, 0, 1) for name, values in found.items()}
 
-    def gathered(self, plane: Plane) -> Values:
+    def gathered(self, plane: ModelPlane) -> Values:
         """All rows of a model, (ways, rows, columns, …)."""
         parts = [self.known[plane.name, block.first] for block in blocks_of(plane.grid, plane.size)]
         return {name: np.moveaxis(np.concatenate([part[name] for part in parts]), 1, 0) for name in parts[0]}

@@ -45,7 +45,7 @@ class Verification:
 
 
 class Judged(Protocol):
-    """What is verified of a fidelity map."""
+    """Parts of a fidelity map that are verified."""
 
     @property
     def case(self) -> Case:
