@@ -76,6 +76,10 @@ class EventDrivenSolver(ABC):
     def _regimes(self) -> Sequence[Regime]:
         """Those of the calling thread's regimes that have an output."""
 
+    def _reader(self, output: str) -> EventDrivenSolver:
+        """The solver that reads an output: another one where these kernels do not."""
+        return self
+
     def _still_pose(self) -> tuple[Array, Array]:
         """Pose and status of the equilibrium, a copy."""
         return self._pose_of(equilibrium(self.system))
@@ -211,6 +215,8 @@ class EventDrivenSolver(ABC):
         ``kernels.layout``; what is not is NaN. ``states``: a list to which the state after each point is added;
         ``strobes``: its states (hold + 1, 2, n) at the ends of the periods, from the end of the settling on.
         """
+        if (reader := self._reader(output)) is not self:
+            return reader.steady(omegas, amplitude, state, settle, hold, output, reading, states, strobes)
         pose, status = self.pose(state)
         trace, poses = np.zeros((ROWS, self._trace_columns)), np.zeros((ROWS, 2, self.system.size))
         watch, counts = self._room(output, hold, trace, poses, reading), np.zeros(layout.COUNT_ROWS, dtype=np.int64)
@@ -242,6 +248,8 @@ class EventDrivenSolver(ABC):
 
         And the states after it, (points, 2, n): where they are those before, the motion has the drive's period.
         """
+        if (reader := self._reader(output)) is not self:
+            return reader.rounds(omegas, amplitudes, states, output, reading)
         n = self.system.size
         after, readout = self._inward(states), PointReadout(len(omegas), n)
         trace, poses = np.zeros((ROWS, self._trace_columns)), np.zeros((ROWS, 2, n))

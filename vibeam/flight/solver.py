@@ -7,7 +7,7 @@ motion: a motion of no duration is run unmeasured.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -28,8 +28,6 @@ from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.flight.several.solver import ContactsSolver
-    from vibeam.system.response import FrequencyResponse
-    from vibeam.system.state import State
 
 
 def reading_of(quantity: str) -> int:
@@ -123,35 +121,12 @@ class FlightSolver(EventDrivenSolver):
     def _outward(self, values: Array) -> Array:
         return self.packed.outward(values)
 
-    def steady(
-        self,
-        omegas: Sequence[float] | Array,
-        amplitude: float | Array,
-        state: State | None,
-        settle: int,
-        hold: int,
-        output: str,
-        reading: int = layout.EVERYTHING,
-        states: list[State] | None = None,
-        strobes: list[Array] | None = None,
-    ) -> tuple[FrequencyResponse, State]:
-        """Steady points as of ``EventDrivenSolver``; of a velocity or acceleration by the engine of regimes."""
-        if self.system.derivative(output) is not None:
-            return self._in_regimes.steady(omegas, amplitude, state, settle, hold, output, reading, states, strobes)
-        return super().steady(omegas, amplitude, state, settle, hold, output, reading, states, strobes)
-
-    def rounds(
-        self, omegas: Array, amplitudes: Array, states: Array, output: str, reading: int = layout.EVERYTHING
-    ) -> tuple[FrequencyResponse, Array]:
-        """Rounds as of ``EventDrivenSolver``; of a velocity or acceleration as ``steady``."""
-        if self.system.derivative(output) is not None:
-            return self._in_regimes.rounds(omegas, amplitudes, states, output, reading)
-        return super().rounds(omegas, amplitudes, states, output, reading)
+    def _reader(self, output: str) -> EventDrivenSolver:
+        return self if self.system.derivative(output) is None else self._in_regimes
 
     @cached_property
     def _in_regimes(self) -> RegimeSolver:
         """The solver whose kernels read derivatives too: the same motion at several times the cost an impact."""
-
         return RegimeSolver(self.system, *self._made_for, limit=self.limit)
 
 

@@ -179,7 +179,7 @@ class _Disturbances:
 
     def along(self, flown: Flown) -> None:
         """Carry the disturbances along; directions that are lost have −∞ from then on."""
-        maps = TangentMaps(flown)
+        maps = TangentMaps(flown.system, flown.drive, flown.segments, flown.state)
         rate = maps.fastest if self.frame.shape[1] > 1 else 0.0
         for i in range(len(maps)):
             pause()

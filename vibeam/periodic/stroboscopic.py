@@ -188,7 +188,7 @@ class StroboscopicMap:
                 flown = self.flown(state, periods)
             except ArithmeticError:  # the step led beyond the stop
                 return None
-            maps = TangentMaps(flown)
+            maps = TangentMaps(flown.system, flown.drive, flown.segments, flown.state)
             step = self._step(state, flown.state, jacobian(maps))
             length = float(np.linalg.norm(step)) / max(size, floor)
             if length <= ROUND_OFF or (length < STALLED and length >= last / 2):

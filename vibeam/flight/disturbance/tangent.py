@@ -21,7 +21,7 @@ An impact with R = 0 loses one direction: the contact point leaves from the stop
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -40,30 +40,6 @@ if TYPE_CHECKING:
 LOST_AT_REST = 2  # directions: displacement and velocity of the contact point
 
 
-class SegmentedMotion(Protocol):
-    """A motion by its flights, rests and contacts, as tangent maps take it."""
-
-    @property
-    def system(self) -> ImpactSystem:
-        """Whose motion it is."""
-        ...
-
-    @property
-    def drive(self) -> Drive:
-        """Under which."""
-        ...
-
-    @property
-    def segments(self) -> Segments:
-        """Flights, rests and contacts, one after another."""
-        ...
-
-    @property
-    def state(self) -> State:
-        """At the end."""
-        ...
-
-
 def tangent_fault(system: ImpactSystem) -> str:
     """Reason why the tangent maps of a system's motions are not known; empty where they are."""
     if system.further is not None:
@@ -77,13 +53,13 @@ def tangent_fault(system: ImpactSystem) -> str:
 class TangentMaps:
     """Tangent maps (2n, 2n) on (η, η') of the segments of a motion."""
 
-    def __init__(self, path: SegmentedMotion) -> None:
-        """ValueError where they are not known, see ``tangent_fault``."""
-        if reason := tangent_fault(path.system):
+    def __init__(self, system: ImpactSystem, drive: Drive, segments: Segments, state: State) -> None:
+        """``state``: at the end. ValueError where they are not known, see ``tangent_fault``."""
+        if reason := tangent_fault(system):
             raise ValueError(f"tangent maps are not known for {reason}")
-        self.system, self.drive = path.system, path.drive
-        self.trace, self.poses = path.segments.trace, path.segments.poses
-        last = np.stack([path.state.displacement, path.state.velocity])
+        self.system, self.drive = system, drive
+        self.trace, self.poses = segments.trace, segments.poses
+        last = np.stack([state.displacement, state.velocity])
         self.ends = np.concatenate([self.poses[1:], last[None]])
 
     def __len__(self) -> int:

@@ -32,7 +32,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from vibeam.flight.disturbance import tangent
+from vibeam.flight.disturbance.tangent import TangentMaps
 from vibeam.flight.equilibrium import size_of_motion
 from vibeam.flight.kernels import layout
 from vibeam.flight.kernels.thresholds import BRISK, FAR, FAR_DRIVEN
@@ -41,7 +41,9 @@ from vibeam.observe.motion import Path
 from vibeam_models.arrays import Array, Flags
 
 if TYPE_CHECKING:
+    from vibeam.flight.event_driven import Segments
     from vibeam.system.impact_system import Drive, ImpactSystem
+    from vibeam.system.state import State
 
 PLACES = 512  # at which the force is read off over a rest
 EPSILON = float(np.finfo(float).eps)
@@ -91,8 +93,18 @@ def _force(path: ExactMotion, times: Array) -> Array:
     return np.asarray(side * (pull @ system.contact) / float(system.contact @ system.contact))
 
 
-class ExactMotion(Path, tangent.SegmentedMotion, Protocol):
-    """A motion whose flights and rests are known; a ``Trajectory`` is one."""
+class ExactMotion(Path, Protocol):
+    """A motion whose flights and rests, and whose last state, are known; a ``Trajectory`` is one."""
+
+    @property
+    def segments(self) -> Segments:
+        """Flights and rests, one after another."""
+        ...
+
+    @property
+    def state(self) -> State:
+        """State at the end."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -126,7 +138,11 @@ class _CarriedCovariance:
     """The covariance carried along a trajectory, segment by segment."""
 
     def __init__(self, path: ExactMotion, start: Array | None) -> None:
-        self.system, self.drive, self.maps = path.system, path.drive, tangent.TangentMaps(path)
+        self.system, self.drive, self.maps = (
+            path.system,
+            path.drive,
+            TangentMaps(path.system, path.drive, path.segments, path.state),
+        )
         self.trace, self.unending = self.maps.trace, endless(self.maps.trace)
         self.far = _far(self.system, path.drive, self.maps.poses[0])
         self.covariance = np.diag(self._round_off(self.maps.poses[0], 0.0)) if start is None else np.array(start)
