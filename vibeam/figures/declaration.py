@@ -11,9 +11,10 @@ from typing import Any
 class FigureKind:
     """Kind of figure: ``home``, its module (or the name, imported when asked for), and what it shows.
 
-    The module has ``sheets(case, fidelity, plan)``, the numbers of one fidelity (kept in the results file), and
-    ``draw(figure, result, plan, sheets)``, which makes the figure of them; ``size(plan)`` (inches) and
-    ``caption(plan)`` where the usual ones will not do.
+    The module has ``columns(case, fidelity, frequency, plan)``, the numbers at one frequency, or ``sheets(case,
+    fidelity, plan)``, all of one fidelity (kept in the results file; neither: the sweep has them), and ``draw(figure,
+    result, plan, sheets)``, which makes the figure of them; ``size(plan)`` (inches) and ``caption(plan)`` where the
+    usual ones will not do.
 
     ``needs`` and ``takes``: keys of the table that it must and may have. ``reads``: its columns that [expect.NAME] and
     [measured.NAME] compare with a number, and their units (q, q/s: of the output and its rate), ``entries``: the column

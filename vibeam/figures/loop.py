@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from vibeam.case.beam_field import Fields, field_system, fields, stop_places
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.settled_motion import NoMotion, Settled, exact_motion, settled
-from vibeam.figures.sheet import Column, Columns
+from vibeam.figures.settled_motion import Settled, exact_motion, settled
+from vibeam.figures.sheet import Column, Columns, NoMotion
 from vibeam.flight.trajectory import Trajectory
 from vibeam.observe.periodicity import repetition, strobe_time
 from vibeam_models.arrays import Array

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil
@@ -12,7 +12,7 @@ import numpy as np
 
 from vibeam.case.fidelity import gap_drift
 from vibeam.case.plans import ShowPlan
-from vibeam.figures.sheet import Column, Columns, Sheet
+from vibeam.figures.sheet import Column, Columns, NoMotion
 from vibeam.flight.trajectory import Trajectory, simulate
 from vibeam.observe.measuring_chain import Chain, MeasuredRecord, measure
 from vibeam.observe.motion import impacts_within, last_periods
@@ -29,10 +29,6 @@ if TYPE_CHECKING:
 
 
 SAMPLES = 1000  # samples a drive period, of a motion that is exact between its events
-
-
-class NoMotion(Exception):
-    """No motion to show; the text gives the reason."""
 
 
 @dataclass(frozen=True)
@@ -114,18 +110,6 @@ def exact_motion(begin: Settled, periods: float) -> Trajectory:
     if path.ended is not Ended.COMPLETE:
         raise NoMotion(path.ended.value)
     return path
-
-
-def sheet_each(plan: ShowPlan, fidelity: str, make: Callable[[float], Columns]) -> list[Sheet]:
-    """Make one sheet for each frequency of the plan, empty and with the reason where there is no motion."""
-    return [_sheet(fidelity, frequency, make) for frequency in plan.frequency]
-
-
-def _sheet(fidelity: str, frequency: float, make: Callable[[float], Columns]) -> Sheet:
-    try:
-        return Sheet(fidelity, frequency, make(frequency))
-    except (NoMotion, ValueError) as reason:  # ValueError: of an observer, for example with too few samples
-        return Sheet(fidelity, frequency, fault=str(reason))
 
 
 def motion_columns(case: Case, name: str, frequency: float, plan: ShowPlan, periods: int) -> Columns:

@@ -19,7 +19,7 @@ from vibeam_models.registry import loaded
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.system.impact_system import ImpactSystem
-from collections.abc import Iterator, ValuesView
+from collections.abc import Callable, Iterator, ValuesView
 from typing import TYPE_CHECKING, Protocol
 
 if TYPE_CHECKING:
@@ -74,6 +74,10 @@ class Sheet:
         return self[name] if name in self.columns else np.empty(0)
 
 
+class NoMotion(Exception):
+    """No motion to show; the text gives the reason."""
+
+
 def module_of(plan: ShowPlan) -> Any:
     """Module of the plan's kind."""
     return loaded(FIGURES[plan.kind].home)
@@ -81,8 +85,8 @@ def module_of(plan: ShowPlan) -> Any:
 
 def sheets(case: Case, plan: ShowPlan) -> tuple[Sheet, ...]:
     """Sheets of all fidelities of a plan, in order."""
-    made, quantity = module_of(plan).sheets, quantity_of(case, plan.output)
-    found = tuple(sheet for name in plan.fidelities for sheet in made(case, name, plan))
+    quantity = quantity_of(case, plan.output)
+    found = tuple(sheet for name in plan.fidelities for sheet in _sheets_of(case, plan, name))
     return found if quantity is DISPLACEMENT else tuple(_named(sheet, quantity.name) for sheet in found)
 
 
@@ -113,8 +117,25 @@ def sheet_at(case: Case, plan: ShowPlan, fidelity: str, frequency: float | None,
 @lru_cache(maxsize=64)
 def _computed(case: Case, plan: ShowPlan, fidelity: str) -> Sheet:
     """First sheet of a fidelity, computed once for all numbers that are read off it."""
-    found: Sheet = module_of(plan).sheets(case, fidelity, plan)[0]
-    return found
+    return _sheets_of(case, plan, fidelity)[0]
+
+
+def _sheets_of(case: Case, plan: ShowPlan, fidelity: str) -> list[Sheet]:
+    """Sheets of one fidelity, the kind's own or one a frequency; none where the sweep has the numbers."""
+    module = module_of(plan)
+    if (sheets := getattr(module, "sheets", None)) is not None:
+        return list(sheets(case, fidelity, plan))
+    if (columns := getattr(module, "columns", None)) is None:
+        return []
+    return [_sheet(fidelity, each, lambda at: columns(case, fidelity, at, plan)) for each in plan.frequency]
+
+
+def _sheet(fidelity: str, frequency: float, columns: Callable[[float], Columns]) -> Sheet:
+    """Sheet at one frequency, empty and with the reason where there is no motion."""
+    try:
+        return Sheet(fidelity, frequency, columns(frequency))
+    except (NoMotion, ValueError) as reason:  # ValueError: of an observer, for example with too few samples
+        return Sheet(fidelity, frequency, fault=str(reason))
 
 
 class Comparison(Protocol):

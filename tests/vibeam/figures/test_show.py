@@ -125,8 +125,8 @@ def test_everything_is_kept_and_not_made_again(tmp_path: Path, monkeypatch: pyte
     def never(*_: Any) -> None:
         raise AssertionError("made again")
 
-    for home in ("history", "portrait", "section", "boundaries"):
-        monkeypatch.setattr(f"vibeam.figures.kinds.{home}.sheets", never)
+    for made in ("history.columns", "portrait.columns", "section.columns", "boundaries.sheets"):
+        monkeypatch.setattr(f"vibeam.figures.kinds.{made}", never)
     again = vibeam.run(case, out)
     for name in ("history", "portrait", "section", "gaps"):
         for one, other in zip(first.shown[name], again.shown[name], strict=True):

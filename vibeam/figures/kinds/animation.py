@@ -18,8 +18,7 @@ from vibeam.figures.moving import FRAMES_A_SECOND, Moving
 from vibeam.figures.page import plain
 from vibeam.figures.panels import is_empty, say, start_upward
 from vibeam.figures.response import draw_branch
-from vibeam.figures.settled_motion import sheet_each
-from vibeam.figures.sheet import Comparison, Sheet
+from vibeam.figures.sheet import Columns, Comparison, Sheet
 from vibeam.figures.style import Look, looks_of, name_of
 from vibeam.figures.units import DisplayUnits, frequency_label, motion_of, units_for, with_unit
 from vibeam.system.number_text import FREQUENCIES, LENGTHS, prefixed
@@ -38,9 +37,9 @@ LEFT = 0.52  # share of the width that the beams have
 FLASH = 0.06  # drive periods for which an impact is marked
 
 
-def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """The sheet of one loop."""
-    return sheet_each(plan, fidelity, lambda frequency: loop_columns(case, fidelity, frequency, plan))
+def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+    """One loop of the motion at one ``frequency``, Hz."""
+    return loop_columns(case, name, frequency, plan)
 
 
 def size(plan: ShowPlan) -> tuple[float, float]:

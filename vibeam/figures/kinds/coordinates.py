@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import faults_at, mark_stop, sheets_at, titled
-from vibeam.figures.settled_motion import NoMotion, exact_columns, settled, sheet_each
-from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
+from vibeam.figures.settled_motion import exact_columns, settled
+from vibeam.figures.sheet import Column, Columns, Comparison, NoMotion, Sheet
 from vibeam.figures.style import Look, name_of
 from vibeam.figures.units import DisplayUnits, motion_of, units_for
 from vibeam.system.impact_system import ImpactSystem
@@ -37,25 +37,20 @@ ROUNDING = 1e-13
 TRANSFORMED: dict[str, Any] = {"linestyle": (0, (4, 1.4)), "linewidth": 1.0}
 
 
-def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One sheet a frequency."""
-    of_contact = replace(plan, output="contact")
-    return sheet_each(plan, fidelity, lambda frequency: _columns(case, fidelity, frequency, of_contact))
-
-
-def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
-    begin = settled(case, name, frequency, plan)
+def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+    """Motion of the contact in both coordinates at one ``frequency``, Hz."""
+    begin = settled(case, name, frequency, replace(plan, output="contact"))
     if begin.system.size != 1:
         raise NoMotion(f"one mode alone has these coordinates, this model has {begin.system.size}")
     begin.system.require_plain("coordinates")
-    columns = exact_columns(begin, plan.periods or PERIODS, plan.output)
-    rows = {each: columns[each].values for each in ("time", "displacement", "velocity", "impact_time")}
+    found = exact_columns(begin, plan.periods or PERIODS, "contact")
+    rows = {each: found[each].values for each in ("time", "displacement", "velocity", "impact_time")}
     first = _first_after(rows["time"], rows["impact_time"])
     ivanov = case.fidelities[name].solver == "ivanov"
     place, rate = transformed(begin.system, rows["displacement"], rows["velocity"], first, ivanov)
-    struck = np.abs(columns["impact_velocity"].values)
+    struck = np.abs(found["impact_velocity"].values)
     inside = first < len(rows["time"])
-    return dict(columns) | {
+    return dict(found) | {
         "unfolded": Column(place, "c", "unfolded displacement z"),
         "unfolded_velocity": Column(rate, "c/s", "Zhuravlev's ż, or Ivanov's s"),
         "physical_jump": Column(_jumps(rows["velocity"], first, inside) / struck[inside], "1", "jump of q̇ over |q̇₋|"),

@@ -22,8 +22,6 @@ from vibeam_models.outputs import DISPLACEMENT
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from vibeam.case.case import Case
-
 
 LENGTHS = ("amplitude", "reach", "output_reach", "maximum", "minimum")
 OF_CONTACT = ("reach", "impact_velocity")
@@ -44,11 +42,6 @@ CALLED = {
 
 
 NOTHING = defaultdict(lambda: "no motion at any frequency", impact_velocity="no impact at any frequency")
-
-
-def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """No sheets: the sweep has the numbers."""
-    return []
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:

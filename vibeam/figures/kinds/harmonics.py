@@ -13,7 +13,7 @@ import numpy as np
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.page import plain
 from vibeam.figures.panels import across_frequency, decades, faults_at, is_empty, labelled, say, sheets_at, titled
-from vibeam.figures.settled_motion import exact_motion, settled, sheet_each
+from vibeam.figures.settled_motion import exact_motion, settled
 from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
 from vibeam.figures.style import bar, name_of
 from vibeam.figures.style import look as style
@@ -33,12 +33,8 @@ FEW = 12  # largest number of frequencies drawn as bars
 MARKED = 25  # points of a line below which each is marked
 
 
-def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One sheet a frequency."""
-    return sheet_each(plan, fidelity, lambda frequency: _columns(case, fidelity, frequency, plan))
-
-
-def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+    """Amplitudes by order at one ``frequency``, Hz."""
     parts = plan.subdivision or 1
     periods = plan.periods or PERIODS * parts
     path = exact_motion(settled(case, name, frequency, plan), periods)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import faults_at, mark_stop, sheets_at, titled
-from vibeam.figures.settled_motion import motion_columns, sheet_each
-from vibeam.figures.sheet import Comparison, Sheet
+from vibeam.figures.settled_motion import motion_columns
+from vibeam.figures.sheet import Columns, Comparison, Sheet
 from vibeam.figures.style import name_of
 from vibeam.figures.units import motion_of, units_for
 
@@ -23,10 +23,9 @@ if TYPE_CHECKING:
 PERIODS = 4
 
 
-def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One sheet a frequency."""
-    periods = plan.periods or PERIODS
-    return sheet_each(plan, fidelity, lambda frequency: motion_columns(case, fidelity, frequency, plan, periods))
+def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+    """Motion of the output at one ``frequency``, Hz."""
+    return motion_columns(case, name, frequency, plan, plan.periods or PERIODS)
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:

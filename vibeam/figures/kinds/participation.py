@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from vibeam.case.plans import ShowPlan
 from vibeam.figures import SHARES
 from vibeam.figures.panels import decades, faults_at, labelled, sheets_at, titled
-from vibeam.figures.settled_motion import exact_motion, settled, sheet_each
+from vibeam.figures.settled_motion import exact_motion, settled
 from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
 from vibeam.figures.style import bar, name_of
 from vibeam.figures.units import units_for
@@ -34,12 +34,8 @@ MEANING = {
 LEAST = 1e-6  # smallest share drawn
 
 
-def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One sheet a frequency."""
-    return sheet_each(plan, fidelity, lambda frequency: _columns(case, fidelity, frequency, plan))
-
-
-def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+    """Shares of the modes at one ``frequency``, Hz."""
     periods = plan.periods or PERIODS
     path = exact_motion(settled(case, name, frequency, plan), periods)
     found = modal_participation(path, plan.output, periods=periods)

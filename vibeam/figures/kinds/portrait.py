@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import faults_at, mark_stop, sheets_at, titled
-from vibeam.figures.settled_motion import motion_columns, sheet_each
-from vibeam.figures.sheet import Comparison, Sheet
+from vibeam.figures.settled_motion import motion_columns
+from vibeam.figures.sheet import Columns, Comparison, Sheet
 from vibeam.figures.style import Look, name_of
 from vibeam.figures.units import DisplayUnits, motion_of, units_for
 
@@ -30,10 +30,9 @@ REPEATS = 8  # largest period, in drive periods, of a closed orbit
 SHADES, LEAST_SHADE = 8.0, 0.12  # opacity of an aperiodic motion's lines: first over their number, second at least
 
 
-def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One sheet a frequency."""
-    periods = plan.periods or PERIODS
-    return sheet_each(plan, fidelity, lambda frequency: motion_columns(case, fidelity, frequency, plan, periods))
+def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+    """Motion of the output at one ``frequency``, Hz."""
+    return motion_columns(case, name, frequency, plan, plan.periods or PERIODS)
 
 
 def draw(figure: Figure, result: Comparison, plan: ShowPlan, shown: tuple[Sheet, ...]) -> None:

@@ -14,8 +14,8 @@ from vibeam.case.plans import ShowPlan
 from vibeam.figures import RESTITUTIONS
 from vibeam.figures.page import plain
 from vibeam.figures.panels import across_frequency, drawn, is_empty, labelled, say
-from vibeam.figures.settled_motion import MeasuredWindow, NoMotion, chain_or_exact, measured_window, sheet_each
-from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
+from vibeam.figures.settled_motion import MeasuredWindow, chain_or_exact, measured_window
+from vibeam.figures.sheet import Column, Columns, Comparison, NoMotion, Sheet
 from vibeam.figures.style import looks, name_of, nested
 from vibeam.figures.units import units_for
 from vibeam.observe.motion import impacts_within
@@ -52,12 +52,8 @@ MEANING = {
 }
 
 
-def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One sheet a frequency."""
-    return sheet_each(plan, fidelity, lambda frequency: _columns(case, fidelity, frequency, plan))
-
-
-def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+    """Readings of every impact at one ``frequency``, Hz."""
     chain = chain_or_exact(case, name, SAMPLES * frequency)
     found = measured_window(case, name, frequency, plan, plan.periods or PERIODS, chain)
     if found.path.system.contact_law.yields:

@@ -23,8 +23,8 @@ from vibeam.figures.panels import (
     sheets_at,
     titled,
 )
-from vibeam.figures.settled_motion import MeasuredWindow, NoMotion, chain_or_exact, measured_window, sheet_each
-from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
+from vibeam.figures.settled_motion import MeasuredWindow, chain_or_exact, measured_window
+from vibeam.figures.sheet import Column, Columns, Comparison, NoMotion, Sheet
 from vibeam.figures.style import looks_of, name_of
 from vibeam.figures.units import motion_of, units_for
 from vibeam.observe.ringing import REACH, CountedPeaks, count_peaks, fast_part, fit_ringing, peaks_of
@@ -44,12 +44,8 @@ PROMINENCE = 0.2  # prominence of a counted peak, as a share of the range
 APART = 0.7  # periods of the ringing between two counted peaks, at least: of several in noise the highest is meant
 
 
-def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One sheet a frequency."""
-    return sheet_each(plan, fidelity, lambda frequency: _columns(case, fidelity, frequency, plan))
-
-
-def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+    """Frequency and size of what rings at one ``frequency``, Hz."""
     near = plan.near or 0.0
     found = measured_window(
         case, name, frequency, plan, plan.periods or PERIODS, chain_or_exact(case, name, SAMPLES * near)

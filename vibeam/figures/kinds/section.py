@@ -8,8 +8,8 @@ import numpy as np
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import around, faults_at, sheets_at, titled
-from vibeam.figures.settled_motion import NoMotion, Settled, exact_motion, settled, sheet_each
-from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
+from vibeam.figures.settled_motion import Settled, exact_motion, settled
+from vibeam.figures.sheet import Column, Columns, Comparison, NoMotion, Sheet
 from vibeam.figures.style import name_of
 from vibeam.figures.units import motion_of, units_for
 from vibeam.observe.phase_plane import stroboscopic_section
@@ -27,12 +27,8 @@ PERIODS = 500
 PLACES = 32  # largest number of points drawn with large marks
 
 
-def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One sheet a frequency."""
-    return sheet_each(plan, fidelity, lambda frequency: _columns(case, fidelity, frequency, plan))
-
-
-def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+    """Points of the section at one ``frequency``, Hz."""
     begin, periods = settled(case, name, frequency, plan), plan.periods or PERIODS
     if begin.state is None:
         raise NoMotion(begin.fault)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from vibeam.case.plans import ShowPlan
 from vibeam.figures.panels import decades, faults_at, labelled, sheets_at, titled
-from vibeam.figures.settled_motion import chain_or_exact, measured_window, sheet_each
+from vibeam.figures.settled_motion import chain_or_exact, measured_window
 from vibeam.figures.sheet import Column, Columns, Comparison, Sheet
 from vibeam.figures.style import name_of
 from vibeam.figures.units import motion_of, units_for
@@ -24,12 +24,8 @@ SAMPLES = 256  # samples a drive period, of a motion that is not measured
 SHOWN = 16  # largest frequency shown, in multiples of the drive frequency
 
 
-def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
-    """One sheet a frequency."""
-    return sheet_each(plan, fidelity, lambda frequency: _columns(case, fidelity, frequency, plan))
-
-
-def _columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
+    """Spectra at one ``frequency``, Hz."""
     chain = chain_or_exact(case, name, SAMPLES * frequency)
     record = measured_window(case, name, frequency, plan, plan.periods or PERIODS, chain).window
     displacement, velocity = (spectrum_of(record.time, values) for values in (record.displacement, record.velocity))
