@@ -63,5 +63,5 @@ def with_other_choice(scene: RigScene, system: ImpactSystem) -> ImpactSystem:
     given = scene.stop.usual_restitution
     if scene.stop.restitution_of == "first mode":
         return replace(system, restitution=given)
-    mobility = float(system.contact @ system.contact)
+    mobility = system.mobility
     return replace(system, restitution=contact_restitution(given, float(system.contact[0]), mobility))

@@ -97,7 +97,7 @@ def map_function(system: ImpactSystem, kind: Kind, branch: int, points: MotionsA
         return beyond_touching(value)
     if kind is not Kind.GRAZING:
         return value
-    size = np.abs(points.total.unit * points.amplitude) * points.total.omega / float(system.contact @ system.contact)
+    size = np.abs(points.total.unit * points.amplitude) * points.total.omega / system.mobility
     return np.where(np.isnan(value), size if branch == 0 else -size, value)
 
 

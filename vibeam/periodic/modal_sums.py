@@ -176,7 +176,7 @@ class Roots(NamedTuple):
 def balance(system: ImpactSystem, sums: Sums, amplitude: ArrayLike, gap: ArrayLike) -> Roots:
     """Solve for both roots at every frequency of ``sums``; ``amplitude`` and ``gap``, m, one number or one a point."""
     response = np.asarray(sums.unit * np.asarray(amplitude, dtype=float))
-    restitution, mobility = system.restitution, float(system.contact @ system.contact)
+    restitution, mobility = system.restitution, system.mobility
     turn = (restitution * mobility / (1 + restitution) - sums.g1) / sums.omega
     clear = np.broadcast_to(np.asarray(gap, dtype=float) - sums.offset, sums.omega.shape)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
@@ -186,7 +186,7 @@ def balance(system: ImpactSystem, sums: Sums, amplitude: ArrayLike, gap: ArrayLi
         else:
             impulse, height, discriminant = _without_stiffness(sums.fixed, turn, np.abs(response))
         phase = np.arctan2(height, impulse * turn[:, None]) - np.angle(response)[:, None]
-        velocity = -impulse * mobility / (1 + restitution)
+        velocity = system.impact_velocity(impulse)
         toward = -(sums.omega**2)[:, None] * height + impulse * sums.g2[:, None]
         return Roots(impulse, np.mod(phase, 2 * np.pi), velocity, toward / velocity, discriminant)
 

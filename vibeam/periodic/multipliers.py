@@ -35,7 +35,7 @@ TOGETHER = 3  # squarings between two normalisations
 
 def real_crossing(system: ImpactSystem, transfer: Transfer, relative_acceleration: Array) -> Array:
     """D(λ) at λ = 1 or −1, as ``transfer`` is; ``relative_acceleration`` (points,) is a/v."""
-    s = (1 + system.restitution) / float(system.contact @ system.contact)
+    s = (1 + system.restitution) / system.mobility
     with np.errstate(invalid="ignore", over="ignore"):
         still = (1 - s * transfer.k11) * (1 + s * transfer.t22) + s * s * transfer.t12 * transfer.k21
         return np.asarray(still - relative_acceleration * s * transfer.t12)
@@ -51,7 +51,7 @@ def monodromy(
     kept = np.arange(system.size) if modes is None else modes
     natural, zeta, c = system.omega[kept], system.zeta[kept], system.contact[kept]
     flown = _propagators(natural, zeta, span)
-    n, sigma, s = len(kept), zeta * natural, (1 + system.restitution) / float(system.contact @ system.contact)
+    n, sigma, s = len(kept), zeta * natural, (1 + system.restitution) / system.mobility
     rows = [np.concatenate([c * flown.p00, c * flown.p01], axis=1), np.concatenate([c * flown.p10, c * flown.p11], 1)]
     turned = s * (2 * sigma + relative_acceleration[:, None]) * c
     matrix = np.empty((len(span), 2 * n, 2 * n))

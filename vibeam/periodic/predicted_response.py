@@ -164,7 +164,7 @@ def _predicted(system: ImpactSystem, trains: Trains, output: str) -> PredictedRe
         contact = sampled(signal(system, modes, "contact"))
         own = extremes(contact, m)
         shown = own if output == "contact" else extremes(sampled(signal(system, modes, output)), m)
-        speeds = -moved.impulses * float(system.contact @ system.contact) / (1 + system.restitution)
+        speeds = system.impact_velocity(moved.impulses)
         found[which[~clear(contact, system.gap, m)]] = OrbitKind.STRIKES.code
         rows = (shown.maximum, shown.minimum, system.gap - own.minimum, speeds.mean(axis=1))
         values[:, which] = *rows, shown.uncertainty, own.uncertainty
@@ -197,7 +197,7 @@ def _stable(system: ImpactSystem, trains: Trains, acceleration: Array) -> Flags:
     """
     if not len(trains.omega):
         return np.zeros(0, dtype=bool)
-    velocity = -trains.impulses * float(system.contact @ system.contact) / (1 + system.restitution)
+    velocity = system.impact_velocity(trains.impulses)
     relative = acceleration / velocity
     if trains.phases.shape[1] == 1:
         return np.asarray(largest(system, trains.span, relative[:, 0]) < 1)

@@ -196,7 +196,7 @@ def root_on(branch: TrainBranch, kind: Kind, stretch: BranchStretch, within: flo
 
 def _boundary(branch: TrainBranch, kind: Kind, z: Array) -> TrainBoundary:
     system, drive, span, train = branch.at(z)
-    velocities = -train.impulses * float(system.contact @ system.contact) / (1 + system.restitution)
+    velocities = system.impact_velocity(train.impulses)
     values = np.zeros(0, dtype=complex) if kind is Kind.GRAZING else multipliers_of(system, drive, span, train)
     phases = np.mod(drive.omega * train.times, drive.omega * span)
     return TrainBoundary(kind, drive.omega, drive.amplitude, system.gap, phases, velocities, values)

@@ -52,7 +52,7 @@ def train_orbit(
         reason = "omega: several impacts a span need modes with stiffness only"
     if reason:
         raise ValueError(reason)
-    impulses = -(1 + system.restitution) * speeds / float(system.contact @ system.contact)
+    impulses = -(1 + system.restitution) * speeds / system.mobility
     span = 2 * np.pi * periods / drive.omega
     train = newton(system, drive, periods, Train(guess - span * np.floor(guess.min() / span), impulses))
     return None if train is None else _orbit(system, drive, periods, train)
@@ -84,7 +84,7 @@ def _agree(found: Array, observed: Array) -> bool:
 
 def _orbit(system: ImpactSystem, drive: Drive, periods: int, train: Train) -> TrainOrbit:
     span = 2 * np.pi * periods / drive.omega
-    velocities = -train.impulses * float(system.contact @ system.contact) / (1 + system.restitution)
+    velocities = system.impact_velocity(train.impulses)
     displacement, before = states_before(system, drive, span, train)
     values = multipliers_of(system, drive, span, train)
     state = State(displacement[0], before[0] + system.contact * train.impulses[0])
@@ -125,7 +125,7 @@ def multipliers_of(system: ImpactSystem, drive: Drive, span: float, train: Train
     """Multipliers, largest first, from the flights and impacts of one span, from just after the first impact."""
     order = np.argsort(train.times)
     train = Train(train.times[order], train.impulses[order])
-    velocities = -train.impulses * float(system.contact @ system.contact) / (1 + system.restitution)
+    velocities = system.impact_velocity(train.impulses)
     displacement, before = states_before(system, drive, span, train)
     force = np.outer(np.sin(drive.omega * train.times), system.load) * drive.omega**2 * drive.amplitude + system.static
     toward = (force - 2 * system.zeta * system.omega * before - system.omega**2 * displacement) @ system.contact

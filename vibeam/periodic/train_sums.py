@@ -131,7 +131,7 @@ def residual(system: ImpactSystem, trains: Trains, response: Complex, sums: Gree
     turned = response[:, None] * np.exp(1j * trains.phases)
     g, v, a = sums
     own = np.eye(p.shape[1])
-    loss = own * float(system.contact @ system.contact) / (1 + system.restitution)
+    loss = own * system.mobility / (1 + system.restitution)
     height = turned.imag + float(system.contact @ offsets(system)) + _times(g, p) - gap
     speed = omega * turned.real + _times(v + loss, p)
     by_time = [_by_time(first, p, drive) for first, drive in ((v, omega * turned.real), (a, -(omega**2) * turned.imag))]

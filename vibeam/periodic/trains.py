@@ -137,7 +137,7 @@ def newton(system: ImpactSystem, drive: Drive, periods: int, start: Train) -> Tr
 def equations(system: ImpactSystem, drive: Drive, span: float, train: Train) -> tuple[Array, Array]:
     """Residuals (2m,), m and m/s, and their derivatives (2m, 2m) by times and impulses."""
     times, p = train
-    mobility, square = float(system.contact @ system.contact), system.contact**2
+    mobility, square = system.mobility, system.contact**2
     turned = (system.contact @ phasors(system, drive)) * np.exp(1j * drive.omega * times)
     lag = lags(system, span, times)
     g, v = lag.value @ square, lag.slope @ square

@@ -216,7 +216,7 @@ def _onto_stop(system: ImpactSystem, state: State) -> State:
     beyond = float(system.contact @ state.displacement) - system.gap
     if beyond <= 0 and not state.resting:
         return state
-    back = system.contact * (beyond / float(system.contact @ system.contact))
+    back = system.contact * (beyond / system.mobility)
     return State(state.displacement - back, state.velocity, state.resting)
 
 

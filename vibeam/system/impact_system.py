@@ -123,6 +123,15 @@ class ImpactSystem:
         """Number of modes."""
         return len(self.omega)
 
+    @property
+    def mobility(self) -> float:
+        """Velocity of the contact after a unit impulse there, Σ c_i², 1/kg."""
+        return float(self.contact @ self.contact)
+
+    def impact_velocity(self, impulse: Array) -> Array:
+        """Contact velocity v⁻ = −p Σ c_i²/(1 + R) before impacts that take the ``impulse`` p, m/s."""
+        return -impulse * self.mobility / (1 + self.restitution)
+
     def output(self, name: str) -> Array:
         """Row (n,) on η of one output; KeyError names the known outputs, ValueError one that is a derivative."""
         derivative = self.derivative(name)

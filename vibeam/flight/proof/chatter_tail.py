@@ -74,7 +74,7 @@ def tails_of(motion: WatchedMotion) -> Array:
 def _bounds(motion: WatchedMotion, side: int, which: Index) -> tuple[Array, Array]:
     start, system = _after_impact(motion, side, which), motion.system
     law = system.contact_law
-    mobility = float(system.contact @ system.contact)
+    mobility = system.mobility
     with np.errstate(all="ignore"):
         share = law.accumulation_loss(start.speed)
         time = ROOM * 2 * start.speed / (start.pull * share)

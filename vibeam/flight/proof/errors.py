@@ -60,9 +60,7 @@ def left_out_of(path: ExactMotion) -> Array:
     """(m, 3): when each endless accumulation was taken as rest, s; W₀; most that W is until that rest's end, J."""
     trace = path.segments.trace
     which = np.flatnonzero(endless(trace))
-    energy = path.system.contact_law.rebound(trace[which, layout.BEFORE]) ** 2 / (
-        2 * float(path.system.contact @ path.system.contact)
-    )
+    energy = path.system.contact_law.rebound(trace[which, layout.BEFORE]) ** 2 / (2 * path.system.mobility)
     rises = np.array([_rise(path, int(i) + 1) for i in which])
     return np.stack(
         [trace[which, layout.START] + trace[which, layout.DURATION], energy, energy * rises], axis=1
@@ -90,7 +88,7 @@ def _force(path: ExactMotion, times: Array) -> Array:
     push = np.outer(np.sin(drive.omega * times), system.load) * drive.omega**2 * drive.amplitude + system.static
     pull = push - poses[:, 1] @ damper_of(system) - system.omega**2 * poses[:, 0]
     side = np.where(np.abs(place - system.gap) <= far, 1.0, -1.0)
-    return np.asarray(side * (pull @ system.contact) / float(system.contact @ system.contact))
+    return np.asarray(side * (pull @ system.contact) / system.mobility)
 
 
 class ExactMotion(Path, Protocol):
@@ -179,7 +177,7 @@ class _CarriedCovariance:
 
     def _left_out(self, speed: float) -> Array:
         """Variances (2n,) by what an endless accumulation of impacts still does: √2W₀ at most, see ``endless``."""
-        square = (self.system.restitution * speed) ** 2 / float(self.system.contact @ self.system.contact)
+        square = (self.system.restitution * speed) ** 2 / self.system.mobility
         softness = np.where(self.system.omega > 0, 1 / np.where(self.system.omega > 0, self.system.omega, 1.0), 0.0)
         return np.concatenate([square * softness**2, np.full(self.system.size, square)])
 

@@ -49,7 +49,7 @@ class Limit:
         """System with the impulse of infinitely many modes; ValueError where no restitution in [0, 1] gives that."""
         given, first = scene.stop.usual_restitution, float(self.system.contact[0])
         impulse = (1 + given) / self.mobility if restitution_of == "contact" else (1 + given) / first**2
-        restitution = impulse * float(self.system.contact @ self.system.contact) - 1
+        restitution = impulse * self.system.mobility - 1
         at_contact = impulse * self.mobility - 1
         if not 0 <= restitution <= 1 or at_contact > 1:
             needed = at_contact if at_contact > 1 else restitution
@@ -68,9 +68,9 @@ def limit(scene: RigScene, modes: int) -> Limit:
     elements = max(scene.beam.elements, RESOLVED * count)
     elements += elements % 2
     fine, coarse = (_all_modes(scene, each) for each in (elements, elements // 2))
-    own, half = (float(each.contact @ each.contact) for each in (fine, coarse))
+    own, half = (each.mobility for each in (fine, coarse))
     inertia, kept = 2 / own - 1 / half, _lowest(fine, count)
-    share = float(kept.contact @ kept.contact) * inertia
+    share = kept.mobility * inertia
     if share < LEAST_SHARE:
         raise ValueError(FAR.format(modes=kept.size, share=max(share, 0.0)))
     return Limit(kept, elements, 1 / inertia)
@@ -85,7 +85,7 @@ def _of_matrices(scene: RigScene, count: int) -> Limit:
     plain = replace(given, stop=stop)
     kept = system(plain, Fidelity("limit", "modal", min(count, structure.size)))
     mobility = structure.mobility(structure.contact)
-    share = float(kept.contact @ kept.contact) / mobility
+    share = kept.mobility / mobility
     if share < LEAST_SHARE:
         raise ValueError(FAR.format(modes=kept.size, share=share))
     return Limit(kept, 0, mobility)

@@ -94,7 +94,7 @@ def _from_flights(
     if not rows:
         return None
     points = np.array([point for point, _, _ in rows])
-    impulses = -(1 + system.restitution) / float(system.contact @ system.contact) * np.array([v for _, _, v in rows])
+    impulses = -(1 + system.restitution) / system.mobility * np.array([v for _, _, v in rows])
     start = Trains(
         np.array([phases for _, phases, _ in rows]), impulses, 2 * np.pi * response.frequency[points],
         amplitude[points], repeats[0],

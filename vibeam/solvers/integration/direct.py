@@ -35,7 +35,7 @@ class ModalFrame:
     @classmethod
     def of(cls, system: ImpactSystem, drive: Drive) -> ModalFrame:
         """Frame of a system under a drive."""
-        mobility = float(system.contact @ system.contact)
+        mobility = system.mobility
         rates = np.where(system.omega > 0, system.omega, 1.0)
         return cls(
             system.omega**2,

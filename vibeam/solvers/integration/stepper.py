@@ -112,7 +112,7 @@ def slack(system: ImpactSystem, displacement: Array) -> float:
 def onto_stop(system: ImpactSystem, displacement: Array) -> Array:
     """Displacement (n,), projected onto the stop by the shortest way where it lies beyond."""
     beyond = float(system.contact @ displacement) - system.gap
-    return displacement - system.contact * (max(beyond, 0.0) / float(system.contact @ system.contact))
+    return displacement - system.contact * (max(beyond, 0.0) / system.mobility)
 
 
 def cycle(system: ImpactSystem, drive: Drive) -> float:

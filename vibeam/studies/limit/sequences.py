@@ -81,7 +81,7 @@ def of_restitution(
     found: Sequence[ImpactSystem], held: str, omega: float, base: float, output: str
 ) -> Iterator[ModeSequence]:
     """The other coefficient, and amplitude and impact velocity of the exact motion at one drive."""
-    mobility = np.array([float(each.contact @ each.contact) for each in found])
+    mobility = np.array([each.mobility for each in found])
     bare = "" if mobility[-1] * LEAST_SHARE < mobility[len(mobility) // 2] else BARE
     if held == "contact":
         seen = (
@@ -110,9 +110,7 @@ def moving_law(found: Sequence[ImpactSystem]) -> str:
     """Reason why a stop is another one in each model; empty where it is the same."""
     if all(each.law == found[0].law for each in found):
         return ""
-    share = float(found[len(found) // 2].contact @ found[len(found) // 2].contact) / float(
-        found[-1].contact @ found[-1].contact
-    )
+    share = found[len(found) // 2].mobility / found[-1].mobility
     return "" if share > LEAST_SHARE else MOVING_LAW
 
 
