@@ -24,7 +24,7 @@ NEAR = 1e-3  # share of the length: a node at a load must be this far from those
 UNDAMPED = Damping("constant", (0.0,))
 
 
-def nodes(length: float, elements: int, inserted: Iterable[float] = ()) -> NDArray[np.float64]:
+def nodes(length: float, elements: int, inserted: Iterable[float] = ()) -> Array:
     """Ascending node positions (k,) in m: ``elements`` uniform ones on [0, length] and every ``inserted`` one.
 
     A uniform node nearer than a quarter element to an inserted one is left out, so that no element is needlessly

@@ -94,6 +94,7 @@ COMMANDS = {
     "keys": ["keys"],
     "new": ["new", "new.toml"],
     "a wrong case": ["run", "wrong.toml"],
+    "too many modes": ["run", str(ROOT / "cases" / "dtu_neutral.toml"), "--set", "fidelity.beam.modes=500"],
     "a wrong value": ["run", str(ROOT / "cases" / "dtu_neutral.toml"), "--set", "stop.gap=1 Hz"],
 }
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from vibeam.batches.points import BatchPoints, Systems, plain_points, points_of
 from vibeam.batches.response import BatchPlan, BatchRecord
@@ -23,7 +23,7 @@ from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.quantities import Ended
 from vibeam.system.state import State
 from vibeam_models.arguments import count, refuse
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, Flags, Index
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
     from vibeam.batches.response import BatchResponse
 
-Whole = NDArray[np.int64]
 ALONE = 64  # points of one task of a thread, where each goes by itself
 MOST, LEAST = 1024, 256  # points of one compiled task at most, and at least where there are as many
 
@@ -78,7 +77,7 @@ def batch(
     tasks = [(run_task, which) for which in tasks_of(points, np.flatnonzero(compiled))]
     tasks += [(run_points, which) for which in _one_by_one(points, np.flatnonzero(~compiled), plan)]
 
-    def task(item: tuple[Callable[..., None], Whole], stop: Event) -> None:
+    def task(item: tuple[Callable[..., None], Index], stop: Event) -> None:
         item[0](points, item[1], plan, record)
 
     if workers == 1 or len(tasks) == 1:
@@ -89,7 +88,7 @@ def batch(
     return record.response(points.shape)
 
 
-def _one_by_one(points: BatchPoints, which: Whole, plan: BatchPlan) -> list[Whole]:
+def _one_by_one(points: BatchPoints, which: Index, plan: BatchPlan) -> list[Index]:
     """Points that no kernel takes as a whole, in tasks, those of one system together."""
     for i in np.unique(points.base[which]):
         warm_up_once("flight", points.bases[i], float(points.omega[0]), float(points.amplitude[0]), plan.output, {})
@@ -125,13 +124,13 @@ def _count(name: str, value: int, least: int) -> int:
     return found
 
 
-def is_compiled(points: BatchPoints, output: str) -> NDArray[np.bool_]:
+def is_compiled(points: BatchPoints, output: str) -> Flags:
     """Mask of the points that the kernels take: those of plain systems, read as displacements."""
     plain = [not base.beyond_plain and base.derivative(output) is None for base in points.bases]
     return np.array(plain)[points.base]
 
 
-def tasks_of(points: BatchPoints, which: Whole) -> list[Whole]:
+def tasks_of(points: BatchPoints, which: Index) -> list[Index]:
     """The points ``which`` in tasks of what is packed alike, neighbours side by side."""
     level = np.floor(np.log2(PANEL / points.omega[which]))  # of the longest panels: see ``linear.packing.top_level``
     elastic = 1.0 - points.restitution[which] < ELASTIC
@@ -143,7 +142,7 @@ def tasks_of(points: BatchPoints, which: Whole) -> list[Whole]:
     return sorted(found, key=len, reverse=True)
 
 
-def _portions(part: Whole) -> list[Whole]:
+def _portions(part: Index) -> list[Index]:
     """Large tasks, which cost little beside their points, then smaller ones, so that all threads end about together."""
     found = []
     while len(part):
@@ -153,7 +152,7 @@ def _portions(part: Whole) -> list[Whole]:
     return found
 
 
-def run_task(points: BatchPoints, which: Whole, plan: BatchPlan, record: BatchRecord) -> None:
+def run_task(points: BatchPoints, which: Index, plan: BatchPlan, record: BatchRecord) -> None:
     """Compute the points ``which`` and keep them in ``record``."""
     elastic = bool(1.0 - points.restitution[which[0]] < ELASTIC)
     most = SIDE_BY_SIDE if plan.lanes else 0
@@ -166,7 +165,7 @@ def run_task(points: BatchPoints, which: Whole, plan: BatchPlan, record: BatchRe
         record.exponents[:, which] = largest_exponents(points, which, plan.lyapunov, record)
 
 
-def run_points(points: BatchPoints, which: Whole, plan: BatchPlan, record: BatchRecord) -> None:
+def run_points(points: BatchPoints, which: Index, plan: BatchPlan, record: BatchRecord) -> None:
     """Compute the points ``which`` and note each in ``record``: what a sweep of one frequency gives, to the bit."""
     made: dict[tuple[float, ...], ImpactSystem] = {}
     for point in which.tolist():

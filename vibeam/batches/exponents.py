@@ -16,7 +16,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.batches.points import plain_points
 from vibeam.flight.disturbance.tangent import tangent_fault
@@ -27,7 +26,7 @@ from vibeam.periodic.stroboscopic import GIVEN, NEAR, ROUND_OFF, STALLED, Strobo
 from vibeam.system.impact_system import Drive
 from vibeam.system.quantities import Ended
 from vibeam.system.state import State
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, Flags, Index
 
 if TYPE_CHECKING:
     from vibeam.batches.points import BatchPoints
@@ -35,7 +34,6 @@ if TYPE_CHECKING:
     from vibeam.flight.points.points import PlainPoints
 
 
-Whole = NDArray[np.int64]
 NEWTON = 8  # steps, before a point goes alone
 
 
@@ -46,7 +44,7 @@ def exponent_faults(points: BatchPoints, periods: int) -> list[str]:
     return found + [f"lyapunov: not known for {reason}" for reason in reasons if reason]
 
 
-def largest_exponents(points: BatchPoints, which: Whole, periods: int, record: BatchRecord) -> Array:
+def largest_exponents(points: BatchPoints, which: Index, periods: int, record: BatchRecord) -> Array:
     """Largest exponents (1/s) of the points ``which`` of plain systems in ``record``, and their errors: (2, points).
 
     NaN where a point failed; one whose motion fails only now is recorded as failed.
@@ -83,7 +81,7 @@ def largest_exponent(points: BatchPoints, point: int, periods: int, record: Batc
         return float("nan"), float("nan")
 
 
-def _of_means(points: BatchPoints, which: Whole, periods: int, record: BatchRecord) -> Array:
+def _of_means(points: BatchPoints, which: Index, periods: int, record: BatchRecord) -> Array:
     """Means of motions that do not repeat, and their errors by batches; NaN for those that go alone."""
     from vibeam.flight.points.disturbances import carry
 
@@ -102,12 +100,12 @@ def _of_means(points: BatchPoints, which: Whole, periods: int, record: BatchReco
     return np.where(mean, [found, error], [lost, np.where(np.isnan(lost), np.nan, 0.0)])
 
 
-def _forgotten(points: BatchPoints, which: Whole, lost: NDArray[np.bool_]) -> Array:
+def _forgotten(points: BatchPoints, which: Index, lost: Flags) -> Array:
     """−∞ for one mode that has rested or whose impacts have come to an end: there both directions are lost."""
     return np.where(lost & (points.size == 1) & (points.restitution[which] > 0), -np.inf, np.nan)
 
 
-def _of_cycles(points: BatchPoints, which: Whole, periods: int, record: BatchRecord) -> Array:
+def _of_cycles(points: BatchPoints, which: Index, periods: int, record: BatchRecord) -> Array:
     """Exponents of motions that repeat, by their multipliers, without error; NaN for those that go alone."""
     from vibeam.flight.points.disturbances import carry
 
@@ -157,20 +155,20 @@ def _newton(matrix: Array, apart: Array) -> Array:
     return step
 
 
-def _largest(matrix: Array, which: NDArray[np.bool_]) -> Array:
+def _largest(matrix: Array, which: Flags) -> Array:
     """Largest modulus of the eigenvalues of some matrices; elsewhere NaN."""
     found = np.full(len(matrix), np.nan)
     found[which] = np.abs(np.linalg.eigvals(matrix[which])).max(axis=-1)
     return found
 
 
-def _units(points: BatchPoints, which: Whole) -> Array:
+def _units(points: BatchPoints, which: Index) -> Array:
     """Factors (m, 2n) that bring displacements and velocities to units of velocity."""
     own = np.array([base.omega for base in points.bases])[points.base[which]]
     return np.concatenate([np.where(own > 0, own, points.omega[which][:, None]), np.ones_like(own)], axis=1)
 
 
-def _plain(points: BatchPoints, which: Whole, record: BatchRecord) -> tuple[PlainPoints, bool]:
+def _plain(points: BatchPoints, which: Index, record: BatchRecord) -> tuple[PlainPoints, bool]:
     """The points from the states in which they ended, and whether their impacts are all but elastic."""
     found = replace(
         plain_points(points, which),

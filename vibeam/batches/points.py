@@ -13,7 +13,7 @@ from vibeam.flight.points.points import PlainPoints
 from vibeam.system.impact_system import ImpactSystem
 from vibeam.system.state import State
 from vibeam_models.arguments import counted, real_array, refuse, shown
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, Flags, Index
 
 if TYPE_CHECKING:
     from vibeam.batches.response import BatchResponse
@@ -28,14 +28,14 @@ class BatchPoints:
 
     shape: tuple[int, ...]
     bases: tuple[ImpactSystem, ...]  # the distinct systems given
-    base: NDArray[np.int64]  # which of them
+    base: Index  # which of them
     omega: Array  # rad/s
     amplitude: Array  # m
     gap: Array  # m
     restitution: Array
     damping: Array  # factor on every damping ratio
     state: Array | None = None  # (m, 2n)
-    resting: NDArray[np.bool_] | None = None
+    resting: Flags | None = None
 
     @property
     def size(self) -> int:
@@ -104,7 +104,7 @@ def points_of(
     return BatchPoints(shape=shape, bases=bases, base=base, **flat)
 
 
-def _distinct(systems: Any, faults: list[str]) -> tuple[tuple[ImpactSystem, ...], NDArray[np.int64]]:
+def _distinct(systems: Any, faults: list[str]) -> tuple[tuple[ImpactSystem, ...], Index]:
     """The distinct systems, and which of them each entry is."""
     if isinstance(systems, ImpactSystem):
         return (systems,), np.zeros((), dtype=np.int64)
@@ -159,7 +159,7 @@ def _common_shape(given: dict[str, Any]) -> tuple[int, ...]:
     return shape
 
 
-def _starts(state: Any, n: int, faults: list[str]) -> tuple[Array, NDArray[np.bool_]] | None:
+def _starts(state: Any, n: int, faults: list[str]) -> tuple[Array, Flags] | None:
     """States (…, 2n) and which of them rest; None: none are given, or a line in ``faults`` says what is wrong."""
     from vibeam.batches.response import BatchResponse
 
@@ -175,7 +175,7 @@ def _starts(state: Any, n: int, faults: list[str]) -> tuple[Array, NDArray[np.bo
     return values, np.broadcast_to(resting, values.shape[:-1])
 
 
-def plain_points(points: BatchPoints, which: NDArray[np.int64]) -> PlainPoints:
+def plain_points(points: BatchPoints, which: Index) -> PlainPoints:
     """The points ``which``, their distinct dampings as systems."""
     kinds, system = np.unique(np.stack([points.base[which], points.damping[which]]), axis=1, return_inverse=True)
     bases = [points.bases[int(base)] for base in kinds[0]]

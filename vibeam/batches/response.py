@@ -13,7 +13,7 @@ from vibeam.system.quantities import Ended
 from vibeam.system.response import FrequencyResponse
 from vibeam.system.state import State
 from vibeam_models.arguments import counted
-from vibeam_models.arrays import Array
+from vibeam_models.arrays import Array, Flags, Index
 
 
 @dataclass(frozen=True)
@@ -30,14 +30,14 @@ class BatchResponse:
     minimum: Array  #: min of the output
     impacts_per_period: Array  #: impacts a drive period, over the hold
     impact_velocity: Array  #: mean contact velocity just before impact, m/s (NaN where there is none)
-    period: NDArray[np.int64]  #: drive periods after which the motion repeats (1…16), 0 none, −1 no contact
+    period: Index  #: drive periods after which the motion repeats (1…16), 0 none, −1 no contact
     rest: Array  #: share of the time at rest on the stop, 0…1
     mode_energy: Array  #: (…, n) time-mean energy of each mode over the hold, J
-    ended: NDArray[np.int64]  #: code of ``Ended``
-    impacts: NDArray[np.int64]  #: impacts computed, settling included
+    ended: Index  #: code of ``Ended``
+    impacts: Index  #: impacts computed, settling included
     cpu_seconds: Array  #: CPU time of the point, s
     state: Array  #: (…, 2n) modal displacements, then velocities, at the end of the hold
-    resting: NDArray[np.bool_]  #: whether that state is in lasting contact with the stop
+    resting: Flags  #: whether that state is in lasting contact with the stop
     strobes: Array  #: (…, k) the output at the end of the last k periods held, the latest last
     lyapunov: Array  #: largest Lyapunov exponent, 1/s, −∞ where every direction is lost (NaN where not asked for)
     lyapunov_error: Array  #: its standard error, 0 where the motion repeats
@@ -94,7 +94,7 @@ class BatchRecord:
         self.exponents = np.full((2, points), np.nan)  # largest Lyapunov exponents and their standard errors
 
     def fill(
-        self, which: NDArray[np.int64], response: FrequencyResponse, states: Array, resting: NDArray[np.bool_],
+        self, which: Index, response: FrequencyResponse, states: Array, resting: Flags,
         strobes: Array,
     ) -> None:  # fmt: skip
         """Keep the points ``which``, the states (m, 2, n) after them and the output at the ends of their periods."""

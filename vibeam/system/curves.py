@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam_models.arrays import Array, Flags
 
@@ -75,7 +74,7 @@ class Difference:
     total: int = 0
 
     @classmethod
-    def of(cls, relative: NDArray[np.float64], total: int, peak: float = NAN) -> Difference:
+    def of(cls, relative: Array, total: int, peak: float = NAN) -> Difference:
         """Difference whose values at the points compared are ``relative``."""
         if not len(relative):
             return cls(peak, total=total)

@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.system.quantities import LAYOUT, METRES, VELOCITIES_KEPT, Ended, OutputUnits, unit_of
+from vibeam_models.arrays import Array, Index
 from vibeam_models.registry import loaded
 
 if TYPE_CHECKING:
@@ -20,12 +20,12 @@ class Values(Protocol):
     """Response of one branch: an array of each quantity over frequency."""
 
     @property
-    def mode_energy(self) -> NDArray[np.float64]:
+    def mode_energy(self) -> Array:
         """Modal energies (points, n)."""
         ...
 
     @property
-    def ended(self) -> NDArray[np.int64]:
+    def ended(self) -> Index:
         """Code of the reason why each point ended, (points,)."""
         ...
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from vibeam.system.curves import Difference as Difference
 from vibeam.system.curves import Peak as Peak
@@ -15,7 +14,7 @@ from vibeam.system.public_names import handed_in
 from vibeam.system.quantities import VELOCITIES_KEPT as VELOCITIES_KEPT
 from vibeam.system.quantities import Ended as Ended
 from vibeam_models.arguments import counted
-from vibeam_models.arrays import Array, Flags
+from vibeam_models.arrays import Array, Flags, Index
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -53,14 +52,12 @@ class FrequencyResponse:
     impacts_per_period: Array  #: impacts a drive period, over the hold
     impact_velocity: Array  #: mean contact velocity just before impact, m/s (NaN where there is none)
     impact_velocities: Array  #: the last 16 impact velocities of the hold, oldest first, NaN where there are fewer
-    period: NDArray[
-        np.int64
-    ]  #: least number of drive periods after which the motion repeats (1…16), 0 none, −1 no contact
+    period: Index  #: least number of drive periods after which the motion repeats (1…16), 0 none, −1 no contact
     rest: Array  #: share of the time at rest on the stop, 0…1
     mode_energy: Array  #: time-mean energy of each mode over the hold, J (see above)
-    ended: NDArray[np.int64]  #: code of ``Ended``
-    impacts: NDArray[np.int64]  #: impacts computed, settling included
-    evaluations: NDArray[np.int64]  #: evaluations of the contact displacement
+    ended: Index  #: code of ``Ended``
+    impacts: Index  #: impacts computed, settling included
+    evaluations: Index  #: evaluations of the contact displacement
     cpu_seconds: Array  #: CPU time of the point
 
     @property

@@ -8,9 +8,7 @@ from dataclasses import dataclass, fields
 from math import pi
 from typing import Any, ClassVar, Self
 
-import numpy as np
-from numpy.typing import NDArray
-
+from vibeam_models.arrays import Array
 from vibeam_models.keys import keys_of, quantity
 
 Value = Any  # a number, or an array of one at each place
@@ -48,7 +46,7 @@ class Shape(ABC):
         """(key, message) of what does not go together; ``table`` has values as attributes, None what is absent."""
         yield from ()
 
-    def between(self, far: Self, share: NDArray[np.float64]) -> Self:
+    def between(self, far: Self, share: Array) -> Self:
         """The shape on the way to ``far``, every dimension linear in ``share`` (0 here, 1 there)."""
         ends = {each.name: (getattr(self, each.name), getattr(far, each.name)) for each in fields(self)}
         return type(self)(**{name: None if a is None else a + (b - a) * share for name, (a, b) in ends.items()})
