@@ -1,4 +1,4 @@
-"""Direct integration, Zhuravlev and Ivanov against the exact flight solver."""
+"""Direct integration, Zhuravlev, Ivanov and Moreau–Jean time stepping against the exact flight solver."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from vibeam.observe.periodicity import repetition
 from vibeam.solvers.integration.direct import DirectSolver
 from vibeam.solvers.integration.impact_events import EventRun
 from vibeam.solvers.integration.ivanov import IvanovSolver
+from vibeam.solvers.integration.moreau import MoreauSolver
 from vibeam.solvers.integration.samples import turning_points
 from vibeam.solvers.integration.zhuravlev import Distance, ZhuravlevSolver
 from vibeam.system.response import Ended
@@ -24,7 +25,7 @@ TIGHT: dict[str, Any] = {"method": "DOP853", "rtol": 1e-10, "atol": 1e-13}
 
 @pytest.mark.parametrize(
     ("name", "options", "bar"),
-    [("direct", {}, 3e-3), ("zhuravlev", {}, 3e-3), ("ivanov", {}, 3e-3)]
+    [("direct", {}, 3e-3), ("zhuravlev", {}, 3e-3), ("ivanov", {}, 3e-3), ("moreau", {"steps": 10_000}, 5e-4)]
     + [(name, TIGHT, 1e-8) for name in ODES],
 )  # fmt: skip
 def test_settled_period_one_point(name: str, options: dict[str, Any], bar: float) -> None:
@@ -40,15 +41,19 @@ def test_settled_period_one_point(name: str, options: dict[str, Any], bar: float
     assert response.rest[0] == 0.0
 
 
-def test_direct_on_three_modes() -> None:
+@pytest.mark.parametrize(
+    ("name", "options", "near"), [("direct", TIGHT, 1e-7), ("moreau", {"steps": 40_000, "repeats": 1e-2}, 2e-3)]
+)
+def test_three_modes(name: str, options: dict[str, Any], near: float) -> None:
     system, grid = three_modes(), [1.6]
     exact = vibeam.sweep(system, omega=grid, amplitude=B, settle=40, hold=6)
-    found, _ = DirectSolver(system, 1.6, **TIGHT).steady(grid, B, None, 40, 6, "contact")
+    found, _ = SOLVERS[name](system, 1.6, **options).steady(grid, B, None, 40, 6, "contact")
     assert exact.period[0] == found.period[0] == 1
     assert found.impacts_per_period[0] == exact.impacts_per_period[0] == 4
-    np.testing.assert_allclose(found.mode_energy, exact.mode_energy, rtol=1e-6)
-    np.testing.assert_allclose(found.impact_velocities, exact.impact_velocities, rtol=1e-6)
-    np.testing.assert_allclose(found.amplitude, exact.amplitude, rtol=1e-7)
+    np.testing.assert_allclose(found.amplitude, exact.amplitude, rtol=near)
+    np.testing.assert_allclose(found.mode_energy, exact.mode_energy, rtol=10 * near)
+    ours, theirs = (np.sort(each.impact_velocities) for each in (found, exact))
+    np.testing.assert_allclose(ours, theirs, rtol=10 * near)
 
 
 def test_no_contact_has_period_minus_one() -> None:
@@ -201,6 +206,9 @@ def test_a_start_beyond_the_stop_is_refused() -> None:
         (DirectSolver, sdof(), {"rtol": 0.0}, "rtol: 0.0"),
         (DirectSolver, sdof(), {"atol": -1.0}, "atol: -1.0"),
         (DirectSolver, sdof(), {"limit": 0}, "limit: 0"),
+        (MoreauSolver, sdof(), {"steps": 4}, "steps"),
+        (MoreauSolver, sdof(), {"theta": 0.4}, "theta"),
+        (MoreauSolver, sdof(), {"theta": 1.1}, "theta"),
     ],
 )
 def test_what_cannot_be_is_refused_at_once(kind: Any, system: Any, options: dict[str, Any], message: str) -> None:
@@ -230,3 +238,39 @@ def test_turning_points_of_a_cubic_are_exact() -> None:
     shares, heights = turning_points(t, t**3 - 3 * t, 3 * t**2 - 3)
     assert np.min(heights) == pytest.approx(-2.0, rel=1e-14)
     assert 2 * shares.ravel()[np.argmin(heights)] == pytest.approx(1.0, rel=1e-14)
+
+
+def test_moreaus_order_in_flight() -> None:
+    """θ = ½ without impacts is the trapezoidal rule; θ = 1 is of first order."""
+    system = vibeam.ImpactSystem.from_modes([1.0, 6.3], 0.02, [1.0, -0.8], [1.0, 0.5], gap=1.0)
+    drive, t_end = vibeam.Drive(2.0, B), 10.0
+    exact = vibeam.simulate(system, drive, t_end).state.displacement
+    for theta, expected in ((0.5, 2.0), (1.0, 1.0)):
+        solvers = [MoreauSolver(system, 2.0, steps=steps, theta=theta) for steps in (2000, 16_000)]
+        errors = [np.abs(s.motion(drive, None, 0.0, t_end).state.displacement - exact) for s in solvers]
+        found = np.log(errors[0] / errors[1]) / np.log(8)
+        assert found == pytest.approx([expected] * 2, abs=0.15), f"θ = {theta}: orders {found}"
+
+
+def test_a_coarse_step_is_told_from_a_fine_one() -> None:
+    """The bars above fail for a hundred steps a period."""
+    found, _ = MoreauSolver(sdof(), 2.0, steps=100).steady([2.0], B, None, 150, 6, "contact")
+    assert abs(found.reach[0] / 1.753002e-2 - 1) > 1e-3
+
+
+def test_endless_bouncing_ends_for_moreau() -> None:
+    """R = 1 on a pressed stop takes as long as anything else."""
+    system, flat = sdof(gap=-1.0, restitution=1.0), vibeam.State(np.array([-1.0]), np.array([1e-2]))
+    response, _ = MoreauSolver(system, 2.0).steady([2.0], B, flat, 2, 2, "contact")
+    assert response.ended[0] == Ended.COMPLETE.code
+    assert response.impacts[0] > 100
+
+
+def test_without_damping_moreaus_flight_keeps_its_energy() -> None:
+    system = vibeam.ImpactSystem.from_modes([1.0, 6.3], 0.0, [1.0, -0.8], 0.0, gap=1.0)
+    begin = vibeam.State(np.array([0.1, 0.02]), np.array([0.0, 0.1]))
+    path = MoreauSolver(system, 1.0, steps=200).motion(vibeam.Drive(1.0, 0.0), begin, 0.0, 100.0)
+    energy = path.values[:, 1] ** 2 + system.omega**2 * path.values[:, 0] ** 2
+    np.testing.assert_allclose(energy, np.broadcast_to(energy[0], energy.shape), rtol=1e-11)
+    lossy = MoreauSolver(system, 1.0, steps=200, theta=0.6).motion(vibeam.Drive(1.0, 0.0), begin, 0.0, 100.0)
+    assert np.all(lossy.values[-1, 1] ** 2 + system.omega**2 * lossy.values[-1, 0] ** 2 < 0.9 * energy[0])
