@@ -30,7 +30,8 @@ from vibeam_models.effects.platform import Platform, Shaker
 from vibeam_models.effects.supports import Clamp
 from vibeam_models.effects.torsion import Torsion
 from vibeam_models.laws.compliant import LinearStop
-from vibeam_models.laws.restitution import TableRestitution
+from vibeam_models.laws.mechanics import StopLaw
+from vibeam_models.laws.restitution import TableRestitution, ViscousRestitution
 from vibeam_models.scene import Scene
 from vibeam_models.structure import Structure
 
@@ -124,9 +125,8 @@ def flows(made: Rig, path: Trajectory) -> Callable[[np.ndarray], np.ndarray]:
 def struck(made: Rig, path: Trajectory) -> float:
     """What the impacts took, J."""
     mobility = float(made.structure.contact @ np.linalg.solve(made.structure.M, made.structure.contact))
-    law = made.system.law
     speeds = path.impact_velocities
-    left = np.array([made.system.restitution if law is None else law.at(v) for v in speeds])  # type: ignore[union-attr]
+    left = np.array([made.system.contact_law.at(v) for v in speeds])
     return float(np.sum((1 - left**2) * speeds**2)) / (2 * mobility)
 
 
@@ -164,18 +164,28 @@ def test_the_platforms_damping_couples_the_modes() -> None:
 TABLE = TableRestitution((0.0, 0.02, 0.05, 0.2), (0.95, 0.9, 0.7, 0.5))
 
 
-@pytest.mark.parametrize(("law", "second"), [(TABLE, None), (None, SECOND), (TABLE, SECOND)])
-def test_laws_of_restitution_and_two_stops(law: TableRestitution | None, second: float | None) -> None:
-    made = rig("none")
+@pytest.mark.parametrize(
+    ("name", "law", "second"),
+    [
+        ("none", TABLE, None), ("none", None, SECOND), ("none", TABLE, SECOND), ("none", ViscousRestitution(0.3), None),
+        ("platform", TABLE, SECOND), ("platform", None, SECOND),
+    ],
+)  # fmt: skip
+def test_laws_of_restitution_and_two_stops(name: str, law: StopLaw | None, second: float | None) -> None:
+    """On the platform damping couples the modes."""
+    made = rig(name)
     made = replace(made, system=replace(made.system, law=law, gap=GAP, second_gap=second))
     path = moved(made)
     assert abs(balance(made, path, struck(made, path))) < BAR
 
 
-@pytest.mark.parametrize(("restitution", "second"), [(1.0, SECOND), (0.7, None)])
-def test_a_stop_that_yields(restitution: float, second: float | None) -> None:
+@pytest.mark.parametrize(
+    ("name", "restitution", "second"),
+    [("none", 1.0, SECOND), ("none", 0.7, None), ("platform", 0.7, None), ("platform", 1.0, SECOND)],
+)
+def test_a_stop_that_yields(name: str, restitution: float, second: float | None) -> None:
     """Its dashpot takes c d′² while it pushes, and what its spring still holds when the force is none."""
-    made = rig("none")
+    made = rig(name)
     mobility = float(made.system.contact @ made.system.contact)
     law = LinearStop.matched(3e5, restitution, 1 / mobility)
     made = replace(made, system=replace(made.system, law=law, gap=GAP, second_gap=second))

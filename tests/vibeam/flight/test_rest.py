@@ -89,17 +89,17 @@ def force(case: Held, t: float, x: Array, v: Array) -> float:
     return float(c @ drift(case, t, x, v) / (c @ c))
 
 
-def integrated(case: Held, times: Array) -> Array:
-    """Poses (m, 2, n) of the motion projected on contact·η' = 0."""
+def integrated(case: Held, times: Array, begin: float = 0.0) -> Array:
+    """Poses (m, 2, n) of the motion projected on contact·η' = 0, from its start at time ``begin``."""
     n, c = case.system.size, case.system.contact
 
     def slope(t: float, y: Array) -> Array:
         free = drift(case, t, y[:n], y[n:])
         return np.concatenate([y[n:], free - c * (c @ free) / (c @ c)])
 
-    begin = np.concatenate([case.start.displacement, case.start.velocity])
+    start = np.concatenate([case.start.displacement, case.start.velocity])
     found = solve_ivp(
-        slope, (0.0, times[-1]), begin, method="DOP853", t_eval=times, rtol=1e-12, atol=1e-14, max_step=0.05
+        slope, (begin, times[-1]), start, method="DOP853", t_eval=times, rtol=1e-12, atol=1e-14, max_step=0.05
     )
     return found.y.T.reshape(-1, 2, n)
 
@@ -214,16 +214,8 @@ def test_rest_after_chatter_is_the_same_rest(mode: int) -> None:
     middle = (begin + end) / 2
     # the equations' time runs on from the middle of the rest
     shifted = Held(case.system, case.drive, vibeam.State(*path.modes_at(middle), resting=True))
-    n, c = mode, case.system.contact
-
-    def slope(t: float, y: Array) -> Array:
-        free = drift(shifted, t, y[:n], y[n:])
-        return np.concatenate([y[n:], free - c * (c @ free) / (c @ c)])
-
     times = np.linspace(middle, end, 30)[:-1]
-    begin_y = np.concatenate([shifted.start.displacement, shifted.start.velocity])
-    found = solve_ivp(slope, (middle, end), begin_y, method="DOP853", t_eval=times, rtol=1e-12, atol=1e-14)
-    expected = found.y.T.reshape(-1, 2, n)
+    expected = integrated(shifted, times, middle)
     np.testing.assert_allclose(path.modes_at(times), expected, atol=1e-9 * np.abs(expected).max())
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from threading import Barrier, get_ident
 from typing import Any
 
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 import vibeam
+from vibeam.flight.linear.packing import pack
 from vibeam.flight.solver import FlightSolver, RegimeSolver
 from vibeam.solvers import solver
 from vibeam_models.laws.compliant import HuntCrossley, LinearStop
@@ -137,3 +139,19 @@ def test_a_sweep_does_not_depend_on_what_its_solver_did_before(law: str) -> None
 def test_a_trajectory_can_be_pickled(law: str) -> None:
     path = vibeam.simulate(system(LAWS[law]), DRIVE, 0.5)
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(path)).at(TIMES), path.at(TIMES))
+
+
+def test_a_system_is_packed_once_for_drives_of_one_octave_and_another_anew() -> None:
+    one = system()
+    first = pack(one, 2.0)
+    assert pack(one, 2.0) is first
+    assert pack(one, 200.0) is not first
+    assert pack(replace(one), 2.0) is not first
+
+
+def test_motions_by_one_packed_system_do_not_disturb_each_other() -> None:
+    one, other = system(), vibeam.Drive(105.0, 2e-4)
+    alone, shared = vibeam.simulate(replace(one), DRIVE, 0.5), vibeam.simulate(one, DRIVE, 0.5)
+    vibeam.simulate(one, other, 0.5)
+    vibeam.sweep(one, omega=[100.0], amplitude=1e-4, settle=10, hold=5)
+    np.testing.assert_array_equal(alone.modes_at(TIMES), shared.modes_at(TIMES))

@@ -110,7 +110,7 @@ def test_a_state_that_is_none_is_refused(displacement: Any, velocity: Any, resti
 
 def test_a_drive_of_no_number_is_refused() -> None:
     wrong = ["95", None, True, 1j, [95.0], np.nan, np.inf, 10**400]
-    assert answers(lambda value: vibeam.Drive(value, 1.0), wrong, "^drive") == []
+    assert answers(lambda value: vibeam.Drive(value, 1.0), [*wrong, -1.0], "^drive") == []
     assert answers(lambda value: vibeam.Drive(1.0, value), wrong, "^drive") == []
 
 
@@ -142,9 +142,11 @@ def test_a_sweep_refuses_other_types(wrong: dict[str, Any]) -> None:
 @pytest.mark.parametrize("wrong", [
     {"t_end": "1"}, {"t_end": None}, {"t_start": 2.0}, {"max_impacts": -5}, {"max_impacts": 10.5}, {"drive": 95.0},
     {"max_impacts": 10**19}, {"state": np.zeros((2, 2))}, {"system": None}, {"max_impacts": "many"},
+    {"t_end": -1.0}, {"t_end": np.nan}, {"t_end": np.inf}, {"t_start": -1.0}, {"solver": "fligth"},
+    {"state": vibeam.State([0.0], [0.0])}, {"state": vibeam.State.reached(np.full(2, np.nan), np.zeros(2))},
 ])  # fmt: skip
 def test_a_simulation_refuses_other_types(wrong: dict[str, Any]) -> None:
-    with pytest.raises(ValueError, match="t_end" if "t_start" in wrong else next(iter(wrong))):
+    with pytest.raises(ValueError, match="t_end|t_start" if "t_start" in wrong else next(iter(wrong))):
         vibeam.simulate(**{"system": SYSTEM, "drive": DRIVE, "t_end": 1.0} | wrong)
 
 
