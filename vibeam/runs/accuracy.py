@@ -9,18 +9,24 @@ nothing can be claimed. Where the finest is off by more, no fidelity is taken.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibeam.exchange.faults import CaseError
 from vibeam.runs.estimate.records import Basis, FidelityEstimate
+from vibeam.runs.keys import estimates_key
+from vibeam.runs.store.records import ESTIMATED
 from vibeam.system.number_text import percent
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.runs.fidelity_sweep import Job
+    from vibeam.runs.store.file import Store
+    from vibeam.system.impact_system import ImpactSystem
 
 
 @dataclass(frozen=True)
@@ -116,3 +122,55 @@ def _swept(name: str, found: FidelityEstimate, quantities: Sequence[str], points
     codes, counts = np.unique(np.concatenate([each.basis[~each.known] for each in parts]), return_counts=True)
     unknown = {Basis.of_code(int(code)).value: int(count) for code, count in zip(codes, counts, strict=True)}
     return SweptFidelity(name, float(errors.max()) if len(errors) else np.nan, points - sum(counts), points, unknown)
+
+
+def known_estimates(case: Case, jobs: Sequence[Job], store: Store | None) -> dict[str, FidelityEstimate]:
+    """Estimates in the file by which a fidelity is chosen already, from the cheapest to that one; empty without any."""
+    if case.accuracy is None or store is None:
+        return {}
+    names = [job.name for job in jobs]
+    for count in range(1, 1 + len(list(takewhile(lambda job: not job.missing, jobs)))):
+        kept = store.kept(ESTIMATED, estimates_key(case, {job.name: job.gathered() for job in jobs[:count]}))
+        choice = accuracy_choice(case, names, kept) if kept else None
+        if kept and choice and (choice.chosen or not choice.spared):
+            return {each.fidelity: kept[each.fidelity] for each in choice.swept}
+    return {}
+
+
+def until_within(
+    case: Case,
+    jobs: Sequence[Job],
+    systems: Mapping[str, ImpactSystem],
+    store: Store | None,
+    sweep: Callable[[Job], None],
+) -> dict[str, FidelityEstimate]:  # fmt: skip
+    """Call ``sweep`` of ``jobs``, from the cheapest on, until one is within; the estimates of those, which are kept.
+
+    CaseError, before anything is swept, where no error can be estimated.
+    """
+    from vibeam.runs.estimate.of_case import estimates, full_model
+
+    try:
+        full_model(case.scene_of(jobs[0].name), 2 * np.pi * case.sweep.frequency)
+    except ValueError as refusal:
+        message = f"the error cannot be estimated ({refusal}): take this key away"
+        raise CaseError([case.fault("accuracy", message=message)]) from None
+    names = [job.name for job in jobs]
+    found: dict[str, FidelityEstimate] = {}
+    for job in jobs:
+        sweep(job)
+        found |= estimates(case, systems, {job.name: job.gathered()}, {job.name: job.after})
+        if accuracy_choice(case, names, found).chosen:
+            break
+    if store:
+        swept = {job.name: job.gathered() for job in jobs[: len(found)]}
+        store.keep(ESTIMATED, estimates_key(case, swept), found)
+    return found
+
+
+def required_choice(case: Case, names: Sequence[str], found: Mapping[str, FidelityEstimate]) -> AccuracyChoice:
+    """Choice by the estimates ``found``; CaseError where no fidelity is within."""
+    choice = accuracy_choice(case, names, found)
+    if not choice.chosen:
+        raise CaseError([case.fault("accuracy", message=" ".join(choice.sentences()))])
+    return choice

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from vibeam.flight.engine.threads import Stopped
+from vibeam.runs.keys import kept_or_made
 from vibeam.runs.store.branches import BranchPlan, StoredBranch
 from vibeam.runs.store.records import curves_of
 from vibeam.runs.sweep import SweepPoints, SweepSettings, march_blocks
 from vibeam.solvers import solver
+from vibeam.system.quantities import METRES
 from vibeam.system.response import Branches, FrequencyResponse
 from vibeam.system.state import StatesAfter
 from vibeam_models.arrays import Array
@@ -192,19 +194,14 @@ def sweep_points(case: Case, name: str, omega: Array, slowest: float) -> SweepPo
     return SweepPoints.of(omega, case.amplitude_of(name, omega), slowest, gap_drift(case.scene_of(name), omega))
 
 
-def _curves_key(case: Case, name: str) -> str:
-    return sha256(case.own[name].encode() + np.sort(case.sweep.frequency).tobytes()).hexdigest()
-
-
 def known_curves(case: Case, job: Job, store: Store | None) -> MotionCurves:
     """All motions known to the fidelity's solver at the sweep's frequencies, from the file where stored."""
-    key = _curves_key(case, job.name)
-    stored = store.kept(curves_of(job.name, store.units), key) if store else None
-    if stored is not None:
-        return stored
     omega = 2 * np.pi * np.sort(case.sweep.frequency)
-    made = solver(job.fidelity.solver, job.system, float(omega[0]), 0.0, **job.fidelity.options)
-    found: MotionCurves = made.curves(omega, case.amplitude_of(job.name, omega), case.sweep.output)
-    if store:
-        store.keep(curves_of(job.name, store.units), key, found)
-    return found
+
+    def made() -> MotionCurves:
+        runner = solver(job.fidelity.solver, job.system, float(omega[0]), 0.0, **job.fidelity.options)
+        found: MotionCurves = runner.curves(omega, case.amplitude_of(job.name, omega), case.sweep.output)
+        return found
+
+    key = sha256(case.own[job.name].encode() + np.sort(case.sweep.frequency).tobytes()).hexdigest()
+    return kept_or_made(store, curves_of(job.name, store.units if store else METRES), key, made)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import fields
 from functools import cache
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,12 +22,16 @@ from vibeam_reductions.declaration import REDUCTIONS
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
+    from vibeam.runs.store.file import Store
+    from vibeam.runs.store.records import Record
     from vibeam.system.response import Branches
 
 
 FOLDERS = (Path(__file__).parents[1], *map(Path, [*vibeam_models.__path__, *vibeam_reductions.__path__]))
 SHOWN = ("cli", "figures", "report", "studies")  # rooms that compute none of these numbers
 BELOW = ("scipy", "scikit-fem")  # libraries that assemble and reduce
+
+Made = TypeVar("Made")
 
 
 def digest_of_code() -> str:
@@ -95,3 +99,20 @@ def comparison_key(case: Case, finest: Mapping[str, str], branches: Mapping[str,
             for field in fields(response):
                 found.update(np.ascontiguousarray(getattr(response, field.name)).tobytes())
     return found.hexdigest()
+
+
+def estimates_key(case: Case, branches: Mapping[str, Branches]) -> str:
+    """Key of the error estimates of fidelities by their ``branches``, in the case's order."""
+    ordered = {name: branches[name] for name in case.fidelities if name in branches}
+    return comparison_key(case, dict.fromkeys(ordered, "full model"), ordered)
+
+
+def kept_or_made(store: Store | None, record: Record[Made], key: str, make: Callable[[], Made]) -> Made:
+    """What the file keeps of a ``record`` under ``key``, else what ``make`` makes, which it keeps from now on."""
+    kept = store.kept(record, key) if store else None
+    if kept is not None:
+        return kept
+    made = make()
+    if store:
+        store.keep(record, key, made)
+    return made

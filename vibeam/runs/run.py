@@ -2,37 +2,32 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
-from itertools import takewhile
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from vibeam.case.case import units_of_output
-from vibeam.exchange.faults import CaseError
-from vibeam.runs.accuracy import AccuracyChoice, accuracy_choice, by_cost
+from vibeam.runs.accuracy import by_cost, known_estimates, required_choice, until_within
 from vibeam.runs.fidelity_sweep import Job, PointCount, Progress, job_of, known_curves, sweep_branches
-from vibeam.runs.keys import branch_key, comparison_key, model_key
+from vibeam.runs.keys import comparison_key, estimates_key, kept_or_made, model_key
 from vibeam.runs.overview import Overview, overview_of
 from vibeam.runs.parallel import run_parallel
-from vibeam.runs.result import Result, output_units
-from vibeam.runs.store.adaptation import Requirements
-from vibeam.runs.store.branches import BranchPlan
+from vibeam.runs.result import Result
+from vibeam.runs.run_plan import RunStorage
 from vibeam.runs.store.figures import sheets_of
-from vibeam.runs.store.file import Store, Tell, opened
-from vibeam.runs.store.records import COMPARISONS, ESTIMATED, Keyed
+from vibeam.runs.store.file import Store, Tell
+from vibeam.runs.store.records import COMPARISONS, ESTIMATED
 from vibeam.runs.systems import ModelProperties, Systems, properties_of
 from vibeam.solvers import SOLVERS
 from vibeam.solvers.steady import warm_up
-from vibeam.system.response import Branches
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.figures.sheet import Sheet
+    from vibeam.runs.comparison.differences import HeldComparison
     from vibeam.runs.estimate.records import FidelityEstimate
     from vibeam.system.impact_system import ImpactSystem
     from vibeam.system.state import StatesAfter
@@ -69,11 +64,11 @@ def run(
     CaseError for a fidelity that cannot be built, or where none is within the accuracy; StoreError where ``out`` cannot
     be used, Interrupted on Ctrl-C.
     """
-    systems, storage = Systems(case), _Storage(None if out is None else Path(out), fresh, tell)
+    systems, storage = Systems(case), RunStorage(None if out is None else Path(out), fresh, tell)
     with storage.opened(case, systems) as (store, plan):
         names = list(plan.branches) if case.accuracy is None else by_cost(case, plan.modes)
         jobs = [job_of(case, name, systems, plan.branches[name], store) for name in names]
-        known = _known_estimates(case, jobs, store)
+        known = known_estimates(case, jobs, store)
         jobs = jobs[: len(known) or None]
         models = plan.models or _properties(case, systems)
         if before and any(job.missing for job in jobs):
@@ -83,7 +78,8 @@ def run(
             if case.accuracy is None:
                 _sweep(case, jobs, store, count)
             else:
-                known = known or _until_within(case, jobs, systems, store, count)
+                known = known or until_within(case, jobs, systems, store, lambda job: _sweep(case, [job], store, count))
+                count.end()
                 jobs = jobs[: len(known)]
             curves = {job.name: known_curves(case, job, store) for job in jobs if SOLVERS[job.fidelity.solver].curves}
             shown = _shown(case, store) if show else {}
@@ -91,7 +87,7 @@ def run(
             _keep_models(case, models, store)
             result = Result(case, branches, storage.path, sum(job.found for job in jobs), shown, models=models)
             if case.accuracy is not None:
-                result.estimates, result.accuracy = known, _required(case, accuracy_choice(case, names, known))
+                result.estimates, result.accuracy = known, required_choice(case, names, known)
             if not compare:
                 return result
             result.estimates = known or _estimated(result, systems, {job.name: job.after for job in jobs}, store)
@@ -108,51 +104,6 @@ def _sweep(case: Case, jobs: Sequence[Job], store: Store | None, count: PointCou
     if missing:
         costly_first = sorted(missing, key=lambda job: -job.system.size)
         run_parallel(lambda job, stop: sweep_branches(case, job, store, count, stop), costly_first)
-
-
-def _known_estimates(case: Case, jobs: Sequence[Job], store: Store | None) -> dict[str, FidelityEstimate]:
-    """Estimates in the file by which a fidelity is chosen already, from the cheapest to that one; empty without any."""
-    if case.accuracy is None or store is None:
-        return {}
-    names = [job.name for job in jobs]
-    for count in range(1, 1 + len(list(takewhile(lambda job: not job.missing, jobs)))):
-        kept = store.kept(ESTIMATED, _estimates_key(case, {job.name: job.gathered() for job in jobs[:count]}))
-        choice = accuracy_choice(case, names, kept) if kept else None
-        if kept and choice and (choice.chosen or not choice.spared):
-            return {each.fidelity: kept[each.fidelity] for each in choice.swept}
-    return {}
-
-
-def _until_within(
-    case: Case, jobs: Sequence[Job], systems: Mapping[str, ImpactSystem], store: Store | None, count: PointCount
-) -> dict[str, FidelityEstimate]:
-    """Sweep ``jobs``, from the cheapest on, until one is within the case's accuracy; the estimates of those swept."""
-    from vibeam.runs.estimate.of_case import estimates, full_model
-
-    try:
-        full_model(case.scene_of(jobs[0].name), 2 * np.pi * case.sweep.frequency)
-    except ValueError as refusal:
-        message = f"the error cannot be estimated ({refusal}): take this key away"
-        raise CaseError([case.fault("accuracy", message=message)]) from None
-    names = [job.name for job in jobs]
-    found: dict[str, FidelityEstimate] = {}
-    for job in jobs:
-        _sweep(case, [job], store, count)
-        found |= estimates(case, systems, {job.name: job.gathered()}, {job.name: job.after})
-        if accuracy_choice(case, names, found).chosen:
-            break
-    count.end()
-    if store:
-        swept = {job.name: job.gathered() for job in jobs[: len(found)]}
-        store.keep(ESTIMATED, _estimates_key(case, swept), found)
-    return found
-
-
-def _required(case: Case, choice: AccuracyChoice) -> AccuracyChoice:
-    """The choice itself; CaseError where no fidelity is within the accuracy."""
-    if not choice.chosen:
-        raise CaseError([case.fault("accuracy", message=" ".join(choice.sentences()))])
-    return choice
 
 
 def _properties(case: Case, systems: Mapping[str, ImpactSystem]) -> Mapping[str, ModelProperties]:
@@ -172,23 +123,15 @@ def _compared(result: Result, systems: Mapping[str, ImpactSystem], store: Store 
     finest = result.finest
     if all(name == top for name, top in finest.items()):
         return result
+
+    def made() -> tuple[HeldComparison, ...]:
+        from vibeam.runs.comparison.held_comparison import comparisons
+
+        return comparisons(result.case, finest, systems, result)
+
     key = comparison_key(result.case, finest, result) if store else ""
-    stored = store.kept(COMPARISONS, key) if store else None
-    if stored is not None:
-        result.comparisons = stored
-        return result
-    from vibeam.runs.comparison.held_comparison import comparisons
-
-    result.comparisons = comparisons(result.case, finest, systems, result)
-    if store:
-        store.keep(COMPARISONS, key, result.comparisons or None)
+    result.comparisons = kept_or_made(store, COMPARISONS, key, made)
     return result
-
-
-def _estimates_key(case: Case, branches: Mapping[str, Branches]) -> str:
-    """Key of the estimates of fidelities by their ``branches``, in the case's order."""
-    ordered = {name: branches[name] for name in case.fidelities if name in branches}
-    return comparison_key(case, dict.fromkeys(ordered, "full model"), ordered)
 
 
 def _estimated(
@@ -196,16 +139,13 @@ def _estimated(
     store: Store | None,
 ) -> dict[str, FidelityEstimate]:  # fmt: skip
     """Errors of all fidelities against the full models of their scenes, estimated, which the file keeps."""
-    key = _estimates_key(result.case, result) if store else ""
-    stored = store.kept(ESTIMATED, key) if store else None
-    if stored is not None:
-        return stored
-    from vibeam.runs.estimate.of_case import estimates
 
-    found = estimates(result.case, systems, result, after)
-    if store:
-        store.keep(ESTIMATED, key, found)
-    return found
+    def made() -> dict[str, FidelityEstimate]:
+        from vibeam.runs.estimate.of_case import estimates
+
+        return estimates(result.case, systems, result, after)
+
+    return kept_or_made(store, ESTIMATED, estimates_key(result.case, result) if store else "", made)
 
 
 def _warm_up(case: Case, job: Job) -> None:
@@ -227,68 +167,8 @@ def _shown(case: Case, store: Store | None) -> dict[str, tuple[Sheet, ...]]:
         from vibeam.figures.sheet import sheets
 
         record = sheets_of(plan, units_of_output(case, plan.output))
-        kept = store.kept(record, plan.key) if store else None
-        found[name] = sheets(case, plan) if kept is None else kept
-        if store and kept is None:
-            store.keep(record, plan.key, found[name])
+        found[name] = kept_or_made(store, record, plan.key, partial(sheets, case, plan))
     return found
-
-
-@dataclass(frozen=True)
-class RunPlan:
-    """Branches of every fidelity; properties of their ``models`` where the file has them of this case and code."""
-
-    branches: Mapping[str, tuple[BranchPlan, ...]]
-    models: Mapping[str, ModelProperties]
-
-    @property
-    def modes(self) -> dict[str, int]:
-        """Number of modes of every fidelity."""
-        return {name: several[0].modes for name, several in self.branches.items()}
-
-
-def _plan(case: Case, systems: Mapping[str, ImpactSystem], stored: Keyed) -> RunPlan:
-    """Plan of a run by what the file has ``stored`` of its models, else by their systems."""
-    keys = {name: model_key(case, name) for name in case.fidelities}
-    fit = all(key and stored.get(name, ("", None))[0] == key for name, key in keys.items())
-    models = {name: stored[name][1] for name in keys} if fit else {}
-    sizes = {name: models[name].modes if fit else systems[name].size for name in keys}
-    return RunPlan({name: _branches(case, name, modes) for name, modes in sizes.items()}, models)
-
-
-def _branches(case: Case, name: str, modes: int) -> tuple[BranchPlan, ...]:
-    up = np.sort(case.sweep.frequency)
-    grids = {"up": up, "down": up[::-1].copy()}
-    wanted = ("up", "down") if case.sweep.direction == "both" else (case.sweep.direction,)
-    keys = {direction: branch_key(case.own[name], direction, up, after_up=len(wanted) > 1) for direction in wanted}
-    return tuple(BranchPlan(name, direction, grids[direction], modes, keys[direction]) for direction in wanted)
-
-
-@dataclass(frozen=True)
-class _Storage:
-    """Storage of a run: the results file (None: nowhere), and how it is opened."""
-
-    path: Path | None
-    fresh: bool
-    tell: Tell | None
-
-    @contextmanager
-    def opened(self, case: Case, systems: Mapping[str, ImpactSystem]) -> Iterator[tuple[Store | None, RunPlan]]:
-        """Open the file for all branches of the case, and make the plan."""
-        if self.path is None:
-            yield None, _plan(case, systems, {})
-            return
-
-        def wanted(stored: Keyed) -> Requirements:
-            branches = [each for several in _plan(case, systems, stored).branches.values() for each in several]
-            return Requirements(case.numbers, case.key, case.shared, branches, output_units(case), case.text)
-
-        with opened(self.path, wanted, fresh=self.fresh, tell=self.tell or _warn) as store:
-            yield store, _plan(case, systems, store.models)
-
-
-def _warn(line: str) -> None:
-    warnings.warn(line, stacklevel=2)
 
 
 def _how_to_go_on(count: PointCount, path: Path | None) -> str:

@@ -1,0 +1,81 @@
+"""Plan of a run: the branches of every fidelity, and the results file that keeps them."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from vibeam.runs.keys import branch_key, model_key
+from vibeam.runs.result import output_units
+from vibeam.runs.store.adaptation import Requirements
+from vibeam.runs.store.branches import BranchPlan
+from vibeam.runs.store.file import Store, Tell, opened
+from vibeam.runs.store.records import Keyed
+from vibeam.runs.systems import ModelProperties
+
+if TYPE_CHECKING:
+    from vibeam.case.case import Case
+    from vibeam.system.impact_system import ImpactSystem
+
+
+@dataclass(frozen=True)
+class RunPlan:
+    """Branches of every fidelity; properties of their ``models`` where the file has them of this case and code."""
+
+    branches: Mapping[str, tuple[BranchPlan, ...]]
+    models: Mapping[str, ModelProperties]
+
+    @property
+    def modes(self) -> dict[str, int]:
+        """Number of modes of every fidelity."""
+        return {name: several[0].modes for name, several in self.branches.items()}
+
+
+def _plan(case: Case, systems: Mapping[str, ImpactSystem], stored: Keyed) -> RunPlan:
+    """Plan of a run by what the file has ``stored`` of its models, else by their systems."""
+    keys = {name: model_key(case, name) for name in case.fidelities}
+    fit = all(key and stored.get(name, ("", None))[0] == key for name, key in keys.items())
+    models = {name: stored[name][1] for name in keys} if fit else {}
+    sizes = {name: models[name].modes if fit else systems[name].size for name in keys}
+    return RunPlan({name: _branches(case, name, modes) for name, modes in sizes.items()}, models)
+
+
+def _branches(case: Case, name: str, modes: int) -> tuple[BranchPlan, ...]:
+    up = np.sort(case.sweep.frequency)
+    grids = {"up": up, "down": up[::-1].copy()}
+    wanted = ("up", "down") if case.sweep.direction == "both" else (case.sweep.direction,)
+    keys = {direction: branch_key(case.own[name], direction, up, after_up=len(wanted) > 1) for direction in wanted}
+    return tuple(BranchPlan(name, direction, grids[direction], modes, keys[direction]) for direction in wanted)
+
+
+@dataclass(frozen=True)
+class RunStorage:
+    """Storage of a run: the results file (None: nowhere), and how it is opened."""
+
+    path: Path | None
+    fresh: bool
+    tell: Tell | None
+
+    @contextmanager
+    def opened(self, case: Case, systems: Mapping[str, ImpactSystem]) -> Iterator[tuple[Store | None, RunPlan]]:
+        """Open the file for all branches of the case, and make the plan."""
+        if self.path is None:
+            yield None, _plan(case, systems, {})
+            return
+
+        def wanted(stored: Keyed) -> Requirements:
+            branches = [each for several in _plan(case, systems, stored).branches.values() for each in several]
+            return Requirements(case.numbers, case.key, case.shared, branches, output_units(case), case.text)
+
+        with opened(self.path, wanted, fresh=self.fresh, tell=self.tell or _warn) as store:
+            yield store, _plan(case, systems, store.models)
+
+
+def _warn(line: str) -> None:
+    warnings.warn(line, stacklevel=2)
