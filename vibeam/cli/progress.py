@@ -11,7 +11,7 @@ from rich.console import Console
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-    from vibeam.runs.overview import Overview
+    from vibeam.runs.systems import Overview
 
 WIDE, NARROW = 120, 60  # columns of a terminal from which on there are words and speed, and a bar
 

@@ -11,13 +11,13 @@ from vibeam.figures.units import METRIC, DisplayUnits, units_for
 from vibeam.report.output import StudySheet
 from vibeam.report.tables import ARROWS, ReportTable, blank, coefficient, plain
 from vibeam.runs.comparison.differences import headline, notes
-from vibeam.runs.estimate.summary import estimate_texts
+from vibeam.runs.estimate.records import estimate_texts
 from vibeam.runs.summary import Summary, compare, remarks
 from vibeam.system.number_text import percent, signed
 
 if TYPE_CHECKING:
     from vibeam.runs.comparison.differences import HeldComparison
-    from vibeam.runs.estimate.summary import EstimateTexts
+    from vibeam.runs.estimate.records import EstimateTexts
     from vibeam.runs.result import Result
 
 

@@ -10,7 +10,7 @@ from vibeam.case.case import units_of_output
 from vibeam.case.held import held_of
 from vibeam.exchange.faults import suggest
 from vibeam.runs.comparison.differences import both_peaks
-from vibeam.runs.overview import Overview, overview_of
+from vibeam.runs.systems import Overview, overview_of
 from vibeam.system.public_names import handed_in
 from vibeam.system.response import Branches, modes_of
 

@@ -13,14 +13,13 @@ from vibeam.case.case import units_of_output
 from vibeam.runs.accuracy import by_cost, known_estimates, required_choice, until_within
 from vibeam.runs.fidelity_sweep import Job, PointCount, Progress, job_of, known_curves, sweep_branches
 from vibeam.runs.keys import comparison_key, estimates_key, kept_or_made, model_key
-from vibeam.runs.overview import Overview, overview_of
 from vibeam.runs.parallel import run_parallel
 from vibeam.runs.result import Result
 from vibeam.runs.run_plan import RunStorage
 from vibeam.runs.store.figures import sheets_of
 from vibeam.runs.store.file import Store, Tell
 from vibeam.runs.store.records import COMPARISONS, ESTIMATED
-from vibeam.runs.systems import ModelProperties, Systems, properties_of
+from vibeam.runs.systems import ModelProperties, Overview, Systems, overview_of, properties_of
 from vibeam.solvers import SOLVERS
 from vibeam.solvers.steady import warm_up
 

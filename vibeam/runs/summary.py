@@ -13,8 +13,8 @@ from vibeam.runs.result import finest_of
 from vibeam.system.response import Difference, Peak, complete, modes_of
 
 if TYPE_CHECKING:
-    from vibeam.runs.overview import Overview
     from vibeam.runs.result import Result
+    from vibeam.runs.systems import Overview
     from vibeam.system.response import Branches
 
 

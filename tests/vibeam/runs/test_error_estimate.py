@@ -19,8 +19,7 @@ from vibeam.periodic.predicted_response import OrbitKind, nearby_orbits, predict
 from vibeam.periodic.train_sums import Trains
 from vibeam.runs.estimate.error import estimate_error
 from vibeam.runs.estimate.of_case import estimates
-from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate, FidelityEstimate
-from vibeam.runs.estimate.summary import estimate_texts
+from vibeam.runs.estimate.records import QUANTITIES, Basis, ErrorEstimate, FidelityEstimate, estimate_texts
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Branches, FrequencyResponse
 from vibeam.system.rows import TimeDerivative

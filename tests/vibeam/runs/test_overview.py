@@ -15,10 +15,8 @@ from typer.testing import CliRunner
 import vibeam
 from vibeam.casefile.read import parse
 from vibeam.cli.main import app
-from vibeam.runs.first_modes import closed_frequency, gap_at_rest, open_frequencies
-from vibeam.runs.overview import overview_of
 from vibeam.runs.summary import remarks
-from vibeam.runs.systems import properties_of
+from vibeam.runs.systems import closed_frequency, gap_at_rest, open_frequencies, overview_of, properties_of
 from vibeam.studies.stored import stored
 
 CASES = Path(__file__).parents[3] / "cases"

@@ -32,7 +32,7 @@ def run(
 def _report(result: Result, path: Path, as_json: bool) -> None:
     from vibeam.report.figures import write_figures
     from vibeam.report.run_report import run_report
-    from vibeam.runs.estimate.summary import estimate_texts
+    from vibeam.runs.estimate.records import estimate_texts
     from vibeam.runs.summary import compare, remarks
 
     files = [path, *write_figures(result, path)]
