@@ -49,8 +49,8 @@ from vibeam.studies.declaration import StudyDeclaration as StudyDeclaration
 from vibeam.studies.declaration import register_study as register_study
 from vibeam.studies.derive import derive as derive
 from vibeam.studies.fit.study import fit as fit
-from vibeam.studies.identification.decay import identify_decay as identify_decay
 from vibeam.studies.identification.modes import identify_keys as identify_keys
+from vibeam.studies.identification.response import identify_decay as identify_decay
 from vibeam.studies.identification.response import identify_response as identify_response
 from vibeam.studies.identification.response import identify_spectrum as identify_spectrum
 from vibeam.studies.influence.study import influence as influence

@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 import vibeam
-from vibeam.studies.verdict.verification import verified
+from vibeam.studies.verdict.between import verified
 
 NEUTRAL = Path(__file__).parents[2] / "cases" / "dtu_neutral.toml"
 

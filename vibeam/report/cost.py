@@ -17,9 +17,8 @@ from vibeam.system.number_text import percent, signed
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.studies.cost.error_split import Part, Split
     from vibeam.studies.cost.planning import LeftOut
-    from vibeam.studies.cost.row import RunRow
+    from vibeam.studies.cost.row import Part, RunRow, Split
     from vibeam.studies.cost.study import CostStudy
 
 

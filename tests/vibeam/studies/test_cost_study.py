@@ -23,11 +23,10 @@ from vibeam.runs.sweep import sweep
 from vibeam.solvers import SOLVERS, solver
 from vibeam.studies.cost import measure as measured_module
 from vibeam.studies.cost import study as study_module
-from vibeam.studies.cost.error_split import LinkShare, part, shares, split
 from vibeam.studies.cost.measure import Setting, measure, series_of
 from vibeam.studies.cost.planning import Planning, RunSchedule, run_schedule
 from vibeam.studies.cost.reference import bound
-from vibeam.studies.cost.row import timed
+from vibeam.studies.cost.row import LinkShare, part, shares, split, timed
 from vibeam.studies.cost.study import CostStudy, cost
 
 pytestmark = pytest.mark.usefixtures("undrawn")

@@ -13,8 +13,17 @@ import pytest
 
 from vibeam.flight import trajectory
 from vibeam.studies.doctor import Finding, Severity
-from vibeam.studies.doctor.machine import _folder, processor
-from vibeam.studies.doctor.packages import Requirement, numbers, once, optional, parsed, required, requirements
+from vibeam.studies.doctor.machine import (
+    Requirement,
+    _folder,
+    numbers,
+    once,
+    optional,
+    parsed,
+    processor,
+    required,
+    requirements,
+)
 from vibeam.studies.doctor.self_check import CHECKS, checked, reason, self_check
 
 DOCTOR = "from vibeam.cli.main import main; main()"

@@ -14,12 +14,19 @@ import vibeam
 from vibeam.case.plans import Uncertain
 from vibeam.casefile.read import parse
 from vibeam.report import uncertainty as report
-from vibeam.studies.uncertainty.mean_of_peak import _models
-from vibeam.studies.uncertainty.multifidelity import Pilot, allocation, estimate
-from vibeam.studies.uncertainty.samples import Responses, Sampler, _changes, inputs_of
+from vibeam.studies.uncertainty.mean_of_peak import Pilot, _models, allocation, estimate
+from vibeam.studies.uncertainty.samples import (
+    ClosedFormPeaks,
+    Responses,
+    Sampler,
+    Surface,
+    _changes,
+    inputs_of,
+    known,
+    runs,
+)
 from vibeam.studies.uncertainty.statistics import indices, saltelli
 from vibeam.studies.uncertainty.study import uncertainty
-from vibeam.studies.uncertainty.surrogates import ClosedFormPeaks, Surface, known, runs
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 

@@ -18,11 +18,10 @@ from vibeam.maps.points import GridPoints
 from vibeam.studies.stability.axes import second_name
 from vibeam.studies.verdict import judgement
 from vibeam.studies.verdict import motions as irregular
-from vibeam.studies.verdict.axes import keys_of
-from vibeam.studies.verdict.boundaries import joined
+from vibeam.studies.verdict.axes import joined, keys_of
+from vibeam.studies.verdict.between import verified
 from vibeam.studies.verdict.judgement import control_variate_gain, correlation
 from vibeam.studies.verdict.motions import CHAOTIC, IRREGULAR, NO_CONTACT, Motions
-from vibeam.studies.verdict.verification import verified
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 

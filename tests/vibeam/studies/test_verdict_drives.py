@@ -12,8 +12,7 @@ import vibeam
 from vibeam.case.case import Case
 from vibeam.casefile.read import parse
 from vibeam.exchange.faults import CaseError
-from vibeam.studies.verdict.axes import second_axis
-from vibeam.studies.verdict.boundaries import exact_boundaries
+from vibeam.studies.verdict.axes import exact_boundaries, second_axis
 from vibeam.studies.verdict.planes import plane_of
 
 GRID = '{ from = "1.9 rad/s", to = "2.9 rad/s", points = 5 }'

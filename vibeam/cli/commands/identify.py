@@ -65,9 +65,8 @@ def _of_signal(
     file: Path, of: str | None, columns: tuple[str | None, str | None], drive: str, level: float, of_case_too: bool
 ) -> Identification:
     from vibeam.exchange.faults import suggest
-    from vibeam.studies.identification.decay import identify_decay
     from vibeam.studies.identification.estimates import read_signal
-    from vibeam.studies.identification.response import identify_response, identify_spectrum
+    from vibeam.studies.identification.response import identify_decay, identify_response, identify_spectrum
 
     if of_case_too:
         raise UsageError(f"{file}: --key, --measured and --set are of a case (.toml)")

@@ -17,11 +17,10 @@ from vibeam.runs.comparison.differences import HeldComparison
 from vibeam.runs.comparison.held_comparison import compared_model, held_comparison
 from vibeam.runs.models import CUT_SOLVERS, Model, built, finest, models
 from vibeam.solvers import SOLVERS
-from vibeam.studies.cost.error_split import Split, split
 from vibeam.studies.cost.measure import Measurement, Plan, Setting, measure, series_of
 from vibeam.studies.cost.planning import LeftOut, Planning, RunSchedule, run_schedule
 from vibeam.studies.cost.reference import FLIGHT, Bound, bound, given
-from vibeam.studies.cost.row import References, RunRow, Work, compared, front, stopped, timed
+from vibeam.studies.cost.row import References, RunRow, Split, Work, compared, front, split, stopped, timed
 from vibeam.system.impact_system import ImpactSystem
 
 if TYPE_CHECKING:

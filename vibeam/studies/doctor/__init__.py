@@ -23,8 +23,7 @@ def _within(part: Callable[[], Iterator[Finding]]) -> Iterator[Finding]:
 
 
 def _parts() -> tuple[Callable[[], Iterator[Finding]], ...]:
-    from vibeam.studies.doctor.machine import machine, places
-    from vibeam.studies.doctor.packages import packages
+    from vibeam.studies.doctor.machine import machine, packages, places
     from vibeam.studies.doctor.self_check import kernels, self_check
 
     return packages, machine, places, kernels, self_check

@@ -1,14 +1,18 @@
-"""Findings of the check of an installation; platform, processor, environment variables, folders for caches."""
+"""Findings of the check of an installation: versions of all packages, processor, environment, folders for caches."""
 
 from __future__ import annotations
 
 import os
 import platform
+import re
 import shutil
+import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from importlib import import_module
+from importlib.metadata import PackageNotFoundError, distribution, version
 from pathlib import Path
 
 
@@ -121,3 +125,144 @@ def _folder(name: str, where: object, otherwise: Severity, cure: str) -> Finding
             return Finding(PLACES, name, Severity.GOOD, folder)
     except Exception as fault:
         return Finding(PLACES, name, otherwise, f"no folder that is writable: {fault}", cure)
+
+
+TOPIC = "packages"
+LEAST_PYTHON = (3, 11)
+
+#: names of modules that are not those of their packages
+MODULES = {"scikit-fem": "skfem", "tomli-w": "tomli_w", "pillow": "PIL"}
+
+#: extras that a user has a use for, and that
+EXTRAS = {"jit": "compiles kernels where there is no library of them", "lab": "reads universal files"}
+ENTRY = re.compile(r"([\w.-]+)(?:\[[^\]]*\])?\s*(?:>=\s*([\w.]+))?")
+WANTED_BY = re.compile(r"extra\s*==\s*['\"]([^'\"]+)")
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """Package that is required in version ``least`` or higher (empty: any), ``extra``: by that alone."""
+
+    name: str
+    least: str
+    extra: str = ""
+
+
+def packages() -> Iterator[Finding]:
+    """Findings about Python, vibeam and all requirements."""
+    new = sys.version_info >= LEAST_PYTHON
+    least = ".".join(map(str, LEAST_PYTHON))
+    state, cure = (Severity.GOOD, "") if new else (Severity.FAULT, f"install {least} or higher")
+    yield Finding(TOPIC, "Python", state, f"{platform.python_version()} ({sys.executable})", cure)
+    yield _own()
+    for each in requirements():
+        if not each.extra:
+            yield required(each)
+        elif each.extra in EXTRAS:
+            yield optional(each)
+
+
+def _own() -> Finding:
+    place, running = Path(__file__).parents[2], str(vars(sys.modules["vibeam"])["__version__"])
+    try:
+        installed = version("vibeam")
+    except PackageNotFoundError:
+        return Finding(TOPIC, "vibeam", Severity.NOTE, f"{running} in {place}, run from its sources", "")
+    if installed != running:
+        said = f"{running} in {place} hides the installed {installed}"
+        return Finding(TOPIC, "vibeam", Severity.FAULT, said, "start in another folder, or unset PYTHONPATH")
+    return Finding(TOPIC, "vibeam", Severity.GOOD, f"{installed} in {place}")
+
+
+def requirements() -> list[Requirement]:
+    """Requirements by the installed metadata, or by pyproject.toml in a checkout; none where there is neither."""
+    try:
+        return once(map(parsed, distribution("vibeam").requires or ()))
+    except PackageNotFoundError:
+        return once(_of_checkout(Path(__file__).parents[3] / "pyproject.toml"))
+
+
+def once(found: Iterable[Requirement]) -> list[Requirement]:
+    """Each package once, by the first extra that wants it; the tests' extra, which takes others in, comes last."""
+    kept: dict[str, Requirement] = {}
+    for each in found:
+        if each.name not in kept or kept[each.name].extra == "test":
+            kept[each.name] = each
+    return list(kept.values())
+
+
+def _of_checkout(path: Path) -> list[Requirement]:
+    import tomllib
+
+    try:
+        project = tomllib.loads(path.read_text(encoding="utf-8"))["project"]
+    except (OSError, KeyError, ValueError):
+        return []
+    extras = project.get("optional-dependencies", {})
+    return [
+        *map(parsed, project["dependencies"]),
+        *(parsed(f'{entry}; extra == "{extra}"') for extra, entries in extras.items() for entry in entries),
+    ]
+
+
+def parsed(entry: str) -> Requirement:
+    """Requirement of one entry, as ``scipy>=1.15`` or ``numba>=0.60; extra == "jit"``."""
+    what, _, condition = entry.partition(";")
+    found, extra = ENTRY.match(what.strip()), WANTED_BY.search(condition)
+    assert found is not None
+    return Requirement(found[1].lower(), found[2] or "", extra[1] if extra else "")
+
+
+def required(wanted: Requirement) -> Finding:
+    """Finding about a package that must be there: its version, and that it can be imported."""
+    installed = _version(wanted.name)
+    if installed is None:
+        return Finding(TOPIC, wanted.name, Severity.FAULT, "not installed", f"pip install '{_as_pip(wanted)}'")
+    return _imported(wanted, installed) or _judged(wanted, installed)
+
+
+def optional(wanted: Requirement) -> Finding:
+    """Finding about a package of an extra, which may be absent."""
+    installed = _version(wanted.name)
+    if installed is None:
+        said = f"not installed ({EXTRAS[wanted.extra]})"
+        return Finding(TOPIC, wanted.name, Severity.ABSENT, said, f"to have it: pip install 'vibeam[{wanted.extra}]'")
+    return _imported(wanted, installed) or _judged(wanted, installed)
+
+
+def _imported(wanted: Requirement, installed: str) -> Finding | None:
+    """A fault where the import fails, whatever with: a missing system library, a package for another numpy."""
+    try:
+        import_module(MODULES.get(wanted.name, wanted.name.replace("-", "_")))
+    except Exception as fault:
+        said = f"{installed} cannot be imported: {type(fault).__name__}: {str(fault).partition(chr(10))[0]}"
+        cure = f"pip install --force-reinstall '{_as_pip(wanted)}'"
+        return Finding(TOPIC, wanted.name, Severity.FAULT, said, cure)
+    return None
+
+
+def _judged(wanted: Requirement, installed: str) -> Finding:
+    if numbers(installed) < numbers(wanted.least):
+        cure = f"pip install --upgrade '{_as_pip(wanted)}'"
+        return Finding(TOPIC, wanted.name, Severity.FAULT, f"{installed} is older than {wanted.least}", cure)
+    return Finding(TOPIC, wanted.name, Severity.GOOD, installed)
+
+
+def numbers(written: str) -> tuple[int, ...]:
+    """Numbers of a release, (1, 15, 0) of ``1.15.0rc1``, without zeros at its end."""
+    release = re.match(r"\d+(?:\.\d+)*", written)
+    found = [int(each) for each in release[0].split(".")] if release else []
+    while found and found[-1] == 0:
+        found.pop()
+    return tuple(found)
+
+
+def _as_pip(wanted: Requirement) -> str:
+    return f"{wanted.name}>={wanted.least}" if wanted.least else wanted.name
+
+
+def _version(name: str) -> str | None:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return None

@@ -19,8 +19,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.studies.fit.explanation import Explanation, costs, explained, nearest
-from vibeam.studies.fit.flown import UNTOLD, LinearRows, OtherMotion, flown_losses, flown_rows
+from vibeam.studies.fit.explanation import (
+    UNTOLD,
+    Explanation,
+    LinearRows,
+    OtherMotion,
+    costs,
+    explained,
+    flown_losses,
+    flown_rows,
+    nearest,
+)
 from vibeam.studies.fit.problem import IMPOSSIBLE, LEFT, NO_CONTACT, SCALE, Problem, robust
 from vibeam.studies.fit.surface import quasi_random
 from vibeam_models.arrays import Array, Index

@@ -1,4 +1,7 @@
-"""Explanation of measured points at given keys: by a motion of the closed-form family, or another of the model's.
+"""Explanation of measured points at given keys: by a motion of the closed-form family, or one that the model flies.
+
+Points outside the closed-form family have no exact derivatives here; where their motion repeats alike at neighbouring
+keys it has a difference quotient. It steers the keys while points are explained, and takes no part in the estimate.
 
 The family has, at each point, the two roots of the closed-form orbit and the motion without contact. One that passes
 through the stop between its impacts, or is not stable, is no motion. Where none of the family is near to a point the
@@ -10,19 +13,180 @@ no set is the better for leaving points out.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from vibeam.batches.batch import batch
 from vibeam.periodic.bifurcation_functions import clearances
 from vibeam.periodic.bifurcation_functions import motions as motions_at
 from vibeam.periodic.orbit_curve import stability
 from vibeam.periodic.tangents import ModalData
-from vibeam.studies.fit.flown import OtherMotion, other_motions
+from vibeam.runs.sweep import sweep
 from vibeam.studies.fit.points import Points
 from vibeam.studies.fit.problem import IMPOSSIBLE, LEFT, NO_CONTACT, Problem, robust, value_of
 from vibeam.studies.fit.surface import ModalSurface
+from vibeam.system.impact_system import ImpactSystem
+from vibeam.system.quantities import Ended
+from vibeam.system.response import Branches, FrequencyResponse
+from vibeam_models.arguments import counted
 from vibeam_models.arrays import Array, Flags, Index
+
+if TYPE_CHECKING:
+    from vibeam.batches.response import BatchResponse
+    from vibeam.studies.fit.points import Points
+    from vibeam.studies.fit.problem import Problem
+    from vibeam_models.arrays import Index
+
+SETTLE, HOLD = 300, 32  # drive periods
+UNTOLD = 9.0  # least squared residual of a motion that does not repeat, whose value is that of no one record
+VARIES = 0.1  # share by which records of such a motion are taken to differ
+
+
+@dataclass(frozen=True)
+class OtherMotion:
+    """Motion outside the family: ``period`` drive periods until it repeats (0: not within 16), ``impacts`` in these.
+
+    ``rest``: share of the time at rest on the stop. ``value``: of the reference's quantity, SI; NaN where it is not
+    comparable. ``cost``: squared residual of the measured point.
+    """
+
+    period: int
+    impacts: int
+    rest: float
+    value: float
+    cost: float
+
+    @property
+    def called(self) -> str:
+        """The motion in words."""
+        if self.rest > 0:
+            return "rests on the stop in every period"
+        if self.period == 0:
+            return "does not repeat within 16 periods"
+        span = "a period" if self.period == 1 else f"in {self.period} periods"
+        return f"has {counted(self.impacts, 'impact')} {span}"
+
+
+def other_motions(problem: Problem, x: Array, which: Index) -> dict[int, list[OtherMotion]]:
+    """Motions outside the family at the points ``which``, flown upward and downward from their neighbours on."""
+    found: dict[int, list[OtherMotion]] = {}
+    for group, at, own in problem.parts():
+        asked = np.flatnonzero(np.isin(at, which))
+        if not len(asked) or group.unstable:
+            continue
+        forward = problem.forward[group.fidelity]
+        drive = problem.surfaces[group.fidelity].at(x).drive[own]
+        frequency, first = np.unique(group.frequency, return_index=True)
+        near = _with_neighbours(np.searchsorted(frequency, group.frequency[asked]), len(frequency))
+        system = forward.system(problem.values(x))
+        branches = sweep(
+            system, omega=2 * np.pi * frequency[near], amplitude=drive[first[near]], settle=SETTLE, hold=HOLD,
+            direction="both", output=forward.output,
+        )  # fmt: skip
+        assert isinstance(branches, Branches)
+        for _, flown in branches.items():
+            for j in asked.tolist():
+                k = int(np.argmin(np.abs(flown.frequency - group.frequency[j])))
+                found.setdefault(int(at[j]), []).extend(_outside(group, j, flown, k))
+    return {j: each for j, each in found.items() if each}
+
+
+def _with_neighbours(places: Index, count: int) -> Index:
+    """Places and those beside them, ascending."""
+    every = np.unique(np.concatenate([places - 1, places, places + 1]))
+    return every[(every >= 0) & (every < count)]
+
+
+def _outside(group: Points, j: int, flown: FrequencyResponse, k: int) -> Iterator[OtherMotion]:
+    """The motion at place ``k`` of a sweep, where it is outside the family of point ``j``."""
+    period, rest = int(flown.period[k]), float(flown.rest[k])
+    if flown.ended[k] != Ended.COMPLETE.code or period < 0:
+        return
+    impacts = round(float(flown.impacts_per_period[k]) * max(period, 1))
+    if (period, impacts) == (group.periods, 1) and rest == 0:
+        return
+    value = float(getattr(flown, group.quantity)[k]) if group.gain is None else float("nan")
+    off, told = value - float(group.value[j]), period > 0
+    spread = float(np.hypot(group.uncertainty[j], 0.0 if told else VARIES * value))
+    cost = (off / spread) ** 2 if np.isfinite(off) else 0.0
+    yield OtherMotion(period, impacts, rest, value if told else float("nan"), cost if told else max(cost, UNTOLD))
+
+
+SHORT = 150  # drive periods settled where starts are looked for
+STEP = 1e-3  # of a difference quotient, share of the bounds
+NEAR = 3.0  # residual of a flown motion up to which it is taken to be that of the point
+
+
+@dataclass(frozen=True)
+class LinearRows:
+    """Linear residuals about shares ``x``: ``residual`` (rows,) and ``jacobian`` (rows, P)."""
+
+    x: Array
+    residual: Array
+    jacobian: Array
+
+    def after(self, own: tuple[Array, Array], x: Array) -> tuple[Array, Array]:
+        """Residuals and Jacobian with these rows below them."""
+        moved = self.residual + self.jacobian @ (x - self.x)
+        return np.concatenate([own[0], moved]), np.concatenate([own[1], self.jacobian])
+
+
+def flown_losses(problem: Problem, every: Array) -> Array:
+    """Losses (m,) of shares (m, P): every point against the model's motion from rest."""
+    cost = np.empty((len(every), problem.count))
+    for group, at, own in problem.parts():
+        value = _flown(problem, group, own, every, SHORT)[0]
+        off = (value - group.value) / group.uncertainty
+        cost[:, at] = np.where(np.isfinite(off), off**2, 1e300)
+    return np.array([robust(each) for each in cost])
+
+
+def flown_rows(problem: Problem, x: Array, others: dict[int, OtherMotion]) -> LinearRows | None:
+    """Residuals of points outside the family and their difference quotients; None where there is none."""
+    away = np.where(x < 0.5, STEP, -STEP)
+    every, residual, jacobian = np.vstack([x, x + np.diag(away)]), [], []
+    for group, at, own in problem.parts():
+        some = np.flatnonzero(np.isin(at, [j for j, each in others.items() if np.isfinite(each.value)]))
+        if not len(some):
+            continue
+        value, found = _flown(problem, group.some(some), own[some], every, SETTLE)
+        alike = np.all(found.period == found.period[0], axis=0) & (found.period[0] > 0)
+        for k, j in enumerate(some.tolist()):
+            if alike[k] and abs(value[0, k] - others[int(at[j])].value) < NEAR * group.uncertainty[j]:
+                residual.append((value[0, k] - group.value[j]) / group.uncertainty[j])
+                jacobian.append((value[1:, k] - value[0, k]) / away / group.uncertainty[j])
+    return LinearRows(x, np.array(residual), np.array(jacobian)) if residual else None
+
+
+def _flown(problem: Problem, group: Points, own: Index, every: Array, settle: int) -> tuple[Array, BatchResponse]:
+    """Values (m, points) of a group's quantity from rest at shares (m, P), NaN where there is no system; all that is
+    read off."""
+    surface, omega = problem.surfaces[group.fidelity], group.omega
+    known = [(k, surface.at(x)) for k, x in enumerate(every) if _possible(problem, group, x)]
+    systems = np.array([_system(data) for _, data in known], dtype=object)[:, None]
+    drive = np.array([data.drive[own] for _, data in known])
+    flown = batch(systems, omega[None, :], drive, settle=settle, hold=HOLD, output="seen")
+    value = np.full((len(every), len(omega)), np.nan)
+    value[[k for k, _ in known]] = getattr(flown, group.quantity)
+    return value, flown
+
+
+def _possible(problem: Problem, group: Points, x: Array) -> bool:
+    try:
+        problem.surfaces[group.fidelity].at(x)
+    except ValueError:
+        return False
+    return True
+
+
+def _system(data: ModalData) -> ImpactSystem:
+    return ImpactSystem(
+        data.omega, data.zeta, data.contact, data.load, data.static, data.gap, data.restitution, {"seen": data.row}
+    )
+
 
 ROOTS = (0, 1)  # of the quadratic
 FURTHEST = 1.0  # ln(B*/B) up to which the drive beyond the fold is taken

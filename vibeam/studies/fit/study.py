@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.studies.fit.advice import NextPoint, next_points
-from vibeam.studies.fit.advice import in_words as advice_in_words
 from vibeam.studies.fit.estimate import Minimum, Scan, estimate, met, refined
 from vibeam.studies.fit.judgement import WIDEST, Judgement, alternatives, patterns, unit_factor, without_outliers
 from vibeam.studies.fit.problem import MOTIONS, Problem, value_of
-from vibeam.studies.fit.profile import LEVEL, Profile, contour_of, profile
+from vibeam.studies.fit.profile import LEVEL, NextPoint, Profile, contour_of, next_points, profile
+from vibeam.studies.fit.profile import in_words as advice_in_words
 from vibeam.studies.fit.words import on_directions, on_misfit, on_ridges, ridges
 from vibeam_models.arrays import Array
 

@@ -5,19 +5,170 @@ too, which follows the finest's sweep to round-off where that is on a motion wit
 surface of the finest's closed form (of its sweep, where it has none). Which of them are used, and how often, follows
 from correlations and costs as measured. A structure that was assembled a short while ago is kept: so the cost of each
 is taken at inputs of its own.
+
+The estimate is that of multi-fidelity Monte Carlo. After Peherstorfer, Willcox & Gunzburger, SIAM J. Sci. Comput. 38
+(2016) A3163. Of models 1 (finest) … k with costs w_i, correlations ρ_i with the finest (ρ_1 = 1, ρ_{k+1} = 0) and
+standard deviations σ_i, the estimator
+
+    ŝ = ȳ¹(m_1) + Σ α_i (ȳⁱ(m_i) − ȳⁱ(m_{i−1})),   α_i = ρ_i σ_1/σ_i
+
+on nested samples m_1 ≤ m_2 ≤ … has, for a cost p, its least variance at m_i = r_i m_1 (eq. 3.5),
+
+    r_i = √(w_1 (ρ_i² − ρ_{i+1}²) / (w_i (1 − ρ_2²))),   Var ŝ = σ_1²/p (Σ √(w_i (ρ_i² − ρ_{i+1}²)))²,
+
+where both ρ_i² and w_i fall fast enough: w_{i−1}/w_i > (ρ_{i−1}² − ρ_i²)/(ρ_i² − ρ_{i+1}²). All sets of models are
+tried. The finest alone has the variance σ_1² w_1/p: the gain is the ratio of the two.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations, pairwise
+from typing import Any
 
 import numpy as np
 
-from vibeam.studies.uncertainty.multifidelity import Allocation, MeanEstimate, Pilot, allocation, estimate
-from vibeam.studies.uncertainty.samples import Coarse, Responses, Sampler, inputs_of
-from vibeam.studies.uncertainty.surrogates import ClosedFormPeaks, Surface, known, runs
+from vibeam.studies.uncertainty.samples import (
+    ClosedFormPeaks,
+    Coarse,
+    Responses,
+    Sampler,
+    Surface,
+    inputs_of,
+    known,
+    runs,
+)
 from vibeam_models.arrays import Array
+
+RESAMPLES = 500  # of the bootstrap
+
+
+@dataclass(frozen=True)
+class Pilot:
+    """A few runs of every model at the same inputs: ``values`` (n,) and mean cost in s, by name, the finest first."""
+
+    values: Mapping[str, Array]
+    seconds: Mapping[str, float]
+
+    @property
+    def finest(self) -> str:
+        """Name of the finest model."""
+        return next(iter(self.values))
+
+    def correlation(self, name: str) -> float:
+        """Correlation of a model with the finest, of the samples where both have a value; NaN where it has none."""
+        one, other = self.values[self.finest], self.values[name]
+        both = np.isfinite(one) & np.isfinite(other)
+        if both.sum() < 3 or not (np.ptp(one[both]) > 0 and np.ptp(other[both]) > 0):
+            return float("nan")
+        return float(np.corrcoef(one[both], other[both])[0, 1])
+
+    def deviation(self, name: str) -> float:
+        """Standard deviation of a model's values."""
+        return float(np.nanstd(self.values[name], ddof=1))
+
+
+@dataclass(frozen=True)
+class Allocation:
+    """Models used, the finest first: samples of each per sample of the finest (``ratios``), ``weights`` α, ``gain``.
+
+    ``gain``: variance of the finest alone over that of the estimate, at the same cost.
+    """
+
+    names: tuple[str, ...]
+    ratios: tuple[float, ...]
+    weights: tuple[float, ...]
+    gain: float
+
+    def counts(self, finest: int, most: Sequence[float]) -> tuple[int, ...]:
+        """Samples of each model where the finest has so many, at ``most`` so many; never fewer than of the one before.
+
+        A model that follows the finest to round-off would else be run without end.
+        """
+        found = [finest]
+        for ratio, limit in zip(self.ratios[1:], most[1:], strict=True):
+            found.append(max(found[-1], round(min(ratio * finest, limit))))
+        return tuple(found)
+
+
+def allocation(pilot: Pilot) -> Allocation:
+    """The set of models with the largest gain."""
+    others = [name for name in pilot.values if name != pilot.finest and np.isfinite(pilot.correlation(name))]
+    others.sort(key=lambda name: -abs(pilot.correlation(name)))
+    found = [Allocation((pilot.finest,), (1.0,), (1.0,), 1.0)]
+    for count in range(1, len(others) + 1):
+        sets = (_allocated(pilot, (pilot.finest, *chosen)) for chosen in combinations(others, count))
+        found += [each for each in sets if each is not None]
+    return max(found, key=lambda each: each.gain)
+
+
+def _allocated(pilot: Pilot, names: tuple[str, ...]) -> Allocation | None:
+    """Allocation to a set of models in falling correlation; None where it has no least variance."""
+    squares = [1.0, *(pilot.correlation(name) ** 2 for name in names[1:]), 0.0]
+    steps = [max(one - other, 0.0) for one, other in pairwise(squares)]
+    costs = [pilot.seconds[name] for name in names]
+    if min(steps) <= 0 or not _ordered(costs, steps):
+        return None
+    ratios = [float(np.sqrt(costs[0] * step / (cost * steps[0]))) for cost, step in zip(costs, steps, strict=True)]
+    weights = [pilot.correlation(name) * pilot.deviation(names[0]) / pilot.deviation(name) for name in names[1:]]
+    gain = costs[0] / sum(np.sqrt(cost * step) for cost, step in zip(costs, steps, strict=True)) ** 2
+    return Allocation(names, tuple(ratios), (1.0, *weights), float(gain))
+
+
+def _ordered(costs: Sequence[float], steps: Sequence[float]) -> bool:
+    return all(
+        costs[i - 1] / costs[i] > steps[i - 1] / steps[i] for i in range(1, len(costs))
+    )  # with steps[i] = ρ_i² − ρ_{i+1}²
+
+
+@dataclass(frozen=True)
+class MeanEstimate:
+    """Estimate of a mean with its 95 % bootstrap interval, its standard error, and the CPU seconds that it cost."""
+
+    mean: float
+    low: float
+    high: float
+    error: float
+    seconds: float
+
+
+def estimate(chosen: Allocation, values: Mapping[str, Array], seconds: float, seed: int) -> MeanEstimate:
+    """Estimate from ``values`` of each model at the first m_i of the same inputs; samples without a value left out.
+
+    The bootstrap resamples the parts m_1, m_2 − m_1 … apart, each with its values of all models together.
+    """
+    rng = np.random.default_rng(seed)
+    counts = [len(values[name]) for name in chosen.names]
+    parts = list(pairwise([0, *counts]))
+    once = _means(chosen, values, parts, [np.ones((1, high - low)) for low, high in parts])
+    drawn = _means(
+        chosen, values, parts, [rng.multinomial(high - low, _even(high - low), RESAMPLES) for low, high in parts]
+    )
+    low, high = np.quantile(drawn, [0.025, 0.975])
+    return MeanEstimate(float(once[0]), float(low), float(high), float(drawn.std(ddof=1)), seconds)
+
+
+def _even(count: int) -> Array:
+    return np.full(count, 1 / max(count, 1))
+
+
+def _means(
+    chosen: Allocation, values: Mapping[str, Array], parts: Sequence[tuple[int, int]], weights: Sequence[Any]
+) -> Array:
+    """Estimates (k,) with the samples of each part counted as often as its weights (k, samples) say."""
+    found = np.zeros(len(weights[0]))
+    for place, name in enumerate(chosen.names):
+        known = np.isfinite(values[name])
+        filled = np.where(known, values[name], 0.0)
+        sums = np.cumsum([w @ filled[low:high] for w, (low, high) in zip(weights, parts[: place + 1], strict=False)], 0)
+        numbers = np.cumsum(
+            [w @ known[low:high] for w, (low, high) in zip(weights, parts[: place + 1], strict=False)], 0
+        )
+        mean = sums / np.maximum(numbers, 1)
+        found += chosen.weights[place] * (mean[-1] - (mean[-2] if place else 0.0))
+    return found
+
 
 Progress = Callable[[str], None]
 PILOT = 32  # samples from which correlations are taken

@@ -20,7 +20,7 @@ from vibeam.maps.points import GridPoints, grid_points
 from vibeam.runs.parallel import heartbeat, run_parallel
 from vibeam.store.blocks import discard
 from vibeam.store.place import locked
-from vibeam.studies.verdict.boundaries import ExactBoundary, exact_boundaries
+from vibeam.studies.verdict.axes import ExactBoundary, exact_boundaries
 from vibeam.studies.verdict.motions import Motions, judged, motions
 from vibeam_models.arrays import Array
 

@@ -16,12 +16,11 @@ from vibeam.flight.disturbance.tangent import tangent_fault
 from vibeam.runs.comparison.differences import listed
 from vibeam.runs.systems import Systems
 from vibeam.studies.verdict import axes
-from vibeam.studies.verdict.axes import VerdictAxis
-from vibeam.studies.verdict.boundaries import ExactBoundary
+from vibeam.studies.verdict.axes import ExactBoundary, VerdictAxis
+from vibeam.studies.verdict.between import Verification, verified
 from vibeam.studies.verdict.judgement import FidelityRow, cheapest, difference, doubtful, fidelity_row, relative
 from vibeam.studies.verdict.motions import Motions
 from vibeam.studies.verdict.planes import computed, plane_of
-from vibeam.studies.verdict.verification import Verification, verified
 from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
