@@ -138,3 +138,14 @@ def test_the_case_of_a_beam_loads_nothing_of_given_matrices_or_modes() -> None:
         "assert not [name for name in sys.modules if 'matrices' in name or 'tables.given' in name], sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True, env={"PYTHONPATH": ":".join(sys.path)})
+
+
+def test_a_motion_at_a_rigid_stop_with_one_coefficient_loads_no_law() -> None:
+    code = """
+import sys, vibeam
+system = vibeam.ImpactSystem.from_modes([47.7], 0.017, [2.0], [0.5], restitution=0.7)
+vibeam.simulate(system, vibeam.Drive(95.0, 1e-4), 0.5)
+vibeam.sweep(system, omega=[95.0], amplitude=1e-4, settle=3, hold=2)
+assert not [name for name in sys.modules if name.startswith("vibeam_models.laws")], sys.modules
+"""
+    subprocess.run([sys.executable, "-c", code], check=True, env={"PYTHONPATH": ":".join(sys.path)})

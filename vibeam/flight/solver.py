@@ -157,4 +157,5 @@ def warm_up_motion(system: ImpactSystem, drive: Drive) -> None:
 
 def kind_of(system: ImpactSystem) -> tuple[Hashable, ...]:
     """Features of the system beyond plain modes, which decide the code that runs."""
-    return system.contact_law.name, system.coupling is None, system.second_gap is None, system.further is None
+    law = None if system.law is None else system.law.name
+    return law, system.coupling is None, system.second_gap is None, system.further is None

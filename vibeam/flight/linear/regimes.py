@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import inf
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,7 +17,9 @@ from vibeam.flight.linear.eigenpairs import LinearSystem
 from vibeam.flight.linear.packing import top_level, yields
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
-from vibeam_models.laws.mechanics import Spring
+
+if TYPE_CHECKING:
+    from vibeam_models.laws.mechanics import Spring
 
 FORMULAS = {  # by ``KernelNumbers.formula``: family and curve of the kernels
     "constant": (regime_layout.IMPULSIVE, regime_layout.CONSTANT),
@@ -65,7 +68,7 @@ def law_of(system: ImpactSystem) -> tuple[Array, Array]:
     """The law's numbers, and the table R(v) where it is one; ValueError where the kernels have no formula of it."""
     found, numbers = system.contact_law.kernel_numbers(), np.zeros(regime_layout.LAW_ROWS)
     numbers[regime_layout.COEFFICIENT] = system.restitution
-    numbers[regime_layout.MOBILITY] = float(system.contact @ system.contact)
+    numbers[regime_layout.MOBILITY] = system.mobility
     numbers[regime_layout.FAMILY], numbers[regime_layout.CURVE] = FORMULAS[found.formula]
     for name, value in found.values.items():
         numbers[NUMBERS[name]] = value
