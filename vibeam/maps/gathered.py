@@ -21,7 +21,7 @@ from vibeam.store.errors import ANEW, StoreError, unopened
 from vibeam.store.hdf5 import SIGNATURE, SparseImage, scale, without_values
 from vibeam.store.place import Place
 from vibeam.store.provenance import write_provenance
-from vibeam.system.quantities import LAYOUT, Quantity, unit_of
+from vibeam.system.quantities import LAYOUT, DatasetQuantity, unit_of
 
 if TYPE_CHECKING:
     import h5py
@@ -33,10 +33,10 @@ FORMAT = "vibeam map 1"
 UNSEALED = "its digest does not fit (it is damaged, was changed since, or is no map of this version)"
 SHOWN = 4_000_000  # points of a quantity that are read back at most: for pictures
 
-OWN: Mapping[str, Quantity] = {
-    "energy": Quantity("time-mean energy of all modes", "E"),
-    "lyapunov": Quantity("largest Lyapunov exponent", "1/s"),  # type: ignore[arg-type]
-    "strobes": Quantity("output at the end of the last drive periods", "q"),
+OWN: Mapping[str, DatasetQuantity] = {
+    "energy": DatasetQuantity("time-mean energy of all modes", "E"),
+    "lyapunov": DatasetQuantity("largest Lyapunov exponent", "1/s"),  # type: ignore[arg-type]
+    "strobes": DatasetQuantity("output at the end of the last drive periods", "q"),
 }
 
 
@@ -111,7 +111,7 @@ def _scales(group: h5py.Group, plan: MapPlan, grid: Grid) -> list[h5py.Dataset]:
     return found
 
 
-def _label(data: h5py.Dataset, scales: Sequence[h5py.Dataset], described: Quantity | None, units: Any) -> None:
+def _label(data: h5py.Dataset, scales: Sequence[h5py.Dataset], described: DatasetQuantity | None, units: Any) -> None:
     fitting = [each for each in scales if data.name.endswith("/strobes") or not each.name.endswith("/strobe")]
     for dimension, each in zip(data.dims, fitting, strict=False):
         dimension.attach_scale(each)

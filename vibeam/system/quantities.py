@@ -27,7 +27,7 @@ METRES, PLAIN = OutputUnits(), OutputUnits("1", "1", "s-1")
 
 
 @dataclass(frozen=True)
-class Quantity:
+class DatasetQuantity:
     """Description of one data set: the paper's name if it has one, its unit, its dimension beyond the frequency."""
 
     long_name: str
@@ -35,26 +35,26 @@ class Quantity:
     dimension: Literal["impact", "mode", "branch"] | None = None
 
 
-LAYOUT: Mapping[str, Quantity] = {
-    "frequency": Quantity("drive frequency, Ω/2π", "Hz"),
-    "amplitude": Quantity("amplitude of the output, ½(max − min)", "q"),
-    "reach": Quantity("largest distance of the contact point from the stop, Q = Δ − min q", "c"),
-    "maximum": Quantity("maximum of the output", "q"),
-    "minimum": Quantity("minimum of the output", "q"),
-    "impacts_per_period": Quantity("impacts a drive period", "1"),
-    "impact_velocity": Quantity("mean velocity just before impact, q̇₋", "c/s"),
-    "impact_velocities": Quantity("last velocities just before impact, q̇₋, oldest first", "c/s", "impact"),
-    "period": Quantity("drive periods after which the motion repeats; 0: it does not; −1: no contact", "1"),
-    "rest": Quantity("share of the time at rest on the stop", "1"),
-    "mode_energy": Quantity("time-mean energy of each mode", "E", "mode"),
-    "ended": Quantity("why the computation ended", "1"),
-    "impacts": Quantity("impacts computed, settling included", "1"),
-    "evaluations": Quantity("evaluations of the contact displacement", "1"),
-    "cpu_seconds": Quantity("CPU time of the point", "s"),
+LAYOUT: Mapping[str, DatasetQuantity] = {
+    "frequency": DatasetQuantity("drive frequency, Ω/2π", "Hz"),
+    "amplitude": DatasetQuantity("amplitude of the output, ½(max − min)", "q"),
+    "reach": DatasetQuantity("largest distance of the contact point from the stop, Q = Δ − min q", "c"),
+    "maximum": DatasetQuantity("maximum of the output", "q"),
+    "minimum": DatasetQuantity("minimum of the output", "q"),
+    "impacts_per_period": DatasetQuantity("impacts a drive period", "1"),
+    "impact_velocity": DatasetQuantity("mean velocity just before impact, q̇₋", "c/s"),
+    "impact_velocities": DatasetQuantity("last velocities just before impact, q̇₋, oldest first", "c/s", "impact"),
+    "period": DatasetQuantity("drive periods after which the motion repeats; 0: it does not; −1: no contact", "1"),
+    "rest": DatasetQuantity("share of the time at rest on the stop", "1"),
+    "mode_energy": DatasetQuantity("time-mean energy of each mode", "E", "mode"),
+    "ended": DatasetQuantity("why the computation ended", "1"),
+    "impacts": DatasetQuantity("impacts computed, settling included", "1"),
+    "evaluations": DatasetQuantity("evaluations of the contact displacement", "1"),
+    "cpu_seconds": DatasetQuantity("CPU time of the point", "s"),
 }
 
 
-def unit_of(quantity: Quantity, units: OutputUnits) -> str:
+def unit_of(quantity: DatasetQuantity, units: OutputUnits) -> str:
     """Unit as text."""
     plain = units.length == "1"
     named = {

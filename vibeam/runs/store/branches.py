@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from vibeam.store.blocks import Values, block_path, read_block, write_block
 from vibeam.store.hdf5 import describe_codes, described, fixed, scale, text_of
-from vibeam.system.quantities import LAYOUT, OutputUnits, Quantity, unit_of
+from vibeam.system.quantities import LAYOUT, DatasetQuantity, OutputUnits, unit_of
 from vibeam.system.response import VELOCITIES_KEPT, Ended, FrequencyResponse
 from vibeam.system.state import State, StatesAfter
 from vibeam_models.arrays import Array
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     import h5py
 
 
-STATES: Mapping[str, Quantity] = {
-    "state_displacement": Quantity("modal displacement η at the end of the point", "1", "mode"),
-    "state_velocity": Quantity("modal velocity η̇ at the end of the point", "1", "mode"),
-    "state_resting": Quantity("in lasting contact with the stop at the end of the point (1: yes)", "1"),
+STATES: Mapping[str, DatasetQuantity] = {
+    "state_displacement": DatasetQuantity("modal displacement η at the end of the point", "1", "mode"),
+    "state_velocity": DatasetQuantity("modal velocity η̇ at the end of the point", "1", "mode"),
+    "state_resting": DatasetQuantity("in lasting contact with the stop at the end of the point (1: yes)", "1"),
 }
 ROWS = (*LAYOUT, *STATES)
 #: mass-normalised modal coordinates: displacement in √kg m where the outputs are in m
@@ -86,7 +86,7 @@ def lay_out(file: h5py.File, branch: BranchPlan, units: OutputUnits) -> h5py.Gro
     return group
 
 
-def write_quantity(group: h5py.Group, name: str, quantity: Quantity, values: Any, unit: str) -> None:
+def write_quantity(group: h5py.Group, name: str, quantity: DatasetQuantity, values: Any, unit: str) -> None:
     """Write a quantity over ``frequency``, the scale among them, and over its own dimension where it has one."""
     if name == "frequency":
         scale(group, name, values, quantity.long_name, unit)

@@ -10,7 +10,7 @@ from vibeam.case.plans import ShowPlan
 from vibeam.figures.sheet import Column, Sheet
 from vibeam.runs.store.records import Record
 from vibeam.store.hdf5 import described, fixed, text_of
-from vibeam.system.quantities import METRES, OutputUnits, Quantity, unit_of
+from vibeam.system.quantities import METRES, DatasetQuantity, OutputUnits, unit_of
 
 if TYPE_CHECKING:
     import h5py
@@ -48,5 +48,5 @@ def _write(group: h5py.Group, sheet: Sheet, units: OutputUnits) -> None:
     group.attrs["fault"] = fixed(sheet.fault)
     for name, column in sheet.columns.items():
         kind: Any = column.unit
-        unit = unit_of(Quantity(column.long_name, kind), units)
+        unit = unit_of(DatasetQuantity(column.long_name, kind), units)
         described(group, name, column.values, column.long_name, unit).attrs["kind"] = fixed(column.unit)

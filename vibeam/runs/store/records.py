@@ -21,7 +21,7 @@ from vibeam.runs.store.branches import write_quantity
 from vibeam.runs.systems import ModelProperties
 from vibeam.store.hdf5 import describe_codes, described, fixed, scale, text_of
 from vibeam.system.curves import BRANCHES, Difference, MotionCurves
-from vibeam.system.quantities import LAYOUT, OutputUnits, Quantity, unit_of
+from vibeam.system.quantities import LAYOUT, DatasetQuantity, OutputUnits, unit_of
 
 if TYPE_CHECKING:
     import h5py
@@ -55,13 +55,13 @@ def keep(file: h5py.File, record: Record[Kept], key: str, value: Kept | None) ->
         group.attrs["key"] = fixed(key)
 
 
-CURVE_ROWS: Mapping[str, Quantity] = {
+CURVE_ROWS: Mapping[str, DatasetQuantity] = {
     "frequency": LAYOUT["frequency"],
-    "amplitude": Quantity(LAYOUT["amplitude"].long_name, "q", "branch"),
-    "reach": Quantity(LAYOUT["reach"].long_name, "c", "branch"),
-    "velocity": Quantity("velocity just before impact, q̇₋", "c/s", "branch"),
-    "stable": Quantity("all Floquet multipliers within the unit circle (1: yes)", "1", "branch"),
-    "admissible": Quantity("clear of the stop between its impacts (1: yes)", "1", "branch"),
+    "amplitude": DatasetQuantity(LAYOUT["amplitude"].long_name, "q", "branch"),
+    "reach": DatasetQuantity(LAYOUT["reach"].long_name, "c", "branch"),
+    "velocity": DatasetQuantity("velocity just before impact, q̇₋", "c/s", "branch"),
+    "stable": DatasetQuantity("all Floquet multipliers within the unit circle (1: yes)", "1", "branch"),
+    "admissible": DatasetQuantity("clear of the stop between its impacts (1: yes)", "1", "branch"),
 }
 
 
