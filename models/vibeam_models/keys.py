@@ -8,9 +8,10 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Key:
-    """One key: its SI ``unit`` (empty: a number, ``words`` or a ``flag``), bounds, meaning and an example as written.
+    """One key: its SI ``unit`` (empty: a number, ``words``, ``flag`` or ``text``), bounds, meaning, example as written.
 
-    ``several``: a list of numbers; ``ascending``: each above the one before. ``written``: whether the template shows
+    ``whole``: a whole number, from ``least`` to ``most``. ``several``: a list, ``alone``: or one of it; ``ascending``:
+    each number above the one before. ``written``: whether the template shows
     it, else as a comment. ``missing``: what the message of a missing key says of it, its ``meaning`` where empty.
     ``effect``: it is an effect by itself; ``of``: the key of the same table without which it means nothing.
     ``plain``: (meaning, example, ``missing``) where the case is nondimensional; None: the same without the unit.
@@ -21,10 +22,13 @@ class Key:
     unit: str = ""
     words: tuple[str, ...] = ()
     flag: bool = False
+    text: bool = False
+    whole: bool = False
     above: float | None = None
     least: float | None = None
     most: float | None = None
     several: bool = False
+    alone: bool = False
     ascending: bool = False
     written: bool = True
     missing: str = ""
@@ -38,9 +42,19 @@ def quantity(unit: str, meaning: str, example: Any, default: Any = MISSING, **mo
     return declared(Key(meaning, example, unit, **more), default)
 
 
-def word(words: tuple[str, ...], meaning: str, example: str, default: Any = MISSING) -> Any:
-    """A dataclass field that holds one of ``words``."""
-    return declared(Key(meaning, example, words=words), default)
+def word(words: tuple[str, ...], meaning: str, example: Any, default: Any = MISSING, **more: Any) -> Any:
+    """A dataclass field that holds one of ``words``, or a list of them; ``more`` as in ``Key``."""
+    return declared(Key(meaning, example, words=words, **more), default)
+
+
+def count(least: int, most: int, meaning: str, example: Any, default: Any = MISSING, **more: Any) -> Any:
+    """A dataclass field that holds a whole number, or a list of them; ``more`` as in ``Key``."""
+    return declared(Key(meaning, example, least=least, most=most, whole=True, **more), default)
+
+
+def text(meaning: str, example: Any, default: Any = MISSING, **more: Any) -> Any:
+    """A dataclass field that holds text; ``more`` as in ``Key``."""
+    return declared(Key(meaning, example, text=True, **more), default)
 
 
 def declared(key: Key, default: Any = MISSING) -> Any:

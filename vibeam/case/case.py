@@ -17,7 +17,8 @@ from vibeam_models.outputs import DISPLACEMENT, OutputQuantity
 
 if TYPE_CHECKING:
     from vibeam.case.fidelity import Fidelity, Model
-    from vibeam.case.plans import Expectation, MapPlan, Measured, ShowPlan, Uncertain
+    from vibeam.case.grid_keys import MapPlan
+    from vibeam.case.plans import Expectation, MeasuredNumber, ShowPlan, Uncertain
     from vibeam.exchange.curves.record import ReferenceCurve
     from vibeam.observe.measuring_chain import Chain
     from vibeam.system.impact_system import ImpactSystem
@@ -75,7 +76,7 @@ class Case:
     references: dict[str, Reference]
     scenes: Mapping[str, AnyScene] = field(default_factory=dict)
     expectations: Mapping[str, Expectation] = field(default_factory=dict)
-    measured: Mapping[str, Measured] = field(default_factory=dict)
+    measured: Mapping[str, MeasuredNumber] = field(default_factory=dict)
     shows: Mapping[str, ShowPlan] = field(default_factory=dict)
     cost: CostPlan = field(default_factory=CostPlan)
     influence: InfluencePlan = field(default_factory=InfluencePlan)

@@ -1,8 +1,13 @@
-"""Keys that a grid may vary: what each decides, and the rules between the axes of a grid."""
+"""Keys that a grid may vary: what each decides, the rules between the axes of a grid, the plan of a map over them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from vibeam.case.plans import MOST_POINTS
+from vibeam_models import keys as declare
 
 FREQUENCY = "sweep.frequency"
 DISPLACEMENT, VELOCITY = "start.displacement", "start.velocity"
@@ -40,3 +45,83 @@ def axis_faults(keys: Sequence[str], carried: bool, frequency: float | None, ran
     if given and random:
         found.append(("starts", f"{given[0]} says already where motions start: leave one of the two away"))
     return found
+
+
+RUNS = ("up", "down", "both", "apart")
+STROBES = 32  # of a bifurcation diagram that does not say
+READ = (
+    "amplitude", "reach", "maximum", "minimum", "impacts_per_period", "impact_velocity", "period", "rest", "energy",
+    "lyapunov",
+)  # fmt: skip
+
+PICTURES = {
+    "period": "class of the motion over two axes, a panel for each value of a third",
+    "bifurcation": "the output at the end of each period over one axis, with periodic motions in closed form",
+    "basins": "which of the coexisting motions a start leads to, or how many are found, or their shares",
+    "spectra": "spectra of the output along one axis, one behind the other",
+    "values": "a quantity over one or two axes",
+}
+
+
+@dataclass(frozen=True)
+class AxisPlan:
+    """Axis of a map: a dotted key and its values in ``unit``, that of its SI (empty: a plain number)."""
+
+    key: str
+    values: tuple[float, ...]
+    unit: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapPlan:
+    """Plan of one [map.NAME] table: quantities over ``axes``, the last of which is swept ``direction``.
+
+    ``direction``: "up", "down" or "both", the state carried; "apart": every point from its own start. ``frequency`` in
+    Hz, where it is no axis; ``settle`` and ``hold`` in drive periods; ``strobes``: how many values at the end of a
+    period; ``starts`` at random, from ``seed``, within ``spread`` (m). ``picture`` and the ``quantity`` that it shows;
+    ``boundaries``: whether exact ones are laid over it.
+    """
+
+    name: str
+    axes: tuple[AxisPlan, ...]
+    picture: str = declare.word(
+        tuple(PICTURES), "; ".join(f"{name}: {meaning}" for name, meaning in PICTURES.items()), "period", "period"
+    )
+    fidelities: tuple[str, ...] = declare.text("whose; absent = all", ["sdof"], None, written=False)
+    direction: Literal["up", "down", "both", "apart"] = declare.word(
+        RUNS,
+        "which way the last axis is swept, the state carried; apart = every point from its own start; absent = the "
+        "sweep's, or apart where starts are given",
+        "up", None,
+    )  # fmt: skip
+    frequency: float | None = declare.quantity(
+        "Hz", "of the drive, where sweep.frequency is no axis", "15.3 Hz", None, above=0, written=False
+    )
+    settle: int = declare.count(0, MOST_POINTS, "drive periods left out; absent = the sweep's", 350, None)
+    hold: int = declare.count(1, MOST_POINTS, "drive periods read; absent = the sweep's", 50, None)
+    output: str = declare.text("the output that is read; absent = the sweep's", "contact", None, written=False)
+    quantities: tuple[str, ...] = declare.word(
+        READ, "what is stored; absent = amplitude and period, and what the picture needs", ["amplitude", "period"],
+        None, several=True, written=False,
+    )  # fmt: skip
+    quantity: str = declare.word(
+        READ, 'what picture = "values" shows; absent = amplitude', "impact_velocity", None, written=False
+    )
+    strobes: int = declare.count(
+        1, 10_000, "values at the end of a period that are stored; absent = "
+        f"{STROBES} of a bifurcation diagram, else none", 64, None, written=False,
+    )  # fmt: skip
+    starts: int | None = declare.count(
+        1, 100_000, "random starts of every point: what coexists is counted", 50, None, written=False
+    )
+    seed: int = declare.count(0, 2**31 - 1, "of the random starts", 1, 1, written=False)
+    spread: float | None = declare.quantity(
+        "m", "how far from 0 the contact starts at random, its velocity within Ω times that", "1 mm", None, above=0,
+        written=False,
+    )  # fmt: skip
+    boundaries: bool = declare.declared(
+        declare.Key(
+            "whether exact boundaries of motions with one impact a period are laid over, where there are any", False,
+            flag=True, written=False,
+        ), True,
+    )  # fmt: skip

@@ -2,23 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from vibeam.exchange.curves.record import ReferenceForm
+from vibeam_models import keys as declare
 
 if TYPE_CHECKING:
     from vibeam.exchange.curves.record import Point, ReferenceCurve
 
 Direction = Literal["up", "down", "both"]
+DIRECTIONS = ("up", "down", "both")
+EXTENTS = ("peak", "peak_frequency", "period_one_from", "period_one_to")  # of a whole branch
+OF_INFLUENCE = (*EXTENTS, "ringing", "ringing_frequency", "apparent_restitution")
+FORMATS = ("png", "svg", "pdf")  # of figures
+MOST_ELEMENTS = 2000
+MOST_POINTS = 1_000_000
 
 
 @dataclass(frozen=True, kw_only=True)
-class Reading:
+class ResultNumber:
     """Number of a result: ``quantity`` of ``fidelity`` at ``frequency`` (Hz; None: of the whole branch).
 
     With ``against``, its relative difference to that fidelity. With ``show`` the quantity is read off that figure: its
@@ -26,40 +34,64 @@ class Reading:
     """
 
     name: str
-    fidelity: str
-    quantity: str
-    frequency: float | None
-    against: str | None
-    direction: Direction
-    show: str | None = None
-    number: float | None = None
+    fidelity: str = declare.text("the fidelity whose number it is", "sdof")
+    quantity: str = declare.text(
+        "what is compared; of those after largest_gap: that of a figure, with show", "amplitude"
+    )
+    frequency: float | None = declare.quantity(
+        "Hz",
+        "where, one of the sweep's (of a limit or a figure anywhere); none for the peak, the range of period 1, modes",
+        "15.3 Hz", None, above=0,
+    )  # fmt: skip
+    show: str | None = declare.text(
+        "the [show.NAME] that the quantity is read off, its mean unless number chooses one", "ringing", None,
+        written=False,
+    )  # fmt: skip
+    number: float | None = declare.quantity(
+        "", "number of the mode, or order of the harmonic, that is read off the figure of show", 2, None, least=0,
+        written=False,
+    )  # fmt: skip
+    against: str | None = declare.text(
+        "another fidelity: the value is then the relative difference to it", "beam", None
+    )
+    direction: Literal["up", "down", "both"] = declare.word(
+        DIRECTIONS, "the branches compared; absent = all that are swept", "up", None
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
-class Expectation(Reading):
+class Expectation(ResultNumber):
     """Number that must be ``value``.
 
     ``tolerance`` is relative to the value; of the number itself with ``against`` or where the value is 0. ``source``:
     who derived the value; empty: an earlier result of the model itself.
     """
 
-    value: float
-    tolerance: float
-    source: str = ""
+    value: float = declare.quantity("", "the number expected, with its unit", "34 %")
+    tolerance: float = declare.quantity(
+        "", "largest difference: relative to the value, or, with against or where the value is 0, of the number itself",
+        "1 %", above=0,
+    )  # fmt: skip
+    source: str = declare.text(
+        "who derived the value; absent = it is an earlier result of the model, a regression value",
+        "closed form, Babitsky 1998", "", written=False,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
-class Measured(Reading):
+class MeasuredNumber(ResultNumber):
     """Number that was measured as ``value``, in ``unit`` (m, m/s, Hz, 1/s, 1), from ``source``.
 
     ``scatter`` is of the measurement, in the same unit; None: not given. ``chose``: keys of the fidelity's model whose
     values this number chose: the model is calibrated by it, else predicts it.
     """
 
-    value: float
+    value: float = declare.quantity("", "the number measured, with its unit", "0.39 mm")
+    scatter: float | None = declare.quantity(
+        "", "scatter of the measurement, in its unit or as a percentage; absent = not given", "5 %", None, above=0
+    )
+    source: str = declare.text("figure, table or section that gives it", "Fig. 31(b)")
     unit: str
-    scatter: float | None
-    source: str
     chose: tuple[str, ...] = ()
 
 
@@ -120,30 +152,64 @@ class Reference:
 class CostPlan:
     """Plan of ``vibeam cost``: frequencies in Hz, ``budget`` in CPU seconds; None: the defaults."""
 
-    frequency: tuple[float, ...] | None = None
-    settle: int | None = None
-    hold: int | None = None
-    solvers: tuple[str, ...] | None = None
-    modes: tuple[int, ...] | None = None
-    reference: str | None = None
-    repeats: int = 3
-    budget: float = 60.0
+    frequency: tuple[float, ...] | None = declare.quantity(
+        "Hz", "drive frequencies; absent = nine of the sweep's", ["14 Hz", "15 Hz", "16 Hz"], None, above=0,
+        several=True, ascending=True, written=False,
+    )  # fmt: skip
+    settle: int | None = declare.count(
+        0, MOST_POINTS, "drive periods left out; absent = the sweep's, 100 at most", 100, None, written=False
+    )
+    hold: int | None = declare.count(
+        1, MOST_POINTS, "drive periods read; absent = the sweep's, 10 at most", 10, None, written=False
+    )
+    solvers: tuple[str, ...] | None = declare.text(
+        "those compared; absent = all", ["flight", "orbit", "direct"], None, written=False
+    )
+    modes: tuple[int, ...] | None = declare.count(
+        1, 2 * MOST_ELEMENTS,
+        "the finest fidelity cut off after so many modes, each; absent = 1, 2, 4, 8 … below its own", [1, 2, 4, 8],
+        None, several=True, written=False,
+    )  # fmt: skip
+    reference: str | None = declare.text(
+        "the [reference.NAME] whose amplitudes are the truth; absent = the finest fidelity", "exact", None,
+        written=False,
+    )  # fmt: skip
+    repeats: int = declare.count(1, 1000, "how often a run is timed, where that is short", 3, 3)
+    budget: float = declare.quantity("s", "CPU time of the runs compared", "60 s", 60.0, above=0)
 
 
 @dataclass(frozen=True)
 class InfluencePlan:
     """Plan of ``vibeam influence``: frequencies in Hz; None: the defaults."""
 
-    fidelity: str | None = None
-    quantities: tuple[str, ...] = ()
-    frequency: float | None = None
-    tolerance: float = 0.01
-    frequency_tolerance: float = 0.1
-    restitution_tolerance: float = 0.01
-    points: int = 31
-    settle: int | None = None
-    hold: int | None = None
-    repeats: int = 3
+    fidelity: str | None = declare.text(
+        "whose effects are taken away; absent = the one with most modes", "beam", None, written=False
+    )
+    quantities: tuple[str, ...] = declare.word(
+        OF_INFLUENCE, "what must stay as it is", ["peak", "peak_frequency"], OF_INFLUENCE, several=True, written=False
+    )
+    frequency: float | None = declare.quantity(
+        "Hz", "where ringing and apparent restitution are read; absent = at the peak, each model's own", "15.3 Hz",
+        None, above=0, written=False,
+    )  # fmt: skip
+    tolerance: float = declare.quantity(
+        "", "relative, of the peak, the ringing and its frequency", "1 %", 0.01, above=0
+    )
+    frequency_tolerance: float = declare.quantity(
+        "Hz", "of the peak's frequency and the ends of period 1", "0.1 Hz", 0.1, above=0
+    )
+    restitution_tolerance: float = declare.quantity("", "of the apparent restitution", 0.01, 0.01, above=0)
+    points: int = declare.count(
+        3, MOST_POINTS,
+        "drive frequencies, of the sweep's, at most; peaks and ends are then narrowed down between them", 31, 31,
+    )  # fmt: skip
+    settle: int | None = declare.count(
+        0, MOST_POINTS, "drive periods left out; absent = the sweep's", 300, None, written=False
+    )
+    hold: int | None = declare.count(
+        1, MOST_POINTS, "drive periods read; absent = the sweep's", 50, None, written=False
+    )
+    repeats: int = declare.count(1, 1000, "how often a sweep is timed", 3, 3)
 
 
 @dataclass(frozen=True)
@@ -200,74 +266,42 @@ class AccuracyPlan:
 class FigurePlan:
     """Plan of the figure files: endings, ``width`` in m (None: by the number of panels), whether with a title."""
 
-    format: tuple[str, ...] = ("png", "svg")
-    width: float | None = None
-    title: bool = True
+    format: tuple[str, ...] = declare.word(
+        FORMATS, "file format, or several", ["png", "svg"], ("png", "svg"), several=True, alone=True, written=False
+    )
+    width: float | None = declare.quantity(
+        "m", "of each figure; absent = by its number of panels", "140 mm", None, least=0.04, most=1.0, written=False
+    )
+    title: bool = declare.declared(declare.Key("whether it has a title", False, flag=True, written=False), True)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class ShowPlan:
     """Plan of one [show.NAME] table: frequencies in Hz (none: the sweep's), ``periods`` after ``settle`` drive periods.
 
     ``fidelities``: their names, in order; ``quantity``: of the kinds ``curve`` and ``boundaries``; ``output``: whose
-    displacement; ``near`` (Hz): of ``ringing``; ``highest``, ``subdivision``: of ``harmonics``; ``start`` (m): of
-    ``decay``; ``velocity`` (m/s): of ``impact``; ``rate`` (Hz/s) and ``direction``: of ``chirp``, and the branch of
-    ``animation`` (both: from rest), ``frames`` a drive period and files' ``format`` of that. ``key``: of all that
-    decides the numbers.
+    motion; ``near`` (Hz): of ``ringing``. ``own``: values of the keys that kinds of figure declare; ``format``: endings
+    of the files of one that moves. ``key``: of all that decides the numbers.
     """
 
     name: str
     kind: str
-    fidelities: tuple[str, ...]
-    frequency: tuple[float, ...]
-    periods: int | None
-    settle: int
-    quantity: str | None
     key: str
-    output: str = "sensor"
-    near: float | None = None
-    highest: int | None = None
-    subdivision: int | None = None
-    start: float | None = None
-    velocity: tuple[float, ...] = ()
-    rate: float | None = None
-    direction: Direction = "both"
-    frames: int | None = None
+    fidelities: tuple[str, ...] = declare.text("whose; absent = all", ["sdof"], None)
+    frequency: tuple[float, ...] = declare.quantity(
+        "Hz", "drive frequency, or several, a panel each", "15.3 Hz", None, above=0, several=True
+    )
+    periods: int | None = declare.count(
+        1, MOST_POINTS, "drive periods shown, of decay natural ones; absent = as many as the kind needs", 4, None
+    )
+    settle: int = declare.count(0, MOST_POINTS, "drive periods left out before; absent = the sweep's", 500, None)
+    quantity: str | None = declare.text(
+        "of a curve one of the response's, of boundaries one of the last two", "reach", None
+    )
+    output: str = declare.text("the output that is shown; absent = the sweep's output", "contact", None, written=False)
+    near: float | None = declare.quantity(
+        "Hz", "of ringing: where it is looked for; modes below two thirds of it are taken off", "101 Hz", None, above=0,
+        written=False,
+    )  # fmt: skip
+    own: Mapping[str, Any] = field(default_factory=dict)
     format: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True)
-class AxisPlan:
-    """Axis of a map: a dotted key and its values in ``unit``, that of its SI (empty: a plain number)."""
-
-    key: str
-    values: tuple[float, ...]
-    unit: str
-
-
-@dataclass(frozen=True)
-class MapPlan:
-    """Plan of one [map.NAME] table: quantities over ``axes``, the last of which is swept ``direction``.
-
-    ``direction``: "up", "down" or "both", the state carried; "apart": every point from its own start. ``frequency`` in
-    Hz, where it is no axis; ``settle`` and ``hold`` in drive periods; ``strobes``: how many values at the end of a
-    period; ``starts`` at random, from ``seed``, within ``spread`` (m). ``picture`` and the ``quantity`` that it shows;
-    ``boundaries``: whether exact ones are laid over it.
-    """
-
-    name: str
-    fidelities: tuple[str, ...]
-    axes: tuple[AxisPlan, ...]
-    direction: Literal["up", "down", "both", "apart"]
-    frequency: float | None
-    settle: int
-    hold: int
-    output: str
-    quantities: tuple[str, ...]
-    picture: str
-    quantity: str
-    strobes: int = 0
-    starts: int | None = None
-    seed: int = 1
-    spread: float | None = None
-    boundaries: bool = True

@@ -10,13 +10,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydantic import BaseModel
 
-from vibeam.case.plans import AccuracyPlan, Direction, FitPlan, Reference, SweepPlan
+from vibeam.case.plans import AccuracyPlan, Direction, FitPlan, Reference, ShowPlan, SweepPlan
+from vibeam.casefile.calibration import keys_chosen
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.tables.effects import effects_of_scene
+from vibeam.casefile.tables.expectations import expectation, measured_number
 from vibeam.casefile.tables.stop import contact_law
 from vibeam.casefile.tables.sweep import APPLIED
-from vibeam.casefile.tables.table import content, digest
-from vibeam.figures import FIGURES
+from vibeam.casefile.tables.table import content, digest, plan_of
+from vibeam.figures import COMMON, FIGURES
 from vibeam_models.base import Base
 from vibeam_models.beams.beam import Beam, Damping
 from vibeam_models.beams.shapes import SHAPES
@@ -27,15 +29,14 @@ from vibeam_models.sdof import SdofScene
 from vibeam_models.stop import Stop
 
 if TYPE_CHECKING:
-    from vibeam.case.plans import Expectation, Measured, ShowPlan
-    from vibeam.casefile.tables.cases import AnyCase, BeamCase, SdofCase
-    from vibeam.casefile.tables.given_cases import MatricesCase, ModesCase
+    from vibeam.case.plans import Expectation, MeasuredNumber
+    from vibeam.casefile.tables.cases import AnyCase
     from vibeam.casefile.tables.sweep import SweepTable
     from vibeam.observe.measuring_chain import Chain
     from vibeam_models.given import GivenScene, GivenStructure
 
 
-def beam_scene(case: BeamCase, folder: Path) -> Scene:
+def beam_scene(case: AnyCase, folder: Path) -> Scene:
     """The scene of a beam, SI units."""
     place = 0.0 if case.mass is None else case.mass.position
     return Scene(
@@ -63,7 +64,7 @@ def _outputs(tables: Mapping[str, Any] | None) -> tuple[Output, ...]:
     )
 
 
-def sdof_scene(case: SdofCase, folder: Path) -> SdofScene:
+def sdof_scene(case: AnyCase, folder: Path) -> SdofScene:
     """The scene of a single degree of freedom, in its own units."""
     stop, drive = _stop(case.stop, 0.0), case.drive
     return SdofScene(
@@ -76,7 +77,7 @@ def sdof_scene(case: SdofCase, folder: Path) -> SdofScene:
     )
 
 
-def matrices_scene(case: MatricesCase, folder: Path) -> GivenScene:
+def matrices_scene(case: AnyCase, folder: Path) -> GivenScene:
     """The scene of matrices of one's own, SI units."""
     from vibeam.casefile.matrices import given_matrices
 
@@ -84,7 +85,7 @@ def matrices_scene(case: MatricesCase, folder: Path) -> GivenScene:
     return _given_scene(case, given, case.matrices.force)
 
 
-def modes_scene(case: ModesCase, folder: Path) -> GivenScene:
+def modes_scene(case: AnyCase, folder: Path) -> GivenScene:
     """The scene of modes of one's own, SI units."""
     from vibeam.casefile.modes import given_modes
 
@@ -188,15 +189,7 @@ def _references(case: AnyCase, folder: Path, swept: Direction) -> dict[str, Refe
 
 
 def _expectations(case: AnyCase, swept: Direction) -> dict[str, Expectation]:
-    if not case.expect:
-        return {}
-    from vibeam.case.plans import Expectation
-
-    def record(name: str, table: Any) -> Expectation:
-        own = {"value": table.value.number, "direction": table.direction or swept}
-        return Expectation(name=name, **table.model_dump() | own)
-
-    return {name: record(name, table) for name, table in case.expect.items()}
+    return {name: expectation(name, table, swept) for name, table in case.expect.items()}
 
 
 def _fit(case: AnyCase) -> FitPlan | None:
@@ -207,13 +200,8 @@ def _fit(case: AnyCase) -> FitPlan | None:
     return plan_of(case.fit, case)
 
 
-def _measurements(case: AnyCase, changed: Mapping[str, AnyCase], swept: Direction) -> dict[str, Measured]:
-    if not case.measured:
-        return {}
-    from vibeam.casefile.calibration import keys_chosen
-    from vibeam.casefile.tables.expectations import record
-
-    return {name: record(name, case, swept, keys_chosen(name, case, changed)) for name in case.measured}
+def _measurements(case: AnyCase, changed: Mapping[str, AnyCase], swept: Direction) -> dict[str, MeasuredNumber]:
+    return {name: measured_number(name, case, swept, keys_chosen(name, case, changed)) for name in case.measured}
 
 
 def _shows(case: AnyCase, changed: Mapping[str, AnyCase], sweep: SweepPlan, folder: Path) -> dict[str, ShowPlan]:
@@ -227,30 +215,16 @@ def _measured(case: AnyCase) -> dict[str, Any] | None:
 
 def _show(case: AnyCase, name: str, sweep: SweepPlan, seen: Mapping[str, Any], folder: Path) -> ShowPlan:
     """The plan of one table; its key hangs on the table itself and on what is ``seen`` of its fidelities."""
-    from vibeam.case.plans import ShowPlan
-
     table = case.show[name]
     fidelities = table.fidelities or tuple(case.fidelity)
     frequency = tuple(sweep.frequency.tolist()) if table.frequency is None else table.frequency
     physics = (_shared(case, case.sweep, folder), *(seen[each] for each in fidelities))
     followed = (sweep.frequency.tolist(), sweep.direction) if FIGURES[table.kind].of_beam and table.direction else ()
-    return ShowPlan(
-        name=name,
-        kind=table.kind,
-        fidelities=fidelities,
-        frequency=frequency,
-        periods=table.periods,
-        settle=sweep.settle if table.settle is None else table.settle,
-        quantity=table.quantity,
-        key=digest(physics, content(table), fidelities, frequency, *followed),
-        output=table.output or sweep.output,
-        near=table.near,
-        highest=table.highest,
-        subdivision=table.subdivision,
-        start=table.start,
-        velocity=table.velocity or (),
-        rate=table.rate,
-        direction=table.direction or ShowPlan.direction,
-        frames=table.frames,
-        format=table.format or FIGURES[table.kind].formats,
-    )
+    kind = FIGURES[table.kind]
+    own = {key: getattr(table, key) for key in kind.known if key not in COMMON}
+    return plan_of(
+        ShowPlan, table, name=name, kind=table.kind, fidelities=fidelities, frequency=frequency,
+        key=digest(physics, content(table), fidelities, frequency, *followed), output=table.output or sweep.output,
+        settle=sweep.settle if table.settle is None else table.settle, own=own,
+        format=own.get("format") or kind.formats,
+    )  # fmt: skip

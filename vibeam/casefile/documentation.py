@@ -13,7 +13,7 @@ from pydantic.json_schema import models_json_schema
 
 from vibeam.casefile.fields import Entry
 from vibeam.casefile.kinds import KINDS
-from vibeam.casefile.tables.cases import beam_case
+from vibeam.casefile.tables.cases import case_table
 from vibeam.casefile.tables.table import NOTES
 from vibeam.casefile.toml_writing import to_toml
 from vibeam.casefile.validation import entry_of, fields_of, is_repeated, table_of
@@ -49,7 +49,7 @@ class KeyRow:
 
 def reference_table() -> list[KeyRow]:
     """Every key of a case, in the order of the template; those of other kinds, [sdof] say, after them, marked so."""
-    rows = list(_rows(beam_case(), ""))
+    rows = list(_rows(case_table("beam"), ""))
     marked = list(rows)
     for name in KINDS:
         others = [row for row in _rows(KINDS[name].declaration(), "") if row not in rows]

@@ -20,7 +20,6 @@ class CaseKind:
 
     What it does is said as ``"module:function"``, imported when it is asked for:
 
-    - ``tables`` gives its declaration;
     - ``rules`` yields complaints of its own (case, folder), ``outputs`` those about a motion asked for (case, path,
       output);
     - ``scene`` makes its scene (declared case, folder), ``most_modes`` counts the modes it has, with what
@@ -31,7 +30,6 @@ class CaseKind:
     """
 
     name: str
-    tables: str
     rules: str
     outputs: str
     scene: str
@@ -42,7 +40,7 @@ class CaseKind:
 
     def declaration(self) -> Any:
         """Its tables and keys, with the effects and contact laws that are registered now: a class of ``AnyCase``."""
-        return loaded(self.tables)()
+        return loaded("vibeam.casefile.tables.cases:case_table")(self.name)
 
     def checks(self, case: Any, folder: File) -> Iterator[Complaint]:
         """Complaints about what is its own."""
@@ -72,7 +70,6 @@ KINDS = Registry(
     "kind of case",
     CaseKind(
         "beam",
-        "vibeam.casefile.tables.cases:beam_case",
         "vibeam.casefile.tables.beam:beam_rules",
         "vibeam.casefile.tables.outputs:beam_output",
         "vibeam.casefile.build:beam_scene",
@@ -80,7 +77,6 @@ KINDS = Registry(
     ),
     CaseKind(
         "sdof",
-        "vibeam.casefile.tables.cases:sdof_case",
         "vibeam.casefile.tables.cases:sdof_rules",
         "vibeam.casefile.tables.cases:sdof_output",
         "vibeam.casefile.build:sdof_scene",
@@ -89,7 +85,6 @@ KINDS = Registry(
     ),
     CaseKind(
         "matrices",
-        "vibeam.casefile.tables.given_cases:matrices_case",
         "vibeam.casefile.tables.matrices:matrices_rules",
         "vibeam.casefile.tables.matrices:matrices_output",
         "vibeam.casefile.build:matrices_scene",
@@ -98,7 +93,6 @@ KINDS = Registry(
     ),
     CaseKind(
         "modes",
-        "vibeam.casefile.tables.given_cases:modes_case",
         "vibeam.casefile.tables.modes:modes_rules",
         "vibeam.casefile.tables.modes:modes_output",
         "vibeam.casefile.build:modes_scene",

@@ -10,16 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from vibeam.case.grid_keys import DISPLACEMENT, FREQUENCY, STARTS, axis_faults
-from vibeam.case.plans import AxisPlan, MapPlan, SweepPlan
+from vibeam.case.grid_keys import DISPLACEMENT, FREQUENCY, STARTS, STROBES, AxisPlan, MapPlan, axis_faults
+from vibeam.case.plans import MOST_ELEMENTS, SweepPlan
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fidelity_changes import field_at
 from vibeam.casefile.fields import Count, Entry, OneOrSeveral, Quantity
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.overrides import override
 from vibeam.casefile.quantities import with_unit
-from vibeam.casefile.tables.maps import STROBES, count_of, direction_of, picture_complaints, random_complaints
-from vibeam.casefile.tables.table import MOST_ELEMENTS, Frequency, named_fidelity
+from vibeam.casefile.tables.maps import count_of, direction_of, picture_complaints, random_complaints
+from vibeam.casefile.tables.table import Frequency, named_fidelity, plan_of
 from vibeam.casefile.unit_systems import SI, UnitSystem
 from vibeam.casefile.validation import SHARED, entry_of, physics_keys, units_of
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message
@@ -213,24 +213,12 @@ def _plan(name: str, table: Any, declared: AnyCase, sweep: SweepPlan) -> MapPlan
     hold = sweep.hold if table.hold is None else table.hold
     if table.picture == "bifurcation" and not strobes:
         strobes = min(STROBES, hold)
-    return MapPlan(
-        name=name,
-        fidelities=table.fidelities or tuple(declared.fidelity),
-        axes=tuple(axes),
-        direction=run,
-        frequency=_frequency(declared, table, keys),
-        settle=sweep.settle if table.settle is None else table.settle,
-        hold=hold,
-        output=table.output or sweep.output,
-        quantities=_quantities(table, strobes),
-        picture=table.picture,
-        quantity=table.quantity or "amplitude",
-        strobes=strobes,
-        starts=table.starts,
-        seed=table.seed,
-        spread=table.spread,
-        boundaries=table.boundaries,
-    )
+    return plan_of(
+        MapPlan, table, name=name, fidelities=table.fidelities or tuple(declared.fidelity), axes=tuple(axes),
+        direction=run, frequency=_frequency(declared, table, keys),
+        settle=sweep.settle if table.settle is None else table.settle, hold=hold, output=table.output or sweep.output,
+        quantities=_quantities(table, strobes), quantity=table.quantity or "amplitude", strobes=strobes,
+    )  # fmt: skip
 
 
 NEEDED = {

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from vibeam.casefile.tables.cases import beam_case
+from vibeam.casefile.tables.cases import case_table
 from vibeam.casefile.toml import LONG_KEY, TOO_DEEP, key_parts, too_deep
 from vibeam.casefile.validation import lists_of
 from vibeam.exchange.faults import KeyPath, as_shown_in_message
@@ -52,7 +52,7 @@ def _parts(key: str) -> list[str]:
 
 def _require_list(tables: dict[str, Any], parts: list[str]) -> None:
     """OverrideError for an index into a list of tables that the case does not have."""
-    if parts[0] in lists_of(beam_case()) and parts[0] not in tables and _INDEX.fullmatch("".join(parts[1:2])):
+    if parts[0] in lists_of(case_table("beam")) and parts[0] not in tables and _INDEX.fullmatch("".join(parts[1:2])):
         raise OverrideError(f"the case has no [[{parts[0]}]]: give the whole list, {parts[0]} = [{{ … }}]")
 
 

@@ -29,7 +29,7 @@ from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.maps import map_plans
 from vibeam.casefile.overrides import OverrideError, tables_of
 from vibeam.casefile.tables.sweep import fidelity_of
-from vibeam.casefile.tables.table import content, digest, toml_text
+from vibeam.casefile.tables.table import content, digest, plan_of, toml_text
 from vibeam.casefile.toml import parsed
 from vibeam.casefile.uncertain import uncertain_inputs
 from vibeam.exchange.faults import CaseError, Fault, KeyPath
@@ -85,9 +85,9 @@ def _case(tables: dict[str, Any], lines: dict[KeyPath, int], file: File, overrid
         expectations=_expectations(declared, sweep.direction),
         measured=_measurements(declared, changed, sweep.direction),
         shows=_shows(declared, changed, sweep, file.parent),
-        cost=CostPlan(**dict(declared.cost)),
-        influence=InfluencePlan(**dict(getattr(declared, "influence", ()))),
-        figure=FigurePlan(**dict(declared.figure)),
+        cost=plan_of(CostPlan, declared.cost),
+        influence=plan_of(InfluencePlan, getattr(declared, "influence", InfluencePlan())),
+        figure=plan_of(FigurePlan, declared.figure),
         chain=_chain(declared),
         chains={name: _chain(own) for name, own in changed.items()},
         accuracy=_accuracy(declared),

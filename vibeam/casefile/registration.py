@@ -7,7 +7,7 @@ from dataclasses import fields, is_dataclass
 from inspect import isabstract
 from typing import Any
 
-from vibeam.casefile.tables.cases import beam_case
+from vibeam.casefile.tables.cases import case_table
 from vibeam.casefile.tables.stop import law_keys, stop_table
 from vibeam.casefile.tables.table import NAME, declared_entry
 from vibeam.casefile.validation import fields_of, keys_of, table_of
@@ -30,8 +30,10 @@ def register_effect(effect: type[Effect], repeated: bool = False) -> Registratio
     faults = list(_kind_faults(effect, Effect))
     if not faults:
         above, _, key = effect.name.rpartition(".")
-        known = fields_of(beam_case())
-        faults += _name_faults(key, keys_of(table_of(known[above]) if above in ("beam", "mass") else beam_case()))
+        known = fields_of(case_table("beam"))
+        faults += _name_faults(
+            key, keys_of(table_of(known[above]) if above in ("beam", "mass") else case_table("beam"))
+        )
         if above not in ("", "beam", "mass") or not NAME.fullmatch(key):
             faults.append(f"the name {effect.name!r} must be letters, digits, - or _, after beam. or mass. for a key")
         elif above and [field.name for field in fields(effect)] != [key]:

@@ -6,6 +6,7 @@ No kind is loaded for a case without such tables.
 from __future__ import annotations
 
 from vibeam.figures.declaration import FigureKind
+from vibeam_models.keys import Key
 from vibeam_models.registry import Registry
 
 HOME = "vibeam.figures.kinds."
@@ -59,11 +60,22 @@ FIGURES = Registry(
         "harmonics",
         f"{HOME}harmonics",
         "amplitudes at multiples of the drive frequency, bars at a few, lines over many",
-        takes=(*OVER, "highest", "subdivision"),
+        takes=OVER,
         reads={"harmonic": "q"},
         entries="order",
         exact=True,
         derivatives=True,
+        keys={
+            "highest": Key("of harmonics: the last order; absent = 8", 8, least=1, most=100, whole=True, written=False),
+            "subdivision": Key(
+                "of harmonics: 2 shows orders ½, 1, 1½ …; absent = 1, whole orders",
+                2,
+                least=1,
+                most=64,
+                whole=True,
+                written=False,
+            ),
+        },
     ),
     FigureKind(
         "spectrum",
@@ -110,6 +122,15 @@ FIGURES = Registry(
         ("start",),
         ("periods", "output"),
         {"decay_frequency": "Hz", "decay_damping": "1", "spectrum_frequency": "Hz"},
+        keys={
+            "start": Key(
+                "of decay: how far the output is drawn aside, by a force at the contact, and let go",
+                "2 mm",
+                "m",
+                above=0,
+                written=False,
+            )
+        },
     ),
     FigureKind(
         "impact",
@@ -126,27 +147,69 @@ FIGURES = Registry(
         },
         entries="velocity",
         exact=True,
+        keys={
+            "velocity": Key(
+                "of impact: the contact's at first touch",
+                ["20 mm/s", "50 mm/s"],
+                "m/s",
+                above=0,
+                several=True,
+                alone=True,
+                ascending=True,
+                written=False,
+            )
+        },
     ),
     FigureKind(
         "chirp",
         f"{HOME}chirp",
         "a swept-sine test, the drive frequency changing at a rate, beside the sweep's settled points",
         ("rate",),
-        ("direction", *MOTION),
+        MOTION,
         {"swept_peak": "q", "swept_peak_frequency": "Hz"},
         transient=True,
         derivatives=True,
         one_harmonic=True,
+        keys={
+            "rate": Key(
+                "of chirp: by how much the drive frequency changes a second", "0.1 Hz/s", "Hz/s", above=0, written=False
+            ),
+            "direction": Key(
+                "of chirp: which way, absent = both, up and then down; of animation: on which branch of the sweep, "
+                "absent = that reached from rest",
+                "up",
+                words=("up", "down", "both"),
+                written=False,
+            ),
+        },
     ),
     FigureKind(
         "animation",
         f"{HOME}animation",
         "the beam and the stop in motion beside the frequency response: GIF, MP4, or VTU files for ParaView",
         ("frequency",),
-        ("direction", "frames", "format", "periods", "settle"),
+        ("direction", "periods", "settle"),
         derivatives=True,
         formats=("gif",),
         of_beam=True,
+        keys={
+            "frames": Key(
+                "of animation: pictures a drive period; absent = 36, fewer of a long period",
+                36,
+                least=4,
+                most=1000,
+                whole=True,
+                written=False,
+            ),
+            "format": Key(
+                "of animation: gif, mp4 (needs ffmpeg), pvd (VTU files for ParaView), or several; absent = gif",
+                ["gif", "pvd"],
+                words=("gif", "mp4", "pvd"),
+                several=True,
+                alone=True,
+                written=False,
+            ),
+        },
     ),
     FigureKind(
         "modal",
@@ -159,10 +222,13 @@ FIGURES = Registry(
 
 #: units of what [expect.NAME] and [measured.NAME] can read off figures
 READ = {name: unit for kind in FIGURES.values() for name, unit in kind.reads.items()}
-KEYS = (
-    *("frequency", "periods", "settle", "quantity", "output", "near", "highest", "subdivision", "start", "velocity"),
-    *("rate", "direction", "frames", "format"),
-)  # by kind
+COMMON = ("frequency", "periods", "settle", "quantity", "output", "near")  # keys that no kind alone declares
+
+
+def own_keys() -> dict[str, Key]:
+    """The keys of [show.NAME] that kinds of figure declare, by name."""
+    return {name: key for kind in FIGURES.values() for name, key in kind.keys.items()}
+
 
 #: of a response and its model: the reach Q = Δ − min of the sweep's output, as the paper gives it of the sensor
 OF_OUTPUT = ("output_reach",)

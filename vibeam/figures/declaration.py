@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from vibeam_models.keys import Key
+
 
 @dataclass(frozen=True)
 class FigureKind:
@@ -16,7 +18,8 @@ class FigureKind:
     result, plan, sheets)``, which makes the figure of them; ``size(plan)`` (inches) and ``caption(plan)`` where the
     usual ones will not do.
 
-    ``needs`` and ``takes``: keys of the table that it must and may have. ``reads``: its columns that [expect.NAME] and
+    ``keys``: of the table, by name, that are its own: what it may have beside what it ``takes``; what it ``needs`` it
+    must have. ``reads``: its columns that [expect.NAME] and
     [measured.NAME] compare with a number, and their units (q, q/s: of the output and its rate), ``entries``: the column
     by which one of them is chosen (none: their mean is meant). ``exact``:
     True where the motion must be exact between events. ``derivatives``: it shows outputs that are velocities or
@@ -43,3 +46,9 @@ class FigureKind:
     formats: tuple[str, ...] = ()
     of_beam: bool = False
     refuses: bool = False
+    keys: Mapping[str, Key] = field(default_factory=dict)
+
+    @property
+    def known(self) -> tuple[str, ...]:
+        """Keys that its table may have beside ``kind`` and ``fidelities``."""
+        return (*self.needs, *self.takes, *self.keys)

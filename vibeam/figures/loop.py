@@ -71,7 +71,7 @@ def loop_columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Col
     periods = plan.periods or repeats or ENDLESS
     seamless = bool(repeats) and periods % repeats == 0
     return {
-        **_frames(motion, fields(pointed, begin.system), periods, plan.frames or _frames_for(periods)),
+        **_frames(motion, fields(pointed, begin.system), periods, plan.own["frames"] or _frames_for(periods)),
         **_contact(motion, case, periods),
         **_stops(pointed, begin.system),
         "periods": Column(np.array([float(periods)]), "1", "drive periods of the loop"),
@@ -84,12 +84,12 @@ def branch(case: Case, name: str, frequency: float, plan: ShowPlan) -> list[floa
 
     A sweep down comes from where that up ended, if the case sweeps both.
     """
-    if plan.direction == "both":
+    if plan.own["direction"] in (None, "both"):
         return []
     if case.scene_of(name).harmonics:
         raise NoMotion("under several harmonics no branch is followed: leave direction out")
     grid = case.sweep.frequency
-    if plan.direction == "up":
+    if plan.own["direction"] == "up":
         return [float(each) for each in grid[grid < frequency]]
     before = grid if case.sweep.direction == "both" else grid[:0]
     return [float(each) for each in (*before, *grid[grid > frequency][::-1])]

@@ -30,7 +30,7 @@ from vibeam_models.arrays import Array
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.fidelity import Model
-    from vibeam.case.plans import MapPlan
+    from vibeam.case.grid_keys import MapPlan
 
 STRAIGHT = 1e-12  # share by which numbers of the points may be off a straight line over the axis
 

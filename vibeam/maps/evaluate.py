@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from vibeam.case.grid_keys import FREQUENCY, STARTS, axis_faults
-from vibeam.case.plans import MapPlan
+from vibeam.case.grid_keys import FREQUENCY, STARTS, MapPlan, axis_faults
 from vibeam.exchange.faults import CaseError, Fault
 from vibeam.maps.block import QUANTITIES, Block, Grid, Values, Way, evaluate_block
 from vibeam.maps.points import Axis, Starts, shape_of

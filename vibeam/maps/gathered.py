@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     import h5py
 
     from vibeam.case.case import Case
-    from vibeam.case.plans import MapPlan
+    from vibeam.case.grid_keys import MapPlan
 
 FORMAT = "vibeam map 1"
 UNSEALED = "its digest does not fit (it is damaged, was changed since, or is no map of this version)"

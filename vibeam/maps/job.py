@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.case.plans import MapPlan
+from vibeam.case.grid_keys import MapPlan
 from vibeam.maps.block import DTYPES, Block, Grid, Values
 from vibeam.maps.evaluate import GridResponse, blocks_of
 from vibeam.maps.gathered import SHOWN, Source, steps_of

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.plans import MapPlan
+from vibeam.case.grid_keys import MapPlan
 from vibeam.maps.evaluate import GridResponse
 from vibeam.observe.periodicity import Class, classes
 

@@ -14,7 +14,7 @@ from stand_in import SI
 from typer.testing import CliRunner
 
 import vibeam
-from vibeam.case.plans import AxisPlan
+from vibeam.case.grid_keys import AxisPlan
 from vibeam.cli.main import app
 from vibeam.maps import run as running
 from vibeam.observe.periodicity import Class, classes

@@ -7,13 +7,14 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated, Any
 
+from vibeam.case.plans import MOST_ELEMENTS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import POSITIVE, Count, Quantity, Range, Several, Word
 from vibeam.casefile.tables.drive import drive_checks
 from vibeam.casefile.tables.effects import effect_checks, effects_in
 from vibeam.casefile.tables.held_places import held_checks
 from vibeam.casefile.tables.outputs import output_checks
-from vibeam.casefile.tables.table import MOST_ELEMENTS, Length, Place, Ratio, Table, declared_key, key, table
+from vibeam.casefile.tables.table import Length, Place, Ratio, Table, declared_key, key, table
 from vibeam.casefile.toml_writing import to_fill_in
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam_models.beams.shapes import SHAPES, foreign_dimensions

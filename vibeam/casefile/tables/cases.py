@@ -1,4 +1,4 @@
-"""The tables of two kinds of case: a beam on the bench, a single degree of freedom, with its own table."""
+"""The tables of each kind of case: a beam on the bench, a single degree of freedom, a structure that is given."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from vibeam.casefile.tables.beam import BeamTable, MassTable, SensorTable
 from vibeam.casefile.tables.drive import DriveTable, SdofDriveTable, sdof_drive_checks
 from vibeam.casefile.tables.effects import effect_tables, with_effects
 from vibeam.casefile.tables.expectations import ExpectTable, MeasuredTable
-from vibeam.casefile.tables.figures import FigureTable, MeasurementTable, SdofMeasurementTable, ShowTable
+from vibeam.casefile.tables.figures import FigureTable, MeasurementTable, SdofMeasurementTable, show_table
 from vibeam.casefile.tables.maps import MapTable, SdofMapTable
 from vibeam.casefile.tables.outputs import OutputTable
 from vibeam.casefile.tables.references import ReferenceTable
@@ -25,6 +25,7 @@ from vibeam.casefile.tables.sweep import FidelityTable, SdofFidelityTable, SdofS
 from vibeam.casefile.tables.table import ACCURATE, Ratio, Table, Within, key, table
 from vibeam.casefile.unit_systems import UNIT_SYSTEMS
 from vibeam.exchange.faults import Complaint, KeyPath
+from vibeam.figures import FIGURES
 from vibeam_models.effects import EFFECTS
 from vibeam_models.laws import LAWS
 from vibeam_models.registry import Home
@@ -60,22 +61,9 @@ class AnyCase(Table):
 
     kind: ClassVar[str] = "beam"
 
-    if TYPE_CHECKING:  # what stands further down in every kind
-        stop: Any
-        drive: Any
-        sweep: Any
-        fidelity: Any
-        show: Any
-        map: Any
-        cost: Any
-        fit: Any
-        figure: Any
-        uncertain: Any
-        measurement: Any
-        reference: Any
-        expect: Any
-        measured: Any
-        chosen_by: Any
+    if TYPE_CHECKING:  # the tables of its kind
+
+        def __getattr__(self, name: str) -> Any: ...
 
     title: Annotated[str, TEXT] = key(
         "what the case is; absent = the name of its file", "DTU impacting beam, neutral gap, 0.6 V", "", **ASIDE
@@ -107,112 +95,112 @@ class AnyCase(Table):
     )
 
 
-class _Carrier(Table):
-    beam: Any
-    mass: MassTable | None
+Parts = dict[str, tuple[Any, Any]]  # keys of a case: annotation and ``key`` of each
+LATER: Any = {"written": False, **ASIDE}
 
 
-class _Rig(Table):
-    sensor: SensorTable
-    output: dict[str, OutputTable] | None = key("further outputs", None, None, written=False)
-    drive: DriveTable
+def _measured(measurement: Any, sweep: Any, fidelity: Any) -> Parts:
+    """The tables of what is run on a rig, and how it is seen."""
+    return {
+        "measurement": (measurement | None, key("the measuring chain", None, None, written=False, numbers=False)),
+        "sweep": (sweep, key("the sweep of every fidelity", physics=False)),
+        "fidelity": (dict[str, fidelity], key("models of the rig", physics=False)),
+    }
 
 
-class _Plan(Table):
-    measurement: MeasurementTable | None = key("the measuring chain", None, None, written=False, numbers=False)
-    sweep: SweepTable = key("the sweep of every fidelity", physics=False)
-    fidelity: dict[str, FidelityTable] = key("models of the rig", physics=False)
-
-
-class _Checks(Table):
-    reference: dict[str, ReferenceTable] = key("curves to check against", None, {}, written=False, **ASIDE)
-    expect: dict[str, ExpectTable] = key("numbers to check against", None, {}, written=False, **ASIDE)
-    measured: dict[str, MeasuredTable] = key("numbers that were measured", None, {}, written=False, **ASIDE)
-    chosen_by: Annotated[dict[str, Any] | None, settings("[names]")] = key(
-        "keys whose values measured numbers chose, by their names: calibrated by these, the model predicts the others",
-        {"platform.mass": ["decay", "peak"]},
-        None,
-        written=False,
-        **ASIDE,
+def _asked(show: Any, map_: Any) -> Parts:
+    """The tables of what is asked of a case: comparisons, figures, maps, studies."""
+    chosen = (
+        "keys whose values measured numbers chose, by their names: calibrated by these, the model predicts the others"
     )
-    show: dict[str, ShowTable] = key("further figures", None, {}, written=False, **ASIDE)
-    map: dict[str, MapTable] = key("maps over keys of the case", None, {}, written=False, **ASIDE)
-    uncertain: Annotated[dict[str, Any] | None, settings()] = key(
-        "inputs that are uncertain: normal about the case's own value, or uniform in a range",
-        {"mass.mass": "± 2 g", "stop.restitution": "0.6 … 0.8"},
-        None,
-        written=False,
-        **ASIDE,
+    uncertain = "inputs that are uncertain: normal about the case's own value, or uniform in a range"
+    inputs = {"mass.mass": "± 2 g", "stop.restitution": "0.6 … 0.8"}
+    fit = "what vibeam fit estimates, and from what"
+    return {
+        "reference": (dict[str, ReferenceTable], key("curves to check against", None, {}, **LATER)),
+        "expect": (dict[str, ExpectTable], key("numbers to check against", None, {}, **LATER)),
+        "measured": (dict[str, MeasuredTable], key("numbers that were measured", None, {}, **LATER)),
+        "chosen_by": (
+            Annotated[Any, settings("[names]")], key(chosen, {"platform.mass": ["decay", "peak"]}, None, **LATER)
+        ),
+        "show": (dict[str, show], key("further figures", None, {}, **LATER)),
+        "map": (dict[str, map_], key("maps over keys of the case", None, {}, **LATER)),
+        "uncertain": (Annotated[Any, settings()], key(uncertain, inputs, None, **LATER)),
+        "figure": (FigureTable, key("how figures are written", None, FigureTable(), **LATER)),
+        "cost": (CostTable, key("what vibeam cost does", None, CostTable(), **LATER)),
+        "fit": (FitTable | None, key(fit, None, None, **LATER)),
+    }  # fmt: skip
+
+
+def _influence() -> Parts:
+    return {"influence": (InfluenceTable, key("what vibeam influence does", None, InfluenceTable(), **LATER))}
+
+
+def _beam() -> type[AnyCase]:
+    mass = with_effects("mass", MassTable) | None, key("attached to the beam; absent = a bare beam", None, None)
+    outputs = dict[str, OutputTable] | None, key("further outputs", None, None, written=False)
+    show = show_table("ShowTable", tuple(FIGURES))
+    return _case(
+        "beam", "A beam on the bench.", {"beam": (with_effects("beam", BeamTable), ...), "mass": mass},
+        effect_tables("beam"), {"stop": (stop_table(), ...)},
+        {"sensor": (SensorTable, ...), "output": outputs, "drive": (DriveTable, ...)}, effect_tables("base"),
+        _measured(MeasurementTable, SweepTable, FidelityTable), _asked(show, MapTable), _influence(),
+    )  # fmt: skip
+
+
+def _sdof() -> type[AnyCase]:
+    title = (
+        Annotated[Any, TEXT],
+        key("what the case is; absent = the name of its file", "single degree of freedom", "", **ASIDE),
     )
-    figure: FigureTable = key("how figures are written", None, FigureTable(), written=False, **ASIDE)
-    cost: CostTable = key("what vibeam cost does", None, CostTable(), written=False, **ASIDE)
-    fit: FitTable | None = key("what vibeam fit estimates, and from what", None, None, written=False, **ASIDE)
+    source = Annotated[Any, TEXT], key("where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "", **ASIDE)
+    return _case(
+        "sdof", "A single degree of freedom by itself.", {"title": title, "source": source, "sdof": (SdofTable, ...)},
+        {"stop": (sdof_stop_table(), ...), "drive": (SdofDriveTable, ...)},
+        _measured(SdofMeasurementTable, SdofSweepTable, SdofFidelityTable),
+        _asked(show_table("ShowTable", tuple(FIGURES)), SdofMapTable),
+    )  # fmt: skip
 
 
-class _Influence(Table):
-    influence: InfluenceTable = key("what vibeam influence does", None, InfluenceTable(), written=False, **ASIDE)
+def _given(kind: str, doc: str, own: Any) -> type[AnyCase]:
+    from vibeam.casefile.tables.given import GivenDriveTable, GivenSweepTable, given_show_table, given_stop_table
+
+    return _case(
+        kind, doc, {kind: (own, ...), "stop": (given_stop_table(), ...), "drive": (GivenDriveTable, ...)},
+        effect_tables("base"), _measured(MeasurementTable, GivenSweepTable, FidelityTable),
+        _asked(given_show_table(), MapTable), _influence(),
+    )  # fmt: skip
 
 
-class BeamCase(_Influence, _Checks, _Plan, _Rig, _Carrier, AnyCase):
-    """Case of a beam on the bench, without stop and effects: ``beam_case`` adds these."""
+def _matrices() -> type[AnyCase]:
+    from vibeam.casefile.tables.matrices import MatricesTable
 
-    stop: Any
-
-
-class _Single(Table):
-    title: Annotated[str, TEXT] = key(
-        "what the case is; absent = the name of its file", "single degree of freedom", "", **ASIDE
-    )
-    source: Annotated[str, TEXT] = key("where it comes from", "Rebouças, Santos & Thomsen 2018, eq. 1", "", **ASIDE)
-    sdof: SdofTable
-
-    kind: ClassVar[str] = "sdof"
+    return _given("matrices", "A structure by its own matrices.", MatricesTable)
 
 
-class _SinglePlan(Table):
-    drive: SdofDriveTable
-    measurement: SdofMeasurementTable | None = key("the measuring chain", None, None, written=False, numbers=False)
-    sweep: SdofSweepTable = key("the sweep of every fidelity", physics=False)
-    fidelity: dict[str, SdofFidelityTable] = key("models of the rig", physics=False)
+def _modes() -> type[AnyCase]:
+    from vibeam.casefile.tables.modes import ModesTable
+
+    return _given("modes", "A structure by its modes.", ModesTable)
 
 
-class _SingleChecks(_Checks):
-    map: dict[str, SdofMapTable] = key(  # type: ignore[assignment]
-        "maps over keys of the case", None, {}, written=False, **ASIDE
-    )
+def _case(kind: str, doc: str, *parts: Parts) -> type[AnyCase]:
+    made: type[AnyCase] = table(f"{kind.capitalize()}Case", doc, AnyCase, *parts)
+    made.kind = kind
+    return made
 
 
-class SdofCase(_SingleChecks, _SinglePlan, _Single, AnyCase):
-    """Case of a single degree of freedom by itself, without stop: ``sdof_case`` adds it."""
+CASES = {"beam": _beam, "sdof": _sdof, "matrices": _matrices, "modes": _modes}
 
-    stop: Any
+
+def case_table(kind: str) -> type[AnyCase]:
+    """The declaration of a kind of case, with the effects, contact laws and figures that are registered now."""
+    return _declared(kind, tuple(EFFECTS.items()), tuple(LAWS.items()), tuple(FIGURES))
+
+
+@lru_cache(maxsize=32)
+def _declared(kind: str, effects: Registered, laws: Registered, figures: tuple[str, ...]) -> type[AnyCase]:
+    return CASES[kind]()
 
 
 Registered = tuple[tuple[str, Home], ...]
-
-
-def beam_case() -> type[BeamCase]:
-    """The declaration of a beam's case, with the effects and contact laws that are registered now."""
-    return _beam_case(tuple(EFFECTS.items()), tuple(LAWS.items()))
-
-
-def sdof_case() -> type[SdofCase]:
-    """The declaration of the case of a single degree of freedom, with the contact laws that are registered now."""
-    return _sdof_case(tuple(LAWS.items()))
-
-
-@lru_cache(maxsize=8)
-def _beam_case(effects: Registered, laws: Registered) -> type[BeamCase]:
-    stop = {"stop": (stop_table(), ...)}
-    mass = with_effects("mass", MassTable) | None, key("attached to the beam; absent = a bare beam", None, None)
-    carrier = {"beam": (with_effects("beam", BeamTable), ...), "mass": mass}
-    parts = (AnyCase, carrier, effect_tables("beam"), stop, _Rig, effect_tables("base"), _Plan, _Checks, _Influence)
-    made: type[BeamCase] = table("BeamCase", "A beam on the bench.", *parts)
-    return made
-
-
-@lru_cache(maxsize=8)
-def _sdof_case(laws: Registered) -> type[SdofCase]:
-    parts = (AnyCase, _Single, {"stop": (sdof_stop_table(), ...)}, _SinglePlan, _SingleChecks)
-    made: type[SdofCase] = table("SdofCase", "A single degree of freedom by itself.", *parts)
-    return made

@@ -4,24 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from types import SimpleNamespace
-from typing import Annotated, Any
+from typing import Any
 
-from vibeam.case.plans import Direction, Measured
-from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import ANY, POSITIVE, TEXT, Quantity, Word
+from vibeam.case.plans import EXTENTS, Direction, Expectation, MeasuredNumber, ResultNumber
+from vibeam.casefile.fields import ANY, POSITIVE, Entry, Word
 from vibeam.casefile.tables.outputs import of_displacement
-from vibeam.casefile.tables.readings import Amount, AmountEntry, si_unit
-from vibeam.casefile.tables.table import (
-    DIRECTIONS,
-    EXTENTS,
-    NAME,
-    QUANTITIES,
-    Frequency,
-    Ratio,
-    Table,
-    key,
-    named_fidelity,
-)
+from vibeam.casefile.tables.readings import AmountEntry, si_unit
+from vibeam.casefile.tables.table import NAME, QUANTITIES, named_fidelity, plan_keys, plan_of, table
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, shortened, suggest
 from vibeam.figures import FIGURES, LIMITS, OF_OUTPUT, READ
 
@@ -86,49 +75,26 @@ def swept_checks(case: SimpleNamespace, path: KeyPath, way: str | None) -> Itera
         yield path, f'"{way}" is not swept: sweep.direction is "{swept}"'
 
 
-class ReadingTable(Table):
-    """Where a number of the result is found."""
-
-    fidelity: Annotated[str, TEXT] = key("the fidelity whose number it is", "sdof")
-    quantity: Annotated[str, Word((*QUANTITIES, *OF_OUTPUT, *EXTENTS, *LIMITS, *READ))] = key(
-        "what is compared; of those after largest_gap: that of a figure, with show", "amplitude"
-    )
-    frequency: Annotated[float | None, Frequency] = key(
-        "where, one of the sweep's (of a limit or a figure anywhere); none for the peak, the range of period 1, modes",
-        "15.3 Hz",
-        None,
-    )
-    show: Annotated[str | None, TEXT] = key(
-        "the [show.NAME] that the quantity is read off, its mean unless number chooses one",
-        "ringing",
-        None,
-        written=False,
-    )
-    number: Annotated[float | None, Ratio] = key(
-        "number of the mode, or order of the harmonic, that is read off the figure of show", 2, None, written=False
-    )
-    against: Annotated[str | None, TEXT] = key(
-        "another fidelity: the value is then the relative difference to it", "beam", None
-    )
-    direction: Annotated[str | None, Word(DIRECTIONS)] = key(
-        "the branches compared; absent = all that are swept", "up", None
-    )
+def _reading_table(name: str, plan: type[ResultNumber], meaning: str, **entries: Entry) -> Any:
+    compared = Word((*QUANTITIES, *OF_OUTPUT, *EXTENTS, *LIMITS, *READ))
+    return table(name, meaning, plan_keys(plan, quantity=compared, **entries))
 
 
-class ExpectTable(ReadingTable):
-    """A number that a fidelity is checked against, by itself or against another fidelity, one table each."""
+ExpectTable: Any = _reading_table(
+    "ExpectTable", Expectation,
+    "A number that a fidelity is checked against, by itself or against another fidelity, one table each.",
+    value=AmountEntry(ANY),
+)  # fmt: skip
+MeasuredTable: Any = _reading_table(
+    "MeasuredTable", MeasuredNumber,
+    "A number that was measured, which the model is compared with and never judged by, one table each.",
+    value=AmountEntry(ANY), scatter=AmountEntry(POSITIVE),
+)  # fmt: skip
 
-    value: Annotated[Amount, AmountEntry(ANY)] = key("the number expected, with its unit", "34 %")
-    tolerance: Annotated[float, Quantity(units.RATIO, POSITIVE)] = key(
-        "largest difference: relative to the value, or, with against or where the value is 0, of the number itself",
-        "1 %",
-    )
-    source: Annotated[str, TEXT] = key(
-        "who derived the value; absent = it is an earlier result of the model, a regression value",
-        "closed form, Babitsky 1998",
-        "",
-        written=False,
-    )
+
+def expectation(name: str, table: Any, swept: Direction) -> Expectation:
+    """Plan of an [expect.NAME]."""
+    return plan_of(Expectation, table, name=name, value=table.value.number, direction=table.direction or swept)
 
 
 def measured_checks(case: SimpleNamespace) -> Iterator[Complaint]:
@@ -137,27 +103,18 @@ def measured_checks(case: SimpleNamespace) -> Iterator[Complaint]:
         yield from reading_checks(case, ("measured", name), measured)
 
 
-class MeasuredTable(ReadingTable):
-    """A number that was measured, which the model is compared with and never judged by, one table each."""
-
-    value: Annotated[Amount, AmountEntry(ANY)] = key("the number measured, with its unit", "0.39 mm")
-    scatter: Annotated[Amount | None, AmountEntry(POSITIVE)] = key(
-        "scatter of the measurement, in its unit or as a percentage; absent = not given", "5 %", None
-    )
-    source: Annotated[str, TEXT] = key("figure, table or section that gives it", "Fig. 31(b)")
-
-
-def record(name: str, case: Any, swept: Direction, chose: tuple[str, ...]) -> Measured:
-    """Record of a table of a case; ``chose``: the keys that the number chose."""
+def measured_number(name: str, case: Any, swept: Direction, chose: tuple[str, ...]) -> MeasuredNumber:
+    """Plan of a [measured.NAME] of a case; ``chose``: the keys that the number chose."""
     table = case.measured[name]
-    values = table.model_dump() | {"value": table.value.number, "scatter": _absolute_scatter(table)}
-    values |= {"direction": table.direction or swept, "unit": si_unit(case, table)}
-    return Measured(name=name, chose=chose, **values)
+    return plan_of(
+        MeasuredNumber, table, name=name, value=table.value.number, scatter=_absolute_scatter(table),
+        direction=table.direction or swept, unit=si_unit(case, table), chose=chose,
+    )  # fmt: skip
 
 
-def _absolute_scatter(table: MeasuredTable) -> float | None:
+def _absolute_scatter(table: Any) -> float | None:
     """Scatter in the unit of the value; a percentage is of the value, of a difference by itself."""
     if table.scatter is None:
         return None
     relative = table.scatter.percent and table.against is None and table.value.number != 0
-    return table.scatter.number * (abs(table.value.number) if relative else 1.0)
+    return float(table.scatter.number) * (abs(table.value.number) if relative else 1.0)

@@ -3,29 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from types import SimpleNamespace
-from typing import Annotated
+from typing import Annotated, Any
 
-from vibeam.case.plans import FigurePlan
+from vibeam.case.plans import FigurePlan, ShowPlan
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import FLAG, POSITIVE, Count, Each, Quantity, Range, Several, Word, names
+from vibeam.casefile.fields import POSITIVE, Count, Quantity, Several, Word, names
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.tables.outputs import OUTPUT_NAME, shown_output
 from vibeam.casefile.tables.table import (
-    DIRECTIONS,
-    FORMATS,
-    MOST_POINTS,
-    MOVING_FORMATS,
     QUANTITIES,
     Frequency,
     Length,
-    Periods,
     Table,
+    declared_key,
     key,
     named_fidelity,
+    plan_keys,
+    table,
 )
 from vibeam.exchange.faults import Complaint, KeyPath
-from vibeam.figures import FIGURES, KEYS, LIMITS, OF_OUTPUT
+from vibeam.figures import COMMON, FIGURES, LIMITS, OF_OUTPUT, own_keys
 from vibeam.figures.declaration import FigureKind
 from vibeam.observe.measuring_chain import FAMILIES, HIGHEST_ORDER
 from vibeam.solvers import SOLVERS
@@ -47,9 +46,9 @@ def figure_checks(case: SimpleNamespace) -> Iterator[Complaint]:
 
 
 def _keys(path: KeyPath, show: SimpleNamespace, kind: FigureKind) -> Iterator[Complaint]:
-    for name in KEYS:
+    for name in (*COMMON, *own_keys()):
         given = getattr(show, name) is not None
-        if given and name not in kind.needs + kind.takes:
+        if given and name not in kind.known:
             yield (*path, name), f'kind = "{show.kind}" has no use for it: leave it away'
         elif name in kind.needs and not given:
             yield (*path, name), f'missing: kind = "{show.kind}" needs it'
@@ -120,81 +119,30 @@ def measurement_checks(chain: SimpleNamespace | None) -> Iterator[Complaint]:
         yield (*path, "seed"), "goes with noise: leave it away"
 
 
-Speed = Quantity(units.SPEED, POSITIVE)
+@lru_cache(maxsize=8)
+def show_table(name: str, kinds: tuple[str, ...], output: tuple[Any, Any] | None = None) -> Any:
+    """The table of a further figure, with the ``kinds`` that are registered now and their keys.
+
+    ``output``: annotation and key, in place of those of a beam's outputs.
+    """
+    meaning = "; ".join(f"{each}: {FIGURES[each].meaning}" for each in kinds)
+    known = plan_keys(
+        ShowPlan,
+        fidelities=names("fidelities", alone=True),
+        frequency=Several(Frequency, alone=True, limit=12),
+        quantity=Word(QUANTITIES + OF_OUTPUT + LIMITS),
+        output=OUTPUT_NAME,
+    )
+    own = {each: declared_key(declared, None) for each, declared in own_keys().items()}
+    first = {"kind": (Annotated[str, Word(kinds)], key(meaning, "portrait"))}
+    given = {} if output is None else {"output": output}
+    doc = "A further figure beside the frequency-response curves, one table each."
+    return table(name, doc, first | known | own | given)
 
 
-class ShowTable(Table):
-    """A further figure beside the frequency-response curves, one table each."""
-
-    kind: Annotated[str, Word(FIGURES)] = key(
-        "; ".join(f"{name}: {kind.meaning}" for name, kind in FIGURES.items()), "portrait"
-    )
-    fidelities: Annotated[tuple[str, ...] | None, names("fidelities", alone=True)] = key(
-        "whose; absent = all", ["sdof"], None
-    )
-    frequency: Annotated[tuple[float, ...] | None, Several(Frequency, alone=True, limit=12)] = key(
-        "drive frequency, or several, a panel each", "15.3 Hz", None
-    )
-    periods: Annotated[int | None, Count(1, MOST_POINTS)] = key(
-        "drive periods shown, of decay natural ones; absent = as many as the kind needs", 4, None
-    )
-    settle: Annotated[int | None, Periods] = key("drive periods left out before; absent = the sweep's", 500, None)
-    quantity: Annotated[str | None, Word(QUANTITIES + OF_OUTPUT + LIMITS)] = key(
-        "of a curve one of the response's, of boundaries one of the last two", "reach", None
-    )
-    output: Annotated[str | None, OUTPUT_NAME] = key(
-        "the output that is shown; absent = the sweep's output", "contact", None, written=False
-    )
-    near: Annotated[float | None, Frequency] = key(
-        "of ringing: where it is looked for; modes below two thirds of it are taken off", "101 Hz", None, written=False
-    )
-    highest: Annotated[int | None, Count(1, 100)] = key(
-        "of harmonics: the last order; absent = 8", 8, None, written=False
-    )
-    subdivision: Annotated[int | None, Count(1, 64)] = key(
-        "of harmonics: 2 shows orders ½, 1, 1½ …; absent = 1, whole orders", 2, None, written=False
-    )
-    start: Annotated[float | None, Length] = key(
-        "of decay: how far the output is drawn aside, by a force at the contact, and let go",
-        "2 mm",
-        None,
-        written=False,
-    )
-
-    velocity: Annotated[tuple[float, ...] | None, Several(Speed, alone=True, ascending=True)] = key(
-        "of impact: the contact's at first touch", ["20 mm/s", "50 mm/s"], None, written=False
-    )
-    rate: Annotated[float | None, Quantity(units.SWEEP_RATE, POSITIVE)] = key(
-        "of chirp: by how much the drive frequency changes a second", "0.1 Hz/s", None, written=False
-    )
-    direction: Annotated[str | None, Word(DIRECTIONS)] = key(
-        "of chirp: which way, absent = both, up and then down; of animation: on which branch of the sweep, absent = "
-        "that reached from rest",
-        "up",
-        None,
-        written=False,
-    )
-    frames: Annotated[int | None, Count(4, 1000)] = key(
-        "of animation: pictures a drive period; absent = 36, fewer of a long period", 36, None, written=False
-    )
-    format: Annotated[tuple[str, ...] | None, Each(Word(MOVING_FORMATS), alone=True)] = key(
-        "of animation: gif, mp4 (needs ffmpeg), pvd (VTU files for ParaView), or several; absent = gif",
-        ["gif", "pvd"],
-        None,
-        written=False,
-    )
-
-
-class FigureTable(Table):
-    """Format of all figures of the case; absent = the defaults."""
-
-    format: Annotated[tuple[str, ...], Each(Word(FORMATS), alone=True)] = key(
-        "file format, or several", ["png", "svg"], FigurePlan.format, written=False
-    )
-    width: Annotated[float | None, Quantity(units.LENGTH, Range(0.04, 1.0))] = key(
-        "of each figure; absent = by its number of panels", "140 mm", None, written=False
-    )
-    title: Annotated[bool, FLAG] = key("whether it has a title", False, True, written=False)
+FigureTable: Any = table(
+    "FigureTable", "Format of all figures of the case; absent = the defaults.", plan_keys(FigurePlan)
+)
 
 
 class MeasurementTable(Table):

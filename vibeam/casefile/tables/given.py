@@ -9,11 +9,12 @@ from typing import Annotated, Any
 from vibeam.casefile.fields import TEXT
 from vibeam.casefile.tables.drive import MOTIONS, DriveTable, drive_checks, list_checks
 from vibeam.casefile.tables.effects import effect_checks, platform_output
-from vibeam.casefile.tables.figures import ShowTable
+from vibeam.casefile.tables.figures import show_table
 from vibeam.casefile.tables.stop import stop_table
 from vibeam.casefile.tables.sweep import SweepTable
 from vibeam.casefile.tables.table import NAME, Table, key, less
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
+from vibeam.figures import FIGURES
 
 OWN = ("sensor", "contact", "platform")  # outputs that no row of one's own is called
 OF_BEAM = ("gain", "moment", "at")  # keys of a beam's drive
@@ -94,9 +95,7 @@ class GivenSweepTable(SweepTable):
     )
 
 
-class GivenShowTable(ShowTable):
-    """A further figure beside the frequency-response curves, one table each."""
-
-    output: Annotated[str | None, TEXT] = key(
-        "whose motion is shown: sensor, contact, or one of outputs; absent = the sweep's", "sensor", None
-    )
+def given_show_table() -> Any:
+    """The table of a further figure, whose output is one of those that the case names."""
+    meaning = "whose motion is shown: sensor, contact, or one of outputs; absent = the sweep's"
+    return show_table("GivenShowTable", tuple(FIGURES), (Annotated[Any, TEXT], key(meaning, "sensor", None)))

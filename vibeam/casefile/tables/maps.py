@@ -8,29 +8,14 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from vibeam.case.grid_keys import STARTS
+from vibeam.case.grid_keys import STARTS, MapPlan
+from vibeam.case.plans import MOST_POINTS
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import FLAG, POSITIVE, TEXT, Count, Each, Quantity, ValueEntry, Word, names
+from vibeam.casefile.fields import POSITIVE, TEXT, Count, Quantity, ValueEntry, names
 from vibeam.casefile.tables.outputs import OUTPUT_NAME
-from vibeam.casefile.tables.table import MOST_POINTS, Frequency, Periods, Table, key
+from vibeam.casefile.tables.table import Table, key, plan_keys, table
 from vibeam.exchange.faults import Complaint, KeyPath
-
-RUNS = ("up", "down", "both", "apart")
-
-READ = (
-    "amplitude", "reach", "maximum", "minimum", "impacts_per_period", "impact_velocity", "period", "rest", "energy",
-    "lyapunov",
-)  # fmt: skip
-
-PICTURES = {
-    "period": "class of the motion over two axes, a panel for each value of a third",
-    "bifurcation": "the output at the end of each period over one axis, with periodic motions in closed form",
-    "basins": "which of the coexisting motions a start leads to, or how many are found, or their shares",
-    "spectra": "spectra of the output along one axis, one behind the other",
-    "values": "a quantity over one or two axes",
-}
-
-STROBES = 32  # of a bifurcation diagram that does not say
+from vibeam_models.keys import keys_of
 
 
 def _level(value: Any) -> float | str | None:
@@ -64,63 +49,22 @@ class AxisTable(Table):
     )
 
 
-class MapTable(Table):
-    """A map over any keys of the case, one table each, [map] where there is one: what vibeam map computes and draws."""
-
-    axes: tuple[AxisTable, ...] = key(
+def _map_table(name: str, **own: tuple[Any, Any]) -> Any:
+    """The table of a map; ``own``: annotation and key of what is another in a kind of case."""
+    axes = key(
         "the last is swept and lies across, the one before upward, of one more each value has a panel",
         [{"key": "stop.gap", "values": ["0 mm", "0.1 mm"]}, {"key": "sweep.frequency", "values": ["15 Hz", "16 Hz"]}],
     )
-    picture: Annotated[str, Word(PICTURES)] = key(
-        "; ".join(f"{name}: {meaning}" for name, meaning in PICTURES.items()), "period", "period"
-    )
-    fidelities: Annotated[tuple[str, ...] | None, names("fidelities", alone=True)] = key(
-        "whose; absent = all", ["sdof"], None, written=False
-    )
-    direction: Annotated[str | None, Word(RUNS)] = key(
-        "which way the last axis is swept, the state carried; apart = every point from its own start; absent = the "
-        "sweep's, or apart where starts are given",
-        "up",
-        None,
-    )
-    frequency: Annotated[float | None, Frequency] = key(
-        "of the drive, where sweep.frequency is no axis", "15.3 Hz", None, written=False
-    )
-    settle: Annotated[int | None, Periods] = key("drive periods left out; absent = the sweep's", 350, None)
-    hold: Annotated[int | None, Count(1, MOST_POINTS)] = key("drive periods read; absent = the sweep's", 50, None)
-    output: Annotated[str | None, OUTPUT_NAME] = key(
-        "the output that is read; absent = the sweep's", "contact", None, written=False
-    )
-    quantities: Annotated[tuple[str, ...] | None, Each(Word(READ))] = key(
-        "what is stored; absent = amplitude and period, and what the picture needs", ["amplitude", "period"], None,
-        written=False,
-    )  # fmt: skip
-    quantity: Annotated[str | None, Word(READ)] = key(
-        'what picture = "values" shows; absent = amplitude', "impact_velocity", None, written=False
-    )
-    strobes: Annotated[int | None, Count(1, 10_000)] = key(
-        f"values at the end of a period that are stored; absent = {STROBES} of a bifurcation diagram, else none", 64,
-        None, written=False,
-    )  # fmt: skip
-    starts: Annotated[int | None, Count(1, 100_000)] = key(
-        "random starts of every point: what coexists is counted", 50, None, written=False
-    )
-    seed: Annotated[int, Count(0, 2**31 - 1)] = key("of the random starts", 1, 1, written=False)
-    spread: Annotated[float | None, Quantity(units.LENGTH, POSITIVE)] = key(
-        "how far from 0 the contact starts at random, its velocity within Ω times that", "1 mm", None, written=False
-    )
-    boundaries: Annotated[bool, FLAG] = key(
-        "whether exact boundaries of motions with one impact a period are laid over, where there are any", False, True,
-        written=False,
-    )  # fmt: skip
+    keys = plan_keys(MapPlan, fidelities=names("fidelities", alone=True), output=OUTPUT_NAME)
+    return table(name, MEANING, {"axes": (tuple[AxisTable, ...], axes)} | keys | own)
 
 
-class SdofMapTable(MapTable):
-    """A map over any keys of the case, one table each, [map] where there is one: what vibeam map computes and draws."""
-
-    spread: Annotated[float | None, Quantity(units.RATIO, POSITIVE)] = key(
-        "how far from 0 the contact starts at random, its velocity within Ω times that", 0.01, None, written=False
-    )
+MEANING = (
+    "A map over any keys of the case, one table each, [map] where there is one: what vibeam map computes and draws."
+)
+MapTable: Any = _map_table("MapTable")
+_SPREAD = key(keys_of(MapPlan)["spread"].meaning, 0.01, None, written=False)
+SdofMapTable: Any = _map_table("SdofMapTable", spread=(Annotated[Any, Quantity(units.RATIO, POSITIVE)], _SPREAD))
 
 
 def random_complaints(path: KeyPath, table: SimpleNamespace) -> Iterator[Complaint]:

@@ -8,12 +8,12 @@ from decimal import Decimal
 from types import SimpleNamespace
 from typing import Any
 
+from vibeam.case.plans import EXTENTS
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import NUMBER_WITH_UNIT, Entry, Range
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import Dimension
 from vibeam.casefile.tables.outputs import quantity_named
-from vibeam.casefile.tables.table import EXTENTS
 from vibeam.casefile.unit_systems import SI, UnitSystem
 from vibeam.exchange.faults import Complaint, as_shown_in_message
 from vibeam.figures import LIMITS, OF_OUTPUT, READ

@@ -7,7 +7,7 @@ from pathlib import Path as File
 from types import SimpleNamespace
 from typing import Annotated, Any, cast
 
-from vibeam.case.plans import Direction, Reference
+from vibeam.case.plans import DIRECTIONS, Direction, Reference
 from vibeam.casefile import quantities as units
 from vibeam.casefile.fields import (
     ANY,
@@ -24,7 +24,7 @@ from vibeam.casefile.fields import (
 from vibeam.casefile.quantities import RATIO
 from vibeam.casefile.tables.expectations import swept_checks
 from vibeam.casefile.tables.readings import Amount, AmountEntry, si_unit
-from vibeam.casefile.tables.table import DIRECTIONS, QUANTITIES, Frequency, Table, key, named_fidelity
+from vibeam.casefile.tables.table import QUANTITIES, Frequency, Table, key, named_fidelity
 from vibeam.exchange.curves.record import QUANTITIES as OF_CURVES
 from vibeam.exchange.curves.record import ROLES, ReferenceForm, known_unit
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest

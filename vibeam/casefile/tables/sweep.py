@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
+from vibeam.case.plans import DIRECTIONS, MOST_ELEMENTS, MOST_POINTS
 from vibeam.casefile.field_tables import OPTIONS, TableOr, settings
 from vibeam.casefile.fields import NOT_NEGATIVE, TEXT, Count, Quantity, Several, Word, names
 from vibeam.casefile.kinds import KINDS
 from vibeam.casefile.quantities import FREQUENCY
 from vibeam.casefile.tables.outputs import OUTPUT_NAME
-from vibeam.casefile.tables.table import DIRECTIONS, MOST_ELEMENTS, MOST_POINTS, Frequency, Periods, Table, content, key
+from vibeam.casefile.tables.table import Frequency, Periods, Table, content, key
 from vibeam.exchange.faults import Complaint, KeyPath
 from vibeam.solvers import SOLVERS
 from vibeam_reductions.declaration import PARAMETERS, REDUCTIONS, ReductionDeclaration

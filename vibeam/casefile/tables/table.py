@@ -8,16 +8,30 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from hashlib import sha256
 from math import inf
 from types import SimpleNamespace
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, create_model
 from pydantic.fields import FieldInfo
 
+from vibeam.case.plans import MOST_POINTS
 from vibeam.casefile import quantities as units
-from vibeam.casefile.fields import FLAG, NOT_NEGATIVE, POSITIVE, Count, Entry, Quantity, Range, Several, Word
+from vibeam.casefile.fields import (
+    FLAG,
+    NOT_NEGATIVE,
+    POSITIVE,
+    TEXT,
+    Count,
+    Each,
+    Entry,
+    Quantity,
+    Range,
+    Several,
+    Word,
+)
 from vibeam.exchange.faults import Complaint, KeyPath, as_shown_in_message, suggest
-from vibeam_models.keys import Key
+from vibeam_models.keys import Key, defaults_of, keys_of
 
+T = TypeVar("T")
 Plain = tuple[str, Any]  # meaning and example of a key where the case is nondimensional
 
 
@@ -72,14 +86,18 @@ def table(name: str, meaning: str, *parts: type[Table] | dict[str, Any]) -> Any:
 
 def declared_entry(declared: Key) -> Entry:
     """Entry that reads a declared key."""
-    if declared.flag:
-        return FLAG
-    if declared.words:
-        return Word(declared.words)
+    if declared.flag or declared.text:
+        return FLAG if declared.flag else TEXT
+    if declared.words or declared.whole:
+        bounds = int(declared.least or 0), int(declared.most or 0)
+        named: Entry = Word(declared.words) if declared.words else Count(*bounds)
+        return Each(named, declared.alone) if declared.several else named
     low = declared.least if declared.above is None else declared.above
-    bounds = (-inf if low is None else low, inf if declared.most is None else declared.most, declared.above is None)
-    one = Quantity(units.dimension(declared.unit), Range(*bounds))
-    return Several(one, ascending=declared.ascending) if declared.several else one
+    range_ = Range(
+        -inf if low is None else low, inf if declared.most is None else declared.most, declared.above is None
+    )
+    one = Quantity(units.dimension(declared.unit), range_)
+    return Several(one, declared.alone, ascending=declared.ascending) if declared.several else one
 
 
 def declared_key(declared: Key, default: Any = ..., of: str = "", effect: bool = False) -> tuple[Any, Any]:
@@ -90,6 +108,23 @@ def declared_key(declared: Key, default: Any = ..., of: str = "", effect: bool =
     }  # fmt: skip
     field = key(declared.meaning, declared.example, default, **notes)
     return Annotated[Any, entry], field
+
+
+def plan_keys(kind: type[Any], **entries: Entry) -> dict[str, tuple[Any, Any]]:
+    """The keys of a plan, each with its annotation and ``key``; ``entries``: what reads those of more than numbers."""
+    defaults = defaults_of(kind)
+    return {
+        name: (
+            Annotated[Any, entries.get(name) or declared_entry(each)],
+            key(each.meaning, each.example, defaults.get(name, ...), written=each.written),
+        )
+        for name, each in keys_of(kind).items()
+    }
+
+
+def plan_of(plan: type[T], table: Any, /, **own: Any) -> T:
+    """The plan that a table says; ``own``: its fields that are no keys, or are not as the table has them."""
+    return plan(**{name: getattr(table, name) for name in keys_of(plan)} | own)
 
 
 def plainly(declared: Key) -> tuple[str, Any, str]:
@@ -126,17 +161,9 @@ def _same(field: FieldInfo) -> tuple[Any, Any]:
     return Annotated[Any, entry], same
 
 
-DIRECTIONS = ("up", "down", "both")
 QUANTITIES = ("amplitude", "reach", "maximum", "minimum", "impact_velocity", "impacts_per_period", "period")
-EXTENTS = ("peak", "peak_frequency", "period_one_from", "period_one_to")  # of a whole branch
-OF_INFLUENCE = (*EXTENTS, "ringing", "ringing_frequency", "apparent_restitution")
+ACCURATE = ("amplitude", "reach", "maximum", "minimum", "impact_velocity")  # what an accuracy can be asked of
 OUTPUTS = ("sensor", "contact", "tip", "platform")
-ACCURATE = ("amplitude", "reach", "impact_velocity")  # what an accuracy can be asked of
-FORMATS = ("png", "svg", "pdf")  # of figures
-MOVING_FORMATS = ("gif", "mp4", "pvd")  # of an animation
-MOST_ELEMENTS = 2000
-MOST_POINTS = 1_000_000
-
 
 Length = Place = Quantity(units.LENGTH, POSITIVE)
 Ratio = Quantity(units.RATIO, NOT_NEGATIVE)

@@ -49,7 +49,9 @@ def size(plan: ShowPlan) -> tuple[float, float]:
 
 def caption(plan: ShowPlan) -> str:
     """Caption of the figure."""
-    reached = {"up": ", on the branch swept up", "down": ", on the branch swept down"}.get(plan.direction, "")
+    reached = {"up": ", on the branch swept up", "down": ", on the branch swept down"}.get(
+        plan.own["direction"] or "", ""
+    )
     unit, factor = prefixed(FREQUENCIES, plan.frequency[0], usual=-1)
     return f"settled motion at {plan.frequency[0] * factor:.5g} {unit}{reached}, seen from the base"
 

@@ -78,14 +78,14 @@ class _Law:
 def _legs(plan: ShowPlan) -> Iterator[Chirp]:
     """Chirps of the plan's directions; the way down begins where that up ends."""
     low, high = (2 * np.pi * edge(plan.frequency) for edge in (min, max))
-    rate = 2 * np.pi * (plan.rate or 0.0)
+    rate, direction = 2 * np.pi * plan.own["rate"], plan.own["direction"] or "both"
     if low == high:
         raise ValueError("a chirp needs a range of frequencies, there is one")
-    if plan.direction in ("up", "both"):
+    if direction in ("up", "both"):
         up = linear_chirp(low, high, rate)
         yield up
-        high = float(up.edges[-1]) if plan.direction == "both" else high
-    if plan.direction in ("down", "both"):
+        high = float(up.edges[-1]) if direction == "both" else high
+    if direction in ("down", "both"):
         yield linear_chirp(high, low, rate)
 
 
@@ -171,4 +171,4 @@ def _beside(result: Comparison, plan: ShowPlan, sheet: Sheet, direction: str, un
 
 def caption(plan: ShowPlan) -> str:
     """Caption of the figure."""
-    return f"a swept-sine test at {plan.rate:g} Hz/s, not settled, beside settled points"
+    return f"a swept-sine test at {plan.own['rate']:g} Hz/s, not settled, beside settled points"

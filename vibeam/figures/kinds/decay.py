@@ -67,7 +67,7 @@ def _record(case: Case, name: str, plan: ShowPlan) -> tuple[MeasuredRecord, floa
     system = case.system(name)
     shape = static_shape(system, system.contact)
     row = system.output(plan.output)
-    place = shape * (plan.start or 0.0) / float(row @ shape)
+    place = shape * plan.own["start"] / float(row @ shape)
     omega = float(system.omega[int(np.argmax(np.abs(row * place)))])
     span = (plan.periods or PERIODS) * 2 * np.pi / omega
     rest = static_shape(system, system.static)

@@ -35,11 +35,11 @@ MARKED = 25  # points of a line below which each is marked
 
 def columns(case: Case, name: str, frequency: float, plan: ShowPlan) -> Columns:
     """Amplitudes by order at one ``frequency``, Hz."""
-    parts = plan.subdivision or 1
+    parts = plan.own["subdivision"] or 1
     periods = plan.periods or PERIODS * parts
     path = exact_motion(settled(case, name, frequency, plan), periods)
     found = harmonic_amplitudes(
-        path, plan.output, periods=periods, highest=plan.highest or HIGHEST, subdivision=parts
+        path, plan.output, periods=periods, highest=plan.own["highest"] or HIGHEST, subdivision=parts
     )  # fmt: skip
     return {
         "order": Column(found.order, "1", "multiple of the drive frequency"),
@@ -77,7 +77,7 @@ def _bar_panels(
 ) -> Any:
     """Draw a panel a frequency, bars side by side for the fidelities."""
     grid = figure.subplots(1, len(plan.frequency), sharey=True, squeeze=False)[0]
-    width = 0.8 / len(plan.fidelities) / (plan.subdivision or 1)
+    width = 0.8 / len(plan.fidelities) / (plan.own["subdivision"] or 1)
     for axes, frequency in zip(grid, plan.frequency, strict=True):
         titled(axes, units, frequency)
         for sheet, look in sheets_at(result.case, frequency, plan, shown):

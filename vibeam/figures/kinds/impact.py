@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 def sheets(case: Case, fidelity: str, plan: ShowPlan) -> list[Sheet]:
     """One sheet, by velocity."""
     try:
-        return [Sheet(fidelity, float("nan"), _columns(case.system(fidelity), np.array(plan.velocity)))]
+        return [Sheet(fidelity, float("nan"), _columns(case.system(fidelity), np.array(plan.own["velocity"])))]
     except ValueError as reason:
         return [Sheet(fidelity, float("nan"), fault=str(reason))]
 

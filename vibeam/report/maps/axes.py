@@ -19,7 +19,7 @@ from vibeam.system.number_text import shown_unit
 from vibeam.system.quantities import LAYOUT, unit_of
 
 if TYPE_CHECKING:
-    from vibeam.case.plans import AxisPlan, MapPlan
+    from vibeam.case.grid_keys import AxisPlan, MapPlan
     from vibeam.maps.evaluate import GridResponse
     from vibeam.maps.run import MapResult
 

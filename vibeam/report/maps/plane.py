@@ -27,7 +27,7 @@ from vibeam_models.arrays import Array
 if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.fidelity import Model
-    from vibeam.case.plans import AxisPlan
+    from vibeam.case.grid_keys import AxisPlan
     from vibeam.maps.run import MapResult
     from vibeam.system.impact_system import ImpactSystem
 

@@ -23,7 +23,7 @@ from vibeam_models.arrays import Array
 
 if TYPE_CHECKING:
     from vibeam.case.case import Case
-    from vibeam.case.plans import Measured
+    from vibeam.case.plans import MeasuredNumber
 
 QUANTITY = "mode_frequency"
 STEP = 1e-4  # of a logarithm, for differences
@@ -67,7 +67,7 @@ def _jacobian(function: Any, at: Array) -> Array:
     return np.stack([(function(at + step) - function(at - step)) / (2 * STEP) for step in steps], axis=1)
 
 
-def _frequencies(case: Case, settings: dict[str, float], used: Sequence[Measured]) -> Array:
+def _frequencies(case: Case, settings: dict[str, float], used: Sequence[MeasuredNumber]) -> Array:
     """Modal frequencies (Hz) of the case with other values of keys.
 
     ValueError where these make no case, or there is no such mode.
@@ -81,7 +81,7 @@ def _frequencies(case: Case, settings: dict[str, float], used: Sequence[Measured
     return np.array(found)
 
 
-def _used(case: Case, names: Sequence[str]) -> list[Measured]:
+def _used(case: Case, names: Sequence[str]) -> list[MeasuredNumber]:
     known = {name: each for name, each in case.measured.items() if each.quantity == QUANTITY}
     for name in names:
         if name not in known:
@@ -127,7 +127,7 @@ def unit_of(key: str) -> str:
     return "" if unit.startswith("number") else unit
 
 
-def _notes(used: Sequence[Measured], deviations: Array, half: Array) -> list[str]:
+def _notes(used: Sequence[MeasuredNumber], deviations: Array, half: Array) -> list[str]:
     from scipy.stats import chi2
 
     shown = ", ".join(f"{each.name} {off:+.2g} σ" for each, off in zip(used, deviations.tolist(), strict=True))

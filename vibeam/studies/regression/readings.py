@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from vibeam.case.plans import Measured, Reading
+from vibeam.case.plans import MeasuredNumber, ResultNumber
 from vibeam.case.response_quantities import values_of
 from vibeam.exchange.curves.record import SAME_FREQUENCY
 from vibeam.figures import FIGURES, LIMITS
@@ -32,14 +32,14 @@ class NumberRead:
     absent: bool = False  #: the frequency is not in the grid
 
 
-def directions(reading: Reading) -> tuple[str, ...]:
+def directions(reading: ResultNumber) -> tuple[str, ...]:
     """Directions of the branches that a reading is of."""
     if reading.quantity in LIMITS or reading.show:
         return ("up",)  # of the motions as such, whichever direction they are swept in
     return ("up", "down") if reading.direction == "both" else (reading.direction,)
 
 
-def read(reading: Reading, result: Result, direction: str) -> NumberRead:
+def read(reading: ResultNumber, result: Result, direction: str) -> NumberRead:
     """Number of a reading on one branch."""
     ours = _number(reading, result, reading.fidelity, direction)
     if reading.against is None or ours.fault:
@@ -52,7 +52,7 @@ def read(reading: Reading, result: Result, direction: str) -> NumberRead:
     return NumberRead(ours.number / other.number - 1, note=ours.note or other.note)
 
 
-def _number(reading: Reading, result: Result, name: str, direction: str) -> NumberRead:
+def _number(reading: ResultNumber, result: Result, name: str, direction: str) -> NumberRead:
     if reading.show is not None:
         return _read_off(reading, reading.show, result, name)
     if reading.quantity in LIMITS:
@@ -73,14 +73,14 @@ def _number(reading: Reading, result: Result, name: str, direction: str) -> Numb
     return NumberRead(number, "" if isfinite(number) else f"{direction}: there is none")
 
 
-def _limit(reading: Reading, result: Result, name: str) -> NumberRead:
+def _limit(reading: ResultNumber, result: Result, name: str) -> NumberRead:
     from vibeam.solvers.existence_limits import limits
 
     number = float(limits(result.case, name, np.array([reading.frequency]), reading.quantity)[0])
     return NumberRead(number, "" if isfinite(number) else "there is none")
 
 
-def _read_off(reading: Reading, show: str, result: Result, name: str) -> NumberRead:
+def _read_off(reading: ResultNumber, show: str, result: Result, name: str) -> NumberRead:
     """Read the number off a figure's data, computed for this alone where the run has none."""
     from vibeam.figures.sheet import sheet_at
 
@@ -147,14 +147,14 @@ def compare(case: Case, result: Result) -> list[MeasuredRow]:
     return [row for each in case.measured.values() for row in _rows(each, result)]
 
 
-def _rows(measured: Measured, result: Result) -> Iterator[MeasuredRow]:
+def _rows(measured: MeasuredNumber, result: Result) -> Iterator[MeasuredRow]:
     rows = [_row(measured, result, direction) for direction in directions(measured)]
     first, last = rows[0], rows[-1]
     same = isclose(first.model, last.model, rel_tol=SAME) or (first.notes and first.notes == last.notes)
     yield from [replace(first, direction="both" if measured.show else measured.direction)] if same else rows
 
 
-def _row(measured: Measured, result: Result, direction: str) -> MeasuredRow:
+def _row(measured: MeasuredNumber, result: Result, direction: str) -> MeasuredRow:
     found = read(measured, result, direction)
     difference = found.number - measured.value
     known = measured.scatter is not None and isfinite(difference)
