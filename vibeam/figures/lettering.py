@@ -132,11 +132,8 @@ def set_fonts(figure: Figure) -> None:
         if lacking:
             families, left = _others(lacking)
             text.set_fontfamily([*text.get_fontfamily(), *families])
-            text.set_text("".join(_escaped(each) if ord(each) in left else each for each in text.get_text()))
-
-
-def _escaped(letter: str) -> str:
-    return letter.encode("unicode_escape").decode()
+            letters = ((each, each.encode("unicode_escape").decode()) for each in text.get_text())
+            text.set_text("".join(escaped if ord(each) in left else each for each, escaped in letters))
 
 
 @lru_cache(maxsize=64)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from io import BytesIO
 from pathlib import Path
 from textwrap import fill
@@ -11,7 +11,6 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
 from vibeam.case.plans import FigurePlan
@@ -85,10 +84,15 @@ def titled(figure: Figure, plan: FigurePlan, title: str, shows: str) -> None:
         figure.suptitle("\n".join(line for line in lines if line), fontsize=TITLE)
 
 
-def legend(figure: Figure, handles: Sequence[Artist], labels: Sequence[str]) -> None:
-    """Draw the legend below, in as many columns as have room; none without entries."""
-    if not handles:
+def legend(figure: Figure, entries: Sequence[Any] | Mapping[str, Any]) -> None:
+    """Draw the legend below, in as many columns as have room; none without entries.
+
+    ``entries``: artists by their labels, or with labels of their own.
+    """
+    if not entries:
         return
+    handles: list[Any] = list(entries.values()) if isinstance(entries, Mapping) else list(entries)
+    labels = list(entries) if isinstance(entries, Mapping) else [str(each.get_label()) for each in handles]
     size = PAGE["legend.fontsize"]
     letters = _letters(figure, size, HANDLE, ENTRY)
     texts = [shortened(label, letters) for label in labels]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,8 +11,8 @@ from matplotlib.ticker import EngFormatter
 
 from vibeam.exchange.faults import suggest
 from vibeam.figures.panels import mark_failed
-from vibeam.figures.style import COLOURS, DOT, KEY, LINES, Look, line, shade
-from vibeam.observe.branches import BranchPiece, MotionClass, pieces
+from vibeam.figures.style import COLOURS, DOT, KEY, LINES, Keys, Look, line, shade
+from vibeam.observe.branches import MotionClass, pieces
 from vibeam.system.quantities import LAYOUT
 from vibeam.system.response import SINGLE, FrequencyResponse
 from vibeam_models.arrays import Array
@@ -40,12 +39,9 @@ def draw_branch(
             axes.plot(frequency, drawn[piece.points] * upward, gid=own, **keys)
         elif failed_row is not None:
             mark_failed(axes, frequency, failed_row, gid=own, **keys)
-        found.add(_explained(piece))
+        alone = piece.kind is MotionClass.PERIOD_ONE and len(piece) == 1
+        found.add(ALONE if alone else piece.kind)
     return found
-
-
-def _explained(piece: BranchPiece) -> object:
-    return ALONE if piece.kind is MotionClass.PERIOD_ONE and len(piece) == 1 else piece.kind
 
 
 SHOWN = (*SINGLE, "period", "impacts", "evaluations")  # quantities with one number a point
@@ -72,14 +68,11 @@ def response_figure(branches: Mapping[str, FrequencyResponse], quantity: str) ->
     return figure
 
 
-def _colour(direction: str) -> dict[str, Any]:
-    return {"color": shade(COLOURS[0], direction)}
-
-
 def _keys(branches: Mapping[str, FrequencyResponse], drawn: set[object]) -> list[Line2D]:
     directions = branches if len(branches) > 1 else ()
-    swept = [
-        Line2D([], [], label=f"sweep {direction}", **_colour(direction), linewidth=2.5) for direction in directions
-    ]
+    swept = []
+    for direction in directions:
+        look: Keys = {"color": shade(COLOURS[0], direction), "linewidth": 2.5}
+        swept.append(Line2D([], [], label=f"sweep {direction}", **look))
     kinds = [Line2D([], [], label=kind.value, **(KEY | LINES[kind])) for kind in MotionClass if kind in drawn]
     return swept + kinds + [Line2D([], [], label=ALONE, **(KEY | DOT))] * (ALONE in drawn)

@@ -72,8 +72,7 @@ def frc(result: Comparison) -> Figure:
     for axes in filter(is_empty, shown):
         say(axes, "no motion at any frequency")
     _label(figure, grid, result, units, note)
-    handles = _legend(panels, _ghost_called(result, finest), together)
-    legend(figure, handles, [str(handle.get_label()) for handle in handles])
+    legend(figure, _legend(panels, _ghost_called(result, finest), together))
     return figure
 
 

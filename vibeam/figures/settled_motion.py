@@ -57,11 +57,6 @@ def _system(case: Case, name: str) -> ImpactSystem:
     return case.system(name)
 
 
-def _drifted(system: ImpactSystem, drift: Array | None) -> ImpactSystem:
-    """System with the gap of one frequency."""
-    return system if drift is None else replace(system, gap=system.gap + float(drift[0]))
-
-
 def settled(
     case: Case, name: str, frequency: float, plan: ShowPlan, *, system: ImpactSystem | None = None,
     before: Sequence[float] = (),
@@ -82,7 +77,8 @@ def _settled(
     case: Case, name: str, frequency: float, plan: ShowPlan, model: ImpactSystem, start: State | None
 ) -> Settled:
     omega, fidelity = np.array([2 * np.pi * frequency]), case.fidelities[name]
-    system = _drifted(model, gap_drift(case.scene_of(name), omega))
+    drift = gap_drift(case.scene_of(name), omega)
+    system = model if drift is None else replace(model, gap=model.gap + float(drift[0]))
     drive = Drive(float(omega[0]), float(np.ravel(case.amplitude_of(name, omega))[0]))
     harmonics = case.scene_of(name).harmonics
     if harmonics:

@@ -76,7 +76,7 @@ def _composed(result: Comparison, plan: ShowPlan) -> tuple[Figure, Any]:
     held = result.held.partition("\n")[0]
     titled(made, result.case.figure, result.case.title, ", ".join(filter(None, [_caption(result.case, plan), held])))
     handles = _handles(made) | name_faults(result.case, plan, shown)
-    legend(made, list(handles.values()), list(handles))
+    legend(made, handles)
     return made, moving
 
 

@@ -141,7 +141,7 @@ def fit_figure(study: FitStudy) -> Figure:
             lower.set_ylabel("residual in σ")
     if study.pair is not None:
         handles |= _contour(study, figure.add_subplot(grid[:, -1]))
-    legend(figure, list(handles.values()), list(handles))
+    legend(figure, handles)
     titled(figure, study.case.figure, study.case.title, "measured points, fitted branches and 95 % band")
     return figure
 

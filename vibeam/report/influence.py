@@ -252,7 +252,7 @@ def bars(study: InfluenceStudy, plan: FigurePlan = USUAL) -> Figure:
         axes.barh(places, shares, thick, left=LEAST, color=colours[quantity.name], label=label)
     _dress(axes, study)
     titled(figure, plan, study.title, f"what each effect changes, {study.comparison.held.label}")
-    legend(figure, *axes.get_legend_handles_labels())
+    legend(figure, axes.get_legend_handles_labels()[0])
     return figure
 
 

@@ -210,7 +210,7 @@ def reduction_figure(study: ReductionStudy) -> Figure:
         axes.set_ylabel("loss")
     handles = [Line2D([], [], label=basis, markersize=3.2, linewidth=1.0, **looks[basis]) for basis in bases]
     handles.append(Line2D([], [], color="0.5", linewidth=0.8, linestyle=":", label=f"within {percent(study.within)}"))
-    legend(figure, handles, [str(handle.get_label()) for handle in handles])
+    legend(figure, handles)
     titled(figure, study.case.figure, study.case.title, "what a reduction loses, against its number of coordinates")
     return figure
 

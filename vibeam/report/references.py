@@ -54,7 +54,7 @@ def references_figure(case: Case, rows: Sequence[CheckRow], at: Mapping[str, Bra
     for axes, (name, row) in zip(grid.flat, shown.items(), strict=False):
         _panel(axes, case.references[name], row, (at[name], units), drawn)
     titled(figure, case.figure, case.title, "references and model")
-    legend(figure, list(drawn.values()), list(drawn))
+    legend(figure, drawn)
     return figure
 
 

@@ -56,17 +56,14 @@ def responses(
         table.add(f"{estimates.column}|")
         table.caption += f"\n{estimates.caption}"
     for row in summaries:
-        peak = (plain(units.lengths(row.peak.amplitude)) + MARK * _irregular(row), _peak_frequency(row, units))
+        at = plain(units.frequencies(row.peak.frequency)) + ARROWS.get(row.peak.direction, "")
+        peak = (plain(units.lengths(row.peak.amplitude)) + MARK * _irregular(row), at)
         coefficients = map(coefficient, (row.restitution, row.first_mode_restitution))
         ranges = (units.range(row.period_one.get(branch)) for branch in swept)
         table.add_row(
             row.fidelity, str(row.modes), *coefficients, *peak, *ranges, *filter(None, [cells.get(row.fidelity)])
         )
     return table
-
-
-def _peak_frequency(row: Summary, units: DisplayUnits) -> str:
-    return plain(units.frequencies(row.peak.frequency)) + ARROWS.get(row.peak.direction, "")
 
 
 def _irregular(row: Summary) -> bool:
@@ -96,7 +93,8 @@ def costs(summaries: Sequence[Summary], comparisons: Sequence[HeldComparison] = 
     for row in summaries:
         per_impact = f"{row.nanoseconds_per_impact:.0f}" if row.impacts >= FEW_IMPACTS else "–"
         cost = (f"{row.cpu_seconds:.3g} s", f"{row.cost_ratio:.3g}", str(row.impacts), per_impact)
-        table.add_row(row.fidelity, *_off(row, compared, "finest" if related else ""), *cost, _failed(row))
+        failed = Text(str(row.failed), style="bold red") if row.failed else Text("–")
+        table.add_row(row.fidelity, *_off(row, compared, "finest" if related else ""), *cost, failed)
     return table
 
 
@@ -123,7 +121,3 @@ def _distance(row: Summary, finest: str) -> tuple[str, str]:
     if row.distance is None:
         return finest, ""
     return percent(abs(row.distance.worst)), percent(row.distance.rms)
-
-
-def _failed(row: Summary) -> Text:
-    return Text(str(row.failed), style="bold red") if row.failed else Text("–")

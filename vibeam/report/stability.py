@@ -70,8 +70,7 @@ def stability_figure(found: Stability) -> Figure:
         drawn |= _panel(axes, found, one)
     shows = f"stability of motions with one impact {_span(found)}"
     titled(figure, found.case.figure, found.case.title, shows)
-    handles = _legend(drawn, found)
-    legend(figure, handles, [str(handle.get_label()) for handle in handles])
+    legend(figure, _legend(drawn, found))
     return figure
 
 

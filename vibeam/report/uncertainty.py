@@ -243,7 +243,7 @@ def bands(study: UncertaintyStudy, units: DisplayUnits) -> Figure:
     )
     titled(figure, study.case.figure, study.case.title, caption)
     handles = [each for axes in (upper, lower) for each in axes.get_legend_handles_labels()[0]]
-    legend(figure, handles, [str(each.get_label()) for each in handles])
+    legend(figure, handles)
     return figure
 
 

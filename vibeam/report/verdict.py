@@ -130,8 +130,7 @@ def verdict_figure(found: Verdict) -> Figure:
         figure, found.case.figure, found.case.title,
         f"how much model: {found.accuracy * 100:.3g} % of the {quantity_of(found)} against {found.finest.name}",
     )  # fmt: skip
-    unique = {str(handle.get_label()): handle for handle in handles}
-    legend(figure, list(unique.values()), list(unique))
+    legend(figure, {str(handle.get_label()): handle for handle in handles})
     return figure
 
 

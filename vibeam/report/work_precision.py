@@ -52,8 +52,7 @@ def work_precision(study: CostStudy, case: Case) -> Figure:
         _scale(axes, study)
         axes.set_xlabel("root mean square error of amplitude")
     titled(figure, case.figure, study.title, f"what accuracy costs, {study.comparison.held.label}")
-    handles = _legend(study, case, colours)
-    legend(figure, handles, [str(handle.get_label()) for handle in handles])
+    legend(figure, _legend(study, case, colours))
     return figure
 
 

@@ -20,7 +20,7 @@ from vibeam.figures.panels import is_empty, say, start_upward
 from vibeam.figures.response import draw_branch
 from vibeam.figures.sheet import Columns, Comparison, Sheet
 from vibeam.figures.style import Look, looks_of, name_of
-from vibeam.figures.units import DisplayUnits, frequency_label, motion_of, units_for, with_unit
+from vibeam.figures.units import frequency_label, motion_of, units_for, with_unit
 from vibeam.system.number_text import FREQUENCIES, LENGTHS, prefixed
 from vibeam_models.arrays import Array
 
@@ -116,7 +116,8 @@ def _beams(
     case, looks = result.case, looks_of(result.case, plan.fidelities)
     drawn = {sheet.fidelity: sheet for sheet in shown if not sheet.fault}
     longest = max((float(np.max(sheet["beam_position"])) for sheet in drawn.values()), default=1.0)
-    units = prefixed(LENGTHS, longest), prefixed(LENGTHS, _extent(list(drawn.values())))
+    largest = max((float(np.abs(sheet["beam_deflection"]).max()) for sheet in drawn.values()), default=0.0)
+    units = prefixed(LENGTHS, longest), prefixed(LENGTHS, largest)
     room = (LEFT * figure.get_figwidth() - 0.6, (figure.get_figheight() - AROUND) / len(grid))
     panels = []
     for axes, name in zip(grid, plan.fidelities, strict=True):
@@ -136,16 +137,12 @@ def _beams(
     return panels
 
 
-def _extent(sheets: list[Sheet]) -> float:
-    return max((float(np.abs(sheet["beam_deflection"]).max()) for sheet in sheets), default=0.0)
-
-
 def _curve(axes: Axes, result: Comparison, plan: ShowPlan, loop: Loop) -> None:
     """Draw the frequency response of the fidelities, and the points of the motions on it."""
     units, looks = units_for(result), looks_of(result.case, plan.fidelities)
     for name, look in looks.items():
-        if name in set(result):
-            _response(axes, result, name, look, units)
+        for direction, response in result[name].items() if name in set(result) else ():
+            draw_branch(axes, response, direction, look, units.frequency_factor, units.length_factor)
     for sheet in loop.sheets:
         at = sheet.frequency * units.frequency_factor
         height = sheet["amplitude"][0] * units.length_factor
@@ -156,11 +153,6 @@ def _curve(axes: Axes, result: Comparison, plan: ShowPlan, loop: Loop) -> None:
     note = start_upward([axes])
     axes.set_xlabel(frequency_label(units))
     axes.set_ylabel("\n".join(filter(None, [motion_of(result.case.sweep.output, "amplitude", units), note])))
-
-
-def _response(axes: Axes, result: Comparison, name: str, look: Look, units: DisplayUnits) -> None:
-    for direction, response in result[name].items():
-        draw_branch(axes, response, direction, look, units.frequency_factor, units.length_factor)
 
 
 def _history(axes: Axes, result: Comparison, plan: ShowPlan, loop: Loop) -> Line2D:

@@ -61,7 +61,7 @@ def _figure(result: MapResult, exact: bool, notes: list[str]) -> Figure:
     notes += said
     caption = "\n".join([_caption(result), *(said if result.plan.picture == "spectra" else ())])
     titled(figure, result.case.figure, result.case.title, caption)
-    legend(figure, handles, [str(each.get_label()) for each in handles])
+    legend(figure, handles)
     return figure
 
 
