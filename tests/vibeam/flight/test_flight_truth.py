@@ -26,13 +26,7 @@ def entry(kind: str, name: str) -> dict[str, Any]:
 
 def system_of(e: dict[str, Any]) -> vibeam.ImpactSystem:
     return vibeam.ImpactSystem.from_modes(
-        e["omega"],
-        e["zeta"],
-        e["contact"],
-        e["load"],
-        gap=e["gap"],
-        restitution=e["restitution"],
-        static=e["static"],
+        e["omega"], e["zeta"], e["contact"], e["load"], gap=e["gap"], restitution=e["restitution"], static=e["static"]
     )
 
 
