@@ -5,7 +5,7 @@ Static equilibrium, on the stop if the stop is in the way, is the start of a com
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -166,12 +166,11 @@ def equilibrium_with_law(system: ImpactSystem) -> State:
     Modes without stiffness start at zero displacement and carry no contact force.
     """
     free = without_stop(system)
-    for row, gap in stops(system):
-        beyond = float(row @ free) - gap
-        if beyond <= 0:
+    for row, gap in ((system.contact, system.gap), (-system.contact, system.second_gap)):
+        if gap is None or (beyond := float(row @ free) - gap) <= 0:
             continue
         if not system.contact_law.yields:
-            found = equilibrium(replaced(system, gap, row))
+            found = equilibrium(replace(system, gap=gap, contact=row, law=None, coupling=None, second_gap=None))
             return State(found.displacement, found.velocity, True)
         give = np.where(system.omega > 0, row / np.where(system.omega > 0, system.omega, 1.0) ** 2, 0.0)
         force = system.contact_law.balance(beyond, float(row @ give))
@@ -185,7 +184,6 @@ def equilibrium_on_contacts(system: ImpactSystem) -> State:
     ValueError where no displacement is at peace with all of them. A mode without stiffness starts at zero, or where the
     stops push it.
     """
-
     contacts, free = Contacts.of(system), without_stop(system)
     beyond = contacts.rows @ free - contacts.gaps
     if np.all(beyond <= 0):
@@ -197,27 +195,7 @@ def equilibrium_on_contacts(system: ImpactSystem) -> State:
     left = np.append(np.zeros(system.size), 1.0) - one_sided(sides, np.append(np.zeros(system.size), 1.0)) @ sides
     if left[-1] < IMPOSSIBLE:
         raise ValueError("contacts: nothing fits between the stops")
-    at = np.flatnonzero(
-        contacts.rows @ (free + _moved(left, contacts.yields, size / scale)) - contacts.gaps > -size * NEAR
-    )
+    moved = free - left[:-1] / left[-1] * np.sqrt(contacts.yields) * (size / scale)
+    at = np.flatnonzero(contacts.rows @ moved - contacts.gaps > -size * NEAR)
     held = contacts.put(free, at.tolist())
     return State(held, np.zeros(system.size), resting=True)
-
-
-def _moved(left: Array, yields: Array, unit: float) -> Array:
-    """The displacement that least distance programming finds."""
-    return np.asarray(-left[:-1] / left[-1] * np.sqrt(yields) * unit)
-
-
-def stops(system: ImpactSystem) -> list[tuple[Array, float]]:
-    """Row towards the stop and gap, of every stop."""
-    second = [] if system.second_gap is None else [(-system.contact, system.second_gap)]
-    return [(system.contact, system.gap), *second]
-
-
-def replaced(system: ImpactSystem, gap: float, row: Array | None = None) -> ImpactSystem:
-    """The system with one hard stop, elsewhere."""
-    from dataclasses import replace
-
-    contact = system.contact if row is None else row
-    return replace(system, gap=gap, contact=contact, law=None, coupling=None, second_gap=None)

@@ -21,7 +21,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from vibeam.flight.linear.propagator import _propagators
+from vibeam.flight.linear.propagator import propagators
 from vibeam.periodic.modal_sums import Transfer
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, Complex
@@ -50,7 +50,7 @@ def monodromy(
     """
     kept = np.arange(system.size) if modes is None else modes
     natural, zeta, c = system.omega[kept], system.zeta[kept], system.contact[kept]
-    flown = _propagators(natural, zeta, span)
+    flown = propagators(natural, zeta, span)
     n, sigma, s = len(kept), zeta * natural, (1 + system.restitution) / system.mobility
     rows = [np.concatenate([c * flown.p00, c * flown.p01], axis=1), np.concatenate([c * flown.p10, c * flown.p11], 1)]
     turned = s * (2 * sigma + relative_acceleration[:, None]) * c

@@ -72,7 +72,7 @@ def carried(system: ImpactSystem, drive: Drive, start: State, begin: float, time
     x = start.displacement - then.imag - rest
     y = start.velocity - drive.omega * then.real
     after = times - begin
-    p = propagators(system, after)
+    p = propagators(system.omega, system.zeta, after)
     push = np.where(system.omega == 0, system.static, 0.0)
     displacement = now.imag + rest + p.p00 * x + p.p01 * y + push * after[:, None] ** 2 / 2
     velocity = drive.omega * now.real + p.p10 * x + p.p11 * y + push * after[:, None]
@@ -100,13 +100,13 @@ class Lags(NamedTuple):
 
 def lags(system: ImpactSystem, span: float, times: Array, after: bool = False) -> Lags:
     """Compute the Green's functions between all impacts; ``after``: a zero lag is just after the impact instead."""
-    whole = propagators(system, np.array([span]))
+    whole = propagators(system.omega, system.zeta, np.array([span]))
     start = np.zeros((2, system.size))
     for i, (natural, zeta) in enumerate(zip(system.omega, system.zeta, strict=True)):
         start[:, i] = [g[0] for g in green(natural, zeta * natural, type(whole)(*(field[:, i] for field in whole)))]
     between = np.mod(times[:, None] - times[None, :], span)
     np.fill_diagonal(between, 0.0)
-    p = propagators(system, between.ravel())
+    p = propagators(system.omega, system.zeta, between.ravel())
     value, slope = p.p00 * start[0] + p.p01 * start[1], p.p10 * start[0] + p.p11 * start[1]
     m = len(times)
     value, slope = value.reshape(m, m, -1), slope.reshape(m, m, -1)

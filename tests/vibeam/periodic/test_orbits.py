@@ -185,7 +185,7 @@ def test_monodromy_against_differences_of_the_flight(many: list[Orbit]) -> None:
                 end = flown(orbit, moved, begin, 1)
                 ends.append(np.concatenate([end.displacement, end.velocity]))
             columns.append((ends[0] - ends[1]) / (2 * shift[k]))
-        half = propagators(orbit.system, np.array([orbit.span / 2]))
+        half = propagators(orbit.system.omega, orbit.system.zeta, np.array([orbit.span / 2]))
         carry = np.block([[np.diag(half.p00[0]), np.diag(half.p01[0])], [np.diag(half.p10[0]), np.diag(half.p11[0])]])
         ratio = contact_acceleration(orbit) / orbit.velocity
         exact = carry @ monodromy(orbit.system, np.array([orbit.span]), np.array([ratio]))[0]
@@ -344,7 +344,7 @@ def test_determinants_agree_with_multipliers() -> None:
         curve = orbit_curve(system, [1.7], 0.5)
         for orbit in orbits(system, Drive(1.7, 0.5)):
             k = int(np.nanargmin(np.abs(curve.impulse[0] - orbit.impulse)))
-            flown_ = propagators(system, np.array([orbit.span]))
+            flown_ = propagators(system.omega, system.zeta, np.array([orbit.span]))
             plus = (1 - orbit.multipliers).prod().real / flown_.closing.prod()
             minus = (-1 - orbit.multipliers).prod().real / flown_.opening.prod()
             assert curve.beyond_plus[0, k] == pytest.approx(plus, rel=1e-8)

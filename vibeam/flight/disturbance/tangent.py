@@ -157,14 +157,17 @@ class TangentMaps:
     def _free(self, i: int, duration: float, parts: int) -> Array:
         if self.system.coupling is not None:
             return _exponential(state_matrix(self.system) * duration)
-        p, i = (self._flights, i) if parts == 1 else (propagators(self.system, np.array([duration])), 0)
+        p, i = (self._flights, i) if parts == 1 else (self._over(np.array([duration])), 0)
         matrix, mode = np.zeros((2, self.system.size, 2, self.system.size)), np.arange(self.system.size)
         matrix[:, mode, :, mode] = np.array([[p.p00[i], p.p01[i]], [p.p10[i], p.p11[i]]]).transpose(2, 0, 1)
         return matrix.reshape(2 * self.system.size, -1)
 
     @cached_property
     def _flights(self) -> Pair:
-        return propagators(self.system, np.ascontiguousarray(self.trace[:, layout.DURATION]))
+        return self._over(np.ascontiguousarray(self.trace[:, layout.DURATION]))
+
+    def _over(self, durations: Array) -> Pair:
+        return propagators(self.system.omega, self.system.zeta, durations)
 
     @cached_property
     def _held(self) -> Array:

@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array
 
 KEPT = 8  # propagators over one span
@@ -60,19 +59,15 @@ def _pairs_over(omega: bytes, zeta: bytes, span: float) -> Pair:
 
 def _pairs(omega: Array, zeta: Array, span: Array) -> Pair:
     disc = omega * omega * (zeta - 1.0) * (zeta + 1.0)
-    swinging = disc < 0
-    if swinging.all():
-        return _swinging(omega[:, None], (zeta * omega)[:, None], disc[:, None], span)
+    if (disc < 0).all():
+        rate, sigma, w = omega[:, None], (zeta * omega)[:, None], np.sqrt(-disc[:, None])
+        e = np.exp(-sigma * span)
+        return _propagated(rate, sigma, e, *_underdamped(rate, sigma, w, span, e))
     found = Pair(*np.empty((len(Pair._fields), len(omega), len(span))))
     each = [pair(own, damping, span) for own, damping in zip(omega.tolist(), zeta.tolist(), strict=True)]
     for field, *rows in zip(found, *each, strict=True):
         field[:] = rows
     return found
-
-
-def _swinging(omega: Array, sigma: Array, disc: Array, span: Array) -> Pair:
-    e = np.exp(-sigma * span)
-    return _propagated(omega, sigma, e, *_underdamped(omega, sigma, np.sqrt(-disc), span, e))
 
 
 def _propagated(
@@ -108,10 +103,6 @@ def _overdamped(omega: float, sigma: float, mu: float, t: Array, e: Array) -> tu
     return (first + second) / 2, sine, rise, lost * lost_fast, (1 + first) * (1 + second)
 
 
-def propagators(system: ImpactSystem, span: Array) -> Pair:
-    """The modes' propagators, every field (points, n)."""
-    return _propagators(system.omega, system.zeta, span)
-
-
-def _propagators(omega: Array, zeta: Array, span: Array) -> Pair:
+def propagators(omega: Array, zeta: Array, span: Array) -> Pair:
+    """Propagators of modes (n,) over spans (points,), every field (points, n)."""
     return Pair(*(np.ascontiguousarray(field.T) for field in pairs(omega, zeta, span)))
