@@ -208,11 +208,7 @@ def _static_rows(paper: SdofModel, exact: _FirstMode) -> list[DerivedParameter]:
     ]
 
 
-_LEFT_OUT = {
-    MASSLESS: "massless beam, point mass",
-    WITH_BEAM: "point mass",
-    WITH_INERTIA: STATIC_SHAPE,
-}
+_LEFT_OUT = {MASSLESS: "massless beam, point mass", WITH_BEAM: "point mass", WITH_INERTIA: STATIC_SHAPE}
 
 
 def _mass_rows(masses: dict[str, float], exact: _FirstMode) -> list[DerivedParameter]:

@@ -66,10 +66,7 @@ def test_it_runs() -> None:
     ("settings", "told"),
     [
         ({"mass": None} | DRIVEN, "stop.position: missing (without [mass] the stop is nowhere): write position"),
-        (
-            {"mass": None, "stop.position": "132 mm"},
-            "drive.gain: is of a beam with an attached mass: write amplitude",
-        ),
+        ({"mass": None, "stop.position": "132 mm"}, "drive.gain: is of a beam with an attached mass: write amplitude"),
         (BARE | {"beam.massless": True}, "beam.massless: nothing is left that has mass: add [mass]"),
         (
             BARE

@@ -75,11 +75,7 @@ def _motions(folder, text, frequency):
 @pytest.fixture(scope="module")
 def struck(tmp_path_factory):
     """A motion with one impact a period."""
-    return _motions(
-        tmp_path_factory.mktemp("stepped"),
-        CASE.replace("GAP", "0.02 mm") + STEPPED,
-        45.0,
-    )[1]
+    return _motions(tmp_path_factory.mktemp("stepped"), CASE.replace("GAP", "0.02 mm") + STEPPED, 45.0)[1]
 
 
 @pytest.fixture(scope="module")
