@@ -112,7 +112,7 @@ def grid_of(
     if unknown:
         raise KeyError(f"no quantity {', '.join(map(repr, unknown))}: there are {', '.join(QUANTITIES)}")
     plan, model = case.sweep, case.model(fidelity)
-    made = tuple(_axis(key, values) for key, values in axes.items())
+    made = tuple(Axis(key, tuple(np.atleast_1d(floats(key, values)).tolist())) for key, values in axes.items())
     _require_keys(model, made)
     grid = Grid(
         model,
@@ -131,10 +131,6 @@ def grid_of(
     if faults:
         raise ValueError("; ".join(faults))
     return grid
-
-
-def _axis(key: str, values: ArrayLike) -> Axis:
-    return Axis(key, tuple(np.atleast_1d(floats(key, values)).tolist()))
 
 
 def _require_keys(model: Model, axes: Sequence[Axis]) -> None:

@@ -18,8 +18,20 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from vibeam.periodic.modal_sums import fault
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, Complex
+
+NEARLY = 1e-6  # distance of a damping ratio from 1 below which the closed forms lose accuracy
+
+
+def derivatives_fault(system: ImpactSystem) -> str:
+    """Reason why periodic motions of a system have no closed form with derivatives; empty where they have."""
+    if told := fault(system):
+        return told
+    if (system.omega == 0).any():
+        return "a mode without stiffness has no closed form here"
+    return "a critically damped mode has no closed form here" if (np.abs(system.zeta - 1) < NEARLY).any() else ""
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ from vibeam.observe.motion import impacts_within
 from vibeam.observe.phase_plane import phase_portrait, stroboscopic_section
 from vibeam.solvers import SOLVERS, solver
 from vibeam.solvers.harmonic_point import several_of
-from vibeam.solvers.integration.samples import SampledMotion
+from vibeam.solvers.integration.samples import SampledMotion, between
 from vibeam.system.impact_system import Drive, ImpactSystem
 from vibeam.system.response import Ended
 from vibeam.system.state import State
@@ -46,15 +46,8 @@ class SampledPath:
 
     def at(self, times: Array) -> Array:
         """Modal displacements and velocities (k, 2, n) at times (k,) of the motion, just after an impact."""
-        known = self.motion.times
-        left = np.clip(np.searchsorted(known, times, side="right") - 1, 0, len(known) - 2)
-        step = known[left + 1] - known[left]
-        share = np.divide(times - known[left], step, out=np.zeros_like(times), where=step > 0)
-        s, h = np.clip(share, 0.0, 1.0)[:, None], np.where(step > 0, step, 1.0)[:, None]
-        (x, v), (y, w) = (self.motion.values[at].swapaxes(0, 1) for at in (left, left + 1))
-        a, rise = h * v, y - x
-        b, c = 3 * rise - 2 * a - h * w, a + h * w - 2 * rise
-        return np.stack([x + s * (a + s * (b + s * c)), (a + s * (2 * b + 3 * s * c)) / h], axis=1)
+        values = self.motion.values
+        return np.stack(between(self.motion.times, values[:, 0], values[:, 1], times), axis=1)
 
     def shown(self, begin: float, points: int) -> tuple[Array, Array]:
         """Times (m,) and modal values (m, 2, n) at ``points`` even times from ``begin`` to the end, and at the impacts.

@@ -160,3 +160,18 @@ def energy(piece: SampledPiece, omega: Array) -> Array:
     if piece.smooth is not None:
         middle = np.where(piece.smooth[:, None], middle, (ends[:-1] + ends[1:]) / 2)
     return np.asarray(np.sum(h * (ends[:-1] + 4 * middle + ends[1:]), axis=0) / 6)
+
+
+def between(known: Array, values: Array, slopes: Array, times: Array) -> tuple[Array, Array]:
+    """Values and rates (k, …) at ``times`` (k,), by cubics through samples (m, …) at ``known`` times (m,).
+
+    Of two samples at one time, before and after an impact, the later one counts.
+    """
+    left = np.clip(np.searchsorted(known, times, side="right") - 1, 0, len(known) - 2)
+    step = known[left + 1] - known[left]
+    share = np.divide(times - known[left], step, out=np.zeros_like(times), where=step > 0)
+    like = (-1, *(1,) * (values.ndim - 1))
+    s, h = np.clip(share, 0.0, 1.0).reshape(like), np.where(step > 0, step, 1.0).reshape(like)
+    a, ahead, rise = h * slopes[left], h * slopes[left + 1], values[left + 1] - values[left]
+    b, c = 3 * rise - 2 * a - ahead, a + ahead - 2 * rise
+    return values[left] + s * (a + s * (b + s * c)), (a + s * (2 * b + 3 * s * c)) / h

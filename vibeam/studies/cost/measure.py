@@ -46,13 +46,12 @@ def series_of(solver: str, size: float) -> list[Series]:
     """Series of settings of one solver for contact motions of about ``size`` m; a single point is a series of one."""
     declared = SOLVERS[solver].settings
     found: list[Series] = [(Setting(solver, method=name, options=values),) for name, values in declared.options.items()]
-    found += [_tolerances(solver, method, size, declared.limit) for method in declared.methods]
+    found += [
+        tuple(_tolerance(solver, method, size, declared.limit, index) for index in range(len(RTOLS)))
+        for method in declared.methods
+    ]
     found += [_steps(solver)] if declared.steps else []
     return found or [(Setting(solver),)]
-
-
-def _tolerances(solver: str, method: str, size: float, limit: int) -> Series:
-    return tuple(_tolerance(solver, method, size, limit, index) for index in range(len(RTOLS)))
 
 
 def _tolerance(solver: str, method: str, size: float, limit: int, index: int) -> Setting:

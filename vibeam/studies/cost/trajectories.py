@@ -79,20 +79,13 @@ def _exact(runner: Any, drive: Drive, state: State, end: float, output: str) -> 
 
 def _sampled(motion: Any, output: str) -> ComparedPath:
     """Path between samples, by the cubic through values and slopes."""
-    times, last = np.unique(motion.times, return_index=True)
+    from vibeam.solvers.integration.samples import between
+
     values, slopes = motion.displacement(output), motion.velocity(output)
-    after = np.append(last[1:], len(values)) - 1  # of two samples at an impact the later begins the next interval
-
-    def at(t: Array) -> Array:
-        i = np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(times) - 2)
-        left, right, h = after[i], last[i + 1], times[i + 1] - times[i]
-        s = (t - times[i]) / h
-        rise = values[right] - values[left]
-        b = 3 * rise - h * (2 * slopes[left] + slopes[right])
-        c = h * (slopes[left] + slopes[right]) - 2 * rise
-        return np.asarray(values[left] + s * (h * slopes[left] + s * (b + s * c)))
-
-    return ComparedPath(at, times, motion.impact_times, motion.impact_velocities, int(motion.stats["evaluations"]))
+    return ComparedPath(
+        lambda t: between(motion.times, values, slopes, t)[0], np.unique(motion.times), motion.impact_times,
+        motion.impact_velocities, int(motion.stats["evaluations"]),
+    )  # fmt: skip
 
 
 def matched(times: Array, velocities: Array, true_times: Array, true_velocities: Array, tolerance: float) -> Matched:

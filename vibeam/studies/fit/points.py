@@ -105,7 +105,7 @@ def _of_reference(case: Case, name: str) -> tuple[list[Points], list[str]]:
             np.array([getattr(each, part) for each in own], dtype=float)
             for part in ("frequency", "value", "uncertainty")
         )
-        unstable = name in _unstable(case)
+        unstable = case.fit is not None and name in case.fit.unstable
         made.append(
             Points(name, reference.fidelity, reference.quantity, periods, frequency, value, spread, unstable, gain)
         )
@@ -121,10 +121,6 @@ def _several_impacts(reference: Reference) -> set[int]:
     except CaseError:  # no such column
         return set()
     return {each.line for each in counts if each.value and each.period and each.value * each.period > MORE_THAN_ONE}
-
-
-def _unstable(case: Case) -> tuple[str, ...]:
-    return () if case.fit is None else case.fit.unstable
 
 
 def _gain(chain: Chain | None) -> Gain | None:

@@ -24,8 +24,7 @@ from numpy.typing import NDArray
 
 from vibeam.case.fidelity import system
 from vibeam.case.grid_keys import is_structural
-from vibeam.periodic.modal_sums import fault
-from vibeam.periodic.tangents import ModalData, Tangents, aligned
+from vibeam.periodic.tangents import ModalData, Tangents, aligned, derivatives_fault
 from vibeam.system.impact_system import ImpactSystem
 from vibeam_models.arrays import Array, Index
 from vibeam_models.base_motion import drive_amplitude
@@ -34,8 +33,6 @@ if TYPE_CHECKING:
     from vibeam.case.case import Case
     from vibeam.case.fidelity import Model
     from vibeam.case.plans import FitKey
-
-NEARLY = 1e-6  # distance of a damping ratio from 1 below which the closed forms lose accuracy
 
 
 @dataclass(frozen=True)
@@ -84,11 +81,7 @@ class Forward:
 
 def _refuse(case: Case, name: str, made: ImpactSystem) -> None:
     scene = case.scene_of(name)
-    told = fault(made)
-    if not told and (made.omega == 0).any():
-        told = "a mode without stiffness has no closed form here"
-    if not told and (np.abs(made.zeta - 1) < NEARLY).any():
-        told = "a critically damped mode has no closed form here"
+    told = derivatives_fault(made)
     if not told and scene.harmonics:
         told = "a fit knows a drive of one harmonic: take drive.harmonic away"
     if not told and scene.stop is not None and (scene.stop.drift is not None or scene.stop.wear is not None):

@@ -20,7 +20,7 @@ from vibeam.case.fidelity import gap_drift, gap_wear, system
 from vibeam.periodic.modal_sums import fault
 from vibeam.periodic.orbit_derivatives import struck
 from vibeam.periodic.output_signals import SampledOutput, without_contact
-from vibeam.periodic.tangents import ModalData, Tangents
+from vibeam.periodic.tangents import ModalData, Tangents, derivatives_fault
 from vibeam.runs.parallel import heartbeat, run_parallel
 from vibeam.runs.sweep import sweep
 from vibeam.system.response import FrequencyResponse, complete
@@ -179,7 +179,6 @@ def _first(response: FrequencyResponse, before: Any, after: Any) -> float:
 
 
 SAMPLES = 64  # a drive period
-NEARLY = 1e-6  # distance of a damping ratio from 1 below which the closed forms lose accuracy
 
 
 @dataclass(frozen=True)
@@ -207,7 +206,7 @@ class ClosedFormPeaks:
         """Modal data of a sample's system; None where it has no closed form."""
         scene = model.scene()
         made = system(scene, model.fidelity)
-        if fault(made) or (made.omega == 0).any() or (np.abs(made.zeta - 1) < NEARLY).any():
+        if derivatives_fault(made):
             return None
         drive = np.broadcast_to(np.asarray(drive_amplitude(scene, omega), dtype=float), omega.shape)
         return ModalData.of(made, self.case.sweep.output, drive)
